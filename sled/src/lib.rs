@@ -3,7 +3,7 @@
 //! | item | purpose |
 //! |---|---|
 //! | [`Model`], [`Vehicle`] | `model.toml`, and the same with its pressure tables opened |
-//! | [`Run`], [`read_runs`] | recorded runs, checked: CSV, Parquet, MATLAB v5, MDF 4 (feature `mdf4`) |
+//! | [`Run`], [`read_runs`] | recorded runs, checked: CSV, Parquet, MATLAB v5, MDF 4 |
 //! | [`prepare()`] | filter, down-sample, transfer to the centre of gravity, slips: [`State`]s and [`Motion`]s |
 //! | [`Balance`] | forces of laws and effects at one instant, and what they leave of the motion: the one model of all commands |
 //! | [`one_track`] | forces from motion ([`one_track::inverse`]) and from friction ([`one_track::forward`]) |
@@ -85,15 +85,29 @@ pub use record::check::profile::{Octave, Profile};
 pub use record::check::relations::fault::{Fault, FaultKind};
 pub use record::check::relations::judge::{judge, judge_by, refuse_faults};
 pub use record::check::relations::rules::RelationRules;
+<<<<<<< HEAD
 pub use record::files::{RunFormat, write_run};
 pub use record::files::{read_good_runs, read_needed, read_run, read_runs, state_distances};
 pub use record::gaps::Saturation;
 pub use record::gaps::{Gaps, OnGaps};
 pub use record::gaps::{TakingPart, gaps_line};
+=======
+pub use record::check::saturation::Saturation;
+pub use record::check::taking_part::{TakingPart, gaps_line};
+pub use record::columns::{Columns, most_values};
+pub use record::csv::{read_csv, write_csv};
+>>>>>>> b97b94a2 (telemetry, sled: one reader of text, units as a table, Parquet by logical types, bounded unpacking)
 pub use record::index::{
     Entry, ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS, read_index, write_index,
 };
+<<<<<<< HEAD
 pub use record::needs::{Needs, refuse_unstated_air};
+=======
+pub use record::matlab::{MatlabVariables, matlab_remark, read_matlab};
+pub use record::parquet::{read_parquet, write_parquet};
+pub use record::read::read_columns;
+pub use record::read_runs::{read_good_runs, read_needed, read_run, read_runs, state_distances};
+>>>>>>> b97b94a2 (telemetry, sled: one reader of text, units as a table, Parquet by logical types, bounded unpacking)
 pub use record::run::{COLUMNS, Run};
 pub use replay::compared::Section;
 pub use replay::compared::{Compared, Difference};

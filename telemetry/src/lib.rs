@@ -23,29 +23,31 @@
 //! # Ok::<(), kufe_telemetry::Error>(())
 //! ```
 
-mod clock;
+mod delay;
 mod error;
 mod guess;
 mod import;
+mod log;
 mod mapping;
+mod plan;
+mod recording;
+mod relation;
 mod resample;
-mod source;
+mod text;
 mod unit;
 
-pub use clock::{Aligned, LoggerSeries, Relation, Series, align};
 pub use error::Error;
 pub use guess::guess_mapping;
 pub use import::{ChannelNote, Imported, Importer, LoggerNote, Note, model_fragment};
+pub use log::{Channel, Log};
 pub use mapping::{
-    ChannelSource, ClockWord, IndexValues, LoggerFiles, Mapping, PlannedRun, RunFormatWord,
-    RunTable, index_csv, plan,
+    ChannelSource, ClockWord, IndexValues, LoggerFiles, Mapping, RunFormatWord, RunTable,
 };
+pub use plan::{PlannedRun, index_csv, plan};
+pub use recording::{read_log, read_matlab73, read_mdf4, read_recording};
+pub use relation::Relation;
 pub use resample::{Base, Gap, Resampled, resample};
-#[cfg(feature = "mat73")]
-pub use source::read_matlab73;
-#[cfg(feature = "mdf4")]
-pub use source::read_mdf4;
-pub use source::{Channel, Log, TextOptions, read_log, read_recording, read_text};
+pub use text::{TextOptions, read_text};
 pub use unit::{Conversion, column_unit, conversion};
 
 /// A commented `mapping.toml` to start from.

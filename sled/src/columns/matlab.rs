@@ -1,50 +1,303 @@
-//! Columns of numbers in MATLAB v5 files: one vector a variable, named like the column.
+//! Columns of numbers in MATLAB v5 files (`save` with `-v6` or `-v7`): one vector a variable, named like the column.
 
-use matfile::NumericData;
+use std::io::Read;
+
+use flate2::read::ZlibDecoder;
 
 use crate::columns::{Columns, collect};
 use crate::error::Error;
+<<<<<<< HEAD:sled/src/columns/matlab.rs
+=======
+use crate::record::columns::{Columns, collect, most_values};
+>>>>>>> b97b94a2 (telemetry, sled: one reader of text, units as a table, Parquet by logical types, bounded unpacking):sled/src/record/matlab.rs
 
-/// Reads every real vector (1 x n or n x 1) with more than one element; other variables are left out.
-///
-/// Vectors of double and single precision are safe; the parser refuses some files with integer arrays as a whole.
-///
-/// # Errors
-/// [`Error::File`] where the file is no MATLAB v5 file (v7.3 is HDF5 and not read).
-pub fn read_matlab(reader: impl std::io::Read, file: &str) -> Result<Columns, Error> {
-    let parsed = matfile::MatFile::parse(reader).map_err(|error| {
-        Error::file(
-            file,
-            format!("{error} (expected MATLAB v5; save with -v6 or -v7)"),
-        )
-    })?;
-    let vectors = parsed.arrays().iter().filter_map(|array| {
-        let length: usize = array.size().iter().product();
-        let vector = array.size().iter().filter(|n| **n != 1).count() == 1;
-        let values = numbers(array.data())?;
-        (vector && length > 1 && values.len() == length).then(|| (array.name().to_string(), values))
-    });
-    collect(vectors, file)
+/// Structs within structs that are read.
+const DEPTH: usize = 6;
+
+/// Bytes before the first variable.
+const HEADER: usize = 128;
+
+// Types of elements and classes of arrays, by the format's description (MAT-File Format, MathWorks).
+const MATRIX: u32 = 14;
+const COMPRESSED: u32 = 15;
+const CELL: u32 = 1;
+const STRUCT: u32 = 2;
+const CHAR: u32 = 4;
+const SPARSE: u32 = 5;
+const FIRST_NUMERIC: u32 = 6;
+const LAST_NUMERIC: u32 = 15;
+const OPAQUE: u32 = 17;
+
+/// What a MATLAB file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MatlabVariables {
+    /// Real vectors (1 x n or n x 1) of more than one element, those in structs as `struct.field`.
+    pub vectors: Vec<(String, Vec<f64>)>,
+    /// Variables that are no arrays of numbers, each with what it is and how to save it as vectors.
+    pub remarks: Vec<String>,
 }
 
-fn numbers(data: &NumericData) -> Option<Vec<f64>> {
-    macro_rules! real {
-        ($real:expr, $imag:expr) => {
-            $imag
-                .is_none()
-                .then(|| $real.iter().map(|v| *v as f64).collect())
-        };
+/// Reads the vectors of a file, which are its columns.
+///
+/// # Errors
+/// [`Error::File`] as [`read_matlab`], and where no variable is a vector of numbers; [`Error::Column`].
+pub(crate) fn read_matlab_columns(bytes: &[u8], file: &str) -> Result<Columns, Error> {
+    let MatlabVariables { vectors, remarks } = read_matlab(bytes, file)?;
+    if vectors.is_empty() {
+        let mut reason = "no variable is a vector of numbers".to_string();
+        for remark in remarks {
+            reason += &format!("; {remark}");
+        }
+        return Err(Error::file(file, reason));
     }
-    match data {
-        NumericData::Int8 { real, imag } => real!(real, imag),
-        NumericData::UInt8 { real, imag } => real!(real, imag),
-        NumericData::Int16 { real, imag } => real!(real, imag),
-        NumericData::UInt16 { real, imag } => real!(real, imag),
-        NumericData::Int32 { real, imag } => real!(real, imag),
-        NumericData::UInt32 { real, imag } => real!(real, imag),
-        NumericData::Int64 { real, imag } => real!(real, imag),
-        NumericData::UInt64 { real, imag } => real!(real, imag),
-        NumericData::Single { real, imag } => real!(real, imag),
-        NumericData::Double { real, imag } => real!(real, imag),
+    let own = vectors.into_iter().filter(|(name, _)| !name.contains('.'));
+    collect(own, file)
+}
+
+/// Reads every vector of numbers; scalars and matrices are not read, other variables are named in the remarks.
+///
+/// # Errors
+/// [`Error::File`] where the file is no MATLAB v5 file (v7.3 is HDF5), is cut short, or unpacks to more numbers than
+/// [`most_values`].
+pub fn read_matlab(bytes: &[u8], file: &str) -> Result<MatlabVariables, Error> {
+    let failure = |reason: &str| {
+        Error::file(
+            file,
+            format!("{reason} (expected MATLAB v5; save with -v6 or -v7)"),
+        )
+    };
+    let big = match bytes.get(HEADER - 2..HEADER) {
+        Some(b"IM") => false,
+        Some(b"MI") => true,
+        _ => return Err(failure("no MATLAB v5 header")),
+    };
+    if bytes.starts_with(b"MATLAB 7.3") {
+        return Err(failure("this is MATLAB v7.3"));
+    }
+    let mut file = Variables {
+        found: MatlabVariables::default(),
+        room: most_values(bytes.len() as u64) as usize,
+    };
+    let mut elements = Elements {
+        rest: &bytes[HEADER..],
+        big,
+    };
+    while !elements.rest.is_empty() {
+        let (kind, data) = elements.next().ok_or_else(|| failure("cut short"))?;
+        match kind {
+            MATRIX => file.matrix(data, big, None, DEPTH),
+            COMPRESSED => {
+                let unpacked = file.inflate(data, big).map_err(|reason| failure(&reason))?;
+                let mut inner = Elements {
+                    rest: &unpacked,
+                    big,
+                };
+                match inner.next() {
+                    Some((MATRIX, data)) => file.matrix(data, big, None, DEPTH),
+                    _ => Err("a variable is cut short".to_string()),
+                }
+            }
+            _ => Ok(()),
+        }
+        .map_err(|reason| failure(&reason))?;
+    }
+    Ok(file.found)
+}
+
+/// Elements of a file, each with a tag of its type and length.
+struct Elements<'a> {
+    rest: &'a [u8],
+    big: bool,
+}
+
+impl<'a> Elements<'a> {
+    fn word(&self, at: usize) -> Option<u32> {
+        word(self.rest.get(at..at + 4)?, self.big)
+    }
+
+    /// The next element's type and bytes; `None` where it is cut short.
+    fn next(&mut self) -> Option<(u32, &'a [u8])> {
+        let first = self.word(0)?;
+        // Up to four bytes stand within the tag.
+        if first >> 16 != 0 {
+            let data = self.rest.get(4..4 + (first >> 16) as usize)?;
+            self.rest = self.rest.get(8..)?;
+            return Some((first & 0xffff, data));
+        }
+        let length = self.word(4)? as usize;
+        let data = self.rest.get(8..8usize.checked_add(length)?)?;
+        let padded = match first {
+            COMPRESSED => length,
+            _ => length.next_multiple_of(8),
+        };
+        self.rest = self.rest.get(8 + padded..).unwrap_or_default();
+        Some((first, data))
+    }
+
+    fn text(&mut self) -> Option<String> {
+        let (_, data) = self.next()?;
+        Some(String::from_utf8_lossy(data).into_owned())
+    }
+}
+
+fn word(bytes: &[u8], big: bool) -> Option<u32> {
+    let bytes = bytes.first_chunk()?;
+    Some(if big {
+        u32::from_be_bytes(*bytes)
+    } else {
+        u32::from_le_bytes(*bytes)
+    })
+}
+
+/// Variables that are read so far.
+struct Variables {
+    found: MatlabVariables,
+    /// How many more numbers may be read.
+    room: usize,
+}
+
+impl Variables {
+    fn inflate(&self, packed: &[u8], big: bool) -> Result<Vec<u8>, String> {
+        let mut decoder = ZlibDecoder::new(packed);
+        let mut unpacked = vec![0; 8];
+        let failure = |error: std::io::Error| format!("a variable cannot be unpacked: {error}");
+        decoder.read_exact(&mut unpacked).map_err(failure)?;
+        let length = word(&unpacked[4..], big).unwrap_or(0) as usize;
+        if length / 8 > self.room {
+            return Err(self.too_much());
+        }
+        unpacked.reserve_exact(length);
+        decoder
+            .take(length as u64)
+            .read_to_end(&mut unpacked)
+            .map_err(failure)?;
+        Ok(unpacked)
+    }
+
+    fn too_much(&self) -> String {
+        "unpacks to more numbers than a recording has".to_string()
+    }
+
+    /// Reads an array, called `field` where it is one of a struct's.
+    fn matrix(
+        &mut self,
+        data: &[u8],
+        big: bool,
+        field: Option<&str>,
+        depth: usize,
+    ) -> Result<(), String> {
+        let short = || "a variable is cut short".to_string();
+        let mut elements = Elements { rest: data, big };
+        if data.is_empty() {
+            return Ok(());
+        }
+        let (_, flags) = elements.next().ok_or_else(short)?;
+        let flags = word(flags, big).ok_or_else(short)?;
+        let (class, complex) = (flags & 0xff, flags & 0x800 != 0);
+        if class == OPAQUE {
+            let mut text = || elements.text().ok_or_else(short);
+            let (name, _, kind) = (text()?, text()?, text()?);
+            self.remark(field.unwrap_or(&name), &kind);
+            return Ok(());
+        }
+        let (_, dimensions) = elements.next().ok_or_else(short)?;
+        let dimensions: Vec<usize> = dimensions
+            .chunks_exact(4)
+            .filter_map(|n| Some(word(n, big)? as usize))
+            .collect();
+        let own = elements.text().ok_or_else(short)?;
+        let name = field.unwrap_or(&own);
+        let length = dimensions
+            .iter()
+            .try_fold(1usize, |product, n| product.checked_mul(*n))
+            .ok_or_else(|| self.too_much())?;
+        // What MATLAB keeps of its objects has no name.
+        if name.is_empty() {
+            return Ok(());
+        }
+        match class {
+            FIRST_NUMERIC..=LAST_NUMERIC => {
+                let vector = dimensions.iter().filter(|n| **n != 1).count() == 1;
+                if !vector || length < 2 || complex {
+                    return Ok(());
+                }
+                if length > self.room {
+                    return Err(self.too_much());
+                }
+                let (kind, data) = elements.next().ok_or_else(short)?;
+                let values = numbers(kind, data, big).ok_or_else(short)?;
+                if values.len() != length {
+                    return Err(short());
+                }
+                self.room -= length;
+                self.found.vectors.push((name.to_string(), values));
+            }
+            STRUCT if length == 1 && depth > 0 => {
+                let (_, longest) = elements.next().ok_or_else(short)?;
+                let longest = word(longest, big).ok_or_else(short)? as usize;
+                let (_, names) = elements.next().ok_or_else(short)?;
+                for field in names.chunks_exact(longest.max(1)) {
+                    let end = field.iter().position(|byte| *byte == 0);
+                    let field = String::from_utf8_lossy(&field[..end.unwrap_or(field.len())]);
+                    let (_, data) = elements.next().ok_or_else(short)?;
+                    self.matrix(data, big, Some(&format!("{name}.{field}")), depth - 1)?;
+                }
+            }
+            STRUCT => self.remark(name, "struct array"),
+            CELL => self.remark(name, "cell array"),
+            CHAR => self.remark(name, "char array"),
+            SPARSE => self.remark(name, "sparse matrix"),
+            _ => self.remark(name, "object"),
+        }
+        Ok(())
+    }
+
+    fn remark(&mut self, name: &str, kind: &str) {
+        self.found.remarks.push(matlab_remark(name, kind));
+    }
+}
+
+/// What a variable of another kind is, and how its numbers are saved as vectors.
+pub fn matlab_remark(name: &str, kind: &str) -> String {
+    let remedy = match kind {
+        "table" | "timetable" => {
+            format!(
+                "; S = table2struct({name}, 'ToScalar', true); save('out.mat', '-struct', 'S', '-v7') saves its columns"
+            )
+        }
+        "string" | "cell array" => format!("; double({name}) is a vector where it holds numbers"),
+        "datetime" => format!("; posixtime({name}) is a vector"),
+        "duration" => format!("; seconds({name}) is a vector"),
+        _ => String::new(),
+    };
+    format!("variable {name} is a {kind} and not read{remedy}")
+}
+
+fn numbers(kind: u32, data: &[u8], big: bool) -> Option<Vec<f64>> {
+    macro_rules! read {
+        ($number:ty) => {{
+            let (all, rest) = data.as_chunks::<{ size_of::<$number>() }>();
+            let read = |bytes: &[u8; size_of::<$number>()]| {
+                if big {
+                    <$number>::from_be_bytes(*bytes) as f64
+                } else {
+                    <$number>::from_le_bytes(*bytes) as f64
+                }
+            };
+            rest.is_empty().then(|| all.iter().map(read).collect())
+        }};
+    }
+    match kind {
+        1 => read!(i8),
+        2 => read!(u8),
+        3 => read!(i16),
+        4 => read!(u16),
+        5 => read!(i32),
+        6 => read!(u32),
+        7 => read!(f32),
+        9 => read!(f64),
+        12 => read!(i64),
+        13 => read!(u64),
+        _ => None,
     }
 }

@@ -4,21 +4,30 @@ use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use parquet::basic::{Compression, ZstdLevel};
+use parquet::basic::{Compression, ConvertedType, LogicalType, TimeUnit, ZstdLevel};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{DataType, DoubleType};
+use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
+use parquet::schema::types::ColumnDescriptor;
 
 use crate::columns::{Columns, collect};
 use crate::error::Error;
+<<<<<<< HEAD:sled/src/columns/parquet.rs
+=======
+use crate::record::columns::{Columns, collect, most_values};
+>>>>>>> b97b94a2 (telemetry, sled: one reader of text, units as a table, Parquet by logical types, bounded unpacking):sled/src/record/parquet.rs
 
-/// Reads every flat column of 32- or 64-bit numbers; nulls become NaN, other columns are left out.
+/// Reads every flat column of numbers; nulls become NaN, other columns are not read.
+///
+/// Decimals have their point, unsigned integers their sign, and times and time stamps are in seconds.
 ///
 /// # Errors
-/// [`Error::File`] where the file is no Parquet, is cut short, or lies about its length or its pages.
+/// [`Error::File`] where the file is no Parquet, is cut short, states a wrong length or wrong pages, or unpacks to
+/// more numbers than [`most_values`].
 pub fn read_parquet(file: impl ChunkReader + 'static, name: &str) -> Result<Columns, Error> {
     // The library panics on some damaged pages; nothing of it outlives the reading.
     catch_unwind(AssertUnwindSafe(|| read_columns(file, name))).unwrap_or_else(|panic| {
@@ -30,25 +39,27 @@ pub fn read_parquet(file: impl ChunkReader + 'static, name: &str) -> Result<Colu
 }
 
 fn read_columns(file: impl ChunkReader + 'static, name: &str) -> Result<Columns, Error> {
-    let told = |error: parquet::errors::ParquetError| Error::file(name, error);
-    let reader = SerializedFileReader::new(file).map_err(told)?;
+    let failure = |error: ParquetError| Error::file(name, error);
+    let most = most_values(file.len());
+    let reader = SerializedFileReader::new(file).map_err(failure)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
+    let mut count = 0;
     for (place, descriptor) in schema.columns().iter().enumerate() {
         let flat = descriptor.max_rep_level() == 0 && descriptor.path().parts().len() == 1;
+        let Some(meaning) = Meaning::of(descriptor).filter(|_| flat) else {
+            continue;
+        };
         let mut values = Vec::new();
-        let mut numeric = flat;
+        let mut numeric = true;
         for group in 0..reader.num_row_groups() {
-            if !numeric {
-                break;
-            }
-            // The library takes these for granted.
+            // The library does not check these.
             let chunk = reader.metadata().row_group(group).column(place);
             let start = chunk.dictionary_page_offset();
             let start = start.unwrap_or_else(|| chunk.data_page_offset());
             let length = chunk.compressed_size();
+            let column = descriptor.name();
             if start < 0 || length < 0 {
-                let column = descriptor.name();
                 return Err(Error::file(
                     name,
                     format!(
@@ -56,36 +67,136 @@ fn read_columns(file: impl ChunkReader + 'static, name: &str) -> Result<Columns,
                     ),
                 ));
             }
-            let group = reader.get_row_group(group).map_err(told)?;
+            let unpacked = u64::try_from(chunk.uncompressed_size()).unwrap_or(u64::MAX);
+            let values_stated = u64::try_from(chunk.num_values()).unwrap_or(u64::MAX);
+            if unpacked / 16 > most || values_stated > most - count.min(most) {
+                return Err(too_much(name, column, most));
+            }
+            let group = reader.get_row_group(group).map_err(failure)?;
             let optional = descriptor.max_def_level() > 0;
-            match group.get_column_reader(place).map_err(told)? {
-                ColumnReader::DoubleColumnReader(r) => read_all(r, optional, &mut values, |v| v),
-                ColumnReader::FloatColumnReader(r) => read_all(r, optional, &mut values, f64::from),
-                ColumnReader::Int32ColumnReader(r) => read_all(r, optional, &mut values, f64::from),
-                ColumnReader::Int64ColumnReader(r) => {
-                    read_all(r, optional, &mut values, |v| v as f64)
+            let read = group.get_column_reader(place).map_err(failure)?;
+            let room = (most - count.min(most)) as usize;
+            let into = &mut values;
+            use ColumnReader as R;
+            let whole = match (read, &meaning) {
+                (R::DoubleColumnReader(r), _) => read_all(r, optional, room, into, |v| v),
+                (R::FloatColumnReader(r), _) => read_all(r, optional, room, into, f64::from),
+                (R::Int32ColumnReader(r), Meaning::Unsigned) => {
+                    read_all(r, optional, room, into, |v| f64::from(v as u32))
+                }
+                (R::Int64ColumnReader(r), Meaning::Unsigned) => {
+                    read_all(r, optional, room, into, |v| v as u64 as f64)
+                }
+                (R::Int32ColumnReader(r), Meaning::Parts(parts)) => {
+                    read_all(r, optional, room, into, |v| f64::from(v) / parts)
+                }
+                (R::Int64ColumnReader(r), Meaning::Parts(parts)) => {
+                    read_all(r, optional, room, into, |v| v as f64 / parts)
+                }
+                (R::Int96ColumnReader(r), _) => {
+                    read_all(r, optional, room, into, |v| v.to_nanos() as f64 / 1e9)
+                }
+                (R::ByteArrayColumnReader(r), Meaning::Parts(parts)) => {
+                    read_all(r, optional, room, into, |v| big_endian(v.data()) / parts)
+                }
+                (R::FixedLenByteArrayColumnReader(r), Meaning::Parts(parts)) => {
+                    read_all(r, optional, room, into, |v| big_endian(v.data()) / parts)
                 }
                 _ => {
                     numeric = false;
-                    Ok(())
+                    break;
                 }
             }
-            .map_err(told)?;
+            .map_err(failure)?;
+            if !whole {
+                return Err(too_much(name, column, most));
+            }
         }
         if numeric {
+            count += values.len() as u64;
             columns.push((descriptor.name().to_string(), values));
         }
     }
     collect(columns.into_iter(), name)
 }
 
-/// Reads a column in batches, so that memory follows what is really there and not what the header claims.
+fn too_much(file: &str, column: &str, most: u64) -> Error {
+    Error::file(
+        file,
+        format!(
+            "column {column}: the file unpacks to more than {most} numbers; expected fewer: write fewer columns or rows"
+        ),
+    )
+}
+
+/// What the stored integers of a column are.
+enum Meaning {
+    /// So many of them are one.
+    Parts(f64),
+    Unsigned,
+}
+
+impl Meaning {
+    /// By the logical type or, in older files, the converted one; `None` for text and dates.
+    fn of(column: &ColumnDescriptor) -> Option<Meaning> {
+        use parquet::basic::Type;
+        let power = |scale: i32| Meaning::Parts(10f64.powi(scale));
+        let bytes = matches!(
+            column.physical_type(),
+            Type::BYTE_ARRAY | Type::FIXED_LEN_BYTE_ARRAY
+        );
+        Some(match (column.logical_type_ref(), column.converted_type()) {
+            (Some(LogicalType::Decimal(decimal)), _) => power(decimal.scale),
+            (Some(LogicalType::Time(time)), _) | (Some(LogicalType::Timestamp(time)), _) => {
+                power(match time.unit {
+                    TimeUnit::MILLIS => 3,
+                    TimeUnit::MICROS => 6,
+                    TimeUnit::NANOS => 9,
+                })
+            }
+            (Some(LogicalType::Integer(integer)), _) if !integer.is_signed => Meaning::Unsigned,
+            (Some(LogicalType::Date), _) | (None, ConvertedType::DATE) => return None,
+            (None, ConvertedType::DECIMAL) => power(column.type_scale()),
+            (None, ConvertedType::TIME_MILLIS | ConvertedType::TIMESTAMP_MILLIS) => power(3),
+            (None, ConvertedType::TIME_MICROS | ConvertedType::TIMESTAMP_MICROS) => power(6),
+            (
+                None,
+                ConvertedType::UINT_8
+                | ConvertedType::UINT_16
+                | ConvertedType::UINT_32
+                | ConvertedType::UINT_64,
+            ) => Meaning::Unsigned,
+            _ if bytes => return None,
+            _ => power(0),
+        })
+    }
+}
+
+/// An integer in two's complement, the highest byte first.
+fn big_endian(bytes: &[u8]) -> f64 {
+    let Some((first, rest)) = bytes.split_first() else {
+        return f64::NAN;
+    };
+    let first = i128::from(*first as i8);
+    if bytes.len() <= 16 {
+        return rest
+            .iter()
+            .fold(first, |sum, byte| (sum << 8) | i128::from(*byte)) as f64;
+    }
+    let first = first as f64;
+    rest.iter()
+        .fold(first, |sum, byte| sum * 256.0 + f64::from(*byte))
+}
+
+/// Reads a column in batches, so that memory follows what is really there and not what the header states; `false` where
+/// that is more than `room` values.
 fn read_all<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     optional: bool,
+    room: usize,
     into: &mut Vec<f64>,
     number: impl Fn(T::T) -> f64,
-) -> Result<(), parquet::errors::ParquetError> {
+) -> Result<bool, ParquetError> {
     const BATCH: usize = 1 << 14;
     let mut values: Vec<T::T> = Vec::new();
     let mut levels: Vec<i16> = Vec::new();
@@ -95,7 +206,10 @@ fn read_all<T: DataType>(
         let (records, _, _) =
             reader.read_records(BATCH, optional.then_some(&mut levels), None, &mut values)?;
         if records == 0 {
-            return Ok(());
+            return Ok(true);
+        }
+        if into.len() + records > room {
+            return Ok(false);
         }
         let mut present = values.drain(..).map(&number);
         if optional {

@@ -19,7 +19,7 @@ use crate::series::bridged;
 
 /// Reads the index and every run it names, in the index's order; a run must have what `needs` says.
 ///
-/// Files are CSV, Parquet (`.parquet`), MATLAB v5 (`.mat`) or, with the feature `mdf4`, MDF 4 (`.mf4`).
+/// Files are CSV, Parquet (`.parquet`), MATLAB v5 (`.mat`) or MDF 4 (`.mf4`).
 /// Every run is checked by [`check_columns`], and its channels by one another ([`judge`]). Where the index states no `distance_m`, it is [`state_distances`]'.
 ///
 /// # Errors

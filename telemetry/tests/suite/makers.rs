@@ -25,7 +25,6 @@ fn made(modules: &str, script: &str, folder: &Path) -> bool {
 }
 
 /// What every script writes: 20 s of speed at 20 Hz in km/h and of a lateral acceleration at 500 Hz in g.
-#[cfg(any(feature = "mdf4", feature = "mat73"))]
 fn is_what_was_written(mapping: &str, folder: &Path) {
     let imported = import(folder, mapping).unwrap();
     let run = &imported[0].run;
@@ -57,7 +56,6 @@ fn is_what_was_written(mapping: &str, folder: &Path) {
     assert!((rate("v_mps") - 20.0).abs() < 1e-3 && (rate("ay_mps2") - 500.0).abs() < 0.1);
 }
 
-#[cfg(feature = "mdf4")]
 #[test]
 fn mdf4_by_asammdf_with_two_rates_is_read_by_its_own_clocks_and_units() {
     let folder = tempfile::tempdir().unwrap();
@@ -95,7 +93,6 @@ for name, compression in (('plain', 0), ('packed', 2)):
     );
 }
 
-#[cfg(feature = "mat73")]
 #[test]
 fn matlab_v73_by_h5py_is_read_with_its_structs() {
     let folder = tempfile::tempdir().unwrap();
@@ -120,22 +117,6 @@ with open(path, 'r+b') as f:
     }
     let mapping = "[logger.box]\nfiles = \"run.mat\"\ntime = \"t\"\n[channels]\nv_mps = { from = \"gps.v\", unit = \"km/h\", time = \"gps.t\" }\nay_mps2 = { from = \"ay\", unit = \"g\" }\nn = { from = \"n\" }\n";
     is_what_was_written(mapping, folder.path());
-}
-
-#[cfg(not(any(feature = "mdf4", feature = "mat73")))]
-#[test]
-fn formats_that_a_build_lacks_are_refused_with_what_to_do() {
-    let folder = tempfile::tempdir().unwrap();
-    let told = |name: &str, bytes: &[u8]| {
-        std::fs::write(folder.path().join(name), bytes).unwrap();
-        let mapping = format!(
-            "[logger.box]\nfiles = \"{name}\"\ntime = \"t\"\n[channels]\nv_mps = {{ from = \"v\" }}\n"
-        );
-        import(folder.path(), &mapping).unwrap_err()
-    };
-    let matlab = told("a.mat", b"MATLAB 7.3 MAT-file, Platform: GLNXA64");
-    assert!(matlab.contains("save it with save(..., '-v7')"), "{matlab}");
-    assert!(told("a.mf4", b"MDF     4.10").contains("export it as CSV or Parquet"));
 }
 
 #[test]

@@ -259,7 +259,6 @@ fn a_map_that_claims_more_than_the_limit_is_refused_by_its_header() {
 }
 
 /// Logs that other programs wrote, by a script that is given the folder.
-#[cfg(any(feature = "mdf4", feature = "mat73"))]
 fn logs(modules: &str, script: &str, ending: &str) -> Vec<Vec<u8>> {
     let Some(interpreter) = kufe_outside::python(modules) else {
         return Vec::new();
@@ -275,7 +274,6 @@ fn logs(modules: &str, script: &str, ending: &str) -> Vec<Vec<u8>> {
         .into()
 }
 
-#[cfg(feature = "mdf4")]
 #[test]
 fn damaged_mdf4_logs_are_channels_or_errors() {
     let script = "import sys, numpy as np\nfrom asammdf import MDF, Signal\nt = np.arange(40) / 20.0\n\
@@ -290,7 +288,6 @@ fn damaged_mdf4_logs_are_channels_or_errors() {
     }
 }
 
-#[cfg(feature = "mat73")]
 #[test]
 fn damaged_matlab73_files_are_channels_or_errors() {
     let script = "import sys, h5py, numpy as np\nt = np.arange(40) / 20.0\n\

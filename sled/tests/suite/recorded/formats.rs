@@ -164,7 +164,6 @@ fn written_runs_read_back_and_csv_and_parquet_say_the_same() {
     }
 }
 
-#[cfg(feature = "mdf4")]
 #[test]
 fn mdf4_logs_are_read_with_their_own_time_channel() {
     use falcon_mdf::Mf4Writer;
@@ -187,4 +186,213 @@ fn mdf4_logs_are_read_with_their_own_time_channel() {
     assert!((run.rate_hz() - 100.0).abs() < 1e-9);
     // Another rate: left out, not stretched.
     assert!(run.column("ice_c").is_err());
+}
+
+/// A Parquet file of one row group; each column is written by its own closure.
+fn parquet_file(
+    schema: &str,
+    columns: &[&dyn Fn(&mut parquet::file::writer::SerializedColumnWriter)],
+) -> std::fs::File {
+    use parquet::file::writer::SerializedFileWriter;
+    let schema = parquet::schema::parser::parse_message_type(schema).unwrap();
+    let file = tempfile::tempfile().unwrap();
+    let mut writer = SerializedFileWriter::new(
+        file.try_clone().unwrap(),
+        std::sync::Arc::new(schema),
+        std::sync::Arc::default(),
+    )
+    .unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    for write in columns {
+        let mut column = group.next_column().unwrap().unwrap();
+        write(&mut column);
+        column.close().unwrap();
+    }
+    group.close().unwrap();
+    writer.close().unwrap();
+    file
+}
+
+#[test]
+fn parquet_columns_are_read_by_their_logical_types() {
+    use parquet::data_type::{FixedLenByteArrayType as Fixed, Int32Type as I32, Int64Type as I64};
+    let i32s = |values: [i32; 3]| {
+        move |column: &mut parquet::file::writer::SerializedColumnWriter| {
+            column
+                .typed::<I32>()
+                .write_batch(&values, None, None)
+                .unwrap();
+        }
+    };
+    let i64s = |values: [i64; 3]| {
+        move |column: &mut parquet::file::writer::SerializedColumnWriter| {
+            column
+                .typed::<I64>()
+                .write_batch(&values, None, None)
+                .unwrap();
+        }
+    };
+    let schema = "message m {
+        REQUIRED INT32 money (DECIMAL(9, 3)); REQUIRED INT64 long (DECIMAL(18, 2));
+        REQUIRED FIXED_LEN_BYTE_ARRAY (3) wide (DECIMAL(6, 1));
+        REQUIRED INT32 unsigned (UINT_32); REQUIRED INT64 unsigned_long (INTEGER(64, false));
+        REQUIRED INT32 clock (TIME_MILLIS); REQUIRED INT64 stamp (TIMESTAMP(MICROS, true));
+        REQUIRED INT64 nanos (TIMESTAMP(NANOS, false)); REQUIRED INT32 day (DATE);
+        OPTIONAL INT32 gap (INTEGER(16, true)); }";
+    let file = parquet_file(
+        schema,
+        &[
+            &i32s([10_000, -1, 0]),
+            &i64s([12_345, -5, 0]),
+            &|column| {
+                let bytes = [[0, 0, 15], [255, 255, 255], [1, 0, 0]];
+                let values = bytes.map(|b: [u8; 3]| b.to_vec().into());
+                column
+                    .typed::<Fixed>()
+                    .write_batch(&values, None, None)
+                    .unwrap();
+            },
+            &i32s([-1, 7, 0]),
+            &i64s([-1, 7, 0]),
+            &i32s([2990, 0, 1]),
+            &i64s([1_600_000_000_250_000, 0, 1]),
+            &i64s([1_500_000_000, 0, 1]),
+            &i32s([18_000, 0, 1]),
+            &|column| {
+                let typed = column.typed::<I32>();
+                typed.write_batch(&[-3, 4], Some(&[1, 0, 1]), None).unwrap();
+            },
+        ],
+    );
+    let columns = kufe_sled::read_parquet(file, "a.parquet").unwrap();
+    for (name, exact) in [
+        ("money", [10.0, -0.001, 0.0]),
+        ("long", [123.45, -0.05, 0.0]),
+        ("wide", [1.5, -0.1, 6553.6]),
+        ("unsigned", [4_294_967_295.0, 7.0, 0.0]),
+        ("unsigned_long", [1.844_674_407_370_955_2e19, 7.0, 0.0]),
+        ("clock", [2.99, 0.0, 0.001]),
+        ("stamp", [1_600_000_000.25, 0.0, 1e-6]),
+        ("nanos", [1.5, 0.0, 1e-9]),
+    ] {
+        assert_eq!(columns[name], exact, "{name}");
+    }
+    assert!(!columns.contains_key("day"));
+    let gap = &columns["gap"];
+    assert!(gap[0] == -3.0 && gap[1].is_nan() && gap[2] == 4.0);
+}
+
+#[test]
+fn files_that_unpack_to_gigabytes_are_refused() {
+    use parquet::data_type::DoubleType;
+    let constant = |column: &mut parquet::file::writer::SerializedColumnWriter| {
+        let batch = vec![1.0; 1 << 20];
+        for _ in 0..10 {
+            column
+                .typed::<DoubleType>()
+                .write_batch(&batch, None, None)
+                .unwrap();
+        }
+    };
+    let columns = ["a", "b", "c", "d"].map(|name| format!("REQUIRED DOUBLE {name};"));
+    let schema = format!("message m {{ {} }}", columns.join(" "));
+    let file = parquet_file(&schema, &[&constant, &constant, &constant, &constant]);
+    let length = file.metadata().unwrap().len();
+    assert!(length < 1_000_000, "{length}");
+    let error = kufe_sled::read_parquet(file, "a.parquet").unwrap_err();
+    assert!(error.to_string().contains("unpacks to more"), "{error}");
+    let zeros = matlab_file(&[&compressed(&matrix(
+        "a",
+        9,
+        &[1, 50_000_000],
+        2,
+        &vec![0; 50_000_000],
+    ))]);
+    assert!(zeros.len() < 1_000_000);
+    let error = kufe_sled::read_matlab(&zeros, "a.mat").unwrap_err();
+    assert!(error.to_string().contains("unpacks to more"), "{error}");
+}
+
+fn element(kind: u32, data: &[u8]) -> Vec<u8> {
+    let mut bytes = [kind.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
+    bytes.extend(data);
+    bytes.resize(bytes.len().next_multiple_of(8), 0);
+    bytes
+}
+
+fn words(values: &[u32]) -> Vec<u8> {
+    values.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+/// An array of a MATLAB file: class, dimensions, how its numbers are stored, and they.
+fn matrix(name: &str, class: u32, dimensions: &[u32], kind: u32, data: &[u8]) -> Vec<u8> {
+    let parts = [
+        element(6, &words(&[class, 0])),
+        element(5, &words(dimensions)),
+        element(1, name.as_bytes()),
+        element(kind, data),
+    ];
+    element(14, &parts.concat())
+}
+
+fn compressed(variable: &[u8]) -> Vec<u8> {
+    use std::io::Write;
+    let mut packed = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+    packed.write_all(variable).unwrap();
+    let packed = packed.finish().unwrap();
+    [words(&[15, packed.len() as u32]), packed].concat()
+}
+
+fn matlab_file(variables: &[&[u8]]) -> Vec<u8> {
+    let mut bytes = b"MATLAB 5.0 MAT-file".to_vec();
+    bytes.resize(124, b' ');
+    bytes.extend([0, 1, b'I', b'M']);
+    bytes.extend(variables.concat());
+    bytes
+}
+
+#[test]
+fn matlab_files_with_tables_and_text_give_their_vectors_and_remarks() {
+    let doubles: Vec<u8> = [0.0_f64, 0.5, 1.0]
+        .iter()
+        .flat_map(|v| v.to_le_bytes())
+        .collect();
+    let table = [
+        element(6, &words(&[17, 0])),
+        element(1, b"T"),
+        element(1, b"MCOS"),
+        element(1, b"table"),
+        matrix("", 13, &[6, 1], 6, &words(&[0xdd00_0000, 2, 1, 1, 1, 1])),
+    ];
+    let fields = [
+        element(6, &words(&[2, 0])),
+        element(5, &words(&[1, 1])),
+        element(1, b"gps"),
+        [words(&[0x0004_0005, 8])].concat(),
+        element(1, b"v\0\0\0\0\0\0\0t\0\0\0\0\0\0\0"),
+        matrix("", 6, &[1, 3], 9, &doubles),
+        matrix("", 12, &[3, 1], 2, &[1, 2, 3]),
+    ];
+    let bytes = matlab_file(&[
+        &compressed(&matrix("t", 6, &[1, 3], 9, &doubles)),
+        &element(14, &table.concat()),
+        &matrix("note", 4, &[1, 2], 4, &[104, 0, 105, 0]),
+        &matrix("n", 12, &[3, 1], 3, &[255, 255, 2, 0, 3, 0]),
+        &matrix("scalar", 6, &[1, 1], 2, &[3]),
+        &element(14, &fields.concat()),
+    ]);
+    let found = kufe_sled::read_matlab(&bytes, "a.mat").unwrap();
+    let expected = [
+        ("t", [0.0, 0.5, 1.0]),
+        ("n", [-1.0, 2.0, 3.0]),
+        ("gps.v", [0.0, 0.5, 1.0]),
+        ("gps.t", [1.0, 2.0, 3.0]),
+    ];
+    let expected = expected.map(|(name, values)| (name.to_string(), values.to_vec()));
+    assert_eq!(found.vectors, expected);
+    assert!(found.remarks[0].starts_with("variable T is a table and not read; S = table2struct"));
+    assert!(found.remarks[1].starts_with("variable note is a char array"));
+    for length in 0..bytes.len() {
+        let _ = kufe_sled::read_matlab(&bytes[..length], "a.mat");
+    }
 }

@@ -1,20 +1,22 @@
 //! What a recording holds.
 
+use std::collections::BTreeMap;
+
 use crate::error::Error;
 
 /// Most names that an error lists.
 const LISTED: usize = 60;
 
 /// A named series of a recording.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Channel {
-    /// Its name, without the unit that may stand behind it in brackets.
+    /// Its name, without the unit that may follow it in brackets.
     pub name: String,
     /// The unit that the file states.
     pub unit: Option<String>,
     /// Which of [`Log::clocks`] it was sampled by, where the file says so.
     pub clock: Option<usize>,
-    /// Its values in that unit; NaN where there is none. Empty where it was not asked for.
+    /// Its values in that unit; NaN where there is none. Empty where it was not read.
     pub values: Vec<f64>,
 }
 
@@ -55,5 +57,45 @@ impl Log {
             channel: name.to_string(),
             found: found.join(", "),
         })
+    }
+
+    /// Puts a label after every name that several channels have: `speed (100: gps)`.
+    pub(crate) fn distinguish(&mut self, label: impl Fn(usize) -> String) {
+        let mut places: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        for (place, channel) in self.channels.iter().enumerate() {
+            if !channel.name.is_empty() {
+                places.entry(channel.name.clone()).or_default().push(place);
+            }
+        }
+        for (name, places) in places.iter().filter(|(_, places)| places.len() > 1) {
+            for place in places {
+                self.channels[*place].name = format!("{name} ({})", label(*place));
+            }
+            let names: Vec<String> = places
+                .iter()
+                .map(|place| format!("{:?}", self.channels[*place].name))
+                .collect();
+            self.remarks.push(format!(
+                "{} channels are called {name:?}; here they are {}",
+                places.len(),
+                names.join(", ")
+            ));
+        }
+    }
+
+    /// Refuses a recording without channels, with the reason.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub(crate) fn with_channels(self, file: &str, reason: &str) -> Result<Log, Error> {
+        if self.channels.is_empty() {
+            let remarks = self.remarks.iter().map(|remark| format!("; {remark}"));
+            let remarks: String = remarks.collect();
+            return Err(Error::file(
+                file,
+                format!("no channel of numbers: {reason}{remarks}"),
+            ));
+        }
+        Ok(self)
     }
 }

@@ -1,7 +1,88 @@
-//! Pairs of expressions, one in each of two clocks, that are equal but for a scale and a constant.
+//! Relations between the channels of two loggers: pairs of expressions, one in each clock, that are equal but for a scale and
+//! a constant.
 
-use crate::clock::series::{LoggerSeries, Series};
-use crate::clock::signal::Signal;
+use kufe_sled::{Spline, low_pass};
+use serde::Serialize;
+
+use crate::resample::stretches;
+
+/// Values at times.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// Times [s], increasing; NaN where a sample cannot be placed.
+    pub time: Vec<f64>,
+    /// Values in the unit of their column.
+    pub values: Vec<f64>,
+}
+
+/// A column as a logger recorded it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoggerSeries {
+    /// The logger.
+    pub logger: String,
+    /// The column.
+    pub column: String,
+    /// Its samples by the logger's clock.
+    pub series: Series,
+}
+
+/// What one relation between channels says of a delay.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Relation {
+    /// The relation.
+    pub relation: String,
+    /// The delay [s].
+    pub delay_s: f64,
+    /// Its standard error [s].
+    pub delay_sd_s: f64,
+    /// Correlation at that delay.
+    pub correlation: f64,
+}
+
+/// Fewest samples of a stretch that serve.
+const LEAST: usize = 16;
+
+/// A low-passed series as a cubic spline in each stretch without a gap.
+pub(crate) struct Signal {
+    parts: Vec<(f64, f64, Spline)>,
+    /// The series' own rate [Hz].
+    pub rate_hz: f64,
+}
+
+impl Signal {
+    /// A series through a zero-phase low pass; `None` where no stretch is long enough.
+    pub fn of(series: &Series, corner_hz: f64) -> Option<Signal> {
+        let cut = stretches(&series.time, &series.values)?;
+        let parts = cut
+            .parts
+            .iter()
+            .filter(|part| part.values.len() >= LEAST)
+            .map(|part| {
+                let smooth = low_pass(&part.values, 1.0 / part.step_s, corner_hz);
+                let knots: Vec<f64> = (0..smooth.len())
+                    .map(|i| part.start_s + i as f64 * part.step_s)
+                    .collect();
+                (part.start_s, part.end_s(), Spline::natural(&knots, &smooth))
+            });
+        let parts: Vec<_> = parts.collect();
+        (!parts.is_empty()).then_some(Signal {
+            parts,
+            rate_hz: 1.0 / cut.step_s,
+        })
+    }
+
+    /// Value, first and second derivative; `None` in gaps and beyond the ends.
+    pub fn at(&self, t: f64) -> Option<[f64; 3]> {
+        let after = self.parts.partition_point(|(start, ..)| *start <= t);
+        let (_, end, spline) = self.parts.get(after.checked_sub(1)?)?;
+        (t <= *end).then(|| spline.at(t))
+    }
+
+    /// First and last time [s].
+    pub fn span(&self) -> [f64; 2] {
+        [self.parts[0].0, self.parts[self.parts.len() - 1].1]
+    }
+}
 
 /// Where a sensor may stand beside the place that is known of it [m]; it shifts a lateral acceleration by place over speed.
 const PLACE: f64 = 0.2;

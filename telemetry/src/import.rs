@@ -1,18 +1,21 @@
-//! A run from its recordings.
+//! One run: its recordings read, converted, brought to one clock and one rate, and what was done.
 
 use std::collections::BTreeMap;
 
 use kufe_sled::{Columns, Conditions, Entry, Gaps, Run};
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::clock::{Aligned, LoggerSeries, Series, align};
+use crate::delay::{Aligned, align};
 use crate::error::Error;
-use crate::import::convert::{Conversions, Recipe, recipe};
-use crate::import::note::{ChannelNote, LISTED_GAPS, LoggerNote, Note};
-use crate::import::times::times;
-use crate::mapping::{ChannelSource, Mapping, PlannedRun};
+use crate::log::{Channel, Log};
+use crate::mapping::{ChannelSource, LoggerFiles, Mapping};
+use crate::plan::PlannedRun;
+use crate::recording::{bytes_of, read_log};
+use crate::relation::{LoggerSeries, Relation, Series};
 use crate::resample::{Base, resample};
-use crate::source::{Log, TextOptions, bytes_of, read_log};
+use crate::text::TextOptions;
+use crate::unit::{column_unit, conversion};
 
 /// Most rows of a run: a day at 100 Hz and more.
 const MOST_ROWS: f64 = 1e7;
@@ -23,7 +26,6 @@ pub struct Importer {
     mapping: Mapping,
     file: String,
     sha256: String,
-    units: Conversions,
 }
 
 /// A run, and how it was made.
@@ -52,7 +54,6 @@ impl Importer {
             mapping: Mapping::parse(text, file)?,
             file: file.to_string(),
             sha256: hexadecimal(text.as_bytes()),
-            units: Conversions::default(),
         })
     }
 
@@ -203,11 +204,11 @@ impl Importer {
         file: &str,
     ) -> Result<(Recipe, Series, Option<String>), Error> {
         let files = &self.mapping.logger[logger];
-        let (mut time, remark) = times(log, source, logger, files, &self.units, file)?;
+        let (mut time, remark) = times(log, source, logger, files, file)?;
         let delay = source.delay_s.unwrap_or(0.0);
         time.iter_mut().for_each(|t| *t -= delay);
         let channel = &log.channels[log.find(&source.from, file)?];
-        let recipe = recipe(column, source, channel, &self.units, file)?;
+        let recipe = recipe(column, source, channel, file)?;
         let values = channel
             .values
             .iter()
@@ -356,4 +357,295 @@ fn hexadecimal(bytes: &[u8]) -> String {
         .iter()
         .map(|byte| format!("{byte:02x}"))
         .collect()
+}
+
+/// How a channel becomes a column.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Recipe {
+    pub unit: String,
+    pub unit_from: &'static str,
+    pub factor: f64,
+    pub offset: f64,
+}
+
+/// `sign * unit(scale * (value - zero))` as one factor and one offset.
+///
+/// # Errors
+/// [`Error::Channel`] where neither mapping nor file state a unit that converts.
+pub(crate) fn recipe(
+    column: &str,
+    source: &ChannelSource,
+    channel: &Channel,
+    file: &str,
+) -> Result<Recipe, Error> {
+    let target = column_unit(column);
+    let (unit, unit_from) = match (&source.unit, &channel.unit) {
+        (Some(unit), _) => (unit.clone(), "mapping"),
+        (None, Some(unit)) => (unit.clone(), "file"),
+        // A pure number needs no unit.
+        (None, None) if target == "1" => (String::new(), "mapping"),
+        (None, None) => {
+            return Err(Error::Channel {
+                file: file.to_string(),
+                channel: source.from.clone(),
+                found: "no unit".to_string(),
+                expected: format!(
+                    "channels.{column}.unit in the mapping, a unit that converts to {target}"
+                ),
+            });
+        }
+    };
+    let unit_of = conversion(&unit, target).map_err(|reason| Error::Channel {
+        file: file.to_string(),
+        channel: source.from.clone(),
+        found: format!("unit {unit:?}"),
+        expected: format!("a unit that converts to {target} ({reason}); channels.{column}.unit in the mapping stands before it"),
+    })?;
+    let sign = source.sign.unwrap_or(1.0);
+    let scale = source.scale.unwrap_or(1.0);
+    let zero = source.zero.unwrap_or(0.0);
+    let factor = sign * unit_of.factor * scale;
+    Ok(Recipe {
+        unit,
+        unit_from,
+        factor,
+        // Not -0, which an offset of no unit would give.
+        offset: 0.0 + sign * unit_of.offset - factor * zero,
+    })
+}
+
+/// Largest share of samples that may repeat the time before them: a row written twice now and then, not a clock too coarse.
+const REPEATED: f64 = 0.1;
+
+/// Times of a channel's samples [s], NaN where a sample cannot be placed, and what is odd about them.
+///
+/// The channel's own time channel, or the logger's, or the clock that the file has for it, or the stated rate. Of samples at
+/// one time the first counts: some loggers write a row twice.
+///
+/// # Errors
+/// [`Error::NoChannel`]; [`Error::Channel`] where there is no time, its unit is unknown, it runs backwards or is too coarse.
+pub(crate) fn times(
+    log: &Log,
+    source: &ChannelSource,
+    logger: &str,
+    files: &LoggerFiles,
+    file: &str,
+) -> Result<(Vec<f64>, Option<String>), Error> {
+    let channel = &log.channels[log.find(&source.from, file)?];
+    let wrong = |name: &str, found: String, expected: String| Error::Channel {
+        file: file.to_string(),
+        channel: name.to_string(),
+        found,
+        expected,
+    };
+    let stated = source.time.as_ref().or(files.time.as_ref());
+    let (name, mut time) = match (stated, channel.clock, files.rate_hz) {
+        (Some(name), _, _) => {
+            let time = &log.channels[log.find(name, file)?];
+            let unit = files
+                .time_unit
+                .as_deref()
+                .or(time.unit.as_deref())
+                .unwrap_or("s");
+            let second = conversion(unit, "s").map_err(|reason| {
+                let expected =
+                    format!("a unit of time ({reason}); logger.{logger}.time_unit states it");
+                wrong(name, format!("unit {unit:?}"), expected)
+            })?;
+            (
+                name.as_str(),
+                time.values
+                    .iter()
+                    .map(|t| second.factor * t)
+                    .collect::<Vec<f64>>(),
+            )
+        }
+        (None, Some(clock), _) => (channel.name.as_str(), log.clocks[clock].clone()),
+        (None, None, Some(rate)) => {
+            let count = channel.values.len();
+            (
+                channel.name.as_str(),
+                (0..count).map(|i| i as f64 / rate).collect(),
+            )
+        }
+        (None, None, None) => {
+            let expected = format!(
+                "logger.{logger}.time, the channel that holds it, or logger.{logger}.rate_hz"
+            );
+            return Err(wrong(&source.from, "no time".to_string(), expected));
+        }
+    };
+    if time.len() != channel.values.len() {
+        let found = format!("{} values", channel.values.len());
+        return Err(wrong(
+            &channel.name,
+            found,
+            format!("{}, one for each of {name}", time.len()),
+        ));
+    }
+    let mut last = f64::NEG_INFINITY;
+    let mut repeated = 0;
+    for (row, t) in time.iter_mut().enumerate() {
+        if *t < last {
+            let line = row as u64 + log.first_row.max(1);
+            return Err(wrong(
+                name,
+                format!("{t} s after {last} s in row {line}"),
+                "times that do not run backwards".to_string(),
+            ));
+        }
+        if *t == last {
+            repeated += 1;
+            *t = f64::NAN;
+        } else if t.is_finite() {
+            last = *t;
+        }
+    }
+    if repeated as f64 > REPEATED * time.len() as f64 {
+        let found = format!(
+            "{repeated} of {} samples at the time of the one before",
+            time.len()
+        );
+        let expected = format!("a time that tells samples apart, or logger.{logger}.rate_hz");
+        return Err(wrong(name, found, expected));
+    }
+    let remark = (repeated > 0).then(|| {
+        format!("{file}: {repeated} samples repeat the time before them and are left out")
+    });
+    Ok((time, remark))
+}
+
+/// Most gaps of a channel that a note lists; further ones are counted.
+pub(crate) const LISTED_GAPS: usize = 200;
+
+/// How a run was made.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Note {
+    /// The run.
+    pub run: String,
+    /// The mapping's file.
+    pub mapping: String,
+    /// SHA-256 of the mapping.
+    pub mapping_sha256: String,
+    /// Version of kufe that made it.
+    pub version: &'static str,
+    /// Rate of the run [Hz].
+    pub rate_hz: f64,
+    /// Number of rows.
+    pub rows: usize,
+    /// What the clock of the runs says at `t_s` = 0 [s].
+    pub start_s: f64,
+    /// The logger whose clock that is.
+    pub clock: String,
+    /// The recordings.
+    pub loggers: BTreeMap<String, LoggerNote>,
+    /// The columns.
+    pub channels: BTreeMap<String, ChannelNote>,
+    /// Mass of the sled with its crew [kg], where it is stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass_kg: Option<f64>,
+    /// What was odd.
+    pub remarks: Vec<String>,
+}
+
+/// What was done with a logger's file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LoggerNote {
+    /// The file.
+    pub file: String,
+    /// Its SHA-256.
+    pub sha256: String,
+    /// Whose its clock is: "the runs'", "shared", "stated" or "found".
+    pub clock: &'static str,
+    /// By how much it is late: an event stands in it this much later than in the runs' clock [s].
+    pub delay_s: f64,
+    /// Standard error of that [s], where it was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delay_sd_s: Option<f64>,
+    /// What else than its clock the delay found holds, of which the error says nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delay_includes: Option<&'static str>,
+    /// What it was found from.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub relations: Vec<Relation>,
+}
+
+/// What was done with a channel.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChannelNote {
+    /// The logger.
+    pub logger: String,
+    /// The channel's name there.
+    pub from: String,
+    /// Its unit there.
+    pub unit: String,
+    /// Who says so: "mapping" or "file".
+    pub unit_from: &'static str,
+    /// `column = factor * value + offset`, all told.
+    pub factor: f64,
+    /// See `factor`.
+    pub offset: f64,
+    /// 1 or -1; `factor` has it.
+    pub sign: f64,
+    /// By how much the channel is late beside its logger's clock, as stated [s].
+    pub delay_s: f64,
+    /// The sensor's place from the centre of gravity [m], where it is stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub place_m: Option<[f64; 3]>,
+    /// Its own rate [Hz].
+    pub rate_hz: f64,
+    /// Largest deviation of its times from uniform ones [steps].
+    pub jitter_steps: f64,
+    /// Corner of the low pass before it was thinned out [Hz]; none where it is no faster than the run.
+    pub filter_hz: Option<f64>,
+    /// Whether rows stand between its samples.
+    pub interpolated: bool,
+    /// Rows without a value.
+    pub missing_rows: usize,
+    /// How many gaps they make.
+    pub gap_count: usize,
+    /// The first of them: from and to [s].
+    pub gaps_s: Vec<[f64; 2]>,
+}
+
+/// The lines of `[sled]` in `model.toml` that the places of a mapping's sensors are; none where it states none.
+///
+/// The three axes of the accelerometer are one sensor; of the slip sensor the model knows the place along the sled.
+///
+/// # Errors
+/// [`Error::Key`] where the axes of the accelerometer are stated in different places.
+pub fn model_fragment(mapping: &Mapping, file: &str) -> Result<Option<String>, Error> {
+    let place = |column: &str| {
+        mapping
+            .channels
+            .get(column)
+            .and_then(|channel| channel.place_m)
+    };
+    let mut accelerometer: Option<(&str, [f64; 3])> = None;
+    for column in ["ax_mps2", "ay_mps2", "az_mps2"] {
+        let Some(own) = place(column) else { continue };
+        match accelerometer {
+            Some((first, other)) if other != own => {
+                return Err(Error::Key {
+                    file: file.to_string(),
+                    key: format!("channels.{column}.place_m"),
+                    found: format!("{own:?}"),
+                    expected: format!("{other:?}, as for {first}: the model has one accelerometer"),
+                });
+            }
+            _ => accelerometer = Some((column, own)),
+        }
+    }
+    let slip = place("alpha_rad");
+    if accelerometer.is_none() && slip.is_none() {
+        return Ok(None);
+    }
+    let mut text = "# Places of the sensors by the mapping, from the centre of gravity [m]; lines of model.toml.\n[sled]\n".to_string();
+    if let Some((_, [x, y, z])) = accelerometer {
+        text += &format!("accel_x_m = {x:?}\naccel_y_m = {y:?}\naccel_z_m = {z:?}\n");
+    }
+    if let Some([x, ..]) = slip {
+        text += &format!("slip_x_m = {x:?}\n");
+    }
+    Ok(Some(text))
 }

@@ -1,0 +1,535 @@
+//! Delays of loggers against the clock of the runs, found from what their channels share.
+
+use std::collections::BTreeMap;
+
+use crate::error::Error;
+use crate::mapping::{ClockWord, Mapping};
+use crate::plan::PlannedRun;
+use crate::relation::{LoggerSeries, Pair, Place, Relation, Sides, pairs};
+
+/// A logger's clock beside that of the runs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Aligned {
+    /// Whose it is: "the runs'", "shared", "stated" or "found".
+    pub clock: &'static str,
+    /// By how much it is late [s].
+    pub delay_s: f64,
+    /// Standard error of that [s], where it was found.
+    pub delay_sd_s: Option<f64>,
+    /// What it was found from.
+    pub relations: Vec<Relation>,
+    /// What is odd about it.
+    pub remark: Option<String>,
+}
+
+/// The delay of every logger of a run: none for the lead, what is stated, or what is found.
+///
+/// A clock is found from what its channels share with those of loggers whose clocks are known already: the same column in
+/// both, and the motion of a rigid body, `a_x = dv/dt`, `a_y = r v - d(alpha v)/dt + x dr/dt`, `a_z = g - q v - x dq/dt` with x
+/// from the accelerometer's place. What these leave open, an unknown place (0.2 m over the speed) or unmeasured slip
+/// (0.03 s), is part of the error that is stated.
+///
+/// # Errors
+/// [`Error::Clock`] where a logger has a clock of its own and its delay cannot be found.
+pub fn align(
+    mapping: &Mapping,
+    planned: &PlannedRun,
+    series: &[LoggerSeries],
+) -> Result<BTreeMap<String, Aligned>, Error> {
+    let mut aligned = BTreeMap::new();
+    let mut open: Vec<&str> = Vec::new();
+    for (name, logger) in &mapping.logger {
+        let stated = planned.delay_s.get(name).copied().or(logger.delay_s);
+        let (clock, delay_s) = match (stated, logger.clock) {
+            (Some(delay), _) => ("stated", delay),
+            (None, _) if name == mapping.lead() => ("the runs'", 0.0),
+            (None, ClockWord::Shared) => ("shared", 0.0),
+            (None, ClockWord::Own) => {
+                open.push(name);
+                continue;
+            }
+        };
+        aligned.insert(
+            name.clone(),
+            Aligned {
+                clock,
+                delay_s,
+                ..Aligned::default()
+            },
+        );
+    }
+    if open.is_empty() {
+        return Ok(aligned);
+    }
+    let place = |column: &str| {
+        mapping
+            .channels
+            .get(column)
+            .and_then(|c| c.place_m)
+            .map(|[x, ..]| x)
+    };
+    let mut known: Vec<LoggerSeries> = Vec::new();
+    let add = |name: &str, delay_s: f64, known: &mut Vec<LoggerSeries>| {
+        for own in series.iter().filter(|own| own.logger == name) {
+            let mut own = own.clone();
+            own.series.time.iter_mut().for_each(|t| *t -= delay_s);
+            known.push(own);
+        }
+    };
+    for (name, one) in &aligned {
+        add(name, one.delay_s, &mut known);
+    }
+    // One that is related to no known logger may be related to one that is found meanwhile.
+    while !open.is_empty() {
+        let mut reasons = Vec::new();
+        let before = open.len();
+        let mut still = Vec::new();
+        for name in open {
+            let late: Vec<&LoggerSeries> = series.iter().filter(|own| own.logger == name).collect();
+            match delay(&late, &known, &place, mapping.logger[name].largest_delay_s) {
+                Ok(found) => {
+                    add(name, found.delay_s, &mut known);
+                    let remark = found
+                        .remark
+                        .map(|text| format!("run {}: logger {name}: {text}", planned.name));
+                    aligned.insert(
+                        name.to_string(),
+                        Aligned {
+                            clock: "found",
+                            delay_s: found.delay_s,
+                            delay_sd_s: Some(found.sd_s),
+                            relations: found.relations,
+                            remark,
+                        },
+                    );
+                }
+                Err(reason) => {
+                    reasons.push(reason);
+                    still.push(name);
+                }
+            }
+        }
+        if still.len() == before {
+            return Err(Error::Clock {
+                run: planned.name.clone(),
+                logger: still[0].to_string(),
+                reason: format!(
+                    "{}; expected a channel that another logger has too (logger.{}.also), its delay_s, or clock = \"shared\"",
+                    reasons[0], still[0]
+                ),
+            });
+        }
+        open = still;
+    }
+    Ok(aligned)
+}
+
+/// Corner of the low pass at most [Hz]: a sled's own motion is below, its shaking above.
+const CORNER_HZ: f64 = 10.0;
+
+/// Samples compared [corners].
+const SAMPLES: f64 = 5.0;
+
+/// Least correlation that is a relation.
+const LEAST: f64 = 0.5;
+
+/// A delay, and what it is from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Delay {
+    pub delay_s: f64,
+    pub sd_s: f64,
+    pub relations: Vec<Relation>,
+    pub remark: Option<String>,
+}
+
+/// Finds the delay of a logger: each relation's own within the best common fit, then their mean by their errors.
+///
+/// # Errors
+/// Why none is found, in words.
+pub(crate) fn delay(
+    late: &[&LoggerSeries],
+    known: &[LoggerSeries],
+    place: &Place,
+    within: Option<f64>,
+) -> Result<Delay, String> {
+    let pairs = pairs(late, known, place);
+    if pairs.is_empty() {
+        return Err("no channels of it are related to those of the others".to_string());
+    }
+    // Each relation's band is that of its slower side.
+    let corners: Vec<f64> = pairs
+        .iter()
+        .map(|pair| {
+            pair.rate_hz()
+                .map_or(0.0, |rate| (0.4 * rate).min(CORNER_HZ))
+        })
+        .collect();
+    let (guess, first) = guess(&pairs, &corners, within)?;
+    let mut found: Vec<(&Pair, Refined)> = Vec::new();
+    let mut best = (0.0, "");
+    for (pair, corner) in pairs.iter().zip(&corners) {
+        let Some(refined) = sharpened(pair, guess, first, *corner) else {
+            continue;
+        };
+        if refined.correlation > best.0 {
+            best = (refined.correlation, &pair.name);
+        }
+        if refined.correlation >= LEAST {
+            found.push((pair, refined));
+        }
+    }
+    if found.is_empty() {
+        return Err(format!(
+            "the best relation, \"{}\", correlates by {:.2} only, expected {LEAST} or more",
+            best.1, best.0
+        ));
+    }
+    Ok(mean(&found))
+}
+
+/// One relation's delay, the band of its sides doubled from that of the first search up to their own; of these the one
+/// with the least error: a wide band is sharper where the sides are clean, a narrow one where they are noisy.
+fn sharpened(pair: &Pair, guess: f64, first_hz: f64, corner_hz: f64) -> Option<Refined> {
+    let mut corner = first_hz.min(corner_hz);
+    let mut best: Option<Refined> = None;
+    loop {
+        let from = best.map_or(guess, |best| best.delay_s);
+        let refined = refine(&pair.sides(corner)?, from, SAMPLES * corner, 1.0 / corner);
+        let better = |refined: &Refined| best.is_none_or(|best| refined.sd_s < best.sd_s);
+        best = refined.filter(better).or(best);
+        if best.is_none() || corner >= corner_hz {
+            return best;
+        }
+        corner = (2.0 * corner).min(corner_hz);
+    }
+}
+
+/// A first delay by all relations together, and the corner that they were searched with [Hz].
+fn guess(pairs: &[Pair], corners: &[f64], within: Option<f64>) -> Result<(f64, f64), String> {
+    let corner = corners.iter().copied().fold(0.0, f64::max);
+    let spans = pairs
+        .iter()
+        .zip(corners)
+        .filter_map(|(pair, corner)| Some(pair.sides(*corner)?.spans()));
+    let longest = spans.max_by(|a, b| length(a).total_cmp(&length(b)));
+    let Some(longest) = longest.filter(|_| corner > 0.0) else {
+        return Err("its channels are too short".to_string());
+    };
+    let rate = first_rate(longest, 0.5 * SAMPLES * corner);
+    let sides: Vec<Sides> = pairs
+        .iter()
+        .zip(corners)
+        .filter_map(|(pair, corner)| pair.sides(corner.min(0.4 * rate)))
+        .collect();
+    match search(&sides, rate, within) {
+        Found::Delay(delay) => Ok((delay, 0.4 * rate)),
+        Found::Ambiguous(first, second) => Err(format!("{first:.2} s and {second:.2} s fit alike")),
+        Found::Nothing => {
+            Err("its channels do not move as those of the others do, at any delay".to_string())
+        }
+    }
+}
+
+fn length(spans: &[[f64; 2]; 2]) -> f64 {
+    spans
+        .iter()
+        .map(|span| span[1] - span[0])
+        .fold(0.0, f64::max)
+}
+
+/// The mean by errors, with what the relations themselves cannot know.
+fn mean(found: &[(&Pair, Refined)]) -> Delay {
+    let sd = |(pair, refined): &(&Pair, Refined)| f64::hypot(refined.sd_s, pair.doubt_s).max(1e-9);
+    let weight: f64 = found.iter().map(|one| sd(one).powi(-2)).sum();
+    let delay_s = found
+        .iter()
+        .map(|one| one.1.delay_s * sd(one).powi(-2))
+        .sum::<f64>()
+        / weight;
+    let sd_s = weight.sqrt().recip();
+    let apart = found
+        .iter()
+        .filter(|one| (one.1.delay_s - delay_s).abs() > 4.0 * f64::hypot(sd(one), sd_s));
+    let apart: Vec<String> = apart
+        .map(|one| format!("\"{}\" {:+.4} s", one.0.name, one.1.delay_s))
+        .collect();
+    Delay {
+        delay_s,
+        sd_s,
+        remark: (!apart.is_empty()).then(|| {
+            format!(
+                "its delay of {delay_s:+.4} s is not that of {}",
+                apart.join(", ")
+            )
+        }),
+        relations: found
+            .iter()
+            .map(|one| Relation {
+                relation: one.0.name.clone(),
+                delay_s: one.1.delay_s,
+                delay_sd_s: sd(one),
+                correlation: one.1.correlation,
+            })
+            .collect(),
+    }
+}
+
+/// Most samples of a side in the first search: its cost grows with their square.
+const MOST: f64 = 1200.0;
+
+/// Fewest pairs of samples that a delay is judged by.
+const LEAST_PAIRS: usize = 60;
+
+/// Least share of the shorter side that both have in common.
+const LEAST_SHARE: f64 = 0.3;
+
+/// A second best fit of more than this share of the best makes the delay ambiguous.
+const AMBIGUOUS: f64 = 0.8;
+
+/// What a search found.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Found {
+    /// The delay [s], within a step of the search.
+    Delay(f64),
+    /// Two delays fit alike [s].
+    Ambiguous(f64, f64),
+    /// Nothing overlaps long enough.
+    Nothing,
+}
+
+/// Rate at which sides are compared first [Hz], not above `most_hz`.
+pub(crate) fn first_rate(spans: [[f64; 2]; 2], most_hz: f64) -> f64 {
+    let longest = spans
+        .iter()
+        .map(|span| span[1] - span[0])
+        .fold(1e-3, f64::max);
+    most_hz.min(MOST / longest)
+}
+
+/// The delay at which all sides together fit best: the largest sum of `-n ln(1 - rho^2)` over relations with a positive
+/// correlation rho of n samples. What is recorded with the right sign correlates positively.
+///
+/// `within` bounds the delay [s].
+pub(crate) fn search(sides: &[Sides], rate_hz: f64, within: Option<f64>) -> Found {
+    let step = 1.0 / rate_hz;
+    // Delays by which any two sides overlap.
+    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+    for side in sides {
+        let [left, right] = side.spans();
+        let (late, known) = if side.ahead(1.0) > 0.0 {
+            (left, right)
+        } else {
+            (right, left)
+        };
+        range = [
+            range[0].min(late[0] - known[1]),
+            range[1].max(late[1] - known[0]),
+        ];
+    }
+    if let Some(most) = within {
+        range = [range[0].max(-most), range[1].min(most)];
+    }
+    let lags = ((range[1] - range[0]) / step).floor();
+    if !(0.0..1e6).contains(&lags) {
+        return Found::Nothing;
+    }
+    let tables: Vec<Sampled> = sides.iter().map(|side| Sampled::of(side, step)).collect();
+    let scores: Vec<f64> = (0..=lags as usize)
+        .map(|lag| {
+            let delay = range[0] + lag as f64 * step;
+            let fits = sides
+                .iter()
+                .zip(&tables)
+                .filter_map(|(side, table)| table.fit(side.ahead(delay)));
+            fits.map(|(pairs, rho)| -pairs * (1.0 - rho.clamp(0.0, 0.999_999).powi(2)).ln())
+                .sum()
+        })
+        .collect();
+    let Some(best) = (0..scores.len()).max_by(|a, b| scores[*a].total_cmp(&scores[*b])) else {
+        return Found::Nothing;
+    };
+    if scores[best] <= 0.0 {
+        return Found::Nothing;
+    }
+    let delay = |lag: usize| range[0] + lag as f64 * step;
+    // The best fit's own hill: down to half of it, or to where it rises again.
+    let below = |lag: &usize| scores[*lag] < 0.5 * scores[best];
+    let from = (0..best).rev().find(below).unwrap_or(0);
+    let to = (best..scores.len()).find(below).unwrap_or(scores.len());
+    let others = (0..from).chain(to..scores.len());
+    match others.max_by(|a, b| scores[*a].total_cmp(&scores[*b])) {
+        Some(second) if scores[second] > AMBIGUOUS * scores[best] => {
+            Found::Ambiguous(delay(best), delay(second))
+        }
+        _ => Found::Delay(delay(best)),
+    }
+}
+
+/// Both sides at uniform times of their own clocks; NaN where there is none.
+struct Sampled {
+    left: Vec<f64>,
+    right: Vec<f64>,
+    /// From the first right time to the first left time [s].
+    apart: f64,
+    step: f64,
+}
+
+impl Sampled {
+    fn of(side: &Sides, step: f64) -> Sampled {
+        let [left, right] = side.spans();
+        let count = |span: [f64; 2]| ((span[1] - span[0]) / step) as usize + 1;
+        let at = |span: [f64; 2], i: usize| span[0] + i as f64 * step;
+        Sampled {
+            left: (0..count(left))
+                .map(|i| side.left(at(left, i)).map_or(f64::NAN, |l| l[0]))
+                .collect(),
+            // A speed of the other clock is slow beside what it multiplies; it is brought into place when the delay is refined.
+            right: (0..count(right))
+                .map(|i| {
+                    side.right(at(right, i), left[0] - right[0])
+                        .map_or(f64::NAN, |r| r[0])
+                })
+                .collect(),
+            apart: left[0] - right[0],
+            step,
+        }
+    }
+
+    /// Pairs and correlation with the right side brought ahead by so much [s].
+    fn fit(&self, ahead: f64) -> Option<(f64, f64)> {
+        // Right sample j stands at the place of left sample j + shift.
+        let shift = ((ahead - self.apart) / self.step).round() as i64;
+        let from = (-shift).max(0);
+        let to = (self.left.len() as i64 - shift).min(self.right.len() as i64);
+        if to <= from {
+            return None;
+        }
+        let mut sums = [0.0; 6];
+        for j in from..to {
+            let (a, b) = (self.left[(j + shift) as usize], self.right[j as usize]);
+            if a.is_nan() || b.is_nan() {
+                continue;
+            }
+            for (sum, term) in sums.iter_mut().zip([1.0, a, b, a * a, b * b, a * b]) {
+                *sum += term;
+            }
+        }
+        let [n, a, b, aa, bb, ab] = sums;
+        let shorter = self.left.len().min(self.right.len()) as f64;
+        if n < LEAST_PAIRS as f64 || n < LEAST_SHARE * shorter {
+            return None;
+        }
+        let spread = ((aa - a * a / n) * (bb - b * b / n)).sqrt();
+        let rho = (ab - a * b / n) / spread;
+        rho.is_finite().then_some((n, rho))
+    }
+}
+
+/// Most steps of Gauss and Newton; they double their digits near the end.
+const STEPS: usize = 30;
+
+/// Over which time residuals are taken to remember [s].
+const MEMORY_S: f64 = 2.0;
+
+/// A delay by one relation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Refined {
+    pub delay_s: f64,
+    pub sd_s: f64,
+    pub correlation: f64,
+}
+
+/// Fits `left(t) = a + b right(t - ahead)` over a, b and the delay from a first guess.
+///
+/// Standard error by the residuals' own covariance (Newey and West 1987, Bartlett's weights over 2 s), since they are no
+/// white noise. `None` where the fit leaves the neighbourhood of the guess (`reach_s`) or too few samples overlap.
+pub(crate) fn refine(sides: &Sides, guess_s: f64, rate_hz: f64, reach_s: f64) -> Option<Refined> {
+    let mut delay = guess_s;
+    let mut last = None;
+    for _ in 0..STEPS {
+        let fit = linear(sides, delay, rate_hz)?;
+        delay += fit.change;
+        if (delay - guess_s).abs() > reach_s {
+            return None;
+        }
+        last = Some(fit);
+        if fit.change.abs() < 1e-9 {
+            break;
+        }
+    }
+    let fit = last?;
+    Some(Refined {
+        delay_s: delay,
+        sd_s: fit.sd,
+        correlation: fit.correlation,
+    })
+}
+
+#[derive(Clone, Copy)]
+struct Linear {
+    change: f64,
+    sd: f64,
+    correlation: f64,
+}
+
+/// One step of Newton's: with `e = left - a - b right` and the right side's derivative freed of the side itself, the delay is
+/// where their product sums to zero. Its change with the delay is, by parts, the product of both sides' derivatives: noise of
+/// either side, which the other does not have, adds nothing to that.
+fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Linear> {
+    let ahead = sides.ahead(delay);
+    let [left, right] = sides.spans();
+    let from = left[0].max(right[0] + ahead);
+    let to = left[1].min(right[1] + ahead);
+    let count = ((to - from) * rate_hz).floor();
+    if !(20.0..1e7).contains(&count) {
+        return None;
+    }
+    let mut rows: Vec<[f64; 4]> = Vec::new();
+    for i in 0..=count as usize {
+        let t = from + i as f64 / rate_hz;
+        if let (Some([a, da]), Some([b, db])) = (sides.left(t), sides.right(t - ahead, ahead)) {
+            rows.push([a, da, b, db]);
+        }
+    }
+    let n = rows.len() as f64;
+    if n < 20.0 {
+        return None;
+    }
+    for k in 0..4 {
+        let mean = rows.iter().map(|row| row[k]).sum::<f64>() / n;
+        rows.iter_mut().for_each(|row| row[k] -= mean);
+    }
+    let dot = |j: usize, k: usize| rows.iter().map(|row| row[j] * row[k]).sum::<f64>();
+    let (aa, ab, bb) = (dot(0, 0), dot(0, 2), dot(2, 2));
+    let (b, slope) = (ab / bb, dot(2, 3) / bb);
+    let scores: Vec<f64> = rows
+        .iter()
+        .map(|[a, _, right, d]| (a - b * right) * (d - slope * right))
+        .collect();
+    let change = dot(1, 3);
+    if !(b > 0.0 && change > 0.0) {
+        return None;
+    }
+    let memory = (MEMORY_S * rate_hz) as usize;
+    let mut variance = 0.0;
+    for lag in 0..=memory.min(scores.len() - 1) {
+        let product: f64 = scores.iter().zip(&scores[lag..]).map(|(x, y)| x * y).sum();
+        let bartlett = 1.0 - lag as f64 / (memory + 1) as f64;
+        variance += if lag == 0 {
+            product
+        } else {
+            2.0 * bartlett * product
+        };
+    }
+    let shift = -scores.iter().sum::<f64>() / change;
+    Some(Linear {
+        // The shift moves the right side, which is early where the left side's clock is late.
+        change: if sides.ahead(1.0) > 0.0 {
+            shift
+        } else {
+            -shift
+        },
+        sd: variance.max(0.0).sqrt() / change,
+        correlation: ab / (aa * bb).sqrt(),
+    })
+}

@@ -1,0 +1,388 @@
+//! The runs of a mapping: their files, and their lines of `runs.csv`.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use kufe_sled::{ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS};
+
+use crate::error::Error;
+use crate::mapping::{INDEX_RANGES, IndexValues, Mapping, place_of, plain_name};
+use crate::recording::bytes_of;
+
+/// One run to import.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedRun {
+    /// Its name, that of its files too.
+    pub name: String,
+    /// Its recording by logger.
+    pub files: BTreeMap<String, PathBuf>,
+    /// Delays stated for this run [s].
+    pub delay_s: BTreeMap<String, f64>,
+    /// What `runs.csv` says of it.
+    pub index: IndexValues,
+}
+
+/// The runs of a mapping that stands in `folder`, by name, and every file that they are made of besides recordings.
+///
+/// A run is what the `*` of a logger's pattern stands for, or a table `[[run]]`; every logger must have a file of every run.
+///
+/// # Errors
+/// [`Error::Key`] for a pattern that finds nothing, a run that lacks a file, a name that two files have; [`Error::File`] for
+/// an index table that cannot be read.
+pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Vec<PlannedRun>, Error> {
+    let wrong = |key: String, found: String, expected: String| Error::Key {
+        file: file.to_string(),
+        key,
+        found,
+        expected,
+    };
+    let mut files: BTreeMap<String, BTreeMap<String, PathBuf>> = BTreeMap::new();
+    for (name, logger) in &mapping.logger {
+        let Some(pattern) = &logger.files else {
+            continue;
+        };
+        let key = format!("logger.{name}.files");
+        let found = matching(folder, pattern)
+            .map_err(|expected| wrong(key.clone(), pattern.clone(), expected))?;
+        for (run, path) in found {
+            plain_name(&run).ok_or_else(|| {
+                let expected =
+                    "a file whose name can name a run: letters, digits, '-', '_' and '.'";
+                wrong(
+                    key.clone(),
+                    path.display().to_string(),
+                    expected.to_string(),
+                )
+            })?;
+            files.entry(run).or_default().insert(name.clone(), path);
+        }
+    }
+    for run in &mapping.run {
+        let own = files.entry(run.name.clone()).or_default();
+        own.extend(
+            run.files
+                .iter()
+                .map(|(logger, path)| (logger.clone(), folder.join(path))),
+        );
+    }
+    let table = match &mapping.index.table {
+        None => Vec::new(),
+        Some(path) => {
+            let path = folder.join(path);
+            read_table(&bytes_of(&path)?, &path.display().to_string())?
+        }
+    };
+    let runs: Result<Vec<PlannedRun>, Error> = files
+        .into_iter()
+        .map(|(name, files)| {
+            let lacking = mapping
+                .logger
+                .keys()
+                .find(|logger| !files.contains_key(*logger));
+            if let Some(logger) = lacking {
+                let there: Vec<String> = files
+                    .values()
+                    .map(|path| path.display().to_string())
+                    .collect();
+                return Err(wrong(
+                    format!("logger.{logger}.files"),
+                    format!("no file of run {name}"),
+                    format!(
+                        "one beside {}, or files.{logger} in a table [[run]]",
+                        there.join(", ")
+                    ),
+                ));
+            }
+            let own = mapping.run.iter().find(|run| run.name == name);
+            let row = table
+                .iter()
+                .find(|(run, _)| *run == name)
+                .map(|(_, values)| values);
+            let index = mapping.index.below(row.unwrap_or(&IndexValues::default()));
+            Ok(PlannedRun {
+                index: index.below(own.map_or(&IndexValues::default(), |run| &run.index)),
+                delay_s: own.map(|run| run.delay_s.clone()).unwrap_or_default(),
+                name,
+                files,
+            })
+        })
+        .collect();
+    let runs = runs?;
+    if runs.is_empty() {
+        return Err(wrong(
+            "run".into(),
+            "no run".into(),
+            "logger.NAME.files or a table [[run]]".into(),
+        ));
+    }
+    for (name, _) in &table {
+        if !runs.iter().any(|run| run.name == *name) {
+            let known: Vec<&str> = runs.iter().map(|run| run.name.as_str()).take(60).collect();
+            return Err(wrong(
+                "index.table".into(),
+                format!("a row of run {name:?}"),
+                format!("one of: {}", known.join(", ")),
+            ));
+        }
+    }
+    Ok(runs)
+}
+
+/// Files that a pattern names, with what its `*` stands for, or with the file's own name where it has none; by name.
+///
+/// # Errors
+/// What was expected.
+fn matching(folder: &Path, pattern: &str) -> Result<Vec<(String, PathBuf)>, String> {
+    let whole = folder.join(pattern);
+    let last = whole
+        .file_name()
+        .map(|name| name.to_string_lossy().to_string())
+        .unwrap_or_default();
+    let parent = whole.parent().unwrap_or(Path::new("")).to_path_buf();
+    let Some((before, after)) = last.split_once('*') else {
+        let stem = whole
+            .file_stem()
+            .map(|stem| stem.to_string_lossy().to_string())
+            .unwrap_or_default();
+        return Ok(vec![(stem, whole)]);
+    };
+    if after.contains('*') || parent.to_string_lossy().contains('*') {
+        return Err("one '*', in the last part of the path".to_string());
+    }
+    let shown = match parent.as_os_str().is_empty() {
+        true => Path::new("."),
+        false => &parent,
+    };
+    let entries = std::fs::read_dir(shown)
+        .map_err(|error| format!("a folder {}: {error}", shown.display()))?;
+    let mut found = Vec::new();
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().to_string();
+        let run = name
+            .strip_prefix(before)
+            .and_then(|rest| rest.strip_suffix(after));
+        if let Some(run) = run.filter(|run| !run.is_empty() && !name.starts_with('.')) {
+            found.push((run.to_string(), parent.join(&name)));
+        }
+    }
+    found.sort();
+    if found.is_empty() {
+        return Err(format!("files of that pattern in {}", shown.display()));
+    }
+    Ok(found)
+}
+
+impl IndexValues {
+    /// A number by its column's name.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        match name {
+            "ice_c" => self.ice_c,
+            "air_c" => self.air_c,
+            "air_pa" => self.air_pa,
+            "humidity_pct" => self.humidity_pct,
+            "distance_m" => self.distance_m,
+            "mass_kg" => self.mass_kg,
+            _ => None,
+        }
+    }
+
+    /// A cell of `runs.csv`, where it is stated.
+    pub fn cell(&self, name: &str) -> Option<String> {
+        match name {
+            "track" => self.track.clone(),
+            "driver" => self.driver.clone(),
+            "driver_class" => self.driver_class.clone(),
+            "session" => self.session.clone(),
+            _ => match name.strip_prefix(ICE_AT) {
+                Some(place) => self.ice_c_at.get(place).copied(),
+                None => self.number(name),
+            }
+            .map(|value| value.to_string()),
+        }
+    }
+
+    /// Sets what a cell says.
+    ///
+    /// # Errors
+    /// What is expected there.
+    fn set(&mut self, name: &str, cell: &str) -> Result<(), String> {
+        let text = || Some(cell.to_string());
+        match name {
+            "track" => self.track = text(),
+            "driver" => self.driver = text(),
+            "driver_class" => self.driver_class = text(),
+            "session" => self.session = text(),
+            _ => {
+                let place = name.strip_prefix(ICE_AT);
+                let range = place.map_or(name, |_| "ice_c");
+                let Some((_, low, high)) = INDEX_RANGES.iter().find(|known| known.0 == range)
+                else {
+                    return Err("no cell".to_string());
+                };
+                let value: Option<f64> = cell.replace(',', ".").parse().ok();
+                let value = value.filter(|value| (*low..=*high).contains(value));
+                let value = value.ok_or_else(|| format!("a number from {low} to {high}"))?;
+                if let Some(place) = place {
+                    self.ice_c_at.insert(place.to_string(), value);
+                    return Ok(());
+                }
+                let slot = match name {
+                    "ice_c" => &mut self.ice_c,
+                    "air_c" => &mut self.air_c,
+                    "air_pa" => &mut self.air_pa,
+                    "humidity_pct" => &mut self.humidity_pct,
+                    "distance_m" => &mut self.distance_m,
+                    _ => &mut self.mass_kg,
+                };
+                *slot = Some(value);
+            }
+        }
+        Ok(())
+    }
+
+    /// What `before` says, and what is said here where it says nothing.
+    pub(crate) fn below(&self, before: &IndexValues) -> IndexValues {
+        IndexValues {
+            table: None,
+            track: before.track.clone().or_else(|| self.track.clone()),
+            driver: before.driver.clone().or_else(|| self.driver.clone()),
+            driver_class: before
+                .driver_class
+                .clone()
+                .or_else(|| self.driver_class.clone()),
+            session: before.session.clone().or_else(|| self.session.clone()),
+            ice_c: before.ice_c.or(self.ice_c),
+            ice_c_at: match before.ice_c_at.is_empty() {
+                true => self.ice_c_at.clone(),
+                false => before.ice_c_at.clone(),
+            },
+            air_c: before.air_c.or(self.air_c),
+            air_pa: before.air_pa.or(self.air_pa),
+            humidity_pct: before.humidity_pct.or(self.humidity_pct),
+            distance_m: before.distance_m.or(self.distance_m),
+            mass_kg: before.mass_kg.or(self.mass_kg),
+        }
+    }
+}
+
+/// Rows of an index table by their run, each with the line it stands in.
+///
+/// # Errors
+/// [`Error::Cell`] and [`Error::File`] with row and column.
+pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexValues)>, Error> {
+    let told = |error: csv::Error| Error::file(file, error);
+    let head = bytes
+        .split(|byte| *byte == b'\n')
+        .next()
+        .unwrap_or_default();
+    let delimiter = if head.contains(&b';') { b';' } else { b',' };
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(delimiter)
+        .trim(csv::Trim::All)
+        .from_reader(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
+    let header = reader.headers().map_err(told)?.clone();
+    let known = || INDEX_COLUMNS.iter().chain(&MORE_INDEX_COLUMNS);
+    for name in &header {
+        let place = name.strip_prefix(ICE_AT);
+        if place.is_some_and(|place| place_of(place).is_some()) {
+            continue;
+        }
+        if name == "file" || !known().any(|known| *known == name) {
+            let names: Vec<&str> = known().copied().filter(|name| *name != "file").collect();
+            return Err(Error::file(
+                file,
+                format!(
+                    "column {name:?} is unknown, expected some of: {}, {ICE_AT}350 (at 350 m)",
+                    names.join(", ")
+                ),
+            ));
+        }
+    }
+    let Some(run) = header.iter().position(|name| name == "run") else {
+        return Err(Error::file(file, "there is no column \"run\""));
+    };
+    let mut rows: Vec<(String, IndexValues)> = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(told)?;
+        let row = record.position().map_or(0, csv::Position::line);
+        let name = record.get(run).unwrap_or("").to_string();
+        if rows.iter().any(|(known, _)| *known == name) {
+            return Err(Error::file(
+                file,
+                format!("row {row}: run {name:?} stands there twice, expected once"),
+            ));
+        }
+        let mut values = IndexValues::default();
+        for (column, cell) in header.iter().zip(&record) {
+            if column == "run" || cell.is_empty() {
+                continue;
+            }
+            values.set(column, cell).map_err(|expected| {
+                let found =
+                    format!("row {row}, column {column}: found {cell:?}, expected {expected}");
+                Error::file(file, found)
+            })?;
+        }
+        rows.push((name, values));
+    }
+    Ok(rows)
+}
+
+/// Questions about the lines of `runs.csv`, for a mapping that is guessed.
+pub(crate) fn index_help() -> String {
+    let mut text = String::from(
+        "\n[index]\n# What runs.csv says of the runs; a CSV with a column run may say it run by run.\n# table = \"index.csv\"\n",
+    );
+    for (name, what) in [
+        ("track", "\"\""),
+        ("driver", "\"\""),
+        ("driver_class", "\"\""),
+        ("session", "\"\""),
+        ("ice_c", "-8.0"),
+        ("air_c", "0.0"),
+        ("air_pa", "95000.0"),
+    ] {
+        text += &format!("# ? {name} of the runs\n# {name} = {what}\n");
+    }
+    text + "# humidity_pct, distance_m, mass_kg and ice_c_at = { 350 = -8.2 } may stand here too\n"
+}
+
+/// The text of `runs.csv`: its usual columns, empty where a run does not state them, and of the others and of the ice's temperatures at places those that a run states.
+///
+/// # Errors
+/// [`Error::File`] of the writer.
+pub fn index_csv(runs: &[PlannedRun], ending: &str) -> Result<Vec<u8>, Error> {
+    let stated = |name: &&str| runs.iter().any(|run| run.index.cell(name).is_some());
+    let more = MORE_INDEX_COLUMNS.into_iter().filter(stated);
+    let places: BTreeSet<&String> = runs
+        .iter()
+        .flat_map(|run| run.index.ice_c_at.keys())
+        .collect();
+    let sensors: Vec<String> = places
+        .iter()
+        .map(|place| format!("{ICE_AT}{place}"))
+        .collect();
+    let sensors = sensors.iter().map(String::as_str);
+    let columns: Vec<&str> = INDEX_COLUMNS
+        .into_iter()
+        .chain(more)
+        .chain(sensors)
+        .collect();
+    let mut table = csv::Writer::from_writer(Vec::new());
+    let told = |error: csv::Error| Error::file("runs.csv", error);
+    table.write_record(&columns).map_err(told)?;
+    for run in runs {
+        let mut cells = Vec::new();
+        for name in &columns {
+            cells.push(match *name {
+                "run" => run.name.clone(),
+                "file" => format!("{}.{ending}", run.name),
+                name => run.index.cell(name).unwrap_or_default().trim().to_string(),
+            });
+        }
+        table.write_record(&cells).map_err(told)?;
+    }
+    table
+        .into_inner()
+        .map_err(|error| Error::file("runs.csv", error.error()))
+}

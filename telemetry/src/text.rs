@@ -1,0 +1,855 @@
+//! Recordings as text: columns below any preamble, in the forms of AiM, MoTeC, RaceChrono, Race Logic and of spreadsheets.
+
+use std::borrow::Cow;
+
+use crate::error::Error;
+use crate::log::{Channel, Log};
+use crate::unit::{is_unit, name_unit};
+
+/// Rows in which names, units and the separator are searched for.
+const WINDOW: usize = 500;
+
+/// Longest quoted cell [bytes].
+const LONGEST_CELL: usize = 4096;
+
+/// How programs write that there is no value, in small letters.
+const MISSING: [&str; 22] = [
+    "",
+    "nan",
+    "-nan",
+    "+nan",
+    "-",
+    "--",
+    "---",
+    "n/a",
+    "na",
+    "n.a.",
+    "none",
+    "null",
+    "#n/a",
+    "#nv",
+    "#div/0!",
+    "#value!",
+    "1.#qnan",
+    "-1.#qnan",
+    "1.#ind",
+    "-1.#ind",
+    "nan(ind)",
+    "-nan(ind)",
+];
+
+const DAY: f64 = 86_400.0;
+
+/// The form of a text file, where it is not to be found out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TextOptions {
+    /// Between two cells: comma, semicolon, tab.
+    pub delimiter: Option<u8>,
+    /// Whether decimals follow a comma.
+    pub decimal_comma: Option<bool>,
+}
+
+/// The text of a file: UTF-8 with or without its mark, UTF-16 with its mark or without, else Windows-1252's Latin letters,
+/// which any bytes are.
+fn text_of(bytes: &[u8]) -> Cow<'_, str> {
+    let wide = |bytes: &[u8], of: fn([u8; 2]) -> u16| -> Cow<'_, str> {
+        let units = bytes.as_chunks().0.iter().map(|pair| of(*pair));
+        char::decode_utf16(units)
+            .map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER))
+            .collect::<String>()
+            .into()
+    };
+    match bytes {
+        [0xff, 0xfe, rest @ ..] => return wide(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => return wide(rest, u16::from_be_bytes),
+        // Latin letters in UTF-16 have every other byte 0.
+        [1..=255, 0, 1..=255, 0, ..] => return wide(bytes, u16::from_le_bytes),
+        [0, 1..=255, 0, 1..=255, ..] => return wide(bytes, u16::from_be_bytes),
+        _ => {}
+    }
+    let plain = bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes);
+    match std::str::from_utf8(plain) {
+        Ok(text) => text.into(),
+        Err(_) => plain
+            .iter()
+            .map(|byte| char::from(*byte))
+            .collect::<String>()
+            .into(),
+    }
+}
+
+/// A number in a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Cell {
+    /// NaN where there is none.
+    Number(f64),
+    /// A time of the day, or a date with one [s].
+    Clock(f64),
+    Text,
+}
+
+impl Cell {
+    fn of(cell: &str, decimal_comma: bool) -> Cell {
+        let cell = cell.trim();
+        if let Ok(value) = cell.parse::<f64>() {
+            return Cell::Number(if value.is_finite() { value } else { f64::NAN });
+        }
+        if MISSING.contains(&cell.to_lowercase().as_str()) || cell.ends_with("1.#INF") {
+            return Cell::Number(f64::NAN);
+        }
+        let comma = cell.rfind(',').filter(|place| place + 1 < cell.len());
+        let plain = match (comma, cell.rfind('.')) {
+            // The last of both marks the decimals, the other one thousands.
+            (Some(comma), Some(point)) if comma < point => cell.replace(',', ""),
+            (Some(_), Some(_)) if decimal_comma => cell.replace('.', "").replacen(',', ".", 1),
+            (Some(_), None) if decimal_comma => cell.replacen(',', ".", 1),
+            _ => cell.to_string(),
+        };
+        if comma.is_some()
+            && let Ok(value) = plain.parse()
+        {
+            return Cell::Number(value);
+        }
+        if cell.contains(':') {
+            let clock = clock(cell).or_else(|| clock(&plain));
+            return clock.map_or(Cell::Text, Cell::Clock);
+        }
+        Cell::Text
+    }
+
+    fn value(self) -> Option<f64> {
+        match self {
+            Cell::Number(value) | Cell::Clock(value) => Some(value),
+            Cell::Text => None,
+        }
+    }
+}
+
+/// Seconds of `h:m:s` or `m:s`, after a date or without one, with `AM`, `PM` or a time zone behind it.
+///
+/// Dates are those with the year first, and `d.m.y`. Of `d/m/y` and `m/d/y`, which look alike, the time counts only.
+fn clock(cell: &str) -> Option<f64> {
+    let (date, time) = match cell.split_once(['T', ' ']) {
+        Some((date, time)) if !date.contains(':') => (Some(date), time),
+        _ => (None, cell),
+    };
+    let mut time = time.trim().trim_end_matches(['Z', 'z']);
+    let mut afternoon = None;
+    for (mark, hours) in [("am", 0.0), ("pm", 12.0)] {
+        let before = time.len().saturating_sub(2);
+        if time.is_char_boundary(before) && time[before..].eq_ignore_ascii_case(mark) {
+            time = time[..before].trim_end();
+            afternoon = Some(hours);
+        }
+    }
+    if date.is_some()
+        && let Some((before, _)) = time.split_once(['+', '-'])
+    {
+        time = before;
+    }
+    let parts: Vec<&str> = time.split(':').collect();
+    if !(2..=3).contains(&parts.len()) {
+        return None;
+    }
+    let mut seconds = 0.0;
+    for (place, part) in parts.iter().enumerate() {
+        let last = place + 1 == parts.len();
+        let digits = |b: u8| b.is_ascii_digit() || last && b == b'.';
+        if !part.bytes().all(digits) {
+            return None;
+        }
+        let value: f64 = part.parse().ok()?;
+        let value = match (place, afternoon) {
+            (0, Some(hours)) => value % 12.0 + hours,
+            _ => value,
+        };
+        seconds = seconds * 60.0 + value;
+    }
+    // With a date, hours and minutes are enough.
+    if (date.is_some() || afternoon.is_some()) && parts.len() == 2 {
+        seconds *= 60.0;
+    }
+    Some(seconds + date.map_or(Some(0.0), days)? * DAY)
+}
+
+/// Days of a date since 1970.
+fn days(date: &str) -> Option<f64> {
+    let parts: Vec<&str> = date.split(['-', '.', '/']).collect();
+    let [first, second, third] = parts[..] else {
+        return None;
+    };
+    let number = |text: &str| text.parse::<i64>().ok();
+    let (year, month, day) = if first.len() == 4 {
+        (number(first)?, number(second)?, number(third)?)
+    } else if date.contains('.') {
+        (number(third)?, number(second)?, number(first)?)
+    } else {
+        number(first).and(number(second)).and(number(third))?;
+        return Some(0.0);
+    };
+    if !((1..=12).contains(&month) && (1..=31).contains(&day) && (0..10_000).contains(&year)) {
+        return None;
+    }
+    // Years that begin in March have their leap day last.
+    let (year, month) = if month > 2 {
+        (year, month - 3)
+    } else {
+        (year - 1, month + 9)
+    };
+    let leaps = year.div_euclid(4) - year.div_euclid(100) + year.div_euclid(400);
+    Some((365 * year + leaps + (153 * month + 2) / 5 + day - 1 - 719_468) as f64)
+}
+
+/// Rows of a text, split into cells.
+struct Rows<'a> {
+    text: &'a str,
+    at: usize,
+    line: u64,
+    /// Any number of blanks where it is one.
+    delimiter: u8,
+}
+
+/// A row's place [bytes], its line counted from 1, and its cells without quotes and blanks.
+#[derive(Clone)]
+struct Row<'a> {
+    at: usize,
+    line: u64,
+    cells: Vec<&'a str>,
+}
+
+impl<'a> Iterator for Rows<'a> {
+    type Item = Row<'a>;
+
+    /// The next row that has something in it.
+    fn next(&mut self) -> Option<Row<'a>> {
+        let bytes = self.text.as_bytes();
+        while self.at < bytes.len() {
+            let (at, line) = (self.at, self.line);
+            let mut cells = Vec::new();
+            loop {
+                let from = self.at;
+                let skipped = bytes[from..]
+                    .iter()
+                    .take_while(|b| **b == b' ' || **b == b'\t' && self.delimiter == b' ')
+                    .count();
+                let start = from + skipped;
+                let closed = (bytes.get(start) == Some(&b'"'))
+                    .then(|| self.closing_quote(start + 1))
+                    .flatten();
+                let ends = |b: &u8| *b == self.delimiter || *b == b'\n';
+                let search = closed.unwrap_or(start);
+                let length = bytes[search..].iter().position(|b| {
+                    ends(b) || self.delimiter == b' ' && (*b == b'\t' || *b == b'\r')
+                });
+                self.at = length.map_or(bytes.len(), |length| search + length);
+                let cell = match closed {
+                    Some(end) => &self.text[start + 1..end - 1],
+                    None => &self.text[from..self.at],
+                };
+                self.line += cell.bytes().filter(|b| *b == b'\n').count() as u64;
+                if self.delimiter == b' ' && bytes.get(self.at) == Some(&b'\r') {
+                    self.at += 1;
+                }
+                let ended = bytes.get(self.at).is_none_or(|b| *b == b'\n');
+                let cell = cell.trim();
+                if !(self.delimiter == b' ' && ended && cell.is_empty()) {
+                    cells.push(cell);
+                }
+                self.at += 1;
+                if ended {
+                    break;
+                }
+            }
+            self.line += 1;
+            if cells.iter().any(|cell| !cell.is_empty()) {
+                return Some(Row { at, line, cells });
+            }
+        }
+        None
+    }
+}
+
+impl Rows<'_> {
+    /// The place after the quote that closes a cell, if a delimiter or the row's end follows it.
+    fn closing_quote(&self, from: usize) -> Option<usize> {
+        let bytes = self.text.as_bytes();
+        let mut at = from;
+        while at < bytes.len().min(from + LONGEST_CELL) {
+            if bytes[at] == b'"' {
+                if bytes.get(at + 1) != Some(&b'"') {
+                    let mut after = bytes[at + 1..].iter().skip_while(|b| **b == b' ');
+                    let ends = after
+                        .next()
+                        .is_none_or(|b| [self.delimiter, b'\n', b'\r'].contains(b));
+                    return (ends || self.delimiter == b' ').then_some(at + 1);
+                }
+                at += 1;
+            }
+            at += 1;
+        }
+        None
+    }
+}
+
+/// The layout of a text file.
+struct Layout<'a> {
+    delimiter: u8,
+    decimal_comma: bool,
+    names: Vec<String>,
+    units: Vec<Option<String>>,
+    /// What tells columns of one name apart.
+    sources: Vec<String>,
+    /// Rows of names and units, which some programs repeat.
+    head: Vec<Vec<&'a str>>,
+    /// Place of the first row of numbers [bytes], and its line counted from 1.
+    start: usize,
+    first_row: u64,
+    /// How many rows of the window are numbers.
+    score: usize,
+    /// Whether it is a file of Race Logic's, with times as `hhmmss.ss` and minutes of longitude west.
+    vbox: bool,
+}
+
+/// Numbers and words among the cells of a row.
+fn contents(cells: &[&str]) -> (usize, usize) {
+    let (mut numbers, mut words) = (0, 0);
+    for cell in cells {
+        match Cell::of(cell, true) {
+            Cell::Text => words += 1,
+            Cell::Number(value) | Cell::Clock(value) if value.is_finite() => numbers += 1,
+            _ => {}
+        }
+    }
+    (numbers, words)
+}
+
+/// Finds names, units and the first row of numbers, with the separator that gives the most rows of numbers.
+///
+/// Names are the row of words above the numbers; where one of the rows between them holds units, those above that. A name
+/// may have its unit behind it in brackets, or end in it.
+///
+/// # Errors
+/// [`Error::File`] where there are no such rows.
+fn layout_of<'a>(text: &'a str, options: TextOptions, file: &str) -> Result<Layout<'a>, Error> {
+    if let Some(layout) = sections(text) {
+        return Ok(layout);
+    }
+    let tried = match options.delimiter {
+        Some(delimiter) => vec![delimiter],
+        None => vec![b';', b'\t', b',', b' '],
+    };
+    let mut best: Option<Layout> = None;
+    for delimiter in tried {
+        let found = with_delimiter(text, delimiter);
+        let better = |layout: &Layout| best.as_ref().is_none_or(|best| layout.score > best.score);
+        if let Some(layout) = found.filter(better) {
+            best = Some(layout);
+        }
+    }
+    let mut layout = best.ok_or_else(|| {
+        Error::file(
+            file,
+            format!(
+                "found no row of names with rows of numbers below it in the first {WINDOW} rows; expected columns separated by commas, semicolons, tabs or blanks"
+            ),
+        )
+    })?;
+    if let Some(comma) = options.decimal_comma {
+        layout.decimal_comma = comma;
+    }
+    Ok(layout)
+}
+
+fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout<'_>> {
+    let rows = Rows {
+        text,
+        at: 0,
+        line: 1,
+        delimiter,
+    };
+    let rows: Vec<Row> = rows.take(WINDOW).collect();
+    let of: Vec<(usize, usize)> = rows.iter().map(|row| contents(&row.cells)).collect();
+    let width = |i: usize| rows[i].cells.len();
+    let is_data = |i: usize| width(i) >= 2 && of[i].0 > of[i].1;
+    let is_head = |i: usize| of[i].1 > of[i].0 && width(i) >= 2;
+    // Some write a delimiter behind the last number, and none behind the last name, or the other way round.
+    let fits = |data: usize, head: usize| {
+        let last = |i: usize| rows[i].cells.last() == Some(&"");
+        width(data) == width(head)
+            || width(data) == width(head) + 1 && last(data)
+            || width(data) + 1 == width(head) && last(head)
+    };
+    let score = |i: usize| {
+        (i..rows.len())
+            .filter(|j| is_data(*j) && width(*j) == width(i))
+            .count()
+    };
+    let starts = (1..rows.len()).filter(|&i| {
+        let filled = rows[i - 1].cells.iter().filter(|cell| !cell.is_empty());
+        let enough = 2 * filled.count() >= width(i - 1) || i >= 2 && is_units(&rows[i - 1].cells);
+        is_data(i) && is_head(i - 1) && fits(i, i - 1) && enough
+            // Sources and units may fill few columns only.
+            || is_data(i) && i >= 3 && is_head(i - 3) && fits(i, i - 1) && is_units(&rows[i - 2].cells)
+    });
+    let first = starts.rev().max_by_key(|&i| score(i))?;
+    // Rows of words above the numbers, the nearest first.
+    let head: Vec<usize> = (0..first)
+        .rev()
+        .take(4)
+        .take_while(|&i| fits(first, i) && of[i].1 > of[i].0)
+        .collect();
+    let share = |i: usize| unit_share(&rows[i].cells);
+    let units_at = head.windows(2).position(|pair| {
+        let (below, names) = (share(pair[0]), share(pair[1]));
+        below > 0.6 && names < 0.5 * below
+    });
+    let names_at = units_at.map_or(0, |place| place + 1);
+    let names_row = &rows[*head.get(names_at)?].cells;
+    // Trailing empty names are none.
+    let width = width(first).min(names_row.len());
+    let cell = |place: usize, i: usize| rows[head[place]].cells.get(i).copied().unwrap_or("");
+    let split: Vec<(String, Option<String>)> = names_row[..width]
+        .iter()
+        .enumerate()
+        .map(|(i, name)| match i {
+            0 => name_and_unit(name.trim_start_matches(['#', '%', '/', ' '])),
+            _ => name_and_unit(name),
+        })
+        .collect();
+    let units = (0..width).map(|i| {
+        let below = units_at.map(|place| cell(place, i).trim_matches(['[', ']', '(', ')', ' ']));
+        let below = below.filter(|unit| !unit.is_empty()).map(str::to_string);
+        below.or_else(|| split[i].1.clone())
+    });
+    let units = units.collect();
+    let source = |i: usize| match units_at {
+        Some(place) if place > 0 => cell(0, i).to_string(),
+        _ => String::new(),
+    };
+    let (mut comma, mut point) = (false, false);
+    for i in first..rows.len() {
+        for cell in &rows[i].cells {
+            point |= cell.contains('.') && cell.parse::<f64>().is_ok();
+            comma |= cell.contains(',') && cell.replacen(',', ".", 1).parse::<f64>().is_ok();
+        }
+    }
+    Some(Layout {
+        delimiter,
+        decimal_comma: comma && (!point || delimiter != b','),
+        units,
+        names: split.iter().map(|(name, _)| name.clone()).collect(),
+        sources: (0..width).map(source).collect(),
+        head: head[..=names_at]
+            .iter()
+            .map(|i| rows[*i].cells.clone())
+            .collect(),
+        start: rows[first].at,
+        first_row: rows[first].line,
+        score: score(first),
+        vbox: false,
+    })
+}
+
+/// The layout of a file in sections, `[header]`, `[column names]` and `[data]`, as Race Logic's programs write (`.vbo`).
+fn sections(text: &str) -> Option<Layout<'_>> {
+    let mut at = 0;
+    let mut section = String::new();
+    let mut titles: Vec<&str> = Vec::new();
+    let mut units: Vec<&str> = Vec::new();
+    let mut names: Vec<&str> = Vec::new();
+    for (number, line) in text.split_inclusive('\n').enumerate().take(10_000) {
+        let bare = line.trim();
+        at += line.len();
+        if bare.starts_with('[') && bare.ends_with(']') {
+            section = bare[1..bare.len() - 1].to_lowercase();
+            if section != "data" {
+                continue;
+            }
+            let width = names.len();
+            if width < 2 {
+                return None;
+            }
+            let of = |i: usize, name: &str| -> Option<String> {
+                match name.to_lowercase().as_str() {
+                    "time" => return Some("s".to_string()),
+                    "lat" | "latitude" | "long" | "longitude" | "heading" => {
+                        return Some("deg".to_string());
+                    }
+                    "height" => return Some("m".to_string()),
+                    _ => {}
+                }
+                // Units of the last channels, which the user added, or the last word of a title.
+                let added = (i + units.len())
+                    .checked_sub(width)
+                    .map(|place| units[place]);
+                let title = titles.get(i).filter(|_| titles.len() == width);
+                let title = title.copied().unwrap_or_default();
+                let last = || Some(title.rsplit_once(' ')?.1.to_string());
+                let last = name_and_unit(title).1.or_else(last);
+                let last = last.filter(|unit| is_unit(unit));
+                added
+                    .filter(|unit| is_unit(unit))
+                    .map(str::to_string)
+                    .or(last)
+            };
+            let units = names
+                .iter()
+                .enumerate()
+                .map(|(i, name)| of(i, name))
+                .collect();
+            let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+            let comma = text[at..]
+                .lines()
+                .take(WINDOW)
+                .any(|line| line.contains(','));
+            return Some(Layout {
+                delimiter: b' ',
+                decimal_comma: comma,
+                units,
+                sources: vec![String::new(); names.len()],
+                names,
+                head: Vec::new(),
+                start: at,
+                first_row: number as u64 + 2,
+                score: 1,
+                vbox: true,
+            });
+        }
+        match section.as_str() {
+            _ if bare.is_empty() => {}
+            "header" => titles.push(bare),
+            "channel units" => units.push(bare),
+            "column names" => names.extend(bare.split_whitespace()),
+            _ => {}
+        }
+    }
+    None
+}
+
+/// `Speed [km/h]` is Speed in km/h; without brackets a name has the unit that it ends in.
+fn name_and_unit(cell: &str) -> (String, Option<String>) {
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        if let Some((name, rest)) = cell.rsplit_once(open)
+            && let Some(unit) = rest.trim_end().strip_suffix(close)
+            && !name.trim().is_empty()
+            && (open == '[' || is_unit(unit))
+        {
+            return (name.trim().to_string(), Some(unit.trim().to_string()));
+        }
+    }
+    (cell.to_string(), name_unit(cell))
+}
+
+/// Share of the cells with something in them that are units.
+fn unit_share(cells: &[&str]) -> f64 {
+    let filled: Vec<&&str> = cells.iter().filter(|cell| !cell.is_empty()).collect();
+    let units = filled.iter().filter(|cell| is_unit(cell));
+    units.count() as f64 / filled.len().max(1) as f64
+}
+
+fn is_units(cells: &[&str]) -> bool {
+    unit_share(cells) > 0.6
+}
+
+/// Reads a text file; of the channels only those `wanted` by name, or all that hold numbers.
+///
+/// A last line that is cut short is left out, with a remark: a logger that loses its power writes such. Times of the day
+/// continue after midnight.
+///
+/// # Errors
+/// [`Error::File`] where there are no rows of numbers, no channel, or a row with more or fewer cells than names,
+/// [`Error::Cell`] for text in a channel that is wanted.
+pub fn read_text(
+    bytes: &[u8],
+    options: TextOptions,
+    wanted: Option<&[&str]>,
+    file: &str,
+) -> Result<Log, Error> {
+    let text = text_of(bytes);
+    let layout = layout_of(&text, options, file)?;
+    let channels = layout.names.iter().zip(&layout.units);
+    let channels = channels.map(|(name, unit)| Channel {
+        name: name.clone(),
+        unit: unit.clone(),
+        ..Channel::default()
+    });
+    let mut log = Log {
+        channels: channels.collect(),
+        first_row: layout.first_row,
+        ..Log::default()
+    };
+    log.distinguish(|i| match layout.sources[i].as_str() {
+        "" => format!("column {}", i + 1),
+        source => source.to_string(),
+    });
+    log.distinguish(|i| format!("column {}", i + 1));
+    let mut read = vec![wanted.is_none(); log.channels.len()];
+    for name in wanted.unwrap_or_default() {
+        read[log.find(name, file)?] = true;
+    }
+    let width = log.channels.len();
+    let mut clocks = vec![false; width];
+    let mut refused: Option<String> = None;
+    let mut short: Option<(u64, usize)> = None;
+    let rows = Rows {
+        text: &text,
+        at: layout.start,
+        line: layout.first_row,
+        delimiter: layout.delimiter,
+    };
+    for Row { line, cells, .. } in rows {
+        if layout.head.contains(&cells) || cells.len() != width && cells[0].starts_with('#') {
+            continue;
+        }
+        if let Some((row, cells)) = short.take() {
+            return Err(wrong_width(file, row, cells, width));
+        }
+        if cells.len() < width {
+            short = Some((line, cells.len()));
+            continue;
+        }
+        if cells[width..].iter().any(|cell| !cell.is_empty()) {
+            return Err(wrong_width(file, line, cells.len(), width));
+        }
+        for (i, cell) in cells[..width].iter().enumerate() {
+            if !read[i] {
+                continue;
+            }
+            let number = Cell::of(cell, layout.decimal_comma);
+            clocks[i] |= matches!(number, Cell::Clock(_));
+            let channel = &mut log.channels[i];
+            match number.value() {
+                Some(value) => channel.values.push(value),
+                None if wanted.is_none() => {
+                    let name = &channel.name;
+                    refused.get_or_insert(format!("column {name:?} has {cell:?} in row {line}"));
+                    read[i] = false;
+                    channel.values = Vec::new();
+                }
+                None => {
+                    return Err(Error::Cell {
+                        file: file.to_string(),
+                        row: line,
+                        channel: channel.name.clone(),
+                        found: cell.to_string(),
+                        expected: "a number",
+                    });
+                }
+            }
+        }
+    }
+    if let Some((row, cells)) = short {
+        // A whole last line that is short is another file's, or edited.
+        if text.ends_with('\n') {
+            return Err(wrong_width(file, row, cells, width));
+        }
+        log.remarks.push(format!(
+            "{file}: row {row}, the last, is cut short and left out"
+        ));
+    }
+    for (channel, clock) in log.channels.iter_mut().zip(clocks) {
+        let name = channel.name.to_lowercase();
+        let packed = name == "time" && layout.vbox
+            || (name.contains("time") || name.contains("utc")) && is_packed(&channel.values);
+        if packed {
+            channel.values.iter_mut().for_each(|t| *t = unpacked(*t));
+        }
+        if clock || packed {
+            channel.unit = Some("s".to_string());
+            continue_days(&mut channel.values);
+        }
+        let to_degrees = match name.as_str() {
+            "lat" | "latitude" if layout.vbox => 1.0 / 60.0,
+            "long" | "longitude" if layout.vbox => -1.0 / 60.0,
+            _ => continue,
+        };
+        channel.values.iter_mut().for_each(|x| *x *= to_degrees);
+    }
+    if wanted.is_none() {
+        let mut read = read.iter();
+        log.channels.retain(|_| *read.next().unwrap_or(&false));
+        log.channels.retain(|channel| !channel.name.is_empty());
+    }
+    let refused = refused.unwrap_or_else(|| "no column has a name".to_string());
+    log.with_channels(file, &refused)
+}
+
+fn wrong_width(file: &str, row: u64, cells: usize, names: usize) -> Error {
+    Error::file(
+        file,
+        format!("row {row}: found {cells} cells, expected {names}, one below each name"),
+    )
+}
+
+/// Whether times are written as `hhmmss.ss`: no minute and no second reaches 60, and they pass from x59.9 to y00.0, which
+/// seconds do not.
+fn is_packed(values: &[f64]) -> bool {
+    let fits = |t: &f64| {
+        *t >= 0.0 && *t < 240_000.0 && t % 100.0 < 60.0 && (t / 100.0).floor() % 100.0 < 60.0
+    };
+    let finite = || values.iter().filter(|t| t.is_finite());
+    if !finite().all(fits) {
+        return false;
+    }
+    let times: Vec<f64> = finite().copied().collect();
+    let mut crossings = times
+        .windows(2)
+        .filter(|pair| pair[0] % 100.0 > 50.0 && pair[1] % 100.0 < 10.0 && pair[1] > pair[0]);
+    crossings
+        .next()
+        .is_some_and(|pair| unpacked(pair[1]) - unpacked(pair[0]) < 20.0)
+}
+
+/// Seconds of `hhmmss.ss`.
+fn unpacked(packed: f64) -> f64 {
+    // The seconds' own decimals stay as they are written.
+    let (hours, minutes) = ((packed / 1e4).floor(), (packed / 100.0).floor() % 100.0);
+    let seconds = packed - 1e4 * hours - 100.0 * minutes;
+    3600.0 * hours + 60.0 * minutes + (seconds * 1e6).round() / 1e6
+}
+
+/// Adds a day after each midnight.
+fn continue_days(times: &mut [f64]) {
+    let (mut last, mut added) = (f64::NAN, 0.0);
+    for t in times.iter_mut().filter(|t| t.is_finite()) {
+        if *t + added < last - 0.5 * DAY {
+            added += DAY;
+        }
+        *t += added;
+        last = *t;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str, wanted: Option<&[&str]>) -> Result<Log, Error> {
+        read_text(text.as_bytes(), TextOptions::default(), wanted, "a.csv")
+    }
+
+    fn names(text: &str) -> Vec<(String, Option<String>)> {
+        let layout = layout_of(text, TextOptions::default(), "a.csv").unwrap();
+        layout.names.into_iter().zip(layout.units).collect()
+    }
+
+    #[test]
+    fn cells_are_numbers_times_nothing_or_text() {
+        let number = |cell, comma| Cell::of(cell, comma).value();
+        for (cell, comma, value) in [
+            (" -1.5e-3", false, Some(-1.5e-3)),
+            ("-0,75", true, Some(-0.75)),
+            ("-0,75", false, None),
+            ("1,2,3", true, None),
+            ("1.234,5", true, Some(1234.5)),
+            ("1,234.5", false, Some(1234.5)),
+            ("13:05:59.125", false, Some(13.0 * 3600.0 + 359.125)),
+            ("01:02,5", true, Some(62.5)),
+            ("1970-01-02T00:00:01.5Z", false, Some(86_401.5)),
+            ("1970-01-02 00:00:01+01:00", false, Some(86_401.0)),
+            ("01.03.2000 00:00:00", false, Some(951_868_800.0)),
+            ("2000/02/29 00:01", false, Some(951_782_460.0)),
+            ("3/1/2000 1:00:00 PM", false, Some(46_800.0)),
+            ("12:00:01 AM", false, Some(1.0)),
+            ("12:x", false, None),
+            ("1:2:3:4", false, None),
+            ("fast", false, None),
+            ("1.2.3", false, None),
+            ("2021-13-01 00:00:00", false, None),
+        ] {
+            assert_eq!(number(cell, comma), value, "{cell}");
+        }
+        for nothing in [
+            "", "  ", "NaN", "-", "n/a", "#N/A", "1.#QNAN", "-1.#IND", "NULL", "1.#INF", "inf",
+        ] {
+            assert!(number(nothing, false).unwrap().is_nan(), "{nothing:?}");
+        }
+    }
+
+    #[test]
+    fn the_degree_sign_is_read_in_every_encoding() {
+        let wide = |text: &str, of: fn(u16) -> [u8; 2]| -> Vec<u8> {
+            text.encode_utf16().flat_map(of).collect()
+        };
+        for bytes in [
+            "s°/s".as_bytes().to_vec(),
+            "\u{feff}s°/s".as_bytes().to_vec(),
+            vec![b's', 0xb0, b'/', b's'],
+            wide("\u{feff}s°/s", u16::to_be_bytes),
+            wide("\u{feff}s°/s", u16::to_le_bytes),
+            wide("s°/s", u16::to_be_bytes),
+            wide("s°/s", u16::to_le_bytes),
+        ] {
+            assert_eq!(text_of(&bytes), "s°/s", "{bytes:?}");
+        }
+    }
+
+    #[test]
+    fn a_last_cell_may_be_empty_or_be_none() {
+        let names = |text: &str| -> Vec<String> { names(text).into_iter().map(|n| n.0).collect() };
+        assert_eq!(names("t,a,b\n0,1,\n1,2,3\n"), ["t", "a", "b"]);
+        assert_eq!(names("t,a\n0,1,\n1,2,\n"), ["t", "a"]);
+        assert_eq!(names("t,a,\n0,1,\n1,2,\n"), ["t", "a", ""]);
+        // g, s and m are units and names; two lines of them are names and units.
+        assert_eq!(names("s,g\ns,m\n0,1\n1,2\n"), ["s", "m"]);
+        assert_eq!(names("s,g\n0,1\n1,2\n"), ["s", "g"]);
+    }
+
+    #[test]
+    fn text_without_rows_of_numbers_is_refused() {
+        for text in [
+            "",
+            "a,b\n",
+            "a,b\nx,y\n",
+            "1,2\n3,4\n",
+            "only one column\n1\n2\n",
+        ] {
+            let error = read(text, None).unwrap_err().to_string();
+            assert!(error.contains("no row of names"), "{text:?}: {error}");
+        }
+        let error = read("t;w\n1;2\nx;y\n", None).unwrap_err().to_string();
+        assert!(error.contains("column \"t\" has \"x\" in row 3"), "{error}");
+    }
+
+    #[test]
+    fn wanted_channels_are_read_and_no_others() {
+        let text = "Zeit;v [km/h];Ort\n0,0;1,5;hier\n0,1;;da\n";
+        let log = read(text, Some(&["v"])).unwrap();
+        assert_eq!(log.channels[1].unit.as_deref(), Some("km/h"));
+        assert_eq!(log.channels[1].values[0], 1.5);
+        assert!(log.channels[1].values[1].is_nan());
+        assert!(log.channels[0].values.is_empty());
+        let all = read(text, None).unwrap();
+        let names: Vec<&str> = all.channels.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names, ["Zeit", "v"]);
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_named_with_its_place() {
+        let failure = |text: &str, name: &str| read(text, Some(&[name])).unwrap_err().to_string();
+        assert_eq!(
+            failure("t,v\n0,1\n1,2\n2,fast\n", "v"),
+            "a.csv: row 4, channel \"v\": found \"fast\", expected a number"
+        );
+        assert_eq!(
+            failure("t,v\n0,1\n1,2\n2,3,4\n", "v"),
+            "a.csv: row 4: found 3 cells, expected 2, one below each name"
+        );
+        assert_eq!(
+            failure("t,v\n0,1\n1,2\n", "w"),
+            "a.csv: there is no channel \"w\", expected one of: t, v"
+        );
+    }
+
+    #[test]
+    fn a_last_line_without_its_end_is_left_out_with_a_remark() {
+        let log = read("t,v,w\n0,1,2\n1,2,3\n2,3", Some(&["v"])).unwrap();
+        assert_eq!(log.channels[1].values, [1.0, 2.0]);
+        assert_eq!(
+            log.remarks,
+            ["a.csv: row 4, the last, is cut short and left out"]
+        );
+        assert!(read("t,v,w\n0,1,2\n1,2,3\n2,3\n", Some(&["v"])).is_err());
+        assert!(read("t,v,w\n0,1,2\n1,2\n2,3,4\n", Some(&["v"])).is_err());
+    }
+}

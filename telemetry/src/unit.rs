@@ -1,0 +1,417 @@
+//! Units as loggers write them, in those of kufe's columns.
+
+/// Exponents of metre, kilogram, second and radian.
+type Dimension = [i32; 4];
+
+const NONE: Dimension = [0, 0, 0, 0];
+const LENGTH: Dimension = [1, 0, 0, 0];
+const MASS: Dimension = [0, 1, 0, 0];
+const TIME: Dimension = [0, 0, 1, 0];
+const ANGLE: Dimension = [0, 0, 0, 1];
+const SPEED: Dimension = [1, 0, -1, 0];
+const ACCELERATION: Dimension = [1, 0, -2, 0];
+const TURN_RATE: Dimension = [0, 0, -1, 1];
+const FREQUENCY: Dimension = [0, 0, -1, 0];
+const FORCE: Dimension = [1, 1, -2, 0];
+const PRESSURE: Dimension = [-1, 1, -2, 0];
+const TORQUE: Dimension = [2, 1, -2, 0];
+const POWER: Dimension = [2, 1, -3, 0];
+
+/// Standard gravity [m/s^2].
+const GRAVITY: f64 = 9.806_65;
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
+/// Spellings, size in SI units, dimension. Capitals count where two units differ by them only (mPa, MPa).
+///
+/// Sizes by the SI brochure, ISO 80000 and the international yard and pound.
+const UNITS: &[(&str, f64, Dimension)] = &[
+    ("m meter meters metre metres", 1.0, LENGTH),
+    ("mm", 1e-3, LENGTH),
+    ("cm", 1e-2, LENGTH),
+    ("km kilometers kilometres", 1e3, LENGTH),
+    ("um µm μm", 1e-6, LENGTH),
+    ("in inch inches", 0.0254, LENGTH),
+    ("ft feet foot", 0.3048, LENGTH),
+    ("mi mile miles", 1609.344, LENGTH),
+    ("kg", 1.0, MASS),
+    ("gram grams", 1e-3, MASS),
+    ("lb lbs", 0.453_592_37, MASS),
+    ("s sec secs second seconds sekunden", 1.0, TIME),
+    ("ms msec msecs millisecond milliseconds", 1e-3, TIME),
+    ("us µs μs usec usecs microsecond microseconds", 1e-6, TIME),
+    ("ns nsec nanosecond nanoseconds", 1e-9, TIME),
+    ("min minute minutes", 60.0, TIME),
+    ("h hr hrs hour hours", 3600.0, TIME),
+    ("rad rads radian radians", 1.0, ANGLE),
+    ("mrad", 1e-3, ANGLE),
+    ("deg degree degrees ° º grad", DEGREE, ANGLE),
+    ("mdeg", 1e-3 * DEGREE, ANGLE),
+    ("rev revs turn turns", std::f64::consts::TAU, ANGLE),
+    ("mps", 1.0, SPEED),
+    ("kmh kph kmph", 1.0 / 3.6, SPEED),
+    ("mph", 1609.344 / 3600.0, SPEED),
+    ("kn knot knots kt kts", 1852.0 / 3600.0, SPEED),
+    ("mps2", 1.0, ACCELERATION),
+    ("g gs gn", GRAVITY, ACCELERATION),
+    ("mg milli-g", 1e-3 * GRAVITY, ACCELERATION),
+    ("radps", 1.0, TURN_RATE),
+    ("dps degps", DEGREE, TURN_RATE),
+    ("mdps", 1e-3 * DEGREE, TURN_RATE),
+    ("rpm", std::f64::consts::TAU / 60.0, TURN_RATE),
+    ("Hz hertz", 1.0, FREQUENCY),
+    ("kHz", 1e3, FREQUENCY),
+    ("N newton newtons", 1.0, FORCE),
+    ("kN", 1e3, FORCE),
+    ("lbf", 0.453_592_37 * GRAVITY, FORCE),
+    ("Pa pascal", 1.0, PRESSURE),
+    ("hPa mbar millibar", 100.0, PRESSURE),
+    ("kPa", 1e3, PRESSURE),
+    ("MPa", 1e6, PRESSURE),
+    ("bar", 1e5, PRESSURE),
+    ("psi", 0.453_592_37 * GRAVITY / (0.0254 * 0.0254), PRESSURE),
+    ("Nm", 1.0, TORQUE),
+    ("W", 1.0, POWER),
+    ("kW", 1e3, POWER),
+    ("% percent prozent pct", 1e-2, NONE),
+];
+
+/// Units of temperature: size of a degree, and what its zero is [degrees Celsius].
+const TEMPERATURES: [(&str, f64, f64); 3] = [
+    ("°c c degc celsius", 1.0, 0.0),
+    ("°f f degf fahrenheit", 5.0 / 9.0, -160.0 / 9.0),
+    ("k kelvin", 1.0, -273.15),
+];
+
+/// What else stands in rows of units and converts to nothing.
+const OTHERS: &str = "- # v mv a ma ohm db l ml bit bits count counts raw ratio lambda unitless none enum no no. flag \
+    date text string bool boolean hex sats";
+
+/// Suffixes of kufe's columns and their units.
+const SUFFIXES: [(&str, &str); 14] = [
+    ("_mps2", "m/s^2"),
+    ("_radps2", "rad/s^2"),
+    ("_radps", "rad/s"),
+    ("_mps", "m/s"),
+    ("_rad", "rad"),
+    ("_kgm2", "kg*m^2"),
+    ("_1pm", "m^-1"),
+    ("_pct", "%"),
+    ("_pa", "Pa"),
+    ("_kg", "kg"),
+    ("_m", "m"),
+    ("_n", "N"),
+    ("_s", "s"),
+    ("_c", "°C"),
+];
+
+/// The unit of a column by its name's suffix; `"1"` for a column without one.
+///
+/// ```
+/// use kufe_telemetry::column_unit;
+/// assert_eq!(column_unit("yaw_rate_radps"), "rad/s");
+/// assert_eq!(column_unit("gear"), "1");
+/// ```
+pub fn column_unit(column: &str) -> &'static str {
+    SUFFIXES
+        .iter()
+        .find(|(suffix, _)| column.ends_with(suffix))
+        .map_or("1", |(_, unit)| unit)
+}
+
+/// The unit in which another program's name ends: `acc_x_gs`, `yaw_rate_deg_per_s`, `speed_kmh`.
+pub(crate) fn name_unit(name: &str) -> Option<String> {
+    let words: Vec<&str> = name.trim().split(['_', ' ']).collect();
+    let words: Vec<&str> = words.into_iter().filter(|word| !word.is_empty()).collect();
+    let last = |count: usize| {
+        words.len() > count && product(&words[words.len() - count..].join(" ")).is_some()
+    };
+    if words.len() > 3 && words[words.len() - 2].eq_ignore_ascii_case("per") && last(3) {
+        return Some(words[words.len() - 3..].join(" "));
+    }
+    let own = column_unit(name);
+    if own != "1" {
+        return Some(own.to_string());
+    }
+    let unit = words.last()?;
+    let spelled = unit.len() > 1 || unit.eq_ignore_ascii_case("g");
+    (name.contains('_') && spelled && last(1)).then(|| unit.to_string())
+}
+
+/// `target = factor * value + offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conversion {
+    /// The factor.
+    pub factor: f64,
+    /// The target's value at 0 of the source's unit; not 0 for temperatures alone.
+    pub offset: f64,
+}
+
+impl Conversion {
+    /// A value of the source's unit in the target's.
+    pub fn apply(&self, value: f64) -> f64 {
+        self.factor * value + self.offset
+    }
+}
+
+/// Converts values of `unit`, as a logger writes it, to `target`.
+///
+/// # Errors
+/// The reason why there is no such conversion.
+///
+/// ```
+/// use kufe_telemetry::conversion;
+/// assert_eq!(conversion("G", "m/s^2")?.apply(2.0), 19.6133);
+/// assert!((conversion("km/h", "m/s")?.apply(90.0) - 25.0).abs() < 1e-14);
+/// assert!((conversion("degF", "°C")?.apply(68.0) - 20.0).abs() < 1e-12);
+/// assert!(conversion("kg", "m/s").is_err());
+/// # Ok::<(), String>(())
+/// ```
+pub fn conversion(unit: &str, target: &str) -> Result<Conversion, String> {
+    let unit = bare(unit);
+    let none = ["", "-", "1"].contains(&unit);
+    if none && target != "1" {
+        return Err(format!("a unit of {target} is expected"));
+    }
+    if none || unit == target {
+        return Ok(Conversion {
+            factor: 1.0,
+            offset: 0.0,
+        });
+    }
+    let unknown = || format!("{unit:?} is no unit that converts to {target}");
+    if target == "°C" {
+        let (factor, offset) = temperature(unit).ok_or_else(unknown)?;
+        return Ok(Conversion { factor, offset });
+    }
+    let known = match target {
+        "1" => (1.0, NONE),
+        _ => product(target).ok_or_else(unknown)?,
+    };
+    match product(unit) {
+        Some((size, dimension)) if dimension == known.1 => Ok(Conversion {
+            factor: size / known.0,
+            offset: 0.0,
+        }),
+        _ => Err(unknown()),
+    }
+}
+
+/// Whether this is a unit of whatever quantity.
+pub(crate) fn is_unit(text: &str) -> bool {
+    let unit = bare(text);
+    let other = OTHERS.split_whitespace();
+    unit.is_empty()
+        || other
+            .into_iter()
+            .any(|word| unit.eq_ignore_ascii_case(word))
+        || temperature(unit).is_some()
+        || product(unit).is_some()
+}
+
+fn bare(unit: &str) -> &str {
+    unit.trim().trim_matches(['[', ']', '(', ')', ' '])
+}
+
+fn temperature(unit: &str) -> Option<(f64, f64)> {
+    let unit = unit
+        .to_lowercase()
+        .replace('º', "°")
+        .replace([' ', '.'], "");
+    let known = |words: &str| words.split(' ').any(|word| word == unit);
+    let found = TEMPERATURES.iter().find(|(words, ..)| known(words))?;
+    Some((found.1, found.2))
+}
+
+/// Size and dimension of a product of powers: `km/h`, `m/s2`, `m·s^-2`, `deg per s`, `kg*m^2`.
+fn product(unit: &str) -> Option<(f64, Dimension)> {
+    if unit.eq_ignore_ascii_case("unix time") {
+        return Some((1.0, TIME));
+    }
+    let (mut size, mut dimension) = (1.0, NONE);
+    // Signs of the exponents: of the next word, and of a group in brackets.
+    let (mut sign, mut group) = (1, 1);
+    let mut words = 0;
+    let mut rest = unit;
+    while let Some(c) = rest.chars().next() {
+        let word: &str = &rest[..rest
+            .find(|c: char| !(c.is_alphabetic() || "°º%".contains(c)))
+            .unwrap_or(rest.len())];
+        if word.is_empty() {
+            match c {
+                ' ' | '*' | '·' | '×' | '_' => {}
+                '/' => sign = -1,
+                '(' => (group, sign) = (sign, 1),
+                ')' => group = 1,
+                '1' if words == 0 => {}
+                _ => return None,
+            }
+            rest = &rest[c.len_utf8()..];
+            continue;
+        }
+        rest = &rest[word.len()..];
+        if word.eq_ignore_ascii_case("per") {
+            sign = -1;
+            continue;
+        }
+        // mps2 is one word.
+        let (one, of) = match rest
+            .strip_prefix('2')
+            .and_then(|after| Some((after, find(&format!("{word}2"))?)))
+        {
+            Some((after, known)) => {
+                rest = after;
+                known
+            }
+            None => find(word)?,
+        };
+        let (exponent, after) = power(rest)?;
+        rest = after;
+        let exponent = exponent * sign * group;
+        size *= one.powi(exponent);
+        for (sum, own) in dimension.iter_mut().zip(of) {
+            *sum += exponent * own;
+        }
+        sign = 1;
+        words += 1;
+        if words > 6 {
+            return None;
+        }
+    }
+    (words > 0).then_some((size, dimension))
+}
+
+/// The exponent that text begins with, 1 without one, and what follows it.
+fn power(text: &str) -> Option<(i32, &str)> {
+    for (sign, exponent) in [("²", 2), ("³", 3), ("⁻¹", -1), ("⁻²", -2)] {
+        if let Some(rest) = text.strip_prefix(sign) {
+            return Some((exponent, rest));
+        }
+    }
+    let marked = text.strip_prefix('^');
+    let digits = marked.unwrap_or(text);
+    let (sign, digits) = match digits.strip_prefix('-') {
+        Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => (-1, rest),
+        _ => (1, digits),
+    };
+    match digits.chars().next().and_then(|c| c.to_digit(10)) {
+        Some(digit) if (1..=4).contains(&digit) => Some((sign * digit as i32, &digits[1..])),
+        None if marked.is_none() => Some((1, text)),
+        _ => None,
+    }
+}
+
+/// A unit by its spelling, then by its spelling in small letters: loggers write KM/H, DEG/S, BAR.
+fn find(word: &str) -> Option<(f64, Dimension)> {
+    let same = |known: &str| known == word;
+    let small = |known: &str| known.to_lowercase() == word.to_lowercase();
+    let by = |fits: &dyn Fn(&str) -> bool| {
+        let found = UNITS.iter().find(|unit| unit.0.split(' ').any(fits))?;
+        Some((found.1, found.2))
+    };
+    by(&same).or_else(|| by(&small))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Factors by their definitions.
+    #[test]
+    fn units_as_loggers_write_them_have_their_defined_factors() {
+        let mile = 1609.344;
+        for (units, target, factor) in [
+            ("g,G,[g],gs", "m/s^2", 9.80665),
+            ("mg", "m/s^2", 9.80665e-3),
+            (
+                "m/s2,m/s²,m/s/s,m/s^2,m s^-2,m·s⁻²,m/(s^2),M/S2,mps2",
+                "m/s^2",
+                1.0,
+            ),
+            ("ft/s^2", "m/s^2", 0.3048),
+            ("km/h,KM/H,kmh,kph,kmph,km per h", "m/s", 1.0 / 3.6),
+            ("mph,MPH", "m/s", mile / 3600.0),
+            ("knots,kn,KN,kts", "m/s", 1852.0 / 3600.0),
+            ("mm/s", "m/s", 1e-3),
+            ("meters per s,m_per_s", "m/s", 1.0),
+            ("deg,°,º,Grad", "rad", DEGREE),
+            ("mrad", "rad", 1e-3),
+            ("deg/s,°/s,deg/sec,deg per s,DEG/S,dps", "rad/s", DEGREE),
+            ("mdeg/s", "rad/s", 1e-3 * DEGREE),
+            ("rpm,rev/min", "rad/s", std::f64::consts::TAU / 60.0),
+            ("ms", "s", 1e-3),
+            ("us,µs", "s", 1e-6),
+            ("min", "s", 60.0),
+            ("h", "s", 3600.0),
+            ("unix time", "s", 1.0),
+            ("bar,BAR", "Pa", 1e5),
+            ("mbar,hPa", "Pa", 100.0),
+            ("psi", "Pa", 4.448_221_615_260_5 / (0.0254 * 0.0254)),
+            ("mm", "m", 1e-3),
+            ("km", "m", 1e3),
+            ("1/m,m^-1", "m^-1", 1.0),
+            ("kN", "N", 1e3),
+            ("%,percent", "%", 1.0),
+            ("%", "1", 0.01),
+            (",-,1", "1", 1.0),
+        ] {
+            for unit in units.split(',') {
+                let found = conversion(unit, target).unwrap_or_else(|e| panic!("{unit}: {e}"));
+                let error = (found.factor / factor - 1.0).abs();
+                assert!(error < 1e-13, "{unit}: {} for {factor}", found.factor);
+                assert_eq!(found.offset, 0.0, "{unit}");
+            }
+        }
+    }
+
+    #[test]
+    fn temperatures_have_their_zero() {
+        for (unit, value, celsius) in [
+            ("degC", -8.0, -8.0),
+            ("C", 21.5, 21.5),
+            ("°F", 32.0, 0.0),
+            ("degF", 212.0, 100.0),
+            ("K", 273.15, 0.0),
+        ] {
+            let found = conversion(unit, "°C").unwrap().apply(value);
+            assert!((found - celsius).abs() < 1e-11, "{unit}: {found}");
+        }
+    }
+
+    #[test]
+    fn other_text_is_no_unit() {
+        let long = "m".repeat(500);
+        for (unit, target) in [
+            ("kg", "m/s"),
+            ("furlongish", "m"),
+            ("10^10^10", "1"),
+            ("s^9^9", "s"),
+            ("(9^9)^9 s", "s"),
+            ("m); exec(", "m"),
+            ("", "m/s"),
+            ("1", "rad/s"),
+            ("1/s", "rad/s"),
+            ("g", "m/s"),
+            ("V", "1"),
+            (&long, "m"),
+        ] {
+            assert!(conversion(unit, target).is_err(), "{unit:?} to {target}");
+        }
+    }
+
+    #[test]
+    fn names_end_in_units() {
+        for (name, unit) in [
+            ("acc_x_gs", Some("gs")),
+            ("yaw_rate_deg_per_s", Some("deg per s")),
+            ("speed_meters_per_s", Some("meters per s")),
+            ("v_mps", Some("m/s")),
+            ("speed_kmh", Some("kmh")),
+            ("lateral_g", Some("g")),
+            ("gyro_x", None),
+            ("Speed", None),
+            ("Lap", None),
+        ] {
+            assert_eq!(name_unit(name).as_deref(), unit, "{name}");
+        }
+    }
+}
