@@ -46,7 +46,8 @@ pub use friction::GRAVITY;
 pub use align::estimate::TrackEstimate;
 pub use align::signature::Warp;
 pub use align::{Aligned, AlignedRun, align, state_places};
-pub use columns::Columns;
+pub use columns::matlab::{MatlabVariables, matlab_remark, read_matlab};
+pub use columns::{Columns, most_values};
 pub use columns::parquet::{read_parquet, write_parquet};
 pub use columns::read_columns;
 pub use columns::{read_csv, write_csv};
@@ -85,29 +86,15 @@ pub use record::check::profile::{Octave, Profile};
 pub use record::check::relations::fault::{Fault, FaultKind};
 pub use record::check::relations::judge::{judge, judge_by, refuse_faults};
 pub use record::check::relations::rules::RelationRules;
-<<<<<<< HEAD
 pub use record::files::{RunFormat, write_run};
 pub use record::files::{read_good_runs, read_needed, read_run, read_runs, state_distances};
 pub use record::gaps::Saturation;
 pub use record::gaps::{Gaps, OnGaps};
 pub use record::gaps::{TakingPart, gaps_line};
-=======
-pub use record::check::saturation::Saturation;
-pub use record::check::taking_part::{TakingPart, gaps_line};
-pub use record::columns::{Columns, most_values};
-pub use record::csv::{read_csv, write_csv};
->>>>>>> b97b94a2 (telemetry, sled: one reader of text, units as a table, Parquet by logical types, bounded unpacking)
 pub use record::index::{
     Entry, ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS, read_index, write_index,
 };
-<<<<<<< HEAD
 pub use record::needs::{Needs, refuse_unstated_air};
-=======
-pub use record::matlab::{MatlabVariables, matlab_remark, read_matlab};
-pub use record::parquet::{read_parquet, write_parquet};
-pub use record::read::read_columns;
-pub use record::read_runs::{read_good_runs, read_needed, read_run, read_runs, state_distances};
->>>>>>> b97b94a2 (telemetry, sled: one reader of text, units as a table, Parquet by logical types, bounded unpacking)
 pub use record::run::{COLUMNS, Run};
 pub use replay::compared::Section;
 pub use replay::compared::{Compared, Difference};

@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use kufe_sled::Saturation;
+
 use crate::error::Error;
 use crate::mapping::{ClockWord, Mapping};
 use crate::plan::PlannedRun;
 use crate::relation::{LoggerSeries, Pair, Place, Relation, Sides, pairs};
 
-/// A logger's clock beside that of the runs.
+/// A logger's clock against that of the runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Aligned {
     /// Whose it is: "the runs'", "shared", "stated" or "found".
@@ -61,6 +63,7 @@ pub fn align(
     if open.is_empty() {
         return Ok(aligned);
     }
+    let series: Vec<LoggerSeries> = series.iter().map(without_saturation).collect();
     let place = |column: &str| {
         mapping
             .channels
@@ -132,6 +135,34 @@ const SAMPLES: f64 = 5.0;
 
 /// Least correlation that is a relation.
 const LEAST: f64 = 0.5;
+
+/// A series without the samples at an end stop of its sensor, which follow no motion.
+fn without_saturation(series: &LoggerSeries) -> LoggerSeries {
+    let mut series = series.clone();
+    let values = &mut series.series.values;
+    // Two ends.
+    for _ in 0..2 {
+        let Some(stop) = Saturation::of(values) else {
+            break;
+        };
+        let mut begin = 0;
+        while begin < values.len() {
+            let length = values[begin..]
+                .iter()
+                .take_while(|x| **x == stop.at)
+                .count();
+            if length >= SATURATED {
+                let end = (begin + length + 1).min(values.len());
+                values[begin.saturating_sub(1)..end].fill(f64::NAN);
+            }
+            begin += length.max(1);
+        }
+    }
+    series
+}
+
+/// Samples at one end of the range that are saturation.
+const SATURATED: usize = 4;
 
 /// A delay, and what it is from.
 #[derive(Clone, Debug, PartialEq)]
@@ -383,7 +414,7 @@ impl Sampled {
             left: (0..count(left))
                 .map(|i| side.left(at(left, i)).map_or(f64::NAN, |l| l[0]))
                 .collect(),
-            // A speed of the other clock is slow beside what it multiplies; it is brought into place when the delay is refined.
+            // The speed of the other clock varies slowly; it is brought into place when the delay is refined.
             right: (0..count(right))
                 .map(|i| {
                     side.right(at(right, i), left[0] - right[0])
@@ -397,7 +428,7 @@ impl Sampled {
 
     /// Pairs and correlation with the right side brought ahead by so much [s].
     fn fit(&self, ahead: f64) -> Option<(f64, f64)> {
-        // Right sample j stands at the place of left sample j + shift.
+        // Right sample j belongs to left sample j + shift.
         let shift = ((ahead - self.apart) / self.step).round() as i64;
         let from = (-shift).max(0);
         let to = (self.left.len() as i64 - shift).min(self.right.len() as i64);

@@ -18,9 +18,9 @@ pub enum Error {
         file: String,
         /// The key with its table.
         key: String,
-        /// What stands there.
+        /// The value found.
         found: String,
-        /// What should stand there.
+        /// The value expected.
         expected: String,
     },
     /// A recording has no channel of this name.
@@ -28,7 +28,7 @@ pub enum Error {
     NoChannel {
         /// The recording.
         file: String,
-        /// The name asked for.
+        /// The name requested.
         channel: String,
         /// The names that are there.
         found: String,
@@ -42,9 +42,9 @@ pub enum Error {
         row: u64,
         /// The channel.
         channel: String,
-        /// What stands there.
+        /// The value found.
         found: String,
-        /// What should stand there.
+        /// The value expected.
         expected: &'static str,
     },
     /// The values of a channel cannot be used.

@@ -1,6 +1,7 @@
 //! What the channels of a sample may be, and how sure that is: a mapping to edit.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -8,7 +9,7 @@ use kufe_sled::COLUMNS;
 
 use crate::log::{Channel, Log};
 use crate::plan::index_help;
-use crate::unit::{column_unit, conversion};
+use crate::unit::{column_unit, conversion, has_dimension, name_unit, unit_words};
 
 /// One file of a run, with its path as the mapping is to name it.
 struct Logger {
@@ -19,7 +20,7 @@ struct Logger {
 
 /// A commented `mapping.toml` for recordings like these: files of one run, one a logger, with their paths from the mapping.
 ///
-/// Every line says how sure it is and why. What cannot be told is a comment that begins with `# ?`, with the line that
+/// Every line says how sure it is and why. An open question is a comment that begins with `# ?`, with the line that
 /// answers it below, to be completed and freed of its `#`.
 pub fn guess_mapping(files: &[(PathBuf, Log)]) -> String {
     let (names, run) = split_names(files);
@@ -35,7 +36,7 @@ pub fn guess_mapping(files: &[(PathBuf, Log)]) -> String {
                 .display()
                 .to_string()
                 .replace('\\', "/"),
-            sample: sample(log),
+            sample: Sample::of(log),
         })
         .collect();
     let mut text = String::from(
@@ -54,18 +55,10 @@ pub fn guess_mapping(files: &[(PathBuf, Log)]) -> String {
             lead.name
         );
     }
-    let mut taken: BTreeSet<&str> = BTreeSet::new();
     let mut channels = String::new();
     for column in COLUMNS.iter().chain(&["s_m"]) {
-        let by_weight = |l: &&Logger| l.sample.columns.get(column).map_or(0, |guess| guess.weight);
-        match loggers
-            .iter()
-            .rev()
-            .max_by_key(by_weight)
-            .filter(|l| by_weight(l) > 0)
-        {
+        match best(&loggers, column) {
             Some(logger) => {
-                taken.insert(&logger.name);
                 channels += &line(
                     column,
                     &logger.sample.columns[*column],
@@ -96,12 +89,16 @@ pub fn guess_mapping(files: &[(PathBuf, Log)]) -> String {
             text += "# delay_s = 0.0            # or state by how much it is late\n";
         }
         for (column, guess) in &logger.sample.columns {
-            let first = loggers
-                .iter()
-                .rev()
-                .max_by_key(|l| l.sample.columns.get(column).map_or(0, |g| g.weight));
-            if first.is_some_and(|first| first.name != logger.name) && guess.open.is_none() {
-                text += &line(&format!("also.{column}"), guess, None);
+            if best(&loggers, column).is_none_or(|best| best.name == logger.name) {
+                continue;
+            }
+            let mut guess = guess.clone();
+            if let Some(units) = guess.open.take() {
+                guess.unit = units.first().copied();
+                guess.why += "; the unit is of no account for the clock";
+            }
+            if guess.unit != Some("?") {
+                text += &line(&format!("also.{column}"), &guess, None);
             }
         }
     }
@@ -120,15 +117,29 @@ pub fn guess_mapping(files: &[(PathBuf, Log)]) -> String {
     text
 }
 
+/// The logger with the best channel for a column, the first of equal ones.
+fn best<'a>(loggers: &'a [Logger], column: &str) -> Option<&'a Logger> {
+    let guess = |logger: &'a Logger| Some((logger, logger.sample.columns.get(column)?));
+    let candidates = loggers.iter().rev().filter_map(guess);
+    let best = candidates.max_by(|(_, a), (_, b)| a.compare(b));
+    best.map(|(logger, _)| logger)
+}
+
+/// Text as TOML writes it.
+fn quoted(text: &str) -> String {
+    toml::Value::from(text).to_string()
+}
+
 fn head(text: &mut String, logger: &Logger, run: &str) {
     let _ = writeln!(
         text,
-        "\n[logger.{}]\nfiles = {:?}      # the * is the run's name, here {run:?}",
-        logger.name, logger.pattern
+        "\n[logger.{}]\nfiles = {}      # the * is the run's name, here {run:?}",
+        logger.name,
+        quoted(&logger.pattern)
     );
     match &logger.sample.time {
         Some((name, unit, why)) => {
-            let _ = writeln!(text, "time = {name:?}          # {why}");
+            let _ = writeln!(text, "time = {}          # {why}", quoted(name));
             if let Some(unit) = unit {
                 let _ = writeln!(text, "time_unit = {unit:?}");
             }
@@ -142,7 +153,7 @@ fn head(text: &mut String, logger: &Logger, run: &str) {
 fn line(column: &str, guess: &Guess, logger: Option<&String>) -> String {
     let mut keys = Vec::new();
     keys.extend(logger.map(|logger| format!("logger = {logger:?}")));
-    keys.push(format!("from = {:?}", guess.from));
+    keys.push(format!("from = {}", quoted(&guess.from)));
     keys.extend(guess.unit.map(|unit| format!("unit = {unit:?}")));
     keys.extend(guess.negative.then(|| "sign = -1".to_string()));
     match guess.open {
@@ -190,6 +201,16 @@ fn split_names(files: &[(PathBuf, Log)]) -> (Vec<(String, String)>, String) {
             stems[0].clone(),
         );
     }
+    // One run's files in a folder for each logger.
+    if stems.iter().all(|stem| *stem == stems[0]) {
+        let names = files.iter().enumerate().map(|(i, (path, _))| {
+            let folder = path
+                .parent()
+                .map_or(String::new(), |folder| part(folder, Path::file_name));
+            (logger_name(&folder, i), format!("*{}", ending(i)))
+        });
+        return (distinct(names.collect()), stems[0].clone());
+    }
     let first: Vec<char> = stems[0].chars().collect();
     let shared = |of: &dyn Fn(&str, &str) -> bool, parts: Vec<String>| {
         parts
@@ -210,17 +231,6 @@ fn split_names(files: &[(PathBuf, Log)]) -> (Vec<(String, String)>, String) {
             .collect(),
     );
     let bare = |text: &str| text.trim_matches(['_', '-', '.', ' ']).to_string();
-    let plain = |text: &str, i: usize| {
-        let kept: String = bare(text)
-            .chars()
-            .filter(|c| c.is_ascii_alphanumeric() || *c == '_')
-            .collect();
-        if kept.is_empty() {
-            format!("logger{}", i + 1)
-        } else {
-            kept.to_lowercase()
-        }
-    };
     let (prefix, suffix) = (prefix.unwrap_or_default(), suffix.unwrap_or_default());
     let by_suffix = bare(&suffix).len() >= bare(&prefix).len();
     let run = bare(if by_suffix { &suffix } else { &prefix });
@@ -234,9 +244,30 @@ fn split_names(files: &[(PathBuf, Log)]) -> (Vec<(String, String)>, String) {
             let own = stem[run.len()..].to_string();
             (own.clone(), format!("*{own}{}", ending(i)))
         };
-        (plain(&own, i), pattern)
+        (logger_name(&own, i), pattern)
     });
-    (names.collect(), run.clone())
+    (distinct(names.collect()), run.clone())
+}
+
+/// A name for the table of the i-th logger, by a part of its file's path.
+fn logger_name(text: &str, i: usize) -> String {
+    let plain = |c: &char| c.is_ascii_alphanumeric() || *c == '_';
+    let name: String = text.chars().filter(plain).collect();
+    match name.trim_matches('_') {
+        "" => format!("logger{}", i + 1),
+        name => name.to_lowercase(),
+    }
+}
+
+/// Puts the place of a logger behind a name that one before it has.
+fn distinct(mut names: Vec<(String, String)>) -> Vec<(String, String)> {
+    for i in 1..names.len() {
+        let (before, own) = names.split_at_mut(i);
+        if before.iter().any(|(name, _)| *name == own[0].0) {
+            own[0].0 += &format!("_{}", i + 1);
+        }
+    }
+    names
 }
 
 /// A channel that may be a column.
@@ -249,11 +280,45 @@ pub(crate) struct Guess {
     pub negative: bool,
     /// Weight of the name.
     pub weight: usize,
+    /// Samples with a value.
+    pub samples: usize,
+    /// Change of the slope from sample to sample as a share of the slope: small where a filter smoothed the values.
+    pub roughness: f64,
     /// How sure, and why.
     pub why: String,
     /// Units that it may be, where nothing decides.
     pub open: Option<&'static [&'static str]>,
 }
+
+impl Guess {
+    /// Better is kufe's own name, then the faster channel, then the one that no filter smoothed, then the surer name.
+    fn compare(&self, other: &Guess) -> Ordering {
+        let by = |a: f64, b: f64, ratio: f64| match (a > ratio * b, b > ratio * a) {
+            (true, _) => Ordering::Greater,
+            (_, true) => Ordering::Less,
+            _ => Ordering::Equal,
+        };
+        let smoothed = |guess: &Guess| {
+            let name = guess.from.to_lowercase();
+            SMOOTHED.iter().any(|word| name.contains(word))
+        };
+        let own = |guess: &Guess| guess.weight >= OWN;
+        own(self)
+            .cmp(&own(other))
+            .then(by(self.samples as f64, other.samples as f64, 1.5))
+            .then(smoothed(other).cmp(&smoothed(self)))
+            .then(by(self.roughness, other.roughness, 2.0))
+            .then(self.weight.cmp(&other.weight))
+    }
+}
+
+/// Words in names of filtered or computed channels.
+const SMOOTHED: [&str; 7] = [
+    "filt", "smooth", "avg", "average", "mean", "lowpass", "calc",
+];
+
+/// Weight of a name of kufe's own.
+const OWN: usize = 1000;
 
 /// What a file's channels may be.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -267,53 +332,61 @@ pub(crate) struct Sample {
     pub others: Vec<String>,
 }
 
-/// Guesses by names, then by what the file states, then by values.
-pub(crate) fn sample(log: &Log) -> Sample {
-    let mut found = Sample {
-        clocked: !log.clocks.is_empty(),
-        ..Sample::default()
-    };
-    let mut times: Vec<(usize, &Channel, Option<&'static str>, String)> = Vec::new();
-    for channel in &log.channels {
-        if let (Some(rank), Some(said)) = (time_rank(&channel.name), time_unit(&channel.values)) {
-            let stated = channel
-                .unit
-                .as_deref()
-                .filter(|unit| conversion(unit, "s").is_ok());
-            let (unit, why) = match (stated, said) {
-                (Some(unit), _) => (None, format!("the file says {unit}")),
-                (None, Said::Unit(unit, why)) => (Some(unit), why),
-                (None, Said::Open(_, why)) => (Some("s"), format!("? s, ms or us: {why}")),
-            };
-            times.push((rank, channel, unit, why));
-            continue;
-        }
-        match by_name(&channel.name) {
-            None => found.others.push(channel.name.clone()),
-            Some(named) => {
-                let guess = guess(channel, named.column, named.weight, named.own);
-                let better = found
-                    .columns
-                    .get(named.column)
-                    .is_none_or(|known| known.weight < guess.weight);
-                let loser = if better {
-                    found.columns.insert(named.column, guess)
-                } else {
-                    Some(guess)
+impl Sample {
+    /// Guesses by names, then by what the file states, then by values.
+    fn of(log: &Log) -> Sample {
+        let mut found = Sample {
+            clocked: !log.clocks.is_empty(),
+            ..Sample::default()
+        };
+        let mut times: Vec<(usize, &Channel, Option<&'static str>, String)> = Vec::new();
+        for channel in &log.channels {
+            if let (Some(rank), Some(said)) = (time_rank(&channel.name), time_unit(&channel.values))
+            {
+                let stated = channel
+                    .unit
+                    .as_deref()
+                    .filter(|unit| conversion(unit, "s").is_ok());
+                let (unit, why) = match (stated, said) {
+                    (Some(unit), _) => (None, format!("the file says {unit}")),
+                    (None, Said::Unit(unit, why)) => (Some(unit), why),
+                    (None, Said::Open(_, why)) => (Some("s"), format!("? s, ms or us: {why}")),
                 };
-                found.others.extend(loser.map(|loser| loser.from));
+                times.push((rank, channel, unit, why));
+                continue;
+            }
+            // The unit that the file states may be one of another quantity.
+            let converts = |named: &Named| {
+                let unit = channel.unit.as_deref().filter(|unit| has_dimension(unit));
+                unit.is_none_or(|unit| conversion(unit, column_unit(named.column)).is_ok())
+            };
+            match by_name(&channel.name).filter(converts) {
+                None => found.others.push(channel.name.clone()),
+                Some(named) => {
+                    let guess = guess(channel, named.column, named.weight, named.own);
+                    let better = found
+                        .columns
+                        .get(named.column)
+                        .is_none_or(|known| known.compare(&guess).is_lt());
+                    let loser = if better {
+                        found.columns.insert(named.column, guess)
+                    } else {
+                        Some(guess)
+                    };
+                    found.others.extend(loser.map(|loser| loser.from));
+                }
             }
         }
+        if let Some((_, channel, unit, why)) = times.into_iter().min_by_key(|time| time.0) {
+            found.time = Some((channel.name.clone(), unit, why));
+        }
+        share_unit(&mut found.columns, &["az_mps2", "ax_mps2", "ay_mps2"]);
+        share_unit(
+            &mut found.columns,
+            &["yaw_rate_radps", "roll_rate_radps", "pitch_rate_radps"],
+        );
+        found
     }
-    if let Some((_, channel, unit, why)) = times.into_iter().min_by_key(|time| time.0) {
-        found.time = Some((channel.name.clone(), unit, why));
-    }
-    share_unit(&mut found.columns, &["az_mps2", "ax_mps2", "ay_mps2"]);
-    share_unit(
-        &mut found.columns,
-        &["yaw_rate_radps", "roll_rate_radps", "pitch_rate_radps"],
-    );
-    found
 }
 
 /// The axes of one accelerometer, and of one gyroscope, have one unit: that of the first whose values decide.
@@ -358,9 +431,19 @@ fn guess(channel: &Channel, column: &'static str, weight: usize, own: bool) -> G
         unit,
         negative,
         weight,
+        samples: channel.values.iter().filter(|x| x.is_finite()).count(),
+        roughness: roughness(&channel.values),
         why,
         open,
     }
+}
+
+/// Sum of the slope's changes from sample to sample, as a share of the sum of the slopes.
+fn roughness(values: &[f64]) -> f64 {
+    let finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
+    let slopes = finite.windows(2).map(|w| (w[1] - w[0]).abs()).sum::<f64>();
+    let changes = finite.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs());
+    changes.sum::<f64>() / slopes.max(f64::MIN_POSITIVE)
 }
 
 /// What values say.
@@ -368,7 +451,7 @@ fn guess(channel: &Channel, column: &'static str, weight: usize, own: bool) -> G
 pub(crate) enum Said {
     /// A unit, and why.
     Unit(&'static str, String),
-    /// Units that it may be, and why that cannot be told.
+    /// Units that it may have, and why that is open.
     Open(&'static [&'static str], String),
 }
 
@@ -435,14 +518,16 @@ pub(crate) fn time_unit(values: &[f64]) -> Option<Said> {
     }
     let middle = steps.len() / 2;
     let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let told = format!("usual step {median}");
+    let step_text = format!("usual step {median}");
     Some(match median {
-        m if m < 0.6 => Said::Unit("s", format!("{told}: {:.0} Hz", 1.0 / m)),
-        m if (1000.0..1e6).contains(&m) => Said::Unit("us", format!("{told}: {:.0} Hz", 1e6 / m)),
-        m if m.fract() == 0.0 && m < 1000.0 => {
-            Said::Unit("ms", format!("{told}: {:.0} Hz", 1e3 / m))
+        m if m < 0.6 => Said::Unit("s", format!("{step_text}: {:.0} Hz", 1.0 / m)),
+        m if (1000.0..1e6).contains(&m) => {
+            Said::Unit("us", format!("{step_text}: {:.0} Hz", 1e6 / m))
         }
-        _ => Said::Open(&["s", "ms", "us"], told),
+        m if m.fract() == 0.0 && m < 1000.0 => {
+            Said::Unit("ms", format!("{step_text}: {:.0} Hz", 1e3 / m))
+        }
+        _ => Said::Open(&["s", "ms", "us"], step_text),
     })
 }
 
@@ -611,7 +696,11 @@ const NAMES: [(&str, Words, Words); 11] = [
 ];
 
 /// What times are called.
-const TIMES: [&str; 8] = [
+const TIMES: [&str; 12] = [
+    "utc time",
+    "gps time",
+    "unix time",
+    "utc",
     "t s",
     "time",
     "zeit",
@@ -634,11 +723,15 @@ pub(crate) struct Named {
 
 /// The column that a name speaks for.
 pub(crate) fn by_name(name: &str) -> Option<Named> {
-    let plain = plain(name);
+    let mut plain = plain(name);
+    if name_unit(name).is_some() {
+        let words: Vec<&str> = plain.split(' ').collect();
+        plain = words[..words.len().saturating_sub(unit_words(name))].join(" ");
+    }
     if let Some((column, ..)) = NAMES.iter().find(|(column, ..)| *column == name) {
         return Some(Named {
             column,
-            weight: 1000,
+            weight: OWN,
             own: true,
         });
     }

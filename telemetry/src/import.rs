@@ -89,6 +89,7 @@ impl Importer {
                     delay_sd_s: None,
                     delay_includes: None,
                     relations: Vec::new(),
+                    rotation: self.mapping.logger[name].rotation,
                     file: file.clone(),
                 },
             );
@@ -111,6 +112,20 @@ impl Importer {
                     column: column.clone(),
                     series,
                 });
+            }
+            if let Some(rotation) = self.mapping.logger[name].rotation {
+                let channels = read.iter_mut().filter(|(_, read)| read.logger == *name);
+                let mut own: BTreeMap<&str, &mut Series> = channels
+                    .map(|(column, read)| (column.as_str(), &mut read.series))
+                    .collect();
+                let others = also.iter_mut().filter(|also| also.logger == *name);
+                own.extend(others.map(|also| (also.column.as_str(), &mut also.series)));
+                rotate(own, rotation).map_err(|(found, expected)| Error::Key {
+                    file: self.file.clone(),
+                    key: format!("logger.{name}.rotation"),
+                    found,
+                    expected,
+                })?;
             }
         }
         let delays = self.delays(planned, &read, also)?;
@@ -259,12 +274,12 @@ impl Importer {
             .map(|span| span[1])
             .fold(f64::INFINITY, f64::min);
         let rate = self.mapping.rate_hz;
-        // Rows stand at samples of the lead, so that they need no interpolation where rates are multiples.
+        // Rows are at samples of the lead, so that they need no interpolation where rates are multiples.
         let lead = spans.get(self.mapping.lead()).map_or(start, |span| span[0]);
         let start = lead + ((start - lead) * rate - 1e-6).ceil() / rate;
         let rows = ((end - start) * rate + 1e-6).floor() + 1.0;
         if !(2.0..=MOST_ROWS).contains(&rows) {
-            let told: Vec<String> = spans
+            let parts: Vec<String> = spans
                 .iter()
                 .map(|(name, span)| format!("{name} {:.3} to {:.3} s", span[0], span[1]))
                 .collect();
@@ -273,7 +288,7 @@ impl Importer {
                 logger: self.mapping.lead().to_string(),
                 reason: format!(
                     "found {}, expected a time of at least two rows and at most {MOST_ROWS:e} that all share",
-                    told.join(", ")
+                    parts.join(", ")
                 ),
             });
         }
@@ -293,6 +308,13 @@ impl Importer {
         columns: &mut Columns,
         file: &str,
     ) -> Result<ChannelNote, Error> {
+        let times = || channel.series.time.iter().filter(|t| t.is_finite());
+        let span = match (times().next(), times().next_back()) {
+            (Some(first), Some(last)) => last - first,
+            _ => 0.0,
+        };
+        let both = channel.series.time.iter().zip(&channel.series.values);
+        let samples = both.filter(|(t, x)| t.is_finite() && x.is_finite()).count();
         let found =
             resample(&channel.series.time, &channel.series.values, base).ok_or_else(|| {
                 Error::Channel {
@@ -315,6 +337,8 @@ impl Importer {
             delay_s: source.delay_s.unwrap_or(0.0),
             place_m: source.place_m,
             rate_hz: found.rate_hz,
+            samples,
+            expected_samples: ((span * found.rate_hz).round() as usize + 1).max(samples),
             jitter_steps: found.jitter,
             filter_hz: found.filter_hz,
             interpolated: found.interpolated,
@@ -327,6 +351,57 @@ impl Importer {
         columns.insert(column.to_string(), found.values);
         Ok(note)
     }
+}
+
+/// Turns the vectors of a sensor box into the sled's axes: `R_z(yaw) R_y(pitch) R_x(roll)` times each.
+///
+/// # Errors
+/// What is found instead of all three axes at the same times, and what is expected.
+fn rotate(
+    mut series: BTreeMap<&str, &mut Series>,
+    [roll, pitch, yaw]: [f64; 3],
+) -> Result<(), (String, String)> {
+    const VECTORS: [[&str; 3]; 2] = [
+        ["ax_mps2", "ay_mps2", "az_mps2"],
+        ["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"],
+    ];
+    let ((sr, cr), (sp, cp), (sy, cy)) = (roll.sin_cos(), pitch.sin_cos(), yaw.sin_cos());
+    let rows = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ];
+    let mut turned = 0;
+    for axes in VECTORS {
+        let mut vector: Vec<&mut Series> =
+            axes.iter().filter_map(|axis| series.remove(axis)).collect();
+        let count = vector.len();
+        let expected = || format!("{} in this logger, at the same times", axes.join(", "));
+        let [x, y, z] = &mut vector[..] else {
+            if count == 0 {
+                continue;
+            }
+            return Err((format!("{count} of 3 axes"), expected()));
+        };
+        let same = |a: &Series, b: &Series| {
+            let mut pairs = a.time.iter().zip(&b.time);
+            a.time.len() == b.time.len() && pairs.all(|(a, b)| a.total_cmp(b).is_eq())
+        };
+        if !(same(x, y) && same(x, z)) {
+            return Err(("axes at different times".to_string(), expected()));
+        }
+        for i in 0..x.values.len() {
+            let own = [x.values[i], y.values[i], z.values[i]];
+            let [a, b, c] = rows.map(|row| row[0] * own[0] + row[1] * own[1] + row[2] * own[2]);
+            (x.values[i], y.values[i], z.values[i]) = (a, b, c);
+        }
+        turned += 1;
+    }
+    if turned == 0 {
+        let expected = "an accelerometer or a gyroscope in this logger";
+        return Err(("no axes".to_string(), expected.to_string()));
+    }
+    Ok(())
 }
 
 fn entry(planned: &PlannedRun) -> Entry {
@@ -399,7 +474,7 @@ pub(crate) fn recipe(
         file: file.to_string(),
         channel: source.from.clone(),
         found: format!("unit {unit:?}"),
-        expected: format!("a unit that converts to {target} ({reason}); channels.{column}.unit in the mapping stands before it"),
+        expected: format!("a unit that converts to {target} ({reason}); channels.{column}.unit in the mapping takes precedence"),
     })?;
     let sign = source.sign.unwrap_or(1.0);
     let scale = source.scale.unwrap_or(1.0);
@@ -557,7 +632,7 @@ pub struct LoggerNote {
     pub sha256: String,
     /// Whose its clock is: "the runs'", "shared", "stated" or "found".
     pub clock: &'static str,
-    /// By how much it is late: an event stands in it this much later than in the runs' clock [s].
+    /// By how much it is late: an event is this much later in it than in the runs' clock [s].
     pub delay_s: f64,
     /// Standard error of that [s], where it was found.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -568,6 +643,9 @@ pub struct LoggerNote {
     /// What it was found from.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub relations: Vec<Relation>,
+    /// Roll, pitch and yaw of the sensor box that its axes were turned by [rad].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<[f64; 3]>,
 }
 
 /// What was done with a channel.
@@ -581,24 +659,28 @@ pub struct ChannelNote {
     pub unit: String,
     /// Who says so: "mapping" or "file".
     pub unit_from: &'static str,
-    /// `column = factor * value + offset`, all told.
+    /// `column = factor * value + offset`.
     pub factor: f64,
     /// See `factor`.
     pub offset: f64,
     /// 1 or -1; `factor` has it.
     pub sign: f64,
-    /// By how much the channel is late beside its logger's clock, as stated [s].
+    /// By how much the channel is late against its logger's clock, as stated [s].
     pub delay_s: f64,
     /// The sensor's place from the centre of gravity [m], where it is stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub place_m: Option<[f64; 3]>,
     /// Its own rate [Hz].
     pub rate_hz: f64,
+    /// Samples with a value.
+    pub samples: usize,
+    /// Samples that its rate gives from the first to the last of its logger's times.
+    pub expected_samples: usize,
     /// Largest deviation of its times from uniform ones [steps].
     pub jitter_steps: f64,
     /// Corner of the low pass before it was thinned out [Hz]; none where it is no faster than the run.
     pub filter_hz: Option<f64>,
-    /// Whether rows stand between its samples.
+    /// Whether rows lie between its samples.
     pub interpolated: bool,
     /// Rows without a value.
     pub missing_rows: usize,

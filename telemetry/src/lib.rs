@@ -43,7 +43,7 @@ pub use log::{Channel, Log};
 pub use mapping::{
     ChannelSource, ClockWord, IndexValues, LoggerFiles, Mapping, RunFormatWord, RunTable,
 };
-pub use plan::{PlannedRun, index_csv, plan};
+pub use plan::{ExcludedRun, Plan, PlannedRun, index_csv, plan};
 pub use recording::{read_log, read_matlab73, read_mdf4, read_recording};
 pub use relation::Relation;
 pub use resample::{Base, Gap, Resampled, resample};

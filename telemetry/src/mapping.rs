@@ -56,7 +56,7 @@ pub enum RunFormatWord {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoggerFiles {
-    /// Its files, relative to the mapping: a path in whose last part one `*` stands for the run's name.
+    /// Its files, relative to the mapping: a path in whose last part one `*` is the run's name.
     pub files: Option<String>,
     /// The channel that holds its time; an MDF 4 file has its own.
     pub time: Option<String>,
@@ -68,9 +68,12 @@ pub struct LoggerFiles {
     /// "own": its clock's delay is found from what its channels share with others'; "shared": its clock is the runs'.
     #[serde(default)]
     pub clock: ClockWord,
-    /// By how much its clock is late, stated instead of found: an event stands in it this much later than in the runs' clock [s].
+    /// By how much its clock is late, stated instead of found: an event is this much later in it than in the runs' clock [s].
     pub delay_s: Option<f64>,
-    /// Largest delay that is looked for [s].
+    /// Roll, pitch and yaw of the sensor box in the sled's axes [rad]: turns the accelerometer's and the gyroscope's axes
+    /// together, about x first, then y, then z.
+    pub rotation: Option<[f64; 3]>,
+    /// Largest delay that is searched [s].
     #[schemars(range(min = 0.0, max = 100000.0))]
     pub largest_delay_s: Option<f64>,
     /// Between two cells of a text file, where it cannot be found out: ",", ";" or a tab.
@@ -109,7 +112,7 @@ pub struct ChannelSource {
     pub scale: Option<f64>,
     /// What the sensor reads at zero, in its own counts.
     pub zero: Option<f64>,
-    /// By how much the channel is late beside its logger's clock [s].
+    /// By how much the channel is late against its logger's clock [s].
     pub delay_s: Option<f64>,
     /// The channel that holds its time, where it is not the logger's.
     pub time: Option<String>,
@@ -121,7 +124,7 @@ pub struct ChannelSource {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IndexValues {
-    /// A CSV with a column `run` and any of the others; a cell of it stands before what is said here.
+    /// A CSV with a column `run` and any of the others; a cell of it takes precedence.
     pub table: Option<PathBuf>,
     /// Name of the track.
     pub track: Option<String>,
@@ -268,10 +271,14 @@ pub(crate) fn check(mapping: &Mapping, file: &str) -> Result<(), Error> {
         within(key("rate_hz"), logger.rate_hz, 0.01, 1e6)?;
         within(key("delay_s"), logger.delay_s, -1e9, 1e9)?;
         within(key("largest_delay_s"), logger.largest_delay_s, 0.0, 1e5)?;
+        for angle in logger.rotation.into_iter().flatten() {
+            let most = std::f64::consts::TAU;
+            within(key("rotation"), Some(angle), -most, most)?;
+        }
         if logger.rate_hz.is_some() && logger.time.is_some() {
             return Err(wrong(
                 key("rate_hz"),
-                "a rate beside a time channel".into(),
+                "a rate and a time channel".into(),
                 "one of the two",
             ));
         }
@@ -455,7 +462,7 @@ mod tests {
         let mapping = Mapping::parse(text, "mapping.toml").unwrap();
         assert_eq!(mapping.lead(), "imu");
         assert_eq!(mapping.channels.len(), kufe_sled::COLUMNS.len());
-        // Every key that stands in a comment is one.
+        // Every key in a comment is one.
         let keys = text
             .replace("# rate_hz = 500", "#- rate_hz = 500")
             .replace("# a column", "#- a column");

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use kufe_sled::{ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS};
+use serde::Serialize;
 
 use crate::error::Error;
 use crate::mapping::{INDEX_RANGES, IndexValues, Mapping, place_of, plain_name};
@@ -22,14 +23,32 @@ pub struct PlannedRun {
     pub index: IndexValues,
 }
 
-/// The runs of a mapping that stands in `folder`, by name, and every file that they are made of besides recordings.
+/// A run that is not imported.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ExcludedRun {
+    /// Its name.
+    pub run: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// The runs of a mapping.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Plan {
+    /// Runs of which every logger has a file, by name.
+    pub runs: Vec<PlannedRun>,
+    /// The others.
+    pub excluded: Vec<ExcludedRun>,
+}
+
+/// The runs of a mapping in `folder`, by name, and every file that they are made of besides recordings.
 ///
-/// A run is what the `*` of a logger's pattern stands for, or a table `[[run]]`; every logger must have a file of every run.
+/// A run is what the `*` of a logger's pattern matches, or a table `[[run]]`.
 ///
 /// # Errors
-/// [`Error::Key`] for a pattern that finds nothing, a run that lacks a file, a name that two files have; [`Error::File`] for
-/// an index table that cannot be read.
-pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Vec<PlannedRun>, Error> {
+/// [`Error::Key`] for a pattern that finds nothing, a name that no run can have, or where no run has all of its files;
+/// [`Error::File`] for an index table that cannot be read.
+pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error> {
     let wrong = |key: String, found: String, expected: String| Error::Key {
         file: file.to_string(),
         key,
@@ -72,43 +91,7 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Vec<PlannedR
             read_table(&bytes_of(&path)?, &path.display().to_string())?
         }
     };
-    let runs: Result<Vec<PlannedRun>, Error> = files
-        .into_iter()
-        .map(|(name, files)| {
-            let lacking = mapping
-                .logger
-                .keys()
-                .find(|logger| !files.contains_key(*logger));
-            if let Some(logger) = lacking {
-                let there: Vec<String> = files
-                    .values()
-                    .map(|path| path.display().to_string())
-                    .collect();
-                return Err(wrong(
-                    format!("logger.{logger}.files"),
-                    format!("no file of run {name}"),
-                    format!(
-                        "one beside {}, or files.{logger} in a table [[run]]",
-                        there.join(", ")
-                    ),
-                ));
-            }
-            let own = mapping.run.iter().find(|run| run.name == name);
-            let row = table
-                .iter()
-                .find(|(run, _)| *run == name)
-                .map(|(_, values)| values);
-            let index = mapping.index.below(row.unwrap_or(&IndexValues::default()));
-            Ok(PlannedRun {
-                index: index.below(own.map_or(&IndexValues::default(), |run| &run.index)),
-                delay_s: own.map(|run| run.delay_s.clone()).unwrap_or_default(),
-                name,
-                files,
-            })
-        })
-        .collect();
-    let runs = runs?;
-    if runs.is_empty() {
+    if files.is_empty() {
         return Err(wrong(
             "run".into(),
             "no run".into(),
@@ -116,8 +99,8 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Vec<PlannedR
         ));
     }
     for (name, _) in &table {
-        if !runs.iter().any(|run| run.name == *name) {
-            let known: Vec<&str> = runs.iter().map(|run| run.name.as_str()).take(60).collect();
+        if !files.contains_key(name) {
+            let known: Vec<&str> = files.keys().map(String::as_str).take(60).collect();
             return Err(wrong(
                 "index.table".into(),
                 format!("a row of run {name:?}"),
@@ -125,10 +108,53 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Vec<PlannedR
             ));
         }
     }
-    Ok(runs)
+    let mut plan = Plan::default();
+    let mut first = None;
+    for (name, files) in files {
+        let missing = mapping
+            .logger
+            .keys()
+            .find(|logger| !files.contains_key(*logger));
+        if let Some(logger) = missing {
+            let there: Vec<String> = files
+                .values()
+                .map(|path| path.display().to_string())
+                .collect();
+            let error = wrong(
+                format!("logger.{logger}.files"),
+                format!("no file of run {name}"),
+                format!(
+                    "one in addition to {}, or files.{logger} in a table [[run]]",
+                    there.join(", ")
+                ),
+            );
+            plan.excluded.push(ExcludedRun {
+                run: name,
+                reason: error.to_string(),
+            });
+            first.get_or_insert(error);
+            continue;
+        }
+        let own = mapping.run.iter().find(|run| run.name == name);
+        let row = table.iter().find(|(run, _)| *run == name);
+        let unstated = IndexValues::default();
+        let index = mapping
+            .index
+            .below(row.map_or(&unstated, |(_, values)| values));
+        plan.runs.push(PlannedRun {
+            index: index.below(own.map_or(&unstated, |run| &run.index)),
+            delay_s: own.map(|run| run.delay_s.clone()).unwrap_or_default(),
+            name,
+            files,
+        });
+    }
+    match first {
+        Some(error) if plan.runs.is_empty() => Err(error),
+        _ => Ok(plan),
+    }
 }
 
-/// Files that a pattern names, with what its `*` stands for, or with the file's own name where it has none; by name.
+/// Files that a pattern names, with what its `*` matches, or with the file's own name where it has none; by name.
 ///
 /// # Errors
 /// What was expected.
@@ -149,9 +175,10 @@ fn matching(folder: &Path, pattern: &str) -> Result<Vec<(String, PathBuf)>, Stri
     if after.contains('*') || parent.to_string_lossy().contains('*') {
         return Err("one '*', in the last part of the path".to_string());
     }
-    let shown = match parent.as_os_str().is_empty() {
-        true => Path::new("."),
-        false => &parent,
+    let shown = if parent.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        &parent
     };
     let entries = std::fs::read_dir(shown)
         .map_err(|error| format!("a folder {}: {error}", shown.display()))?;
@@ -265,12 +292,12 @@ impl IndexValues {
     }
 }
 
-/// Rows of an index table by their run, each with the line it stands in.
+/// Rows of an index table by their run, each with its line.
 ///
 /// # Errors
 /// [`Error::Cell`] and [`Error::File`] with row and column.
 pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexValues)>, Error> {
-    let told = |error: csv::Error| Error::file(file, error);
+    let failure = |error: csv::Error| Error::file(file, error);
     let head = bytes
         .split(|byte| *byte == b'\n')
         .next()
@@ -280,7 +307,7 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
         .delimiter(delimiter)
         .trim(csv::Trim::All)
         .from_reader(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
-    let header = reader.headers().map_err(told)?.clone();
+    let header = reader.headers().map_err(failure)?.clone();
     let known = || INDEX_COLUMNS.iter().chain(&MORE_INDEX_COLUMNS);
     for name in &header {
         let place = name.strip_prefix(ICE_AT);
@@ -303,13 +330,13 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
     };
     let mut rows: Vec<(String, IndexValues)> = Vec::new();
     for record in reader.records() {
-        let record = record.map_err(told)?;
+        let record = record.map_err(failure)?;
         let row = record.position().map_or(0, csv::Position::line);
         let name = record.get(run).unwrap_or("").to_string();
         if rows.iter().any(|(known, _)| *known == name) {
             return Err(Error::file(
                 file,
-                format!("row {row}: run {name:?} stands there twice, expected once"),
+                format!("row {row}: run {name:?} is given twice, expected once"),
             ));
         }
         let mut values = IndexValues::default();
@@ -344,7 +371,7 @@ pub(crate) fn index_help() -> String {
     ] {
         text += &format!("# ? {name} of the runs\n# {name} = {what}\n");
     }
-    text + "# humidity_pct, distance_m, mass_kg and ice_c_at = { 350 = -8.2 } may stand here too\n"
+    text + "# humidity_pct, distance_m, mass_kg and ice_c_at = { 350 = -8.2 } are possible here too\n"
 }
 
 /// The text of `runs.csv`: its usual columns, empty where a run does not state them, and of the others and of the ice's temperatures at places those that a run states.
@@ -369,8 +396,8 @@ pub fn index_csv(runs: &[PlannedRun], ending: &str) -> Result<Vec<u8>, Error> {
         .chain(sensors)
         .collect();
     let mut table = csv::Writer::from_writer(Vec::new());
-    let told = |error: csv::Error| Error::file("runs.csv", error);
-    table.write_record(&columns).map_err(told)?;
+    let failure = |error: csv::Error| Error::file("runs.csv", error);
+    table.write_record(&columns).map_err(failure)?;
     for run in runs {
         let mut cells = Vec::new();
         for name in &columns {
@@ -380,7 +407,7 @@ pub fn index_csv(runs: &[PlannedRun], ending: &str) -> Result<Vec<u8>, Error> {
                 name => run.index.cell(name).unwrap_or_default().trim().to_string(),
             });
         }
-        table.write_record(&cells).map_err(told)?;
+        table.write_record(&cells).map_err(failure)?;
     }
     table
         .into_inner()

@@ -11,6 +11,7 @@ use kufe_sled::{matlab_remark, most_values, read_columns, read_matlab};
 use crate::error::Error;
 use crate::log::{Channel, Log};
 use crate::text::{TextOptions, read_text};
+use crate::unit::name_unit;
 
 /// Longest recording [bytes].
 const LONGEST: u64 = 4 << 30;
@@ -70,9 +71,10 @@ pub fn read_recording(path: &Path, options: TextOptions) -> Result<Log, Error> {
     read_log(path, bytes_of(path)?, options, None)
 }
 
-/// Channels without units.
+/// Channels with the units that their names end in.
 fn of_vectors(vectors: impl IntoIterator<Item = (String, Vec<f64>)>, remarks: Vec<String>) -> Log {
     let channels = vectors.into_iter().map(|(name, values)| Channel {
+        unit: name_unit(&name),
         name,
         values,
         ..Channel::default()

@@ -84,7 +84,7 @@ impl Signal {
     }
 }
 
-/// Where a sensor may stand beside the place that is known of it [m]; it shifts a lateral acceleration by place over speed.
+/// Deviation of a sensor from its stated place [m]; it shifts a lateral acceleration by place over speed.
 const PLACE: f64 = 0.2;
 
 /// By how much slip that nothing measures shifts a lateral acceleration: slip angle over yaw rate [s].
@@ -109,12 +109,12 @@ pub(crate) struct Pair<'a> {
     pub name: String,
     left: &'a Series,
     main: &'a Series,
-    /// Speed, where the relation has it, and whether it stands in the clock of `left`.
+    /// Speed, where the relation has it, and whether it is in the clock of `left`.
     speed: Option<(&'a Series, bool)>,
     slip: Option<&'a Series>,
     /// Accelerometer ahead of what the right side is at [m].
     ahead_m: f64,
-    /// Whether `left` is in the clock that is looked for.
+    /// Whether `left` is in the clock whose delay is sought.
     pub left_late: bool,
     /// What cannot be known of the delay by this relation [s].
     pub doubt_s: f64,
@@ -299,7 +299,7 @@ impl Sides {
                     Some(slip) => slip.at(t)?,
                     None => [0.0; 3],
                 };
-                // v_y = -alpha v; of its second derivative the speed's changes are small beside slip's.
+                // v_y = -alpha v; of its second derivative the speed's changes are small against slip's.
                 let sideways = -(dslip * v + slip * dv);
                 let further = -(ddslip * v + 2.0 * dslip * dv);
                 [
@@ -315,7 +315,7 @@ impl Sides {
         [self.left.span(), self.main.span()]
     }
 
-    /// From the right side's clock to the left's, by the delay of the logger that is looked for.
+    /// From the right side's clock to the left's, by the delay of the logger whose delay is sought.
     pub fn ahead(&self, delay: f64) -> f64 {
         if self.left_late { delay } else { -delay }
     }

@@ -47,7 +47,7 @@ pub struct Resampled {
     pub rate_hz: f64,
     /// Corner of the low pass that it went through [Hz].
     pub filter_hz: Option<f64>,
-    /// Whether values stand between samples.
+    /// Whether values lie between samples.
     pub interpolated: bool,
     /// Largest deviation of its times from uniform ones [steps].
     pub jitter: f64,
@@ -58,7 +58,7 @@ pub struct Resampled {
 /// Brings a series to a base of times.
 ///
 /// Where it was sampled faster than the base, a Butterworth low pass of order 4, run forwards and backwards, with its corner
-/// at 0.4 of the base's rate goes before; between samples stands their natural cubic spline. Neither reaches across a gap:
+/// at 0.4 of the base's rate goes before; between samples the natural cubic spline is evaluated. Neither reaches across a gap:
 /// rows within one are NaN, and so are stretches too short for the filter (16 samples).
 ///
 /// `time` [s] increases strictly. `None` with fewer than two finite samples.
@@ -74,7 +74,7 @@ pub struct Resampled {
 /// ```
 pub fn resample(time: &[f64], values: &[f64], base: &Base) -> Option<Resampled> {
     let cut = stretches(time, values)?;
-    // Rates told by rounded times: 100.05 Hz is 100 Hz.
+    // Rates from rounded times: 100.05 Hz is 100 Hz.
     let thinned = 1.0 / cut.step_s > base.rate_hz * (1.0 + 1e-3);
     let corner = CORNER * base.rate_hz;
     let mut found = Resampled {
@@ -109,7 +109,7 @@ pub fn resample(time: &[f64], values: &[f64], base: &Base) -> Option<Resampled> 
     Some(found)
 }
 
-/// Writes a stretch's values into the rows that it spans; whether any stands between samples.
+/// Writes a stretch's values into the rows that it spans; whether any lies between samples.
 fn place(part: &Stretch, base: &Base, values: &mut [f64]) -> bool {
     let slack = AT_SAMPLE * part.step_s;
     let row = |t: f64| (t - base.start_s) * base.rate_hz;
@@ -389,7 +389,7 @@ mod tests {
 
     #[test]
     fn jitter_is_taken_out_by_a_spline() {
-        // Times that stray by up to 5 % of a step beside ends that do so too, not rounded; the sine's own cubic spline errs by (2 pi f h)^4 / 384.
+        // Times that stray by up to 5 % of a step with ends that do so too, not rounded; the sine's own cubic spline errs by (2 pi f h)^4 / 384.
         let t: Vec<f64> = (0..2000)
             .map(|i| 0.01 * (f64::from(i) + 0.05 * (f64::from(i) * 1.7).sin()) + 1e-9 * 0.123)
             .collect();

@@ -111,8 +111,8 @@ impl Cell {
             return Cell::Number(value);
         }
         if cell.contains(':') {
-            let clock = clock(cell).or_else(|| clock(&plain));
-            return clock.map_or(Cell::Text, Cell::Clock);
+            let time = cell.replacen(',', ".", usize::from(decimal_comma));
+            return clock(&time).map_or(Cell::Text, Cell::Clock);
         }
         Cell::Text
     }
@@ -379,17 +379,26 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout<'_>> {
             || width(data) == width(head) + 1 && last(data)
             || width(data) + 1 == width(head) && last(head)
     };
+    let is_names = |i: usize| of[i].0 == 0 && of[i].1 >= 2 && 2 * of[i].1 >= width(i);
+    // Rows of numbers up to the next names.
     let score = |i: usize| {
         (i..rows.len())
+            .take_while(|j| !is_names(*j))
             .filter(|j| is_data(*j) && width(*j) == width(i))
             .count()
     };
     let starts = (1..rows.len()).filter(|&i| {
-        let filled = rows[i - 1].cells.iter().filter(|cell| !cell.is_empty());
-        let enough = 2 * filled.count() >= width(i - 1) || i >= 2 && is_units(&rows[i - 1].cells);
-        is_data(i) && is_head(i - 1) && fits(i, i - 1) && enough
-            // Sources and units may fill few columns only.
-            || is_data(i) && i >= 3 && is_head(i - 3) && fits(i, i - 1) && is_units(&rows[i - 2].cells)
+        // Most numbers have a name above them; sources of channels may be fewer.
+        let named = |data: usize, head: usize| {
+            let filled = |i: usize, k: usize| rows[i].cells.get(k).is_some_and(|c| !c.is_empty());
+            let numbers = (0..width(data)).filter(|k| filled(data, *k));
+            let (with, all) = numbers.fold((0, 0), |(with, all), k| {
+                (with + usize::from(filled(head, k)), all + 1)
+            });
+            2 * with >= all
+        };
+        let below_units = i >= 3 && is_head(i - 3) && is_units(&rows[i - 2].cells);
+        is_data(i) && fits(i, i - 1) && (is_head(i - 1) && named(i, i - 1) || below_units)
     });
     let first = starts.rev().max_by_key(|&i| score(i))?;
     // Rows of words above the numbers, the nearest first.
@@ -401,7 +410,7 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout<'_>> {
     let share = |i: usize| unit_share(&rows[i].cells);
     let units_at = head.windows(2).position(|pair| {
         let (below, names) = (share(pair[0]), share(pair[1]));
-        below > 0.6 && names < 0.5 * below
+        below > 0.6 && names < 0.7 * below
     });
     let names_at = units_at.map_or(0, |place| place + 1);
     let names_row = &rows[*head.get(names_at)?].cells;
@@ -540,11 +549,16 @@ fn name_and_unit(cell: &str) -> (String, Option<String>) {
     (cell.to_string(), name_unit(cell))
 }
 
-/// Share of the cells with something in them that are units.
+/// Share of the cells with something in them that are units; most single letters are names as well.
 fn unit_share(cells: &[&str]) -> f64 {
     let filled: Vec<&&str> = cells.iter().filter(|cell| !cell.is_empty()).collect();
-    let units = filled.iter().filter(|cell| is_unit(cell));
-    units.count() as f64 / filled.len().max(1) as f64
+    let share = |cell: &&&str| match cell.as_bytes() {
+        _ if !is_unit(cell) => 0.0,
+        [b's' | b'm' | b'g'] => 1.0,
+        [letter] if letter.is_ascii_alphabetic() => 0.5,
+        _ => 1.0,
+    };
+    filled.iter().map(share).sum::<f64>() / filled.len().max(1) as f64
 }
 
 fn is_units(cells: &[&str]) -> bool {

@@ -82,7 +82,7 @@ const TEMPERATURES: [(&str, f64, f64); 3] = [
     ("k kelvin", 1.0, -273.15),
 ];
 
-/// What else stands in rows of units and converts to nothing.
+/// Other words in rows of units and converts to nothing.
 const OTHERS: &str = "- # v mv a ma ohm db l ml bit bits count counts raw ratio lambda unitless none enum no no. flag \
     date text string bool boolean hex sats";
 
@@ -135,6 +135,13 @@ pub(crate) fn name_unit(name: &str) -> Option<String> {
     let unit = words.last()?;
     let spelled = unit.len() > 1 || unit.eq_ignore_ascii_case("g");
     (name.contains('_') && spelled && last(1)).then(|| unit.to_string())
+}
+
+/// How many words of such a name its unit takes.
+pub(crate) fn unit_words(name: &str) -> usize {
+    let words: Vec<&str> = name.split(['_', ' ']).collect();
+    let per = words.len() > 3 && words[words.len() - 2].eq_ignore_ascii_case("per");
+    if per { 3 } else { 1 }
 }
 
 /// `target = factor * value + offset`.
@@ -204,8 +211,13 @@ pub(crate) fn is_unit(text: &str) -> bool {
         || other
             .into_iter()
             .any(|word| unit.eq_ignore_ascii_case(word))
-        || temperature(unit).is_some()
-        || product(unit).is_some()
+        || has_dimension(unit)
+}
+
+/// Whether this is a unit of a physical quantity.
+pub(crate) fn has_dimension(unit: &str) -> bool {
+    let unit = bare(unit);
+    temperature(unit).is_some() || product(unit).is_some()
 }
 
 fn bare(unit: &str) -> &str {

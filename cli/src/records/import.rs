@@ -1,18 +1,20 @@
 //! `kufe runs import`: recordings of other programs brought into kufe's form.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
 use kufe_sled::{RunFormat, write_run};
-use kufe_telemetry::{Importer, Note, PlannedRun, RunFormatWord, index_csv, model_fragment, plan};
+use kufe_telemetry::{
+    ExcludedRun, Importer, Note, Plan, PlannedRun, RunFormatWord, index_csv, model_fragment, plan,
+};
 use rayon::prelude::*;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
-use crate::report::read_json;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -31,13 +33,11 @@ A mapping names the files of each logger and what each column is made of:
   track = \"igls\"                     # and driver, driver_class, session, ice_c, air_c, air_pa
 
 Faster channels go through a low pass at 0.4 of the rate, slower ones are interpolated, gaps stay gaps. Several loggers are
-brought to one clock by what their channels share. RUN.import.json says what was done to each run.";
+brought to one clock by what their channels share. RUN.import.json says what was done to each run. A run that cannot be
+imported is left out with its reason, and the command ends with 5.";
 
 /// What marks a folder that an import wrote, and lists its files.
 const LIST: &str = "import.json";
-
-/// A list of some thousand files is short [bytes].
-const LONGEST_LIST: u64 = 1 << 26;
 
 /// Arguments of `kufe runs import`.
 #[derive(clap::Args, Debug)]
@@ -48,61 +48,138 @@ pub struct Args {
     /// Folder for runs.csv and one file a run
     #[arg(long, short, value_name = "FOLDER")]
     pub out: PathBuf,
+    /// Refuse all where one run cannot be imported, instead of leaving it out
+    #[arg(long)]
+    pub strict: bool,
+}
+
+/// `import.json`: what was imported.
+#[derive(Serialize)]
+struct ImportList {
+    mapping: String,
+    version: &'static str,
+    /// Files of the folder.
+    files: Vec<String>,
+    runs: Vec<RunSummary>,
+    excluded: Vec<ExcludedRun>,
+}
+
+#[derive(Serialize)]
+struct RunSummary {
+    run: String,
+    seconds: f64,
+    /// Samples by channel.
+    samples: BTreeMap<String, SampleCount>,
+    /// Rows without a value by channel.
+    missing_rows: BTreeMap<String, usize>,
+    /// Delays that were found by logger.
+    delays: BTreeMap<String, DelaySummary>,
+    remarks: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct SampleCount {
+    expected: usize,
+    read: usize,
+}
+
+#[derive(Serialize)]
+struct DelaySummary {
+    delay_s: f64,
+    delay_sd_s: Option<f64>,
+    delay_includes: Option<&'static str>,
 }
 
 /// Reads, converts, resamples and writes.
 ///
 /// # Errors
-/// [`Failure::BadInput`] with file, channel, row, value and what was expected.
+/// [`Failure::BadInput`] with file, channel, row, value and what was expected; [`Failure::Partial`] where some runs are
+/// left out.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let file = args.mapping.display().to_string();
     let text = kufe_files::text_of_regular(&args.mapping, 1 << 24)
         .map_err(|error| Failure::BadInput(format!("{file}: {error}")))?;
     let importer = Importer::new(&text, &file).map_err(Failure::bad_input)?;
     let folder = args.mapping.parent().unwrap_or(Path::new(""));
-    let runs = plan(importer.mapping(), folder, &file).map_err(Failure::bad_input)?;
+    let Plan { runs, mut excluded } =
+        plan(importer.mapping(), folder, &file).map_err(Failure::bad_input)?;
+    if let Some(first) = excluded.first().filter(|_| args.strict) {
+        return Err(Failure::BadInput(first.reason.clone()));
+    }
+    let count = runs.len() + excluded.len();
     let format = match importer.mapping().format {
         RunFormatWord::Csv => RunFormat::Csv,
         RunFormatWord::Parquet => RunFormat::Parquet,
     };
-    let index = index_csv(&runs, format.extension()).map_err(Failure::bad_input)?;
     let fragment = model_fragment(importer.mapping(), &file).map_err(Failure::bad_input)?;
-    let mut names = vec!["runs.csv".to_string(), LIST.to_string()];
-    names.extend(fragment.is_some().then(|| "model.import.toml".to_string()));
-    for run in &runs {
-        names.push(format!("{}.{}", run.name, format.extension()));
-        names.push(format!("{}.import.json", run.name));
-    }
-    let staging = begin(
-        args,
-        importer.mapping().index.table.as_deref(),
-        folder,
-        &runs,
-        &names,
-    )?;
+    let table = importer.mapping().index.table.as_deref();
+    let names = names_of(&runs, format, fragment.is_some());
+    let staging = begin(args, table, folder, &runs, &names)?;
     let bar = global.progress();
     bar.set_message(format!("importing {} runs", runs.len()));
-    let notes = runs
+    let written = runs
         .par_iter()
         .map(|run| write(&importer, run, format, &staging))
-        .collect::<Vec<_>>()
-        .into_iter()
-        .collect::<Result<Vec<Note>, Failure>>()?;
+        .collect::<Vec<_>>();
     bar.finish_and_clear();
+    let (mut notes, mut imported) = (Vec::new(), Vec::new());
+    for (run, written) in runs.into_iter().zip(written) {
+        match written? {
+            Ok(note) => {
+                notes.push(note);
+                imported.push(run);
+            }
+            Err(reason) if args.strict => return Err(Failure::BadInput(reason)),
+            Err(reason) => excluded.push(ExcludedRun {
+                run: run.name,
+                reason,
+            }),
+        }
+    }
+    if imported.is_empty() {
+        let first = excluded.into_iter().next().map(|run| run.reason);
+        return Err(Failure::BadInput(first.unwrap_or_default()));
+    }
+    let index = index_csv(&imported, format.extension()).map_err(Failure::bad_input)?;
     staging.write("runs.csv", |mut file| file.write_all(&index))?;
     if let Some(fragment) = &fragment {
         staging.text("model.import.toml", fragment)?;
     }
-    let document = json!({
-        "mapping": file,
-        "version": env!("CARGO_PKG_VERSION"),
-        "files": names,
-        "runs": notes.iter().map(summary).collect::<Vec<_>>(),
-    });
-    staging.text(LIST, &format!("{document:#}\n"))?;
+    let list = ImportList {
+        mapping: file,
+        version: env!("CARGO_PKG_VERSION"),
+        files: names_of(&imported, format, fragment.is_some()),
+        runs: notes.iter().map(RunSummary::of).collect(),
+        excluded,
+    };
+    staging.text(LIST, &pretty(&list))?;
     staging.commit()?;
-    tell(args, global, &document, &notes, names.len());
-    Ok(())
+    tell(args, global, &list, &notes);
+    if list.excluded.is_empty() {
+        return Ok(());
+    }
+    let names: Vec<&str> = list.excluded.iter().map(|run| run.run.as_str()).collect();
+    Err(Failure::Partial(format!(
+        "{} of {count} runs are not imported: {}",
+        names.len(),
+        names.join(", ")
+    )))
+}
+
+/// The files of an import.
+fn names_of(runs: &[PlannedRun], format: RunFormat, fragment: bool) -> Vec<String> {
+    let mut names = vec!["runs.csv".to_string(), LIST.to_string()];
+    names.extend(fragment.then(|| "model.import.toml".to_string()));
+    for run in runs {
+        names.push(format!("{}.{}", run.name, format.extension()));
+        names.push(format!("{}.import.json", run.name));
+    }
+    names
+}
+
+fn pretty(value: &impl Serialize) -> String {
+    // Numbers and names are always written.
+    serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
 }
 
 /// The output folder, where it is new, empty of runs, or written by an import.
@@ -116,9 +193,8 @@ fn begin(
     let mut inputs = vec![args.mapping.clone()];
     inputs.extend(table.map(|table| folder.join(table)));
     inputs.extend(runs.iter().flat_map(|run| run.files.values().cloned()));
-    let before: Option<Value> = read_json(&args.out.join(LIST), LONGEST_LIST).ok();
     let index = args.out.join("runs.csv");
-    if index.exists() && before.is_none() {
+    if index.exists() && !args.out.join(LIST).is_file() {
         return Err(Failure::BadInput(format!(
             "{}: cannot be written: it stands there already and kufe runs import did not write it; expected another folder",
             index.display()
@@ -129,95 +205,106 @@ fn begin(
     Ok(staging)
 }
 
+/// Imports one run and writes its files; the reason where it cannot be imported.
+///
+/// # Errors
+/// [`Failure::BadInput`] where a file cannot be written.
 fn write(
     importer: &Importer,
     planned: &PlannedRun,
     format: RunFormat,
     staging: &Staging,
-) -> Result<Note, Failure> {
-    let imported = importer.run(planned).map_err(Failure::bad_input)?;
+) -> Result<Result<Note, String>, Failure> {
+    let imported = match importer.run(planned) {
+        Ok(imported) => imported,
+        Err(error) => return Ok(Err(error.to_string())),
+    };
     let name = format!("{}.{}", planned.name, format.extension());
-    let mut file = std::fs::File::create(staging.path(&name))
-        .map_err(|error| staging.failure(&name, &error))?;
-    write_run(&imported.run, &mut file, format).map_err(|error| staging.failure(&name, &error))?;
-    file.sync_all()
-        .map_err(|error| staging.failure(&name, &error))?;
+    staging.write(&name, |mut file| {
+        write_run(&imported.run, &mut file, format)
+    })?;
     staging.text(
         &format!("{}.import.json", planned.name),
-        &format!("{:#}\n", json!(imported.note)),
+        &pretty(&imported.note),
     )?;
-    Ok(imported.note)
+    Ok(Ok(imported.note))
 }
 
-/// One run in the list.
-fn summary(note: &Note) -> Value {
-    let delays = note
-        .loggers
-        .iter()
-        .filter(|(_, logger)| logger.clock == "found");
-    let delays = delays.map(|(name, logger)| {
-        (
-            name.clone(),
-            json!({
-                "delay_s": logger.delay_s,
-                "delay_sd_s": logger.delay_sd_s,
-                "delay_includes": logger.delay_includes,
-            }),
-        )
-    });
-    json!({
-        "run": note.run,
-        "seconds": note.rows as f64 / note.rate_hz,
-        "missing_rows": note.channels.iter().filter(|(_, c)| c.missing_rows > 0)
-            .map(|(name, c)| (name.clone(), json!(c.missing_rows))).collect::<serde_json::Map<_, _>>(),
-        "delays": delays.collect::<serde_json::Map<_, _>>(),
-        "remarks": note.remarks,
-    })
+impl RunSummary {
+    fn of(note: &Note) -> RunSummary {
+        let channels = || note.channels.iter();
+        let missing = channels().filter(|(_, channel)| channel.missing_rows > 0);
+        let found = note.loggers.iter().filter(|(_, l)| l.clock == "found");
+        RunSummary {
+            run: note.run.clone(),
+            seconds: note.rows as f64 / note.rate_hz,
+            samples: channels()
+                .map(|(name, channel)| {
+                    let count = SampleCount {
+                        expected: channel.expected_samples,
+                        read: channel.samples,
+                    };
+                    (name.clone(), count)
+                })
+                .collect(),
+            missing_rows: missing
+                .map(|(name, channel)| (name.clone(), channel.missing_rows))
+                .collect(),
+            delays: found
+                .map(|(name, logger)| {
+                    let summary = DelaySummary {
+                        delay_s: logger.delay_s,
+                        delay_sd_s: logger.delay_sd_s,
+                        delay_includes: logger.delay_includes,
+                    };
+                    (name.clone(), summary)
+                })
+                .collect(),
+            remarks: note.remarks.clone(),
+        }
+    }
 }
 
-fn tell(args: &Args, global: &Global, document: &Value, notes: &[Note], files: usize) {
+fn tell(args: &Args, global: &Global, list: &ImportList, notes: &[Note]) {
     if !global.quiet {
         for remark in notes.iter().flat_map(|note| &note.remarks) {
             eprintln!("kufe: note: {remark}");
         }
     }
+    for run in &list.excluded {
+        eprintln!("kufe: run {} is not imported: {}", run.run, run.reason);
+    }
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&pretty(list));
         return;
     }
     if global.quiet {
         return;
     }
-    let seconds: f64 = notes
-        .iter()
-        .map(|note| note.rows as f64 / note.rate_hz)
-        .sum();
+    let seconds: f64 = list.runs.iter().map(|run| run.seconds).sum();
     let columns = notes.first().map_or(0, |note| note.channels.len());
+    let rate = notes.first().map_or(0.0, |note| note.rate_hz);
     let mut text = format!(
-        "{} runs, {seconds:.0} s at {} Hz, {columns} columns\n",
-        notes.len(),
-        notes[0].rate_hz
+        "{} runs, {seconds:.0} s at {rate} Hz, {columns} columns\n",
+        notes.len()
     );
-    let missing: usize = notes
-        .iter()
-        .flat_map(|note| note.channels.values())
-        .map(|c| c.missing_rows)
-        .sum();
-    let runs = notes
-        .iter()
-        .filter(|note| note.channels.values().any(|c| c.missing_rows > 0))
-        .count();
-    if missing > 0 {
+    let counts = || list.runs.iter().flat_map(|run| run.samples.values());
+    let (expected, read) = counts().fold((0, 0), |(expected, read), count| {
+        (expected + count.expected, read + count.read)
+    });
+    if read < expected {
+        text += &format!("{read} of {expected} samples have a value\n");
+    }
+    let missing = |run: &RunSummary| run.missing_rows.values().sum::<usize>();
+    let runs = list.runs.iter().filter(|run| missing(run) > 0).count();
+    if runs > 0 {
+        let values: usize = list.runs.iter().map(missing).sum();
         text += &format!(
-            "{missing} values are missing, in {runs} runs: their places are in RUN.import.json\n"
+            "{values} values are missing, in {runs} runs: their places are in RUN.import.json\n"
         );
     }
-    for (name, logger) in notes
-        .iter()
-        .flat_map(|note| &note.loggers)
-        .filter(|(_, l)| l.clock == "found")
-        .take(12)
-    {
+    let loggers = notes.iter().flat_map(|note| &note.loggers);
+    for (name, logger) in loggers.filter(|(_, l)| l.clock == "found").take(12) {
         text += &format!(
             "{}: the clock of {name} is {:+.4} s late, within {:.4} s, the lag of its sensors included\n",
             logger.file,
@@ -228,6 +315,6 @@ fn tell(args: &Args, global: &Global, document: &Value, notes: &[Note], files: u
     say(&format!(
         "{text}{}: runs.csv and {} more files\n",
         args.out.display(),
-        files - 1
+        list.files.len() - 1
     ));
 }

@@ -4,12 +4,8 @@ use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
-use crate::columns::{Columns, collect};
+use crate::columns::{Columns, collect, most_values};
 use crate::error::Error;
-<<<<<<< HEAD:sled/src/columns/matlab.rs
-=======
-use crate::record::columns::{Columns, collect, most_values};
->>>>>>> b97b94a2 (telemetry, sled: one reader of text, units as a table, Parquet by logical types, bounded unpacking):sled/src/record/matlab.rs
 
 /// Structs within structs that are read.
 const DEPTH: usize = 6;

@@ -1,19 +1,26 @@
 //! Columns of numbers by name, read from CSV, Parquet, MATLAB and MDF 4 files.
 
-mod matlab;
-#[cfg(feature = "mdf4")]
+pub(crate) mod matlab;
 mod mdf4;
 pub(crate) mod parquet;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::columns::matlab::read_matlab;
+use crate::columns::matlab::read_matlab_columns;
+use crate::columns::mdf4::read_mdf4;
 use crate::columns::parquet::read_parquet;
 use crate::error::Error;
 
 /// Columns by name, all of one length.
 pub type Columns = BTreeMap<String, Vec<f64>>;
+
+/// Most numbers that a packed file of so many bytes may unpack to: 320 MB of them, or one for each byte.
+///
+/// A file of constants packs ten thousand numbers into a byte; a recording of sensors takes more than a byte for each.
+pub fn most_values(bytes: u64) -> u64 {
+    bytes.max(40_000_000)
+}
 
 /// Gathers named columns and refuses a name given twice.
 pub(crate) fn collect(
@@ -143,16 +150,18 @@ pub fn read_columns(path: &Path, required: &[&str]) -> Result<Columns, Error> {
         .to_ascii_lowercase();
     match extension.as_str() {
         "parquet" => read_parquet(open(path)?, &file),
-        "mat" => read_matlab(open(path)?, &file),
-        #[cfg(feature = "mdf4")]
-        "mf4" => crate::columns::mdf4::read_mdf4(path),
-        #[cfg(not(feature = "mdf4"))]
-        "mf4" => Err(Error::file(
-            &file,
-            "this build reads no MDF 4 files: it was made without the feature mdf4",
-        )),
+        "mat" => read_matlab_columns(&bytes_of(path)?, &file),
+        "mf4" => read_mdf4(path),
         _ => read_csv(open(path)?, required, &file),
     }
+}
+
+/// Longest MATLAB file [bytes].
+const LONGEST: u64 = 4 << 30;
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, Error> {
+    kufe_files::read_regular(path, LONGEST)
+        .map_err(|error| Error::file(&path.display().to_string(), error))
 }
 
 fn open(path: &Path) -> Result<std::fs::File, Error> {

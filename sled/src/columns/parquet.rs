@@ -14,12 +14,8 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use parquet::schema::types::ColumnDescriptor;
 
-use crate::columns::{Columns, collect};
+use crate::columns::{Columns, collect, most_values};
 use crate::error::Error;
-<<<<<<< HEAD:sled/src/columns/parquet.rs
-=======
-use crate::record::columns::{Columns, collect, most_values};
->>>>>>> b97b94a2 (telemetry, sled: one reader of text, units as a table, Parquet by logical types, bounded unpacking):sled/src/record/parquet.rs
 
 /// Reads every flat column of numbers; nulls become NaN, other columns are not read.
 ///

@@ -220,3 +220,23 @@ fn a_clock_that_cannot_be_found_is_refused_and_may_be_stated() {
             .contains("clock: found nothing, expected the logger whose clock the runs keep")
     );
 }
+
+#[test]
+fn half_a_second_at_the_end_stop_moves_no_clock() {
+    let folder = folder(0.0, 1);
+    let path = folder.path().join("imu_r1.csv");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let clipped = text.lines().map(|line| {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        let time: f64 = cells[0].parse().unwrap_or(0.0);
+        if (20.0..20.5).contains(&time) {
+            cells[1] = "16.0";
+            cells[2] = "-16.0";
+        }
+        cells.join(",") + "\n"
+    });
+    std::fs::write(&path, clipped.collect::<String>()).unwrap();
+    let imported = import(folder.path(), MAPPING).unwrap();
+    let found = &imported[0].note.loggers["gps"];
+    assert!((found.delay_s - DELAYS[0]).abs() < 2e-3, "{found:?}");
+}

@@ -168,3 +168,57 @@ fn kufes_own_files_ask_for_no_more_than_the_index() {
     assert_eq!(guessed.matches("\n# ? ").count(), 7, "{guessed}");
     Mapping::parse(&answered(&guessed, &INDEX), "mapping.toml").unwrap();
 }
+
+#[test]
+fn files_of_one_name_in_two_folders_are_two_loggers() {
+    let log = |text: &str| read_text(text.as_bytes(), TextOptions::default(), None, "a").unwrap();
+    let rows = |names: &str, count: i32| -> String {
+        let row = |i: i32| format!("{},{0},{0}\n", f64::from(i) * 2.0 / f64::from(count));
+        format!("{names}\n{}", (0..count).map(row).collect::<String>())
+    };
+    let imu = rows("UTC Time,accel_x_gs,yaw_rate_deg_per_s", 100);
+    let gps = rows("t_s,speed_meters_per_s,yaw_rate", 20);
+    let files = [
+        (PathBuf::from("imu/run1.csv"), log(&imu)),
+        (PathBuf::from("gps/run1.csv"), log(&gps)),
+    ];
+    let text = guess_mapping(&files);
+    for line in [
+        "[logger.imu]\nfiles = \"imu/*.csv\"",
+        "[logger.gps]\nfiles = \"gps/*.csv\"",
+        "time = \"UTC Time\"",
+        "ax_mps2 = { logger = \"imu\", from = \"accel_x_gs\" }      # likely: by its name; the file says gs",
+        "v_mps = { logger = \"gps\", from = \"speed_meters_per_s\" }",
+        "yaw_rate_radps = { logger = \"imu\", from = \"yaw_rate_deg_per_s\" }",
+        // Of no use but to find the delay.
+        "also.yaw_rate_radps = { from = \"yaw_rate\", unit = ",
+    ] {
+        assert!(text.contains(line), "{line:?} is not in:\n{text}");
+    }
+    Mapping::parse(&text, "mapping.toml").unwrap();
+}
+
+#[test]
+fn the_faster_and_unsmoothed_channel_is_taken() {
+    let mut text = String::from("t_s,GPS Lateral Acc [g],Acc Y [g],Lat Acc filtered [g]\n");
+    for i in 0..400 {
+        let noise = if i % 2 == 0 { 0.01 } else { -0.01 };
+        let y = (f64::from(i) * 0.02).sin();
+        let slow = if i % 5 == 0 {
+            format!("{y:.4}")
+        } else {
+            String::new()
+        };
+        text += &format!(
+            "{:.2},{slow},{:.4},{y:.4}\n",
+            f64::from(i) * 0.01,
+            y + noise
+        );
+    }
+    let log = read_text(text.as_bytes(), TextOptions::default(), None, "a").unwrap();
+    let guessed = guess_mapping(&[(PathBuf::from("a.csv"), log)]);
+    assert!(
+        guessed.contains("ay_mps2 = { from = \"Acc Y\" }"),
+        "{guessed}"
+    );
+}

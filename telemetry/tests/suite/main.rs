@@ -1,6 +1,7 @@
 //! Imports from end to end.
 
 mod clocks;
+mod corpus;
 mod guessed;
 mod makers;
 mod one_logger;

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use kufe_telemetry::{Mapping, plan};
+
 use crate::truth::{COLUMNS, column, import};
 
 const MAPPING: &str = r#"
@@ -160,4 +162,75 @@ fn what_is_wrong_is_one_line_with_its_place() {
     assert!(
         told(&MAPPING.replace("sign = -1 }", "sign = -2 }"), &good).contains("expected 1 or -1")
     );
+}
+
+#[test]
+fn the_axes_of_a_rotated_box_are_turned_together() {
+    let [roll, pitch, yaw] = [3.0_f64, 0.2, -1.4];
+    // From the sled's axes to the box's: the inverse rotations in inverse order.
+    let turned = |[x, y, z]: [f64; 3]| {
+        let (s, c) = yaw.sin_cos();
+        let [x, y] = [c * x + s * y, -s * x + c * y];
+        let (s, c) = pitch.sin_cos();
+        let [x, z] = [c * x - s * z, s * x + c * z];
+        let (s, c) = roll.sin_cos();
+        [x, c * y + s * z, -s * y + c * z]
+    };
+    let mut text = COLUMNS[..6].join(",") + ",t\n";
+    for row in 0..500 {
+        let t = f64::from(row) * 0.01;
+        let of = |names: &[&str]| turned([0, 1, 2].map(|i| column(names[i], t)));
+        for x in of(&COLUMNS[..3]).into_iter().chain(of(&COLUMNS[3..6])) {
+            write!(text, "{x:.12},").unwrap();
+        }
+        writeln!(text, "{t:.2}").unwrap();
+    }
+    let folder = folder_with(&[("r.csv", text)]);
+    let mut mapping = format!(
+        "[logger.box]\nfiles = \"raw/*.csv\"\ntime = \"t\"\nrotation = [{roll:?}, {pitch:?}, {yaw:?}]\n[channels]\n"
+    );
+    for name in &COLUMNS[..6] {
+        writeln!(mapping, "{name} = {{ from = {name:?} }}").unwrap();
+    }
+    let imported = import(folder.path(), &mapping).unwrap();
+    for name in &COLUMNS[..6] {
+        for (row, value) in imported[0].run.column(name).unwrap().iter().enumerate() {
+            let exact = column(name, row as f64 * 0.01);
+            assert!(
+                (value - exact).abs() < 1e-9,
+                "{name}, row {row}: {value} for {exact}"
+            );
+        }
+    }
+    let note = &imported[0].note;
+    assert_eq!(note.loggers["box"].rotation, Some([roll, pitch, yaw]));
+    assert_eq!(note.channels["ax_mps2"].samples, 500);
+    assert_eq!(note.channels["ax_mps2"].expected_samples, 500);
+    let error = import(folder.path(), &mapping.replace("az_mps2 =", "up_mps2 =")).unwrap_err();
+    assert!(
+        error.contains("logger.box.rotation: found 2 of 3 axes, expected ax_mps2, ay_mps2, az_mps2 in this logger"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_run_without_all_of_its_files_is_excluded_with_its_reason() {
+    let names = ["a_1.csv", "a_2.csv", "b_1.csv"];
+    let folder = folder_with(&names.map(|name| (name, String::new())));
+    let text = "clock = \"a\"\n[logger.a]\nfiles = \"raw/a_*.csv\"\ntime = \"t\"\n[logger.b]\nfiles = \"raw/b_*.csv\"\n\
+        time = \"t\"\n[channels]\nv_mps = { logger = \"a\", from = \"v\" }\n";
+    let mapping = Mapping::parse(text, "mapping.toml").unwrap();
+    let found = plan(&mapping, folder.path(), "mapping.toml").unwrap();
+    assert_eq!((found.runs.len(), found.runs[0].name.as_str()), (1, "1"));
+    assert_eq!(
+        (found.excluded.len(), found.excluded[0].run.as_str()),
+        (1, "2")
+    );
+    let reason = &found.excluded[0].reason;
+    assert!(
+        reason.contains("logger.b.files: found no file of run 2"),
+        "{reason}"
+    );
+    std::fs::remove_file(folder.path().join("raw/a_1.csv")).unwrap();
+    assert!(plan(&mapping, folder.path(), "mapping.toml").is_err());
 }

@@ -60,9 +60,10 @@ pub fn column(name: &str, t: f64) -> f64 {
 /// Imports every run of a mapping that is written into `folder`.
 pub fn import(folder: &Path, mapping: &str) -> Result<Vec<Imported>, String> {
     let importer = Importer::new(mapping, "mapping.toml").map_err(|error| error.to_string())?;
-    let runs =
+    let plan =
         plan(importer.mapping(), folder, "mapping.toml").map_err(|error| error.to_string())?;
-    runs.iter()
+    plan.runs
+        .iter()
         .map(|run| importer.run(run).map_err(|error| error.to_string()))
         .collect()
 }

@@ -160,10 +160,20 @@ fn an_import_is_whole_or_absent_and_replaces_only_its_own() {
         good.replace(last, &last.replacen(|c: char| c.is_ascii_digit(), "x", 1)),
     );
     refused(
-        &["runs", "import", "mapping.toml", "-o", "runs"],
+        &["runs", "import", "mapping.toml", "-o", "runs", "--strict"],
         "expected a number",
     );
     assert!(!bench.path("runs").exists());
+    // Or is left out with its reason.
+    let output = bench.kufe(&["runs", "import", "mapping.toml", "-o", "runs"]);
+    assert_eq!(output.status.code(), Some(5));
+    assert!(errors(&output).contains("expected a number"));
+    let listed = json(&bench.path("runs/import.json"));
+    assert_eq!(listed["excluded"][0]["run"], "2");
+    let samples = &listed["runs"][0]["samples"]["v_mps"];
+    assert_eq!(samples["read"], samples["expected"]);
+    let index = read_index(&bench.path("runs/runs.csv")).expect("an index");
+    assert_eq!(index.len(), 1);
     bench.write("in/2.csv", &good);
     bench.succeeds(&["runs", "import", "mapping.toml", "-o", "runs", "-q"]);
     bench.write("runs/mine.txt", "mine");
