@@ -47,9 +47,9 @@ pub use align::estimate::TrackEstimate;
 pub use align::signature::Warp;
 pub use align::{Aligned, AlignedRun, align, state_places};
 pub use columns::matlab::{MatlabVariables, matlab_remark, read_matlab};
-pub use columns::{Columns, most_values};
 pub use columns::parquet::{read_parquet, write_parquet};
 pub use columns::read_columns;
+pub use columns::{Columns, most_values};
 pub use columns::{read_csv, write_csv};
 pub use contacts::find_contacts;
 pub use contacts::{
