@@ -188,7 +188,11 @@ fn solved(
             true => with_progress(options, asked, move |line| teller.progress(line)),
             false => options,
         };
-        kufe::jobs::press(loaded, watch, options)
+        let solved = kufe::Contact::from(loaded).options(options).best(watch)?;
+        match solved.short {
+            Some(failure) => Err(failure),
+            None => Ok(solved),
+        }
     })?;
     let pressed = worked.value.map_err(raised)?;
     Ok(Contact { pressed })

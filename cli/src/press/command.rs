@@ -1,15 +1,37 @@
 //! `kufe press`: one contact problem, from its case to its pressure map.
 
-use kufe::jobs::{Failure, Watch, case_file::LoadedCase, press_with, with_progress};
+use std::path::PathBuf;
+
+use kufe::jobs::{Contact, Failure, Watch, case_file::LoadedCase, with_progress};
 use kufe_contact::Options;
 
 use crate::output::apart::{case_inputs, folder_apart};
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::staging::Staging;
-use crate::press::args::Args;
 use crate::press::held::no_series;
+use crate::press::series::Lists;
 use crate::press::{files, series, summary};
+
+/// Arguments of `kufe press`.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// The case; a built-in bobsled runner on flat ice where none is given
+    pub case: Option<PathBuf>,
+    /// Folder for result.json, pressure.exr, pressure.png, field.vtu, contact.vtp and hull.glb (runner.vtu and stress.png too where the runner deforms, groove.exr, groove.png and
+    /// film.csv where it slides)
+    #[arg(long, short, value_name = "FOLDER", default_value = "out")]
+    pub out: PathBuf,
+    /// Stress on the line under the peak too: subsurface.csv and subsurface.png, figures in result.json, maximum shear in
+    /// the VTU files
+    #[arg(long)]
+    pub subsurface: bool,
+    /// Figures, errors and maps for MATLAB too: result.mat
+    #[arg(long)]
+    pub mat: bool,
+    #[command(flatten)]
+    pub lists: Lists,
+}
 
 /// Solves the case and writes its files, all or none.
 ///
@@ -40,7 +62,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ..Watch::default()
     };
     let options = with_progress(options, asked, move |line| shown.set_message(line));
-    let pressed = press_with(loaded, &watch, options);
+    let pressed = Contact::from(loaded).options(options).best(&watch);
     bar.finish_and_clear();
     let pressed = pressed?;
     let (result, json) = files::write(&staging, &pressed, args.mat)?;

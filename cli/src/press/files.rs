@@ -1,20 +1,24 @@
 //! What one solved case is written to.
 
-use std::io::BufWriter;
+use std::io::{self, BufWriter, Write};
 
 use kufe::case::Case;
 use kufe::jobs::field::{
-    contact_vtp, map_picture, stress_picture, subsurface, volume_vtu, write_exr,
+    contact_vtp, groove_map, groove_picture, map_picture, stress_picture, subsurface, volume_vtu,
+    write_exr,
 };
+use kufe::jobs::slide::SolvedSliding;
 use kufe::jobs::{Failure, SolvedContact};
 use kufe::results::ContactResult;
-use kufe_contact::{PressureMap, pressure_maps};
+use kufe_contact::{PressureMap, Solution, pressure_maps};
+use kufe_lut::MatValue;
 use kufe_mesh::HullFormat;
 
 use crate::bodies::placed_hull::placed_hull;
+use crate::output::mat;
 use crate::output::staging::Staging;
-use crate::press::args::Args;
-use crate::press::{mat, sliding, summary};
+use crate::press::command::Args;
+use crate::press::summary;
 
 /// The files that a solved case may be written to.
 pub const NAMES: [&str; 14] = [
@@ -77,7 +81,7 @@ pub fn write(
     }
     if mat {
         staging.write("result.mat", |mut file| {
-            mat::write(&mut BufWriter::new(&mut file), &result, &pressed.solution)
+            write_mat(&mut BufWriter::new(&mut file), &result, &pressed.solution)
         })?;
     }
     let text = staging.result("result.json", &result)?;
@@ -121,7 +125,7 @@ fn maps(staging: &Staging, pressed: &SolvedContact) -> Result<f64, Failure> {
     let (numbers, picture) = rayon::join(numbers, picture);
     numbers.and(picture)?;
     if let Some(slid) = &pressed.sliding {
-        sliding::write(staging, pressed, map, slid)?;
+        write_sliding(staging, pressed, map, slid)?;
     }
     Ok(largest)
 }
@@ -158,6 +162,84 @@ fn surfaces(staging: &Staging, pressed: &SolvedContact) -> Result<(), Failure> {
     }
     if let Some(hull) = placed_hull(&pressed.problem, solution) {
         staging.write("hull.glb", |file| HullFormat::Gltf.write(&hull, file))?;
+    }
+    Ok(())
+}
+
+/// Writes every key of result.json as a variable and the map of pressure.exr: `x_m` and `y_m`, the pixels' centres, and `pressure_pa`, `map_gap_m` and
+/// `map_uz_m`, rows along y and columns along x as `surf(x_m, y_m, pressure_pa)` takes them.
+///
+/// # Errors
+/// Those of the writer.
+fn write_mat(
+    writer: &mut dyn Write,
+    result: &ContactResult,
+    solution: &Solution,
+) -> Result<(), Failure> {
+    let map = PressureMap::of(solution);
+    let centres = |start: f64, step: f64, count: usize| {
+        MatValue::row((0..count).map(|i| start + i as f64 * step).collect())
+    };
+    let over_plane = |values: &[f64]| {
+        let by_column = (0..map.nx).flat_map(|i| (0..map.ny).map(move |j| (i, j)));
+        let values = by_column.map(|(i, j)| values[j * map.nx + i]).collect();
+        MatValue::Numbers(vec![map.ny, map.nx], values)
+    };
+    let fields = [
+        ("x_m", centres(map.x0, map.dx, map.nx)),
+        ("y_m", centres(map.y0, map.dy, map.ny)),
+        ("pressure_pa", over_plane(&map.pressure)),
+        ("map_gap_m", over_plane(&map.gap)),
+        ("map_uz_m", over_plane(&map.uz)),
+    ];
+    let fields = fields.map(|(name, value)| (name.to_owned(), value));
+    mat::write(writer, result, fields.into())
+}
+
+const COMMENTS: &str = "depth: plastic depth of the ice [m]. Column i, row j of the pixels is centred at x = origin_x_m + i pixel_x_m \
+    (along the runner, which slides towards +x), y = origin_y_m + j pixel_y_m (across): column 0 is the groove that is left.";
+
+/// Writes groove.exr, groove.png and film.csv.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the file that cannot be written.
+fn write_sliding(
+    staging: &Staging,
+    pressed: &SolvedContact,
+    map: &PressureMap,
+    slid: &SolvedSliding,
+) -> Result<(), Failure> {
+    let depths = groove_map::depths(map, &pressed.solution.surface, &slid.groove.depth);
+    let numbers = [
+        ("fz_n", pressed.solution.fz),
+        ("hardness_pa", slid.hardness.value),
+    ];
+    staging.write("groove.exr", |mut file| {
+        write_exr::write_channels(&mut file, map, COMMENTS, &numbers, &[("depth", &depths)])
+    })?;
+    staging.write("film.csv", |file| write_film(file, slid))?;
+    groove_picture::write(&staging.path("groove.png"), pressed, slid)
+        .map_err(|error| staging.failure("groove.png", &error))
+}
+
+/// The film station by station, from the front.
+fn write_film(mut file: impl Write, slid: &SolvedSliding) -> io::Result<()> {
+    writeln!(
+        file,
+        "x_m,width_m,pressure_pa,film_m,temperature_c,melt_mps,shear_pa"
+    )?;
+    for station in &slid.film.film.stations {
+        writeln!(
+            file,
+            "{:.9e},{:.6e},{:.6e},{:.6e},{:.6},{:.6e},{:.6e}",
+            slid.film.front - station.xi,
+            station.width,
+            station.pressure,
+            station.thickness,
+            station.temperature,
+            station.melt_rate,
+            station.shear
+        )?;
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::net::TcpListener;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use kufe::jobs::{Failure, Watch, case_file::LoadedCase, press_with};
+use kufe::jobs::{Contact, Failure, case_file::LoadedCase};
 use kufe::report::ContactPage;
 use kufe_contact::{Options, pressure_maps};
 use serde::Serialize;
@@ -128,10 +128,7 @@ pub fn solved(loaded: LoadedCase, stop: &Arc<AtomicBool>) -> Result<Solved, Fail
         max_dofs: MOST_DOFS,
         ..Options::default()
     };
-    let pressed = press_with(loaded, &Watch::default(), options)?;
-    if let Some(short) = pressed.short {
-        return Err(short);
-    }
+    let pressed = Contact::from(loaded).options(options).solve()?;
     let maps = pressure_maps(&pressed.solution);
     let hull = placed_hull(&pressed.problem, &pressed.solution);
     let page = ContactPage::new(pressed.result(), &maps, hull.as_ref(), POINTS, name);

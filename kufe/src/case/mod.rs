@@ -30,7 +30,7 @@ mod problem;
 mod table;
 
 pub use case::{Case, GROOVE_FILE};
-pub use check::range::{RANGES, Range};
+pub use check::range::{LARGEST_RADIUS, RANGES, Range};
 pub use error::CaseError;
 pub use fitted_hull::FittedHull;
 pub use problem::StatedProblem;

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::case::{Case, FittedHull, StatedProblem};
-use kufe_contact::{Error, Solution, SurfaceField};
-use kufe_files::text_of_regular;
+use kufe_contact::{Error, NUMERICS, Solution, SurfaceField};
+use kufe_files::{read_regular, text_of_regular};
+use kufe_lut::sha256;
 use kufe_mesh::hull_files;
 
 use crate::jobs::failure::Failure;
@@ -14,6 +15,8 @@ pub const EXAMPLE: &str = include_str!("../../assets/example.toml");
 
 /// A case file is a page of text; what is longer than this is something else [bytes].
 const LONGEST: u64 = 1 << 20;
+/// Largest file that counts towards a case's content [bytes].
+const LARGEST: u64 = 1 << 31;
 
 /// A case and where it stands.
 #[derive(Clone, Debug)]
@@ -80,6 +83,24 @@ impl LoadedCase {
             }
         }
         Ok(files)
+    }
+
+    /// SHA-256, hexadecimal, of the content of every file that the case reads beside its own, whatever the files are called and
+    /// whenever they were written, and of the version of the numerics.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where a file cannot be read.
+    pub fn content(&self) -> Result<String, Failure> {
+        let mut digests = format!("numerics {NUMERICS}");
+        for (key, file) in self.files()? {
+            let bytes = read_regular(&file, LARGEST).map_err(|error| {
+                let (case, file) = (&self.name, file.display());
+                Failure::BadInput(format!("{case}: {key}: {file}: cannot be read: {error}"))
+            })?;
+            digests += "\n";
+            digests += &sha256(&bytes);
+        }
+        Ok(sha256(digests.as_bytes()))
     }
 
     /// The problem that the case states, of a contact at rest.

@@ -5,7 +5,7 @@
 //!
 //! | item | the job |
 //! |---|---|
-//! | [`case_file::LoadedCase`], [`press()`] | a case and its solution, with what there is to say about it |
+//! | [`case_file::LoadedCase`], [`Contact`] | a case and its solution, with what there is to say about it |
 //! | [`field`] | the maps, pictures and bodies of a solved contact, as files |
 //! | [`slide`] | a case's groove, melt film and friction, and friction over speed and temperature |
 //! | [`table`] | a table file and the lookup table that it asks for |
@@ -14,14 +14,12 @@
 //! | [`Watch`] | who is told of progress and warnings, and may stop the job |
 //!
 //! ```
-//! use kufe_contact::Options;
-//! use kufe::jobs::{Watch, case_file::LoadedCase, press};
-//! let pressed = press(LoadedCase::example()?, &Watch::default(), Options::default())?;
-//! assert!((pressed.solution.p_max / 138.5e6 - 1.0).abs() < 0.01);
+//! use kufe::jobs::{Contact, case_file::LoadedCase};
+//! let solved = Contact::from(LoadedCase::example()?).solve()?;
+//! assert!((solved.solution.p_max / 138.5e6 - 1.0).abs() < 0.01);
 //! # Ok::<(), kufe::jobs::Failure>(())
 //! ```
 
-mod case_content;
 pub mod case_file;
 mod case_json;
 pub mod failure;
@@ -36,7 +34,7 @@ mod write_whole;
 pub use case_json::{case_json, json_number, toml_json};
 pub use failure::Failure;
 pub use press::{
-    Prepared, SolvedContact, percent, press, press_prepared, press_with, time_left, with_progress,
+    Contact, Prepared, SolvedContact, percent, press_prepared, time_left, with_progress,
 };
 pub use watch::Watch;
 pub use write_whole::write_whole;

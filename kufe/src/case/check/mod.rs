@@ -10,7 +10,7 @@ use crate::case::case::Case;
 use crate::case::table::{LoadTable, TiltWord};
 use ice::check_ice;
 use mount::check_mount;
-use range::{Checked, combination, in_range, require};
+use range::{Checked, LARGEST_RADIUS, combination, in_range, require};
 use runner::check_runner;
 use sliding::check_sliding;
 
@@ -25,10 +25,10 @@ impl Case {
         check_ice(&self.ice)?;
         if let Some(radius) = self.track.radius_m {
             require(
-                radius.abs() >= 1.0,
+                (1.0..=LARGEST_RADIUS).contains(&radius.abs()) || radius.is_infinite(),
                 "track.radius_m",
                 radius,
-                "a radius in metres of 1 or more, positive in a valley, negative on a crest, or inf",
+                "a radius in metres from 1 to 1e6 in size, positive in a valley, negative on a crest, or inf",
             )?;
         }
         if let Some(curvature) = self.track.curvature_1pm {
@@ -117,6 +117,16 @@ p_max = 0.01
                 "thickness_m = 0.05",
                 "thickness_m = \"half\"",
                 "line 6: `thickness_m = \"half\"`: invalid value: string \"half\", expected a thickness in metres or \"half-space\"",
+            ),
+            (
+                "rocker_radius_m = 30.0",
+                "rocker_radius_m = 1e308",
+                "line 2: runner.shape.rocker_radius_m = 1e308: expected a radius in metres from 0.05 to 1e6, or inf",
+            ),
+            (
+                "radius_m = inf",
+                "radius_m = -1e308",
+                "line 8: track.radius_m = -1e308: expected a radius",
             ),
             (
                 "radius_m = inf",

@@ -1,10 +1,17 @@
-//! What a number may be, and what is said where it is not.
+//! The ranges of a case's numbers, stated once.
+
+use schemars::Schema;
+use schemars::transform::Transform;
+use serde_json::{Map, Value};
 
 use crate::case::CaseError;
 
 pub(crate) type Checked = Result<(), CaseError>;
 
-/// What the values of a key may be: beyond it there is no runner on ice, or none that this solver is made for.
+/// The range of a key's value.
+///
+/// This table is the only place that states it: the reader, the JSON schema and the page of keys
+/// take it from here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// The key, dotted.
@@ -13,174 +20,142 @@ pub struct Range {
     pub what: &'static str,
     /// Smallest value.
     pub low: f64,
-    /// Largest value; infinite where `inf` is one.
+    /// Largest value; infinite for a radius of at most [`LARGEST_RADIUS`] or `inf`.
     pub high: f64,
 }
 
+/// Largest radius that is not infinite [m]: a runner or a track is as good as straight there.
+pub const LARGEST_RADIUS: f64 = 1e6;
+
+const ANY_RADIUS: f64 = f64::INFINITY;
+
 impl Range {
-    const fn of(key: &'static str, what: &'static str, low: f64, high: f64) -> Range {
-        Range {
-            key,
-            what,
-            low,
-            high,
-        }
+    /// The range of a key.
+    ///
+    /// # Panics
+    /// Where the key has none.
+    pub(crate) fn of(key: &str) -> &'static Range {
+        let range = RANGES.iter().find(|range| range.key == key);
+        range.unwrap_or_else(|| panic!("{key} has no range"))
     }
 
-    /// The range in words, as `0.001 to 100` or `0.05 to inf`.
+    /// The range in words, as `0.001 to 100` or `0.05 to 1e6, or inf`.
     pub fn words(&self) -> String {
-        format!("{} to {}", plain(self.low), plain(self.high))
+        let low = plain(self.low);
+        if self.high.is_finite() {
+            format!("{low} to {}", plain(self.high))
+        } else {
+            format!("{low} to {}, or inf", plain(LARGEST_RADIUS))
+        }
     }
 
     /// Whether a value is in it; what is no number is not.
     pub fn holds(&self, value: f64) -> bool {
-        (self.low..=self.high).contains(&value)
+        let infinite = value == f64::INFINITY || value <= LARGEST_RADIUS;
+        (self.low..=self.high).contains(&value) && (self.high.is_finite() || infinite)
+    }
+
+    /// The bounds as a schema has them: the smallest and the largest value, where there is one.
+    fn bounds(&self) -> [(&'static str, Option<f64>); 2] {
+        let largest = Some(self.high).filter(|high| high.is_finite());
+        [("minimum", Some(self.low)), ("maximum", largest)]
     }
 }
 
-/// The ranges of a case's numbers. Two keys have ranges of their own: `track.radius_m` is 1 m or more in size, or `inf`, and what
-/// is stated of a runner's shape must fit together.
-pub const RANGES: [Range; 44] = [
-    Range::of("runner.scale", "a scale", 1e-6, 1000.0),
-    Range::of(
-        "runner.noise_m",
-        "a standard deviation in metres",
-        0.0,
-        0.001,
-    ),
-    Range::of("runner.height_m", "a height in metres", 0.001, 1.0),
-    Range::of(
-        "runner.youngs_modulus_pa",
-        "a modulus in pascals",
-        1e6,
-        1e13,
-    ),
-    Range::of("runner.poissons_ratio", "a Poisson's ratio", 0.0, 0.499),
-    Range::of("runner.shape.length_m", "a length in metres", 0.01, 10.0),
-    Range::of(
-        "runner.shape.rocker_radius_m",
-        "a radius in metres",
-        0.05,
-        f64::INFINITY,
-    ),
-    Range::of(
-        "runner.shape.section_radius_m",
-        "a radius in metres",
-        1e-4,
-        f64::INFINITY,
-    ),
-    Range::of(
-        "runner.shape.edge_radius_m",
-        "a radius in metres",
-        1e-4,
-        1.0,
-    ),
-    Range::of("runner.shape.tilt_rad", "an angle in radians", -1.0, 1.0),
-    Range::of("runner.shape.width_m", "a width in metres", 1e-4, 1.0),
-    Range::of("runner.shape.height_m", "a height in metres", 0.001, 1.0),
-    Range::of("runner.section.worn_m", "a depth in metres", 0.0, 0.01),
-    Range::of(
-        "runner.section.worn_edge",
-        "a part of the section's radius",
-        0.0,
-        1.0,
-    ),
-    Range::of("runner.mount.held.x_m", "a place in metres", -10.0, 10.0),
-    Range::of(
-        "runner.mount.held.length_m",
-        "a length in metres",
-        0.001,
-        10.0,
-    ),
-    Range::of("runner.mount.carries.x_m", "a place in metres", -10.0, 10.0),
-    Range::of(
-        "runner.mount.carries.length_m",
-        "a length in metres",
-        0.001,
-        10.0,
-    ),
-    Range::of(
-        "runner.mount.carries.share",
-        "a part of the load",
-        1e-6,
-        1.0,
-    ),
-    Range::of(
-        "ice.temperature_c",
-        "a temperature in degrees Celsius",
-        -50.0,
-        0.0,
-    ),
-    Range::of("ice.youngs_modulus_pa", "a modulus in pascals", 1e6, 1e13),
-    Range::of("ice.poissons_ratio", "a Poisson's ratio", 0.0, 0.499),
-    Range::of("ice.thickness_m", "a thickness in metres", 0.001, 100.0),
-    Range::of("ice.hardness_pa", "a pressure in pascals", 1e5, 1e10),
-    Range::of(
-        "ice.bed.youngs_modulus_pa",
-        "a modulus in pascals",
-        1e6,
-        1e13,
-    ),
-    Range::of("ice.bed.poissons_ratio", "a Poisson's ratio", 0.0, 0.499),
-    Range::of("ice.bed.thickness_m", "a thickness in metres", 0.001, 100.0),
-    Range::of(
-        "ice.waviness.amplitude_m",
-        "an amplitude in metres",
-        -0.01,
-        0.01,
-    ),
-    Range::of(
-        "ice.waviness.wavelength_m",
-        "a wavelength in metres",
-        0.001,
-        1000.0,
-    ),
-    Range::of(
-        "ice.waviness.direction_rad",
-        "an angle in radians",
-        -10.0,
-        10.0,
-    ),
-    Range::of(
-        "ice.waviness.phase_rad",
-        "an angle in radians",
-        -100.0,
-        100.0,
-    ),
-    Range::of("track.curvature_1pm", "a curvature in 1/m", -1.0, 1.0),
-    Range::of("sliding.v_mps", "a speed in m/s", 0.01, 100.0),
-    Range::of(
-        "sliding.ice_c",
-        "a temperature in degrees Celsius below the melting point",
-        -50.0,
-        -0.1,
-    ),
-    Range::of("sliding.viscosity_factor", "a factor", 0.01, 1000.0),
-    Range::of(
-        "sliding.hardness.pressure_pa",
-        "a pressure in pascals",
-        1e5,
-        1e9,
-    ),
-    Range::of(
-        "sliding.hardness.ice_c",
-        "a temperature in degrees Celsius",
-        -50.0,
-        0.0,
-    ),
-    Range::of(
-        "sliding.hardness.contact_time_s",
-        "a time in seconds",
-        1e-6,
-        1e6,
-    ),
-    Range::of("load.fz_n", "a force in newtons", 0.001, 1e7),
-    Range::of("load.offset_x_m", "a place in metres", -10.0, 10.0),
-    Range::of("load.offset_y_m", "a place in metres", -10.0, 10.0),
-    Range::of("load.pitch_rad", "an angle in radians", -0.1, 0.1),
-    Range::of("load.roll_rad", "an angle in radians", -0.1, 0.1),
-    Range::of("accuracy.p_max", "a relative error", 1e-4, 0.5),
-];
+/// Writes the ranges of a table's keys into its schema.
+pub(crate) struct Bounds(pub &'static str);
+
+impl Transform for Bounds {
+    fn transform(&mut self, schema: &mut Schema) {
+        if let Some(object) = schema.as_object_mut() {
+            self.bound(object);
+        }
+    }
+}
+
+impl Bounds {
+    fn bound(&self, object: &mut Map<String, Value>) {
+        let variants = object.get_mut("oneOf").and_then(Value::as_array_mut);
+        for variant in variants.into_iter().flatten() {
+            variant
+                .as_object_mut()
+                .into_iter()
+                .for_each(|v| self.bound(v));
+        }
+        let properties = object.get_mut("properties").and_then(Value::as_object_mut);
+        for (name, property) in properties.into_iter().flatten() {
+            let key = format!("{}.{name}", self.0);
+            let range = RANGES.iter().find(|range| range.key == key);
+            // A key of several forms has a schema of its own, with the bounds of its number.
+            let property = property.as_object_mut().filter(|p| p.contains_key("type"));
+            let (Some(range), Some(property)) = (range, property) else {
+                continue;
+            };
+            for (word, bound) in range.bounds() {
+                property.extend(bound.map(|bound| (word.to_owned(), bound.into())));
+            }
+        }
+    }
+}
+
+macro_rules! ranges {
+    ($($key:literal $what:literal $low:expr, $high:expr;)*) => {
+        /// The ranges of a case's numbers.
+        ///
+        /// `track.radius_m` has another: 1 m to [`LARGEST_RADIUS`] in size, or `inf`. The numbers of a
+        /// runner's shape must also fit together.
+        pub const RANGES: &[Range] = &[
+            $(Range { key: $key, what: $what, low: $low, high: $high }),*
+        ];
+    };
+}
+
+ranges! {
+    "runner.scale" "a scale" 1e-6, 1000.0;
+    "runner.noise_m" "a standard deviation in metres" 0.0, 0.001;
+    "runner.height_m" "a height in metres" 0.001, 1.0;
+    "runner.youngs_modulus_pa" "a modulus in pascals" 1e6, 1e13;
+    "runner.poissons_ratio" "a Poisson's ratio" 0.0, 0.499;
+    "runner.shape.length_m" "a length in metres" 0.01, 10.0;
+    "runner.shape.rocker_radius_m" "a radius in metres" 0.05, ANY_RADIUS;
+    "runner.shape.section_radius_m" "a radius in metres" 1e-4, ANY_RADIUS;
+    "runner.shape.edge_radius_m" "a radius in metres" 1e-4, 1.0;
+    "runner.shape.tilt_rad" "an angle in radians" -1.0, 1.0;
+    "runner.shape.width_m" "a width in metres" 1e-4, 1.0;
+    "runner.shape.height_m" "a height in metres" 0.001, 1.0;
+    "runner.section.worn_m" "a depth in metres" 0.0, 0.01;
+    "runner.section.worn_edge" "a part of the section's radius" 0.0, 1.0;
+    "runner.mount.held.x_m" "a place in metres" -10.0, 10.0;
+    "runner.mount.held.length_m" "a length in metres" 0.001, 10.0;
+    "runner.mount.carries.x_m" "a place in metres" -10.0, 10.0;
+    "runner.mount.carries.length_m" "a length in metres" 0.001, 10.0;
+    "runner.mount.carries.share" "a part of the load" 1e-6, 1.0;
+    "ice.temperature_c" "a temperature in degrees Celsius" -50.0, 0.0;
+    "ice.youngs_modulus_pa" "a modulus in pascals" 1e6, 1e13;
+    "ice.poissons_ratio" "a Poisson's ratio" 0.0, 0.499;
+    "ice.thickness_m" "a thickness in metres" 0.001, 100.0;
+    "ice.hardness_pa" "a pressure in pascals" 1e5, 1e10;
+    "ice.bed.youngs_modulus_pa" "a modulus in pascals" 1e6, 1e13;
+    "ice.bed.poissons_ratio" "a Poisson's ratio" 0.0, 0.499;
+    "ice.bed.thickness_m" "a thickness in metres" 0.001, 100.0;
+    "ice.waviness.amplitude_m" "an amplitude in metres" -0.01, 0.01;
+    "ice.waviness.wavelength_m" "a wavelength in metres" 0.001, 1000.0;
+    "ice.waviness.direction_rad" "an angle in radians" -10.0, 10.0;
+    "ice.waviness.phase_rad" "an angle in radians" -100.0, 100.0;
+    "track.curvature_1pm" "a curvature in 1/m" -1.0, 1.0;
+    "sliding.v_mps" "a speed in m/s" 0.01, 100.0;
+    "sliding.ice_c" "a temperature in degrees Celsius below the melting point" -50.0, -0.1;
+    "sliding.viscosity_factor" "a factor" 0.01, 1000.0;
+    "sliding.hardness.pressure_pa" "a pressure in pascals" 1e5, 1e9;
+    "sliding.hardness.ice_c" "a temperature in degrees Celsius" -50.0, 0.0;
+    "sliding.hardness.contact_time_s" "a time in seconds" 1e-6, 1e6;
+    "load.fz_n" "a force in newtons" 0.001, 1e7;
+    "load.offset_x_m" "a place in metres" -10.0, 10.0;
+    "load.offset_y_m" "a place in metres" -10.0, 10.0;
+    "load.pitch_rad" "an angle in radians" -0.1, 0.1;
+    "load.roll_rad" "an angle in radians" -0.1, 0.1;
+    "accuracy.p_max" "a relative error" 1e-4, 0.5;
+}
 
 /// A number as people write it: no more digits than it needs.
 fn plain(value: f64) -> String {
@@ -195,8 +170,7 @@ fn plain(value: f64) -> String {
 /// # Panics
 /// Where the key has no range.
 pub(crate) fn in_range(key: &'static str, value: f64) -> Checked {
-    let range = RANGES.iter().find(|range| range.key == key);
-    let range = range.unwrap_or_else(|| panic!("{key} has no range"));
+    let range = Range::of(key);
     let expected = || format!("{} from {}", range.what, range.words());
     require_else(range.holds(value), key, value, expected)
 }

@@ -3,12 +3,14 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::case::check::range::Bounds;
+
 /// How accurate the answer must be.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = Bounds("accuracy"))]
 #[serde(deny_unknown_fields)]
 pub struct AccuracyTable {
     /// Relative discretisation error asked of the peak pressure.
-    #[schemars(range(min = 1e-4, max = 0.5))]
     pub p_max: f64,
 }
 

@@ -9,23 +9,22 @@ use serde::{Deserialize, Serialize};
 
 use super::words::{Hardness, Thickness};
 use crate::case::CaseError;
+use crate::case::check::range::Bounds;
 use kufe_contact::{Bed, Foundation, ICE_POISSONS_RATIO, Ice, ice_hardness, ice_youngs_modulus};
 
 /// The pressed body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = Bounds("ice"))]
 #[serde(deny_unknown_fields)]
 pub struct IceTable {
     /// Temperature of the ice, which gives the elastic constants that are not stated [C].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = -50.0, max = 0.0))]
     pub temperature_c: Option<f64>,
     /// Young's modulus; from the temperature where absent [Pa].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1e6, max = 1e13))]
     pub youngs_modulus_pa: Option<f64>,
     /// Poisson's ratio; that of polycrystalline ice where absent and a temperature is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0, max = 0.499))]
     pub poissons_ratio: Option<f64>,
     /// Thickness on its bed, or a half-space.
     pub thickness_m: Thickness,
@@ -45,40 +44,58 @@ pub struct IceTable {
 
 /// The concrete under the ice, on a rigid bed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = Bounds("ice.bed"))]
 #[serde(deny_unknown_fields)]
 pub struct BedTable {
     /// Young's modulus [Pa].
-    #[schemars(range(min = 1e6, max = 1e13))]
     pub youngs_modulus_pa: f64,
     /// Poisson's ratio.
-    #[schemars(range(min = 0.0, max = 0.499))]
     pub poissons_ratio: f64,
     /// Thickness [m].
-    #[schemars(range(min = 0.001, max = 100.0))]
     pub thickness_m: f64,
 }
 
 /// Sinusoidal waves on the ice.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = Bounds("ice.waviness"))]
 #[serde(deny_unknown_fields)]
 pub struct WavinessTable {
     /// Half the height from trough to crest [m].
-    #[schemars(range(min = -0.01, max = 0.01))]
     pub amplitude_m: f64,
     /// Distance from crest to crest [m].
-    #[schemars(range(min = 0.001, max = 1000.0))]
     pub wavelength_m: f64,
     /// Angle between the waves' direction and x; 0, along the runner, where absent [rad].
     #[serde(default)]
-    #[schemars(range(min = -10.0, max = 10.0))]
     pub direction_rad: f64,
     /// Phase at the origin; 0, a crest, where absent [rad].
     #[serde(default)]
-    #[schemars(range(min = -100.0, max = 100.0))]
     pub phase_rad: f64,
 }
 
 impl IceTable {
+    /// Ice without end, with this modulus [Pa] and Poisson's ratio.
+    pub fn half_space(youngs_modulus_pa: f64, poissons_ratio: f64) -> Self {
+        IceTable {
+            temperature_c: None,
+            youngs_modulus_pa: Some(youngs_modulus_pa),
+            poissons_ratio: Some(poissons_ratio),
+            thickness_m: Thickness::HalfSpace,
+            bed: None,
+            hardness_pa: None,
+            waviness: None,
+            surface: None,
+        }
+    }
+
+    /// Ice of this thickness on a rigid bed [m].
+    #[must_use]
+    pub fn on_rigid_bed(self, thickness_m: f64) -> Self {
+        IceTable {
+            thickness_m: Thickness::Layer(thickness_m),
+            ..self
+        }
+    }
+
     /// The material and what carries it; the table has been checked.
     pub(crate) fn ice(&self) -> Ice {
         let of_temperature =

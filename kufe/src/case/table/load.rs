@@ -4,31 +4,29 @@ use kufe_contact::{Load, Tilt};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::case::check::range::Bounds;
+
 /// The load and what may tilt.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = Bounds("load"))]
 #[serde(deny_unknown_fields)]
 pub struct LoadTable {
     /// Normal force [N].
-    #[schemars(range(min = 0.001, max = 1e7))]
     pub fz_n: f64,
     /// Line of action along the runner [m].
     #[serde(default)]
-    #[schemars(range(min = -10.0, max = 10.0))]
     pub offset_x_m: f64,
     /// Line of action across the runner [m].
     #[serde(default)]
-    #[schemars(range(min = -10.0, max = 10.0))]
     pub offset_y_m: f64,
     /// Whether pitch and roll settle in equilibrium.
     #[serde(default)]
     pub tilt: TiltWord,
     /// Pitch about y where fixed, positive lowers the nose; 0 where absent [rad].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = -0.1, max = 0.1))]
     pub pitch_rad: Option<f64>,
     /// Roll about x where fixed; 0 where absent [rad].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = -0.1, max = 0.1))]
     pub roll_rad: Option<f64>,
 }
 

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::case::check::range::Bounds;
+
 use crate::case::CaseError;
 use kufe_contact::{LoadedPlace, Mount, Place};
 
@@ -20,28 +22,25 @@ pub struct MountTable {
 
 /// A clamped place along the runner.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = Bounds("runner.mount.held"))]
 #[serde(deny_unknown_fields)]
 pub struct HeldTable {
     /// Its middle [m].
-    #[schemars(range(min = -10.0, max = 10.0))]
     pub x_m: f64,
     /// Its length [m].
-    #[schemars(range(min = 0.001, max = 10.0))]
     pub length_m: f64,
 }
 
 /// A place along the runner that carries a share of the load.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = Bounds("runner.mount.carries"))]
 #[serde(deny_unknown_fields)]
 pub struct CarriesTable {
     /// Its middle [m].
-    #[schemars(range(min = -10.0, max = 10.0))]
     pub x_m: f64,
     /// Its length [m].
-    #[schemars(range(min = 0.001, max = 10.0))]
     pub length_m: f64,
     /// Part of the normal force.
-    #[schemars(range(min = 1e-6, max = 1.0))]
     pub share: f64,
 }
 

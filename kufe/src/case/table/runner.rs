@@ -8,9 +8,11 @@ use serde::{Deserialize, Serialize};
 use super::mount::MountTable;
 use super::section::SectionTable;
 use super::shape::Shape;
+use crate::case::check::range::Bounds;
 
 /// The pressing body: a hull's file or a parametric shape.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = Bounds("runner"))]
 #[serde(deny_unknown_fields)]
 pub struct RunnerTable {
     /// Hull file (OBJ, glTF/GLB, STL or 3MF), relative to the case's folder.
@@ -18,7 +20,6 @@ pub struct RunnerTable {
     pub hull: Option<PathBuf>,
     /// Metres per unit of the hull's file; 0.001 for millimetres.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 1e-6, max = 1000.0))]
     pub scale: Option<f64>,
     /// The hull's upward axis: z, or y as glTF has it, where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -28,7 +29,6 @@ pub struct RunnerTable {
     pub forward: Option<FileAxis>,
     /// Standard deviation of the vertices of a hull or a mesh; found where absent [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0, max = 0.001))]
     pub noise_m: Option<f64>,
     /// Parametric shape instead of a hull.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -41,22 +41,40 @@ pub struct RunnerTable {
     pub mesh: Option<PathBuf>,
     /// Height from the lowest point of an elastic hull to its flat top; its highest place where absent [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.001, max = 1.0))]
     pub height_m: Option<f64>,
     /// Whether the runner deforms.
     #[serde(default)]
     pub elastic: bool,
     /// Young's modulus of the runner [Pa].
     #[serde(default = "steel_modulus")]
-    #[schemars(range(min = 1e6, max = 1e13))]
     pub youngs_modulus_pa: f64,
     /// Poisson's ratio of the runner.
     #[serde(default = "steel_poisson")]
-    #[schemars(range(min = 0.0, max = 0.499))]
     pub poissons_ratio: f64,
     /// What holds an elastic runner; its whole top where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mount: Option<MountTable>,
+}
+
+impl From<Shape> for RunnerTable {
+    /// A rigid runner of this shape.
+    fn from(shape: Shape) -> Self {
+        RunnerTable {
+            hull: None,
+            scale: None,
+            up: None,
+            forward: None,
+            noise_m: None,
+            shape: Some(shape),
+            section: None,
+            mesh: None,
+            height_m: None,
+            elastic: false,
+            youngs_modulus_pa: steel_modulus(),
+            poissons_ratio: steel_poisson(),
+            mount: None,
+        }
+    }
 }
 
 /// An axis of a hull's file.

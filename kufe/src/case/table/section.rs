@@ -6,8 +6,11 @@ use kufe_mesh::{MeshError, Section, load_points};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::case::check::range::{Bounds, Range};
+
 /// What is known of a runner's section beyond its shape's radius.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = Bounds("runner.section"))]
 #[serde(deny_unknown_fields)]
 pub struct SectionTable {
     /// CSV file of the measured section, columns y_m and z_m, relative to the case's folder.
@@ -18,11 +21,9 @@ pub struct SectionTable {
     pub points_m: Option<Vec<[f64; 2]>>,
     /// Depth that wear has taken off the lowest point [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0, max = 0.01))]
     pub worn_m: Option<f64>,
     /// Radius of the flat's edges over the section's own; 0.2 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0, max = 1.0))]
     pub worn_edge: Option<f64>,
 }
 
@@ -33,11 +34,11 @@ impl SectionTable {
     /// `own`, the shape's section, replaced by the measured one where there is one, and worn.
     pub(crate) fn of(&self, own: Section, base: &Path) -> Result<Section, MeshError> {
         let section = match (&self.points_m, &self.profile) {
-            (Some(points), _) => Section::points(points)?,
+            (Some(points), _) => section_of(points)?,
             (None, Some(path)) => {
                 let path = base.join(path);
                 let points = load_points(&path, ["y_m", "z_m"])?;
-                Section::points(&points).map_err(|source| MeshError::File {
+                section_of(&points).map_err(|source| MeshError::File {
                     path: path.display().to_string(),
                     source: Box::new(source),
                 })?
@@ -49,4 +50,19 @@ impl SectionTable {
             None => Ok(section),
         }
     }
+}
+
+/// A section through points whose width is in the range of a shape's.
+fn section_of(points: &[[f64; 2]]) -> Result<Section, MeshError> {
+    let section = Section::points(points)?;
+    let width = points[points.len() - 1][0] - points[0][0];
+    if Range::of("runner.shape.width_m").holds(width) {
+        return Ok(section);
+    }
+    Err(MeshError::ProfilePoint {
+        name: "section",
+        row: points.len(),
+        value: width,
+        expected: "a width of the section from 0.0001 to 1 m",
+    })
 }

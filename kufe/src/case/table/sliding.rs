@@ -6,19 +6,19 @@ use kufe_contact::{ice_hardness, ice_melting_pressure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::case::check::range::Bounds;
+
 /// Steady sliding towards +x.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = Bounds("sliding"))]
 #[serde(deny_unknown_fields)]
 pub struct SlidingTable {
     /// Speed [m/s].
-    #[schemars(range(min = 0.01, max = 100.0))]
     pub v_mps: f64,
     /// Temperature of the ice, which gives its hardness where nothing else does, and what heat it takes [C].
-    #[schemars(range(min = -50.0, max = -0.1))]
     pub ice_c: f64,
     /// Factor on the viscosity of the film's water; 1 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.01, max = 1000.0))]
     pub viscosity_factor: Option<f64>,
     /// Output folder of the runner that went before, whose groove this one meets, relative to the case's folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -30,16 +30,14 @@ pub struct SlidingTable {
 
 /// A hardness measured at one temperature within one contact time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = Bounds("sliding.hardness"))]
 #[serde(deny_unknown_fields)]
 pub struct HardnessTable {
     /// The hardness [Pa].
-    #[schemars(range(min = 1e5, max = 1e9))]
     pub pressure_pa: f64,
     /// Temperature of the ice [C].
-    #[schemars(range(min = -50.0, max = 0.0))]
     pub ice_c: f64,
     /// Time within which the indentation was made [s].
-    #[schemars(range(min = 1e-6, max = 1e6))]
     pub contact_time_s: f64,
 }
 

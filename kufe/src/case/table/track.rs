@@ -3,8 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::case::check::range::Bounds;
+
 /// The track under the runner: a radius or a curvature in the vertical plane, flat where neither is given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(transform = Bounds("track"))]
 #[serde(deny_unknown_fields)]
 pub struct TrackTable {
     /// Radius, positive in a valley, `inf` on a straight [m].
@@ -12,7 +15,6 @@ pub struct TrackTable {
     pub radius_m: Option<f64>,
     /// Curvature, positive in a valley [1/m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = -1.0, max = 1.0))]
     pub curvature_1pm: Option<f64>,
 }
 

@@ -1,11 +1,9 @@
-//! How far a contact is.
+//! Progress of a contact, and the time that remains.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use kufe_contact::{Iterate, NextMesh, Options};
-
-use crate::jobs::press::left::{MeshStart, left, time_left};
 
 /// Options that tell how far the contact is, a line at a time, of which `asked` is the relative error: the mesh in hand, how far those before
 /// it are from it, and about how long the rest takes where that is known and matters.
@@ -63,13 +61,88 @@ pub fn percent(share: f64) -> String {
     format!("{percent:.digits$} %")
 }
 
+/// When a mesh was begun.
+#[derive(Clone, Copy, Debug)]
+struct MeshStart {
+    /// When [s].
+    pub at: f64,
+    /// Its unknowns.
+    pub dofs: f64,
+    /// Relative error that those before it leave, where it is known.
+    pub error_before: Option<f64>,
+}
+
+/// Powers of the cells' size with which errors fall, where they fall fast and slowly.
+const ORDERS: [f64; 2] = [2.5, 1.5];
+
+/// Powers of the unknowns with which a mesh's time grows, at least and at most.
+const GROWTHS: [f64; 2] = [0.9, 1.3];
+
+/// So many meshes ahead are not foreseen.
+const FORESEEN: usize = 4;
+
+/// How much longer the most may be than the least that is still worth saying.
+const OPEN: f64 = 8.0;
+
+/// Least and most time [s] from `now` on until meshes as these leave the relative error `asked`: as if each were finer than the one before it by
+/// what the last is. `None` before their error is known, and where too much is open.
+fn left(meshes: &[MeshStart], now: f64, asked: f64) -> Option<[f64; 2]> {
+    let [.., before, last] = meshes else {
+        return None;
+    };
+    let error = last.error_before?;
+    let (took, grows) = (last.at - before.at, last.dofs / before.dofs);
+    let spent = now - last.at;
+    let range = [0, 1].map(|case| {
+        let mesh = grows.powf(GROWTHS[case]);
+        let falls = grows.powf(-ORDERS[case] / 3.0);
+        let (mut time, mut total, mut error) = (took, 0.0, error);
+        for _ in 0..FORESEEN {
+            time *= mesh;
+            error *= falls;
+            total += time;
+            if error <= asked {
+                return Some(total);
+            }
+        }
+        None
+    });
+    match range {
+        [Some(least), Some(most)] if most <= OPEN * least => {
+            Some([least, most].map(|total| (total - spent).max(0.0)))
+        }
+        _ => None,
+    }
+}
+
+/// Waiting that is worth a word [s].
+const WORTH: f64 = 3.0;
+
+/// "2 to 4 s left" where it is long enough to matter.
+pub fn time_left([least, most]: [f64; 2]) -> Option<String> {
+    if most.is_nan() || most < WORTH {
+        return None;
+    }
+    let (scale, unit) = match most {
+        ..120.0 => (1.0, "s"),
+        ..7200.0 => (60.0, "min"),
+        _ => (3600.0, "h"),
+    };
+    let [least, most] = [least, most].map(|time| (time / scale).round());
+    Some(match least < most {
+        true if least == 0.0 => format!("up to {most} {unit} left"),
+        true => format!("{least} to {most} {unit} left"),
+        false => format!("about {most} {unit} left"),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::Contact;
     use crate::jobs::case_file::LoadedCase;
-    use crate::jobs::press::press_with;
     use crate::jobs::watch::Watch;
 
     /// A luge steel, whose third mesh states an error of 0.202 %.
@@ -86,7 +159,8 @@ mod tests {
         let tell = move |line: String| lines.lock().expect("lines").push(line);
         let loaded = LoadedCase::parse("luge", Path::new(""), LUGE).expect("a case");
         let options = with_progress(Options::default(), 0.002, tell);
-        press_with(loaded, &Watch::default(), options).expect("an answer");
+        let contact = Contact::from(loaded).options(options);
+        contact.best(&Watch::default()).expect("an answer");
         let told = told.lock().expect("lines");
         for line in told.iter() {
             let known = !line.contains("error not known yet, asked 0.200 %");
@@ -96,5 +170,47 @@ mod tests {
         let fourth = &told[fourth.expect("a fourth mesh")..];
         assert!(fourth[0].contains("unknowns; error 0.2") && fourth.len() > 1);
         assert!(fourth[1].contains(" nodes touch, p_max "), "{fourth:?}");
+    }
+
+    fn begun(at: f64, dofs: f64, error_before: Option<f64>) -> MeshStart {
+        MeshStart {
+            at,
+            dofs,
+            error_before,
+        }
+    }
+
+    #[test]
+    fn the_time_left_holds_what_meshes_of_second_order_take_and_shrinks_as_it_passes() {
+        // Each mesh has 2.83 times the unknowns and time and half the error: from 1 % to 0.45 % two take 2.83 and 8 s.
+        let meshes = [begun(0.0, 1e5, None), begun(1.0, 2.83e5, Some(0.01))];
+        let [least, most] = left(&meshes, 1.0, 0.0045).expect("an estimate");
+        assert!(least < 10.8 && most > 10.8, "{least} {most}");
+        let [later, _] = left(&meshes, 3.0, 0.0045).expect("an estimate");
+        assert!((least - later - 2.0).abs() < 1e-12);
+        let [least, most] = left(&meshes, 1.0, 0.009).expect("an estimate");
+        assert!(
+            least < 2.83 && most > 2.83 && most < 2.0 * least,
+            "{least} {most}"
+        );
+        // Far from what is asked, and before there are two meshes, too much is open.
+        assert!(left(&meshes, 1.0, 0.001).is_none());
+        assert!(left(&meshes[..1], 1.0, 0.009).is_none());
+    }
+
+    #[test]
+    fn a_wait_is_told_as_a_range_and_only_where_it_matters() {
+        assert_eq!(time_left([0.4, 2.9]), None);
+        assert_eq!(time_left([0.2, 4.2]).as_deref(), Some("up to 4 s left"));
+        assert_eq!(time_left([4.2, 9.8]).as_deref(), Some("4 to 10 s left"));
+        assert_eq!(time_left([89.0, 91.0]).as_deref(), Some("89 to 91 s left"));
+        assert_eq!(
+            time_left([100.0, 290.0]).as_deref(),
+            Some("2 to 5 min left")
+        );
+        assert_eq!(
+            time_left([170.0, 190.0]).as_deref(),
+            Some("about 3 min left")
+        );
     }
 }

@@ -2,7 +2,7 @@
 
 use kufe_contact::{Iterate, RunnerLoads};
 
-use crate::jobs::press::pressed::SolvedContact;
+use crate::jobs::press::contact::SolvedContact;
 use crate::results::{
     CaseRecord, CheckResult, ContactResult, HullFit, Measured, MeshResult, RunnerResult,
     ShearResult, SubsurfaceResult,

@@ -1,12 +1,14 @@
 //! A case's groove, with the hardness that it comes from.
 
-use crate::case::SlidingTable;
+use std::path::Path;
+
+use crate::case::{GROOVE_FILE, SlidingTable};
 use kufe_contact::{Error, GrooveProfile, Measure, Options, Problem, SlidingSolution, slide};
+use kufe_mesh::ExrImage;
 
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::film::film_failure;
-use crate::jobs::slide::groove_file::groove_left;
 use crate::jobs::slide::hardness::{HardnessFrom, HardnessLaw};
 
 /// A groove and the hardness of the ice that it was ploughed in.
@@ -175,4 +177,22 @@ fn parts(solution: &SlidingSolution) -> usize {
     (0..nx)
         .filter(|&i| touches(i) && (i == 0 || !touches(i - 1)))
         .count()
+}
+
+/// The section at the back of the depth map `groove.exr` in `folder`.
+///
+/// # Errors
+/// [`Failure::BadInput`] naming the file where it is missing, has no channel `depth`, or holds no depths.
+fn groove_left(folder: &Path) -> Result<GrooveProfile, Failure> {
+    let path = folder.join(GROOVE_FILE);
+    let told = |reason: String| Failure::BadInput(format!("sliding.previous: {reason}"));
+    let image = ExrImage::load(&path).map_err(|error| told(error.to_string()))?;
+    let depth = image
+        .channel("depth")
+        .map_err(|error| told(format!("{}: {error}", path.display())))?;
+    let [columns, rows] = image.size;
+    let y = (0..rows).map(|j| image.origin_m[1] + j as f64 * image.pixel_m[1]);
+    let last = (0..rows).map(|j| depth[j * columns]);
+    GrooveProfile::new(y.collect(), last.collect())
+        .map_err(|error| told(format!("{}: {error}", path.display())))
 }

@@ -5,9 +5,9 @@ use kufe_sled::friction::film::{FilmConditions, HARDNESS_EXPONENT};
 
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::film::{FilmAlong, conditions, film_along, film_failure};
-use crate::jobs::slide::friction::Friction;
 use crate::jobs::slide::groove::{Grooved, Hardness, Ploughing};
 use crate::jobs::slide::hardness::HardnessFrom;
+use crate::jobs::slide::sliding::Friction;
 
 /// Relative change of the coefficient of friction over that of what it depends on: elasticities d ln mu/d ln x, of the temperature
 /// d ln mu/dT [1/K].

@@ -6,8 +6,8 @@ use kufe_contact::{Measure, Options};
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::film::{conditions, film_along, film_failure};
-use crate::jobs::slide::friction::Friction;
 use crate::jobs::slide::groove::{Grooved, Ploughing};
+use crate::jobs::slide::sliding::Friction;
 use crate::jobs::watch::Watch;
 
 /// Friction at one speed on ice of one temperature.

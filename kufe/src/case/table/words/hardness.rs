@@ -6,6 +6,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::word_or_number::WordOrNumber;
+use crate::case::check::range::Range;
 
 /// The largest pressure that the ice bears.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,9 +44,10 @@ impl JsonSchema for Hardness {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let range = Range::of("ice.hardness_pa");
         json_schema!({
             "description": "Largest pressure that the ice bears [Pa], or that of its temperature.",
-            "anyOf": [{ "type": "number", "minimum": 1e5, "maximum": 1e10 }, { "const": WORD }],
+            "anyOf": [{ "type": "number", "minimum": range.low, "maximum": range.high }, { "const": WORD }],
         })
     }
 }

@@ -6,6 +6,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::word_or_number::WordOrNumber;
+use crate::case::check::range::Range;
 
 /// How deep the ice is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,9 +44,10 @@ impl JsonSchema for Thickness {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let range = Range::of("ice.thickness_m");
         json_schema!({
             "description": "Thickness on its bed [m], or ice without end.",
-            "anyOf": [{ "type": "number", "minimum": 1e-3, "maximum": 100.0 }, { "const": WORD }],
+            "anyOf": [{ "type": "number", "minimum": range.low, "maximum": range.high }, { "const": WORD }],
         })
     }
 }

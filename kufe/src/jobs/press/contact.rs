@@ -1,21 +1,144 @@
-//! One contact problem, from its case to its solution.
+//! One contact problem, from its case to its solution, and what contacts of one runner share.
 
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use crate::case::FittedHull;
-use kufe_contact::{CentreLine, Error, Options, Problem, RunnerLoads, Solution};
+use kufe_contact::{CentreLine, Error, Options, Problem, Runner, RunnerLoads, Solution};
 use kufe_contact::{boundary_elements_to_compare, centre_line, runner_loads, solve};
+use kufe_mesh::Underside;
 
+use crate::case::{
+    AccuracyTable, Case, CaseError, FittedHull, IceTable, LoadTable, RunnerTable, SlidingTable,
+    SolverTable, TiltWord, TrackTable,
+};
 use crate::jobs::case_file::{LoadedCase, depth, patch};
 use crate::jobs::failure::Failure;
 use crate::jobs::press::check::Check;
-use crate::jobs::press::hull_error::{HullError, between_vertices, moved};
-use crate::jobs::press::prepared::Prepared;
+use crate::jobs::press::hull_error::{HullError, between_vertices, found_noise, made_up, moved};
 use crate::jobs::slide::{SolvedSliding, solve_sliding};
 use crate::jobs::watch::Watch;
 
 /// Where indentation tests see ice near 0 degrees Celsius begin to give way [Pa].
 const ICE_GIVES_WAY: f64 = 10e6;
+
+/// One contact problem, stated step by step or by a case.
+///
+/// ```
+/// use kufe::Contact;
+/// use kufe::case::{IceTable, Shape};
+/// let runner = Shape::Paraboloid { rocker_radius_m: 30.0, section_radius_m: 0.005 };
+/// let ice = IceTable::half_space(9.0e9, 0.33);
+/// let result = Contact::new(runner, ice).load(1000.0).solve()?.result();
+/// // Hertz: 138.52 MPa.
+/// assert!((result.p_max.value / 138.52e6 - 1.0).abs() < 0.01);
+/// # Ok::<(), kufe::jobs::Failure>(())
+/// ```
+#[derive(Clone)]
+pub struct Contact {
+    loaded: LoadedCase,
+    options: Options,
+}
+
+impl From<LoadedCase> for Contact {
+    fn from(loaded: LoadedCase) -> Self {
+        Contact {
+            loaded,
+            options: Options::default(),
+        }
+    }
+}
+
+impl Contact {
+    /// A runner on ice on a straight track, under 1000 N and free to tilt.
+    pub fn new(runner: impl Into<RunnerTable>, ice: IceTable) -> Self {
+        let case = Case {
+            runner: runner.into(),
+            ice,
+            track: TrackTable::default(),
+            load: LoadTable {
+                fz_n: 1000.0,
+                offset_x_m: 0.0,
+                offset_y_m: 0.0,
+                tilt: TiltWord::Free,
+                pitch_rad: None,
+                roll_rad: None,
+            },
+            sliding: None,
+            accuracy: AccuracyTable::default(),
+            solver: SolverTable::default(),
+            effects: Default::default(),
+        };
+        Contact::from(LoadedCase {
+            name: "the contact".into(),
+            base: Path::new("").into(),
+            case,
+        })
+    }
+
+    /// With this normal force [N].
+    #[must_use]
+    pub fn load(mut self, fz_n: f64) -> Self {
+        self.loaded.case.load.fz_n = fz_n;
+        self
+    }
+
+    /// On a track of this radius in the vertical plane, positive in a valley [m].
+    #[must_use]
+    pub fn track_radius(mut self, radius_m: f64) -> Self {
+        self.loaded.case.track = TrackTable {
+            radius_m: Some(radius_m),
+            curvature_1pm: None,
+        };
+        self
+    }
+
+    /// Sliding at this speed [m/s] on ice of this temperature [C].
+    #[must_use]
+    pub fn sliding(mut self, v_mps: f64, ice_c: f64) -> Self {
+        self.loaded.case.sliding = Some(SlidingTable::new(v_mps, ice_c));
+        self
+    }
+
+    /// With this relative error of the peak pressure.
+    #[must_use]
+    pub fn accuracy(mut self, p_max: f64) -> Self {
+        self.loaded.case.accuracy.p_max = p_max;
+        self
+    }
+
+    /// With these limits and callbacks of the solver; accuracy and stiffness are the case's.
+    #[must_use]
+    pub fn options(mut self, options: Options) -> Self {
+        self.options = options;
+        self
+    }
+
+    /// The solution, to the requested accuracy.
+    ///
+    /// # Errors
+    /// As [`best`](Self::best); [`Failure::NotConverged`] where the accuracy is not reached.
+    pub fn solve(self) -> Result<SolvedContact, Failure> {
+        let solved = self.best(&Watch::default())?;
+        match solved.short {
+            Some(failure) => Err(failure),
+            None => Ok(solved),
+        }
+    }
+
+    /// The best solution: where the accuracy is not reached, [`SolvedContact::short`] says why.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] for the case and a hull that is too coarse for its load,
+    /// [`Failure::NotConverged`] where there is no solution, [`Failure::Partial`] where it was stopped.
+    pub fn best(self, watch: &Watch) -> Result<SolvedContact, Failure> {
+        let Contact { loaded, options } = self;
+        let checked = loaded.case.check();
+        checked.map_err(|error| Failure::BadInput(format!("{}: {error}", loaded.name)))?;
+        let prepared = Prepared::of(&loaded)?;
+        press_prepared(loaded, &prepared, watch, options)
+    }
+}
 
 /// A solved case with what there is to say about it.
 pub struct SolvedContact {
@@ -49,41 +172,57 @@ pub struct SolvedContact {
     pub warnings: Vec<String>,
 }
 
-/// Solves a case, with the solver's limits and who is told of every update of the contact set; the accuracy is the case's.
-///
-/// # Errors
-/// [`Failure::BadInput`] for the case and a hull that is too coarse for its load, [`Failure::NotConverged`] where the
-/// solver stops short of the accuracy asked.
-pub fn press(
-    loaded: LoadedCase,
-    watch: &Watch,
-    options: Options,
-) -> Result<SolvedContact, Failure> {
-    let pressed = press_with(loaded, watch, options)?;
-    match pressed.short {
-        Some(failure) => Err(failure),
-        None => Ok(pressed),
+/// A case's runner and what is made of its files. Cases that differ in load, track and tilt alone share one.
+pub struct Prepared {
+    /// What the case's files held: [`LoadedCase::content`].
+    content: String,
+    runner: Runner,
+    /// The hull, where the case names one.
+    hull: Option<FittedHull>,
+    /// The hull as scans with its noise would have it; made where asked for.
+    scans: OnceLock<Option<Vec<Arc<dyn Underside>>>>,
+}
+
+impl Prepared {
+    /// Reads the case's files and fits its hull.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where the hull cannot be had, or the case is out of range.
+    pub fn of(loaded: &LoadedCase) -> Result<Self, Failure> {
+        let content = loaded.content()?;
+        let (runner, hull) = told(loaded, loaded.case.runner(&loaded.base))?;
+        Ok(Prepared {
+            content,
+            runner,
+            hull,
+            scans: OnceLock::new(),
+        })
+    }
+
+    /// The problem that a case of this runner states.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where the case is out of range.
+    pub fn problem(&self, loaded: &LoadedCase) -> Result<Problem, Failure> {
+        let runner = self.runner.clone();
+        told(loaded, loaded.case.problem_of(runner, &loaded.base))
+    }
+
+    /// Scans of the hull made up with its noise.
+    fn scans(&self) -> Option<&[Arc<dyn Underside>]> {
+        let fitted = || self.hull.as_ref().and_then(|h| made_up(h, found_noise(h)));
+        self.scans.get_or_init(fitted).as_deref()
     }
 }
 
-/// As [`press`], with the solver's limits and who may stop it; the accuracy is the case's. Where that is not reached the best answer
-/// comes with [`SolvedContact::short`].
-///
-/// # Errors
-/// As [`press`] for all else; [`Failure::Partial`] where it was stopped.
-pub fn press_with(
-    loaded: LoadedCase,
-    watch: &Watch,
-    options: Options,
-) -> Result<SolvedContact, Failure> {
-    let prepared = Prepared::of(&loaded)?;
-    press_prepared(loaded, &prepared, watch, options)
+fn told<T>(loaded: &LoadedCase, found: Result<T, CaseError>) -> Result<T, Failure> {
+    found.map_err(|error| Failure::BadInput(format!("{}: {error}", loaded.name)))
 }
 
-/// As [`press_with`], of a runner that is read and fitted already.
+/// As [`Contact::best`], of a runner that is read and fitted already.
 ///
 /// # Errors
-/// As [`press_with`].
+/// As [`Contact::best`].
 pub fn press_prepared(
     loaded: LoadedCase,
     prepared: &Prepared,
