@@ -226,7 +226,12 @@ impl Found {
             let data = group.dataset(&name)?;
             let name = format!("{before}{name}");
             let class = match data.attrs()?.remove("MATLAB_class") {
-                Some(AttrValue::String(class) | AttrValue::AsciiString(class)) => class,
+                Some(
+                    AttrValue::String(class)
+                    | AttrValue::AsciiString(class)
+                    | AttrValue::StringSized { value: class, .. }
+                    | AttrValue::AsciiStringSized { value: class, .. },
+                ) => class,
                 _ => "double".to_string(),
             };
             let shape = data.shape()?;
