@@ -22,7 +22,7 @@ use crate::about::{completions, doctor, examples, init, schema};
 use crate::bodies::{export, hull, mesh};
 use crate::cli::{Cli, Command};
 use crate::friction::icehouse;
-use crate::output::say::all_said;
+use crate::output::say::{all_said, note};
 use crate::runs::{discover, evaluate, fit, simulate, validate};
 
 fn run(cli: Cli) -> Result<(), Failure> {
@@ -30,7 +30,10 @@ fn run(cli: Cli) -> Result<(), Failure> {
     global.apply()?;
     if global.verbose {
         let threads = rayon::current_num_threads();
-        eprintln!("kufe: {} with {threads} threads", env!("CARGO_PKG_VERSION"));
+        note(&format!(
+            "{} with {threads} threads",
+            env!("CARGO_PKG_VERSION")
+        ));
     }
     match command {
         Command::Press(args) => press::run(&args, &global),
@@ -63,7 +66,7 @@ fn main() -> ExitCode {
     match run(cli).and_then(|()| all_said()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("kufe: {failure}");
+            note(&failure.to_string());
             failure.exit_code()
         }
     }

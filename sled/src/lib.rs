@@ -86,6 +86,7 @@ pub use record::check::profile::{Octave, Profile};
 pub use record::check::relations::fault::{Fault, FaultKind};
 pub use record::check::relations::judge::{judge, judge_by, refuse_faults};
 pub use record::check::relations::rules::RelationRules;
+pub use record::file_names::{file_stem, run_file, track_file};
 pub use record::files::{RunFormat, write_run};
 pub use record::files::{read_good_runs, read_needed, read_run, read_runs, state_distances};
 pub use record::gaps::Saturation;

@@ -403,7 +403,7 @@ pub fn index_csv(runs: &[PlannedRun], ending: &str) -> Result<Vec<u8>, Error> {
         for name in &columns {
             cells.push(match *name {
                 "run" => run.name.clone(),
-                "file" => format!("{}.{ending}", run.name),
+                "file" => format!("{}.{ending}", kufe_sled::file_stem(&run.name)),
                 name => run.index.cell(name).unwrap_or_default().trim().to_string(),
             });
         }

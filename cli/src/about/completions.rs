@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use clap::Command;
 use clap_complete::Shell;
-use kufe::jobs::{Failure, write_whole};
+use kufe::jobs::Failure;
 
 use crate::about::reference;
+use crate::output::file::OutputFiles;
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::output::staging::Staging;
 
 /// Arguments of `kufe completions`.
 #[derive(clap::Args, Debug)]
@@ -47,21 +48,24 @@ pub struct ManArgs {
 pub fn man(args: &ManArgs, global: &Global, mut command: Command) -> Result<(), Failure> {
     if let Some(path) = &args.markdown {
         let page = reference::page(&command);
-        return write_whole(path, |writer| writer.write_all(page.as_bytes()));
+        let outputs = std::slice::from_ref(path);
+        let files = OutputFiles::begin("man", &[], outputs, global.force)?;
+        files.write(path, |writer| writer.write_all(page.as_bytes()))?;
+        return files.commit();
     }
     command = command.disable_help_subcommand(true);
     command.build();
-    let staging = Staging::begin(&args.out)?;
+    let output = OutputDir::begin("man", &[], &args.out, global.force)?;
     let mut pages = Vec::new();
     below(&mut pages, &command, "kufe");
     for (name, page) in &pages {
-        staging.write(&format!("{name}.1"), |mut file| {
+        output.write(&format!("{name}.1"), |mut file| {
             clap_mangen::Man::new((*page).clone())
                 .source(concat!("kufe ", env!("CARGO_PKG_VERSION")))
                 .render(&mut file)
         })?;
     }
-    staging.commit()?;
+    output.commit()?;
     if !global.quiet {
         say(&format!(
             "{} pages written to {}\n",

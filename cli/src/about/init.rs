@@ -2,15 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::{Failure, MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE, write_whole};
+use kufe::jobs::{Failure, MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE};
 use kufe_telemetry::MAPPING_EXAMPLE;
-use serde::Deserialize;
 
 use crate::about::schema::Kind;
-use crate::output::apart::apart;
+use crate::output::file::OutputFiles;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::report::read_json;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -30,9 +28,6 @@ pub struct Args {
     /// What to start
     #[arg(long, value_enum, default_value_t = Kind::Case)]
     pub kind: Kind,
-    /// Replace a file that exists
-    #[arg(long)]
-    pub force: bool,
 }
 
 /// Writes the example with its comments, and its schema.
@@ -46,20 +41,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         None => PathBuf::from(format!("{kind}.toml")),
     };
     let path = file.display();
-    if file.exists() && !args.force {
-        return Err(Failure::BadInput(format!(
-            "{path}: exists already; --force replaces it"
-        )));
-    }
     let name = format!("{kind}.schema.json");
     let schema = file.parent().unwrap_or(Path::new("")).join(&name);
-    apart(&[], &[file.clone(), schema.clone()])?;
-    if schema.exists() && !args.force && !is_schema(&schema, args.kind) {
-        return Err(Failure::BadInput(format!(
-            "{}: exists already and is no schema of kufe's; --force replaces it",
-            schema.display()
-        )));
-    }
+    let outputs = [schema.clone(), file.clone()];
+    let files = OutputFiles::begin("init", &[], &outputs, global.force)?;
     let (example, next) = match args.kind {
         Kind::Case => (EXAMPLE, format!("solve it with: kufe press {path} -o out/")),
         Kind::Table => (TABLE_EXAMPLE, format!("fill it with: kufe lut {path}")),
@@ -72,12 +57,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             format!("import with it: kufe runs import {path} -o runs/"),
         ),
     };
-    write_whole(&schema, |writer| {
+    files.write(&schema, |writer| {
         writer.write_all(args.kind.schema().as_bytes())
     })?;
-    write_whole(&file, |writer| {
+    files.write(&file, |writer| {
         write!(writer, "#:schema ./{name}\n{example}")
     })?;
+    files.commit()?;
     if global.json {
         let written = serde_json::json!({ "file": file, "schema": schema });
         say(&format!("{written}\n"));
@@ -85,17 +71,4 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         say(&format!("{path} written; {next}\n"));
     }
     Ok(())
-}
-
-/// A schema is a page or two [bytes].
-const LONGEST: u64 = 1 << 22;
-
-/// Whether a file is a schema of this kind, of this version of the command or another.
-fn is_schema(path: &Path, kind: Kind) -> bool {
-    #[derive(Deserialize)]
-    struct Titled {
-        title: String,
-    }
-    let title = format!("{}.toml", kind.name());
-    read_json(path, LONGEST).is_ok_and(|found: Titled| found.title == title)
 }

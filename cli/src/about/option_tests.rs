@@ -78,7 +78,7 @@ fn a_quantity_is_named_with_its_unit_as_keys_of_files_are() {
         assert_eq!(named.map(|(_, end)| *end), end, "{command} --{name}");
         let number = option.get_value_parser().type_id() == TypeId::of::<f64>();
         assert!(
-            !number || end.is_some() || option.is_hide_set() || PURE.contains(&name),
+            !number || end.is_some() || PURE.contains(&name),
             "{command} --{name}: a number without a unit"
         );
         quantities.extend(end.map(|_| name.to_owned()));
@@ -87,35 +87,18 @@ fn a_quantity_is_named_with_its_unit_as_keys_of_files_are() {
 }
 
 #[test]
-fn no_command_shows_a_name_that_another_keeps_for_old_scripts() {
-    let all = options();
-    let (hidden, shown): (Vec<_>, Vec<_>) = all.iter().partition(|(_, o)| o.is_hide_set());
-    let shown: BTreeSet<&str> = shown.into_iter().map(|(_, option)| name(option)).collect();
-    let aliases = all
-        .iter()
-        .flat_map(|(_, option)| option.get_all_aliases().unwrap_or_default());
-    // The file of an old `kufe export` is every command's output.
-    let hidden = hidden.into_iter().map(|(_, option)| name(option));
-    let old: BTreeSet<&str> = aliases
-        .chain(hidden.filter(|name| *name != "out"))
-        .collect();
-    assert!(old.len() > 12, "{old:?}");
-    let both: Vec<&&str> = old.intersection(&shown).collect();
-    assert!(both.is_empty(), "{both:?}");
-    for (command, option) in &all {
-        let visible = option.get_visible_aliases().unwrap_or_default();
-        assert!(
-            visible.is_empty(),
-            "{command} --{}: {visible:?}",
-            name(option)
-        );
+fn no_option_has_a_second_name_or_is_hidden() {
+    for (command, option) in options() {
+        let aliases = option.get_all_aliases().unwrap_or_default();
+        assert!(aliases.is_empty(), "{command} --{}", name(&option));
+        assert!(!option.is_hide_set(), "{command} --{}", name(&option));
     }
 }
 
 #[test]
 fn a_name_has_one_letter_and_one_meaning() {
     let mut known: BTreeMap<String, (String, Option<char>, String)> = BTreeMap::new();
-    for (command, option) in options().into_iter().filter(|(_, o)| !o.is_hide_set()) {
+    for (command, option) in options() {
         let name = name(&option);
         let said = help(&option);
         let meaning = match OWN.contains(&name) {

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 
 use kufe::case::Case;
-use kufe::jobs::{Failure, write_whole};
+use kufe::jobs::Failure;
 use kufe::results::{ContactResult, SeriesRow};
 use kufe_sled::Model;
 use kufe_telemetry::Mapping;
 use schemars::generate::SchemaSettings;
 
+use crate::output::file::OutputFiles;
 use crate::output::global::Global;
 use crate::output::say::say;
 
@@ -116,7 +117,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         say(&text);
         return Ok(());
     };
-    write_whole(path, |writer| writer.write_all(text.as_bytes()))?;
+    let outputs = std::slice::from_ref(path);
+    let files = OutputFiles::begin("schema", &[], outputs, global.force)?;
+    files.write(path, |writer| writer.write_all(text.as_bytes()))?;
+    files.commit()?;
     if !global.quiet {
         say(&format!("{} written\n", path.display()));
     }

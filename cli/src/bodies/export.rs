@@ -10,10 +10,11 @@ use serde::Serialize;
 
 use crate::bodies::calculix::{Deck, write_deck};
 use crate::bodies::stiffness::write_stiffness;
-use crate::output::apart::{apart, case_inputs};
+use crate::output::file::OutputFiles;
+use crate::output::folder::pretty;
 use crate::output::global::Global;
+use crate::output::paths::case_inputs;
 use crate::output::say::say;
-use crate::output::staging::{Staging, pretty};
 
 /// What a deck holds, and the contact on its mesh.
 #[derive(Serialize)]
@@ -34,22 +35,13 @@ struct DeckFacts {
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// The case
-    pub case: Option<PathBuf>,
+    pub case: PathBuf,
     /// Write an input deck of CalculiX, of an elastic runner held by its top or at places, level, on ice on a rigid bed
     #[arg(long, value_name = "FILE", conflicts_with = "stiffness")]
     pub calculix: Option<PathBuf>,
     /// Write the assembled stiffness of its bodies on the mesh that it is solved on, in Matrix Market form
     #[arg(long, value_name = "FILE")]
     pub stiffness: Option<PathBuf>,
-    /// The input deck, where --calculix has the case: what this command was once given
-    #[arg(
-        long,
-        short,
-        hide = true,
-        requires = "calculix",
-        conflicts_with = "case"
-    )]
-    pub out: Option<PathBuf>,
     /// Cells across half the contact patch, instead of the accuracy that the case asks
     #[arg(long, value_name = "N")]
     pub cells: Option<usize>,
@@ -64,15 +56,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let found = args.cells.unwrap_or_default();
         return Err(Failure::Usage(format!("--cells {found}: expected 2 to 64")));
     }
-    match (&args.case, &args.calculix, &args.stiffness) {
-        (Some(case), Some(deck), _) => write_calculix(case, deck, args.cells, global),
-        (Some(case), _, Some(matrix)) => write_stiffness(case, matrix, args.cells, global),
-        (None, Some(case), None) => {
-            let deck = args.out.as_deref().unwrap_or(Path::new("deck.inp"));
-            write_calculix(case, deck, args.cells, global)
-        }
+    match (&args.calculix, &args.stiffness) {
+        (Some(deck), _) => write_calculix(&args.case, deck, args.cells, global),
+        (_, Some(matrix)) => write_stiffness(&args.case, matrix, args.cells, global),
         _ => Err(Failure::Usage(
-            "expected a case, and --calculix or --stiffness with the file to write".into(),
+            "expected --calculix or --stiffness with the file to write".into(),
         )),
     }
 }
@@ -87,7 +75,8 @@ fn write_calculix(
     let StatedProblem { problem, .. } = loaded.stated()?;
     let refuse = |reason: &str| Failure::BadInput(format!("{}: {reason}", loaded.name));
     let inputs = case_inputs(Some(case), &loaded)?;
-    apart(&inputs, &[out.to_path_buf()])?;
+    let outputs = [out.to_path_buf()];
+    let files = OutputFiles::begin("export", &inputs, &outputs, global.force)?;
     let mount = statable(&problem).map_err(&refuse)?;
     let bar = global.progress();
     bar.set_message("solving, for the mesh and the approach");
@@ -113,14 +102,8 @@ fn write_calculix(
         half_width: 0.5 * solution.width,
         surface: &solution.surface,
     };
-    let folder = out.parent().filter(|p| !p.as_os_str().is_empty());
-    let name = out
-        .file_name()
-        .ok_or_else(|| Failure::Usage(format!("--calculix {}: expected a file", out.display())))?;
-    let staging = Staging::begin(folder.unwrap_or(std::path::Path::new(".")))?;
-    staging.remove_on_interrupt();
-    staging.write(&name.to_string_lossy(), |file| write_deck(&deck, file))?;
-    staging.commit()?;
+    files.write(out, |file| write_deck(&deck, file))?;
+    files.commit()?;
     let loads = runner_loads(&problem, &solution).map_err(|error| loaded.failure(&error))?;
     let facts = DeckFacts {
         deck: out.display().to_string(),

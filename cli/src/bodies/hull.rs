@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Subcommand;
-use kufe::jobs::{Failure, write_whole};
+use kufe::jobs::Failure;
 use kufe_mesh::{
     BobRunner, HullFormat, LugeSteel, MeshError, Rocker, Swept, load_points, tessellate,
     tessellate_turning,
@@ -11,7 +11,7 @@ use kufe_mesh::{
 use serde_json::json;
 
 use crate::bodies::scan::{self, Check};
-use crate::output::apart::apart;
+use crate::output::file::OutputFiles;
 use crate::output::global::Global;
 use crate::output::say::say;
 
@@ -100,17 +100,8 @@ const EDGE_TURN: f64 = 0.01;
 /// [`Failure::BadInput`] for dimensions that do not fit and a file that cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let (name, swept, file, turn) = match &args.kind {
-        Kind::Bob(bob) => {
-            apart(
-                bob.rocker_points.as_slice(),
-                std::slice::from_ref(&bob.file.out),
-            )?;
-            ("bob", bob.swept(bob.rocker()?), &bob.file, None)
-        }
-        Kind::Luge(luge) => {
-            apart(&[], std::slice::from_ref(&luge.file.out))?;
-            ("luge", luge.swept(), &luge.file, Some(EDGE_TURN))
-        }
+        Kind::Bob(bob) => ("bob", bob.swept(bob.rocker()?), &bob.file, None),
+        Kind::Luge(luge) => ("luge", luge.swept(), &luge.file, Some(EDGE_TURN)),
         Kind::Check(check) => return scan::run(check, global),
     };
     let path = file.out.display();
@@ -118,12 +109,19 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let format =
         HullFormat::of(&file.out).map_err(|error| Failure::BadInput(format!("{path}: {error}")))?;
     let swept = swept.map_err(told)?;
+    let inputs = match &args.kind {
+        Kind::Bob(bob) => bob.rocker_points.as_slice(),
+        _ => &[],
+    };
+    let outputs = std::slice::from_ref(&file.out);
+    let files = OutputFiles::begin("hull", inputs, outputs, global.force)?;
     let hull = match turn {
         Some(turn) => tessellate_turning(&swept, file.edge_length_m, turn),
         None => tessellate(&swept, file.edge_length_m),
     };
     let hull = hull.map_err(told)?;
-    write_whole(&file.out, |writer| format.write(&hull, writer))?;
+    files.write(&file.out, |writer| format.write(&hull, writer))?;
+    files.commit()?;
     let (vertices, triangles) = (hull.positions.len(), hull.triangles.len());
     if global.json {
         let document = json!({ "file": file.out, "vertices": vertices, "triangles": triangles });

@@ -8,10 +8,10 @@ use kufe_contact::{Runner, solve};
 use kufe_mesh::{HexMesh, MeshError, VtuField, graded_levels, mapped_runner_mesh, write_vtu};
 use serde_json::{Value, json};
 
-use crate::output::apart::case_inputs;
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::staging::Staging;
+use crate::output::paths::case_inputs;
+use crate::output::say::{say, warn};
 
 /// Layers of cells between the underside and the top of the runner, and how much each is higher than the one below.
 const LAYERS: usize = 8;
@@ -37,12 +37,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let loaded = LoadedCase::read(&args.case)?;
     let stated = loaded.stated()?;
     for warning in loaded.hull_warnings(stated.hull.as_ref()) {
-        eprintln!("kufe: warning: {warning}");
+        warn(&warning);
     }
     let inputs = case_inputs(Some(&args.case), &loaded)?;
-    let names = ["ice.vtu", "runner.vtu", "quality.json"];
-    let staging = Staging::beside(&inputs, &args.out, &names)?;
-    staging.remove_on_interrupt();
+    let output = OutputDir::begin("mesh", &inputs, &args.out, global.force)?;
     let bar = global.progress();
     bar.set_message("finding the contact that the grid is graded to");
     let solved = solve(&stated.problem, &loaded.case.options());
@@ -63,11 +61,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     let mut document = json!({ "version": env!("CARGO_PKG_VERSION") });
     for (name, mesh) in &meshes {
-        staging.write(&format!("{name}.vtu"), |file| write(mesh, file))?;
+        output.write(&format!("{name}.vtu"), |file| write(mesh, file))?;
         document[*name] = figures(mesh);
     }
-    staging.document("quality.json", &mut document)?;
-    staging.commit()?;
+    output.json("quality.json", &document)?;
+    output.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));
     } else if !global.quiet {

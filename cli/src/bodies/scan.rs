@@ -3,14 +3,14 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::{Failure, write_whole};
+use kufe::jobs::Failure;
 use kufe_contact::hertz;
 use kufe_mesh::{
     Axis, Coarse, FittedUnderside, HullOptions, HullReport, Sampling, ScanFrame, load_hull,
 };
 use serde_json::{Value, json};
 
-use crate::output::apart::apart;
+use crate::output::file::OutputFiles;
 use crate::output::global::Global;
 use crate::output::say::say;
 
@@ -60,24 +60,17 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
         let text = format!("--fz-n {fz}: expected positive forces [N]");
         return Err(Failure::Usage(text));
     }
-    if let Some(out) = &check.out {
-        apart(std::slice::from_ref(&check.file), std::slice::from_ref(out))?;
-        if out.exists() {
-            let text = format!(
-                "{}: exists already: expected a name that is free",
-                out.display()
-            );
-            return Err(Failure::BadInput(text));
-        }
-    }
+    let inputs = std::slice::from_ref(&check.file);
+    let files = OutputFiles::begin("hull check", inputs, check.out.as_slice(), global.force)?;
     let told = |reason: &str| Failure::BadInput(format!("{path}: {reason}"));
     let found = look(&check.file, &check.fz_n)?.ok_or_else(|| {
         told("no side of it is rounded along and across, as the underside of a runner is (rocker and section)")
     })?;
     if let Some(out) = &check.out {
         let text = case(check, out, &found)?;
-        write_whole(out, |writer| writer.write_all(text.as_bytes()))?;
+        files.write(out, |writer| writer.write_all(text.as_bytes()))?;
     }
+    files.commit()?;
     if global.json {
         say(&format!("{:#}\n", document(check, &found)));
     } else if !global.quiet {

@@ -1,6 +1,5 @@
 //! The assembled stiffness of a case's bodies as a file.
 
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use kufe::case::StatedProblem;
@@ -9,10 +8,10 @@ use kufe_contact::{Options, Solution, StiffnessForm, solve};
 use kufe_fem::write_matrix_market;
 use serde_json::json;
 
-use crate::output::apart::{apart, case_inputs};
+use crate::output::file::OutputFiles;
 use crate::output::global::Global;
+use crate::output::paths::case_inputs;
 use crate::output::say::say;
-use crate::output::staging::Staging;
 
 /// Numbers in a line of comments.
 const A_LINE: usize = 12;
@@ -29,7 +28,9 @@ pub fn write_stiffness(
 ) -> Result<(), Failure> {
     let loaded = LoadedCase::read(case)?;
     let StatedProblem { problem, .. } = loaded.stated()?;
-    apart(&case_inputs(Some(case), &loaded)?, &[matrix.to_path_buf()])?;
+    let inputs = case_inputs(Some(case), &loaded)?;
+    let outputs = [matrix.to_path_buf()];
+    let files = OutputFiles::begin("export", &inputs, &outputs, global.force)?;
     let bar = global.progress();
     bar.set_message("solving, for the mesh");
     let options = Options {
@@ -43,18 +44,10 @@ pub fn write_stiffness(
     let title = format!("{}, by kufe {}", loaded.name, env!("CARGO_PKG_VERSION"));
     let comments = comments(title, &solution);
     let bodies: Vec<_> = solution.assembled.iter().map(|b| &*b.stiffness).collect();
-    let folder = matrix.parent().filter(|p| !p.as_os_str().is_empty());
-    let name = matrix.file_name().ok_or_else(|| {
-        Failure::Usage(format!("--stiffness {}: expected a file", matrix.display()))
+    files.write(matrix, |mut out| {
+        write_matrix_market(&bodies, &comments, &mut out)
     })?;
-    let staging = Staging::begin(folder.unwrap_or(Path::new(".")))?;
-    staging.remove_on_interrupt();
-    staging.write(&name.to_string_lossy(), |file| {
-        let mut out = BufWriter::new(file);
-        write_matrix_market(&bodies, &comments, &mut out)?;
-        out.flush()
-    })?;
-    staging.commit()?;
+    files.commit()?;
     let displacements: usize = bodies.iter().map(|body| body.dofs()).sum();
     let entries: usize = bodies.iter().map(|body| body.entries()).sum();
     let held: usize = solution.assembled.iter().map(|body| body.held.len()).sum();

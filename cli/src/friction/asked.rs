@@ -6,8 +6,9 @@ use kufe::jobs::Failure;
 use kufe::jobs::case_file::LoadedCase;
 use kufe::jobs::slide::FrictionPoint;
 
-use crate::output::apart::case_inputs;
-use crate::output::staging::Staging;
+use crate::output::folder::OutputDir;
+use crate::output::global::Global;
+use crate::output::paths::case_inputs;
 
 /// What is asked.
 pub struct Asked<'a> {
@@ -32,7 +33,11 @@ pub struct Runner {
 }
 
 /// The output folder, before anything is solved.
-pub fn begin(asked: &Asked, cases: &[LoadedCase]) -> Result<Option<Staging>, Failure> {
+pub fn begin(
+    asked: &Asked,
+    cases: &[LoadedCase],
+    global: &Global,
+) -> Result<Option<OutputDir>, Failure> {
     let Some(out) = asked.out else {
         return Ok(None);
     };
@@ -40,8 +45,5 @@ pub fn begin(asked: &Asked, cases: &[LoadedCase]) -> Result<Option<Staging>, Fai
     for (path, loaded) in asked.cases.iter().zip(cases) {
         inputs.extend(case_inputs(Some(path), loaded)?);
     }
-    let names = ["friction.json", "friction.csv", "friction.png"];
-    let staging = Staging::beside(&inputs, out, &names)?;
-    staging.remove_on_interrupt();
-    Ok(Some(staging))
+    OutputDir::begin("friction", &inputs, out, global.force).map(Some)
 }

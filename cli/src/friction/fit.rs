@@ -11,9 +11,9 @@ use kufe_sled::friction::{
 };
 
 use crate::friction::failure::failure;
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::output::staging::Staging;
 
 /// Arguments of `kufe friction fit`.
 #[derive(clap::Args, Debug)]
@@ -86,20 +86,17 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let law = fit.law(args.mu_cap, args.zeta, acts_on);
     law.check().map_err(|error| failure(&error).within(&name))?;
     let result = PressureFit::new(&fit, &law, &experiments, args.confidence);
-    let staging = Staging::beside(
-        std::slice::from_ref(&args.experiments),
-        &args.out,
-        &["fit.json", "friction.toml", "mu.png"],
-    )?;
-    staging.remove_on_interrupt();
-    let toml = model_form(&law).map_err(|error| staging.failure("friction.toml", &error))?;
-    staging.text("friction.toml", &toml)?;
-    kufe::plot::png(&staging.path("mu.png"), 900, 620, &|root| {
-        kufe::charts::draw_mu_over_pressure(&root, &experiments, &fit, &law)
-    })
-    .map_err(|error| staging.failure("mu.png", &error))?;
-    let json = staging.result("fit.json", &result)?;
-    staging.commit()?;
+    let inputs = std::slice::from_ref(&args.experiments);
+    let output = OutputDir::begin("friction fit", inputs, &args.out, global.force)?;
+    let toml = model_form(&law).map_err(Failure::bad_input)?;
+    output.text("friction.toml", &toml)?;
+    output.draw("mu.png", |path| {
+        kufe::plot::png(path, 900, 620, &|root| {
+            kufe::charts::draw_mu_over_pressure(&root, &experiments, &fit, &law)
+        })
+    })?;
+    let json = output.json("fit.json", &result)?;
+    output.commit()?;
     if global.json {
         say(&json);
     } else if !global.quiet {

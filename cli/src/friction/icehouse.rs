@@ -12,9 +12,9 @@ use kufe_sled::friction::{
 };
 
 use crate::friction::failure::failure;
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::output::staging::Staging;
 
 const EXAMPLES: &str = "\
 glides.csv has one row a run: run, file, specimen, direction, mass_kg, cda_m2, air_c, air_pa;
@@ -49,21 +49,20 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let result = IceHouseResult::new(&house, picture);
     let mut inputs: Vec<PathBuf> = entries.iter().map(|e| folder.join(&e.file)).collect();
     inputs.push(args.glides.clone());
-    let names = ["icehouse.json", "experiments.csv"];
-    let staging = Staging::beside(&inputs, &args.out, &names)?;
-    staging.remove_on_interrupt();
-    staging.write("experiments.csv", |file| {
+    let output = OutputDir::begin("icehouse", &inputs, &args.out, global.force)?;
+    output.write("experiments.csv", |file| {
         write_experiments(&house.experiments(), file)
     })?;
     for (i, run) in house.runs.iter().enumerate() {
         let name = picture(i, &run.entry.run);
-        kufe::plot::png(&staging.path(&name), 900, 580, &|root| {
-            kufe::charts::draw_glide(&root, &house, run)
-        })
-        .map_err(|error| staging.failure(&name, &error))?;
+        output.draw(&name, |path| {
+            kufe::plot::png(path, 900, 580, &|root| {
+                kufe::charts::draw_glide(&root, &house, run)
+            })
+        })?;
     }
-    let json = staging.result("icehouse.json", &result)?;
-    staging.commit()?;
+    let json = output.json("icehouse.json", &result)?;
+    output.commit()?;
     if global.json {
         say(&json);
     } else if !global.quiet {

@@ -11,9 +11,9 @@ use kufe_sled::friction::Span;
 
 use crate::friction::asked::{Asked, begin};
 use crate::friction::optimum_picture;
+use crate::output::folder::pretty;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::output::staging::pretty;
 use crate::output::watched::watched;
 
 /// Searches, prints and writes.
@@ -28,21 +28,20 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
     let parameters = asked.optimise.iter().map(|text| parameter(text));
     let parameters: Vec<Parameter> = parameters.collect::<Result<_, _>>()?;
     let loaded = LoadedCase::read(path)?;
-    let staging = begin(asked, std::slice::from_ref(&loaded))?;
+    let output = begin(asked, std::slice::from_ref(&loaded), global)?;
     let options = Options::default();
     let found = watched(global, |watch| {
         optimise(&loaded, [v_mps, ice_c], &parameters, watch, &options)
     })?;
     let result = FrictionOptimum::new(&found, &loaded.case);
     let mut json = pretty(&result)?;
-    if let Some(staging) = staging {
-        staging.write("friction.csv", |file| write_csv(file, &found))?;
-        kufe::plot::png(&staging.path("friction.png"), 900, 620, &|root| {
-            optimum_picture::draw(&root, &found)
-        })
-        .map_err(|error| staging.failure("friction.png", &error))?;
-        json = staging.result("friction.json", &result)?;
-        staging.commit()?;
+    if let Some(output) = output {
+        output.write("friction.csv", |file| write_csv(file, &found))?;
+        output.draw("friction.png", |path| {
+            kufe::plot::png(path, 900, 620, &|root| optimum_picture::draw(&root, &found))
+        })?;
+        json = output.json("friction.json", &result)?;
+        output.commit()?;
     }
     if global.json {
         say(&json);

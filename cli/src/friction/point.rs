@@ -13,9 +13,9 @@ use kufe_sled::effects::{Effects, Kind};
 use kufe_sled::friction::{Longitudinal, air_density, longitudinal_force};
 
 use crate::friction::asked::Asked;
+use crate::output::folder::pretty;
 use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::staging::pretty;
+use crate::output::say::{say, warn};
 
 /// Options of a law over the pressure, and of no groove.
 const BY_LAW: [&str; 5] = ["alpha_rad", "model", "air_c", "air_pa", "humidity_pct"];
@@ -29,7 +29,6 @@ pub struct Args {
     /// Speed [m/s], always needed; with --groove one or several, as 5,20,35
     #[arg(
         long,
-        alias = "speed",
         value_name = "LIST",
         value_delimiter = ',',
         allow_negative_numbers = true
@@ -47,16 +46,6 @@ pub struct Args {
     /// a law over the pressure
     #[arg(long, conflicts_with_all = BY_LAW)]
     pub groove: bool,
-    /// What --groove with --ice-c was called
-    #[arg(
-        long,
-        hide = true,
-        value_delimiter = ',',
-        allow_hyphen_values = true,
-        conflicts_with = "ice_c",
-        conflicts_with_all = BY_LAW
-    )]
-    pub ice: Vec<f64>,
     /// With --groove, one speed and one case: the runner with the least friction, by one or two numbers of its shape within bounds, as
     /// rocker_radius_m=15:60,section_radius_m=0.004:0.008
     #[arg(long, value_name = "KEY=LOW:HIGH", value_delimiter = ',')]
@@ -67,7 +56,6 @@ pub struct Args {
     /// Slip angle [rad]
     #[arg(
         long,
-        alias = "alpha",
         value_name = "RAD",
         default_value_t = 0.0,
         allow_negative_numbers = true
@@ -107,12 +95,12 @@ impl Args {
         if self.v_mps.is_empty() {
             missing.push("--v-mps is missing: give the speed in m/s, as --v-mps 30".to_owned());
         }
-        let groove = self.groove || !self.ice.is_empty();
+        let groove = self.groove;
         let asked = tables.iter().find(|(asked, _)| *asked);
         if let (false, Some((_, why))) = (groove, asked) {
             missing.push(format!("--groove is missing: {why}"));
         }
-        if (groove || asked.is_some()) && self.temperatures().is_empty() {
+        if (groove || asked.is_some()) && self.ice_c.is_empty() {
             let how = "give the temperature of the ice in degrees Celsius, as --ice-c -5, or several as --ice-c -10,-5,-1";
             missing.push(format!("--ice-c is missing: {how}"));
         }
@@ -122,20 +110,12 @@ impl Args {
         }
     }
 
-    /// Temperatures of the ice, by either name.
-    fn temperatures(&self) -> &[f64] {
-        match self.ice.is_empty() {
-            true => &self.ice_c,
-            false => &self.ice,
-        }
-    }
-
     /// The table over speed and temperature, where one is asked for.
     pub fn sliding(&self) -> Option<Asked<'_>> {
-        (self.groove || !self.ice.is_empty()).then_some(Asked {
+        self.groove.then_some(Asked {
             cases: &self.cases,
             speeds: &self.v_mps,
-            temperatures: self.temperatures(),
+            temperatures: &self.ice_c,
             optimise: &self.optimise,
             out: self.out.as_ref(),
         })
@@ -166,7 +146,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let solution = solved.map_err(|error| loaded.failure(&error))?;
     loaded.fine_enough(hull.as_ref(), &solution)?;
     for warning in &warnings {
-        eprintln!("kufe: warning: {warning}");
+        warn(&warning.to_string());
     }
     let base = law.mu(solution.p_max);
     let conditions = conditions(args, speed, solution.fz, drag_area);

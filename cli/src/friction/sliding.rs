@@ -10,9 +10,9 @@ use kufe_contact::Options;
 
 use crate::friction::asked::{Asked, Runner, begin};
 use crate::friction::sliding_picture;
+use crate::output::folder::pretty;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::output::staging::pretty;
 use crate::output::watched::watched;
 
 /// Most points of a table, so that a slip of the hand does not run for days.
@@ -33,7 +33,7 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
     }
     let cases = asked.cases.iter().map(|path| LoadedCase::read(path));
     let cases: Vec<LoadedCase> = cases.collect::<Result<_, _>>()?;
-    let staging = begin(asked, &cases)?;
+    let output = begin(asked, &cases, global)?;
     let options = Options::default();
     let names = names(asked.cases);
     let runners = watched(global, |watch| {
@@ -62,14 +62,15 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
         fastest,
     };
     let mut json = pretty(&result)?;
-    if let Some(staging) = staging {
-        staging.write("friction.csv", |file| write_csv(file, &result.points))?;
-        kufe::plot::png(&staging.path("friction.png"), 900, 620, &|root| {
-            sliding_picture::draw(&root, &runners)
-        })
-        .map_err(|error| staging.failure("friction.png", &error))?;
-        json = staging.result("friction.json", &result)?;
-        staging.commit()?;
+    if let Some(output) = output {
+        output.write("friction.csv", |file| write_csv(file, &result.points))?;
+        output.draw("friction.png", |path| {
+            kufe::plot::png(path, 900, 620, &|root| {
+                sliding_picture::draw(&root, &runners)
+            })
+        })?;
+        json = output.json("friction.json", &result)?;
+        output.commit()?;
     }
     if global.json {
         say(&json);

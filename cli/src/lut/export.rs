@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::{Failure, table::read_table, write_whole};
+use kufe::jobs::{Failure, table::read_table};
 use kufe_lut::{Table, simulink_files};
 
-use crate::output::apart::apart;
+use crate::output::file::OutputFiles;
 use crate::output::global::Global;
 use crate::output::say::say;
 
@@ -28,7 +28,7 @@ pub struct Forms {
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub fmu: Option<Option<PathBuf>>,
     /// Radius of the rocker [m], for --header, --simulink and --fmu where the table has that axis
-    #[arg(long, alias = "rocker", value_name = "METRES")]
+    #[arg(long, value_name = "METRES")]
     pub rocker_radius_m: Option<f64>,
 }
 
@@ -51,12 +51,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             "nothing to export: give --csv, --mat, --header, --simulink or --fmu".into(),
         ));
     }
-    apart(
-        std::slice::from_ref(&args.table),
-        &args.forms.paths(&args.table),
-    )?;
+    let inputs = std::slice::from_ref(&args.table);
+    let outputs = args.forms.paths(&args.table);
+    let files = OutputFiles::begin("lut export", inputs, &outputs, global.force)?;
     let table = read_table(&args.table)?;
-    let written = args.forms.write(&table, &args.table)?;
+    let written = args.forms.write(&table, &args.table, &files)?;
+    files.commit()?;
     if global.json {
         let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
         say(&format!("{}\n", serde_json::json!({ "written": names })));
@@ -117,7 +117,12 @@ impl Forms {
     ///
     /// # Errors
     /// [`Failure::BadInput`] where a form cannot be made of this table or a file not be written.
-    pub fn write(&self, table: &Table, beside: &Path) -> Result<Vec<PathBuf>, Failure> {
+    pub fn write(
+        &self,
+        table: &Table,
+        beside: &Path,
+        files: &OutputFiles,
+    ) -> Result<Vec<PathBuf>, Failure> {
         let stem = stem(beside);
         let form = |ending: &str, bytes: &mut Vec<u8>| match ending {
             "csv" => table.write_csv(bytes),
@@ -132,7 +137,7 @@ impl Forms {
             let mut bytes = Vec::new();
             form(ending, &mut bytes)
                 .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;
-            write_whole(&path, |writer| writer.write_all(&bytes))?;
+            files.write(&path, |writer| writer.write_all(&bytes))?;
             written.push(path);
         }
         Ok(written)
@@ -149,10 +154,10 @@ fn stem(table: &Path) -> String {
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the path.
-pub fn write_table(table: &Table, path: &Path) -> Result<(), Failure> {
+pub fn write_table(table: &Table, path: &Path, files: &OutputFiles) -> Result<(), Failure> {
     let mut bytes = Vec::new();
     table
         .write(&mut bytes)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;
-    write_whole(path, |writer| writer.write_all(&bytes))
+    files.write(path, |writer| writer.write_all(&bytes))
 }

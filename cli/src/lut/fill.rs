@@ -10,7 +10,7 @@ use kufe::jobs::{
 
 use crate::lut::export::{Forms, write_table};
 use crate::lut::finish::{Spent, finish};
-use crate::output::apart::apart;
+use crate::output::file::OutputFiles;
 use crate::output::global::Global;
 use crate::output::watched::watched;
 
@@ -41,15 +41,17 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .clone()
         .unwrap_or_else(|| path.with_extension("lut"));
     let started = Instant::now();
-    let (solver, filled) = watched(global, |watch| {
+    let (solver, filled, files) = watched(global, |watch| {
         let solver = Solver::new(&wanted, watch)?;
         let mut outputs = args.forms.paths(&out);
         outputs.push(out.clone());
-        apart(&solver.inputs(&wanted)?, &outputs)?;
+        let files = OutputFiles::begin("lut", &solver.inputs(&wanted)?, &outputs, global.force)?;
         let filled = kufe::jobs::table::fill(&wanted, &solver, &out, watch)?;
-        Ok::<_, Failure>((solver, filled))
+        Ok::<_, Failure>((solver, filled, files))
     })?;
-    write_table(&filled.swept.table, &out)?;
+    write_table(&filled.swept.table, &out, &files)?;
+    let written = args.forms.write(&filled.swept.table, &out, &files)?;
+    files.commit()?;
     filled.clear()?;
     let seconds = started.elapsed().as_secs_f64();
     let solves = filled.solves;
@@ -57,7 +59,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         &filled.swept,
         solver.tolerance(),
         &out,
-        &args.forms,
+        &written,
         Spent { solves, seconds },
         global,
     )

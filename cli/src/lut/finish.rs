@@ -1,12 +1,11 @@
 //! What a table is worth once it is solved, and its further forms.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use kufe::jobs::{Failure, percent};
 use kufe_lut::{Method, Mode, Point, Quantity, Swept, Table};
 use serde_json::{Value, json};
 
-use crate::lut::export::Forms;
 use crate::output::global::Global;
 use crate::output::say::say;
 
@@ -18,7 +17,7 @@ pub struct Spent {
     pub seconds: f64,
 }
 
-/// Writes the further forms, tells what the table is worth, and fails where it is less than was asked.
+/// Reports the accuracy of a written table, and fails where it is less than was requested.
 ///
 /// # Errors
 /// [`Failure::NotConverged`] where the interpolation or a solve stayed short of what was asked.
@@ -26,17 +25,16 @@ pub fn finish(
     swept: &Swept,
     solver_tolerance: f64,
     out: &Path,
-    forms: &Forms,
+    written: &[PathBuf],
     spent: Spent,
     global: &Global,
 ) -> Result<(), Failure> {
-    let written = forms.write(&swept.table, out)?;
     let summary = summary(&swept.table, &spent)?;
     if global.json {
         say(&format!("{summary:#}\n"));
     } else if !global.quiet {
         say(&format!("{}\n", out.display()));
-        for path in &written {
+        for path in written {
             say(&format!("{}\n", path.display()));
         }
         say(&format!("{}\n", in_words(&summary, swept.table.judged())));

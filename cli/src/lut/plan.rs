@@ -6,16 +6,15 @@ use std::time::Instant;
 use kufe::jobs::{
     Failure, Watch,
     table::{Solver, Wanted},
-    write_whole,
 };
 use kufe_lut::{Error, Manifest, Next, Origin, Store, next_batch, parallel_script, slurm_script};
 
 use crate::lut::export::{Forms, write_table};
 use crate::lut::finish::{Spent, finish};
-use crate::output::apart::{apart, folder_apart};
+use crate::output::file::OutputFiles;
 use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::watched::{warn, watched};
+use crate::output::say::{say, warn};
+use crate::output::watched::watched;
 
 /// The files of a plan's folder.
 const PLAN_FILES: [&str; 3] = ["plan.json", "slurm.sh", "parallel.sh"];
@@ -74,12 +73,15 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
     let wanted = Wanted::read(&args.table)?;
     let solver = solver(&wanted)?;
     let origin = solver.origin();
-    folder_apart(&solver.inputs(&wanted)?, &args.out, &PLAN_FILES)?;
     let file = args.out.join("plan.json");
-    if file.exists() {
+    let is_own = file.exists();
+    if is_own {
         let old = Manifest::read(&file).map_err(Failure::bad_input)?;
         same_origin(&file, &old.origin, &origin)?;
     }
+    let outputs = PLAN_FILES.map(|name| args.out.join(name));
+    let inputs = solver.inputs(&wanted)?;
+    let files = OutputFiles::begin("lut plan", &inputs, &outputs, is_own || global.force)?;
     let table = args
         .table
         .canonicalize()
@@ -94,7 +96,7 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
                 shards: args.shards as usize,
                 points,
             };
-            write_plan(&args.out, &manifest)?;
+            write_plan(&args.out, &manifest, files)?;
             tell_plan(&args.out, &manifest, global);
         }
         Next::Finished(_) => {
@@ -146,17 +148,19 @@ pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
     inputs.extend(PLAN_FILES.map(|name| args.plan.join(name)));
     let mut outputs = args.forms.paths(&args.out);
     outputs.push(args.out.clone());
-    apart(&inputs, &outputs)?;
+    let files = OutputFiles::begin("lut merge", &inputs, &outputs, global.force)?;
     match next_batch(&wanted.plan, &store).map_err(Failure::bad_input)? {
         Next::Finished(mut swept) => {
             swept.table.case = solver.case();
-            write_table(&swept.table, &args.out)?;
+            write_table(&swept.table, &args.out, &files)?;
+            let written = args.forms.write(&swept.table, &args.out, &files)?;
+            files.commit()?;
             let seconds = started.elapsed().as_secs_f64();
             finish(
                 &swept,
                 solver.tolerance(),
                 &args.out,
-                &args.forms,
+                &written,
                 Spent { solves: 0, seconds },
                 global,
             )
@@ -183,7 +187,9 @@ pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
                 points,
                 ..manifest
             };
-            write_plan(&args.plan, &next)?;
+            let outputs = PLAN_FILES.map(|name| args.plan.join(name));
+            let files = OutputFiles::begin("lut plan", &[], &outputs, true)?;
+            write_plan(&args.plan, &next, files)?;
             Err(Failure::Partial(format!(
                 "{}: round {round} is planned with {} points where the interpolation is not good enough yet; run the \
                  shards again, then merge",
@@ -232,23 +238,24 @@ fn open_store(folder: &Path, origin: Origin) -> Result<Store, Failure> {
     Store::open(&folder.join("points"), origin).map_err(Failure::bad_input)
 }
 
-fn write_plan(folder: &Path, manifest: &Manifest) -> Result<(), Failure> {
-    manifest
-        .write(&folder.join("plan.json"))
-        .map_err(Failure::bad_input)?;
+fn write_plan(folder: &Path, manifest: &Manifest, files: OutputFiles) -> Result<(), Failure> {
+    files.draw(&folder.join("plan.json"), |path| {
+        manifest.write(path).map_err(Failure::bad_input)
+    })?;
     let unusable =
         |error: std::io::Error| Failure::BadInput(format!("{}: {error}", folder.display()));
-    let folder = folder.canonicalize().map_err(unusable)?;
+    let place = folder.canonicalize().map_err(unusable)?;
     let kufe = std::env::current_exe().map_err(unusable)?;
     let shards = manifest.shards;
-    let slurm = slurm_script(&kufe, &folder, shards);
-    write_whole(&folder.join("slurm.sh"), |writer| {
+    let slurm = slurm_script(&kufe, &place, shards);
+    files.write(&folder.join("slurm.sh"), |writer| {
         writer.write_all(slurm.as_bytes())
     })?;
-    let parallel = parallel_script(&kufe, &folder, shards);
-    write_whole(&folder.join("parallel.sh"), |writer| {
+    let parallel = parallel_script(&kufe, &place, shards);
+    files.write(&folder.join("parallel.sh"), |writer| {
         writer.write_all(parallel.as_bytes())
-    })
+    })?;
+    files.commit()
 }
 
 fn tell_plan(folder: &Path, manifest: &Manifest, global: &Global) {

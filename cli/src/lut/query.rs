@@ -7,8 +7,7 @@ use kufe_lut::{Layered, Looked, MIN_SPEED, Mode, Quantity, Table, curvature_from
 use serde_json::{Map, Value, json};
 
 use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::watched::warn;
+use crate::output::say::{say, warn};
 
 /// Arguments of `kufe lut query`.
 #[derive(clap::Args, Debug)]
@@ -16,20 +15,14 @@ pub struct Args {
     /// The table
     pub table: PathBuf,
     /// Normal force [N]
-    #[arg(
-        long,
-        alias = "fz",
-        value_name = "NEWTONS",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "NEWTONS", allow_negative_numbers = true)]
     pub fz_n: f64,
     /// Track curvature in the vertical plane [1/m], positive in a valley
-    #[arg(long, alias = "curvature", value_name = "PER_METRE", allow_hyphen_values = true, conflicts_with_all = ["radius_m", "pitch_rate_radps"])]
+    #[arg(long, value_name = "PER_METRE", allow_hyphen_values = true, conflicts_with_all = ["radius_m", "pitch_rate_radps"])]
     pub curvature_1pm: Option<f64>,
     /// Track radius in the vertical plane [m], positive in a valley, inf on a straight
     #[arg(
         long,
-        alias = "radius",
         value_name = "METRES",
         allow_hyphen_values = true,
         conflicts_with = "pitch_rate_radps"
@@ -38,25 +31,19 @@ pub struct Args {
     /// Pitch rate [rad/s], positive nose down, with --v-mps
     #[arg(
         long,
-        alias = "pitch-rate",
         value_name = "RAD_PER_S",
         allow_hyphen_values = true,
         requires = "v_mps"
     )]
     pub pitch_rate_radps: Option<f64>,
     /// Speed [m/s], with --pitch-rate-radps and where the table has that axis
-    #[arg(long, alias = "v", value_name = "M_PER_S", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M_PER_S", allow_hyphen_values = true)]
     pub v_mps: Option<f64>,
     /// Ice temperature [degrees Celsius], where the table has that axis
-    #[arg(
-        long,
-        alias = "ice",
-        value_name = "CELSIUS",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "CELSIUS", allow_hyphen_values = true)]
     pub ice_c: Option<f64>,
     /// Radius of the rocker [m], where the table has that axis
-    #[arg(long, alias = "rocker", value_name = "METRES")]
+    #[arg(long, value_name = "METRES")]
     pub rocker_radius_m: Option<f64>,
     /// How values between the nodes are found
     #[arg(long, value_enum, default_value = "smooth")]

@@ -8,7 +8,7 @@ use kufe::jobs::{Failure, table::read_table};
 use kufe_lut::{Quantity, Sample};
 use kufe_sled::table_samples;
 
-use crate::output::apart::apart;
+use crate::output::file::OutputFiles;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::watched::watched;
@@ -26,18 +26,13 @@ pub struct Args {
     #[arg(long)]
     pub quantity: Option<String>,
     /// Radius of the rocker [m], where the table has that axis
-    #[arg(long, alias = "rocker", value_name = "METRES")]
+    #[arg(long, value_name = "METRES")]
     pub rocker_radius_m: Option<f64>,
     /// Speed [m/s], where the table has that axis [default: the middle one, the upper of two]
-    #[arg(long, alias = "v", value_name = "M_PER_S")]
+    #[arg(long, value_name = "M_PER_S")]
     pub v_mps: Option<f64>,
     /// Ice temperature [degrees Celsius], where the table has that axis [default: the middle one, the upper of two]
-    #[arg(
-        long,
-        alias = "ice",
-        value_name = "CELSIUS",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "CELSIUS", allow_hyphen_values = true)]
     pub ice_c: Option<f64>,
     /// Shows where the samples of these runs lie on the table, and counts those outside; needs --model
     #[arg(long, value_name = "RUNS.csv", requires = "model")]
@@ -90,15 +85,21 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .unwrap_or_else(|| args.table.with_extension("png"));
     let inputs = [&Some(args.table.clone()), &args.runs, &args.model];
     let inputs: Vec<PathBuf> = inputs.into_iter().flatten().cloned().collect();
-    apart(&inputs, std::slice::from_ref(&out))?;
+    let outputs = std::slice::from_ref(&out);
+    let files = OutputFiles::begin("lut show", &inputs, outputs, global.force)?;
     let samples = args.samples(global)?;
     let slice = Slice {
         rocker_radius: args.rocker_radius_m,
         speed: args.v_mps,
         ice_c: args.ice_c,
     };
-    let outside = kufe::charts::draw(&table, quantity, slice, &samples, &out)
-        .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
+    let mut outside = 0;
+    files.draw(&out, |path| {
+        outside = kufe::charts::draw(&table, quantity, slice, &samples, path)
+            .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
+        Ok::<_, Failure>(())
+    })?;
+    files.commit()?;
     if global.json {
         let written = out.display().to_string();
         say(&format!(

@@ -1,8 +1,5 @@
 //! The JSON documents that commands leave in their folders, and how one is told from another.
 
-use std::path::Path;
-
-use kufe_files::text_of_regular;
 use serde_json::{Map, Value, json};
 
 /// A kind of document.
@@ -17,9 +14,6 @@ pub struct Known {
     /// The keys that it has and no other kind has all of; of a list, its first row.
     keys: &'static [&'static str],
 }
-
-/// What is longer is no figures of a command [bytes].
-pub const LONGEST: u64 = 1 << 28;
 
 const fn known(
     name: &'static str,
@@ -36,7 +30,7 @@ const fn known(
 }
 
 /// All kinds; a folder is what the first of them in it says.
-pub const DOCUMENTS: [Known; 21] = [
+const DOCUMENTS: [Known; 21] = [
     known(
         "result.json",
         "a solved contact",
@@ -174,24 +168,6 @@ pub fn known_as(document: &Value) -> Option<&'static Known> {
     let keys = keys.as_object()?;
     let fits = |known: &&Known| known.keys.iter().all(|key| keys.contains_key(*key));
     DOCUMENTS.iter().find(fits)
-}
-
-/// The document that says what a folder is, with its kind; none where no command wrote one there.
-pub fn of_folder(folder: &Path) -> Option<(&'static Known, Value)> {
-    DOCUMENTS
-        .iter()
-        .find_map(|known| document(folder, known.name))
-}
-
-/// The document of that name in a folder, with its kind; none where no command of kufe wrote it.
-pub fn document(folder: &Path, name: &str) -> Option<(&'static Known, Value)> {
-    let path = folder.join(name);
-    let text = path
-        .is_file()
-        .then(|| text_of_regular(&path, LONGEST).ok())??;
-    let document: Value = serde_json::from_str(&text).ok()?;
-    let kind = known_as(&document).filter(|kind| kind.name == name)?;
-    Some((kind, document))
 }
 
 /// Leaves out the steel's constants of runners that are rigid, wherever a case stands in it: nothing comes of them.

@@ -8,6 +8,9 @@ use kufe::jobs::Failure;
 
 use crate::output::progress::Progress;
 
+/// Most threads on a core: more only take memory.
+const THREADS_A_CORE: usize = 4;
+
 /// Options that every command takes.
 #[derive(clap::Args, Clone, Debug)]
 pub struct Global {
@@ -20,29 +23,35 @@ pub struct Global {
     /// Print nothing but the result, warnings and errors
     #[arg(long, short, global = true)]
     pub quiet: bool,
+    /// Replace files that kufe did not write, or that another of its commands wrote
+    #[arg(long, global = true)]
+    pub force: bool,
     /// Say on standard error what is being done, a line a step
     #[arg(long, short, global = true, conflicts_with = "quiet")]
     pub verbose: bool,
 }
 
 impl Global {
-    /// Sets the size of the thread pool.
+    /// Starts the threads: as many as `--threads` or `RAYON_NUM_THREADS` states, else one a core.
     ///
     /// # Errors
-    /// [`Failure::Usage`] where `--threads` is 0 or beyond 1024.
+    /// [`Failure::Usage`] where `--threads` is out of range, [`Failure::BadInput`] where the system
+    /// does not permit that many.
     pub fn apply(&self) -> Result<(), Failure> {
-        if let Some(threads) = self.threads {
-            if !(1..=1024).contains(&threads) {
-                return Err(Failure::Usage(format!(
-                    "--threads {threads}: expected 1 to 1024"
-                )));
-            }
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build_global()
-                .map_err(|error| Failure::Usage(format!("--threads {threads}: {error}")))?;
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let most = (THREADS_A_CORE * cores).max(16);
+        if let Some(threads) = self.threads.filter(|threads| !(1..=most).contains(threads)) {
+            return Err(Failure::Usage(format!(
+                "--threads {threads}: expected 1 to {most} on this machine"
+            )));
         }
-        Ok(())
+        let stated = std::env::var("RAYON_NUM_THREADS").ok();
+        let stated = stated.and_then(|text| text.parse().ok());
+        let threads = self.threads.or(stated.filter(|threads| *threads > 0));
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.unwrap_or(cores).min(most))
+            .build_global()
+            .map_err(|error| Failure::BadInput(format!("threads cannot be started: {error}")))
     }
 
     /// A progress line on the terminal, invisible with `--quiet` or where standard error is no terminal; with

@@ -1,12 +1,14 @@
-//! What every command shares: global options, progress, what it says, and files that are whole or absent.
+//! What every command shares: global options, progress, messages, and outputs that are complete
+//! or absent.
 
-pub mod apart;
 pub mod documents;
+pub mod file;
+pub mod folder;
 pub mod global;
-pub mod held;
 pub mod marks;
 pub mod mat;
+
+pub mod paths;
 mod progress;
 pub mod say;
-pub mod staging;
 pub mod watched;

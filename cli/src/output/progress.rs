@@ -5,6 +5,8 @@ use std::time::Instant;
 
 use indicatif::ProgressBar;
 
+use crate::output::say::note;
+
 /// How far a command is.
 #[derive(Clone)]
 pub struct Progress {
@@ -27,7 +29,10 @@ impl Progress {
     pub fn set_message(&self, text: impl Into<Cow<'static, str>>) {
         let text = text.into();
         if self.lines {
-            eprintln!("kufe: {:.2} s: {text}", self.begun.elapsed().as_secs_f64());
+            note(&format!(
+                "{:.2} s: {text}",
+                self.begun.elapsed().as_secs_f64()
+            ));
         }
         self.bar.set_message(text);
     }

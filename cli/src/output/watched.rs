@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use kufe::jobs::Watch;
 
 use crate::output::global::Global;
+use crate::output::say::warn;
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
@@ -19,11 +20,6 @@ pub fn watched<T>(global: &Global, work: impl FnOnce(&Watch) -> T) -> T {
     });
     bar.finish_and_clear();
     done
-}
-
-/// Says a warning.
-pub fn warn(text: &str) {
-    eprintln!("kufe: warning: {text}");
 }
 
 /// From now on Ctrl-C lets the points in hand finish and begins no others; a second one leaves at once.

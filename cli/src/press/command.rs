@@ -5,11 +5,10 @@ use std::path::PathBuf;
 use kufe::jobs::{Contact, Failure, Watch, case_file::LoadedCase, with_progress};
 use kufe_contact::Options;
 
-use crate::output::apart::{case_inputs, folder_apart};
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::staging::Staging;
-use crate::press::held::no_series;
+use crate::output::paths::case_inputs;
+use crate::output::say::{say, warn};
 use crate::press::series::Lists;
 use crate::press::{files, series, summary};
 
@@ -49,24 +48,20 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if args.lists.is_series() {
         return series::run(args, &loaded, global, &options);
     }
-    no_series(&args.out)?;
     let inputs = case_inputs(args.case.as_deref(), &loaded)?;
-    folder_apart(&inputs, &args.out, &files::NAMES)?;
-    let surely = files::surely(&loaded.case, args);
-    let staging = Staging::beside(&inputs, &args.out, &surely)?;
-    staging.remove_on_interrupt();
+    let output = OutputDir::begin("press", &inputs, &args.out, global.force)?;
     let bar = global.progress();
     let (shown, asked) = (bar.clone(), loaded.case.accuracy.p_max);
     let watch = Watch {
-        warn: Some(&|warning| eprintln!("kufe: warning: {warning}")),
+        warn: Some(&warn),
         ..Watch::default()
     };
     let options = with_progress(options, asked, move |line| shown.set_message(line));
     let pressed = Contact::from(loaded).options(options).best(&watch);
     bar.finish_and_clear();
     let pressed = pressed?;
-    let (result, json) = files::write(&staging, &pressed, args.mat)?;
-    staging.commit()?;
+    let (result, json) = files::write(&output, &pressed, args.mat)?;
+    output.commit()?;
     if global.json {
         say(&json);
     } else if !global.quiet {

@@ -2,7 +2,6 @@
 
 mod command;
 mod files;
-mod held;
 mod series;
 mod summary;
 

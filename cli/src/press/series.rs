@@ -9,20 +9,17 @@ use std::time::Instant;
 use kufe::case::TiltWord;
 use kufe::jobs::{
     Failure, Prepared, SolvedContact, Watch, case_file::LoadedCase, press_prepared, time_left,
-    write_whole,
 };
 use kufe::results::{CaseRecord, ContactResult, SeriesRow, VariedKeys, write_csv};
 use kufe_contact::{Options, check_problem};
 use kufe_mesh::write_pvd;
 
-use crate::output::apart::{case_inputs, folder_apart};
+use crate::output::folder::{OutputDir, pretty, remove_outputs};
 use crate::output::global::Global;
-use crate::output::held::Held;
+use crate::output::paths::case_inputs;
 use crate::output::say::say;
-use crate::output::staging::{Staging, pretty};
 use crate::output::watched::watched;
 use crate::press::command::Args;
-use crate::press::held::{clear_before_series, no_others};
 use crate::press::{files, summary};
 use crate::report::read_json;
 
@@ -41,10 +38,9 @@ struct Asked<'a> {
     content: String,
     /// The case and its files.
     inputs: Vec<PathBuf>,
+    /// Whether files that kufe did not write may be replaced.
+    force: bool,
 }
-
-/// The files of a series beside its steps.
-const OVERVIEW: [&str; 4] = ["table.csv", "table.json", "series.pvd", "runner.pvd"];
 
 /// Most bytes of a result.json.
 const LONGEST: u64 = 1 << 22;
@@ -70,21 +66,21 @@ pub fn run(
         args,
         content: loaded.content()?,
         inputs: case_inputs(args.case.as_deref(), loaded)?,
+        force: global.force,
     };
-    let folders: Vec<&str> = steps.iter().map(|step| step.folder.as_str()).collect();
-    folder_apart(&asked.inputs, &args.out, &OVERVIEW)?;
-    no_others(&args.out, &asked.inputs, &OVERVIEW[..3])?;
-    let surely = files::surely(&loaded.case, args);
-    for folder in folders.iter().map(|folder| args.out.join(folder)) {
-        folder_apart(&asked.inputs, &folder, &files::NAMES)?;
-        Held::of(&folder).check(&asked.inputs, &surely)?;
+    let output = OutputDir::prepare("press (series)", &asked.inputs, &args.out, global.force)?;
+    output.claim()?;
+    for step in &steps {
+        // Refused before the first step is solved.
+        asked.output_of(step)?;
     }
-    clear_before_series(&args.out, &folders)?;
+    remove_other_steps(&args.out, &steps);
     let mut rows = Vec::new();
     let solved = watched(global, |watch| {
         solve_steps(&asked, &steps, watch, options, &mut rows)
     });
-    write_overview(&args.out, &rows, &args.lists, steps.len())?;
+    write_overview(&output, &args.out, &rows, &args.lists, steps.len())?;
+    output.commit()?;
     let (kept, short) = solved?;
     if global.json {
         say(&pretty(&rows)?);
@@ -93,6 +89,26 @@ pub fn run(
     }
     let done = rows.iter().filter(|row| row.error.is_none()).count();
     ending([done, rows.len(), steps.len()], short, &args.out)
+}
+
+impl Asked<'_> {
+    /// The output folder of a step.
+    fn output_of(&self, step: &Step) -> Result<OutputDir, Failure> {
+        let folder = self.args.out.join(&step.folder);
+        OutputDir::prepare("press", &self.inputs, &folder, self.force)
+    }
+}
+
+/// Removes the steps of an earlier series that this one does not have.
+fn remove_other_steps(out: &Path, steps: &[Step]) {
+    let entries = std::fs::read_dir(out).into_iter().flatten().flatten();
+    for entry in entries {
+        let name = entry.file_name();
+        let is_step = name.to_string_lossy().starts_with("step-");
+        if is_step && !steps.iter().any(|step| name == step.folder.as_str()) {
+            remove_outputs(&entry.path());
+        }
+    }
 }
 
 /// How a series ends of whose `steps` so many are `tried` and `done`; `short` says what fell short last.
@@ -156,7 +172,6 @@ fn solve_steps(
             row.error = error;
             row
         };
-        let folder = asked.args.out.join(&step.folder);
         if let Some(result) = &held[k] {
             kept += 1;
             rows.push(row(Some(result), None));
@@ -172,7 +187,7 @@ fn solve_steps(
         let loaded = step.loaded.clone();
         match press_prepared(loaded, &step.runner, &quieter, options.clone()) {
             Ok(pressed) => {
-                let written = write_step(&folder, &pressed, asked)?;
+                let written = write_step(asked.output_of(step)?, &pressed, asked.args.mat)?;
                 let told = pressed.short.map(|why| format!("{}: {why}", step.folder));
                 if let Some(text) = &told {
                     watch.warn(text);
@@ -301,29 +316,25 @@ fn finished(folder: &Path, step: &Step, asked: &Asked) -> Option<ContactResult> 
 
 /// Writes one step's files, all or none.
 fn write_step(
-    folder: &Path,
+    output: OutputDir,
     pressed: &SolvedContact,
-    asked: &Asked,
+    mat: bool,
 ) -> Result<ContactResult, Failure> {
-    let surely = files::surely(&pressed.loaded.case, asked.args);
-    let staging = Staging::beside(&asked.inputs, folder, &surely)?;
-    let (result, _) = files::write(&staging, pressed, asked.args.mat)?;
-    staging.commit()?;
+    let (result, _) = files::write(&output, pressed, mat)?;
+    output.commit()?;
     Ok(result)
 }
 
 /// Writes table.csv, table.json and series.pvd (runner.pvd where runners deform) over the steps that are solved.
 fn write_overview(
+    output: &OutputDir,
     out: &Path,
     rows: &[SeriesRow],
     lists: &Lists,
     count: usize,
 ) -> Result<(), Failure> {
-    let text = pretty(&rows)?;
-    write_whole(&out.join("table.json"), |writer| {
-        writer.write_all(text.as_bytes())
-    })?;
-    write_whole(&out.join("table.csv"), |writer| write_csv(writer, rows))?;
+    output.json("table.json", &rows)?;
+    output.write("table.csv", |mut file| write_csv(&mut file, rows))?;
     let times = lists.times(count);
     for (name, file) in [("series.pvd", "field.vtu"), ("runner.pvd", "runner.vtu")] {
         let entries: Vec<(f64, String)> = rows
@@ -333,7 +344,7 @@ fn write_overview(
             .collect();
         if !entries.is_empty() {
             let entries: Vec<(f64, &str)> = entries.iter().map(|(t, f)| (*t, f.as_str())).collect();
-            write_whole(&out.join(name), |writer| write_pvd(&entries, writer))?;
+            output.write(name, |mut file| write_pvd(&entries, &mut file))?;
         }
     }
     Ok(())

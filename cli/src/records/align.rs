@@ -8,15 +8,14 @@ use kufe::jobs::{Failure, runs::failure};
 use kufe_sled::{
     Aligned, Entry, Error, Model, Needs, OnGaps, PrepareOptions, Prepared, Run, RunFormat,
     TakingPart, Track, TrackShape, Vehicle, align, gaps_line, prepare_all, read_index, read_runs,
-    state_places, write_index, write_run,
+    run_file, state_places, track_file, write_index, write_run,
 };
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::staging::Staging;
-use crate::output::watched::warn;
+use crate::output::say::{say, warn};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -26,7 +25,7 @@ Examples:
 Writes runs.csv and one file a run with s_m along the track, track_NAME.csv (the survey, or what the runs felt, with its
 standard errors) and align.json. The model says where the sensors are.";
 
-/// What marks a folder that this command wrote.
+/// What the alignment found.
 const MARK: &str = "align.json";
 
 /// Arguments of `kufe runs align`.
@@ -74,7 +73,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } else {
         RunFormat::Csv
     };
-    let staging = begin(args, &runs, format)?;
+    let output = begin(args, &runs, global)?;
     bar.set_message(format!("aligning {} runs", runs.len()));
     let prepared = prepare_all(
         &runs,
@@ -100,11 +99,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         for (i, found) in members.iter().zip(&aligned.runs) {
             state_places(&mut runs[*i], &found.warp).map_err(told)?;
         }
-        write_track(&staging, name, survey.as_ref(), &aligned)?;
+        write_track(&output, name, survey.as_ref(), &aligned)?;
         told_tracks.push(described(name, survey.is_some(), &aligned));
     }
     bar.set_message("writing");
-    write(&staging, &mut runs, format)?;
+    write(&output, &mut runs, format)?;
     let mut document = json!({
         "index": args.runs.display().to_string(),
         "tracks": told_tracks,
@@ -115,8 +114,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if !gaps.is_empty() {
         document["gaps"] = json!(gaps);
     }
-    staging.document(MARK, &mut document)?;
-    staging.commit()?;
+    output.json(MARK, &document)?;
+    output.commit()?;
     bar.finish_and_clear();
     for remark in runs.iter().flat_map(|run| &run.remarks) {
         warn(remark);
@@ -141,48 +140,28 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 /// What the runs must have: more where the track is estimated from them.
 fn needs(args: &Args) -> Result<Needs, Failure> {
     let entries = read_index(&args.runs).map_err(|error| failure(&error))?;
-    let surveyed = |entry: &Entry| !args.estimate && track_file(args, &entry.track).exists();
+    let surveyed = |entry: &Entry| !args.estimate && survey_file(args, &entry.track).exists();
     match entries.iter().all(surveyed) {
         true => Ok(Needs::PLACE),
         false => Ok(Needs::TRACK),
     }
 }
 
-/// The output folder, if the runs that it holds are those of this command.
-fn begin(args: &Args, runs: &[Run], format: RunFormat) -> Result<Staging, Failure> {
-    let index = args.out.join("runs.csv");
-    if index.exists() && !args.out.join(MARK).is_file() {
-        return Err(Failure::BadInput(format!(
-            "{}: cannot be written: it stands there already and kufe runs align did not write it; expected another folder",
-            index.display()
-        )));
-    }
+/// The output folder.
+fn begin(args: &Args, runs: &[Run], global: &Global) -> Result<OutputDir, Failure> {
     let mut inputs = vec![args.runs.clone(), args.model.clone()];
     inputs.extend(runs.iter().map(|run| run.entry.file.clone()));
-    let mut names = vec!["runs.csv".to_owned(), MARK.to_owned()];
-    for run in runs {
-        names.push(file_of(&run.entry, format));
-        names.push(format!("track_{}.csv", run.entry.track));
-        inputs.push(track_file(args, &run.entry.track));
-    }
-    names.sort();
-    names.dedup();
-    let staging = Staging::beside(&inputs, &args.out, &names)?;
-    staging.remove_on_interrupt();
-    Ok(staging)
+    inputs.extend(runs.iter().map(|run| survey_file(args, &run.entry.track)));
+    OutputDir::begin("runs align", &inputs, &args.out, global.force)
 }
 
-fn file_of(entry: &Entry, format: RunFormat) -> String {
-    format!("{}.{}", entry.run, format.extension())
-}
-
-fn track_file(args: &Args, name: &str) -> PathBuf {
+fn survey_file(args: &Args, name: &str) -> PathBuf {
     let folder = args.runs.parent().unwrap_or(Path::new(""));
-    folder.join(format!("track_{name}.csv"))
+    folder.join(track_file(name))
 }
 
 fn survey(args: &Args, name: &str) -> Result<Option<Track>, Failure> {
-    let path = track_file(args, name);
+    let path = survey_file(args, name);
     if args.estimate || !path.exists() {
         return Ok(None);
     }
@@ -191,16 +170,16 @@ fn survey(args: &Args, name: &str) -> Result<Option<Track>, Failure> {
 }
 
 fn write_track(
-    staging: &Staging,
+    output: &OutputDir,
     name: &str,
     survey: Option<&Track>,
     aligned: &Aligned,
 ) -> Result<(), Failure> {
-    let file = format!("track_{name}.csv");
+    let file = track_file(name);
     match (survey, &aligned.estimate) {
-        (Some(track), _) => staging.write(&file, |file| track.write_csv(BufWriter::new(file))),
+        (Some(track), _) => output.write(&file, |file| track.write_csv(BufWriter::new(file))),
         (None, Some(estimate)) => {
-            staging.write(&file, |file| estimate.write_csv(BufWriter::new(file)))
+            output.write(&file, |file| estimate.write_csv(BufWriter::new(file)))
         }
         (None, None) => {
             warn(&format!(
@@ -211,18 +190,18 @@ fn write_track(
     }
 }
 
-fn write(staging: &Staging, runs: &mut [Run], format: RunFormat) -> Result<(), Failure> {
+fn write(output: &OutputDir, runs: &mut [Run], format: RunFormat) -> Result<(), Failure> {
     for run in runs.iter_mut() {
-        run.entry.file = PathBuf::from(file_of(&run.entry, format));
+        run.entry.file = PathBuf::from(run_file(&run.entry.run, format));
     }
     runs.par_iter()
         .map(|run| {
             let name = run.entry.file.display().to_string();
-            staging.write(&name, |mut file| write_run(run, &mut file, format))
+            output.write(&name, |mut file| write_run(run, &mut file, format))
         })
         .collect::<Result<Vec<()>, Failure>>()?;
     let entries: Vec<Entry> = runs.iter().map(|run| run.entry.clone()).collect();
-    staging.write("runs.csv", |file| write_index(file, &entries))
+    output.write("runs.csv", |file| write_index(file, &entries))
 }
 
 fn described(name: &str, surveyed: bool, aligned: &Aligned) -> Value {

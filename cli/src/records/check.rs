@@ -6,9 +6,9 @@ use kufe::jobs::{Failure, runs::failure};
 use kufe_sled::{Examination, examine};
 use serde_json::json;
 
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::output::staging::Staging;
 
 const EXAMPLES: &str = "\
 Example:
@@ -32,23 +32,22 @@ pub struct Args {
 /// # Errors
 /// [`Failure::BadInput`] for the index, and, once the report is written, where something is provably wrong.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let names = ["check.json", "check.html"];
-    let staging = Staging::beside(std::slice::from_ref(&args.runs), &args.out, &names)?;
-    staging.remove_on_interrupt();
+    let inputs = std::slice::from_ref(&args.runs);
+    let output = OutputDir::begin("runs check", inputs, &args.out, global.force)?;
     let bar = global.progress();
     bar.set_message("examining the runs");
     let runs = examine(&args.runs).map_err(|error| failure(&error))?;
     bar.finish_and_clear();
     let wrong = runs.iter().filter(|run| run.is_wrong()).count();
-    let mut document = json!({
+    let document = json!({
         "index": args.runs.display().to_string(),
         "wrong": wrong,
         "runs": runs,
         "version": env!("CARGO_PKG_VERSION"),
     });
-    staging.text("check.html", &kufe::report::record_page(&document))?;
-    staging.document("check.json", &mut document)?;
-    staging.commit()?;
+    output.text("check.html", &kufe::report::record_page(&document))?;
+    output.json("check.json", &document)?;
+    output.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));
     } else if !global.quiet {

@@ -4,14 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
-use kufe_files::same_file;
-use kufe_sled::{Entry, write_index};
+use kufe_sled::{Entry, file_stem, track_file, write_index};
 use serde_json::json;
 
+use crate::output::file::OutputFiles;
 use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::staging::Staging;
-use crate::output::watched::warn;
+use crate::output::paths::{resolved, same_file};
+use crate::output::say::{say, warn};
 use crate::records::gathered::{Gathered, UNNAMED, gathered};
 
 const EXAMPLES: &str = "\
@@ -59,16 +58,10 @@ pub struct Args {
 /// # Errors
 /// [`Failure::BadInput`] with file and place; for runs of one name in folders of one name, and tables of one track that differ.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    if args.out.exists() {
-        let text = format!(
-            "{}: exists already: expected a name that is free",
-            args.out.display()
-        );
-        return Err(Failure::BadInput(text));
+    if args.out.file_name().is_none() {
+        let text = format!("-o {}: expected a file", args.out.display());
+        return Err(Failure::Usage(text));
     }
-    let name = args.out.file_name().and_then(|name| name.to_str());
-    let name =
-        name.ok_or_else(|| Failure::Usage(format!("-o {}: expected a file", args.out.display())))?;
     let folder = args
         .out
         .parent()
@@ -83,28 +76,29 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let tracks = track_tables(&entries, folder)?;
     let inputs: Vec<PathBuf> = entries.iter().map(|entry| entry.file.clone()).collect();
     let copies: Vec<String> = entries.iter().map(copied_as).collect();
-    let mut names: Vec<&str> = vec![name];
-    names.extend(tracks.keys().map(String::as_str));
+    let mut paths: Vec<PathBuf> = tracks.keys().map(|name| folder.join(name)).collect();
     if args.copy {
-        names.extend(copies.iter().map(String::as_str));
+        paths.extend(copies.iter().map(|name| folder.join(name)));
     }
-    let staging = Staging::beside(&inputs, folder, &names)?;
-    staging.remove_on_interrupt();
-    for (file, bytes) in &tracks {
-        staging.write(file, |mut to| std::io::Write::write_all(&mut to, bytes))?;
+    paths.push(args.out.clone());
+    let output = OutputFiles::begin("runs gather", &inputs, &paths, global.force)?;
+    for (name, bytes) in &tracks {
+        output.write(&folder.join(name), |to| to.write_all(bytes))?;
     }
-    let base = absolute(folder)?;
+    let base = resolved(folder);
     for (entry, copy) in entries.iter_mut().zip(&copies) {
         if args.copy {
-            std::fs::copy(&entry.file, staging.path(copy))
-                .map_err(|error| staging.failure(copy, &error))?;
+            output.write(&folder.join(copy), |mut to| {
+                let mut from = kufe_files::open_regular(&entry.file)?;
+                std::io::copy(&mut from, &mut to).map(|_| ())
+            })?;
             entry.file = PathBuf::from(copy);
         } else {
-            entry.file = relative(&absolute(&entry.file)?, &base);
+            entry.file = relative(&resolved(&entry.file), &base);
         }
     }
-    staging.write(name, |file| write_index(file, &entries))?;
-    staging.commit()?;
+    output.write(&args.out, |file| write_index(file, &entries))?;
+    output.commit()?;
     tell(args, global, &entries, &renamed, &passed_over);
     Ok(())
 }
@@ -165,7 +159,7 @@ fn track_tables(entries: &[Entry], folder: &Path) -> Result<BTreeMap<String, Vec
     const LONGEST: u64 = 1 << 26;
     let mut tables: BTreeMap<String, (PathBuf, Vec<u8>)> = BTreeMap::new();
     for entry in entries {
-        let name = format!("track_{}.csv", entry.track);
+        let name = track_file(&entry.track);
         let beside = entry.file.parent().unwrap_or(Path::new("")).join(&name);
         for path in [beside, folder.join(&name)] {
             if !path.is_file() {
@@ -197,28 +191,12 @@ fn track_tables(entries: &[Entry], folder: &Path) -> Result<BTreeMap<String, Vec
     Ok(tables.into_iter().filter_map(missing).collect())
 }
 
-/// What a run's copy is called: its name, with signs that files may have.
+/// The name of a run's copy.
 fn copied_as(entry: &Entry) -> String {
-    let plain = |c: char| {
-        if c.is_alphanumeric() || "-_.".contains(c) {
-            c
-        } else {
-            '_'
-        }
-    };
-    let name: String = entry.run.chars().map(plain).collect();
+    let name = file_stem(&entry.run);
     match entry.file.extension() {
         Some(ending) => format!("{name}.{}", ending.to_string_lossy()),
         None => name,
-    }
-}
-
-fn absolute(path: &Path) -> Result<PathBuf, Failure> {
-    // Links within stay as they are named; `..` goes.
-    let told = |error| Failure::BadInput(format!("{}: {error}", path.display()));
-    match path.canonicalize() {
-        Ok(whole) => Ok(whole),
-        Err(_) => std::path::absolute(path).map_err(told),
     }
 }
 

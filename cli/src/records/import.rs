@@ -5,16 +5,16 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
-use kufe_sled::{RunFormat, write_run};
+use kufe_sled::{RunFormat, file_stem, run_file, write_run};
 use kufe_telemetry::{
     ExcludedRun, Importer, Note, Plan, PlannedRun, RunFormatWord, index_csv, model_fragment, plan,
 };
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::output::folder::{OutputDir, pretty};
 use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::staging::Staging;
+use crate::output::say::{note, say};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -113,13 +113,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let fragment = model_fragment(importer.mapping(), &file).map_err(Failure::bad_input)?;
     let table = importer.mapping().index.table.as_deref();
-    let names = names_of(&runs, format, fragment.is_some());
-    let staging = begin(args, table, folder, &runs, &names)?;
+    let output = begin(args, table, folder, &runs, global)?;
     let bar = global.progress();
     bar.set_message(format!("importing {} runs", runs.len()));
     let written = runs
         .par_iter()
-        .map(|run| write(&importer, run, format, &staging))
+        .map(|run| write(&importer, run, format, &output))
         .collect::<Vec<_>>();
     bar.finish_and_clear();
     let (mut notes, mut imported) = (Vec::new(), Vec::new());
@@ -141,9 +140,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         return Err(Failure::BadInput(first.unwrap_or_default()));
     }
     let index = index_csv(&imported, format.extension()).map_err(Failure::bad_input)?;
-    staging.write("runs.csv", |mut file| file.write_all(&index))?;
+    output.write("runs.csv", |mut file| file.write_all(&index))?;
     if let Some(fragment) = &fragment {
-        staging.text("model.import.toml", fragment)?;
+        output.text("model.import.toml", fragment)?;
     }
     let list = ImportList {
         mapping: file,
@@ -152,8 +151,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         runs: notes.iter().map(RunSummary::of).collect(),
         excluded,
     };
-    staging.text(LIST, &pretty(&list))?;
-    staging.commit()?;
+    output.json(LIST, &list)?;
+    output.commit()?;
     tell(args, global, &list, &notes);
     if list.excluded.is_empty() {
         return Ok(());
@@ -166,43 +165,34 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     )))
 }
 
+/// The file of what was done to a run.
+fn note_file(run: &str) -> String {
+    format!("{}.import.json", file_stem(run))
+}
+
 /// The files of an import.
 fn names_of(runs: &[PlannedRun], format: RunFormat, fragment: bool) -> Vec<String> {
     let mut names = vec!["runs.csv".to_string(), LIST.to_string()];
     names.extend(fragment.then(|| "model.import.toml".to_string()));
     for run in runs {
-        names.push(format!("{}.{}", run.name, format.extension()));
-        names.push(format!("{}.import.json", run.name));
+        names.push(run_file(&run.name, format));
+        names.push(note_file(&run.name));
     }
     names
 }
 
-fn pretty(value: &impl Serialize) -> String {
-    // Numbers and names are always written.
-    serde_json::to_string_pretty(value).unwrap_or_default() + "\n"
-}
-
-/// The output folder, where it is new, empty of runs, or written by an import.
+/// The output folder.
 fn begin(
     args: &Args,
     table: Option<&Path>,
     folder: &Path,
     runs: &[PlannedRun],
-    names: &[String],
-) -> Result<Staging, Failure> {
+    global: &Global,
+) -> Result<OutputDir, Failure> {
     let mut inputs = vec![args.mapping.clone()];
     inputs.extend(table.map(|table| folder.join(table)));
     inputs.extend(runs.iter().flat_map(|run| run.files.values().cloned()));
-    let index = args.out.join("runs.csv");
-    if index.exists() && !args.out.join(LIST).is_file() {
-        return Err(Failure::BadInput(format!(
-            "{}: cannot be written: it stands there already and kufe runs import did not write it; expected another folder",
-            index.display()
-        )));
-    }
-    let staging = Staging::beside(&inputs, &args.out, names)?;
-    staging.remove_on_interrupt();
-    Ok(staging)
+    OutputDir::begin("runs import", &inputs, &args.out, global.force)
 }
 
 /// Imports one run and writes its files; the reason where it cannot be imported.
@@ -213,20 +203,16 @@ fn write(
     importer: &Importer,
     planned: &PlannedRun,
     format: RunFormat,
-    staging: &Staging,
+    output: &OutputDir,
 ) -> Result<Result<Note, String>, Failure> {
     let imported = match importer.run(planned) {
         Ok(imported) => imported,
         Err(error) => return Ok(Err(error.to_string())),
     };
-    let name = format!("{}.{}", planned.name, format.extension());
-    staging.write(&name, |mut file| {
+    output.write(&run_file(&planned.name, format), |mut file| {
         write_run(&imported.run, &mut file, format)
     })?;
-    staging.text(
-        &format!("{}.import.json", planned.name),
-        &pretty(&imported.note),
-    )?;
+    output.json(&note_file(&planned.name), &imported.note)?;
     Ok(Ok(imported.note))
 }
 
@@ -268,14 +254,14 @@ impl RunSummary {
 fn tell(args: &Args, global: &Global, list: &ImportList, notes: &[Note]) {
     if !global.quiet {
         for remark in notes.iter().flat_map(|note| &note.remarks) {
-            eprintln!("kufe: note: {remark}");
+            note(&format!("note: {remark}"));
         }
     }
     for run in &list.excluded {
-        eprintln!("kufe: run {} is not imported: {}", run.run, run.reason);
+        note(&format!("run {} is not imported: {}", run.run, run.reason));
     }
     if global.json {
-        say(&pretty(list));
+        say(&pretty(list).unwrap_or_default());
         return;
     }
     if global.quiet {

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::{Failure, write_whole};
+use kufe::jobs::Failure;
 use kufe_telemetry::{TextOptions, guess_mapping, read_recording};
 
 use crate::about::schema::Kind;
-use crate::output::apart::apart;
+use crate::output::file::OutputFiles;
 use crate::output::global::Global;
 use crate::output::say::say;
 
@@ -28,9 +28,6 @@ pub struct Args {
     /// The mapping to write
     #[arg(long, short, value_name = "FILE", default_value = "mapping.toml")]
     pub out: PathBuf,
-    /// Replace a file that exists
-    #[arg(long)]
-    pub force: bool,
 }
 
 /// Guesses and writes.
@@ -44,12 +41,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .parent()
         .unwrap_or(Path::new(""))
         .join("mapping.schema.json");
-    apart(&args.samples, &[args.out.clone(), schema.clone()])?;
-    if args.out.exists() && !args.force {
-        return Err(Failure::BadInput(format!(
-            "{path}: exists already; --force replaces it"
-        )));
-    }
+    let outputs = [schema.clone(), args.out.clone()];
+    let files = OutputFiles::begin("runs init", &args.samples, &outputs, global.force)?;
     let mut logs = Vec::new();
     for sample in &args.samples {
         let log = read_recording(sample, TextOptions::default()).map_err(Failure::bad_input)?;
@@ -57,12 +50,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     let text = guess_mapping(&logs);
     let questions = text.matches("\n# ? ").count();
-    write_whole(&schema, |writer| {
+    files.write(&schema, |writer| {
         writer.write_all(Kind::Mapping.schema().as_bytes())
     })?;
-    write_whole(&args.out, |writer| {
+    files.write(&args.out, |writer| {
         write!(writer, "#:schema ./mapping.schema.json\n{text}")
     })?;
+    files.commit()?;
     if global.json {
         let written =
             serde_json::json!({ "file": args.out, "schema": schema, "questions": questions });

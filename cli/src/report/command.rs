@@ -2,13 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::{Failure, write_whole};
+use kufe::jobs::Failure;
 use serde::Serialize;
 
-use crate::output::apart::apart;
+use crate::output::file::OutputFiles;
+use crate::output::folder::FolderRecord;
+use crate::output::folder::pretty;
 use crate::output::global::Global;
+use crate::output::paths::same_file;
 use crate::output::say::say;
-use crate::output::staging::pretty;
 use crate::report::{contact, evaluation, gathered, results, series, table};
 
 const EXAMPLES: &str = "\
@@ -22,6 +24,9 @@ Examples:
   kufe report gathered/                        the runs that kufe runs gather has brought together
 
 The page is one file that needs no network: open it in a browser, or send it to someone.";
+
+/// The page of a folder, by default.
+const PAGE: &str = "report.html";
 
 /// Arguments of `kufe report`.
 #[derive(clap::Args, Debug)]
@@ -49,8 +54,13 @@ struct Written {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let (kind, default, html) = html(&args.result)?;
     let out = args.out.clone().unwrap_or(default);
-    apart(&read(&args.result, &out), std::slice::from_ref(&out))?;
-    write_whole(&out, |writer| writer.write_all(html.as_bytes()))?;
+    // kufe discover writes its page itself.
+    if kind != "discovery" || !same_file(&out, &args.result.join(PAGE)) {
+        let outputs = std::slice::from_ref(&out);
+        let files = OutputFiles::begin("report", &read(&args.result), outputs, global.force)?;
+        files.write(&out, |writer| writer.write_all(html.as_bytes()))?;
+        files.commit()?;
+    }
     if global.json {
         let bytes = html.len();
         say(&pretty(&Written {
@@ -68,25 +78,22 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What is read: a table, or the files of a folder; the page of a finding is read and given back.
-fn read(result: &Path, out: &Path) -> Vec<PathBuf> {
-    const FILES: [&str; 8] = [
-        "check.json",
-        "result.json",
-        "pressure.exr",
-        "hull.glb",
-        "table.json",
-        "evaluation.json",
-        "report.json",
-        gathered::INDEX,
-    ];
-    let names = FILES.iter().chain(&results::DOCUMENTS);
-    let mut read: Vec<PathBuf> = names.map(|name| result.join(name)).collect();
+/// The inputs: a table, or the files of a folder, without pages that this command made of it.
+fn read(result: &Path) -> Vec<PathBuf> {
     if !result.is_dir() {
-        read = vec![result.to_path_buf()];
+        return vec![result.to_path_buf()];
     }
-    read.retain(|path| path.exists() || path == out);
-    read
+    let record = FolderRecord::read(result);
+    let is_page = |path: &Path| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let writer = record
+            .as_ref()
+            .and_then(|record| record.writer_of(result, &name));
+        writer == Some("report") || (writer.is_none() && name == PAGE)
+    };
+    let entries = std::fs::read_dir(result).into_iter().flatten().flatten();
+    let files = entries.map(|entry| entry.path());
+    files.filter(|path| !is_page(path)).collect()
 }
 
 /// What it is, where its page goes by default, and the page.
@@ -104,7 +111,7 @@ fn html(result: &Path) -> Result<(&'static str, PathBuf, String), Failure> {
             "expected a folder that a command of kufe has written, or a .lut file",
         ));
     }
-    let default = result.join("report.html");
+    let default = result.join(PAGE);
     if result.join("result.json").is_file() {
         Ok(("press", default, contact::page(result)?))
     } else if result.join("table.json").is_file() {
@@ -112,7 +119,7 @@ fn html(result: &Path) -> Result<(&'static str, PathBuf, String), Failure> {
     } else if result.join("evaluation.json").is_file() {
         Ok(("evaluation", default, evaluation::page(result)?))
     } else if result.join("report.json").is_file() {
-        Ok(("discovery", default, written(&result.join("report.html"))?))
+        Ok(("discovery", default, written(&result.join(PAGE))?))
     } else if result.join("check.json").is_file() {
         Ok(("check", default, written(&result.join("check.html"))?))
     } else if results::DOCUMENTS

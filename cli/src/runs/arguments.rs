@@ -7,6 +7,7 @@ use kufe::jobs::{Failure, Watch, runs::RunSelection};
 use kufe_sled::Run;
 
 use crate::output::global::Global;
+use crate::output::say::warn;
 
 /// Arguments that every command on runs takes.
 #[derive(clap::Args, Debug)]
@@ -32,7 +33,7 @@ pub struct RunArgs {
     #[arg(long)]
     pub strict: bool,
     /// Frequency above which channels are smoothed, without delay [Hz]
-    #[arg(long, alias = "cutoff", value_name = "HZ", default_value_t = 20.0)]
+    #[arg(long, value_name = "HZ", default_value_t = 20.0)]
     pub cutoff_hz: f64,
 }
 
@@ -60,7 +61,7 @@ impl RunArgs {
         let loaded = selection.load(
             &Watch {
                 progress: Some(&|text| bar.set_message(text.to_owned())),
-                warn: Some(&|text| bar.suspend(|| eprintln!("kufe: warning: {text}"))),
+                warn: Some(&|text| bar.suspend(|| warn(text))),
                 ..Watch::default()
             },
             unseen,
@@ -68,17 +69,4 @@ impl RunArgs {
         bar.finish_and_clear();
         loaded
     }
-}
-
-/// A run's name as part of a file's name.
-pub fn file_name(run: &str) -> String {
-    run.chars()
-        .map(|c| {
-            if c.is_alphanumeric() || "-._".contains(c) {
-                c
-            } else {
-                '_'
-            }
-        })
-        .collect()
 }

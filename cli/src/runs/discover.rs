@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use kufe::jobs::Failure;
 use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
 
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::staging::Staging;
+use crate::output::say::{say, warn};
 
 /// Find the effect that a model lacks, name it and add it
 #[derive(clap::Args, Debug)]
@@ -35,18 +35,10 @@ pub struct Args {
     /// Which channels of runs to use
     #[arg(long, value_enum, default_value_t = Channels::All)]
     channels: Channels,
-    /// Rules of judgement that differ from the usual ones (TOML); for developers
-    #[arg(long, hide = true, value_name = "TOML")]
+    /// Rules of judgement that differ from the usual ones
+    #[arg(long, value_name = "TOML")]
     rules: Option<PathBuf>,
 }
-
-/// What the command writes.
-const WRITTEN: [&str; 4] = [
-    "report.json",
-    "report.html",
-    "model.next.toml",
-    "case.next.toml",
-];
 
 /// Channels of runs.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,8 +94,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if campaign {
         inputs.extend(CampaignFile::read(&args.data).map_err(failure)?.inputs());
     }
-    let staging = Staging::beside(&inputs, &args.out, &WRITTEN)?;
-    staging.remove_on_interrupt();
+    let output = OutputDir::begin("discover", &inputs, &args.out, global.force)?;
     let bar = global.progress();
     let progress = |what: &str| bar.set_message(what.to_owned());
     let found = kufe_discover::discover(&args.data, args.model.as_deref(), &options, &progress)
@@ -111,17 +102,17 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let (report, next, case) = (found.report, found.next_model, found.next_case);
     bar.finish_and_clear();
     if !report.gaps.is_empty() {
-        eprintln!("kufe: warning: {}", kufe_sled::gaps_line(&report.gaps));
+        warn(&kufe_sled::gaps_line(&report.gaps));
     }
-    let mut document = serde_json::to_value(&report).map_err(Failure::bad_input)?;
+    let document = serde_json::to_value(&report).map_err(Failure::bad_input)?;
     let page = report.page_data().map_err(Failure::bad_input)?;
-    staging.text("report.html", &kufe::report::discovery_page(&page))?;
-    staging.text("model.next.toml", &next)?;
+    output.text("report.html", &kufe::report::discovery_page(&page))?;
+    output.text("model.next.toml", &next)?;
     if let Some(case) = case {
-        staging.text("case.next.toml", &case)?;
+        output.text("case.next.toml", &case)?;
     }
-    staging.document("report.json", &mut document)?;
-    staging.commit()?;
+    output.json("report.json", &document)?;
+    output.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));
     } else if !global.quiet {

@@ -5,10 +5,10 @@ use kufe::jobs::Failure;
 use kufe_sled::{Group, RunEvaluation, distinct, evaluate, groups, table_samples};
 use serde_json::json;
 
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::output::staging::Staging;
-use crate::runs::arguments::{RunArgs, file_name};
+use crate::runs::arguments::RunArgs;
 use crate::runs::tables::draw_tables;
 
 const EXAMPLES: &str = "\
@@ -41,12 +41,8 @@ pub struct Args {
 /// # Errors
 /// [`Failure::BadInput`] with file and place.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let staging = Staging::beside(
-        &args.runs.inputs(),
-        &args.runs.out,
-        &["evaluation.json", "evaluation.csv"],
-    )?;
-    staging.remove_on_interrupt();
+    let inputs = args.runs.inputs();
+    let output = OutputDir::begin("evaluate", &inputs, &args.runs.out, global.force)?;
     let loaded = args.runs.load(global, |_| true)?;
     let runs = evaluate(&loaded.prepared, &loaded.vehicle);
     let groups = groups(&runs, args.seed);
@@ -66,13 +62,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "version": env!("CARGO_PKG_VERSION"),
     });
     loaded.state_gaps(&mut document);
-    staging.write("evaluation.csv", |file| write_table(file, &runs))?;
-    let mut drawn_files = draw(args, &staging, &runs, drawn)?;
+    output.write("evaluation.csv", |file| write_table(file, &runs))?;
+    let mut drawn_files = draw(args, &output, &runs, drawn)?;
     let states = loaded.prepared.iter().flat_map(|run| &run.states);
     let samples = table_samples(states);
-    drawn_files.extend(draw_tables(&staging, &loaded.vehicle, &samples)?);
-    staging.document("evaluation.json", &mut document)?;
-    staging.commit()?;
+    drawn_files.extend(draw_tables(&output, &loaded.vehicle, &samples)?);
+    output.json("evaluation.json", &document)?;
+    output.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));
     } else if !global.quiet {
@@ -88,7 +84,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 fn draw(
     args: &Args,
-    staging: &Staging,
+    output: &OutputDir,
     runs: &[RunEvaluation],
     drawn: &RunEvaluation,
 ) -> Result<Vec<String>, Failure> {
@@ -96,7 +92,7 @@ fn draw(
     let mut picture = |name: String,
                        draw: &dyn Fn(&std::path::Path) -> Result<(), kufe::plot::Error>|
      -> Result<(), Failure> {
-        draw(&staging.path(&name)).map_err(|error| staging.failure(&name, &error))?;
+        output.draw(&name, draw)?;
         files.push(name);
         Ok(())
     };
@@ -107,11 +103,14 @@ fn draw(
             .filter(|run| run.track == *track)
             .cloned()
             .collect();
-        picture(format!("energy_{}.png", file_name(track)), &|path| {
-            energy_picture(path, &format!("Drivers on {track}"), &here, |run| {
-                &run.driver
-            })
-        })?;
+        picture(
+            format!("energy_{}.png", kufe_sled::file_stem(track)),
+            &|path| {
+                energy_picture(path, &format!("Drivers on {track}"), &here, |run| {
+                    &run.driver
+                })
+            },
+        )?;
     }
     if tracks.len() > 1 {
         let class = args.track_class.as_deref();
@@ -136,9 +135,10 @@ fn draw(
         })?;
     }
     picture("angles.png".to_string(), &|path| angle_picture(path, runs))?;
-    picture(format!("forces_{}.png", file_name(&drawn.run)), &|path| {
-        force_picture(path, drawn)
-    })?;
+    picture(
+        format!("forces_{}.png", kufe_sled::file_stem(&drawn.run)),
+        &|path| force_picture(path, drawn),
+    )?;
     Ok(files)
 }
 

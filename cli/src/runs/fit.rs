@@ -5,9 +5,9 @@ use kufe::jobs::{Failure, runs::Loaded, runs::failure};
 use kufe_sled::friction::{LateralFit, MagicFormula};
 use kufe_sled::{FitOptions, find_contacts, lateral_samples};
 
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::output::staging::Staging;
 use crate::runs::arguments::RunArgs;
 
 const EXAMPLES: &str = "\
@@ -37,12 +37,7 @@ pub struct LateralArgs {
     #[command(flatten)]
     runs: RunArgs,
     /// Leave samples out whose roll acceleration is larger than this [degrees/s2]
-    #[arg(
-        long,
-        alias = "roll-acceleration",
-        value_name = "LIMIT",
-        default_value_t = 100.0
-    )]
+    #[arg(long, value_name = "LIMIT", default_value_t = 100.0)]
     roll_acceleration_degps2: f64,
     /// Curvature factor E of the magic formula, which is held
     #[arg(long, default_value_t = 0.99)]
@@ -69,17 +64,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         e: args.e,
         leave_out_contacts: !args.keep_contacts,
     };
-    let staging = Staging::beside(
-        &args.runs.inputs(),
-        &args.runs.out,
-        &[
-            "fit.json",
-            "model.fit.toml",
-            "fit_front.png",
-            "fit_rear.png",
-        ],
-    )?;
-    staging.remove_on_interrupt();
+    let inputs = args.runs.inputs();
+    let output = OutputDir::begin("fit lateral", &inputs, &args.runs.out, global.force)?;
     let loaded = args.runs.load(global, |_| true)?;
     let bar = global.progress();
     bar.set_message("fitting");
@@ -98,7 +84,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     document["left_out"] = left_out.into();
     document["outside_tables"] = serde_json::json!(outside_tables);
     let fitted = fit.applied_to(&model);
-    staging.text("model.fit.toml", &fitted.to_toml())?;
+    output.text("model.fit.toml", &fitted.to_toml())?;
     let marked = if options.leave_out_contacts {
         find_contacts(
             &prepared,
@@ -112,11 +98,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ("fit_front.png", "front", &front, &fit.front.model),
         ("fit_rear.png", "rear", &rear, &fit.rear.model),
     ] {
-        fit_picture(&staging.path(name), runner, samples, law)
-            .map_err(|error| staging.failure(name, &error))?;
+        output.draw(name, |path| fit_picture(path, runner, samples, law))?;
     }
-    staging.document("fit.json", &mut document)?;
-    staging.commit()?;
+    output.json("fit.json", &document)?;
+    output.commit()?;
     bar.finish_and_clear();
     if global.json {
         say(&format!("{document:#}\n"));

@@ -4,7 +4,6 @@ mod arguments;
 pub mod discover;
 pub mod evaluate;
 pub mod fit;
-mod recorded;
 mod series;
 pub mod simulate;
 pub mod tables;

@@ -7,36 +7,36 @@ use kufe_lut::MatValue;
 use kufe_sled::{LateralForce, Run, RunValidation};
 use serde_json::Value;
 
+use crate::output::folder::OutputDir;
 use crate::output::mat;
-use crate::output::staging::Staging;
 
 /// Writes validation.mat: the document's keys, and the forces of every run.
 ///
 /// # Errors
 /// [`Failure::BadInput`] where it cannot be written.
 pub fn write_forces(
-    staging: &Staging,
+    output: &OutputDir,
     document: &Value,
     runs: &[RunValidation],
 ) -> Result<(), Failure> {
-    write(staging, "validation.mat", document, forces(runs))
+    write(output, "validation.mat", document, forces(runs))
 }
 
 /// Writes simulation.mat: the document's keys, and the channels of every run.
 ///
 /// # Errors
 /// As [`write_forces`].
-pub fn write_channels(staging: &Staging, document: &Value, runs: &[Run]) -> Result<(), Failure> {
-    write(staging, "simulation.mat", document, channels(runs))
+pub fn write_channels(output: &OutputDir, document: &Value, runs: &[Run]) -> Result<(), Failure> {
+    write(output, "simulation.mat", document, channels(runs))
 }
 
 fn write(
-    staging: &Staging,
+    output: &OutputDir,
     name: &str,
     document: &Value,
     series: (String, MatValue),
 ) -> Result<(), Failure> {
-    staging.write(name, |file| {
+    output.write(name, |file| {
         mat::write(&mut BufWriter::new(file), document, vec![series])
     })
 }

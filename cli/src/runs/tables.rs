@@ -7,7 +7,7 @@ use kufe::jobs::{Failure, table::read_table};
 use kufe_lut::Sample;
 use kufe_sled::Vehicle;
 
-use crate::output::staging::Staging;
+use crate::output::folder::OutputDir;
 
 /// The pictures, front and rear; a model without tables has none.
 pub const TABLE_PICTURES: [&str; 2] = ["table_front.png", "table_rear.png"];
@@ -17,7 +17,7 @@ pub const TABLE_PICTURES: [&str; 2] = ["table_front.png", "table_rear.png"];
 /// # Errors
 /// [`Failure::BadInput`] for a table that cannot be read any more, or a picture that cannot be written.
 pub fn draw_tables(
-    staging: &Staging,
+    output: &OutputDir,
     vehicle: &Vehicle,
     samples: &[Vec<Sample>; 2],
 ) -> Result<Vec<String>, Failure> {
@@ -27,9 +27,9 @@ pub fn draw_tables(
             continue;
         };
         let table = read_table(&file)?;
-        let picture = staging.path(name);
-        draw(&table, table.judged(), Slice::default(), asked, &picture)
-            .map_err(|error| staging.failure(name, &error))?;
+        output.draw(name, |path| {
+            draw(&table, table.judged(), Slice::default(), asked, path).map(|_| ())
+        })?;
         drawn.push((*name).to_owned());
     }
     Ok(drawn)

@@ -9,10 +9,10 @@ use kufe_sled::friction::MagicFormula;
 use kufe_sled::{RunValidation, by_track, validate};
 use serde_json::{Value, json};
 
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::output::staging::Staging;
-use crate::runs::arguments::{RunArgs, file_name};
+use crate::runs::arguments::RunArgs;
 use crate::runs::series::write_forces;
 
 const EXAMPLES: &str = "\
@@ -45,9 +45,7 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let mut inputs = args.runs.inputs();
     inputs.extend(args.fit.clone());
-    let names = ["validation.json", "rmse.png", "validation.mat"];
-    let staging = Staging::beside(&inputs, &args.runs.out, &names)?;
-    staging.remove_on_interrupt();
+    let output = OutputDir::begin("validate", &inputs, &args.runs.out, global.force)?;
     let fit = args.fit.as_deref().map(read_fit).transpose()?;
     let fitted: BTreeSet<String> = fit
         .iter()
@@ -92,18 +90,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "version": env!("CARGO_PKG_VERSION"),
     });
     loaded.state_gaps(&mut document);
-    rmse_picture(&staging.path("rmse.png"), &runs)
-        .map_err(|error| staging.failure("rmse.png", &error))?;
+    output.draw("rmse.png", |path| rmse_picture(path, &runs))?;
     for run in &drawn {
-        let name = format!("force_{}.png", file_name(&run.run));
-        lateral_force_picture(&staging.path(&name), run)
-            .map_err(|error| staging.failure(&name, &error))?;
+        let name = format!("force_{}.png", kufe_sled::file_stem(&run.run));
+        output.draw(&name, |path| lateral_force_picture(path, run))?;
     }
     if args.mat {
-        write_forces(&staging, &document, &runs)?;
+        write_forces(&output, &document, &runs)?;
     }
-    staging.document("validation.json", &mut document)?;
-    staging.commit()?;
+    output.json("validation.json", &document)?;
+    output.commit()?;
     if global.json {
         say(&format!("{document:#}\n"));
     } else if !global.quiet {

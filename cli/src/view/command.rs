@@ -10,9 +10,9 @@ use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe::report::{Kind, page};
 use serde::Serialize;
 
+use crate::output::folder::pretty;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::output::staging::pretty;
 use crate::view::form::Form;
 use crate::view::server::{Server, Solved, serve, solved};
 use crate::view::turn::Turn;
@@ -89,6 +89,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } else {
         say(&format!("{address}\n"));
     }
-    serve(&listener, &server);
+    let listener = tiny_http::Server::from_listener(listener, None);
+    serve(&listener.map_err(Failure::bad_input)?, &server);
     Ok(())
 }

@@ -2,10 +2,7 @@
 
 mod command;
 mod form;
-mod guard;
-mod http;
 mod server;
 mod turn;
-mod waiting;
 
 pub use command::{Args, run};

@@ -1,6 +1,6 @@
-//! The page and the solves that its form asks for, a thread a connection.
+//! The page and the solves that its form requests, a thread a request.
 
-use std::net::TcpListener;
+use std::io::Read;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -8,22 +8,31 @@ use kufe::jobs::{Contact, Failure, case_file::LoadedCase};
 use kufe::report::ContactPage;
 use kufe_contact::{Options, pressure_maps};
 use serde::Serialize;
+use tiny_http::{Header, Method, Request, Response};
 
 use crate::bodies::placed_hull::placed_hull;
 use crate::view::form::Form;
-use crate::view::guard;
-use crate::view::http::{Answer, Refusal, Request, read_request, respond};
 use crate::view::turn::Turn;
-use crate::view::waiting::Waiting;
 
 /// Points along and across of the map that a page is sent.
 const POINTS: [usize; 2] = [240, 150];
-/// A mesh beyond this takes longer than anyone moves a slider.
+/// Largest mesh: a larger one takes longer than a user waits for a slider.
 const MOST_DOFS: usize = 1_500_000;
 /// Requests that are answered at once.
 const MOST_ANSWERED: usize = 16;
+/// Longest body of a request [bytes].
+const LONGEST_BODY: usize = 4 << 10;
+/// Headers of every answer, with the page's content security policy.
+const HEADERS: [(&str, &str); 6] = [
+    ("Cache-Control", "no-store"),
+    ("X-Content-Type-Options", "nosniff"),
+    ("X-Frame-Options", "DENY"),
+    ("Cross-Origin-Resource-Policy", "same-origin"),
+    ("Cross-Origin-Opener-Policy", "same-origin"),
+    ("Referrer-Policy", "no-referrer"),
+];
 
-/// What every connection shares.
+/// What all requests share.
 pub struct Server {
     /// The case to begin with.
     pub base: LoadedCase,
@@ -31,50 +40,63 @@ pub struct Server {
     pub port: u16,
     /// The page, with the first solve.
     pub first: String,
-    /// Who is solved for now.
+    /// The request that is solved now.
     pub turn: Turn,
 }
 
-/// Answers one connection a thread.
-pub fn serve(listener: &TcpListener, server: &Server) {
-    let (waiting, answered) = (Waiting::default(), AtomicUsize::new(0));
+/// An HTTP status that is no success, and the reason.
+type Refusal = (u16, String);
+
+/// Answers requests until the process ends.
+pub fn serve(listener: &tiny_http::Server, server: &Server) {
+    let answered = AtomicUsize::new(0);
     std::thread::scope(|scope| {
-        for (number, stream) in (0..).zip(listener.incoming()) {
-            let Ok(mut stream) = stream else { continue };
-            if waiting.enter(number, &stream).is_err() {
-                continue;
-            }
-            let (waiting, answered) = (&waiting, &answered);
+        for mut request in listener.incoming_requests() {
+            let is_full = answered.fetch_add(1, Ordering::Relaxed) >= MOST_ANSWERED;
+            let answered = &answered;
             scope.spawn(move || {
-                let request = read_request(&mut stream);
-                waiting.leave(number);
-                let full = answered.fetch_add(1, Ordering::Relaxed) >= MOST_ANSWERED;
-                let answer = match request {
-                    Ok(_) if full => Err(Refusal(503, "too many requests at once".into())),
-                    Ok(request) => answer(server, &request),
-                    Err(refusal) => Err(refusal),
+                let answer = if is_full {
+                    Err((503, "too many requests at once".to_owned()))
+                } else {
+                    answer(server, &mut request)
                 };
-                let answer = answer.unwrap_or_else(|Refusal(status, text)| {
-                    as_json(status, &Refused { error: text })
-                });
-                respond(&mut stream, &answer);
+                let (status, kind, body) = match answer {
+                    Ok((kind, body)) => (200, kind, body),
+                    Err((status, reason)) => {
+                        let body = serde_json::to_string(&Refused { error: reason });
+                        (status, "application/json", body.unwrap_or_default())
+                    }
+                };
+                // A reader that has gone away needs no answer.
+                let _ = request.respond(response(status, kind, body));
                 answered.fetch_sub(1, Ordering::Relaxed);
             });
         }
     });
 }
 
-fn answer(server: &Server, request: &Request) -> Result<Answer, Refusal> {
-    guard::check(request, server.port)?;
-    match (request.method.as_str(), request.target.as_str()) {
-        ("GET", "/") => Ok(Answer {
-            status: 200,
-            kind: "text/html; charset=utf-8",
-            body: server.first.clone().into_bytes(),
-        }),
-        ("POST", "/solve") => solve_again(server, request),
-        (_, "/" | "/solve") => Err(Refusal(405, "expected GET / or POST /solve".into())),
-        _ => Err(Refusal(404, "there is only / and /solve".into())),
+fn response(status: u16, kind: &str, body: String) -> Response<std::io::Cursor<Vec<u8>>> {
+    let policy = kufe::report::Kind::View.policy() + "; frame-ancestors 'none'";
+    let own = [("Content-Type", kind), ("Content-Security-Policy", &policy)];
+    let mut response = Response::from_data(body).with_status_code(status);
+    for (name, value) in own.iter().chain(&HEADERS) {
+        let header = Header::from_bytes(*name, *value).expect("a name and a value of ASCII");
+        response.add_header(header);
+    }
+    response
+}
+
+/// The media type and the body of the answer.
+fn answer(server: &Server, request: &mut Request) -> Result<(&'static str, String), Refusal> {
+    check_origin(request.method(), server.port, |name| header(request, name))?;
+    match (request.method(), request.url()) {
+        (Method::Get, "/") => Ok(("text/html; charset=utf-8", server.first.clone())),
+        (Method::Post, "/solve") => {
+            let body = body(request)?;
+            Ok(("application/json", solve_again(server, &body)?))
+        }
+        (_, "/" | "/solve") => Err((405, "expected GET / or POST /solve".into())),
+        _ => Err((404, "there is only / and /solve".into())),
     }
 }
 
@@ -94,29 +116,88 @@ pub struct Solved {
     pub case_text: String,
 }
 
-fn as_json(status: u16, value: &impl Serialize) -> Answer {
-    Answer {
-        status,
-        kind: "application/json",
-        body: serde_json::to_vec(value).unwrap_or_default(),
-    }
+/// The value of the only header of this name; `None` where there is none or more than one.
+fn header<'a>(request: &'a Request, name: &str) -> Option<&'a str> {
+    let mut found = request.headers().iter().filter(|header| {
+        let known = header.field.as_str().as_str();
+        known.eq_ignore_ascii_case(name)
+    });
+    let first = found.next()?;
+    found.next().is_none().then_some(first.value.as_str())
 }
 
-/// Solves what the form asks for, unless a newer form arrives.
-fn solve_again(server: &Server, request: &Request) -> Result<Answer, Refusal> {
-    let form: Form = serde_json::from_slice(&request.body)
-        .map_err(|error| Refusal(400, format!("the form: {error}")))?;
-    let case = form
-        .case(&server.base.case)
-        .map_err(|text| Refusal(422, text))?;
-    let asked = LoadedCase {
+fn body(request: &mut Request) -> Result<Vec<u8>, Refusal> {
+    let too_long = || {
+        (
+            413,
+            format!("expected a body of at most {LONGEST_BODY} bytes"),
+        )
+    };
+    match request.body_length() {
+        None => return Err((411, "expected a content-length".into())),
+        Some(length) if length > LONGEST_BODY => return Err(too_long()),
+        Some(_) => {}
+    }
+    let mut body = Vec::new();
+    let mut reader = request.as_reader().take(LONGEST_BODY as u64);
+    reader
+        .read_to_end(&mut body)
+        .map_err(|error| (408, error.to_string()))?;
+    Ok(body)
+}
+
+/// Refuses requests that a page of another site, or another name for this machine, could send.
+///
+/// The host must be this machine's own name with the server's port, so that a name that is made to
+/// point here (DNS rebinding) gets no answer. A solve must be requested by a page of the same
+/// origin and as JSON, which no foreign form can send.
+fn check_origin<'a>(
+    method: &Method,
+    port: u16,
+    header: impl Fn(&str) -> Option<&'a str>,
+) -> Result<(), Refusal> {
+    let names = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
+    let host = header("host").unwrap_or_default();
+    if !names.iter().any(|name| name == host) {
+        let [a, b] = names;
+        return Err((403, format!("host {host:?}: expected {a} or {b}")));
+    }
+    let site = header("sec-fetch-site");
+    if *method == Method::Get {
+        // A link of another site may lead here; its scripts may not read the answer.
+        let navigates = header("sec-fetch-mode") == Some("navigate");
+        return match site {
+            Some("cross-site" | "same-site") if !navigates => {
+                Err((403, "requested by a page of another site".into()))
+            }
+            _ => Ok(()),
+        };
+    }
+    let origin = header("origin").unwrap_or_default();
+    if origin != format!("http://{host}") || !matches!(site, None | Some("same-origin")) {
+        return Err((403, format!("origin {origin:?}: expected http://{host}")));
+    }
+    if header("content-type") != Some("application/json") {
+        return Err((415, "expected application/json".into()));
+    }
+    Ok(())
+}
+
+/// Solves what the form requests, unless a newer form arrives.
+fn solve_again(server: &Server, body: &[u8]) -> Result<String, Refusal> {
+    let form: Form =
+        serde_json::from_slice(body).map_err(|error| (400, format!("the form: {error}")))?;
+    let case = form.case(&server.base.case).map_err(|text| (422, text))?;
+    let loaded = LoadedCase {
         case,
         ..server.base.clone()
     };
-    match server.turn.take(|stop| solved(asked, stop)) {
-        None => Err(Refusal(409, "a newer form came first".into())),
-        Some(Err(failure)) => Err(Refusal(422, failure.to_string())),
-        Some(Ok(data)) => Ok(as_json(200, &data)),
+    match server.turn.take(|stop| solved(loaded, stop)) {
+        None => Err((409, "a newer form came first".into())),
+        Some(Err(failure)) => Err((422, failure.to_string())),
+        Some(Ok(solved)) => {
+            serde_json::to_string(&solved).map_err(|error| (422, error.to_string()))
+        }
     }
 }
 
@@ -134,4 +215,60 @@ pub fn solved(loaded: LoadedCase, stop: &Arc<AtomicBool>) -> Result<Solved, Fail
     let page = ContactPage::new(pressed.result(), &maps, hull.as_ref(), POINTS, name);
     let case_text = pressed.loaded.case.to_toml().map_err(Failure::bad_input)?;
     Ok(Solved { page, case_text })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn status(method: Method, headers: &[(&str, &'static str)]) -> u16 {
+        let header = |name: &str| {
+            let mut found = headers.iter().filter(|(known, _)| *known == name);
+            let first = found.next()?.1;
+            found.next().is_none().then_some(first)
+        };
+        check_origin(&method, 4000, header).map_or_else(|refusal| refusal.0, |()| 200)
+    }
+
+    #[test]
+    fn only_this_servers_own_names_are_hosts() {
+        let of = |host| status(Method::Get, &[("host", host)]);
+        assert_eq!(of("127.0.0.1:4000"), 200);
+        assert_eq!(of("localhost:4000"), 200);
+        for host in [
+            "127.0.0.1",
+            "127.0.0.1:4001",
+            "evil.example:4000",
+            "localhost:4000.evil.example",
+            "",
+        ] {
+            assert_eq!(of(host), 403, "{host}");
+        }
+        assert_eq!(status(Method::Get, &[]), 403);
+        let twice = [("host", "127.0.0.1:4000"), ("host", "evil.example")];
+        assert_eq!(status(Method::Get, &twice), 403);
+    }
+
+    #[test]
+    fn only_a_page_of_the_same_origin_may_request_work() {
+        let host = ("host", "127.0.0.1:4000");
+        let json = ("content-type", "application/json");
+        let own = ("origin", "http://127.0.0.1:4000");
+        let foreign = ("sec-fetch-site", "cross-site");
+        let post = |headers: &[(&str, &'static str)]| status(Method::Post, headers);
+        assert_eq!(post(&[host, own, json]), 200);
+        assert_eq!(
+            post(&[host, own, json, ("sec-fetch-site", "same-origin")]),
+            200
+        );
+        for origin in ["null", "http://localhost:4000", "https://evil.example"] {
+            assert_eq!(post(&[host, json, ("origin", origin)]), 403, "{origin}");
+        }
+        assert_eq!(post(&[host, json]), 403);
+        assert_eq!(post(&[host, own, json, foreign]), 403);
+        assert_eq!(post(&[host, own, ("content-type", "text/plain")]), 415);
+        assert_eq!(status(Method::Get, &[host, foreign]), 403);
+        let link = [host, foreign, ("sec-fetch-mode", "navigate")];
+        assert_eq!(status(Method::Get, &link), 200);
+    }
 }

@@ -116,7 +116,7 @@ pub fn errors(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Names of what a folder holds, hidden ones too, sorted.
+/// Names of what a folder holds, hidden ones too, without the record of an output folder; sorted.
 pub fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .expect("a readable folder")
@@ -128,6 +128,7 @@ pub fn names(folder: &Path) -> Vec<String> {
                 .into_owned()
         })
         .collect();
+    names.retain(|name| name != ".kufe.json");
     names.sort();
     names
 }

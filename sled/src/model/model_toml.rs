@@ -156,7 +156,7 @@ impl Model {
             zero_or_more.extend(tolerances.named());
         }
         for (key, value) in zero_or_more {
-            require(file, key, value, value >= 0.0, "0 or more")?;
+            require(file, key, value, (0.0..=1e3).contains(&value), "0 to 1000")?;
         }
         if let Some(conditions) = &self.conditions {
             let ranges = [

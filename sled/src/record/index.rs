@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::model::conditions::Conditions;
+use crate::record::file_names::track_file;
 use crate::track::table::{ICE_C, IceAlong, Track};
 
 /// Columns of the index; only `run` and `file` must be there, the others where something asks for them.
@@ -120,7 +121,7 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
         }
         let track = text("track")?;
         if !tracks.contains_key(&track) {
-            let path = folder.join(format!("track_{track}.csv"));
+            let path = folder.join(track_file(&track));
             tracks.insert(track.clone(), ice_of(&path)?);
         }
         entries.push(Entry {

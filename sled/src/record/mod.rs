@@ -1,6 +1,7 @@
 //! Recorded runs: their index, their files, and whether they hold what their names say.
 
 pub mod check;
+pub(crate) mod file_names;
 pub(crate) mod files;
 pub(crate) mod gaps;
 pub(crate) mod index;

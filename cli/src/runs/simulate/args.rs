@@ -54,21 +54,16 @@ pub struct Args {
     #[arg(long, value_name = "NAME")]
     pub driver: Option<String>,
     /// Speed at the start [m/s]
-    #[arg(
-        long,
-        alias = "start-speed",
-        value_name = "M_PER_S",
-        default_value_t = 10.0
-    )]
+    #[arg(long, value_name = "M_PER_S", default_value_t = 10.0)]
     pub start_speed_mps: f64,
     /// Output rate [Hz]
-    #[arg(long, alias = "rate", value_name = "HZ", default_value_t = 500.0)]
+    #[arg(long, value_name = "HZ", default_value_t = 500.0)]
     pub rate_hz: f64,
     /// Step of the integration [s]
-    #[arg(long, alias = "step", value_name = "S", default_value_t = 1e-3)]
+    #[arg(long, value_name = "S", default_value_t = 1e-3)]
     pub step_s: f64,
     /// Longest time [s]
-    #[arg(long, alias = "most", value_name = "S", default_value_t = 600.0)]
+    #[arg(long, value_name = "S", default_value_t = 600.0)]
     pub most_s: f64,
     /// Leave the sensors' noise off
     #[arg(long)]

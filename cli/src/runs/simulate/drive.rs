@@ -14,11 +14,9 @@ use kufe_sled::{
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::staging::Staging;
-use crate::output::watched::warn;
-use crate::runs::recorded::begin;
+use crate::output::say::{say, warn};
 use crate::runs::series::write_channels;
 use crate::runs::simulate::args::Args;
 use crate::runs::simulate::written::{write_runs, write_track};
@@ -46,18 +44,10 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     let shape = TrackShape::new(&track);
     let (driver, driver_name) = driver(args)?;
     let conditions = args.conditions()?.or(&vehicle.conditions);
-    let names = [
-        "runs.csv".to_owned(),
-        format!("track_{}.csv", track.name),
-        "simulation.json".to_owned(),
-        "overview.png".to_owned(),
-        "simulation.mat".to_owned(),
-    ];
     for text in vehicle.effects_elsewhere(&[&track.name]) {
         warn(&format!("{}: {text}", model_file.display()));
     }
-    let staging = begin(&inputs, &args.out, &names)?;
-    staging.remove_on_interrupt();
+    let output = OutputDir::begin("simulate", &inputs, &args.out, global.force)?;
     let bar = global.progress();
     bar.set_message(format!("driving {} runs", args.runs));
     let start = std::time::Instant::now();
@@ -122,7 +112,7 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     for (outside, runs) in together(left_tables) {
         warn(&format!("{outside}, in {runs} of {} runs", args.runs));
     }
-    let mut document = json!({
+    let document = json!({
         "runs": told_runs,
         "track": track.name,
         "driver": driver_name,
@@ -130,15 +120,15 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
         "version": env!("CARGO_PKG_VERSION"),
     });
     bar.set_message("writing");
-    write_runs(&staging, &mut runs, args.format())?;
-    write_track(&staging, &track)?;
+    write_runs(&output, &mut runs, args.format())?;
+    write_track(&output, &track)?;
     if args.mat {
-        write_channels(&staging, &document, &runs)?;
+        write_channels(&output, &document, &runs)?;
     }
-    let mut pictures = draw_first(&staging, &runs, &model, &vehicle)?;
-    pictures.extend(draw_tables(&staging, &vehicle, &samples)?);
-    staging.document("simulation.json", &mut document)?;
-    staging.commit()?;
+    let mut pictures = draw_first(&output, &runs, &model, &vehicle)?;
+    pictures.extend(draw_tables(&output, &vehicle, &samples)?);
+    output.json("simulation.json", &document)?;
+    output.commit()?;
     bar.finish_and_clear();
     if global.json {
         say(&format!("{document:#}\n"));
@@ -160,11 +150,11 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
             );
         }
         text += &format!(
-            "{}: runs.csv, {} run{}, track_{}.csv, simulation.json{}\n",
+            "{}: runs.csv, {} run{}, {}, simulation.json{}\n",
             args.out.display(),
             runs.len(),
             if runs.len() == 1 { "" } else { "s" },
-            track.name,
+            kufe_sled::track_file(&track.name),
             pictures
                 .iter()
                 .map(|name| format!(", {name}"))
@@ -200,7 +190,7 @@ fn driver(args: &Args) -> Result<(Driver, String), Failure> {
 
 /// Draws the first run where it is long enough to be prepared; names the picture for the summary.
 fn draw_first(
-    staging: &Staging,
+    output: &OutputDir,
     runs: &[Run],
     model: &Model,
     vehicle: &Vehicle,
@@ -209,7 +199,6 @@ fn draw_first(
     let Ok(prepared) = prepare(&runs[0], vehicle, model.noise.as_ref(), &options) else {
         return Ok(Vec::new());
     };
-    run_picture(&staging.path("overview.png"), &prepared)
-        .map_err(|error| staging.failure("overview.png", &error))?;
+    output.draw("overview.png", |path| run_picture(path, &prepared))?;
     Ok(vec!["overview.png".to_owned()])
 }

@@ -12,10 +12,9 @@ use kufe_sled::{
 };
 use serde_json::json;
 
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::watched::warn;
-use crate::runs::recorded::begin;
+use crate::output::say::{say, warn};
 use crate::runs::series::write_channels;
 use crate::runs::simulate::args::Args;
 use crate::runs::simulate::written::{write_runs, write_track};
@@ -39,19 +38,10 @@ pub fn replay_run(
     inputs.extend(args.replay.clone());
     let entry = entry(args, &track)?;
     inputs.push(entry.file.clone());
-    let names = [
-        "runs.csv".to_owned(),
-        format!("{}.{}", entry.run, args.format().extension()),
-        format!("track_{}.csv", track.name),
-        "simulation.json".to_owned(),
-        "replay.png".to_owned(),
-        "simulation.mat".to_owned(),
-    ];
     for text in vehicle.effects_elsewhere(&[&track.name]) {
         warn(&format!("{}: {text}", model_file.display()));
     }
-    let staging = begin(&inputs, &args.out, &names)?;
-    staging.remove_on_interrupt();
+    let output = OutputDir::begin("simulate --replay", &inputs, &args.out, global.force)?;
     let on_gaps = if args.strict {
         OnGaps::Refuse
     } else {
@@ -75,7 +65,7 @@ pub fn replay_run(
     let states = done.simulated.instants.iter().map(|instant| &instant.state);
     let outside = outside_tables(&vehicle, states.clone());
     beside_measured(&mut driven, &measured);
-    let mut document = json!({
+    let document = json!({
         "replay": done,
         "measured": run.entry.file,
         "finished": done.stopped.is_none(),
@@ -83,17 +73,16 @@ pub fn replay_run(
         "outside_tables": outside,
         "version": env!("CARGO_PKG_VERSION"),
     });
-    write_runs(&staging, std::slice::from_mut(&mut driven), args.format())?;
-    write_track(&staging, &track)?;
+    write_runs(&output, std::slice::from_mut(&mut driven), args.format())?;
+    write_track(&output, &track)?;
     if args.mat {
-        write_channels(&staging, &document, std::slice::from_ref(&driven))?;
+        write_channels(&output, &document, std::slice::from_ref(&driven))?;
     }
-    replay_picture(&staging.path("replay.png"), &done)
-        .map_err(|error| staging.failure("replay.png", &error))?;
+    output.draw("replay.png", |path| replay_picture(path, &done))?;
     let samples = table_samples(states);
-    let tables = draw_tables(&staging, &vehicle, &samples)?;
-    staging.document("simulation.json", &mut document)?;
-    staging.commit()?;
+    let tables = draw_tables(&output, &vehicle, &samples)?;
+    output.json("simulation.json", &document)?;
+    output.commit()?;
     for outside in &outside {
         warn(&format!("{}: {outside}", done.run));
     }
@@ -114,10 +103,10 @@ pub fn replay_run(
     } else if !global.quiet {
         say(&summary(&done));
         say(&format!(
-            "{}: runs.csv, {}, track_{}.csv, simulation.json, replay.png{}\n",
+            "{}: runs.csv, {}, {}, simulation.json, replay.png{}\n",
             args.out.display(),
             driven.entry.file.display(),
-            track.name,
+            kufe_sled::track_file(&track.name),
             tables
                 .iter()
                 .map(|name| format!(", {name}"))

@@ -7,9 +7,9 @@ use kufe_sled::Model;
 use kufe_sled::sample_data::{DRIVERS, drive_sample, sample_driver, sample_plan, sample_track};
 use serde_json::json;
 
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
 use crate::output::say::say;
-use crate::runs::recorded::begin;
 use crate::runs::simulate::args::Args;
 use crate::runs::simulate::written::{write_runs, write_track};
 
@@ -26,26 +26,19 @@ pub fn sample(
         None => Model::published(),
     };
     let inputs: Vec<PathBuf> = model_file.map(Path::to_path_buf).into_iter().collect();
-    let names = [
-        "runs.csv",
-        "track_east.csv",
-        "track_west.csv",
-        "model.toml",
-        "truth.json",
-    ];
-    let staging = begin(&inputs, folder, &names)?;
-    staging.remove_on_interrupt();
+    let command = "simulate --sample-data";
+    let output = OutputDir::begin(command, &inputs, folder, global.force)?;
     let bar = global.progress();
     bar.set_message("driving 44 runs");
     let plan = sample_plan(args.seed);
     let mut runs = drive_sample(&plan, &model).map_err(told)?;
     bar.set_message("writing");
-    write_runs(&staging, &mut runs, args.format())?;
+    write_runs(&output, &mut runs, args.format())?;
     for name in ["east", "west"] {
-        write_track(&staging, &sample_track(name))?;
+        write_track(&output, &sample_track(name))?;
     }
-    staging.text("model.toml", &model.to_toml())?;
-    let mut truth = json!({
+    output.text("model.toml", &model.to_toml())?;
+    let truth = json!({
         "seed": args.seed,
         "model": "model.toml, and beside it the contacts with walls that each run lists here",
         "drivers": DRIVERS.iter().map(|(name, class, count)| {
@@ -68,8 +61,8 @@ pub fn sample(
         })).collect::<Vec<_>>(),
         "version": env!("CARGO_PKG_VERSION"),
     });
-    staging.document("truth.json", &mut truth)?;
-    staging.commit()?;
+    output.json("truth.json", &truth)?;
+    output.commit()?;
     bar.finish_and_clear();
     if global.json {
         say(&format!("{truth:#}\n"));

@@ -3,28 +3,29 @@
 use std::path::PathBuf;
 
 use kufe::jobs::Failure;
-use kufe_sled::{Run, RunFormat, Track, write_index, write_run};
+use kufe_sled::{Run, RunFormat, Track, run_file, track_file, write_index, write_run};
 use rayon::prelude::*;
 
-use crate::output::staging::Staging;
+use crate::output::folder::OutputDir;
 
 /// Writes the runs and, last, the index; names each run's file.
-pub fn write_runs(staging: &Staging, runs: &mut [Run], format: RunFormat) -> Result<(), Failure> {
+pub fn write_runs(output: &OutputDir, runs: &mut [Run], format: RunFormat) -> Result<(), Failure> {
     for run in runs.iter_mut() {
-        run.entry.file = PathBuf::from(format!("{}.{}", run.entry.run, format.extension()));
+        run.entry.file = PathBuf::from(run_file(&run.entry.run, format));
     }
     runs.par_iter()
         .map(|run| {
             let name = run.entry.file.display().to_string();
-            staging.write(&name, |mut file| write_run(run, &mut file, format))
+            output.write(&name, |mut file| write_run(run, &mut file, format))
         })
         .collect::<Result<Vec<()>, Failure>>()?;
     let entries: Vec<_> = runs.iter().map(|run| run.entry.clone()).collect();
-    staging.write("runs.csv", |file| write_index(file, &entries))
+    output.write("runs.csv", |file| write_index(file, &entries))
 }
 
 /// Writes the track beside them.
-pub fn write_track(staging: &Staging, track: &Track) -> Result<(), Failure> {
-    let name = format!("track_{}.csv", track.name);
-    staging.write(&name, |file| track.write_csv(std::io::BufWriter::new(file)))
+pub fn write_track(output: &OutputDir, track: &Track) -> Result<(), Failure> {
+    output.write(&track_file(&track.name), |file| {
+        track.write_csv(std::io::BufWriter::new(file))
+    })
 }

@@ -1,8 +1,8 @@
-//! `kufe info` of a lookup table.
+//! `kufe info`: hulls, tables, maps and results.
 
 use serde_json::Value;
 
-use crate::kufe::{Bench, CASE, errors};
+use crate::kufe::{Bench, CASE, errors, refused};
 
 #[test]
 fn info_tells_a_tables_axes_quantities_errors_and_version() {
@@ -37,56 +37,52 @@ fn info_tells_a_tables_axes_quantities_errors_and_version() {
 }
 
 #[test]
-fn infinite_numbers_are_told_as_what_they_are() {
-    let bench = Bench::new();
-    bench.write("case.toml", CASE);
-    bench.write(
-        "table.toml",
-        "case = \"case.toml\"\n[axes]\nfz_n = { values = [500.0, 1000.0] }\nradius_m = { values = [inf, 60.0] }\n",
-    );
-    let said = bench.succeeds(&["info", "table.toml"]);
-    assert!(said.contains("values: inf, 60\n"), "{said}");
-    bench.succeeds(&["press", "case.toml", "-o", "out", "-q"]);
-    let said = bench.succeeds(&["info", "out/pressure.exr"]);
-    assert!(said.contains("radius_m: inf\n"), "{said}");
-}
-
-#[test]
 fn what_info_shows_is_read_by_people() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
     bench.write("table.toml", "case = \"case.toml\"\n[axes]\nfz_n = { values = [500.0, 1000.0] }\ncurvature_1pm = { values = [0.0, 0.01] }\n");
-    bench.succeeds(&["init", "--kind", "model", "model.toml"]);
     bench.succeeds(&["lut", "table.toml", "-o", "bob.lut"]);
     bench.succeeds(&["press", "case.toml", "-o", "out"]);
-    bench.succeeds(&["man", "-o", "man"]);
-    bench.succeeds(&["man", "--markdown", "reference.md"]);
     // Laws of a fit have their intervals; their product ends in _c and is no temperature.
     let law = r#"{ "k_n_per_rad": { "value": 9e3, "low": 8e3, "high": 1e4 }, "mu_zeta_c": { "value": 0.06, "low": 0.05, "high": 0.07 } }"#;
     let fit = format!(r#"{{ "front": {law}, "rear": {law}, "excluded_contacts": 3 }}"#);
     bench.write("fit.json", fit);
     for (file, expected) in [
-        ("model.toml", "k_n_per_rad: 10522 N/rad\n"),
-        ("model.toml", "yaw_drag_per_deg: 0.06940 1/deg\n"),
-        ("case.toml", &format!("size_bytes: {} bytes\n", CASE.len())),
-        ("model.schema.json", "required: sled, friction\n"),
-        ("model.schema.json", "properties: "),
         ("bob.lut", " MPa, smooth within 0."),
         ("out/result.json", "warnings:\n  the peak of "),
         ("out/result.json", "symmetry: true, true\n"),
-        ("out/pressure.exr", "p: F32, contact pressure [Pa]\n"),
+        ("out/pressure.exr", "channels: gap, p, uz\n"),
+        ("out/pressure.exr", "radius_m: inf\n"),
+        ("out/hull.glb", "length_m: "),
         (
             "fit.json",
             "k_n_per_rad: 9000 N/rad (8000 to 10000 N/rad)\n",
         ),
         ("fit.json", "mu_zeta_c: 0.06000 (0.05000 to 0.07000)\n"),
-        ("man/kufe-press.1", "kind: a manual page\n"),
-        ("reference.md", "kind: the command's reference\n"),
     ] {
         let said = bench.succeeds(&["info", file]);
         assert!(said.contains(expected), "{file}: no {expected:?} in {said}");
         assert!(!said.contains("[\""), "{said}");
     }
+}
+
+#[test]
+fn files_that_are_not_known_end_with_one_error_that_says_what_was_expected() {
+    let bench = Bench::new();
+    for (name, content, expected) in [
+        ("notes.txt", "hello", "kind \".txt\" is not known"),
+        ("a.json", "{\"a\": 1}", "not a result of kufe"),
+        ("b.json", "{", "b.json: EOF"),
+        ("a.fmu", "PK", "a.fmu: "),
+        ("a.exr", "v", "a.exr: "),
+        ("a.glb", "glTF", "a.glb: "),
+    ] {
+        bench.write(name, content);
+        refused(bench.folder.path(), &["info", name], 3, &[expected]);
+    }
+    refused(bench.folder.path(), &["info", "."], 3, &["is a folder"]);
+    let missing = ["info", "nothing.json"];
+    refused(bench.folder.path(), &missing, 3, &["cannot be read"]);
 }
 
 #[test]

@@ -46,19 +46,61 @@ fn output_that_is_not_taken_is_told_and_ends_with_3() {
     }
     // The files were written all the same.
     assert!(bench.path("out/result.json").exists());
-    // A reader that has gone away.
-    let mut child = Command::new(env!("CARGO_BIN_EXE_kufe"))
-        .current_dir(bench.folder.path())
-        .args(["schema", "model"])
-        .stdout(Stdio::piped())
+}
+
+/// Runs `kufe` with outputs that nobody reads, or a full device.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_lost_reader_and_lost_messages_lose_no_result() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    let run = |words: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_kufe"));
+        command.current_dir(bench.folder.path()).args(words);
+        command
+    };
+    for words in [
+        &["schema", "model"][..],
+        &["completions", "bash"],
+        &["--help"],
+    ] {
+        let mut child = run(words)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the command runs");
+        drop(child.stdout.take());
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+        assert_eq!(errors(&output), "");
+    }
+    let press = ["press", "case.toml", "-o", "out", "-v"];
+    let full = std::fs::File::options().write(true).open("/dev/full");
+    let full = run(&press).stderr(full.expect("the full device")).output();
+    assert_eq!(full.expect("it runs").status.code(), Some(0));
+    assert!(bench.path("out/result.json").exists());
+    let mut child = run(&press)
         .stderr(Stdio::piped())
+        .stdout(Stdio::null())
         .spawn()
         .expect("the command runs");
-    drop(child.stdout.take());
-    let output = child.wait_with_output().expect("it ends");
-    let told = errors(&output);
-    assert!(!told.contains("panicked"), "{told}");
-    assert_eq!(output.status.code(), Some(3), "{told}");
+    drop(child.stderr.take());
+    assert_eq!(child.wait().expect("it ends").code(), Some(0));
+}
+
+#[test]
+fn threads_are_bounded() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    let output = bench.kufe(&["press", "case.toml", "--threads", "100000"]);
+    assert_eq!(output.status.code(), Some(2));
+    let output = Command::new(env!("CARGO_BIN_EXE_kufe"))
+        .env("RAYON_NUM_THREADS", "1000000")
+        .current_dir(bench.folder.path())
+        .args(["doctor", "--json"])
+        .output()
+        .expect("the command runs");
+    assert!(output.status.success(), "{}", errors(&output));
 }
 
 #[cfg(unix)]

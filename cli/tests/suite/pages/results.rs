@@ -113,26 +113,6 @@ fn gathered_runs_are_a_page_and_their_index_no_place_for_it() {
 fn constants_of_steel_are_told_of_runners_that_deform() {
     let bench = Bench::new();
     bench.write("rigid.toml", CASE);
-    bench.write(
-        "elastic.toml",
-        CASE.replace("[runner]", "[runner]\nelastic = true"),
-    );
-    for (name, told) in [("rigid.toml", false), ("elastic.toml", true)] {
-        let said: Value =
-            serde_json::from_str(&bench.succeeds(&["info", name, "--json"])).expect("JSON");
-        let states = &said["states"];
-        assert_eq!(
-            states["runner"]["youngs_modulus_pa"].is_number(),
-            told,
-            "{said}"
-        );
-        assert_eq!(
-            states["runner"]["poissons_ratio"].is_number(),
-            told,
-            "{said}"
-        );
-        assert!(states["ice"]["youngs_modulus_pa"].is_number(), "{said}");
-    }
     let said = bench.succeeds(&["press", "rigid.toml"]);
     let approach = said
         .lines()

@@ -178,6 +178,8 @@ pub struct Clock {
 
 /// Steps that differ by less than this share are told by rounded times.
 const ROUNDING: f64 = 0.05;
+/// Shortest usual step: a shorter one is an error of the clock or of its unit [s].
+const LEAST_STEP_S: f64 = 1e-5;
 /// A step between half and one and a half of the usual one is one step; a longer one leaves rows out.
 const ONE_STEP: std::ops::Range<f64> = 0.5..1.5;
 
@@ -226,6 +228,9 @@ impl Base {
         };
         if let Some(i) = steps.iter().position(|step| *step <= 0.0) {
             return Err(told(i, "time stands still or runs backwards"));
+        }
+        if usual < LEAST_STEP_S {
+            return Err(told(0, "more than 100 000 rows a second"));
         }
         if let Some(i) = steps.iter().position(|step| *step < ONE_STEP.start * usual) {
             return Err(told(i, "irregular time"));

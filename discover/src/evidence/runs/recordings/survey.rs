@@ -32,7 +32,7 @@ impl TrackTables {
         };
         let names: BTreeSet<&String> = runs.iter().map(|run| &run.entry.track).collect();
         for name in names {
-            let path = folder.join(format!("track_{name}.csv"));
+            let path = folder.join(kufe_sled::track_file(name));
             if !path.is_file() {
                 continue;
             }

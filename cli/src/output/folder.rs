@@ -1,0 +1,373 @@
+//! Output folders, which receive all files of a command or none.
+
+use std::collections::BTreeMap;
+use std::fmt::Display;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use kufe::jobs::Failure;
+use serde::{Deserialize, Serialize};
+use tempfile::TempDir;
+
+use crate::output::paths::{
+    NewFolders, TEMPORARY, check_name, check_place, resolved, same_file, unwritable,
+};
+
+/// The file of an output folder that says which command wrote which files there.
+const RECORD: &str = ".kufe.json";
+/// The index of runs, which names other files of its folder.
+const INDEX: &str = "runs.csv";
+
+/// Which command wrote a folder, and which files.
+#[derive(Serialize, Deserialize, Clone, Debug)]
+pub struct FolderRecord {
+    version: String,
+    command: String,
+    files: BTreeMap<String, FileRecord>,
+}
+
+/// One file of a folder.
+#[derive(Serialize, Deserialize, Clone, Debug)]
+struct FileRecord {
+    command: String,
+    bytes: u64,
+}
+
+impl FolderRecord {
+    /// The record of `folder`; `None` where kufe did not write that folder.
+    pub fn read(folder: &Path) -> Option<FolderRecord> {
+        let path = folder.join(RECORD);
+        let found = path.symlink_metadata().ok()?;
+        if !found.is_file() || found.len() > 1 << 24 {
+            return None;
+        }
+        serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
+    }
+
+    fn write(&self, folder: &Path) -> std::io::Result<()> {
+        let file = tempfile::Builder::new()
+            .prefix(TEMPORARY)
+            .tempfile_in(folder)?;
+        serde_json::to_writer(&file, self)?;
+        file.persist(folder.join(RECORD))?;
+        Ok(())
+    }
+
+    /// The command that wrote `name`, where the file is as it was written.
+    pub fn writer_of(&self, folder: &Path, name: &str) -> Option<&str> {
+        let file = self.files.get(name)?;
+        let found = folder.join(name).symlink_metadata().ok()?;
+        (found.is_file() && found.len() == file.bytes).then_some(&file.command)
+    }
+
+    /// Adds `name`, which `command` has written into `folder`, to the folder's record, if it has one.
+    pub fn add(folder: &Path, name: &str, command: &str) {
+        let _lock = lock(folder);
+        let Some(mut record) = FolderRecord::read(folder) else {
+            return;
+        };
+        let Ok(found) = folder.join(name).metadata() else {
+            return;
+        };
+        let file = FileRecord {
+            command: command.to_owned(),
+            bytes: found.len(),
+        };
+        record.files.insert(name.to_owned(), file);
+        // Without its entry the file is only never replaced.
+        let _ = record.write(folder);
+    }
+}
+
+/// A temporary folder that collects files until [`OutputDir::commit`] moves them into the output.
+///
+/// It is made before the work starts, so that an output that cannot be written fails at once.
+/// Without a commit it is removed, and so are the folders that had to be made.
+///
+/// The output folder is new, empty, or one that the same command wrote before. `--force` permits
+/// any other folder. An input of the command is never replaced.
+pub struct OutputDir {
+    command: &'static str,
+    /// The folder, as the user names it.
+    named: PathBuf,
+    /// The folder, without links.
+    target: PathBuf,
+    inputs: Vec<PathBuf>,
+    force: bool,
+    temporary: TempDir,
+    /// Dropped after the temporary folder in them.
+    made: NewFolders,
+}
+
+impl OutputDir {
+    /// Prepares `target` as the output of `command`, which reads `inputs`.
+    ///
+    /// An interrupt removes the temporary folder and ends the process with code 130.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where the folder is not empty and not an earlier output of `command`,
+    /// or cannot be written.
+    pub fn begin(
+        command: &'static str,
+        inputs: &[PathBuf],
+        target: &Path,
+        force: bool,
+    ) -> Result<OutputDir, Failure> {
+        let output = OutputDir::prepare(command, inputs, target, force)?;
+        let hidden = output.temporary.path().to_path_buf();
+        let made = std::sync::Mutex::new(Some(output.made.clone()));
+        // A process that handles interrupts already continues to do so.
+        let _ = ctrlc::set_handler(move || {
+            let _ = std::fs::remove_dir_all(&hidden);
+            drop(made.lock().ok().and_then(|mut made| made.take()));
+            std::process::exit(130);
+        });
+        Ok(output)
+    }
+
+    /// Marks the folder as this command's before anything is in it, so that it can resume there.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where the mark cannot be written.
+    pub fn claim(&self) -> Result<(), Failure> {
+        let _lock = lock(&self.target);
+        let record = self.check(&[])?;
+        record
+            .write(&self.target)
+            .map_err(|error| unwritable(&self.named, &error))
+    }
+
+    /// As [`OutputDir::begin`], for a command that handles interrupts itself.
+    ///
+    /// # Errors
+    /// As [`OutputDir::begin`].
+    pub fn prepare(
+        command: &'static str,
+        inputs: &[PathBuf],
+        target: &Path,
+        force: bool,
+    ) -> Result<OutputDir, Failure> {
+        let named = target.to_path_buf();
+        let target = resolved(target);
+        let temporary = || {
+            tempfile::Builder::new()
+                .prefix(TEMPORARY)
+                .tempdir_in(&target)
+        };
+        let mut made = NewFolders::make(&target)?;
+        // Another process that gives up may remove the folder meanwhile.
+        let hidden = temporary().or_else(|error| {
+            made = NewFolders::make(&target).map_err(|_| error)?;
+            temporary()
+        });
+        let output = OutputDir {
+            command,
+            inputs: inputs.to_vec(),
+            force,
+            made,
+            temporary: hidden.map_err(|error| unwritable(&named, &error))?,
+            named,
+            target,
+        };
+        kufe_files::clear_temporaries(&output.target);
+        output.check(&[])?;
+        Ok(output)
+    }
+
+    /// Checks that the folder may receive files of these names; returns the record of those that
+    /// an earlier run of the command wrote there.
+    fn check(&self, names: &[String]) -> Result<FolderRecord, Failure> {
+        let refuse = |reason: String| {
+            let place = self.named.display();
+            Failure::BadInput(format!(
+                "{place}: {reason}; expected another folder, or --force"
+            ))
+        };
+        let unreadable = |error: std::io::Error| unwritable(&self.named, &error);
+        let failure = |name: &str, reason: &str| unwritable(&self.named.join(name), &reason);
+        let own = match FolderRecord::read(&self.target) {
+            Some(record) if record.command == self.command => Some(record),
+            _ if self.force => None,
+            Some(record) => {
+                return Err(refuse(format!(
+                    "it holds results of kufe {}",
+                    record.command
+                )));
+            }
+            None => {
+                for entry in std::fs::read_dir(&self.target).map_err(unreadable)? {
+                    let name = entry.map_err(unreadable)?.file_name();
+                    let name = name.to_string_lossy();
+                    if !name.starts_with(TEMPORARY) && name != RECORD {
+                        return Err(refuse(format!(
+                            "it is not empty and kufe {} did not write it ({name})",
+                            self.command
+                        )));
+                    }
+                }
+                None
+            }
+        };
+        let own = own.unwrap_or_else(|| FolderRecord {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            command: self.command.to_owned(),
+            files: BTreeMap::new(),
+        });
+        for name in own.files.keys() {
+            let path = self.target.join(name);
+            if self.inputs.iter().any(|input| same_file(input, &path)) {
+                return Err(failure(
+                    name,
+                    "this command reads it; expected another folder",
+                ));
+            }
+            let changed =
+                path.symlink_metadata().is_ok() && own.writer_of(&self.target, name).is_none();
+            if changed && !self.force {
+                return Err(failure(
+                    name,
+                    "it was changed since kufe wrote it; expected another folder, or --force",
+                ));
+            }
+        }
+        for name in names {
+            let path = self.target.join(name);
+            check_place(&path, &self.inputs).map_err(|reason| failure(name, reason))?;
+            if path.exists() && !self.force && !own.files.contains_key(name) {
+                return Err(failure(
+                    name,
+                    "it exists and kufe did not write it; expected another folder, or --force",
+                ));
+            }
+        }
+        Ok(own)
+    }
+
+    /// Writes the file `name` with a function that takes the file.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with the path of the output where the file cannot be written, its name
+    /// is not plain, or it was written before.
+    pub fn write<E: Display>(
+        &self,
+        name: &str,
+        write: impl FnOnce(&File) -> Result<(), E>,
+    ) -> Result<(), Failure> {
+        let failure = |error: &dyn Display| unwritable(&self.named.join(name), error);
+        check_name(name).map_err(|error| failure(&error))?;
+        let file = File::create_new(self.temporary.path().join(name)).map_err(|e| failure(&e))?;
+        write(&file).map_err(|error| failure(&error))?;
+        file.sync_all().map_err(|error| failure(&error))
+    }
+
+    /// As [`OutputDir::write`], with a function that takes the path to write to.
+    ///
+    /// # Errors
+    /// As [`OutputDir::write`].
+    pub fn draw<E: Display>(
+        &self,
+        name: &str,
+        draw: impl FnOnce(&Path) -> Result<(), E>,
+    ) -> Result<(), Failure> {
+        self.write(name, |_| Ok::<_, E>(()))?;
+        draw(&self.temporary.path().join(name))
+            .map_err(|error| unwritable(&self.named.join(name), &error))
+    }
+
+    /// Writes one file of text.
+    ///
+    /// # Errors
+    /// As [`OutputDir::write`].
+    pub fn text(&self, name: &str, text: &str) -> Result<(), Failure> {
+        self.write(name, |mut file| {
+            std::io::Write::write_all(&mut file, text.as_bytes())
+        })
+    }
+
+    /// Writes a result as JSON; returns the text.
+    ///
+    /// # Errors
+    /// As [`OutputDir::write`].
+    pub fn json(&self, name: &str, result: &impl Serialize) -> Result<String, Failure> {
+        let text = pretty(result)?;
+        self.text(name, &text)?;
+        Ok(text)
+    }
+
+    /// Moves every file into the output folder and removes those of an earlier run.
+    ///
+    /// An index of runs is removed first and moved last: what it names is always complete.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with the path that could not be replaced.
+    pub fn commit(self) -> Result<(), Failure> {
+        let failure = |error: std::io::Error| unwritable(&self.named, &error);
+        let _lock = lock(&self.target);
+        let mut files = BTreeMap::new();
+        for entry in std::fs::read_dir(self.temporary.path()).map_err(failure)? {
+            let entry = entry.map_err(failure)?;
+            let file = FileRecord {
+                command: self.command.to_owned(),
+                bytes: entry.metadata().map_err(failure)?.len(),
+            };
+            files.insert(entry.file_name().to_string_lossy().into_owned(), file);
+        }
+        let mut names: Vec<String> = files.keys().cloned().collect();
+        names.sort_by_key(|name| name == INDEX);
+        let mut record = self.check(&names)?;
+        let before = std::mem::take(&mut record.files);
+        // Both sets of files are kufe's until the last is moved.
+        record.files = before.clone();
+        record.files.extend(files.clone());
+        record.write(&self.target).map_err(failure)?;
+        let stale = before.keys().filter(|name| !files.contains_key(*name));
+        let index = files.keys().filter(|name| *name == INDEX);
+        for name in index.chain(stale) {
+            let path = self.target.join(name);
+            match std::fs::remove_file(&path) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                    return Err(unwritable(&path, &error));
+                }
+                _ => {}
+            }
+        }
+        for name in &names {
+            let to = self.target.join(name);
+            std::fs::rename(self.temporary.path().join(name), &to)
+                .map_err(|error| unwritable(&to, &error))?;
+        }
+        record.files = files;
+        record.write(&self.target).map_err(failure)
+    }
+}
+
+/// A result as JSON that people can read.
+///
+/// # Errors
+/// [`Failure::BadInput`] for a result that JSON cannot state.
+pub fn pretty(result: &impl Serialize) -> Result<String, Failure> {
+    let text = serde_json::to_string_pretty(result).map_err(Failure::bad_input)?;
+    Ok(text + "\n")
+}
+
+/// Removes the files that kufe wrote into `folder` and that nobody changed, and then the folder,
+/// if nothing else is in it.
+pub fn remove_outputs(folder: &Path) {
+    let Some(record) = FolderRecord::read(folder) else {
+        return;
+    };
+    for name in record.files.keys() {
+        if record.writer_of(folder, name).is_some() {
+            let _ = std::fs::remove_file(folder.join(name));
+        }
+    }
+    let _ = std::fs::remove_file(folder.join(RECORD));
+    let _ = std::fs::remove_dir(folder);
+}
+
+/// A lock on a folder, which other processes of kufe wait for; none where the system has no such.
+fn lock(folder: &Path) -> Option<File> {
+    let file = File::open(folder).ok()?;
+    file.lock().ok()?;
+    Some(file)
+}

@@ -1,0 +1,81 @@
+//! Names of files that are made of the names of runs, tracks, drivers and specimens.
+
+use crate::record::files::RunFormat;
+
+/// Longest beginning of a name that a file's name has [bytes].
+const LONGEST: usize = 100;
+
+/// A name as part of a file's name.
+///
+/// Letters, digits, `-`, `_` and `.` are unchanged, and other characters become `_`. A name that
+/// changes by this, a hidden one and a long one end in a hash of the whole name: different names
+/// give different files, and none of them is outside its folder.
+pub fn file_stem(name: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
+    let mut stem = String::new();
+    for c in name.chars() {
+        if stem.len() + c.len_utf8() > LONGEST {
+            break;
+        }
+        stem.push(if plain(c) { c } else { '_' });
+    }
+    if stem == name && !name.starts_with('.') && !name.is_empty() {
+        return stem;
+    }
+    // FNV-1a of 32 bits.
+    let hash = name.bytes().fold(0x811c_9dc5_u32, |hash, byte| {
+        (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193)
+    });
+    format!("{}-{hash:08x}", stem.trim_start_matches('.'))
+}
+
+/// The file of a run.
+pub fn run_file(run: &str, format: RunFormat) -> String {
+    format!("{}.{}", file_stem(run), format.extension())
+}
+
+/// The file of a track, in the folder of the runs on it.
+pub fn track_file(track: &str) -> String {
+    format!("track_{}.csv", file_stem(track))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stay_in_their_folder_and_different_names_give_different_files() {
+        for plain in ["A1-01", "igls", "Königssee", "run_001", "a.b"] {
+            assert_eq!(file_stem(plain), plain);
+        }
+        let long = "x".repeat(300);
+        let names = [
+            "../../precious",
+            "/etc/passwd",
+            "..",
+            ".",
+            "",
+            ".hidden",
+            "a/b",
+            "a\\b",
+            "a:b",
+            "a b",
+            "a_b",
+            "a\nb",
+            "a\u{1b}b",
+            &long,
+            &format!("{long}y"),
+        ];
+        let stems: Vec<String> = names.iter().map(|name| file_stem(name)).collect();
+        for (stem, name) in stems.iter().zip(names) {
+            assert!(!stem.starts_with('.') && !stem.is_empty(), "{name:?}");
+            assert!(!stem.contains(['/', '\\', ':', '\n', '\u{1b}']), "{name:?}");
+            assert!(stem.len() < 120, "{name:?}");
+            assert_eq!(
+                stems.iter().filter(|other| *other == stem).count(),
+                1,
+                "{name:?}"
+            );
+        }
+    }
+}
