@@ -12,10 +12,10 @@ Examples:
   kufe press case.toml -o out/      solve it
   kufe report out/                  one page to look at: out/report.html
   kufe view                         the same with sliders that solve again
-  kufe info out/pressure.exr        say what the map holds
+  kufe info out/pressure.exr        figures of the pressure map
 
 Exit codes: 0 done, 2 wrong arguments, 3 bad input or unwritable output,
-4 accuracy not reached, 5 partly done (run again to resume)";
+4 accuracy not reached, 5 partly done (run again to resume), 130 interrupted";
 
 /// Contact pressure, lookup tables, friction and dynamics of runners on ice.
 #[derive(Parser)]

@@ -225,3 +225,76 @@ fn are_equal(a: &Path, b: &Path) -> bool {
     let content = |path: &Path| std::fs::read(path).ok();
     length(a) == length(b) && content(a).is_some_and(|bytes| Some(bytes) == content(b))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+    /// Writes a file of a folder; `in` is read.
+    fn write(folder: &Path, name: &str, text: &str, force: bool) -> Result<(), String> {
+        let path = folder.join(name);
+        let outputs = std::slice::from_ref(&path);
+        let write = || {
+            let files = OutputFiles::begin("lut", &[folder.join("in")], outputs, force)?;
+            files.write(&path, |writer| writer.write_all(text.as_bytes()))?;
+            files.commit()
+        };
+        write().map_err(|failure: Failure| failure.to_string())
+    }
+
+    #[test]
+    fn a_file_that_exists_is_replaced_by_its_own_kind_or_with_force() -> Outcome {
+        let root = tempfile::tempdir()?;
+        let write = |name: &str, text: &str, force| write(root.path(), name, text, force);
+        std::fs::write(root.path().join("in"), "read")?;
+        write("a.csv", "1", false)?;
+        write("a.csv", "1", false)?;
+        assert!(write("a.csv", "2", false).unwrap_err().contains("--force"));
+        assert!(write("new/../a.csv", "2", false).is_err());
+        assert!(!root.path().join("new").exists());
+        write("a.csv", "2", true)?;
+        write("new/a.csv", "3", false)?;
+        write("a.html", "<html> kufe 0.1.0", false)?;
+        write("a.html", "<html> kufe 0.1.0, again", false)?;
+        assert!(write("a.html", "# kufe 0.1.0", false).is_err());
+        for name in ["in", "./in", "none/../in"] {
+            assert!(
+                write(name, "x", true).unwrap_err().contains("reads it"),
+                "{name}"
+            );
+        }
+        let entries = std::fs::read_dir(root.path())?;
+        let hidden = |name: &std::ffi::OsString| name.to_string_lossy().starts_with('.');
+        assert!(!entries.flatten().any(|entry| hidden(&entry.file_name())));
+        Ok(())
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_followed_if_it_is_there_from_the_beginning() -> Outcome {
+        use std::os::unix::fs::symlink;
+        let root = tempfile::tempdir()?;
+        let at = |name: &str| root.path().join(name);
+        std::fs::write(at("mine"), "mine")?;
+        symlink("mine", at("link.csv"))?;
+        symlink("nowhere", at("lost.csv"))?;
+        assert!(write(root.path(), "link.csv", "x", false).is_err());
+        assert!(
+            write(root.path(), "lost.csv", "x", true)
+                .unwrap_err()
+                .contains("link")
+        );
+        let later = at("later.csv");
+        let outputs = std::slice::from_ref(&later);
+        let files = OutputFiles::begin("lut", &[], outputs, true)?;
+        files.write(&later, |writer| writer.write_all(b"x"))?;
+        symlink("mine", &later)?;
+        assert!(files.commit().unwrap_err().to_string().contains("link"));
+        assert_eq!(std::fs::read(at("mine"))?, b"mine");
+        write(root.path(), "link.csv", "x", true)?;
+        assert_eq!(std::fs::read(at("mine"))?, b"x");
+        Ok(())
+    }
+}

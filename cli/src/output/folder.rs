@@ -371,3 +371,110 @@ fn lock(folder: &Path) -> Option<File> {
     file.lock().ok()?;
     Some(file)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+    /// Writes files of these names, each with its name as content.
+    fn write_all(folder: &Path, force: bool, names: &[&str]) -> Result<(), Failure> {
+        let output = OutputDir::prepare("press", &[], folder, force)?;
+        for name in names {
+            output.text(name, name)?;
+        }
+        output.commit()
+    }
+
+    /// The reason why files of these names are refused.
+    fn refusal(folder: &Path, names: &[&str]) -> String {
+        let failure = write_all(folder, false, names).expect_err("it is refused");
+        failure.to_string()
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).expect("a folder");
+        let names = entries.map(|entry| entry.expect("an entry").file_name());
+        let mut names: Vec<String> = names.map(|n| n.to_string_lossy().into_owned()).collect();
+        names.retain(|name| name != RECORD);
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_folder_receives_all_files_or_none() -> Outcome {
+        let root = tempfile::tempdir()?;
+        let out = root.path().join("a/b");
+        let output = OutputDir::prepare("press", &[], &out, false)?;
+        output.text("half", "half")?;
+        assert!(!out.join("half").exists());
+        drop(output);
+        assert!(!root.path().join("a").exists());
+        write_all(&out, false, &["x", "y"])?;
+        assert_eq!(names(&out), ["x", "y"]);
+        write_all(&out, false, &["x"])?;
+        assert_eq!(names(&out), ["x"]);
+        remove_outputs(&out);
+        assert!(!out.exists());
+        Ok(())
+    }
+
+    #[test]
+    fn foreign_and_changed_files_are_replaced_with_force_alone() -> Outcome {
+        let root = tempfile::tempdir()?;
+        let out = root.path().join("out");
+        std::fs::create_dir(&out)?;
+        std::fs::write(out.join("notes"), "mine")?;
+        assert!(refusal(&out, &["x"]).contains("not empty"));
+        write_all(&out, true, &["x"])?;
+        write_all(&out, false, &["x"])?;
+        assert_eq!(names(&out), ["notes", "x"]);
+        assert!(refusal(&out, &["notes"]).contains("did not write it"));
+        std::fs::write(out.join("x"), "changed")?;
+        assert!(refusal(&out, &["x"]).contains("it was changed"));
+        write_all(&out, true, &["x"])?;
+        let other = OutputDir::prepare("mesh", &[], &out, false).map(|_| ());
+        assert!(
+            other
+                .unwrap_err()
+                .to_string()
+                .contains("results of kufe press")
+        );
+        let read = OutputDir::prepare("press", &[out.join("x")], &out, true).map(|_| ());
+        assert!(read.unwrap_err().to_string().contains("reads it"));
+        Ok(())
+    }
+
+    #[test]
+    fn names_that_are_not_plain_are_refused() -> Outcome {
+        let root = tempfile::tempdir()?;
+        let out = root.path().join("out");
+        for name in [
+            "", "..", ".hidden", "../x", "/x", "a/b", "a\\b", "a:b", "a\nb",
+        ] {
+            let reason = write_all(&out, true, &[name]).expect_err(name).to_string();
+            assert!(reason.contains("plain name"), "{reason}");
+        }
+        assert!(refusal(&out, &["x", "x"]).contains("cannot be written"));
+        Ok(())
+    }
+
+    #[test]
+    fn equal_commands_at_once_all_end_well() -> Outcome {
+        let root = tempfile::tempdir()?;
+        let out = root.path().join("a/b");
+        for _ in 0..5 {
+            std::thread::scope(|scope| {
+                let start = |_| scope.spawn(|| write_all(&out, false, &["x", INDEX]));
+                let started: Vec<_> = (0..6).map(start).collect();
+                for one in started {
+                    one.join().expect("no panic").expect("written");
+                }
+            });
+            assert_eq!(names(&out), [INDEX, "x"]);
+            std::fs::remove_dir_all(root.path().join("a"))?;
+        }
+        Ok(())
+    }
+}
