@@ -1,6 +1,6 @@
 //! What can go wrong between a recorded run and a driver's score.
 
-use crate::record::check::relations::fault::Fault;
+use crate::fault::Fault;
 
 /// Errors of the sled's readers, models and fits.
 #[derive(Debug, thiserror::Error)]

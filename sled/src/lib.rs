@@ -30,6 +30,7 @@ mod contacts;
 pub mod effects;
 mod error;
 mod evaluate;
+mod fault;
 mod fit;
 pub mod friction;
 mod model;
@@ -64,6 +65,7 @@ pub use evaluate::validate::{
     Disagreement, LateralForce, RunValidation, TrackValidation, by_track, validate,
 };
 pub use evaluate::validate::{balances_left, residuals, root_mean_square};
+pub use fault::{Fault, FaultKind};
 pub use fit::{FitOptions, lateral_samples};
 pub use fit::{SledFit, fit};
 pub use model::conditions::Conditions;
@@ -83,9 +85,7 @@ pub use motion::{aero, one_track};
 pub use record::check;
 pub use record::check::examine::{Examination, Note, examine};
 pub use record::check::profile::{Octave, Profile};
-pub use record::check::relations::fault::{Fault, FaultKind};
-pub use record::check::relations::judge::{judge, judge_by, refuse_faults};
-pub use record::check::relations::rules::RelationRules;
+pub use record::check::relations::judge::{RelationRules, check_relations, judge, judge_by};
 pub use record::file_names::{file_stem, run_file, track_file};
 pub use record::files::{RunFormat, write_run};
 pub use record::files::{read_good_runs, read_needed, read_run, read_runs, state_distances};

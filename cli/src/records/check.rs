@@ -79,8 +79,9 @@ fn summary(runs: &[Examination]) -> String {
         }
         for fault in &run.faults {
             let columns = fault.columns.join(", ");
+            let certain = if fault.proven { "wrong" } else { "doubt" };
             let mend = format!(
-                "wrong  {columns}: {}; in a mapping: {}",
+                "{certain}  {columns}: {}; in a mapping: {}",
                 fault.looks_like, fault.mend
             );
             add(mend, &run.run);

@@ -89,9 +89,14 @@ fn one_run(out: &mut String, run: &Value) {
             columns.join(", "),
             text(&fault["looks_like"])
         );
+        let class = if fault["proven"] == false {
+            "odd"
+        } else {
+            "wrong"
+        };
         told(
             out,
-            "wrong",
+            class,
             &head,
             text(&fault["evidence"]),
             text(&fault["mend"]),

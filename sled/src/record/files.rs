@@ -10,7 +10,7 @@ use crate::columns::parquet::write_parquet;
 use crate::columns::{read_columns, write_csv};
 use crate::error::Error;
 use crate::record::check::columns::check_columns;
-use crate::record::check::relations::judge::{judge, refuse_faults};
+use crate::record::check::relations::judge::{check_relations, judge, remark};
 use crate::record::gaps::OnGaps;
 use crate::record::index::{Entry, read_index};
 use crate::record::needs::Needs;
@@ -32,7 +32,7 @@ pub fn read_runs(index: &Path, needs: &Needs, on_gaps: OnGaps) -> Result<Vec<Run
         .into_iter()
         .collect::<Result<Vec<_>, _>>()?;
     refuse_copies(&runs)?;
-    refuse_faults(&runs)?;
+    check_relations(&mut runs)?;
     state_distances(&mut runs);
     Ok(runs)
 }
@@ -64,7 +64,10 @@ pub fn read_good_runs(
         });
         good.remove(second);
     }
-    for fault in judge(&good) {
+    let (proven, suspected): (Vec<_>, Vec<_>) =
+        judge(&good).into_iter().partition(|fault| fault.proven);
+    remark(&mut good, &suspected);
+    for fault in proven {
         good.retain(|run| run.entry.run != fault.run);
         bad.push(Error::Wrong {
             fault: Box::new(fault),

@@ -7,7 +7,7 @@ use crate::effects::Sensor;
 use crate::error::Error;
 use crate::model::vehicle::Vehicle;
 use crate::record::check::LEAST_SAMPLES;
-use crate::record::check::relations::judge::refuse_faults;
+use crate::record::check::relations::judge::check_relations;
 use crate::record::files::{read_run, read_run_of};
 use crate::record::gaps::OnGaps;
 use crate::record::gaps::TakingPart;
@@ -76,11 +76,14 @@ pub struct Inputs {
 /// # Errors
 /// Those of the reader, and [`Error::Wrong`] where the channels prove that one is not what its name says.
 pub fn read_for_replay(entry: &Entry, on_gaps: OnGaps) -> Result<Run, Error> {
-    let run = read_run_of(entry.clone(), NEEDS.columns, &COMPARED, on_gaps)
+    let mut run = read_run_of(entry.clone(), NEEDS.columns, &COMPARED, on_gaps)
         .map_err(|error| NEEDS.told(error))?;
     // All channels bear witness, also those that a replay does not use.
     if let Ok(whole) = read_run(entry.clone(), &["v_mps"], OnGaps::LeaveOut) {
-        refuse_faults(&[whole])?;
+        let known = whole.remarks.len();
+        let mut whole = [whole];
+        check_relations(&mut whole)?;
+        run.remarks.extend(whole[0].remarks.drain(known..));
     }
     Ok(run)
 }

@@ -71,7 +71,8 @@ impl Bench {
             let mut wrong = false;
             for run in runs {
                 of += 1;
-                wrong |= run["faults"] != serde_json::json!([]);
+                let faults = run["faults"].as_array().expect("faults");
+                wrong |= faults.iter().any(|fault| fault["proven"] == true);
                 if said.iter().all(|one| says(&run, one)) {
                     named += 1;
                 } else {

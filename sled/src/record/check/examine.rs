@@ -9,11 +9,11 @@ use serde::Serialize;
 use crate::columns::Columns;
 use crate::columns::read_columns;
 use crate::error::Error;
+use crate::fault::Fault;
 use crate::record::check::profile::Profile;
-use crate::record::check::relations::delay::delays;
-use crate::record::check::relations::fault::Fault;
 use crate::record::check::relations::judge::judge;
-use crate::record::check::relations::slow::Slow;
+use crate::record::check::relations::rigid_body::Slow;
+use crate::record::check::relations::rigid_body::delays;
 use crate::record::files::{find_copy, read_run};
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps};
 use crate::record::index::{Entry, read_index};
@@ -51,7 +51,7 @@ pub struct Examination {
     pub file: String,
     /// Why it cannot be used at all.
     pub refused: Option<String>,
-    /// What is provably wrong.
+    /// What is wrong, proved or suspected.
     pub faults: Vec<Fault>,
     /// What is odd, worst first.
     pub notes: Vec<Note>,
@@ -70,7 +70,7 @@ pub struct Examination {
 impl Examination {
     /// Whether something is provably wrong.
     pub fn is_wrong(&self) -> bool {
-        self.refused.is_some() || !self.faults.is_empty()
+        self.refused.is_some() || self.faults.iter().any(|fault| fault.proven)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::record::check::relations::plain::rows_held;
+use crate::record::check::relations::channels::rows_held;
 use crate::record::gaps::Saturation;
 use crate::series::noise_sd_within;
 

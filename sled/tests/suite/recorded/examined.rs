@@ -5,7 +5,7 @@ use std::path::Path;
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
     Driver, Examination, FaultKind, Model, Noise, Run, RunFormat, SimulateOptions, TrackShape,
-    Vehicle, examine, record, simulate, simulated_entry, write_run,
+    Vehicle, check_relations, examine, judge, record, simulate, simulated_entry, write_run,
 };
 
 /// A run with noise at 100 Hz.
@@ -187,4 +187,40 @@ fn exchanged_channels_are_wrong_and_both_named() {
     assert_eq!(fault.kind, FaultKind::Swapped);
     assert_eq!(fault.columns, ["roll_rate_radps", "pitch_rate_radps"]);
     assert!(fault.mend.contains("exchange"), "{}", fault.mend);
+}
+
+/// The run under another name with its yaw rate times `sign`.
+fn turned(name: &str, sign: f64) -> Run {
+    let mut run = clean();
+    run.entry.run = name.to_owned();
+    let yaw = run.columns.get_mut("yaw_rate_radps").unwrap();
+    yaw.iter_mut().for_each(|x| *x *= sign);
+    run
+}
+
+#[test]
+fn a_sign_is_proved_where_all_runs_agree_and_doubted_where_one_does_not() {
+    let mut mixed = [turned("a", 1.0), turned("b", -1.0)];
+    let faults = judge(&mixed);
+    assert!(
+        faults
+            .iter()
+            .any(|f| f.run == "b" && f.kind == FaultKind::Sign)
+    );
+    assert!(
+        faults.iter().all(|f| f.run == "b" && !f.proven),
+        "{faults:?}"
+    );
+    check_relations(&mut mixed).unwrap();
+    assert!(mixed[0].remarks.is_empty());
+    assert!(
+        mixed[1].remarks[0].contains("yaw_rate_radps"),
+        "{:?}",
+        mixed[1].remarks
+    );
+    let mut all = [turned("a", -1.0), turned("b", -1.0)];
+    let proven = judge(&all).iter().filter(|f| f.proven).count();
+    assert_eq!(proven, 2);
+    let message = check_relations(&mut all).unwrap_err().to_string();
+    assert!(message.contains("yaw_rate_radps"), "{message}");
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kufe_sled::{
-    Entry, Model, Needs, OnGaps, Run, read_index, read_needed, refuse_faults, refuse_unstated_air,
+    Entry, Model, Needs, OnGaps, Run, check_relations, read_index, read_needed, refuse_unstated_air,
 };
 
 use crate::error::Error;
@@ -44,7 +44,7 @@ pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Erro
         runs.push(run);
     }
     refuse_copies(index, &runs)?;
-    refuse_faults(&runs)?;
+    check_relations(&mut runs)?;
     let folder = index.parent().unwrap_or(Path::new(""));
     let tables = TrackTables::beside(folder, &runs)?;
     let mut data = prepare(&runs, model, &tables.slopes, &options.rules)?;

@@ -8,10 +8,10 @@
 //!
 //! Coefficients come by least squares with their errors by leaving out a twentieth of the run at a time.
 
-use crate::record::check::relations::coefficients::{Coefficient, coefficients};
-use crate::record::check::relations::fault::{Fault, FaultKind};
-use crate::record::check::relations::rules::RelationRules;
-use crate::record::check::relations::slow::Slow;
+use crate::fault::{Fault, FaultKind};
+use crate::record::check::relations::judge::RelationRules;
+use crate::record::check::relations::rigid_body::Slow;
+use crate::record::check::relations::rigid_body::{Coefficient, coefficients};
 use crate::record::run::{COLUMNS, Run};
 
 /// Density of the air [kg/m3]: near enough for what is judged here.
@@ -80,6 +80,7 @@ fn fault(
         file: run.entry.file.display().to_string(),
         columns: vec![column.to_string()],
         kind: what.0,
+        proven: false,
         looks_like: what.1.to_string(),
         evidence,
         mend,

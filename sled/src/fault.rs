@@ -1,4 +1,4 @@
-//! A channel that is provably not what its name says.
+//! A channel that is not what its name says, proved or suspected.
 
 use serde::Serialize;
 
@@ -24,7 +24,7 @@ pub enum FaultKind {
     Distance,
 }
 
-/// A proof that a channel of a run is not what its name says, and what mends it.
+/// Evidence that a channel of a run is not what its name says, and what mends it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fault {
     /// The run.
@@ -35,6 +35,8 @@ pub struct Fault {
     pub columns: Vec<String>,
     /// What is wrong.
     pub kind: FaultKind,
+    /// Whether the evidence is a proof. A fault that is not proved is advice: no command refuses the run.
+    pub proven: bool,
     /// What the values seem to be.
     pub looks_like: String,
     /// The statistic, and what it is in good runs.
