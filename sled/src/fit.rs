@@ -1,8 +1,8 @@
 //! Lateral friction of both runners from measured runs.
 
 use rayon::prelude::*;
-use serde::Serialize;
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::contacts::{find_contacts, with_own_contacts};
 use crate::error::Error;
@@ -114,57 +114,135 @@ impl SledFit {
     }
 
     /// `fit.json`: for `front` and `rear` the model's keys with value, low and high, what is identifiable, and the runs.
+    pub fn result(&self) -> FitResult {
+        FitResult {
+            front: RunnerFitResult::new(&self.front),
+            rear: RunnerFitResult::new(&self.rear),
+            confidence: 0.95,
+            runs: self.runs.clone(),
+            samples: self.total,
+            excluded_roll_acceleration: self.excluded,
+            excluded_contacts: self.contacts,
+            balances_left_rms: self.left,
+            identifiability: IDENTIFIABILITY.to_owned(),
+        }
+    }
+}
+
+const IDENTIFIABILITY: &str = "mu_y and zeta_y act only as their product mu_zeta. At the slips driven, mu_zeta and c act almost only as mu_zeta_c: judge that product and k_n_per_rad; mu_zeta and c apart rest on c where c_held is true. e was predefined.";
+
+/// The lateral friction of both runners as `fit.json` states it.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct FitResult {
+    /// Front runner.
+    pub front: RunnerFitResult,
+    /// Rear runner.
+    pub rear: RunnerFitResult,
+    /// Probability that the intervals are to cover.
+    pub confidence: f64,
+    /// Runs used.
+    pub runs: Vec<String>,
+    /// Samples before anything was left out.
+    pub samples: usize,
+    /// Samples left out for their roll acceleration.
+    pub excluded_roll_acceleration: usize,
+    /// Samples left out because something outside pushed.
+    pub excluded_contacts: usize,
+    /// Root mean square residuals of the balances with the fitted laws.
+    pub balances_left_rms: Left,
+    /// What the data can determine, in words.
+    pub identifiability: String,
+}
+
+/// The lateral friction of one runner as `fit.json` states it.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct RunnerFitResult {
+    /// Peak factor over load, mu_y zeta_y.
+    pub mu_zeta: Interval,
+    /// Shape factor C.
+    pub c: Interval,
+    /// Curvature factor E, predefined.
+    pub e: Interval,
+    /// Stiffness at zero slip [N/rad].
+    pub k_n_per_rad: Interval,
+    /// Product of `mu_zeta` and `c`.
+    pub mu_zeta_c: Interval,
+    /// Whether C is fixed at the model's.
+    pub c_held: bool,
+    /// Whether the data determine `mu_zeta_c`.
+    pub mu_zeta_c_determined: bool,
+    /// Number of parameter combinations that the data determine.
+    pub rank: usize,
+    /// Standard deviation of the noise in the slip angles [rad].
+    pub slip_sd_rad: f64,
+    /// Share of the stiffness that plain least squares finds.
+    pub attenuation_of_plain_least_squares: f64,
+    /// The law by plain least squares, without correction for noise in the slip.
+    pub plain_least_squares: MagicFormula,
+    /// Root mean square residual [N].
+    pub residual_rms_n: f64,
+    /// Samples used.
+    pub samples: usize,
+    /// Runs or stretches that are resampled as one.
+    pub clusters: usize,
+}
+
+/// An estimate with its confidence interval; an end that the data do not bound is absent.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Interval {
+    /// Best value.
+    pub value: f64,
+    /// Lower end.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+}
+
+impl From<&Estimate> for Interval {
+    fn from(estimate: &Estimate) -> Self {
+        let bounded = |end: f64| end.is_finite().then_some(end);
+        Interval {
+            value: estimate.value,
+            low: bounded(estimate.low),
+            high: bounded(estimate.high),
+        }
+    }
+}
+
+impl RunnerFitResult {
+    fn new(fit: &LateralFit) -> Self {
+        RunnerFitResult {
+            mu_zeta: (&fit.mu_zeta).into(),
+            c: (&fit.c).into(),
+            e: (&Estimate::held(fit.model.e)).into(),
+            k_n_per_rad: (&fit.k_n_per_rad).into(),
+            mu_zeta_c: (&fit.mu_zeta_c).into(),
+            c_held: fit.c_held,
+            mu_zeta_c_determined: fit.product_determined,
+            rank: fit.identifiability.rank(),
+            slip_sd_rad: fit.slip_sd,
+            attenuation_of_plain_least_squares: fit.attenuation,
+            plain_least_squares: fit.least_squares,
+            residual_rms_n: fit.residual_rms,
+            samples: fit.samples,
+            clusters: fit.clusters,
+        }
+    }
+
+    /// The fitted law.
     ///
-    /// An end of an interval that the data do not bound is `null`.
-    pub fn to_json(&self) -> Value {
-        json!({
-            "front": runner_json(&self.front),
-            "rear": runner_json(&self.rear),
-            "confidence": 0.95,
-            "runs": self.runs,
-            "samples": self.total,
-            "excluded_roll_acceleration": self.excluded,
-            "excluded_contacts": self.contacts,
-            "balances_left_rms": self.left,
-            "identifiability": "mu_y and zeta_y act only as their product mu_zeta. At the slips driven, mu_zeta and c act almost only as mu_zeta_c: judge that product and k_n_per_rad; mu_zeta and c apart rest on c where c_held is true. e was predefined.",
-            "version": env!("CARGO_PKG_VERSION"),
-        })
+    /// # Errors
+    /// [`Error::Friction`] for values that are none of a lateral law.
+    pub fn law(&self) -> Result<MagicFormula, Error> {
+        let law = MagicFormula {
+            mu_zeta: self.mu_zeta.value,
+            c: self.c.value,
+            e: self.e.value,
+            k_n_per_rad: self.k_n_per_rad.value,
+        };
+        law.check()?;
+        Ok(law)
     }
-}
-
-#[derive(Serialize)]
-struct Ends {
-    value: f64,
-    low: Option<f64>,
-    high: Option<f64>,
-}
-
-fn ends(estimate: &Estimate) -> Ends {
-    let known = |end: f64| end.is_finite().then_some(end);
-    Ends {
-        value: estimate.value,
-        low: known(estimate.low),
-        high: known(estimate.high),
-    }
-}
-
-fn runner_json(fit: &LateralFit) -> Value {
-    json!({
-        "mu_zeta": ends(&fit.mu_zeta),
-        "c": ends(&fit.c),
-        "e": ends(&Estimate::held(fit.model.e)),
-        "k_n_per_rad": ends(&fit.k_n_per_rad),
-        "mu_zeta_c": ends(&fit.mu_zeta_c),
-        "c_held": fit.c_held,
-        "mu_zeta_c_determined": fit.product_determined,
-        "rank": fit.identifiability.rank(),
-        "slip_sd_rad": fit.slip_sd,
-        "attenuation_of_plain_least_squares": fit.attenuation,
-        "plain_least_squares": fit.least_squares,
-        "residual_rms_n": fit.residual_rms,
-        "samples": fit.samples,
-        "clusters": fit.clusters,
-    })
 }
 
 /// How samples are chosen and fitted.

@@ -67,6 +67,7 @@ pub use evaluate::validate::{
 pub use evaluate::validate::{balances_left, residuals, root_mean_square};
 pub use fault::{Fault, FaultKind};
 pub use fit::{FitOptions, lateral_samples};
+pub use fit::{FitResult, Interval, RunnerFitResult};
 pub use fit::{SledFit, fit};
 pub use model::conditions::Conditions;
 pub use model::conditions::refuse_effects;

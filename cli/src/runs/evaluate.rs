@@ -2,8 +2,8 @@
 
 use kufe::charts::{angle_picture, energy_picture, force_picture};
 use kufe::jobs::Failure;
+use kufe::results::{Evaluation, RunsUsed};
 use kufe_sled::{Group, RunEvaluation, distinct, evaluate, groups, table_samples};
-use serde_json::json;
 
 use crate::output::folder::OutputDir;
 use crate::output::global::Global;
@@ -46,6 +46,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let loaded = args.runs.load(global, |_| true)?;
     let runs = evaluate(&loaded.prepared, &loaded.vehicle);
     let groups = groups(&runs, args.seed);
+    let document = Evaluation {
+        runs,
+        groups,
+        interval: "95 % of the mean, bootstrap over runs".to_owned(),
+        used: RunsUsed::new(&loaded),
+    };
+    let runs = &document.runs;
     let drawn = match &args.run {
         None => &runs[0],
         Some(name) => runs.iter().find(|run| run.run == *name).ok_or_else(|| {
@@ -53,26 +60,17 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             Failure::BadInput(format!("--run {name}: the runs are {}", known.join(", ")))
         })?,
     };
-    let mut document = json!({
-        "runs": runs,
-        "groups": groups,
-        "interval": "95 % of the mean, bootstrap over runs",
-        "left_out": loaded.left_out,
-        "outside_tables": loaded.outside_tables,
-        "version": env!("CARGO_PKG_VERSION"),
-    });
-    loaded.state_gaps(&mut document);
-    output.write("evaluation.csv", |file| write_table(file, &runs))?;
-    let mut drawn_files = draw(args, &output, &runs, drawn)?;
+    output.write("evaluation.csv", |file| write_table(file, runs))?;
+    let mut drawn_files = draw(args, &output, runs, drawn)?;
     let states = loaded.prepared.iter().flat_map(|run| &run.states);
     let samples = table_samples(states);
     drawn_files.extend(draw_tables(&output, &loaded.vehicle, &samples)?);
-    output.json("evaluation.json", &document)?;
+    let json = output.result("evaluation.json", &document)?;
     output.commit()?;
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&json);
     } else if !global.quiet {
-        say(&summary(&groups));
+        say(&summary(&document.groups));
         say(&format!(
             "{}: evaluation.json, evaluation.csv, {}\n",
             args.runs.out.display(),

@@ -2,6 +2,7 @@
 
 use kufe::charts::fit_picture;
 use kufe::jobs::{Failure, runs::Loaded, runs::failure};
+use kufe::results::{LateralFitDocument, RunsUsed};
 use kufe_sled::friction::{LateralFit, MagicFormula};
 use kufe_sled::{FitOptions, find_contacts, lateral_samples};
 
@@ -71,18 +72,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     bar.set_message("fitting");
     let fit = kufe_sled::fit(&loaded.prepared, &loaded.vehicle, &options)
         .map_err(|error| failure(&error))?;
-    let mut document = fit.to_json();
-    loaded.state_gaps(&mut document);
+    let document = LateralFitDocument {
+        fit: fit.result(),
+        used: RunsUsed::new(&loaded),
+    };
     let Loaded {
         model,
         vehicle,
         prepared,
-        left_out,
-        outside_tables,
         ..
     } = loaded;
-    document["left_out"] = left_out.into();
-    document["outside_tables"] = serde_json::json!(outside_tables);
     let fitted = fit.applied_to(&model);
     output.text("model.fit.toml", &fitted.to_toml())?;
     let marked = if options.leave_out_contacts {
@@ -100,11 +99,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     ] {
         output.draw(name, |path| fit_picture(path, runner, samples, law))?;
     }
-    output.json("fit.json", &document)?;
+    let json = output.result("fit.json", &document)?;
     output.commit()?;
     bar.finish_and_clear();
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&json);
     } else if !global.quiet {
         let mut text = format!(
             "{} runs, {} samples, {} left out for roll acceleration, {} for a push from outside\n",

@@ -5,7 +5,7 @@ use std::io::BufWriter;
 use kufe::jobs::Failure;
 use kufe_lut::MatValue;
 use kufe_sled::{LateralForce, Run, RunValidation};
-use serde_json::Value;
+use serde::Serialize;
 
 use crate::output::folder::OutputDir;
 use crate::output::mat;
@@ -16,7 +16,7 @@ use crate::output::mat;
 /// [`Failure::BadInput`] where it cannot be written.
 pub fn write_forces(
     output: &OutputDir,
-    document: &Value,
+    document: &impl Serialize,
     runs: &[RunValidation],
 ) -> Result<(), Failure> {
     write(output, "validation.mat", document, forces(runs))
@@ -26,14 +26,18 @@ pub fn write_forces(
 ///
 /// # Errors
 /// As [`write_forces`].
-pub fn write_channels(output: &OutputDir, document: &Value, runs: &[Run]) -> Result<(), Failure> {
+pub fn write_channels(
+    output: &OutputDir,
+    document: &impl Serialize,
+    runs: &[Run],
+) -> Result<(), Failure> {
     write(output, "simulation.mat", document, channels(runs))
 }
 
 fn write(
     output: &OutputDir,
     name: &str,
-    document: &Value,
+    document: &impl Serialize,
     series: (String, MatValue),
 ) -> Result<(), Failure> {
     output.write(name, |file| {

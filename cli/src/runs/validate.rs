@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use kufe::charts::{lateral_force_picture, rmse_picture};
-use kufe::jobs::{Failure, runs::failure};
+use kufe::jobs::Failure;
+use kufe::results::{LateralFitDocument, RunsUsed, Validation};
 use kufe_sled::friction::MagicFormula;
-use kufe_sled::{RunValidation, by_track, validate};
-use serde_json::{Value, json};
+use kufe_sled::{RunValidation, RunnerFitResult, by_track, validate};
 
 use crate::output::folder::OutputDir;
 use crate::output::global::Global;
@@ -58,9 +58,15 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         loaded.vehicle = loaded.vehicle.with_lateral(fit.front, fit.rear);
     }
     let runs = validate(&loaded.prepared, &loaded.vehicle);
-    let tracks = by_track(&runs);
+    let document = Validation {
+        tracks: by_track(&runs),
+        runs,
+        left_out_as_fitted: fitted,
+        used: RunsUsed::new(&loaded),
+    };
+    let (runs, tracks) = (&document.runs, &document.tracks);
     let mut drawn: Vec<&RunValidation> = Vec::new();
-    for track in &tracks {
+    for track in tracks {
         let worst = runs
             .iter()
             .filter(|run| run.track == track.track)
@@ -81,30 +87,21 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             drawn.push(run);
         }
     }
-    let mut document = json!({
-        "runs": runs,
-        "tracks": tracks,
-        "left_out_as_fitted": fitted,
-        "left_out": loaded.left_out,
-        "outside_tables": loaded.outside_tables,
-        "version": env!("CARGO_PKG_VERSION"),
-    });
-    loaded.state_gaps(&mut document);
-    output.draw("rmse.png", |path| rmse_picture(path, &runs))?;
+    output.draw("rmse.png", |path| rmse_picture(path, runs))?;
     for run in &drawn {
         let name = format!("force_{}.png", kufe_sled::file_stem(&run.run));
         output.draw(&name, |path| lateral_force_picture(path, run))?;
     }
     if args.mat {
-        write_forces(&output, &document, &runs)?;
+        write_forces(&output, &document, runs)?;
     }
-    output.json("validation.json", &document)?;
+    let json = output.result("validation.json", &document)?;
     output.commit()?;
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&json);
     } else if !global.quiet {
         let mut text = String::from("track          runs  RMSE [N]  Braghin [N]\n");
-        for track in &tracks {
+        for track in tracks {
             text += &format!(
                 "{:14} {:4}  {:8.1}  {:11.1}\n",
                 track.track, track.runs, track.rmse_n, track.rmse_braghin_n
@@ -128,7 +125,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             Some(path) => format!(
                 "laws of {}; the {} runs it was fitted to are left out\n",
                 path.display(),
-                fitted.len()
+                document.left_out_as_fitted.len()
             ),
             None => "laws of the model; give --fit to leave fitted runs out\n".to_string(),
         };
@@ -149,36 +146,22 @@ struct Fit {
 }
 
 fn read_fit(path: &Path) -> Result<Fit, Failure> {
-    let file = path.display();
-    let text = kufe_files::text_of_regular(path, 1 << 28)
-        .map_err(|error| Failure::BadInput(format!("{file}: {error}")))?;
-    let document: Value = serde_json::from_str(&text)
-        .map_err(|error| Failure::BadInput(format!("{file}: {error}")))?;
-    let number = |runner: &str, key: &str| {
-        document[runner][key]["value"].as_f64().ok_or_else(|| {
-            Failure::BadInput(format!(
-                "{file}: {runner}.{key}.value is missing or no number, expected what kufe fit lateral writes"
-            ))
-        })
+    let bad = |found: &dyn std::fmt::Display| {
+        let file = path.display();
+        Failure::BadInput(format!(
+            "{file}: {found}; expected what kufe fit lateral writes"
+        ))
     };
-    let law = |runner: &str| -> Result<MagicFormula, Failure> {
-        let law = MagicFormula {
-            mu_zeta: number(runner, "mu_zeta")?,
-            c: number(runner, "c")?,
-            e: number(runner, "e")?,
-            k_n_per_rad: number(runner, "k_n_per_rad")?,
-        };
-        law.check()
-            .map_err(|error| failure(&error.into()))
-            .map_err(|told| Failure::BadInput(format!("{file}: {runner}: {told}")))?;
-        Ok(law)
+    let text = kufe_files::text_of_regular(path, 1 << 28).map_err(|error| bad(&error))?;
+    let document: LateralFitDocument = serde_json::from_str(&text).map_err(|error| bad(&error))?;
+    let law = |name: &str, runner: &RunnerFitResult| {
+        let law = runner.law();
+        law.map_err(|error| bad(&format!("{name}: {error}")))
     };
-    let runs = document["runs"].as_array().into_iter().flatten();
+    let fit = document.fit;
     Ok(Fit {
-        front: law("front")?,
-        rear: law("rear")?,
-        runs: runs
-            .filter_map(|run| run.as_str().map(str::to_string))
-            .collect(),
+        front: law("front", &fit.front)?,
+        rear: law("rear", &fit.rear)?,
+        runs: fit.runs,
     })
 }

@@ -7,8 +7,6 @@ use kufe_sled::{
     gaps_line, outside_tables, prepare_all,
 };
 
-use serde_json::{Value, json};
-
 use crate::jobs::failure::Failure;
 use crate::jobs::watch::Watch;
 
@@ -54,15 +52,6 @@ pub fn failure(error: &Error) -> Failure {
             Failure::NotConverged(error.to_string())
         }
         _ => Failure::BadInput(error.to_string()),
-    }
-}
-
-impl Loaded {
-    /// States the runs with gaps as `gaps` in a result, where there are any.
-    pub fn state_gaps(&self, result: &mut Value) {
-        if !self.gaps.is_empty() {
-            result["gaps"] = json!(self.gaps);
-        }
     }
 }
 

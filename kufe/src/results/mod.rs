@@ -11,6 +11,8 @@
 //! | [`FrictionTable`], [`FrictionOptimum`] | `friction.json` |
 //! | [`PressureFit`] | `fit.json` of friction over pressure |
 //! | [`IceHouseResult`] | `icehouse.json` |
+//! | [`LateralFitDocument`], [`Evaluation`], [`Validation`] | `fit.json`, `evaluation.json`, `validation.json` of runs |
+//! | [`Simulation`], [`ReplayResult`] | `simulation.json` |
 //! | [`CaseRecord`] | the case within a result |
 //!
 //! ```
@@ -25,10 +27,12 @@ mod contact;
 mod friction;
 mod quantity;
 mod record;
+mod runs;
 mod series;
 
 pub use contact::*;
 pub use friction::*;
 pub use quantity::*;
 pub use record::{CaseRecord, write_csv};
+pub use runs::*;
 pub use series::*;

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use crate::effects::Forces;
 use rayon::prelude::*;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::contacts::with_own_contacts;
 use crate::evaluate::validate::{residuals, root_mean_square};
@@ -16,7 +17,7 @@ use crate::motion::state::{AxleForces, Motion};
 use crate::signals::prepare::Prepared;
 
 /// One run's energies, relative increases and angles.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct RunEvaluation {
     /// Name of the run.
     pub run: String,
@@ -59,7 +60,7 @@ pub struct RunEvaluation {
 }
 
 /// Distribution of an angle over one run.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Angles {
     /// Root mean square [rad].
     pub rms_rad: f64,

@@ -2,15 +2,16 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::evaluate::driving::RunEvaluation;
 
 /// Scores of a group of runs, each with its interval over runs.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Group {
     /// What the runs share: `driver`, `class` or `track`.
-    pub by: &'static str,
+    pub by: String,
     /// Its name.
     pub name: String,
     /// The track, where only its runs count.
@@ -99,7 +100,7 @@ fn group(
         summarise(&values, seed)
     };
     Some(Group {
-        by,
+        by: by.to_owned(),
         name: name.to_string(),
         track: track.map(str::to_string),
         runs: runs.len(),
@@ -115,7 +116,7 @@ fn group(
 }
 
 /// Mean, median and a 95 % interval of the mean.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Summary {
     /// Arithmetic mean.
     pub mean: f64,

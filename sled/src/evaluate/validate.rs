@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::contacts::with_own_contacts;
 use crate::friction::Braghin;
@@ -13,7 +14,7 @@ use crate::motion::one_track::{forward, forward_braghin, resultant};
 use crate::signals::prepare::Prepared;
 
 /// One run's lateral force, measured and modelled.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct RunValidation {
     /// Name of the run.
     pub run: String,
@@ -40,7 +41,7 @@ pub struct RunValidation {
 }
 
 /// A stretch where model and measurement differ.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Disagreement {
     /// Time [s].
     pub t_s: f64,
@@ -68,7 +69,7 @@ pub struct LateralForce {
 }
 
 /// Root mean square errors of the runs of one track.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct TrackValidation {
     /// Track.
     pub track: String,

@@ -17,6 +17,8 @@ use crate::model::sled::Sled;
 use crate::model::vehicle::{BaseParameter, RunnerFriction, Vehicle};
 use crate::motion::aero;
 use crate::motion::state::{AxleForces, Motion, Resultant, State, turned};
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// One instant of a sled, with the angles and the air that its forces need again and again.
 #[derive(Clone, Copy, Debug)]
@@ -40,14 +42,22 @@ pub struct Balance {
 }
 
 /// What the three balances of the sled in its plane leave: measured less modelled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Left {
     /// Along the sled [N].
+    #[serde(deserialize_with = "nan_if_null")]
     pub along_n: f64,
     /// Across the sled, positive to the left [N].
+    #[serde(deserialize_with = "nan_if_null")]
     pub side_n: f64,
     /// About the vertical [N m].
+    #[serde(deserialize_with = "nan_if_null")]
     pub yaw_nm: f64,
+}
+
+/// JSON has no NaN: a residual of a balance that is not recorded is `null`.
+fn nan_if_null<'de, D: Deserializer<'de>>(value: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(value)?.unwrap_or(f64::NAN))
 }
 
 impl Left {

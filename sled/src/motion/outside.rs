@@ -1,16 +1,17 @@
 //! Instants that lie outside what a runner's table spans.
 
 use kufe_lut::Sample;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::model::vehicle::Vehicle;
 use crate::motion::state::State;
 
 /// How many instants a runner's table does not span; there it is asked at its edge.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct OutsideTable {
     /// `front` or `rear`.
-    pub runner: &'static str,
+    pub runner: String,
     /// The table's file.
     pub table: String,
     /// Instants outside.
@@ -63,7 +64,7 @@ pub fn outside_tables<'a>(
             let outside = |s: &&Sample| table.at(s.fz, s.curvature, s.speed, s.ice_c).out_of_range;
             let samples = asked.iter().filter(outside).count();
             (samples > 0).then(|| OutsideTable {
-                runner,
+                runner: runner.to_owned(),
                 table: table.file.clone(),
                 samples,
                 of: asked.len(),

@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::columns::Columns;
 use crate::series::LEAST_SAMPLES;
@@ -22,7 +23,7 @@ pub enum OnGaps {
 }
 
 /// What of a run takes part, and what is not there.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Gaps {
     /// Samples that take part, in stretches without a gap.
     #[serde(skip)]
@@ -122,7 +123,7 @@ impl Gaps {
 }
 
 /// What of one run took part in a result.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TakingPart {
     /// Name of the run.
     pub run: String,

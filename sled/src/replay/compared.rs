@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::friction::GRAVITY;
 use crate::replay::inputs::{Inputs, READ};
@@ -30,10 +31,10 @@ impl Compared {
 }
 
 /// How far run and model are apart in one column, the run's less the model's.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Difference {
     /// The column.
-    pub column: &'static str,
+    pub column: String,
     /// Root mean square, in the column's unit.
     pub rms: f64,
     /// At the end.
@@ -102,13 +103,13 @@ pub(crate) fn compare(
 
 /// Differences of time, speed and what else was recorded.
 pub(crate) fn differences(compared: &[Compared], recorded: [bool; 4]) -> Vec<Difference> {
-    let of = |column, gap: &dyn Fn(&Compared) -> f64| {
+    let of = |column: &str, gap: &dyn Fn(&Compared) -> f64| {
         let mean_square = compared.iter().map(|at| gap(at).powi(2)).sum::<f64>();
         let largest = compared
             .iter()
             .max_by(|a, b| gap(a).abs().total_cmp(&gap(b).abs()));
         Difference {
-            column,
+            column: column.to_owned(),
             rms: (mean_square / compared.len() as f64).sqrt(),
             end: compared.last().map_or(0.0, gap),
             largest: largest.map_or(0.0, gap),
@@ -123,10 +124,10 @@ pub(crate) fn differences(compared: &[Compared], recorded: [bool; 4]) -> Vec<Dif
 }
 
 /// A section of the track where run and model part.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Section {
     /// The column; for `v_mps` the speeds part by a force.
-    pub column: &'static str,
+    pub column: String,
     /// Where it begins and ends [m].
     pub from_m: f64,
     /// See `from_m`.
@@ -210,7 +211,7 @@ pub(crate) fn sections(
                 _ => {
                     late_before = window.late_s[0];
                     sections.push(Section {
-                        column: sensor.name(),
+                        column: sensor.name().to_owned(),
                         from_m: window.from_m,
                         to_m: window.to_m,
                         size: window.size,

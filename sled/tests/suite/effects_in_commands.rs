@@ -108,7 +108,7 @@ fn every_effect_changes_fit_validation_and_evaluation_or_is_refused_by_name() {
         let fitted = fit(runs, vehicle, &FitOptions::default()).unwrap();
         let series = |text: String| text;
         [
-            series(fitted.to_json().to_string()),
+            series(serde_json::to_string(&fitted.result()).unwrap()),
             serde_json::to_string(&validate(runs, vehicle)).unwrap(),
             serde_json::to_string(&evaluate(runs, vehicle)).unwrap(),
         ]

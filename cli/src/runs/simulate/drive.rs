@@ -4,6 +4,7 @@ use std::path::Path;
 
 use kufe::charts::run_picture;
 use kufe::jobs::{Failure, runs::failure};
+use kufe::results::{SimulatedRun, Simulation};
 use kufe_lut::Sample;
 use kufe_sled::sample_data::{DRIVERS, sample_driver};
 use kufe_sled::{
@@ -12,7 +13,6 @@ use kufe_sled::{
     together,
 };
 use rayon::prelude::*;
-use serde_json::{Value, json};
 
 use crate::output::folder::OutputDir;
 use crate::output::global::Global;
@@ -88,22 +88,13 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
         .map(|(run, ..)| run.len() as f64 * run.dt_s)
         .sum();
     let mut runs: Vec<Run> = Vec::new();
-    let mut told_runs: Vec<Value> = Vec::new();
+    let mut rows: Vec<SimulatedRun> = Vec::new();
     let mut samples = [Vec::new(), Vec::new()];
     let mut left_tables: Vec<OutsideTable> = Vec::new();
     for (number, (run, energy, finished, outside, asked)) in driven.into_iter().enumerate() {
-        told_runs.push(json!({
-            "run": run.entry.run,
-            "seed": args.seed.wrapping_add(number as u64),
-            "finished": finished,
-            "time_s": (run.len() - 1) as f64 * run.dt_s,
-            "energy_balance_relative_error": energy.relative_error(),
-            "gravity_j": energy.gravity_j,
-            "ice_j": energy.ice_j,
-            "air_j": energy.air_j,
-            "outside_tables": outside,
-        }));
-        left_tables.extend(outside);
+        left_tables.extend(outside.iter().cloned());
+        let seed = args.seed.wrapping_add(number as u64);
+        rows.push(SimulatedRun::new(&run, seed, finished, &energy, outside));
         runs.push(run);
         for (all, own) in samples.iter_mut().zip(asked) {
             all.extend(own);
@@ -112,13 +103,7 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     for (outside, runs) in together(left_tables) {
         warn(&format!("{outside}, in {runs} of {} runs", args.runs));
     }
-    let document = json!({
-        "runs": told_runs,
-        "track": track.name,
-        "driver": driver_name,
-        "times_real_time": simulated_s / seconds,
-        "version": env!("CARGO_PKG_VERSION"),
-    });
+    let document = Simulation::new(rows, &track.name, &driver_name, simulated_s, seconds);
     bar.set_message("writing");
     write_runs(&output, &mut runs, args.format())?;
     write_track(&output, &track)?;
@@ -127,26 +112,24 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     }
     let mut pictures = draw_first(&output, &runs, &model, &vehicle)?;
     pictures.extend(draw_tables(&output, &vehicle, &samples)?);
-    output.json("simulation.json", &document)?;
+    let json = output.result("simulation.json", &document)?;
     output.commit()?;
     bar.finish_and_clear();
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&json);
     } else if !global.quiet {
         let mut text = String::new();
-        for run in told_runs.iter().take(20) {
+        for run in document.runs.iter().take(20) {
             text += &format!(
                 "{}  {:.2} s{}  energy kept to {:.1e} of it\n",
-                run["run"].as_str().unwrap_or_default(),
-                run["time_s"].as_f64().unwrap_or_default(),
-                if run["finished"] == true {
+                run.run,
+                run.time_s,
+                if run.finished {
                     ""
                 } else {
                     ", finish not reached"
                 },
-                run["energy_balance_relative_error"]
-                    .as_f64()
-                    .unwrap_or_default(),
+                run.energy_balance_relative_error,
             );
         }
         text += &format!(

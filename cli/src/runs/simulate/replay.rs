@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use kufe::charts::replay_picture;
 use kufe::jobs::{Failure, runs::failure};
 use kufe::plot::unit_of;
+use kufe::results::ReplayResult;
 use kufe_sled::{
     Difference, Entry, Error, Inputs, Model, OnGaps, Replay, SimulateOptions, Track, TrackShape,
     Vehicle, beside_measured, gaps_line, outside_tables, read_for_replay, read_index, record,
     replay, table_samples,
 };
-use serde_json::json;
 
 use crate::output::folder::OutputDir;
 use crate::output::global::Global;
@@ -65,14 +65,7 @@ pub fn replay_run(
     let states = done.simulated.instants.iter().map(|instant| &instant.state);
     let outside = outside_tables(&vehicle, states.clone());
     beside_measured(&mut driven, &measured);
-    let document = json!({
-        "replay": done,
-        "measured": run.entry.file,
-        "finished": done.stopped.is_none(),
-        "energy_balance_relative_error": done.simulated.energy.relative_error(),
-        "outside_tables": outside,
-        "version": env!("CARGO_PKG_VERSION"),
-    });
+    let document = ReplayResult::new(&done, run.entry.file.clone(), outside.clone());
     write_runs(&output, std::slice::from_mut(&mut driven), args.format())?;
     write_track(&output, &track)?;
     if args.mat {
@@ -81,7 +74,7 @@ pub fn replay_run(
     output.draw("replay.png", |path| replay_picture(path, &done))?;
     let samples = table_samples(states);
     let tables = draw_tables(&output, &vehicle, &samples)?;
-    output.json("simulation.json", &document)?;
+    let json = output.result("simulation.json", &document)?;
     output.commit()?;
     for outside in &outside {
         warn(&format!("{}: {outside}", done.run));
@@ -99,7 +92,7 @@ pub fn replay_run(
         warn(&format!("{}: {reason}; compared up to there", done.run));
     }
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&json);
     } else if !global.quiet {
         say(&summary(&done));
         say(&format!(
@@ -180,7 +173,7 @@ fn summary(done: &Replay) -> String {
         done.mean_force_n
     );
     for section in &done.sections {
-        let unit = match section.column {
+        let unit = match section.column.as_str() {
             "v_mps" => "N".into(),
             column => unit_of(column),
         };
