@@ -65,7 +65,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let states = loaded.prepared.iter().flat_map(|run| &run.states);
     let samples = table_samples(states);
     drawn_files.extend(draw_tables(&output, &loaded.vehicle, &samples)?);
-    let json = output.result("evaluation.json", &document)?;
+    let json = output.json("evaluation.json", &document)?;
     output.commit()?;
     if global.json {
         say(&json);

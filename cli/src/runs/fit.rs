@@ -99,7 +99,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     ] {
         output.draw(name, |path| fit_picture(path, runner, samples, law))?;
     }
-    let json = output.result("fit.json", &document)?;
+    let json = output.json("fit.json", &document)?;
     output.commit()?;
     bar.finish_and_clear();
     if global.json {

@@ -95,7 +95,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if args.mat {
         write_forces(&output, &document, runs)?;
     }
-    let json = output.result("validation.json", &document)?;
+    let json = output.json("validation.json", &document)?;
     output.commit()?;
     if global.json {
         say(&json);

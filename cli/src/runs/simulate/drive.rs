@@ -112,7 +112,7 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     }
     let mut pictures = draw_first(&output, &runs, &model, &vehicle)?;
     pictures.extend(draw_tables(&output, &vehicle, &samples)?);
-    let json = output.result("simulation.json", &document)?;
+    let json = output.json("simulation.json", &document)?;
     output.commit()?;
     bar.finish_and_clear();
     if global.json {

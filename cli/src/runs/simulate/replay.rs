@@ -74,7 +74,7 @@ pub fn replay_run(
     output.draw("replay.png", |path| replay_picture(path, &done))?;
     let samples = table_samples(states);
     let tables = draw_tables(&output, &vehicle, &samples)?;
-    let json = output.result("simulation.json", &document)?;
+    let json = output.json("simulation.json", &document)?;
     output.commit()?;
     for outside in &outside {
         warn(&format!("{}: {outside}", done.run));
