@@ -16,7 +16,6 @@ use kufe_mesh::HullFormat;
 use crate::bodies::placed_hull::placed_hull;
 use crate::output::folder::OutputDir;
 use crate::output::mat;
-use crate::press::command::Args;
 use crate::press::summary;
 
 /// Writes result.json, pressure.exr, pressure.png, field.vtu, contact.vtp, hull.glb where the shape has ends, and runner.vtu and stress.png where the runner deforms; where it
