@@ -36,7 +36,7 @@ const fn known(
 }
 
 /// All kinds; a folder is what the first of them in it says.
-pub const DOCUMENTS: [Known; 21] = [
+pub const DOCUMENTS: [Known; 20] = [
     known(
         "result.json",
         "a solved contact",
@@ -143,19 +143,13 @@ pub const DOCUMENTS: [Known; 21] = [
         "plan.json",
         "the plan of a table",
         "kufe lut plan",
-        &["shards", "points", "case_sha256"],
+        &["shards", "points", "origin"],
     ),
     known(
         "import.json",
         "what was done to an imported run",
         "kufe runs import",
         &["mapping_sha256", "channels"],
-    ),
-    known(
-        "",
-        "a point of a table",
-        "kufe lut run",
-        &["point", "result", "method", "sha256"],
     ),
     known(
         "",
