@@ -1,6 +1,6 @@
 //! A table of pressures and places to ask it at.
 
-use kufe_lut::{Axes, Solved, Table};
+use kufe_lut::{Axes, Figures, Quantity, Table};
 
 const QUERIES: usize = 1 << 20;
 
@@ -20,24 +20,14 @@ pub fn table_of(
     curvature: Vec<f64>,
     p_max: impl Fn(f64, f64) -> f64,
 ) -> Result<Table, kufe_lut::Error> {
-    let axes = Axes::new(fz, curvature, None)?;
+    let axes = Axes::new(fz, curvature)?;
     let nodes = axes.points().into_iter().map(|point| {
         let p_max = p_max(point.fz, point.curvature);
-        Solved {
-            p_max,
-            p_max_error: 0.0,
-            p_mean: p_max / 1.5,
-            area: 1e-5,
-            length: 0.05,
-            width: 3e-4,
-            approach: 1e-5,
-            errors: None,
-            sliding: None,
-            method: kufe_lut::Method::FiniteElements,
-        }
+        let figures = Figures::at_rest([p_max, p_max / 1.5, 1e-5, 0.05, 3e-4, 1e-5]);
+        figures.with_error(Quantity::PMax, 0.0)
     });
-    let nodes = nodes.collect();
-    Table::new(axes, nodes, Vec::new())
+    let nodes: Vec<Figures> = nodes.collect();
+    Table::new(axes, &nodes, Vec::new())
 }
 
 /// The same million loads [N] and curvatures [1/m] each time.

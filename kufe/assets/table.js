@@ -1,7 +1,7 @@
 // The page of a lookup table.
 //
 // Data: { name, fz, curvature, flush or null, layers: [name] or null, nodes, thinned, check_count, by_boundary_elements, quantities: [{ name,
-// unit, errors: { mode: number }, values: [layer][fz][curvature] }], solver_error, judged, interpolation_asked, case, case_sha256, version }.
+// unit, errors: { mode: number }, values: [layer][fz][curvature] }], solver_error, judged, interpolation_requested, case, case_sha256, version }.
 // A layer is one of the runner's rocker radii, speeds and temperatures of the ice; judged is the quantity that the errors are asked of.
 // With flush [curvature, scale, from, to] the numbers in `curvature` are reduced curvatures, 0 to 1.
 
@@ -42,7 +42,7 @@ function tablePage(main, data) {
       panel("Over normal force", overForce.box),
       panel("Over track curvature", overCurvature.box),
       panel("Interpolation", table(["quantity", "smooth", "bilinear"], data.quantities.map((q) => [UNITS[q.name]?.[0] ?? q.name, percent(q.errors.smooth), percent(q.errors.bilinear)])),
-        fact(`Largest relative error at ${data.check_count} solves that are no nodes${data.interpolation_asked ? `; asked of the ${ofJudged}: ${percent(data.interpolation_asked)}` : ""}.`)),
+        fact(`Largest relative error at ${data.check_count} solves that are no nodes${data.interpolation_requested ? `; asked of the ${ofJudged}: ${percent(data.interpolation_requested)}` : ""}.`)),
       panel("The case", caseOf(data.case, [["sha256 of case and hull", data.case_sha256], ["made by", `kufe ${data.version}`]]))),
   );
 

@@ -133,7 +133,7 @@ static const char *load(Unit *unit, const char *path, const char *token) {
   return NULL;
 }
 
-static kufe_lut_looked look_at(const Unit *unit, unsigned quantity) {
+static kufe_lut_interpolated interpolate(const Unit *unit, unsigned quantity) {
   const State *s = &unit->state;
   double curvature =
       s->use_curvature ? s->curvature : kufe_lut_curvature_from_pitch(s->v, s->pitch_rate);
@@ -141,11 +141,11 @@ static kufe_lut_looked look_at(const Unit *unit, unsigned quantity) {
 }
 
 /* The peak pressure. */
-static kufe_lut_looked look(const Unit *unit) { return look_at(unit, 0); }
+static kufe_lut_interpolated interpolate_pressure(const Unit *unit) { return interpolate(unit, 0); }
 
 static bool flag(const Unit *unit) {
   bool held = unit->model_exchange && unit->phase == CONTINUOUS;
-  return held ? unit->state.out_of_range : look(unit).out_of_range != 0;
+  return held ? unit->state.out_of_range : interpolate_pressure(unit).out_of_range != 0;
 }
 
 /* ---- life cycle ---- */
@@ -247,7 +247,7 @@ FMI3_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Bo
 FMI3_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
   Unit *unit = (Unit *)instance;
   if (unit->phase != INITIALIZATION) return refuse(unit, "not in initialization mode");
-  unit->state.out_of_range = look(unit).out_of_range != 0;
+  unit->state.out_of_range = interpolate_pressure(unit).out_of_range != 0;
   unit->phase = unit->event_mode ? EVENT : STEP;
   return fmi3OK;
 }
@@ -264,7 +264,7 @@ FMI3_EXPORT fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
 
 FMI3_EXPORT fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
   Unit *unit = (Unit *)instance;
-  unit->state.out_of_range = look(unit).out_of_range != 0;
+  unit->state.out_of_range = interpolate_pressure(unit).out_of_range != 0;
   unit->phase = CONTINUOUS;
   return fmi3OK;
 }
@@ -295,12 +295,12 @@ FMI3_EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueRefe
       case VR_V: values[i] = unit->state.v; break;
       case VR_PITCH_RATE: values[i] = unit->state.pitch_rate; break;
       case VR_CURVATURE: values[i] = unit->state.curvature; break;
-      case VR_PRESSURE: values[i] = look(unit).value; break;
+      case VR_PRESSURE: values[i] = interpolate_pressure(unit).value; break;
       case VR_ICE_C: values[i] = unit->state.ice_c; break;
       default:
         if (vr[i] < VR_FIRST_OF_SLIDING || vr[i] - VR_FIRST_OF_SLIDING + 1 >= unit->quantities)
           return refuse(unit, "no Float64 variable of that reference");
-        values[i] = look_at(unit, (unsigned)(vr[i] - VR_FIRST_OF_SLIDING + 1)).value;
+        values[i] = interpolate(unit, (unsigned)(vr[i] - VR_FIRST_OF_SLIDING + 1)).value;
     }
   }
   return fmi3OK;
@@ -471,7 +471,7 @@ FMI3_EXPORT fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boole
                                                 fmi3Boolean *states, fmi3Boolean *has_next,
                                                 fmi3Float64 *next) {
   Unit *unit = (Unit *)instance;
-  unit->state.out_of_range = look(unit).out_of_range != 0;
+  unit->state.out_of_range = interpolate_pressure(unit).out_of_range != 0;
   *again = *terminate = *nominals = *states = *has_next = false;
   *next = 0.0;
   return fmi3OK;
@@ -487,7 +487,7 @@ FMI3_EXPORT fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Bo
                                                    fmi3Boolean *enter_event, fmi3Boolean *terminate) {
   Unit *unit = (Unit *)instance;
   (void)no_set;
-  *enter_event = (look(unit).out_of_range != 0) != unit->state.out_of_range;
+  *enter_event = (interpolate_pressure(unit).out_of_range != 0) != unit->state.out_of_range;
   *terminate = false;
   return fmi3OK;
 }

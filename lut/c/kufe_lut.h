@@ -28,11 +28,11 @@ typedef struct {
   int logarithmic;         /* whether the jets are of the values' logarithms */
 } kufe_lut_table;
 
-/* A looked-up value; out_of_range is 1 where an input was clipped or NaN. */
+/* An interpolated value; out_of_range is 1 where an input was clipped or NaN. */
 typedef struct {
   double value;
   int out_of_range;
-} kufe_lut_looked;
+} kufe_lut_interpolated;
 
 typedef struct {
   int low, high;
@@ -71,11 +71,11 @@ static KUFE_LUT_UNUSED double kufe_lut_part_(const double *axis, int low, int hi
   return low == high ? 0.0 : (value - axis[low]) / (axis[high] - axis[low]);
 }
 
-static KUFE_LUT_UNUSED kufe_lut_looked kufe_lut_nan_(void) {
-  kufe_lut_looked looked;
-  looked.value = (double)NAN;
-  looked.out_of_range = 1;
-  return looked;
+static KUFE_LUT_UNUSED kufe_lut_interpolated kufe_lut_nan_(void) {
+  kufe_lut_interpolated found;
+  found.value = (double)NAN;
+  found.out_of_range = 1;
+  return found;
 }
 
 /* exp(asinh(|x|)). */
@@ -145,30 +145,30 @@ static KUFE_LUT_UNUSED double kufe_lut_rise_(const kufe_lut_table *t, const doub
 }
 
 /* Piecewise bilinear with clipping, as Simulink's n-D Lookup Table (linear point-slope, clip, use last value). */
-static KUFE_LUT_UNUSED kufe_lut_looked kufe_lut_bilinear(const kufe_lut_table *t, double fz,
+static KUFE_LUT_UNUSED kufe_lut_interpolated kufe_lut_bilinear(const kufe_lut_table *t, double fz,
                                                          double curvature) {
-  kufe_lut_looked looked;
+  kufe_lut_interpolated found;
   kufe_lut_place_ x, y;
   if (isnan(fz) || isnan(curvature)) return kufe_lut_nan_();
   kufe_lut_places_(t, fz, curvature, &x, &y);
-  looked.value = kufe_lut_plane_(t, t->values, &x, &y);
-  looked.out_of_range = x.outside || y.outside;
-  return looked;
+  found.value = kufe_lut_plane_(t, t->values, &x, &y);
+  found.out_of_range = x.outside || y.outside;
+  return found;
 }
 
 /* C1, and monotone where the table is: bicubic Hermite patches over log force and curvature. */
-static KUFE_LUT_UNUSED kufe_lut_looked kufe_lut_smooth(const kufe_lut_table *t, double fz,
+static KUFE_LUT_UNUSED kufe_lut_interpolated kufe_lut_smooth(const kufe_lut_table *t, double fz,
                                                        double curvature) {
-  kufe_lut_looked looked;
+  kufe_lut_interpolated found;
   kufe_lut_place_ x, y;
   double rise, start;
   if (isnan(fz) || isnan(curvature)) return kufe_lut_nan_();
   kufe_lut_places_(t, fz, curvature, &x, &y);
   rise = kufe_lut_rise_(t, t->jets, &x, &y);
   start = t->values[x.low * t->n_curvature + y.low];
-  looked.value = t->logarithmic ? start * exp(rise) : start + rise;
-  looked.out_of_range = x.outside || y.outside;
-  return looked;
+  found.value = t->logarithmic ? start * exp(rise) : start + rise;
+  found.out_of_range = x.outside || y.outside;
+  return found;
 }
 
 /* An axis along which layers lie: speeds or temperatures of the ice. */
@@ -221,10 +221,10 @@ static KUFE_LUT_UNUSED kufe_lut_weights_ kufe_lut_weigh_(const kufe_lut_axis *ax
   return w;
 }
 
-static KUFE_LUT_UNUSED kufe_lut_looked kufe_lut_layered_(const kufe_lut_layers *t, double fz, double curvature,
+static KUFE_LUT_UNUSED kufe_lut_interpolated kufe_lut_layered_(const kufe_lut_layers *t, double fz, double curvature,
                                                          double v, double ice_c, int smooth) {
   const kufe_lut_table *layer = &t->layer;
-  kufe_lut_looked looked;
+  kufe_lut_interpolated found;
   kufe_lut_place_ x, y;
   kufe_lut_weights_ speeds, temperatures;
   int i, j, columns = t->ice->n < 1 ? 1 : t->ice->n, nodes = layer->n_fz * layer->n_curvature, corner, near;
@@ -250,19 +250,19 @@ static KUFE_LUT_UNUSED kufe_lut_looked kufe_lut_layered_(const kufe_lut_layers *
     }
     sum += speeds.of[i] * row;
   }
-  looked.value = !smooth ? sum : layer->logarithmic ? start * exp(sum) : start + sum;
-  looked.out_of_range = x.outside || y.outside || speeds.outside || temperatures.outside;
-  return looked;
+  found.value = !smooth ? sum : layer->logarithmic ? start * exp(sum) : start + sum;
+  found.out_of_range = x.outside || y.outside || speeds.outside || temperatures.outside;
+  return found;
 }
 
 /* Linear along all axes; an axis that the table has not is ignored. */
-static KUFE_LUT_UNUSED kufe_lut_looked kufe_lut_layers_bilinear(const kufe_lut_layers *t, double fz,
+static KUFE_LUT_UNUSED kufe_lut_interpolated kufe_lut_layers_bilinear(const kufe_lut_layers *t, double fz,
                                                                 double curvature, double v, double ice_c) {
   return kufe_lut_layered_(t, fz, curvature, v, ice_c, 0);
 }
 
 /* C1: the smooth mode of every layer, and cubic Hermite splines through the layers. */
-static KUFE_LUT_UNUSED kufe_lut_looked kufe_lut_layers_smooth(const kufe_lut_layers *t, double fz,
+static KUFE_LUT_UNUSED kufe_lut_interpolated kufe_lut_layers_smooth(const kufe_lut_layers *t, double fz,
                                                               double curvature, double v, double ice_c) {
   return kufe_lut_layered_(t, fz, curvature, v, ice_c, 1);
 }

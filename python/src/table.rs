@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use kufe::jobs::table::{Solver, Wanted, fill, read_table};
+use kufe::jobs::table::{Solver, TableSpec, fill, read_table};
 use kufe::jobs::write_whole;
-use kufe_lut::{Layered, Mode, Quantity};
+use kufe_lut::{Interpolator, Mode, Quantity, Sample};
 use numpy::{
     IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
@@ -21,7 +21,7 @@ pub struct Table {
     shortfall: Option<String>,
 }
 
-/// A looked-up array with its out-of-range flags.
+/// An interpolated array with its out-of-range flags.
 type Answer<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<bool>>);
 
 #[pymethods]
@@ -50,11 +50,8 @@ impl Table {
         quantity: &str,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let quantity = self.named(quantity)?;
-        let named = self.table.axes().named();
-        let shape: Vec<usize> = named.iter().map(|(_, _, values)| values.len()).collect();
-        let nodes = self.table.nodes().iter();
-        let values: Vec<f64> = nodes.filter_map(|n| n.get(quantity)).collect();
-        values.into_pyarray(py).reshape(shape)
+        let values = self.table.values(quantity).unwrap_or_default().to_vec();
+        values.into_pyarray(py).reshape(self.table.axes().shape())
     }
 
     /// One quantity at forces [N], curvatures [1/m] and, where the table has those axes, speeds [m/s] and temperatures of the
@@ -91,11 +88,16 @@ impl Table {
         let (fz, curvature) = (fz.as_slice()?, curvature.as_slice()?);
         let (speed, ice) = (speed.as_slice()?, ice.as_slice()?);
         let (values, outside): (Vec<f64>, Vec<bool>) = py.detach(|| {
-            let lookup =
-                Layered::new(&self.table, quantity, mode, rocker_radius_m).map_err(bad_input)?;
+            let interpolator = Interpolator::new(&self.table, quantity, mode, rocker_radius_m);
+            let interpolator = interpolator.map_err(bad_input)?;
             let answers = (0..fz.len()).map(|n| {
-                let looked = lookup.at(fz[n], curvature[n], speed[n], ice[n]);
-                (looked.value, looked.out_of_range)
+                let found = interpolator.at(Sample {
+                    fz: fz[n],
+                    curvature: curvature[n],
+                    speed: speed[n],
+                    ice_c: ice[n],
+                });
+                (found.value, found.out_of_range)
             });
             Ok::<_, PyErr>(answers.unzip())
         })?;
@@ -205,9 +207,9 @@ pub fn fill_table(
 ) -> PyResult<Table> {
     let out = out.unwrap_or_else(|| table.with_extension("lut"));
     let worked = work(py, progress, |watch, _| {
-        let wanted = Wanted::read(&table)?;
-        let solver = Solver::new(&wanted, watch)?;
-        fill(&wanted, &solver, &out, watch)
+        let spec = TableSpec::read(&table)?;
+        let solver = Solver::new(&spec, watch)?;
+        fill(&spec, &solver, &out, watch)
     })?;
     let filled = worked.value.map_err(raised)?;
     py.detach(|| write(&filled.swept.table, &out))?;

@@ -69,9 +69,7 @@ def test_a_written_table_is_read_again(table, table_file, tmp_path):
     assert (tmp_path / "copy.lut").read_bytes() == table_file.with_suffix(".lut").read_bytes()
     assert list(again.fz_n) == [500.0, 1000.0, 2000.0]
     assert list(again.curvature_1pm) == [0.0, 0.02] and again.rocker_radius_m is None
-    assert not table_file.with_suffix(".lut.points").exists() or not any(
-        table_file.with_suffix(".lut.points").iterdir()
-    )
+    assert not table_file.with_suffix(".lut.points").exists()
 
 
 def test_bad_tables_and_names_are_told(table, tmp_path):
@@ -99,7 +97,7 @@ def test_an_exception_of_the_progress_keeps_the_points_done(table_file, tmp_path
     with pytest.raises(KeyboardInterrupt):
         kufe.fill_table(wanted, progress=stop_after_two)
     assert not (tmp_path / "table.lut").exists()
-    assert any((tmp_path / "table.lut.points").iterdir())
+    assert (tmp_path / "table.lut.points").read_text().count("\n") >= 2
     kufe.fill_table(wanted)
     assert (tmp_path / "table.lut").read_bytes() == table_file.with_suffix(".lut").read_bytes()
 

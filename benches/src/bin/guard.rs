@@ -12,7 +12,7 @@ use std::path::Path;
 use kufe::case::Case;
 use kufe_benches::{needle_block, table_of};
 use kufe_contact::{Options, solve};
-use kufe_lut::{Lookup, Mode, Quantity};
+use kufe_lut::{Interpolator, Mode, Quantity, Sample};
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{Model, PrepareOptions, Vehicle, evaluate, prepare_all};
 
@@ -51,13 +51,12 @@ fn lookup() -> Result<(), Box<dyn std::error::Error>> {
         1e7 * fz.cbrt() * (1.0 - 2.0 * curvature)
     })?;
     for mode in Mode::ALL {
-        let lookup = Lookup::new(&table, Quantity::PMax, mode)?;
+        let p_max = Interpolator::new(&table, Quantity::PMax, mode, None)?;
         let sum: f64 = (0..100_000)
             .map(|i| {
                 let i = f64::from(i);
-                lookup
-                    .at(200.0 + (i * 7.31) % 7000.0, (i * 3.7e-4) % 0.2)
-                    .value
+                let sample = Sample::at_rest(200.0 + (i * 7.31) % 7000.0, (i * 3.7e-4) % 0.2);
+                p_max.at(sample).value
             })
             .sum();
         println!("{sum}");

@@ -14,7 +14,7 @@ use std::hint::black_box;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use kufe_benches::{again, best_of, needle_block, pressure_table, random_queries};
-use kufe_lut::{Lookup, Mode, Quantity};
+use kufe_lut::{Interpolator, Mode, Quantity, Sample};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -89,17 +89,21 @@ fn tables() {
 fn table_evaluation() -> (f64, f64) {
     const SIZE: usize = 64;
     let table = pressure_table(SIZE).unwrap_or_else(|error| panic!("{error}"));
-    let lookup = Lookup::new(&table, Quantity::PMax, Mode::Bilinear)
+    let lookup = Interpolator::new(&table, Quantity::PMax, Mode::Bilinear, None)
         .unwrap_or_else(|error| panic!("{error}"));
     let queries = random_queries();
     let per_query = 1e9 / queries.len() as f64;
     let (evaluation, _) = best_of(ROUNDS, || {
         queries
             .iter()
-            .map(|&(fz, k)| lookup.at(black_box(fz), black_box(k)).value)
+            .map(|&(fz, k)| {
+                lookup
+                    .at(Sample::at_rest(black_box(fz), black_box(k)))
+                    .value
+            })
             .sum::<f64>()
     });
-    let values: Vec<f64> = table.nodes().iter().map(|node| node.p_max).collect();
+    let values = table.values(Quantity::PMax).unwrap_or_default();
     let corners: Vec<usize> = queries
         .iter()
         .map(|&(fz, k)| {

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use interpn::multilinear::rectilinear::MultilinearRectilinear;
 use kufe_benches::{pressure_table, random_queries};
-use kufe_lut::{Lookup, Mode, Quantity, Table};
+use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
 
 const REPEATS: usize = 5;
 
@@ -22,14 +22,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let queries = random_queries();
         let nodes = format!("{size} x {size}");
         for mode in Mode::ALL {
-            let lookup = Lookup::new(&table, Quantity::PMax, mode)?;
+            let lookup = Interpolator::new(&table, Quantity::PMax, mode, None)?;
             let name = format!("kufe-lut {}", mode.name());
-            report(&nodes, &name, &queries, |fz, k| lookup.at(fz, k).value);
+            report(&nodes, &name, &queries, |fz, k| {
+                lookup.at(Sample::at_rest(fz, k)).value
+            });
         }
         let (fz, curvature) = (table.axes().fz(), table.axes().curvature());
-        let values: Vec<f64> = table.nodes().iter().map(|node| node.p_max).collect();
+        let values = table.values(Quantity::PMax).unwrap_or_default();
         let grids = [fz, curvature];
-        let other = MultilinearRectilinear::<f64, 2>::new(&grids, &values)?;
+        let other = MultilinearRectilinear::<f64, 2>::new(&grids, values)?;
         report(&nodes, "interpn bilinear", &queries, |fz, k| {
             other.interp_one([fz, k]).unwrap_or(f64::NAN)
         });
@@ -45,10 +47,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         table.axes().curvature().len()
     );
     for mode in Mode::ALL {
-        let lookup = Lookup::new(&table, Quantity::PMax, mode)?;
+        let lookup = Interpolator::new(&table, Quantity::PMax, mode, None)?;
         let name = format!("kufe-lut {}", mode.name());
         report(&nodes, &name, &random_queries(), |fz, k| {
-            lookup.at(fz, k).value
+            lookup.at(Sample::at_rest(fz, k)).value
         });
     }
     Ok(())

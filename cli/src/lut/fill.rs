@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use kufe::jobs::{
     Failure,
-    table::{Solver, Wanted},
+    table::{Solver, TableSpec},
 };
 
 use crate::lut::export::{Forms, write_table};
@@ -35,18 +35,18 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let Some(path) = &args.table else {
         return Err(Failure::Usage("kufe lut: which table file?".into()));
     };
-    let wanted = Wanted::read(path)?;
+    let spec = TableSpec::read(path)?;
     let out = args
         .out
         .clone()
         .unwrap_or_else(|| path.with_extension("lut"));
     let started = Instant::now();
     let (solver, filled, files) = watched(global, |watch| {
-        let solver = Solver::new(&wanted, watch)?;
+        let solver = Solver::new(&spec, watch)?;
         let mut outputs = args.forms.paths(&out);
         outputs.push(out.clone());
-        let files = OutputFiles::begin("lut", &solver.inputs(&wanted)?, &outputs, global.force)?;
-        let filled = kufe::jobs::table::fill(&wanted, &solver, &out, watch)?;
+        let files = OutputFiles::begin("lut", &solver.inputs(&spec)?, &outputs, global.force)?;
+        let filled = kufe::jobs::table::fill(&spec, &solver, &out, watch)?;
         Ok::<_, Failure>((solver, filled, files))
     })?;
     write_table(&filled.swept.table, &out, &files)?;

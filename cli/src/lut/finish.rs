@@ -1,9 +1,9 @@
-//! What a table is worth once it is solved, and its further forms.
+//! The errors of a table once it is solved, and its further forms.
 
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::{Failure, percent};
-use kufe_lut::{Method, Mode, Point, Quantity, Swept, Table};
+use kufe_lut::{Method, Mode, Point, Quantity, SweepResult, Table};
 use serde_json::{Value, json};
 
 use crate::output::global::Global;
@@ -17,12 +17,12 @@ pub struct Spent {
     pub seconds: f64,
 }
 
-/// Reports the accuracy of a written table, and fails where it is less than was requested.
+/// Reports the errors of a written table, and fails where one is larger than requested.
 ///
 /// # Errors
-/// [`Failure::NotConverged`] where the interpolation or a solve stayed short of what was asked.
+/// [`Failure::NotConverged`] where the interpolation or a solve stayed short of the request.
 pub fn finish(
-    swept: &Swept,
+    swept: &SweepResult,
     solver_tolerance: f64,
     out: &Path,
     written: &[PathBuf],
@@ -56,20 +56,15 @@ pub fn finish(
 
 /// How many solves stayed short of the solver's tolerance, and the worst.
 fn short_of(table: &Table, tolerance: f64) -> Option<String> {
-    // The film's own error stands beside that of the groove, which the tolerance is asked of.
-    let allowed = match table.is_sliding() {
-        true => 2.0 * tolerance,
-        false => tolerance,
+    // The film's own error adds to that of the groove, to which the tolerance applies.
+    let allowed = if table.is_sliding() {
+        2.0 * tolerance
+    } else {
+        tolerance
     };
-    let nodes = table.axes().points();
-    let nodes = nodes.iter().zip(table.nodes());
-    let checks = table
-        .checks()
-        .iter()
-        .map(|check| (&check.point, &check.solved));
-    let short: Vec<(&Point, f64)> = nodes
-        .chain(checks)
-        .map(|(point, solved)| (point, solved.relative_error()))
+    let short: Vec<(Point, f64)> = table
+        .solves()
+        .map(|solve| (solve.point, solve.figures.relative_error()))
         .filter(|(_, error)| *error > allowed)
         .collect();
     let worst = short.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -99,7 +94,7 @@ fn summary(table: &Table, spent: &Spent) -> Result<Value, Failure> {
     };
     let solver = format!("solver_{}", table.judged().name());
     Ok(json!({
-        "nodes": table.nodes().len(),
+        "nodes": table.axes().node_count(),
         "fz_values": table.axes().fz().len(),
         "curvature_values": table.axes().curvature().len(),
         "rocker_radius_values": table.axes().rocker_radius().map(<[f64]>::len),
@@ -107,13 +102,13 @@ fn summary(table: &Table, spent: &Spent) -> Result<Value, Failure> {
         "ice_values": table.axes().ice_c().map(<[f64]>::len),
         "checks": table.checks().len(),
         "by_boundary_elements": table.solved_by(Method::BoundaryElements),
-        "interpolation_asked": table.interpolation_asked,
+        "interpolation_requested": table.interpolation_requested,
         "interpolation_smooth": error(Mode::Smooth)?,
         "interpolation_bilinear": error(Mode::Bilinear)?,
         solver: table.solver_error(),
         "solves": spent.solves,
         "seconds": spent.seconds,
-        "version": table.version,
+        "version": table.origin.version(),
     }))
 }
 

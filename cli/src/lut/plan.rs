@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use kufe::jobs::{
     Failure, Watch,
-    table::{Solver, Wanted},
+    table::{PlanFile, PointStore, Solver, TableSpec},
 };
-use kufe_lut::{Error, Manifest, Next, Origin, Store, next_batch, parallel_script, slurm_script};
+use kufe_lut::{Origin, Progress, replay};
 
 use crate::lut::export::{Forms, write_table};
 use crate::lut::finish::{Spent, finish};
@@ -15,9 +15,6 @@ use crate::output::file::OutputFiles;
 use crate::output::global::Global;
 use crate::output::say::{say, warn};
 use crate::output::watched::watched;
-
-/// The files of a plan's folder.
-const PLAN_FILES: [&str; 3] = ["plan.json", "slurm.sh", "parallel.sh"];
 
 /// Arguments of `kufe lut plan`.
 #[derive(clap::Args, Debug)]
@@ -68,38 +65,32 @@ fn shard_word(word: &str) -> Result<(usize, usize), String> {
 /// Writes plan.json and the scripts that run its shards.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for files, and where the folder holds results of another version or case.
+/// [`Failure::BadInput`] for files, and where the folder has results of another version or case.
 pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
-    let wanted = Wanted::read(&args.table)?;
-    let solver = solver(&wanted)?;
-    let origin = solver.origin();
-    let file = args.out.join("plan.json");
-    let is_own = file.exists();
+    let spec = TableSpec::read(&args.table)?;
+    let solver = solver(&spec)?;
+    let origin = solver.origin()?;
+    let is_own = args.out.join(PlanFile::NAMES[0]).exists();
     if is_own {
-        let old = Manifest::read(&file).map_err(Failure::bad_input)?;
-        same_origin(&file, &old.origin, &origin)?;
+        let old = PlanFile::read(&args.out)?;
+        same_origin(&args.out, &old.origin, &origin)?;
     }
-    let outputs = PLAN_FILES.map(|name| args.out.join(name));
-    let inputs = solver.inputs(&wanted)?;
+    let outputs = PlanFile::NAMES.map(|name| args.out.join(name));
+    let inputs = solver.inputs(&spec)?;
     let files = OutputFiles::begin("lut plan", &inputs, &outputs, is_own || global.force)?;
     let table = args
         .table
         .canonicalize()
         .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
-    let store = open_store(&args.out, origin)?;
-    match next_batch(&wanted.plan, &store).map_err(Failure::bad_input)? {
-        Next::Points { points, round, .. } => {
-            let manifest = Manifest {
-                origin: store.origin().clone(),
-                table: table.display().to_string(),
-                round,
-                shards: args.shards as usize,
-                points,
-            };
-            write_plan(&args.out, &manifest, files)?;
-            tell_plan(&args.out, &manifest, global);
+    let store = open_store(&args.out, "none", origin.clone())?;
+    match replay(&spec.plan, |point| store.get(point)).map_err(Failure::bad_input)? {
+        Progress::Batch { points, round, .. } => {
+            let table = table.display().to_string();
+            let plan = PlanFile::new(origin, table, round, args.shards as usize, points);
+            write_plan(&args.out, &plan, files)?;
+            report(&args.out, &plan, global);
         }
-        Next::Finished(_) => {
+        Progress::Finished(_) => {
             if !global.quiet {
                 say(&format!(
                     "nothing to solve: {} is complete, merge it\n",
@@ -116,10 +107,15 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
 /// # Errors
 /// [`Failure::BadInput`] where plan, case or results do not belong together; as [`Solver::solve_missing`].
 pub fn run(args: &RunArgs, global: &Global) -> Result<(), Failure> {
-    let (manifest, solver, store, _) = open_plan(&args.plan)?;
+    let (plan, solver, _) = open_plan(&args.plan)?;
     let (index, count) = args.shard;
-    let points = manifest.shard(index, count).map_err(Failure::bad_input)?;
-    let label = format!("round {}, shard {index}/{count}", manifest.round);
+    let points = plan.shard(index, count)?;
+    let name = format!("shard-{index}-of-{count}");
+    let store = open_store(&args.plan, &name, plan.origin.clone())?;
+    for damage in store.damaged() {
+        warn(&format!("{damage}; its point is solved again"));
+    }
+    let label = format!("round {}, shard {index}/{count}", plan.round);
     let solved = watched(global, |watch| {
         solver.solve_missing(&store, points, &label, watch)
     })?;
@@ -139,19 +135,20 @@ pub fn run(args: &RunArgs, global: &Global) -> Result<(), Failure> {
 /// Puts the results together, or plans the next round of a table that is refined to a tolerance.
 ///
 /// # Errors
-/// [`Failure::Partial`] where points are missing or a further round is needed; [`Failure::BadInput`] naming the
+/// [`Failure::Partial`] where points are missing or a further round is needed; [`Failure::BadInput`] with the
 /// damaged or foreign file; [`Failure::NotConverged`] as for a table made in one process.
 pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
     let started = Instant::now();
-    let (manifest, solver, store, wanted) = open_plan(&args.plan)?;
-    let mut inputs = solver.inputs(&wanted)?;
-    inputs.extend(PLAN_FILES.map(|name| args.plan.join(name)));
+    let (plan, solver, spec) = open_plan(&args.plan)?;
+    let store = open_store(&args.plan, "none", plan.origin.clone())?;
+    let mut inputs = solver.inputs(&spec)?;
+    inputs.extend(PlanFile::NAMES.map(|name| args.plan.join(name)));
     let mut outputs = args.forms.paths(&args.out);
     outputs.push(args.out.clone());
     let files = OutputFiles::begin("lut merge", &inputs, &outputs, global.force)?;
-    match next_batch(&wanted.plan, &store).map_err(Failure::bad_input)? {
-        Next::Finished(mut swept) => {
-            swept.table.case = solver.case();
+    match replay(&spec.plan, |point| store.get(point)).map_err(Failure::bad_input)? {
+        Progress::Finished(swept) => {
+            let swept = solver.finished(*swept)?;
             write_table(&swept.table, &args.out, &files)?;
             let written = args.forms.write(&swept.table, &args.out, &files)?;
             files.commit()?;
@@ -165,33 +162,32 @@ pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
                 global,
             )
         }
-        Next::Points {
+        Progress::Batch {
             points,
-            round,
             missing,
             first,
-        } => {
-            if round <= manifest.round {
-                return Err(Failure::Partial(
-                    Error::Incomplete {
-                        folder: args.plan.display().to_string(),
-                        missing,
-                        planned: points.len(),
-                        first: first.to_string(),
-                    }
-                    .to_string(),
-                ));
+            round,
+        } if round <= plan.round => {
+            let text = format!(
+                "{missing} of {} points of {} have no result yet, the first at {first}",
+                points.len(),
+                args.plan.display()
+            );
+            if store.damaged().is_empty() {
+                return Err(Failure::Partial(text));
             }
-            let next = Manifest {
-                round,
-                points,
-                ..manifest
-            };
-            let outputs = PLAN_FILES.map(|name| args.plan.join(name));
+            let damaged = store.damaged().join("; ");
+            Err(Failure::BadInput(format!(
+                "{damaged}; {text}: run the shards again"
+            )))
+        }
+        Progress::Batch { points, round, .. } => {
+            let next = PlanFile::new(plan.origin, plan.table, round, plan.shards, points);
+            let outputs = PlanFile::NAMES.map(|name| args.plan.join(name));
             let files = OutputFiles::begin("lut plan", &[], &outputs, true)?;
             write_plan(&args.plan, &next, files)?;
             Err(Failure::Partial(format!(
-                "{}: round {round} is planned with {} points where the interpolation is not good enough yet; run the \
+                "{}: round {round} is planned with {} points where the interpolation is not accurate enough yet; run the \
                  shards again, then merge",
                 args.plan.display(),
                 next.points.len()
@@ -200,69 +196,46 @@ pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
     }
 }
 
-fn open_plan(folder: &Path) -> Result<(Manifest, Solver, Store, Wanted), Failure> {
-    let file = folder.join("plan.json");
-    let manifest = Manifest::read(&file).map_err(Failure::bad_input)?;
-    let wanted = Wanted::read(Path::new(&manifest.table))?;
-    let solver = solver(&wanted)?;
-    let origin = solver.origin();
-    same_origin(&file, &manifest.origin, &origin)?;
-    let store = open_store(folder, origin)?;
-    Ok((manifest, solver, store, wanted))
+fn open_plan(folder: &Path) -> Result<(PlanFile, Solver, TableSpec), Failure> {
+    let plan = PlanFile::read(folder)?;
+    let spec = TableSpec::read(Path::new(&plan.table))?;
+    let solver = solver(&spec)?;
+    same_origin(folder, &plan.origin, &solver.origin()?)?;
+    Ok((plan, solver, spec))
 }
 
-fn solver(wanted: &Wanted) -> Result<Solver, Failure> {
+fn solver(spec: &TableSpec) -> Result<Solver, Failure> {
     let watch = Watch {
         warn: Some(&warn),
         ..Watch::default()
     };
-    Solver::new(wanted, &watch)
+    Solver::new(spec, &watch)
 }
 
-fn same_origin(file: &Path, planned: &Origin, now: &Origin) -> Result<(), Failure> {
-    for (what, planned, now) in [
-        ("version", &planned.version, &now.version),
-        ("case_sha256", &planned.case_sha256, &now.case_sha256),
-    ] {
-        if planned != now {
-            return Err(Failure::BadInput(format!(
-                "{}: {what} is {planned}, that of this program and case is {now}: expected the same; plan into a new folder",
-                file.display()
-            )));
-        }
+fn same_origin(folder: &Path, planned: &Origin, now: &Origin) -> Result<(), Failure> {
+    let file = folder.join(PlanFile::NAMES[0]);
+    kufe::jobs::table::same_origin(&file.display().to_string(), planned, now)
+}
+
+/// The results of all shards; new ones are appended to the file `name`.
+fn open_store(folder: &Path, name: &str, origin: Origin) -> Result<PointStore, Failure> {
+    PointStore::of_folder(&folder.join("points"), name, origin)
+}
+
+fn write_plan(folder: &Path, plan: &PlanFile, files: OutputFiles) -> Result<(), Failure> {
+    for (name, text) in plan.files(folder)? {
+        files.write(&folder.join(name), |writer| {
+            writer.write_all(text.as_bytes())
+        })?;
     }
-    Ok(())
-}
-
-fn open_store(folder: &Path, origin: Origin) -> Result<Store, Failure> {
-    Store::open(&folder.join("points"), origin).map_err(Failure::bad_input)
-}
-
-fn write_plan(folder: &Path, manifest: &Manifest, files: OutputFiles) -> Result<(), Failure> {
-    files.draw(&folder.join("plan.json"), |path| {
-        manifest.write(path).map_err(Failure::bad_input)
-    })?;
-    let unusable =
-        |error: std::io::Error| Failure::BadInput(format!("{}: {error}", folder.display()));
-    let place = folder.canonicalize().map_err(unusable)?;
-    let kufe = std::env::current_exe().map_err(unusable)?;
-    let shards = manifest.shards;
-    let slurm = slurm_script(&kufe, &place, shards);
-    files.write(&folder.join("slurm.sh"), |writer| {
-        writer.write_all(slurm.as_bytes())
-    })?;
-    let parallel = parallel_script(&kufe, &place, shards);
-    files.write(&folder.join("parallel.sh"), |writer| {
-        writer.write_all(parallel.as_bytes())
-    })?;
     files.commit()
 }
 
-fn tell_plan(folder: &Path, manifest: &Manifest, global: &Global) {
+fn report(folder: &Path, plan: &PlanFile, global: &Global) {
     let folder = folder.display();
     if global.json {
         let report = serde_json::json!({
-            "round": manifest.round, "points": manifest.points.len(), "shards": manifest.shards
+            "round": plan.round, "points": plan.points.len(), "shards": plan.shards
         });
         say(&format!("{report}\n"));
     } else if !global.quiet {
@@ -271,9 +244,9 @@ fn tell_plan(folder: &Path, manifest: &Manifest, global: &Global) {
              Slurm          sbatch --wait {folder}/slurm.sh\n  \
              GNU parallel   sh {folder}/parallel.sh\n  \
              then           kufe lut merge {folder} -o TABLE.lut\n",
-            manifest.round,
-            manifest.points.len(),
-            manifest.shards
+            plan.round,
+            plan.points.len(),
+            plan.shards
         ));
     }
 }

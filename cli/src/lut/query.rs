@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use kufe::jobs::{Failure, table::read_table};
-use kufe_lut::{Layered, Looked, MIN_SPEED, Mode, Quantity, Table, curvature_from_pitch};
+use kufe_lut::{
+    Interpolated, Interpolator, MIN_SPEED, Mode, Quantity, Sample, Table, curvature_from_pitch,
+};
 use serde_json::{Map, Value, json};
 
 use crate::output::global::Global;
@@ -127,11 +129,17 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let mut answer = Map::new();
     let mut out_of_range = false;
     for &quantity in table.quantities() {
-        let lookup = Layered::new(&table, quantity, mode, args.rocker_radius_m).map_err(told)?;
-        let Looked {
+        let interpolator =
+            Interpolator::new(&table, quantity, mode, args.rocker_radius_m).map_err(told)?;
+        let Interpolated {
             value,
             out_of_range: outside,
-        } = lookup.at(args.fz_n, curvature, v, ice_c);
+        } = interpolator.at(Sample {
+            fz: args.fz_n,
+            curvature,
+            speed: v,
+            ice_c,
+        });
         out_of_range |= outside;
         answer.insert(quantity.key().into(), json!(value));
         let error = relative_error(&table, quantity, mode).map_err(told)?;
@@ -150,7 +158,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     answer.insert("mode".into(), json!(mode.name()));
     answer.insert("out_of_range".into(), json!(out_of_range));
-    answer.insert("version".into(), json!(table.version));
+    answer.insert("version".into(), json!(table.origin.version()));
     if global.json {
         say(&format!("{:#}\n", Value::Object(answer)));
     } else {

@@ -30,7 +30,7 @@ const fn known(
 }
 
 /// All kinds; a folder is what the first of them in it says.
-const DOCUMENTS: [Known; 21] = [
+const DOCUMENTS: [Known; 20] = [
     known(
         "result.json",
         "a solved contact",
@@ -137,19 +137,13 @@ const DOCUMENTS: [Known; 21] = [
         "plan.json",
         "the plan of a table",
         "kufe lut plan",
-        &["shards", "points", "case_sha256"],
+        &["shards", "points", "origin"],
     ),
     known(
         "import.json",
         "what was done to an imported run",
         "kufe runs import",
         &["mapping_sha256", "channels"],
-    ),
-    known(
-        "",
-        "a point of a table",
-        "kufe lut run",
-        &["point", "result", "method", "sha256"],
     ),
     known(
         "",

@@ -40,7 +40,7 @@ struct TablePage<'a> {
     quantities: Vec<QuantityData>,
     solver_error: f64,
     judged: &'static str,
-    interpolation_asked: Option<f64>,
+    interpolation_requested: Option<f64>,
     case: serde_json::Value,
     case_sha256: &'a str,
     version: &'a str,
@@ -54,7 +54,7 @@ struct QuantityData {
     /// Largest measured error by mode.
     errors: BTreeMap<&'static str, Option<f64>>,
     /// Values by layer, force and curvature.
-    values: Vec<Vec<Vec<Option<f64>>>>,
+    values: Vec<Vec<Vec<f64>>>,
 }
 
 fn data<'a>(table: &'a Table, name: &'a str) -> Result<TablePage<'a>, kufe_lut::Error> {
@@ -80,7 +80,7 @@ fn data<'a>(table: &'a Table, name: &'a str) -> Result<TablePage<'a>, kufe_lut::
             values: values(table, axes, quantity, &taken),
         });
     }
-    let mut case = table.case.clone();
+    let mut case: serde_json::Value = serde_json::from_str(&table.case).unwrap_or_default();
     without_idle_steel(&mut case);
     Ok(TablePage {
         name,
@@ -89,17 +89,17 @@ fn data<'a>(table: &'a Table, name: &'a str) -> Result<TablePage<'a>, kufe_lut::
         flush: axes.flush().map(Flush::numbers),
         layers,
         layered,
-        thinned: table.nodes().len() > taken.iter().map(Vec::len).product(),
-        nodes: table.nodes().len(),
+        thinned: table.axes().node_count() > taken.iter().map(Vec::len).product(),
+        nodes: table.axes().node_count(),
         check_count: table.checks().len(),
         by_boundary_elements: table.solved_by(Method::BoundaryElements),
         quantities,
         solver_error: table.solver_error(),
         judged: table.judged().name(),
-        interpolation_asked: table.interpolation_asked,
+        interpolation_requested: table.interpolation_requested,
         case,
-        case_sha256: &table.case_sha256,
-        version: &table.version,
+        case_sha256: table.origin.case_sha256(),
+        version: table.origin.version(),
     })
 }
 
@@ -134,9 +134,10 @@ fn values(
     axes: &Axes,
     quantity: Quantity,
     taken: &[Vec<usize>; 3],
-) -> Vec<Vec<Vec<Option<f64>>>> {
+) -> Vec<Vec<Vec<f64>>> {
     let [forces, curvatures, layers] = taken;
-    let at = |i: usize, j: usize, k: usize| table.nodes()[axes.node(i, j, k)].get(quantity);
+    let values = table.values(quantity).unwrap_or_default();
+    let at = |i: usize, j: usize, k: usize| values[axes.node(i, j, k)];
     let row = |i: usize, k: usize| curvatures.iter().map(|&j| at(i, j, k)).collect();
     let layer = |&k: &usize| forces.iter().map(|&i| row(i, k)).collect();
     layers.iter().map(layer).collect()

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use kufe_lut::{Layered, Sample};
+use kufe_lut::{Interpolator, Sample};
 
 /// Spots that a picture tells apart along each axis.
 const SPOTS: f64 = 500.0;
@@ -25,7 +25,7 @@ impl Samples {
     /// `fz` and `curvature` are what the table spans.
     pub fn new(
         samples: &[Sample],
-        lookup: &Layered,
+        interpolator: &Interpolator,
         fz: (f64, f64),
         curvature: (f64, f64),
     ) -> Self {
@@ -44,7 +44,7 @@ impl Samples {
         };
         let mut spots = [BTreeSet::new(), BTreeSet::new()];
         for s in samples {
-            let outside = lookup.at(s.fz, s.curvature, s.speed, s.ice_c).out_of_range;
+            let outside = interpolator.at(*s).out_of_range;
             at.beyond += usize::from(outside);
             if let Some(spot) = at.spot(s) {
                 spots[usize::from(outside)].insert(spot);
@@ -90,25 +90,15 @@ fn widened(range: (f64, f64), most: (f64, f64), values: impl Iterator<Item = f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kufe_lut::{Axes, Method, Mode, Quantity, Solved, Table};
+    use kufe_lut::{Axes, Figures, Mode, Quantity, Table};
 
     #[test]
     fn samples_outside_are_counted_shown_and_held_to_the_border() -> Result<(), kufe_lut::Error> {
-        let axes = Axes::new(vec![500.0, 4000.0], vec![0.0, 0.02], None)?;
-        let node = Solved {
-            p_max: 1e7,
-            p_max_error: 0.0,
-            p_mean: 6e6,
-            area: 1e-5,
-            length: 0.05,
-            width: 3e-4,
-            approach: 1e-5,
-            errors: None,
-            sliding: None,
-            method: Method::default(),
-        };
-        let table = Table::new(axes, vec![node; 4], vec![])?;
-        let lookup = Layered::new(&table, Quantity::PMax, Mode::Smooth, None)?;
+        let axes = Axes::new(vec![500.0, 4000.0], vec![0.0, 0.02])?;
+        let node = Figures::at_rest([1e7, 6e6, 1e-5, 0.05, 3e-4, 1e-5]);
+        let node = node.with_error(Quantity::PMax, 0.0);
+        let table = Table::new(axes, &[node; 4], vec![])?;
+        let lookup = Interpolator::new(&table, Quantity::PMax, Mode::Smooth, None)?;
         let at = |fz, curvature| Sample {
             fz,
             curvature,

@@ -7,7 +7,7 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use kufe_lut::{Layered, Mode, Quantity, Sample, Table};
+use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
 
 use crate::charts::samples::Samples;
 
@@ -78,9 +78,9 @@ pub fn draw(
     path: &Path,
 ) -> Result<usize, DrawTableError> {
     let slice = slice.of(table);
-    let lookup = Layered::new(table, quantity, Mode::Smooth, slice.rocker_radius)?;
-    let map = Map::new(table, &lookup, quantity, &slice);
-    let samples = Samples::new(samples, &lookup, map.fz, map.curvature);
+    let interpolator = Interpolator::new(table, quantity, Mode::Smooth, slice.rocker_radius)?;
+    let map = Map::new(table, &interpolator, quantity, &slice);
+    let samples = Samples::new(samples, &interpolator, map.fz, map.curvature);
     crate::plot::png(path, 1100, 760, &|root| {
         let (left, right) = root.split_horizontally(940);
         let heading = title_of(table, &map, &slice);
@@ -115,7 +115,7 @@ struct Map {
 }
 
 impl Map {
-    fn new(table: &Table, lookup: &Layered, quantity: Quantity, slice: &Slice) -> Self {
+    fn new(table: &Table, interpolator: &Interpolator, quantity: Quantity, slice: &Slice) -> Self {
         let (factor, unit) = match quantity {
             Quantity::PMax | Quantity::PMean => (1e-6, "MPa"),
             Quantity::Area => (1e6, "mm²"),
@@ -141,7 +141,17 @@ impl Map {
             let force = fz.0 * (fz.1 / fz.0).powf(i as f64 / CELLS as f64);
             for j in 0..=CELLS {
                 let k = curvature.0 + (curvature.1 - curvature.0) * j as f64 / CELLS as f64;
-                values.push(factor * lookup.at(force, k, speed, ice_c).value);
+                values.push(
+                    factor
+                        * interpolator
+                            .at(Sample {
+                                fz: force,
+                                curvature: k,
+                                speed,
+                                ice_c,
+                            })
+                            .value,
+                );
             }
         }
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);

@@ -3,19 +3,19 @@
 //! The library inside is the same for every table: it was compiled with this crate and reads the table from the
 //! unit's resources. So an FMU is written without a compiler.
 
-use std::io::{Cursor, Read, Seek, Write};
+use std::io::{Cursor, Read, Seek, SeekFrom, Write};
 
-use sha2::{Digest, Sha256};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
+use crate::axes::AxisKind;
 use crate::error::Error;
-use crate::export::header::{EVALUATION, layers, rocker_on_axis};
-use crate::table::layered::Layered;
-use crate::table::mode::Mode;
-use crate::table::nodes::Table;
-use crate::table::place::Axis;
-use crate::table::quantity::Quantity;
+use crate::export::escape::xml;
+use crate::export::header::{EVALUATION, LAYER_AXES, rocker_on_axis};
+use crate::file::MAX_FILE_BYTES;
+use crate::interpolator::{Interpolator, Mode};
+use crate::quantity::Quantity;
+use crate::table::{Table, sha256};
 
 static LIBRARY: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/kufe_lut_fmu.bin"));
 const PLATFORM: &str = env!("KUFE_FMU_PLATFORM");
@@ -26,7 +26,7 @@ const BUILD_DESCRIPTION: &str = include_str!("../../c/buildDescription.xml");
 const SOURCE: &str = include_str!("../../c/fmu.c");
 const INTERFACE: &str = include_str!("../../c/fmi3.h");
 
-/// What an FMU that [`Table::write_fmu`] wrote holds.
+/// The content of an FMU that [`Table::write_fmu`] wrote.
 #[derive(Clone, Debug)]
 pub struct Fmu {
     /// Its table.
@@ -38,8 +38,15 @@ pub struct Fmu {
 /// Reads the table of an FMU back.
 ///
 /// # Errors
-/// [`Error::Zip`] where it is no archive or has no table in its resources; those of [`Table::read`].
-pub fn read_fmu(reader: impl Read + Seek) -> Result<Fmu, Error> {
+/// [`Error::TooLarge`] past [`MAX_FILE_BYTES`]; [`Error::Zip`] where it is no archive or has no table in its resources; those of
+/// [`Table::read`], which bounds what the table takes when it is expanded.
+pub fn read_fmu(mut reader: impl Read + Seek) -> Result<Fmu, Error> {
+    if reader.seek(SeekFrom::End(0))? > MAX_FILE_BYTES {
+        return Err(Error::TooLarge {
+            limit: MAX_FILE_BYTES,
+        });
+    }
+    reader.rewind()?;
     let mut archive = ZipArchive::new(reader)?;
     let platform = |name: &str| {
         Some(
@@ -68,7 +75,7 @@ impl Table {
     ///
     /// # Errors
     /// [`Error::NoFmuLibrary`] where this crate was built without a C compiler; [`Error::RockerNeeded`],
-    /// [`Error::RockerOutside`]; [`Error::Zip`] and [`Error::Write`].
+    /// [`Error::RockerOutside`]; [`Error::Zip`] and [`Error::Stream`].
     pub fn write_fmu(
         &self,
         name: &str,
@@ -80,10 +87,7 @@ impl Table {
         }
         rocker_on_axis(self, rocker_radius)?;
         let numbers = self.fmu_numbers(rocker_radius)?;
-        let token: String = Sha256::digest(&numbers)
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect();
+        let token = sha256(&numbers);
         let mut table = b"KUFELUT2".to_vec();
         table.extend(token.as_bytes());
         table.extend(&numbers);
@@ -124,32 +128,29 @@ impl Table {
         numbers.extend(axes.curvature());
         let mut logarithmic = 0u32;
         for (k, &quantity) in quantities.iter().enumerate() {
-            let layered = Layered::new(self, quantity, Mode::Smooth, rocker_radius)?;
+            let smooth = Interpolator::new(self, quantity, Mode::Smooth, rocker_radius)?;
             if k == 0 {
-                let splines = layered.splines().into_iter().flatten();
-                numbers.extend(splines.flat_map(|spline| {
-                    let Axis { plain, scaled } = &spline.axis;
-                    [
-                        plain.clone(),
-                        scaled.clone(),
-                        spline.slopes.concat().concat(),
-                    ]
-                    .concat()
-                }));
+                let stack = LAYER_AXES
+                    .iter()
+                    .filter_map(|(kind, _)| smooth.layer_axis(*kind));
+                for axis in stack {
+                    numbers.extend(&axis.points.plain);
+                    numbers.extend(&axis.points.scaled);
+                    numbers.extend(axis.slopes.concat().concat());
+                }
             }
-            logarithmic |= u32::from(layered.parts().1) << k;
+            logarithmic |= u32::from(smooth.is_logarithmic()) << k;
             // The plain values do not depend on the mode but at a rocker radius between breakpoints, which exports refuse.
-            let (values, jets) = layers(&layered);
-            numbers.extend(values);
-            numbers.extend(jets);
+            numbers.extend(smooth.values());
+            numbers.extend(smooth.flat_jets());
         }
-        let length = |axis: Option<&[f64]>| axis.map_or(0, <[f64]>::len) as u32;
+        let length = |kind| axes.get(kind).map_or(0, <[f64]>::len) as u32;
         let mut bytes = Vec::new();
         for count in [
-            axes.fz().len() as u32,
-            axes.curvature().len() as u32,
-            length(axes.speed()),
-            length(axes.ice_c()),
+            length(AxisKind::Fz),
+            length(AxisKind::Curvature),
+            length(AxisKind::Speed),
+            length(AxisKind::IceTemperature),
             quantities.len() as u32,
             logarithmic,
             u32::from(axes.flush().is_some()),
@@ -161,10 +162,10 @@ impl Table {
         Ok(bytes)
     }
 
-    /// The peak pressure, and what a runner that slides has besides.
+    /// The peak pressure, and the further quantities of a runner that slides.
     fn fmu_quantities(&self) -> Vec<Quantity> {
-        let beyond = self.quantities().len().min(Quantity::of(false).len());
-        let sliding = self.quantities()[beyond..].iter().copied();
+        let at_rest = Quantity::of(false).len();
+        let sliding = self.quantities()[at_rest..].iter().copied();
         std::iter::once(Quantity::PMax).chain(sliding).collect()
     }
 
@@ -192,7 +193,7 @@ impl Table {
                 "    <Float64 name=\"{}\" valueReference=\"{reference}\" causality=\"output\" variability=\"continuous\"{unit} \
                  description=\"{}\"/>\n",
                 quantity.name(),
-                quantity.title()
+                xml(quantity.title())
             );
             *outputs += &format!(
                 "    <Output valueReference=\"{reference}\" dependencies=\"1 2 3 4 {ICE_C}\"/>\n"
@@ -202,10 +203,10 @@ impl Table {
             );
         }
         DESCRIPTION
-            .replace("@name@", &escape(name))
+            .replace("@name@", &xml(name))
             .replace("@token@", token)
-            .replace("@version@", &escape(&self.version))
-            .replace("@case@", &escape(&self.case_sha256))
+            .replace("@version@", &xml(self.origin.version()))
+            .replace("@case@", &xml(self.origin.case_sha256()))
             .replace("@fz@", &self.axes().fz()[0].to_string())
             .replace("@units@", units)
             .replace("@variables@", variables)
@@ -215,18 +216,5 @@ impl Table {
     }
 }
 
-/// Value reference of the temperature of the ice; those of what sliding adds follow.
+/// Value reference of the temperature of the ice; those of the outputs of sliding follow.
 const ICE_C: usize = 9;
-
-fn escape(text: &str) -> String {
-    text.chars()
-        .filter(|c| !c.is_control())
-        .map(|c| match c {
-            '&' => "&amp;".into(),
-            '<' => "&lt;".into(),
-            '>' => "&gt;".into(),
-            '"' => "&quot;".into(),
-            c => c.to_string(),
-        })
-        .collect()
-}

@@ -3,10 +3,15 @@
 use std::fmt::Write as _;
 use std::io::Write;
 
+use crate::axes::AxisKind;
 use crate::error::Error;
-use crate::table::layered::{Layered, Spline};
-use crate::table::mode::Mode;
-use crate::table::nodes::Table;
+use crate::export::escape::{comment, identifier};
+use crate::interpolator::{Interpolator, LayerAxis, Mode};
+use crate::table::Table;
+
+/// The axes along which layers lie, as C code has them.
+pub(crate) const LAYER_AXES: [(AxisKind, &str); 2] =
+    [(AxisKind::Speed, "v"), (AxisKind::IceTemperature, "ice")];
 
 /// The evaluation in C, shared by headers and FMUs.
 pub(crate) const EVALUATION: &str = include_str!("../../c/kufe_lut.h");
@@ -20,7 +25,7 @@ impl Table {
     /// breakpoint of the rocker axis where the table has one [m].
     ///
     /// # Errors
-    /// [`Error::RockerNeeded`] and [`Error::RockerOutside`] as [`Lookup::with_rocker`]; [`Error::Write`].
+    /// [`Error::RockerNeeded`] and [`Error::RockerOutside`] as [`Interpolator::new`]; [`Error::Stream`].
     pub fn write_header(
         &self,
         name: &str,
@@ -47,23 +52,22 @@ impl Table {
         };
         let layered = self.axes().is_sliding();
         if layered {
-            let smooth = Layered::new(self, self.judged(), Mode::Smooth, rocker_radius)?;
-            for (spline, axis) in smooth.splines().into_iter().zip(["v", "ice"]) {
-                text += &spline_text(spline, &format!("{name}_{axis}"));
+            let smooth = Interpolator::new(self, self.judged(), Mode::Smooth, rocker_radius)?;
+            for (kind, axis) in LAYER_AXES {
+                text += &layer_axis(smooth.layer_axis(kind), &format!("{name}_{axis}"));
             }
         }
         for &quantity in self.quantities() {
             let own = format!("{name}_{}", quantity.name());
-            let smooth = Layered::new(self, quantity, Mode::Smooth, rocker_radius)?;
-            let (values, jets) = layers(&smooth);
+            let smooth = Interpolator::new(self, quantity, Mode::Smooth, rocker_radius)?;
             text += &format!("/* {} [{}] */\n", quantity.key(), quantity.unit());
-            array(&mut text, &format!("{own}_values"), &values);
-            array(&mut text, &format!("{own}_jets"), &jets);
+            array(&mut text, &format!("{own}_values"), smooth.values());
+            array(&mut text, &format!("{own}_jets"), &smooth.flat_jets());
             let table = format!(
                 "{{ {}, {}, {name}_fz, {name}_log_fz, {name}_curvature, {flush}, {own}_values, {own}_jets, {} }}",
                 fz.len(),
                 curvature.len(),
-                u8::from(smooth.parts().1)
+                u8::from(smooth.is_logarithmic())
             );
             let (kind, table, further, given) = if layered {
                 let table = format!("{{ {table}, &{name}_v, &{name}_ice }}");
@@ -75,7 +79,7 @@ impl Table {
             let of_layers = if layered { "layers_" } else { "" };
             for mode in Mode::ALL.map(Mode::name) {
                 text += &format!(
-                    "static KUFE_LUT_UNUSED kufe_lut_looked {own}_{mode}(double fz, double curvature{further}) {{\n  \
+                    "static KUFE_LUT_UNUSED kufe_lut_interpolated {own}_{mode}(double fz, double curvature{further}) {{\n  \
                      return kufe_lut_{of_layers}{mode}(&{own}, fz, curvature{given});\n}}\n"
                 );
             }
@@ -95,8 +99,8 @@ impl Table {
             } else {
                 ""
             },
-            self.version.replace("*/", ""),
-            self.case_sha256.replace("*/", ""),
+            comment(self.origin.version()),
+            comment(self.origin.case_sha256()),
             self.judged().title(),
             self.solver_error()
         );
@@ -112,38 +116,29 @@ impl Table {
     }
 }
 
-/// Values and jets of all layers, one after the other.
-pub(crate) fn layers(layered: &Layered) -> (Vec<f64>, Vec<f64>) {
-    let layers = layered.parts().0.iter();
-    let values = layers.clone().flat_map(|layer| layer.parts().0).copied();
-    let jets = layers.flat_map(|layer| layer.parts().1);
-    let jets = jets.flat_map(|j| [j.f, j.fx, j.fy, j.fxy]);
-    (values.collect(), jets.collect())
-}
-
 /// An axis of layers with its arrays.
-fn spline_text(spline: Option<&Spline>, name: &str) -> String {
+fn layer_axis(axis: Option<&LayerAxis>, name: &str) -> String {
     let mut text = String::new();
-    let definition = match spline {
+    let definition = match axis {
         None => "{ 0, 0, 0, 0, 0 }".to_string(),
-        Some(spline) => {
-            array(&mut text, &format!("{name}_values"), &spline.axis.plain);
-            array(&mut text, &format!("{name}_scaled"), &spline.axis.scaled);
-            let mut slopes = spline.slopes.concat().concat();
+        Some(axis) => {
+            array(&mut text, &format!("{name}_values"), &axis.points.plain);
+            array(&mut text, &format!("{name}_scaled"), &axis.points.scaled);
+            let mut slopes = axis.slopes.concat().concat();
             // One breakpoint has no cell, and C no empty array.
             slopes.resize(slopes.len().max(1), 0.0);
             array(&mut text, &format!("{name}_slopes"), &slopes);
             format!(
                 "{{ {}, {name}_values, {name}_scaled, {name}_slopes, {} }}",
-                spline.axis.plain.len(),
-                u8::from(spline.logarithmic)
+                axis.points.plain.len(),
+                u8::from(axis.points.kind.is_logarithmic())
             )
         }
     };
     text + &format!("static KUFE_LUT_UNUSED const kufe_lut_axis {name} = {definition};\n")
 }
 
-/// The table's rocker radii hold no value between them for an export: they must be met.
+/// An export has no rocker axis: its radius must be a breakpoint.
 pub(crate) fn rocker_on_axis(table: &Table, rocker_radius: Option<f64>) -> Result<(), Error> {
     match (table.axes().rocker_radius(), rocker_radius) {
         (Some(radii), Some(value)) if !radii.contains(&value) => {
@@ -155,18 +150,6 @@ pub(crate) fn rocker_on_axis(table: &Table, rocker_radius: Option<f64>) -> Resul
         }
         _ => Ok(()),
     }
-}
-
-/// Letters, digits and underscores, not starting with a digit.
-pub(crate) fn identifier(name: &str) -> String {
-    let mut id: String = name
-        .chars()
-        .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })
-        .collect();
-    if id.is_empty() || id.starts_with(|c: char| c.is_ascii_digit()) {
-        id.insert_str(0, "lut_");
-    }
-    id
 }
 
 fn array(text: &mut String, name: &str, values: &[f64]) {

@@ -1,10 +1,255 @@
-//! A table as a MATLAB version 5 MAT-file.
+//! MATLAB version 5 MAT-files, uncompressed: variables of numbers, text, structures and cells; and tables in that form.
+//!
+//! Layout after MathWorks, "MAT-File Format" (version 5): a 128-byte header, then one `miMATRIX` element
+//! a variable, each made of tagged parts padded to 8 bytes. Everything is little-endian.
 
-use std::io::Write;
+use std::io::{Error, Result, Write};
 
-use crate::error::Error;
-use crate::export::mat_file::{MatValue, write_mat_file};
-use crate::table::nodes::Table;
+use serde_json::Value;
+
+use crate::table::Table;
+use crate::unit::unit_of;
+
+const MI_INT8: u32 = 1;
+const MI_UINT16: u32 = 4;
+const MI_INT32: u32 = 5;
+const MI_UINT32: u32 = 6;
+const MI_DOUBLE: u32 = 9;
+const MI_MATRIX: u32 = 14;
+const MX_CELL: u32 = 1;
+const MX_STRUCT: u32 = 2;
+const MX_CHAR: u32 = 4;
+const MX_DOUBLE: u32 = 6;
+/// Longest name that MATLAB takes, and with the zero after it.
+const LONGEST: usize = 63;
+
+/// A variable of a MAT-file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MatValue {
+    /// Numbers over a shape, the first dimension fastest.
+    Numbers(Vec<usize>, Vec<f64>),
+    /// A line of text.
+    Text(String),
+    /// A row of structures: the names of their fields, and the fields' values structure by structure.
+    Structures(Vec<String>, Vec<Vec<MatValue>>),
+    /// A row of anything.
+    Cells(Vec<MatValue>),
+}
+
+impl MatValue {
+    /// One number.
+    pub fn number(value: f64) -> Self {
+        MatValue::Numbers(vec![1, 1], vec![value])
+    }
+
+    /// Numbers as a row.
+    pub fn row(values: Vec<f64>) -> Self {
+        MatValue::Numbers(vec![1, values.len()], values)
+    }
+
+    /// One structure of named fields.
+    pub fn structure(fields: Vec<(String, MatValue)>) -> Self {
+        let (names, values) = fields.into_iter().unzip();
+        MatValue::Structures(names, vec![values])
+    }
+
+    /// What JSON holds: numbers, true as 1, null as NaN; lists of numbers as rows, of objects as rows of structures with the fields of them
+    /// all (an empty array where one has none), other lists as cells; objects as structures.
+    pub fn of_json(value: &Value) -> Self {
+        let number = |value: &Value| match value {
+            Value::Null => Some(f64::NAN),
+            Value::Bool(holds) => Some(f64::from(u8::from(*holds))),
+            value => value.as_f64(),
+        };
+        match value {
+            Value::String(text) => MatValue::Text(text.clone()),
+            Value::Object(_) => objects(std::slice::from_ref(value)),
+            Value::Array(list) => {
+                if let Some(numbers) = list.iter().map(number).collect() {
+                    MatValue::row(numbers)
+                } else if list.iter().all(Value::is_object) {
+                    objects(list)
+                } else {
+                    MatValue::Cells(list.iter().map(MatValue::of_json).collect())
+                }
+            }
+            value => MatValue::number(number(value).unwrap_or(f64::NAN)),
+        }
+    }
+
+    fn element(&self, name: &str) -> Vec<u8> {
+        match self {
+            MatValue::Numbers(shape, values) => doubles(name, shape, values),
+            MatValue::Text(text) => characters(name, text),
+            MatValue::Structures(names, rows) => {
+                // In one word with its tag, as MATLAB does: Octave takes the length of names in no other form.
+                let mut data = [MI_INT32 | 4 << 16, LONGEST as u32 + 1]
+                    .iter()
+                    .flat_map(|word| word.to_le_bytes())
+                    .collect::<Vec<u8>>();
+                let mut table = vec![0; names.len() * (LONGEST + 1)];
+                for (to, name) in table.chunks_exact_mut(LONGEST + 1).zip(names) {
+                    let name = variable_name(name);
+                    to[..name.len()].copy_from_slice(name.as_bytes());
+                }
+                data.extend(part(MI_INT8, &table));
+                data.extend(rows.iter().flatten().flat_map(|value| value.element("")));
+                matrix(MX_STRUCT, name, &[1, rows.len()], &data)
+            }
+            MatValue::Cells(values) => {
+                let data: Vec<u8> = values.iter().flat_map(|v| v.element("")).collect();
+                matrix(MX_CELL, name, &[1, values.len()], &data)
+            }
+        }
+    }
+}
+
+fn objects(list: &[Value]) -> MatValue {
+    let mut names: Vec<String> = Vec::new();
+    for key in list.iter().filter_map(Value::as_object).flatten() {
+        if !names.contains(key.0) {
+            names.push(key.0.clone());
+        }
+    }
+    let of = |object: &Value, name: &String| match object.get(name) {
+        Some(value) => MatValue::of_json(value),
+        None => MatValue::Numbers(vec![0, 0], Vec::new()),
+    };
+    let row = |object: &Value| names.iter().map(|name| of(object, name)).collect();
+    let rows = list.iter().map(row).collect();
+    MatValue::Structures(names, rows)
+}
+
+/// Writes variables as a MAT-file of version 5, `version` being that of kufe, and after them `units`: a structure with the unit of each
+/// name of numbers that has one.
+///
+/// # Errors
+/// Those of the writer, and where a variable is longer than the format's 2 GiB.
+pub fn write_mat_file(
+    writer: &mut dyn Write,
+    version: &str,
+    mut variables: Vec<(String, MatValue)>,
+) -> Result<()> {
+    variables.push(("units".into(), units(&variables)));
+    writer.write_all(&header(version))?;
+    for (name, value) in &variables {
+        let element = value.element(&variable_name(name));
+        if element.len() > i32::MAX as usize {
+            return Err(Error::other(format!(
+                "{name} takes {} bytes: a MAT-file of version 5 holds variables up to 2 GiB",
+                element.len()
+            )));
+        }
+        writer.write_all(&element)?;
+    }
+    Ok(())
+}
+
+/// A structure with the unit of each name of numbers in the variables that has one, those of structures' fields among them.
+fn units(variables: &[(String, MatValue)]) -> MatValue {
+    let mut names = Vec::new();
+    for (name, value) in variables {
+        names_in(name, value, &mut names);
+    }
+    let units = names
+        .iter()
+        .filter_map(|name| Some((name.to_string(), MatValue::Text(unit(name)?))));
+    MatValue::structure(units.collect())
+}
+
+/// The names of numbers, each once.
+fn names_in<'a>(name: &'a str, value: &'a MatValue, names: &mut Vec<&'a str>) {
+    match value {
+        MatValue::Numbers(..) if !names.contains(&name) => names.push(name),
+        MatValue::Structures(fields, rows) => {
+            for row in rows {
+                for (field, value) in fields.iter().zip(row) {
+                    names_in(field, value, names);
+                }
+            }
+        }
+        MatValue::Cells(values) => values.iter().for_each(|v| names_in(name, v, names)),
+        _ => {}
+    }
+}
+
+/// A name that MATLAB takes: letters, digits and underscores, a letter first, at most 63.
+fn variable_name(name: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+    let first = name.chars().next().is_some_and(|c| c.is_ascii_alphabetic());
+    let start = if first { "" } else { "x" };
+    let name = start.chars().chain(name.chars().map(plain));
+    name.take(LONGEST).collect()
+}
+
+/// The first 128 bytes.
+fn header(version: &str) -> [u8; 128] {
+    let text = format!("MATLAB 5.0 MAT-file, written by kufe {version}");
+    let mut head = [b' '; 128];
+    for (to, from) in head[..116].iter_mut().zip(text.bytes()) {
+        *to = from;
+    }
+    head[116..124].fill(0);
+    head[124..].copy_from_slice(&[0x00, 0x01, b'I', b'M']);
+    head
+}
+
+/// An array of numbers, the first dimension fastest.
+fn doubles(name: &str, shape: &[usize], values: &[f64]) -> Vec<u8> {
+    let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    matrix(MX_DOUBLE, name, shape, &part(MI_DOUBLE, &data))
+}
+
+/// A row of characters.
+fn characters(name: &str, text: &str) -> Vec<u8> {
+    let units: Vec<u16> = text.encode_utf16().collect();
+    let data: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();
+    let shape = [1, units.len()];
+    matrix(MX_CHAR, name, &shape, &part(MI_UINT16, &data))
+}
+
+fn matrix(class: u32, name: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
+    let flags: Vec<u8> = [class, 0].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let sizes: Vec<u8> = shape
+        .iter()
+        .flat_map(|&length| (length as i32).to_le_bytes())
+        .collect();
+    let mut body = part(MI_UINT32, &flags);
+    body.extend(part(MI_INT32, &sizes));
+    body.extend(part(MI_INT8, name.as_bytes()));
+    body.extend(data);
+    part(MI_MATRIX, &body)
+}
+
+/// A tag, its bytes, and zeros up to a multiple of 8.
+fn part(kind: u32, bytes: &[u8]) -> Vec<u8> {
+    let mut part = Vec::with_capacity(bytes.len() + 16);
+    part.extend(kind.to_le_bytes());
+    part.extend((bytes.len() as u32).to_le_bytes());
+    part.extend(bytes);
+    part.resize(part.len().next_multiple_of(8), 0);
+    part
+}
+
+/// The unit of a name that has one, in MATLAB's spelling.
+fn unit(name: &str) -> Option<String> {
+    let unit = unit_of(name);
+    let unit = match &*unit {
+        "" => return None,
+        "deg C" => "degC",
+        "bytes" => "B",
+        other => other,
+    };
+    // A digit after a letter is a power: m2 is m^2.
+    let mut spelled = String::new();
+    for letter in unit.chars() {
+        if letter.is_ascii_digit() && spelled.ends_with(|c: char| c.is_ascii_alphabetic()) {
+            spelled.push('^');
+        }
+        spelled.push(letter);
+    }
+    Some(spelled)
+}
 
 impl Table {
     /// Writes the axes (`fz_n`, `curvature_1pm`, perhaps `rocker_radius_m`, `v_mps`, `ice_c`, as rows) and every figure as an array
@@ -16,11 +261,11 @@ impl Table {
     /// In Simulink's n-D Lookup Table: breakpoints 1 `fz_n`, breakpoints 2 `curvature_1pm`, table data `p_max_pa`.
     ///
     /// # Errors
-    /// [`Error::Write`] where the writer fails.
-    pub fn write_mat(&self, writer: &mut dyn Write) -> Result<(), Error> {
+    /// [`crate::Error::Stream`] where the writer fails.
+    pub fn write_mat(&self, writer: &mut dyn Write) -> std::result::Result<(), crate::Error> {
         let axes = self.axes();
         let named = axes.named();
-        let shape: Vec<usize> = named.iter().map(|(_, _, values)| values.len()).collect();
+        let shape = axes.shape();
         let rows = named
             .iter()
             .map(|(name, _, values)| (name.to_string(), MatValue::row(values.to_vec())));
@@ -34,30 +279,56 @@ impl Table {
             let curvatures = over_nodes(&|node| points[node].curvature);
             variables.push(("curvature_1pm".into(), curvatures));
         }
-        for (n, key) in self.keys().into_iter().enumerate() {
-            let figures = over_nodes(&|node| self.nodes()[node].figures()[n]);
-            variables.push((key.to_string(), figures));
+        for (&quantity, column) in self.columns() {
+            let values = over_nodes(&|node| column.values[node]);
+            variables.push((quantity.key().into(), values));
+            if let Some(errors) = &column.errors {
+                let errors = over_nodes(&|node| errors[node]);
+                variables.push((quantity.error_key().into(), errors));
+            }
         }
         for (name, text) in [
-            ("case_json", self.case.to_string()),
-            ("case_sha256", self.case_sha256.clone()),
-            ("version", self.version.clone()),
+            ("case_json", self.case.as_str()),
+            ("case_sha256", self.origin.case_sha256()),
+            ("version", self.origin.version()),
         ] {
-            variables.push((name.into(), MatValue::Text(text)));
+            variables.push((name.into(), MatValue::Text(text.into())));
         }
-        Ok(write_mat_file(writer, &self.version, variables)?)
+        Ok(write_mat_file(writer, self.origin.version(), variables)?)
     }
 
     /// A value of every node, force fastest.
     fn column_major(&self, shape: &[usize], value: &dyn Fn(usize) -> f64) -> Vec<f64> {
-        let count = self.nodes().len();
+        let count = self.axes().node_count();
         let node = |n: usize| {
             // Breakpoints from the first axis on, numbered with the last axis fastest.
-            let (node, _) = shape.iter().fold((0, n), |(node, left), &length| {
-                (node * length + left % length, left / length)
+            let (node, _) = shape.iter().fold((0, n), |(node, rest), &length| {
+                (node * length + rest % length, rest / length)
             });
             node
         };
         (0..count).map(|n| value(node(n))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_spelled_as_matlab_has_them() {
+        for (name, spelled) in [
+            ("area_m2", "m^2"),
+            ("j_zz_kgm2", "kg m^2"),
+            ("ax_mps2", "m/s^2"),
+            ("curvature_1pm", "1/m"),
+            ("ice_c", "degC"),
+            ("melt_rate_kgps", "kg/s"),
+            ("k_n_per_rad", "N/rad"),
+            ("peak_memory_bytes", "B"),
+        ] {
+            assert_eq!(unit(name).as_deref(), Some(spelled), "{name}");
+        }
+        assert_eq!(unit("dofs"), None);
     }
 }

@@ -1,15 +1,54 @@
-//! The forms that other programs read: CSV, MAT, C headers, blocks for Simulink, FMUs and pictures.
+//! The forms that other programs read: CSV, MAT-files, C headers, blocks for Simulink, FMUs, and scripts for clusters.
 
-pub(crate) mod csv;
-pub(crate) mod fmu;
-pub(crate) mod header;
-pub(crate) mod mat;
-pub(crate) mod mat_file;
-mod mat_units;
-mod sample;
-pub(crate) mod simulink;
+mod escape;
+mod fmu;
+mod header;
+mod mat;
+mod script;
+mod simulink;
 
 pub use fmu::{Fmu, read_fmu};
-pub use mat_file::{MatValue, write_mat_file};
-pub use sample::Sample;
+pub use mat::{MatValue, write_mat_file};
+pub use script::{parallel_script, slurm_script};
 pub use simulink::simulink_files;
+
+use std::io::Write;
+
+use crate::error::Error;
+use crate::quantity::{Figures, Quantity};
+use crate::table::Table;
+
+/// Reads one figure of a node.
+type Figure = fn(&Figures, Quantity) -> Option<f64>;
+
+impl Table {
+    /// Keys of the figures of every node, each with what reads it: values, and errors where there are such.
+    fn figures(&self) -> Vec<(&'static str, Quantity, Figure)> {
+        let figures = self.columns().iter().flat_map(|(&quantity, column)| {
+            let value = (quantity.key(), quantity, Figures::get as Figure);
+            let error = (quantity.error_key(), quantity, Figures::error as Figure);
+            std::iter::once(value).chain(column.errors.as_ref().map(|_| error))
+        });
+        figures.collect()
+    }
+
+    /// Writes the nodes as CSV: the axes, then the figures, each with its unit in its name.
+    ///
+    /// # Errors
+    /// [`Error::Csv`] where the writer fails.
+    pub fn write_csv(&self, writer: &mut dyn Write) -> Result<(), Error> {
+        let mut csv = csv::Writer::from_writer(writer);
+        let points = self.axes().points();
+        let figures = self.figures();
+        let axes = points[0].named().map(|(key, _)| key);
+        csv.write_record(axes.chain(figures.iter().map(|(key, ..)| *key)))?;
+        for (point, node) in points.iter().zip(self.nodes()) {
+            let values = figures.iter().filter_map(|(_, q, read)| read(&node, *q));
+            let row = point.named().map(|(_, value)| value).chain(values);
+            // `{}` of an f64 is the shortest text that reads back as the same bits.
+            csv.write_record(row.map(|value| value.to_string()))?;
+        }
+        csv.flush()?;
+        Ok(())
+    }
+}

@@ -3,9 +3,11 @@
 use std::io::Write;
 
 use crate::error::Error;
-use crate::export::header::{identifier, rocker_on_axis};
-use crate::table::mode::Mode;
-use crate::table::nodes::Table;
+use crate::export::escape::{comment, identifier, matlab_string};
+use crate::export::header::rocker_on_axis;
+use crate::interpolator::Mode;
+use crate::quantity::Quantity;
+use crate::table::Table;
 
 /// An input or output of the block: its name with the unit, and that unit as Simulink writes it.
 struct Port {
@@ -34,7 +36,7 @@ impl Table {
     /// Sources: MathWorks, "Create C S-Functions" (Simulink): the four callbacks that a level-2 S-function must have.
     ///
     /// # Errors
-    /// [`Error::RockerNeeded`] and [`Error::RockerOutside`] as [`Table::write_header`]; [`Error::Write`].
+    /// [`Error::RockerNeeded`] and [`Error::RockerOutside`] as [`Table::write_header`]; [`Error::Stream`].
     pub fn write_s_function(
         &self,
         name: &str,
@@ -47,14 +49,14 @@ impl Table {
         let given: Vec<String> = (0..inputs.len())
             .map(|k| format!("*ssGetInputPortRealSignal(S, {k})"))
             .collect();
-        let mut lookups = String::new();
+        let mut outputs_text = String::new();
         for (k, quantity) in self.quantities().iter().enumerate() {
             let own = format!("{name}_{}", quantity.name());
             let [smooth, bilinear] = [Mode::Smooth, Mode::Bilinear]
                 .map(|mode| format!("{own}_{}({})", mode.name(), given.join(", ")));
-            lookups += &format!(
-                "  looked = smooth ? {smooth} : {bilinear};\n  *ssGetOutputPortRealSignal(S, {k}) = looked.value;\n  \
-                 outside |= looked.out_of_range;\n"
+            outputs_text += &format!(
+                "  found = smooth ? {smooth} : {bilinear};\n  *ssGetOutputPortRealSignal(S, {k}) = found.value;\n  \
+                 outside |= found.out_of_range;\n"
             );
         }
         let listed = |ports: &[Port]| {
@@ -76,11 +78,11 @@ impl Table {
              static void mdlInitializeSampleTimes(SimStruct *S) {{\n  ssSetSampleTime(S, 0, INHERITED_SAMPLE_TIME);\n  \
              ssSetOffsetTime(S, 0, 0.0);\n}}\n\n\
              static void mdlOutputs(SimStruct *S, int_T tid) {{\n  const int smooth = mxGetScalar(ssGetSFcnParam(S, 0)) < 1.5;\n  \
-             int outside = 0;\n  kufe_lut_looked looked;\n  (void)tid;\n{lookups}  \
+             int outside = 0;\n  kufe_lut_interpolated found;\n  (void)tid;\n{outputs_text}  \
              *ssGetOutputPortRealSignal(S, {last}) = outside;\n}}\n\n\
              static void mdlTerminate(SimStruct *S) {{ (void)S; }}\n\n\
              #ifdef MATLAB_MEX_FILE\n#include \"simulink.c\"\n#else\n#include \"cg_sfun.h\"\n#endif\n",
-            version = self.version.replace("*/", ""),
+            version = comment(self.origin.version()),
             ins = listed(&inputs),
             outs = listed(&outputs),
             inputs = inputs.len(),
@@ -95,20 +97,26 @@ impl Table {
     /// the table's columns, the block's parameter chooses the mode.
     ///
     /// # Errors
-    /// [`Error::Write`].
+    /// [`Error::Stream`].
     pub fn write_simulink_script(&self, name: &str, writer: &mut dyn Write) -> Result<(), Error> {
         let name = identifier(name);
         let (inputs, outputs) = self.ports();
         let list = |ports: &[Port]| {
             let rows: Vec<String> = ports
                 .iter()
-                .map(|port| format!("'{}', '{}'", port.name, port.unit))
+                .map(|port| {
+                    format!(
+                        "'{}', '{}'",
+                        matlab_string(port.name),
+                        matlab_string(port.unit)
+                    )
+                })
                 .collect();
             rows.join("; ")
         };
         let text = format!(
             "% Builds the library {name}_lib with the block of lookup table {name}. By kufe {version}.\n\
-             % Call it in MATLAB with Simulink and a C compiler (mex -setup C); {name}.h and {name}_sfun.c stand beside it.\n\
+             % Call it in MATLAB with Simulink and a C compiler (mex -setup C); {name}.h and {name}_sfun.c are in the same folder.\n\
              function build_{name}()\n\
              here = fileparts(mfilename('fullpath'));\n\
              mex('-outdir', here, fullfile(here, '{name}_sfun.c'));\n\
@@ -142,11 +150,13 @@ impl Table {
              else\n      \
              add_line(block, sprintf('table/%d', n), sprintf('%s/1', listed{{n, 1}}));\n    \
              end\n  end\n  end\nend\n",
-            version = self.version.replace('\n', " "),
+            version = comment(self.origin.version()),
             bottom = 60 + 40 * outputs.len(),
             ins = list(&inputs),
             outs = list(&outputs),
-            described = "Figures of a contact over normal force and track curvature; out_of_range is 1 where an input was clipped",
+            described = matlab_string(
+                "Figures of a contact over normal force and track curvature; out_of_range is 1 where an input was clipped"
+            ),
         );
         writer.write_all(text.as_bytes())?;
         Ok(())
@@ -158,7 +168,7 @@ impl Table {
         if self.axes().is_sliding() {
             inputs.extend([port("v_mps", "m/s"), port("ice_c", "degC")]);
         }
-        let of = |quantity: &crate::Quantity| match quantity.unit() {
+        let of = |quantity: &Quantity| match quantity.unit() {
             "m2" => port(quantity.key(), "m^2"),
             unit => port(quantity.key(), unit),
         };

@@ -1,14 +1,206 @@
-//! Filling a table: given points, or points placed until the interpolation is as good as asked.
+//! Filling a table: given points, or points placed until the interpolation is as accurate as requested.
 
-pub(crate) mod batches;
-pub(crate) mod each;
-pub(crate) mod grid;
-pub(crate) mod halve;
-pub(crate) mod known;
-pub(crate) mod misses;
-pub(crate) mod plan;
-pub(crate) mod refine;
+mod grid;
+mod parallel;
+mod plan;
+mod refine;
 
-pub use batches::{SweepError, Swept, sweep, sweep_batches};
-pub use each::each;
+pub use parallel::each;
 pub use plan::{Plan, Spacing};
+
+use crate::axes::Point;
+use crate::error::Error;
+use crate::quantity::Figures;
+use crate::solve::Solve;
+use crate::sweep::grid::{Grid, spread};
+use crate::sweep::refine::{Refinement, refine};
+use crate::table::{Table, check_finite};
+
+/// A failed sweep.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError<E: std::error::Error + 'static> {
+    /// The plan or the table is at fault.
+    #[error(transparent)]
+    Table(#[from] Error),
+    /// A solve failed.
+    #[error("{point}: {source}")]
+    Solve {
+        /// The point.
+        point: Point,
+        /// The solver's error.
+        source: E,
+    },
+}
+
+/// A table and whether refinement reached its tolerance.
+#[derive(Debug)]
+pub struct SweepResult {
+    /// The table; complete and usable in any case.
+    pub table: Table,
+    /// [`Error::ToleranceNotReached`] where refinement ran into a limit.
+    pub shortfall: Option<Error>,
+}
+
+/// Solves a batch of points, results in their order.
+type SolveBatch<'a, E> = dyn FnMut(&[Point]) -> Result<Vec<Figures>, E> + 'a;
+
+/// Solves the contacts of a plan, points in parallel, and makes the table.
+///
+/// Every point is solved by itself, from nothing but its coordinates, so the table is the same to the last bit for any number of
+/// threads, after an interruption, and when the points were solved on several machines.
+/// `solve` is called once a point; several calls run at once.
+///
+/// # Errors
+/// [`SweepError::Solve`] with the first failed point in sweep order; [`SweepError::Table`] where the plan's axes
+/// are not usable or a figure is not finite.
+///
+/// ```
+/// use kufe_lut::{Figures, Plan, Quantity, Spacing, sweep};
+/// let plan = Plan::new(Spacing::Range { from: 200.0, to: 8000.0 }, Spacing::Values(vec![0.0, 0.01, 0.02]));
+/// let swept = sweep(&plan, |point| {
+///     let p_max = 1e8 * (point.fz / 1000.0).cbrt() * (1.0 - 10.0 * point.curvature);
+///     let figures = Figures::at_rest([p_max, p_max / 1.5, 1e-5, 0.05, 3e-4, 1e-5]);
+///     Ok::<_, std::convert::Infallible>(figures.with_error(Quantity::PMax, 0.0))
+/// })?;
+/// assert!(swept.shortfall.is_none());
+/// # Ok::<(), kufe_lut::SweepError<std::convert::Infallible>>(())
+/// ```
+pub fn sweep<E>(
+    plan: &Plan,
+    solve: impl Fn(&Point) -> Result<Figures, E> + Sync,
+) -> Result<SweepResult, SweepError<E>>
+where
+    E: std::error::Error + Send + 'static,
+{
+    sweep_batches(plan, |points| {
+        let solved: Vec<Result<Figures, E>> = each(points, &solve);
+        let pairs = points.iter().zip(solved);
+        pairs
+            .map(|(&point, solved)| solved.map_err(|source| SweepError::Solve { point, source }))
+            .collect()
+    })
+}
+
+/// The state of a sweep whose results are stored.
+#[derive(Debug)]
+pub enum Progress {
+    /// These points are to be solved; `missing` of them have no result yet.
+    Batch {
+        /// The whole batch.
+        points: Vec<Point>,
+        /// Number of the batch, from 1.
+        round: usize,
+        /// Number of points without a result.
+        missing: usize,
+        /// The first of those.
+        first: Point,
+    },
+    /// Every point has its result.
+    Finished(Box<SweepResult>),
+}
+
+/// Replays a sweep from stored results: its table, or the first batch that is not complete.
+///
+/// # Errors
+/// The plan's own errors.
+pub fn replay(plan: &Plan, stored: impl Fn(&Point) -> Option<Figures>) -> Result<Progress, Error> {
+    enum Stop {
+        Missing(Progress),
+        Failed(Error),
+    }
+    impl From<Error> for Stop {
+        fn from(error: Error) -> Self {
+            Stop::Failed(error)
+        }
+    }
+    let mut round = 0;
+    let swept = sweep_batches(plan, |points| {
+        round += 1;
+        let (mut solved, mut missing) = (Vec::with_capacity(points.len()), Vec::new());
+        for point in points {
+            match stored(point) {
+                Some(figures) => solved.push(figures),
+                None => missing.push(*point),
+            }
+        }
+        match missing.first() {
+            None => Ok(solved),
+            Some(&first) => Err(Stop::Missing(Progress::Batch {
+                points: points.to_vec(),
+                round,
+                missing: missing.len(),
+                first,
+            })),
+        }
+    });
+    match swept {
+        Ok(swept) => Ok(Progress::Finished(Box::new(swept))),
+        Err(Stop::Missing(batch)) => Ok(batch),
+        Err(Stop::Failed(error)) => Err(error),
+    }
+}
+
+/// As [`sweep`], with the points given in batches that may be solved anywhere in any order.
+///
+/// The batches follow from the plan and the results so far alone, so a sweep can be replayed from stored results. A
+/// batch never repeats a point.
+///
+/// # Errors
+/// Those of `solve`, and an [`Error`] of the plan or its results.
+pub fn sweep_batches<E: From<Error>>(
+    plan: &Plan,
+    mut solve: impl FnMut(&[Point]) -> Result<Vec<Figures>, E>,
+) -> Result<SweepResult, E> {
+    if !(1e-6..=0.5).contains(&plan.interpolation) {
+        let value = plan.interpolation;
+        return Err(Error::Tolerance { value }.into());
+    }
+    let mut checked = |points: &[Point]| {
+        let solved = solve(points)?;
+        if solved.len() != points.len() {
+            return Err(E::from(Error::NodeCount {
+                found: solved.len(),
+                expected: points.len(),
+            }));
+        }
+        for (point, figures) in points.iter().zip(&solved) {
+            check_finite(point, figures)?;
+        }
+        Ok(solved)
+    };
+    if plan.is_fixed() && plan.flush.is_none() {
+        let grid = Grid::start(plan)?;
+        let (nodes, checks) = fixed(&grid, plan.checks, &mut checked)?;
+        return Ok(SweepResult {
+            table: Table::new(grid.axes()?, &nodes, checks)?,
+            shortfall: None,
+        });
+    }
+    let Refinement {
+        axes,
+        nodes,
+        checks,
+        shortfall,
+    } = refine(plan, &mut checked)?;
+    let mut table = Table::new(axes, &nodes, checks)?;
+    table.interpolation_requested = Some(plan.interpolation);
+    Ok(SweepResult { table, shortfall })
+}
+
+/// Nodes of given axes and checks between them, in one batch.
+fn fixed<E>(
+    grid: &Grid,
+    checks: usize,
+    solve: &mut SolveBatch<E>,
+) -> Result<(Vec<Figures>, Vec<Solve>), E> {
+    let mut places = grid.nodes();
+    let nodes = places.len();
+    if nodes > 1 {
+        places.extend(spread(&grid.values, checks));
+    }
+    let points: Vec<Point> = places.into_iter().map(|place| grid.point(place)).collect();
+    let mut solved = solve(&points)?;
+    let measured = points[nodes..].iter().zip(solved.split_off(nodes));
+    let checks = measured.map(|(&point, figures)| Solve { point, figures });
+    Ok((solved, checks.collect()))
+}

@@ -1,15 +1,14 @@
-//! What is swept, and what solves it.
+//! The plan of a sweep: how each axis gets its breakpoints, and how accurate the table must be.
 
-use crate::table::mode::Mode;
-use crate::table::solved::{Point, Solved};
-
-/// Axes that a sweep may have: force, curvature, rocker radius, speed, temperature of the ice.
-pub(crate) const AXES: usize = 5;
+use crate::axes::{AxisKind, KINDS, Point};
+use crate::error::Error;
+use crate::interpolator::Mode;
+use crate::sweep::grid::Grid;
 
 /// How one axis gets its breakpoints.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Spacing {
-    /// Just these.
+    /// Given breakpoints.
     Values(Vec<f64>),
     /// As many between these ends as the tolerance needs.
     Range {
@@ -20,39 +19,41 @@ pub enum Spacing {
     },
 }
 
+impl Spacing {
+    /// The given values, or both ends of the range.
+    pub fn ends(&self) -> Vec<f64> {
+        match self {
+            Spacing::Values(values) => values.clone(),
+            Spacing::Range { from, to } => vec![*from, *to],
+        }
+    }
+}
+
 /// What is swept.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Normal forces [N].
-    pub fz: Spacing,
-    /// Track curvatures [1/m].
-    pub curvature: Spacing,
-    /// Where the runner lies flush: its curvature [1/m] and scale [1/(m N)], see [`crate::Flush`]. The table's second axis
-    /// then holds reduced curvatures; needs a range of curvatures and no rocker axis.
+    /// Spacings by kind of axis.
+    axes: [Option<Spacing>; KINDS],
+    /// The curvature at which the runner lies flush [1/m] and the scale [1/(m N)], see [`crate::Flush`]. The table's second axis
+    /// then holds reduced curvatures; needs a range of curvatures and no further axis.
     pub flush: Option<[f64; 2]>,
-    /// Rocker radii [m]; `None`: the case's own runner.
-    pub rocker_radius: Option<Spacing>,
-    /// Speeds [m/s]; `None`: the case's own. Only a runner that slides has one.
-    pub speed: Option<Spacing>,
-    /// Temperatures of the ice [C]; `None`: the case's own. As `speed`.
-    pub ice_c: Option<Spacing>,
-    /// Relative interpolation error of [`Table::judged`](crate::Table::judged), asked of every mode in `modes`.
+    /// Relative interpolation error of [`Table::judged`](crate::Table::judged), requested of every mode in `modes`.
     pub interpolation: f64,
-    /// The modes that must be that good.
+    /// The modes that must be that accurate.
     pub modes: Vec<Mode>,
     /// Most nodes that refinement may place.
     pub max_nodes: usize,
     /// Smallest interval, as a part of its axis: what a kink of the data is narrowed down to.
     pub smallest_interval: f64,
-    /// Solves spread over the table that measure the interpolation besides those that refinement makes.
+    /// Solves spread over the table that measure the interpolation, in addition to those that refinement makes.
     pub checks: usize,
 }
 
 impl Plan {
-    /// A plan that asks 1 % of both modes, measured at 200 spread points, and places at most 20 000 nodes, none closer than
-    /// 1/65536 of an axis.
+    /// A plan over forces [N] and curvatures [1/m] that requests 1 % of both modes, measured at 200 spread points, and places at
+    /// most 20 000 nodes, none closer than 1/65536 of an axis.
     ///
-    /// Where both axes are given by their values, as many checks as an eighth of the nodes, at least 4.
+    /// Where both axes are given by their values, it has as many checks as an eighth of the nodes, at least 4.
     pub fn new(fz: Spacing, curvature: Spacing) -> Self {
         let checks = match (&fz, &curvature) {
             (Spacing::Values(fz), Spacing::Values(curvature)) => {
@@ -61,13 +62,9 @@ impl Plan {
             _ => 200,
         };
         Plan {
+            axes: [Some(fz), Some(curvature), None, None, None],
             checks,
-            fz,
-            curvature,
             flush: None,
-            rocker_radius: None,
-            speed: None,
-            ice_c: None,
             interpolation: 0.01,
             modes: Mode::ALL.to_vec(),
             max_nodes: 20_000,
@@ -75,28 +72,56 @@ impl Plan {
         }
     }
 
+    /// With this spacing along an axis. Without it, rocker radius, speed and temperature are those of the case.
+    #[must_use]
+    pub fn with(mut self, kind: AxisKind, spacing: Spacing) -> Self {
+        self.axes[kind as usize] = Some(spacing);
+        self
+    }
+
+    /// The spacing along an axis, where the plan has it.
+    pub fn get(&self, kind: AxisKind) -> Option<&Spacing> {
+        self.axes[kind as usize].as_ref()
+    }
+
     /// Whether every axis is given by its values.
     pub fn is_fixed(&self) -> bool {
-        let mut spacings = self.spacings().into_iter().flatten();
+        let mut spacings = self.axes.iter().flatten();
         spacings.all(|spacing| matches!(spacing, Spacing::Values(_)))
     }
 
-    /// Whether it has an axis that only a runner that slides knows.
+    /// Whether it has an axis that only a runner that slides has.
     pub fn is_sliding(&self) -> bool {
-        self.speed.is_some() || self.ice_c.is_some()
+        let mut kinds = AxisKind::ALL.into_iter();
+        kinds.any(|kind| kind.is_sliding() && self.get(kind).is_some())
     }
 
-    /// The axes in the order of the nodes.
-    pub(crate) fn spacings(&self) -> [Option<&Spacing>; AXES] {
-        [
-            Some(&self.fz),
-            Some(&self.curvature),
-            self.rocker_radius.as_ref(),
-            self.speed.as_ref(),
-            self.ice_c.as_ref(),
-        ]
+    /// Checks the axes, before anything is solved.
+    ///
+    /// # Errors
+    /// [`Error::AxisLength`], [`Error::AxisValue`], [`Error::TooManyNodes`], [`Error::FlushValue`], [`Error::FlushPlan`].
+    pub fn check(&self) -> Result<(), Error> {
+        Grid::start(self)?.axes().map(|_| ())
+    }
+
+    /// The nodes at the corners of the table, and the one in its middle: each is solved in any case.
+    ///
+    /// # Errors
+    /// As [`check`](Self::check).
+    pub fn anchors(&self) -> Result<Vec<Point>, Error> {
+        let grid = Grid::start(self)?;
+        let ends = std::array::from_fn(|axis| match grid.values[axis].len() {
+            1 => vec![0],
+            count => vec![0, count - 1],
+        });
+        let middle = std::array::from_fn(|axis| vec![grid.values[axis].len() / 2]);
+        let mut anchors: Vec<Point> = Vec::new();
+        for place in [ends, middle].iter().flat_map(|at| grid.product(at)) {
+            let point = grid.point(place);
+            if !anchors.contains(&point) {
+                anchors.push(point);
+            }
+        }
+        Ok(anchors)
     }
 }
-
-/// Solves a batch of points, results in their order.
-pub(crate) type SolveBatch<'a, E> = dyn FnMut(&[Point]) -> Result<Vec<Solved>, E> + 'a;

@@ -1,30 +1,31 @@
 //! Placing breakpoints where the interpolation is worst.
 //!
 //! Each round solves the nodes and, on every interval of an axis to be refined, its middle on every other grid
-//! line. An interval whose error there is above [`MARGIN`] of what was asked is halved; the solves just made become nodes.
+//! line. An interval whose error there is above [`MARGIN`] of the request is halved; the solves just made become nodes.
 //! When no interval is, points spread evenly over the table (Roberts' R2 sequence) are solved and measured: a miss halves
 //! the interval around it, unless the solver's own error is as large as the miss. The sweep ends when every solve that is
-//! no node is met within what was asked. Axes given by their values stay as they are, and what the interpolation misses
+//! no node is met within the request. Axes given by their values stay as they are, and what the interpolation misses
 //! between those values is measured but not mended.
 
-use crate::error::Error;
-use crate::sweep::grid::Grid;
-use crate::sweep::halve::{Halved, halve};
-use crate::sweep::known::Known;
-use crate::sweep::misses::measure;
-use crate::sweep::plan::{Plan, SolveBatch};
-use crate::table::axes::Axes;
-use crate::table::nodes::Check;
-use crate::table::quantity::Quantity;
-use crate::table::solved::Solved;
+use std::collections::{HashMap, HashSet};
 
-/// Part of the asked error that an interval's middle may have: between the checks it may be larger.
+use crate::axes::{Axes, KINDS, MAX_AXIS, Point};
+use crate::error::Error;
+use crate::interpolator::{Interpolator, Mode};
+use crate::quantity::{Figures, Quantity};
+use crate::solve::Solve;
+use crate::sweep::SolveBatch;
+use crate::sweep::grid::{Grid, Place, middle};
+use crate::sweep::plan::Plan;
+use crate::table::{Table, relative_error};
+
+/// Part of the requested error that an interval's middle may have: between the checks it may be larger.
 const MARGIN: f64 = 0.8;
 
 pub(crate) struct Refinement {
     pub axes: Axes,
-    pub nodes: Vec<Solved>,
-    pub checks: Vec<Check>,
+    pub nodes: Vec<Figures>,
+    pub checks: Vec<Solve>,
     pub shortfall: Option<Error>,
 }
 
@@ -44,16 +45,16 @@ pub(crate) fn refine<E: From<Error>>(
         }
         known.solve(&grid, &places, solve)?;
         let (nodes, checked) = known.split(&grid);
-        let checks: Vec<Check> = checked.iter().map(|(_, check)| *check).collect();
+        let checks: Vec<Solve> = checked.iter().map(|(_, check)| *check).collect();
         let misses = measure(&axes, &nodes, &checked, plan)?;
         let mendable = misses.iter().filter(|miss| miss.mendable(&grid));
         let worst = mendable.map(|miss| miss.error).fold(0.0, f64::max);
         let limit = if spread { 1.0 } else { MARGIN };
         let halved = halve(&mut grid, &misses, limit * plan.interpolation, plan);
         let shortfall = |reason| Error::ToleranceNotReached {
-            quantity: Quantity::judged(nodes[0].sliding.is_some()).name(),
+            quantity: Quantity::judged(nodes[0].is_sliding()).name(),
             measured: worst,
-            asked: plan.interpolation,
+            requested: plan.interpolation,
             nodes: axes.node_count(),
             reason,
         };
@@ -65,7 +66,7 @@ pub(crate) fn refine<E: From<Error>>(
             }
             Halved::Nothing => Some(None),
             Halved::Noise => Some(Some(shortfall(
-                "where it is missed the solver's own error is as large: ask more of the solver (accuracy.p_max)",
+                "where the interpolation misses, the solver's own error is as large: request more of the solver (accuracy.p_max)",
             ))),
             Halved::Limit(reason) => Some(Some(shortfall(reason))),
         };
@@ -78,4 +79,190 @@ pub(crate) fn refine<E: From<Error>>(
             });
         }
     }
+}
+
+type Key = [u64; KINDS];
+
+/// Every solve so far, in the order of the requests.
+#[derive(Default)]
+struct Known {
+    solved: HashMap<Key, Figures>,
+    order: Vec<Place>,
+}
+
+impl Known {
+    pub fn solve<E>(
+        &mut self,
+        grid: &Grid,
+        places: &[Place],
+        solve: &mut SolveBatch<E>,
+    ) -> Result<(), E> {
+        let mut requested = HashSet::new();
+        let unknown =
+            |place: &&Place| !self.solved.contains_key(&key(place)) && requested.insert(key(place));
+        let new: Vec<Place> = places.iter().filter(unknown).copied().collect();
+        if new.is_empty() {
+            return Ok(());
+        }
+        let points: Vec<Point> = new.iter().map(|&place| grid.point(place)).collect();
+        for (place, solved) in new.into_iter().zip(solve(&points)?) {
+            self.solved.insert(key(&place), solved);
+            self.order.push(place);
+        }
+        Ok(())
+    }
+
+    /// The grid's nodes, and everything else as checks with their places.
+    pub fn split(&self, grid: &Grid) -> (Vec<Figures>, Vec<(Place, Solve)>) {
+        let places = grid.nodes();
+        let nodes = places
+            .iter()
+            .map(|place| self.solved[&key(place)])
+            .collect();
+        let taken: HashSet<Key> = places.iter().map(key).collect();
+        let others = self
+            .order
+            .iter()
+            .filter(|place| !taken.contains(&key(place)));
+        let checks = others
+            .map(|&place| {
+                let (point, figures) = (grid.point(place), self.solved[&key(&place)]);
+                (place, Solve { point, figures })
+            })
+            .collect();
+        (nodes, checks)
+    }
+}
+
+/// One zero, whatever its sign.
+fn key(place: &Place) -> Key {
+    place.map(|value| (value + 0.0).to_bits())
+}
+
+/// A check and the largest relative error of the judged quantity there over the plan's modes.
+struct Miss {
+    pub place: Place,
+    pub error: f64,
+    /// The solver's own relative error: of the check and the worst of the nodes around it.
+    pub noise: f64,
+}
+
+impl Miss {
+    /// Whether refinement can mend it: not between given values.
+    pub fn mendable(&self, grid: &Grid) -> bool {
+        (0..KINDS).all(|axis| grid.refined[axis] || grid.values[axis].contains(&self.place[axis]))
+    }
+}
+
+/// The misses at the checks of a table with these nodes.
+fn measure(
+    axes: &Axes,
+    nodes: &[Figures],
+    checks: &[(Place, Solve)],
+    plan: &Plan,
+) -> Result<Vec<Miss>, Error> {
+    let table = Table::new(axes.clone(), nodes, Vec::new())?;
+    let mut interpolators: HashMap<(u64, Mode), Interpolator> = HashMap::new();
+    let mut misses = Vec::with_capacity(checks.len());
+    let judged = table.judged();
+    for (place, check) in checks {
+        let around = axes.around(&check.point);
+        let at_nodes = around.into_iter().map(|node| nodes[node].relative_error());
+        let noise = check.figures.relative_error() + at_nodes.fold(0.0, f64::max);
+        let radius = check.point.rocker_radius;
+        let mut error = 0.0f64;
+        for &mode in &plan.modes {
+            let name = (radius.unwrap_or(0.0).to_bits(), mode);
+            if let std::collections::hash_map::Entry::Vacant(entry) = interpolators.entry(name) {
+                entry.insert(Interpolator::new(&table, judged, mode, radius)?);
+            }
+            let missed = relative_error(&interpolators[&name], check, judged);
+            error = error.max(missed.unwrap_or(0.0));
+        }
+        misses.push(Miss {
+            place: *place,
+            error,
+            noise,
+        });
+    }
+    Ok(misses)
+}
+
+/// The outcome of halving.
+enum Halved {
+    Some,
+    Nothing,
+    Noise,
+    Limit(&'static str),
+}
+
+/// Halves the interval around every miss above `limit`, along the axis whose middles are missed most.
+fn halve(grid: &mut Grid, misses: &[Miss], limit: f64, plan: &Plan) -> Halved {
+    // Largest error at the middle of each interval of each axis.
+    let mut at_middle: [Vec<f64>; KINDS] =
+        std::array::from_fn(|axis| vec![0.0; grid.values[axis].len().saturating_sub(1)]);
+    for miss in misses {
+        for axis in (0..KINDS).filter(|&axis| grid.refined[axis]) {
+            let k = grid.interval(axis, miss.place[axis]);
+            let pair = &grid.values[axis][k..k + 2];
+            if miss.place[axis] == middle(axis, pair[0], pair[1]) && miss.mendable(grid) {
+                at_middle[axis][k] = f64::max(at_middle[axis][k], miss.error);
+            }
+        }
+    }
+    let mut marked: [Vec<usize>; KINDS] = Default::default();
+    let mut too_small = false;
+    let mut too_noisy = false;
+    for miss in misses {
+        if miss.error <= limit || !miss.mendable(grid) {
+            continue;
+        }
+        // Halving because of the solver's error would never end.
+        if miss.error <= miss.noise {
+            too_noisy = true;
+            continue;
+        }
+        let mut best: Option<(f64, usize, usize)> = None;
+        for axis in (0..KINDS).filter(|&axis| grid.refined[axis]) {
+            let k = grid.interval(axis, miss.place[axis]);
+            let inside = !grid.values[axis].contains(&miss.place[axis]);
+            if inside && grid.divisible(axis, k, plan.smallest_interval) {
+                let error = at_middle[axis][k];
+                if best.is_none_or(|(most, _, _)| error > most) {
+                    best = Some((error, axis, k));
+                }
+            }
+        }
+        match best {
+            Some((_, axis, k)) => marked[axis].push(k),
+            None => too_small = true,
+        }
+    }
+    let mut grown = grid.values.clone();
+    for axis in 0..KINDS {
+        marked[axis].sort_unstable();
+        marked[axis].dedup();
+        for &k in &marked[axis] {
+            let pair = &grid.values[axis][k..k + 2];
+            grown[axis].push(middle(axis, pair[0], pair[1]));
+        }
+        grown[axis].sort_by(f64::total_cmp);
+    }
+    if marked.iter().all(Vec::is_empty) {
+        return if too_noisy {
+            Halved::Noise
+        } else if too_small {
+            Halved::Limit(
+                "where the interpolation misses, the intervals are as small as they may be",
+            )
+        } else {
+            Halved::Nothing
+        };
+    }
+    let nodes: usize = grown.iter().map(Vec::len).product();
+    if nodes > plan.max_nodes || grown.iter().any(|axis| axis.len() > MAX_AXIS) {
+        return Halved::Limit("more nodes than the table may have");
+    }
+    grid.values = grown;
+    Halved::Some
 }

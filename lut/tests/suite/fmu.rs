@@ -2,7 +2,7 @@
 
 use crate::python::run_python;
 use crate::tables::{reduced, table};
-use kufe_lut::{Lookup, Mode, Quantity, Table};
+use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
 use kufe_outside::python;
 
 #[test]
@@ -54,9 +54,9 @@ fn the_fmu_agrees(python: &std::path::Path, table: &Table) {
         } else {
             kufe_lut::curvature_from_pitch(number(5), number(6))
         };
-        let own = Lookup::new(table, Quantity::PMax, mode)
+        let own = Interpolator::new(table, Quantity::PMax, mode, None)
             .unwrap()
-            .at(number(4), curvature);
+            .at(Sample::at_rest(number(4), curvature));
         let pressure = number(8);
         assert!(
             (pressure / own.value - 1.0).abs() < 1e-14,

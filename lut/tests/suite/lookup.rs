@@ -1,39 +1,32 @@
-//! What evaluation promises: nodes, order, smoothness, and Simulink's arithmetic.
+//! Interpolation over force and curvature: nodes, order, smoothness, and Simulink's arithmetic.
 
 use crate::hertz::{hertz, runner};
-use kufe_lut::{Axes, Lookup, Mode, Quantity, Solved, Table};
+use kufe_lut::{Axes, AxisKind, Figures, Interpolator, Mode, Quantity, Sample, Table};
 use proptest::prelude::*;
 
 fn table(axes: Axes) -> Table {
-    let nodes = axes.points().iter().map(runner).collect();
-    Table::new(axes, nodes, vec![]).unwrap()
+    let nodes: Vec<Figures> = axes.points().iter().map(runner).collect();
+    Table::new(axes, &nodes, vec![]).unwrap()
+}
+
+fn plain(table: &Table, mode: Mode) -> Interpolator {
+    Interpolator::new(table, Quantity::PMax, mode, None).unwrap()
 }
 
 fn runner_axes() -> Axes {
     let fz = vec![200.0, 500.0, 900.0, 2000.0, 3700.0, 8000.0];
     let curvature = vec![-0.02, -0.01, 0.0, 0.004, 0.01, 0.02, 0.025, 0.028];
-    Axes::new(fz, curvature, None).unwrap()
+    Axes::new(fz, curvature).unwrap()
 }
 
 /// A table whose peak pressure is given row by row.
 fn of_values(fz: Vec<f64>, curvature: Vec<f64>, values: &[f64]) -> Table {
-    let axes = Axes::new(fz, curvature, None).unwrap();
-    let nodes = values
-        .iter()
-        .map(|&p_max| Solved {
-            p_max,
-            p_max_error: 0.0,
-            p_mean: p_max,
-            area: 1.0,
-            length: 1.0,
-            width: 1.0,
-            approach: 1.0,
-            errors: None,
-            sliding: None,
-            method: kufe_lut::Method::FiniteElements,
-        })
-        .collect();
-    Table::new(axes, nodes, vec![]).unwrap()
+    let axes = Axes::new(fz, curvature).unwrap();
+    let nodes = values.iter().map(|&p_max| {
+        let figures = Figures::at_rest([p_max, p_max, 1.0, 1.0, 1.0, 1.0]);
+        figures.with_error(Quantity::PMax, 0.0)
+    });
+    Table::new(axes, &nodes.collect::<Vec<_>>(), vec![]).unwrap()
 }
 
 #[test]
@@ -71,10 +64,10 @@ fn the_tests_hertz_agrees_with_independent_values() {
     for [rocker, section, fz, a, b, p_max, approach] in rows {
         let solved = hertz(fz, rocker * (1.0 + 1e-9), section);
         for (found, expected) in [
-            (solved.length / 2.0, a),
-            (solved.width / 2.0, b),
-            (solved.p_max, p_max),
-            (solved.approach, approach),
+            (solved.get(Quantity::Length).unwrap() / 2.0, a),
+            (solved.get(Quantity::Width).unwrap() / 2.0, b),
+            (solved.get(Quantity::PMax).unwrap(), p_max),
+            (solved.get(Quantity::Approach).unwrap(), approach),
         ] {
             assert!((found / expected - 1.0).abs() < 2e-4, "{found} {expected}");
         }
@@ -86,11 +79,11 @@ fn both_modes_reproduce_nodes_exactly() {
     let table = table(runner_axes());
     for &quantity in Quantity::of(false) {
         for mode in Mode::ALL {
-            let lookup = Lookup::new(&table, quantity, mode).unwrap();
+            let lookup = Interpolator::new(&table, quantity, mode, None).unwrap();
             for (point, node) in table.axes().points().iter().zip(table.nodes()) {
-                let looked = lookup.at(point.fz, point.curvature);
-                assert_eq!(Some(looked.value), node.get(quantity), "{mode:?} {point}");
-                assert!(!looked.out_of_range);
+                let found = lookup.at(Sample::at_rest(point.fz, point.curvature));
+                assert_eq!(Some(found.value), node.get(quantity), "{mode:?} {point}");
+                assert!(!found.out_of_range);
             }
         }
     }
@@ -100,43 +93,46 @@ fn both_modes_reproduce_nodes_exactly() {
 fn outside_is_clipped_and_flagged_and_nan_stays_nan() {
     let table = table(runner_axes());
     for mode in Mode::ALL {
-        let lookup = Lookup::new(&table, Quantity::PMax, mode).unwrap();
-        let inside = lookup.at(8000.0, 0.003).value;
+        let lookup = plain(&table, mode);
+        let inside = lookup.at(Sample::at_rest(8000.0, 0.003)).value;
         for fz in [8000.1, 1e9, f64::INFINITY] {
-            let looked = lookup.at(fz, 0.003);
-            assert!(looked.out_of_range);
-            assert_eq!(looked.value, inside);
+            let found = lookup.at(Sample::at_rest(fz, 0.003));
+            assert!(found.out_of_range);
+            assert_eq!(found.value, inside);
         }
-        let looked = lookup.at(f64::NEG_INFINITY, f64::NEG_INFINITY);
-        assert_eq!(looked.value, lookup.at(200.0, -0.02).value);
-        assert!(looked.out_of_range);
+        let found = lookup.at(Sample::at_rest(f64::NEG_INFINITY, f64::NEG_INFINITY));
+        assert_eq!(found.value, lookup.at(Sample::at_rest(200.0, -0.02)).value);
+        assert!(found.out_of_range);
         for (fz, curvature) in [(f64::NAN, 0.0), (1000.0, f64::NAN)] {
-            let looked = lookup.at(fz, curvature);
-            assert!(looked.value.is_nan() && looked.out_of_range);
+            let found = lookup.at(Sample::at_rest(fz, curvature));
+            assert!(found.value.is_nan() && found.out_of_range);
         }
     }
 }
 
 #[test]
 fn one_breakpoint_is_enough() {
-    let table = table(Axes::new(vec![1000.0], vec![0.0], None).unwrap());
+    let table = table(Axes::new(vec![1000.0], vec![0.0]).unwrap());
     for mode in Mode::ALL {
-        let lookup = Lookup::new(&table, Quantity::PMax, mode).unwrap();
-        assert_eq!(lookup.at(500.0, 0.1).value, table.nodes()[0].p_max);
-        assert!(lookup.at(500.0, 0.0).out_of_range);
-        assert!(!lookup.at(1000.0, 0.0).out_of_range);
+        let lookup = plain(&table, mode);
+        assert_eq!(
+            lookup.at(Sample::at_rest(500.0, 0.1)).value,
+            table.values(Quantity::PMax).unwrap()[0]
+        );
+        assert!(lookup.at(Sample::at_rest(500.0, 0.0)).out_of_range);
+        assert!(!lookup.at(Sample::at_rest(1000.0, 0.0)).out_of_range);
     }
 }
 
 #[test]
 fn smooth_mode_is_exact_for_power_laws_in_the_load() {
-    let axes = Axes::new(vec![200.0, 1300.0, 8000.0], vec![0.0, 0.01], None).unwrap();
+    let axes = Axes::new(vec![200.0, 1300.0, 8000.0], vec![0.0, 0.01]).unwrap();
     let table = table(axes);
     for &quantity in Quantity::of(false) {
-        let lookup = Lookup::new(&table, quantity, Mode::Smooth).unwrap();
+        let lookup = Interpolator::new(&table, quantity, Mode::Smooth, None).unwrap();
         for fz in [250.0, 777.0, 3000.0, 7999.0] {
             let truth = hertz(fz, 30.0, 0.005).get(quantity).unwrap();
-            assert!((lookup.at(fz, 0.0).value / truth - 1.0).abs() < 1e-12);
+            assert!((lookup.at(Sample::at_rest(fz, 0.0)).value / truth - 1.0).abs() < 1e-12);
         }
     }
 }
@@ -144,24 +140,24 @@ fn smooth_mode_is_exact_for_power_laws_in_the_load() {
 #[test]
 fn smooth_mode_meets_cell_borders_with_one_slope() {
     let table = table(runner_axes());
-    let lookup = Lookup::new(&table, Quantity::PMax, Mode::Smooth).unwrap();
+    let lookup = plain(&table, Mode::Smooth);
     let axes = table.axes();
     // One-sided second-order differences: of the order of step^2 f''' ~ 1e-8 relative apart on a C1 surface.
     let slope = |f: &dyn Fn(f64) -> f64, at: f64, step: f64| {
         (-3.0 * f(at) + 4.0 * f(at + step) - f(at + 2.0 * step)) / (2.0 * step)
     };
     let mut kinks_of_bilinear = 0;
-    let rough = Lookup::new(&table, Quantity::PMax, Mode::Bilinear).unwrap();
+    let rough = plain(&table, Mode::Bilinear);
     for &curvature in &axes.curvature()[1..axes.curvature().len() - 1] {
         for fz in [230.0, 500.0, 1234.0, 5000.0] {
-            let along = |k: f64| lookup.at(fz, k).value;
+            let along = |k: f64| lookup.at(Sample::at_rest(fz, k)).value;
             let (before, after) = (
                 slope(&along, curvature, -1e-6),
                 slope(&along, curvature, 1e-6),
             );
-            let scale = lookup.at(fz, curvature).value * 30.0;
+            let scale = lookup.at(Sample::at_rest(fz, curvature)).value * 30.0;
             assert!((before - after).abs() < 1e-4 * scale, "{before} {after}");
-            let along = |k: f64| rough.at(fz, k).value;
+            let along = |k: f64| rough.at(Sample::at_rest(fz, k)).value;
             let gap = slope(&along, curvature, -1e-6) - slope(&along, curvature, 1e-6);
             kinks_of_bilinear += usize::from(gap.abs() > 1e-2 * scale);
         }
@@ -172,7 +168,7 @@ fn smooth_mode_meets_cell_borders_with_one_slope() {
     );
     for &fz in &axes.fz()[1..axes.fz().len() - 1] {
         for curvature in [-0.013, 0.0, 0.0123, 0.027] {
-            let along = |f: f64| lookup.at(f, curvature).value;
+            let along = |f: f64| lookup.at(Sample::at_rest(f, curvature)).value;
             let step = 1e-4 * fz;
             let (before, after) = (slope(&along, fz, -step), slope(&along, fz, step));
             assert!((before / after - 1.0).abs() < 1e-5, "{before} {after}");
@@ -184,9 +180,10 @@ fn smooth_mode_meets_cell_borders_with_one_slope() {
 fn a_million_queries_equal_a_plain_reference() {
     let table = table(runner_axes());
     let (fz, curvature) = (table.axes().fz(), table.axes().curvature());
-    let value = |i: usize, j: usize| table.nodes()[table.axes().node(i, j, 0)].p_max;
-    let bilinear = Lookup::new(&table, Quantity::PMax, Mode::Bilinear).unwrap();
-    let smooth = Lookup::new(&table, Quantity::PMax, Mode::Smooth).unwrap();
+    let values = table.values(Quantity::PMax).unwrap();
+    let value = |i: usize, j: usize| values[table.axes().node(i, j, 0)];
+    let bilinear = plain(&table, Mode::Bilinear);
+    let smooth = plain(&table, Mode::Smooth);
     let mut state = 7u64;
     let mut random = || {
         state = state
@@ -216,16 +213,16 @@ fn a_million_queries_equal_a_plain_reference() {
             + s * (1.0 - t) * corners[1]
             + (1.0 - s) * t * corners[2]
             + s * t * corners[3];
-        let looked = bilinear.at(f, k);
-        assert!((looked.value / reference - 1.0).abs() < 1e-14);
+        let found = bilinear.at(Sample::at_rest(f, k));
+        assert!((found.value / reference - 1.0).abs() < 1e-14);
         let outside = !(200.0..=8000.0).contains(&f) || !(-0.02..=0.028).contains(&k);
-        assert_eq!(looked.out_of_range, outside);
+        assert_eq!(found.out_of_range, outside);
         // Monotone along both axes, so no corner is overshot.
-        let looked = smooth.at(f, k);
+        let found = smooth.at(Sample::at_rest(f, k));
         let lowest = corners.into_iter().fold(f64::INFINITY, f64::min);
         let highest = corners.into_iter().fold(0.0, f64::max);
-        assert!(looked.value >= lowest * (1.0 - 1e-13) && looked.value <= highest * (1.0 + 1e-13));
-        assert_eq!(looked.out_of_range, outside);
+        assert!(found.value >= lowest * (1.0 - 1e-13) && found.value <= highest * (1.0 + 1e-13));
+        assert_eq!(found.out_of_range, outside);
     }
 }
 
@@ -233,27 +230,32 @@ fn a_million_queries_equal_a_plain_reference() {
 fn a_rocker_axis_gives_the_table_of_each_radius() {
     let radii = vec![20.0, 30.0, 45.0];
     let (fz, curvature) = (vec![200.0, 1000.0, 8000.0], vec![0.0, 0.005, 0.015]);
-    let whole = table(Axes::new(fz.clone(), curvature.clone(), Some(radii.clone())).unwrap());
+    let whole = table(
+        Axes::new(fz.clone(), curvature.clone())
+            .unwrap()
+            .with(AxisKind::RockerRadius, radii.clone())
+            .unwrap(),
+    );
     for &radius in &radii {
-        let axes = Axes::new(fz.clone(), curvature.clone(), None).unwrap();
-        let nodes = axes
-            .points()
-            .iter()
-            .map(|p| hertz(p.fz, 1.0 / (1.0 / radius - p.curvature), 0.005))
-            .collect();
-        let single = Table::new(axes, nodes, vec![]).unwrap();
+        let axes = Axes::new(fz.clone(), curvature.clone()).unwrap();
+        let nodes = axes.points().into_iter();
+        let nodes = nodes.map(|p| hertz(p.fz, 1.0 / (1.0 / radius - p.curvature), 0.005));
+        let single = Table::new(axes, &nodes.collect::<Vec<_>>(), vec![]).unwrap();
         for mode in Mode::ALL {
-            let a = Lookup::with_rocker(&whole, Quantity::PMax, mode, Some(radius)).unwrap();
-            let b = Lookup::new(&single, Quantity::PMax, mode).unwrap();
-            assert_eq!(a.at(700.0, 0.003), b.at(700.0, 0.003));
+            let a = Interpolator::new(&whole, Quantity::PMax, mode, Some(radius)).unwrap();
+            let b = plain(&single, mode);
+            assert_eq!(
+                a.at(Sample::at_rest(700.0, 0.003)),
+                b.at(Sample::at_rest(700.0, 0.003))
+            );
         }
     }
-    let between = Lookup::with_rocker(&whole, Quantity::PMax, Mode::Smooth, Some(36.0)).unwrap();
-    let truth = hertz(1000.0, 36.0, 0.005).p_max;
-    assert!((between.at(1000.0, 0.0).value / truth - 1.0).abs() < 2e-3);
-    assert!(Lookup::new(&whole, Quantity::PMax, Mode::Smooth).is_err());
-    assert!(Lookup::with_rocker(&whole, Quantity::PMax, Mode::Smooth, Some(50.0)).is_err());
-    assert!(Lookup::with_rocker(&whole, Quantity::PMax, Mode::Smooth, Some(f64::NAN)).is_err());
+    let between = Interpolator::new(&whole, Quantity::PMax, Mode::Smooth, Some(36.0)).unwrap();
+    let truth = hertz(1000.0, 36.0, 0.005).get(Quantity::PMax).unwrap();
+    assert!((between.at(Sample::at_rest(1000.0, 0.0)).value / truth - 1.0).abs() < 2e-3);
+    assert!(Interpolator::new(&whole, Quantity::PMax, Mode::Smooth, None).is_err());
+    assert!(Interpolator::new(&whole, Quantity::PMax, Mode::Smooth, Some(50.0)).is_err());
+    assert!(Interpolator::new(&whole, Quantity::PMax, Mode::Smooth, Some(f64::NAN)).is_err());
 }
 
 /// Breakpoints with uneven steps, and values that rise along both axes (some steps level).
@@ -319,15 +321,15 @@ proptest! {
         }).collect();
         let table = of_values(x.clone(), y.clone(), &flipped);
         for mode in Mode::ALL {
-            let lookup = Lookup::new(&table, Quantity::PMax, mode).unwrap();
+            let lookup = plain(&table, mode);
             let scale = |axis: &[f64], t: f64| axis[0] + t * (axis[axis.len() - 1] - axis[0]);
             for &(s, t, u) in &at {
                 let (low, high) = (s.min(t), s.max(t));
                 let across = scale(&y, u);
-                let rise = lookup.at(scale(&x, high), across).value - lookup.at(scale(&x, low), across).value;
+                let rise = lookup.at(Sample::at_rest(scale(&x, high), across)).value - lookup.at(Sample::at_rest(scale(&x, low), across)).value;
                 prop_assert!(rise * if flip_x { -1.0 } else { 1.0 } >= -1e-12, "along x {mode:?}: {rise}");
                 let across = scale(&x, u);
-                let rise = lookup.at(across, scale(&y, high)).value - lookup.at(across, scale(&y, low)).value;
+                let rise = lookup.at(Sample::at_rest(across, scale(&y, high))).value - lookup.at(Sample::at_rest(across, scale(&y, low))).value;
                 prop_assert!(rise * if flip_y { -1.0 } else { 1.0 } >= -1e-12, "along y {mode:?}: {rise}");
             }
         }
@@ -341,18 +343,18 @@ proptest! {
         let x = vec![1.0, 1.1, 2.0, 2.5, 4.0, 9.0];
         let y = vec![-1.0, 0.0, 0.1, 2.0, 2.2];
         let table = of_values(x.clone(), y.clone(), &values);
-        let lookup = Lookup::new(&table, Quantity::PMax, Mode::Smooth).unwrap();
+        let lookup = plain(&table, Mode::Smooth);
         for i in 0..5 {
             for j in 0..5 {
                 let between = x[i] + t * (x[i + 1] - x[i]);
                 let (a, b) = (values[i * 5 + j], values[(i + 1) * 5 + j]);
-                let value = lookup.at(between, y[j]).value;
+                let value = lookup.at(Sample::at_rest(between, y[j])).value;
                 prop_assert!(value >= a.min(b) * (1.0 - 1e-12) && value <= a.max(b) * (1.0 + 1e-12));
             }
         }
         for &border in &x[1..5] {
             let across = -1.0 + 3.2 * t;
-            let f = |s: f64| lookup.at(border + s, across).value;
+            let f = |s: f64| lookup.at(Sample::at_rest(border + s, across)).value;
             let h = 1e-6;
             let before = (3.0 * f(0.0) - 4.0 * f(-h) + f(-2.0 * h)) / (2.0 * h);
             let after = (-3.0 * f(0.0) + 4.0 * f(h) - f(2.0 * h)) / (2.0 * h);

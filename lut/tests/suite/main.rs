@@ -2,13 +2,13 @@
 
 mod c;
 mod c_header;
+mod files;
 mod fmu;
 mod hertz;
 mod lookup;
-mod lut_files;
 mod python;
 mod python_reads;
-mod shards;
+mod safety;
 mod simulink;
 mod sliding;
 mod sweep;

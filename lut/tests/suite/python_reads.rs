@@ -2,7 +2,7 @@
 
 use crate::python::run_python;
 use crate::tables::{reduced, table};
-use kufe_lut::{Lookup, Mode, Quantity, Table};
+use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
 use kufe_outside::python;
 use std::path::Path;
 
@@ -43,11 +43,11 @@ fn numpy_reads_reduced_curvatures_and_computes_the_bilinear_mode_from_them() {
          for f, k in ((250.0, 0.0), (1234.5, 0.0212), (7000.0, 0.0299)):\n\
          \x20 print(f, k, repr(float(p([f, reduced(f, k)])[0])))\n",
     );
-    let lookup = Lookup::new(&table, Quantity::PMax, Mode::Bilinear).unwrap();
+    let lookup = Interpolator::new(&table, Quantity::PMax, Mode::Bilinear, None).unwrap();
     assert_eq!(out.lines().count(), 3);
     for line in out.lines() {
         let numbers: Vec<f64> = line.split(' ').map(|w| w.parse().unwrap()).collect();
-        let own = lookup.at(numbers[0], numbers[1]).value;
+        let own = lookup.at(Sample::at_rest(numbers[0], numbers[1])).value;
         assert!((own / numbers[2] - 1.0).abs() < 1e-13, "{own} {line}");
     }
 }
@@ -70,7 +70,7 @@ fn pandas_reads_json_and_csv() {
          c = pd.read_csv('front.csv', float_precision='round_trip').pivot(index='fz_n', columns='curvature_1pm', values='p_max_pa')\n\
          assert (c == p).all().all() and list(c.index) == fz\n\
          checks = pd.DataFrame(t['checks'])\n\
-         assert t['quantities']['p_max']['unit'] == 'Pa' and t['accuracy']['interpolation_asked'] == 0.01\n\
+         assert t['quantities']['p_max']['unit'] == 'Pa' and t['accuracy']['interpolation_requested'] == 0.01\n\
          print(repr(p.loc[1300.0, 0.01]), repr(checks.p_max_pa[0]), t['accuracy']['interpolation']['smooth']['p_max']['max'])\n",
     );
     let numbers: Vec<f64> = out
@@ -82,8 +82,10 @@ fn pandas_reads_json_and_csv() {
                 .unwrap()
         })
         .collect();
-    assert_eq!(numbers[0], table.nodes()[table.axes().node(2, 2, 0)].p_max);
-    assert_eq!(numbers[1], table.checks()[0].solved.p_max);
+    let p_max = table.values(Quantity::PMax).unwrap();
+    assert_eq!(numbers[0], p_max[table.axes().node(2, 2, 0)]);
+    let check = table.checks()[0].figures;
+    assert_eq!(Some(numbers[1]), check.get(Quantity::PMax));
     let measured = table
         .interpolation_error(Quantity::PMax, Mode::Smooth)
         .unwrap()
@@ -116,11 +118,11 @@ fn scipy_reads_the_mat_file_and_its_linear_interpolation_agrees() {
         let words: Vec<&str> = out.split_whitespace().collect();
         let scipy: f64 = words[0].parse().unwrap();
         let radius = rocker.then_some(23.4);
-        let lookup = Lookup::with_rocker(&table, Quantity::PMax, Mode::Bilinear, radius).unwrap();
-        let own = lookup.at(1234.5, 0.0123).value;
+        let lookup = Interpolator::new(&table, Quantity::PMax, Mode::Bilinear, radius).unwrap();
+        let own = lookup.at(Sample::at_rest(1234.5, 0.0123)).value;
         assert!((own / scipy - 1.0).abs() < 1e-14, "{own} {scipy}");
         assert_eq!(words[1], if rocker { "3" } else { "5" });
-        assert_eq!(words[2], table.version);
+        assert_eq!(words[2], table.origin.version());
         assert!(out.contains(r#""a \"round\" & <steep> one""#));
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::process::Command;
 
-use kufe_lut::{Layered, Mode, Quantity, Table, simulink_files};
+use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table, simulink_files};
 
 use crate::c::run_c;
 use crate::tables::{reduced, table};
@@ -90,14 +90,10 @@ fn the_s_function_gives_each_quantity_at_its_output_in_both_modes() {
                 let mut outside = false;
                 let mut row = Vec::new();
                 for &quantity in Quantity::of(false) {
-                    let looked = Layered::new(&table, quantity, mode, None).unwrap().at(
-                        fz,
-                        curvature,
-                        f64::NAN,
-                        f64::NAN,
-                    );
-                    outside |= looked.out_of_range;
-                    row.push(looked.value);
+                    let found = Interpolator::new(&table, quantity, mode, None).unwrap();
+                    let found = found.at(Sample::at_rest(fz, curvature));
+                    outside |= found.out_of_range;
+                    row.push(found.value);
                 }
                 row.push(f64::from(u8::from(outside)));
                 wanted.push(row);

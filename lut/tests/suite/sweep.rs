@@ -1,7 +1,10 @@
 //! Sweeps: given points, refinement, determinism, and what they refuse.
 
 use crate::hertz::{hertz, runner};
-use kufe_lut::{Error, Lookup, Mode, Plan, Point, Quantity, Solved, Spacing, SweepError, sweep};
+use kufe_lut::{
+    AxisKind, Error, Figures, Interpolator, Mode, Plan, Point, Progress, Quantity, Sample, Spacing,
+    SweepError, replay, sweep,
+};
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -9,7 +12,18 @@ fn range(from: f64, to: f64) -> Spacing {
     Spacing::Range { from, to }
 }
 
-fn held_out(n: usize) -> Vec<Point> {
+fn p_max(figures: &Figures) -> f64 {
+    figures.get(Quantity::PMax).unwrap()
+}
+
+fn straight(point: &Point) -> Point {
+    Point {
+        curvature: 0.0,
+        ..*point
+    }
+}
+
+fn unseen(n: usize) -> Vec<Point> {
     // A sequence other than the sweep's own: golden-ratio steps.
     (0..n)
         .map(|i| {
@@ -26,9 +40,9 @@ fn held_out(n: usize) -> Vec<Point> {
 
 #[test]
 fn refinement_reaches_its_tolerance_at_points_it_never_saw() {
-    for asked in [0.02, 0.005] {
+    for requested in [0.02, 0.005] {
         let mut plan = Plan::new(range(200.0, 8000.0), range(-0.02, 0.03));
-        plan.interpolation = asked;
+        plan.interpolation = requested;
         let solves = AtomicUsize::new(0);
         let swept = sweep(&plan, |point| {
             solves.fetch_add(1, Ordering::Relaxed);
@@ -38,7 +52,7 @@ fn refinement_reaches_its_tolerance_at_points_it_never_saw() {
         assert!(swept.shortfall.is_none());
         let table = swept.table;
         assert_eq!(
-            table.nodes().len() + table.checks().len(),
+            table.axes().node_count() + table.checks().len(),
             solves.into_inner()
         );
         assert!(table.checks().len() >= 200);
@@ -47,12 +61,14 @@ fn refinement_reaches_its_tolerance_at_points_it_never_saw() {
                 .interpolation_error(Quantity::PMax, mode)
                 .unwrap()
                 .unwrap();
-            assert!(measured.max <= asked && measured.rms < measured.max);
-            let lookup = Lookup::new(&table, Quantity::PMax, mode).unwrap();
-            for point in held_out(1000) {
-                let truth = runner(&point).p_max;
-                let error = (lookup.at(point.fz, point.curvature).value / truth - 1.0).abs();
-                assert!(error <= asked, "{mode:?} {point}: {error}");
+            assert!(measured.max <= requested && measured.rms < measured.max);
+            let lookup = Interpolator::new(&table, Quantity::PMax, mode, None).unwrap();
+            for point in unseen(1000) {
+                let truth = p_max(&runner(&point));
+                let error = (lookup.at(Sample::at_rest(point.fz, point.curvature)).value / truth
+                    - 1.0)
+                    .abs();
+                assert!(error <= requested, "{mode:?} {point}: {error}");
             }
         }
     }
@@ -65,7 +81,7 @@ fn the_smooth_mode_alone_needs_fewer_nodes() {
         plan.interpolation = 0.002;
         plan.modes = modes;
         let swept = sweep(&plan, |point| Ok::<_, Infallible>(runner(point))).unwrap();
-        swept.table.nodes().len()
+        swept.table.axes().node_count()
     };
     assert!(2 * nodes(vec![Mode::Smooth]) < nodes(vec![Mode::Bilinear]));
 }
@@ -77,13 +93,7 @@ fn a_kink_is_refined_where_it_is() {
         let bottom = 1.0 / 30.0 + 1e-7 * point.fz;
         let p_max =
             1e8 * (point.fz / 1000.0).cbrt() * (0.2 + 20.0 * (point.curvature - bottom).abs());
-        Ok::<_, Infallible>(Solved {
-            p_max,
-            ..runner(&Point {
-                curvature: 0.0,
-                ..*point
-            })
-        })
+        Ok::<_, Infallible>(runner(&straight(point)).with(Quantity::PMax, p_max))
     };
     let mut plan = Plan::new(range(200.0, 8000.0), range(-0.02, 1.0 / 12.0));
     plan.interpolation = 0.01;
@@ -98,7 +108,7 @@ fn a_kink_is_refined_where_it_is() {
 }
 
 /// A runner of bounded length: its peak depends on force and on `(curvature - flush) / (scale force)`, with a V beside 0.
-fn fits_the_track(point: &Point) -> Result<Solved, Infallible> {
+fn fits_the_track(point: &Point) -> Result<Figures, Infallible> {
     let u = (point.curvature - FLUSH[0]) / (FLUSH[1] * point.fz);
     let v = u + 0.3;
     let p_max = 1e6
@@ -108,13 +118,7 @@ fn fits_the_track(point: &Point) -> Result<Solved, Infallible> {
         } else {
             1.0 + 0.8 * v / (1.0 + v).powf(0.6)
         };
-    Ok(Solved {
-        p_max,
-        ..runner(&Point {
-            curvature: 0.0,
-            ..*point
-        })
-    })
+    Ok(runner(&straight(point)).with(Quantity::PMax, p_max))
 }
 
 const FLUSH: [f64; 2] = [1.0 / 30.0, 1e-8];
@@ -133,25 +137,28 @@ fn reduced_curvatures_resolve_a_v_that_moves_with_the_load() {
     let swept = sweep(&plan, fits_the_track).unwrap();
     assert!(swept.shortfall.is_none(), "{:?}", swept.shortfall);
     let flush = *swept.table.axes().flush().unwrap();
-    let lookup = Lookup::new(&swept.table, Quantity::PMax, Mode::Smooth).unwrap();
-    for (n, mut point) in held_out(2000).into_iter().enumerate() {
+    let lookup = Interpolator::new(&swept.table, Quantity::PMax, Mode::Smooth, None).unwrap();
+    for (n, mut point) in unseen(2000).into_iter().enumerate() {
         // Half of them spread over curvatures, half over reduced ones, which the V fills.
         let t = (n as f64 + 0.5) / 2000.0;
         point.curvature = match n % 2 {
             0 => -0.02 + (1.0 / 12.0 + 0.02) * t,
             _ => flush.curvature(point.fz, t),
         };
-        let truth = fits_the_track(&point).unwrap().p_max;
-        let looked = lookup.at(point.fz, point.curvature);
-        assert!(!looked.out_of_range);
-        assert!((looked.value / truth - 1.0).abs() < 0.015, "{point}");
+        let truth = p_max(&fits_the_track(&point).unwrap());
+        let found = lookup.at(Sample::at_rest(point.fz, point.curvature));
+        assert!(!found.out_of_range);
+        assert!((found.value / truth - 1.0).abs() < 0.015, "{point}");
     }
     for (point, node) in swept.table.axes().points().iter().zip(swept.table.nodes()) {
-        let looked = lookup.at(point.fz, point.curvature).value;
-        assert!((looked / node.p_max - 1.0).abs() < 1e-9, "{point}");
+        let found = lookup.at(Sample::at_rest(point.fz, point.curvature)).value;
+        assert!((found / p_max(&node) - 1.0).abs() < 1e-9, "{point}");
     }
-    assert!(lookup.at(300.0, 0.0834).out_of_range && lookup.at(300.0, -0.0201).out_of_range);
-    assert!(lookup.at(300.0, f64::NAN).value.is_nan());
+    assert!(
+        lookup.at(Sample::at_rest(300.0, 0.0834)).out_of_range
+            && lookup.at(Sample::at_rest(300.0, -0.0201)).out_of_range
+    );
+    assert!(lookup.at(Sample::at_rest(300.0, f64::NAN)).value.is_nan());
 }
 
 #[test]
@@ -235,26 +242,28 @@ fn given_values_beside_a_range_do_not_keep_it_from_ending() {
         .unwrap();
     assert!(
         rough.max > 0.05,
-        "between the given loads the error is told: {rough:?}"
+        "between the given loads the error is measured: {rough:?}"
     );
 }
 
 #[test]
 fn a_rocker_axis_is_refined_too() {
     let mut plan = Plan::new(range(300.0, 4000.0), range(0.0, 0.01));
-    plan.rocker_radius = Some(range(20.0, 50.0));
+    plan = plan.with(AxisKind::RockerRadius, range(20.0, 50.0));
     plan.interpolation = 0.01;
     let swept = sweep(&plan, |point| Ok::<_, Infallible>(runner(point))).unwrap();
     assert!(swept.shortfall.is_none());
     for mode in Mode::ALL {
-        let lookup = Lookup::with_rocker(&swept.table, Quantity::PMax, mode, Some(33.3)).unwrap();
+        let lookup = Interpolator::new(&swept.table, Quantity::PMax, mode, Some(33.3)).unwrap();
         let point = Point {
             fz: 1111.0,
             curvature: 0.0077,
             rocker_radius: Some(33.3),
             ..Point::default()
         };
-        let error = lookup.at(point.fz, point.curvature).value / runner(&point).p_max - 1.0;
+        let error = lookup.at(Sample::at_rest(point.fz, point.curvature)).value
+            / p_max(&runner(&point))
+            - 1.0;
         assert!(error.abs() < 0.01, "{mode:?} {error}");
     }
 }
@@ -268,12 +277,12 @@ fn a_limit_gives_the_table_and_says_what_it_missed() {
     match swept.shortfall {
         Some(Error::ToleranceNotReached {
             measured,
-            asked,
+            requested,
             nodes,
             ..
         }) => {
-            assert!(measured > asked && nodes <= 300);
-            assert_eq!(nodes, swept.table.nodes().len());
+            assert!(measured > requested && nodes <= 300);
+            assert_eq!(nodes, swept.table.axes().node_count());
         }
         other => panic!("{other:?}"),
     }
@@ -321,10 +330,7 @@ fn failed_text(plan: &Plan) -> String {
 fn a_figure_that_is_not_finite_is_refused() {
     let plan = Plan::new(range(200.0, 8000.0), range(0.0, 0.02));
     let failed = sweep(&plan, |point| {
-        Ok::<_, Infallible>(Solved {
-            approach: f64::NAN,
-            ..runner(point)
-        })
+        Ok::<_, Infallible>(runner(point).with(Quantity::Approach, f64::NAN))
     });
     assert!(failed.unwrap_err().to_string().contains("approach_m"));
 }
@@ -335,20 +341,17 @@ fn the_solvers_own_error_is_not_chased() {
     let noisy = |point: &Point| {
         let truth = runner(point);
         let scatter = 0.005 * (1e3 * point.fz + 1e7 * point.curvature).sin();
-        let p_max = truth.p_max * (1.0 + scatter);
-        Ok::<_, Infallible>(Solved {
-            p_max,
-            p_max_error: 0.005 * p_max,
-            ..truth
-        })
+        let p_max = p_max(&truth) * (1.0 + scatter);
+        let noisy = truth.with(Quantity::PMax, p_max);
+        Ok::<_, Infallible>(noisy.with_error(Quantity::PMax, 0.005 * p_max))
     };
     let mut plan = Plan::new(range(200.0, 8000.0), range(-0.02, 0.03));
     plan.interpolation = 0.005;
     let swept = sweep(&plan, noisy).unwrap();
     assert!(
-        swept.table.nodes().len() < 1500,
+        swept.table.axes().node_count() < 1500,
         "{}",
-        swept.table.nodes().len()
+        swept.table.axes().node_count()
     );
     let text = swept.shortfall.unwrap().to_string();
     assert!(text.contains("the solver's own error"), "{text}");
@@ -379,7 +382,34 @@ fn anchors_are_nodes_at_the_corners_and_in_the_middle() {
     .unwrap();
     let nodes = swept.table.axes().points();
     assert!(anchors.iter().all(|anchor| nodes.contains(anchor)));
-    plan.curvature = Spacing::Values(vec![0.0]);
-    plan.fz = Spacing::Values(vec![500.0, 900.0]);
+    plan = Plan::new(
+        Spacing::Values(vec![500.0, 900.0]),
+        Spacing::Values(vec![0.0]),
+    );
     assert_eq!(plan.anchors().unwrap().len(), 2);
+}
+
+#[test]
+fn rounds_of_batches_give_the_table_of_one_process_to_the_bit() {
+    let plan = Plan::new(range(200.0, 8000.0), range(-0.02, 0.03));
+    let mut solved: Vec<(Point, Figures)> = Vec::new();
+    let mut rounds = 0;
+    let table = loop {
+        let stored = |point: &Point| {
+            let found = solved.iter().find(|(known, _)| known == point);
+            found.map(|(_, figures)| *figures)
+        };
+        match replay(&plan, stored).unwrap() {
+            Progress::Finished(swept) => break swept.table,
+            Progress::Batch { points, round, .. } => {
+                rounds += 1;
+                assert_eq!(round, rounds);
+                // In any order.
+                solved.extend(points.iter().rev().map(|p| (*p, runner(p))));
+            }
+        }
+    };
+    assert!(rounds > 1, "a tolerance needs rounds");
+    let whole = sweep(&plan, |p| Ok::<_, Infallible>(runner(p))).unwrap();
+    assert!(table == whole.table);
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use kufe_lut::{Layered, Looked, Mode, Quantity, Table};
+use kufe_lut::{AxisKind, Interpolated, Interpolator, Mode, Quantity, Sample, Table};
 
 use crate::effects::{Column, Effects};
 use crate::error::Error;
@@ -230,7 +230,7 @@ impl Vehicle {
             .tables()
             .into_iter()
             .flatten()
-            .find(|table| table.asks_ice())
+            .find(|table| table.has_ice_temperature())
         {
             Some(table) if !stated => Err(Error::Keys {
                 file: file.to_string(),
@@ -286,7 +286,7 @@ pub struct RunnerTable {
     pub file: String,
     /// Mean over the table's nodes.
     mean: f64,
-    lookup: Layered,
+    interpolator: Interpolator,
 }
 
 impl RunnerTable {
@@ -297,20 +297,29 @@ impl RunnerTable {
         let mut opened =
             kufe_files::open_regular(path).map_err(|error| Error::file(&file, error))?;
         let table = Table::read(&mut opened).map_err(told)?;
-        let lookup = Layered::new(&table, quantity, Mode::Smooth, None).map_err(told)?;
-        let values = table.nodes().iter().filter_map(|node| node.get(quantity));
-        let mean = values.sum::<f64>() / table.nodes().len() as f64;
-        Ok(RunnerTable { file, mean, lookup })
+        let interpolator = Interpolator::new(&table, quantity, Mode::Smooth, None).map_err(told)?;
+        let values = table.values(quantity).unwrap_or_default();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        Ok(RunnerTable {
+            file,
+            mean,
+            interpolator,
+        })
     }
 
-    /// Whether it is over the temperature of the ice.
-    pub fn asks_ice(&self) -> bool {
-        self.lookup.asks_ice()
+    /// Whether it has an axis of ice temperatures.
+    pub fn has_ice_temperature(&self) -> bool {
+        self.interpolator.has(AxisKind::IceTemperature)
     }
 
     /// The quantity at a normal force [N], a curvature of the track [1/m], a speed [m/s] and a temperature of the ice [C].
-    pub fn at(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> Looked {
-        self.lookup.at(fz.max(0.0), curvature, speed, ice_c)
+    pub fn at(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> Interpolated {
+        self.interpolator.at(Sample {
+            fz: fz.max(0.0),
+            curvature,
+            speed,
+            ice_c,
+        })
     }
 }
 

@@ -98,8 +98,8 @@ mod tests {
 
     #[test]
     fn what_runs_ask_outside_is_summed_by_table() {
-        let of = |runner, samples| OutsideTable {
-            runner,
+        let of = |runner: &str, samples| OutsideTable {
+            runner: runner.to_owned(),
             table: "t.lut".to_owned(),
             samples,
             of: 100,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_lut::{Axes, Sliding, Solved, Table};
+use kufe_lut::{Axes, AxisKind, Figures, Quantity, Table};
 use kufe_sled::one_track::forward;
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
@@ -15,10 +15,11 @@ fn law(fz: f64, speed: f64, ice_c: f64) -> f64 {
 }
 
 pub fn write_table(path: &Path, fastest: f64, slides: bool) {
-    let axes = Axes::new(vec![50.0, 20_000.0], vec![-0.2, 0.2], None).unwrap();
+    let axes = Axes::new(vec![50.0, 20_000.0], vec![-0.2, 0.2]).unwrap();
     let axes = match slides {
         true => axes
-            .sliding(Some(vec![0.5, 8.0, fastest]), Some(vec![-20.0, -9.0, -1.0]))
+            .with(AxisKind::Speed, vec![0.5, 8.0, fastest])
+            .and_then(|axes| axes.with(AxisKind::IceTemperature, vec![-20.0, -9.0, -1.0]))
             .unwrap(),
         false => axes,
     };
@@ -28,28 +29,20 @@ pub fn write_table(path: &Path, fastest: f64, slides: bool) {
             point.speed.unwrap_or(1.0),
             point.ice_c.unwrap_or(-1.0),
         );
-        let sliding = Sliding {
-            mu,
-            mu_error: 0.0,
-            mu_ploughing: 0.2 * mu,
-            mu_viscous: 0.8 * mu,
-            groove_depth: 3e-5,
-            film_mean: 5e-7,
-        };
-        Solved {
-            p_max: 1.7e7,
-            p_max_error: 0.0,
-            p_mean: 1.2e7,
-            area: 1e-4,
-            length: 0.05,
-            width: 2e-3,
-            approach: 1e-5,
-            errors: None,
-            sliding: slides.then_some(sliding),
-            method: kufe_lut::Method::FiniteElements,
+        let rest = Figures::at_rest([1.7e7, 1.2e7, 1e-4, 0.05, 2e-3, 1e-5]);
+        let rest = rest.with_error(Quantity::PMax, 0.0);
+        if !slides {
+            return rest;
         }
+        rest.with(Quantity::Mu, mu)
+            .with_error(Quantity::Mu, 0.0)
+            .with(Quantity::MuPloughing, 0.2 * mu)
+            .with(Quantity::MuViscous, 0.8 * mu)
+            .with(Quantity::GrooveDepth, 3e-5)
+            .with(Quantity::FilmMean, 5e-7)
     });
-    let table = Table::new(axes.clone(), nodes.collect(), vec![]).unwrap();
+    let nodes: Vec<Figures> = nodes.collect();
+    let table = Table::new(axes, &nodes, vec![]).unwrap();
     table
         .write(&mut std::fs::File::create(path).unwrap())
         .unwrap();

@@ -224,6 +224,6 @@ fn files_to_start_from_are_what_the_readers_take() {
         assert!(text.starts_with(&format!("#:schema ./{kind}.schema.json\n")));
         assert!(bench.path(&format!("{kind}.schema.json")).exists());
     }
-    kufe::jobs::table::Wanted::read(&bench.path("table.toml")).expect("a table file");
+    kufe::jobs::table::TableSpec::read(&bench.path("table.toml")).expect("a table file");
     kufe::jobs::case_file::LoadedCase::read(&bench.path("case.toml")).expect("a case");
 }

@@ -303,14 +303,14 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
     );
     bench.succeeds(&["lut", "t.toml", "-q"]);
     let whole = json(&bench.path("t.lut"));
-    for (quantity, value) in [
-        ("p_max", 0.0),
-        ("p_max", -1e8),
-        ("area", 0.0),
-        ("p_max_error", -1.0),
+    for (quantity, list, value) in [
+        ("p_max", "values", 0.0),
+        ("p_max", "values", -1e8),
+        ("area", "values", 0.0),
+        ("p_max", "errors", -1.0),
     ] {
         let mut bad = whole.clone();
-        bad["quantities"][quantity]["values"][1][0] = value.into();
+        bad["quantities"][quantity][list][1][0] = value.into();
         bench.write("bad.lut", bad.to_string());
         let words = [
             "lut",
@@ -323,7 +323,7 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
         ];
         let (code, told) = said(&bench, &words);
         assert!(
-            code == 3 && told.contains(&format!("quantities.{quantity}")),
+            code == 3 && told.contains(&format!("quantities.{quantity}.{list}")),
             "{told}"
         );
     }
@@ -341,8 +341,8 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
     ]);
     let answer: serde_json::Value = serde_json::from_str(&answer).expect("JSON");
     // Each error holds the solver's largest at a node, by the file's own numbers.
-    let numbers = |name: &str| -> Vec<f64> {
-        let rows = whole["quantities"][name]["values"].as_array();
+    let numbers = |name: &str, list: &str| -> Vec<f64> {
+        let rows = whole["quantities"][name][list].as_array();
         let rows = rows.unwrap_or_else(|| panic!("{name}: {whole}"));
         let each = rows.iter().flat_map(|row| row.as_array().expect("a row"));
         each.map(|x| x.as_f64().expect("a number")).collect()
@@ -360,7 +360,7 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
             at(format!("{name}{unit}")),
             at(format!("{name}_error{unit}")),
         );
-        let (values, errors) = (numbers(name), numbers(&format!("{name}_error")));
+        let (values, errors) = (numbers(name, "values"), numbers(name, "errors"));
         let relative = values.iter().zip(&errors).map(|(x, e)| e / x);
         let solver = relative.fold(0.0, f64::max);
         assert!(

@@ -7,10 +7,10 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec,
     WritableImage,
 };
-use kufe::jobs::table::Wanted;
+use kufe::jobs::table::TableSpec;
 use kufe::jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE};
 use kufe_discover::read_map_bytes;
-use kufe_lut::{Axes, Solved, Table};
+use kufe_lut::{Axes, Figures, Quantity, Table};
 use kufe_mesh::{HeightMap, Interpolation, TensorGrid, read_gmsh, read_vtu, write_vtu};
 use kufe_sled::friction::{read_experiments, read_glide, read_glide_index};
 use kufe_sled::{COLUMNS, Model, Track, Vehicle, read_columns, read_csv, read_index};
@@ -30,26 +30,16 @@ fn through_file(name: &str, read: impl Fn(&Path) -> bool) -> impl Fn(&[u8]) -> b
 }
 
 fn table() -> Table {
-    let axes = Axes::new(vec![500.0, 1000.0, 2000.0], vec![-0.01, 0.0, 0.02], None).expect("axes");
-    let nodes = axes.points().into_iter().map(|point| Solved {
-        p_max: 1e7 * point.fz.cbrt(),
-        p_max_error: 1e4,
-        p_mean: 1e6 * point.fz.cbrt(),
-        area: 1e-5,
-        length: 0.05,
-        width: 3e-4,
-        approach: 1e-5,
-        errors: Some(kufe_lut::Errors {
-            p_mean: 1e4,
-            area: 1e-7,
-            length: 1e-4,
-            width: 1e-6,
-            approach: 1e-8,
-        }),
-        sliding: None,
-        method: kufe_lut::Method::FiniteElements,
+    let axes = Axes::new(vec![500.0, 1000.0, 2000.0], vec![-0.01, 0.0, 0.02]).expect("axes");
+    let nodes = axes.points().into_iter().map(|point| {
+        let root = point.fz.cbrt();
+        let figures = Figures::at_rest([1e7 * root, 1e6 * root, 1e-5, 0.05, 3e-4, 1e-5]);
+        let errors = [1e4, 1e4, 1e-7, 1e-4, 1e-6, 1e-8];
+        let pairs = Quantity::of(false).iter().zip(errors);
+        pairs.fold(figures, |figures, (&q, error)| figures.with_error(q, error))
     });
-    Table::new(axes.clone(), nodes.collect(), vec![]).expect("a table")
+    let nodes: Vec<Figures> = nodes.collect();
+    Table::new(axes, &nodes, vec![]).expect("a table")
 }
 
 #[test]
@@ -60,8 +50,8 @@ fn damaged_tables_are_tables_or_errors() {
 }
 
 #[test]
-fn damaged_table_files_are_wishes_or_errors() {
-    let read = through_file("table.toml", |path| Wanted::read(path).is_ok());
+fn damaged_table_specifications_are_read_or_refused() {
+    let read = through_file("table.toml", |path| TableSpec::read(path).is_ok());
     rounds("table.toml", &[TABLE_EXAMPLE.into()], read);
 }
 

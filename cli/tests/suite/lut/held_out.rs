@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use kufe::case::Case;
 use kufe_contact::{Error, Load, Options, Problem, Solution, solve};
-use kufe_lut::{Lookup, Mode, Quantity, Table};
+use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
 
 const POINTS: usize = 200;
 const SOLVER: f64 = 0.004;
@@ -19,7 +19,7 @@ fn misses(table: &Path, case: &Path, seed: u64, points: usize) -> Vec<Miss> {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let file = std::fs::read(workspace.join(table)).expect("a table");
     let table = Table::read(&mut &file[..]).expect("a table");
-    let smooth = Lookup::new(&table, Quantity::PMax, Mode::Smooth).expect("a lookup");
+    let smooth = Interpolator::new(&table, Quantity::PMax, Mode::Smooth, None).expect("a quantity");
     let case = workspace.join(case);
     let text = std::fs::read_to_string(&case).expect("a case");
     let problem = Case::parse(&text)
@@ -34,8 +34,8 @@ fn misses(table: &Path, case: &Path, seed: u64, points: usize) -> Vec<Miss> {
             let force = fz[0] * (fz[fz.len() - 1] / fz[0]).powf(random.unit());
             let bend = curvature[0] + (curvature[1] - curvature[0]) * random.unit();
             let solved = contact(&problem, force, bend);
-            let looked = smooth.at(force, bend).value;
-            let miss = (looked / solved.p_max - 1.0).abs();
+            let value = smooth.at(Sample::at_rest(force, bend)).value;
+            let miss = (value / solved.p_max - 1.0).abs();
             [miss, force, bend, solved.p_max_error / solved.p_max]
         })
         .collect();

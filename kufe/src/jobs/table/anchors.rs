@@ -1,14 +1,14 @@
 //! Which points of a table boundary elements may solve: what finite elements say of them at the ends of what is asked.
 
 use kufe_contact::{BoundaryElements, Problem, Solution, VerifiedBem, boundary_elements};
-use kufe_lut::{Point, Solved, each};
+use kufe_lut::{Figures, Point, each};
 
 use crate::jobs::table::best::figures;
 
 /// The points at the ends of what a plan asks, solved by finite elements, and what these say of boundary elements.
 #[derive(Debug)]
 pub(crate) struct Anchors {
-    solved: Vec<(Point, Solved)>,
+    solved: Vec<(Point, Figures)>,
     anchored: Option<VerifiedBem>,
 }
 
@@ -49,7 +49,7 @@ impl Anchors {
     }
 
     /// The figures at an anchor.
-    pub fn figures(&self, point: &Point) -> Option<Solved> {
+    pub fn figures(&self, point: &Point) -> Option<Figures> {
         let same = self.solved.iter().find(|(anchor, _)| anchor == point);
         same.map(|(_, solved)| *solved)
     }

@@ -1,14 +1,14 @@
-//! The best answer that there is for a point, and its figures.
+//! The best available solution of a point, and its figures.
 
 use kufe_contact::{BoundaryElements, Options, Problem, Solution};
-use kufe_lut::{Errors, Method, Point, Solved};
+use kufe_lut::{Figures, Method, Point, Quantity};
 
-/// Largest estimated error of the peak pressure that a point short of its tolerance may keep, relative.
+/// Largest estimated error of the peak pressure of a point short of its tolerance, relative.
 pub(crate) const LARGEST_ERROR: f64 = 0.2;
 
-/// The solution at this tolerance or, where the largest mesh does not reach it, the best one that there is.
+/// The solution at this tolerance or, where the largest mesh does not reach it, the best available one.
 ///
-/// Its `p_max_error` tells which of the two it is: a table without such points would be no table.
+/// Its `p_max_error` shows which of the two it is. Refusing such a point would refuse the whole table.
 pub(crate) fn best(problem: &Problem, options: &Options) -> Result<Solution, kufe_contact::Error> {
     match kufe_contact::solve(problem, options) {
         Err(kufe_contact::Error::AccuracyNotReached { best, estimate, .. })
@@ -21,47 +21,41 @@ pub(crate) fn best(problem: &Problem, options: &Options) -> Result<Solution, kuf
 }
 
 /// The figures of a contact.
-pub(crate) fn figures(solution: &Solution) -> Solved {
-    Solved {
-        p_max: solution.p_max,
-        p_max_error: solution.p_max_error,
-        p_mean: solution.p_mean,
-        area: solution.area,
-        length: solution.length,
-        width: solution.width,
-        approach: solution.approach,
-        errors: Some(Errors {
-            p_mean: solution.p_mean_error,
-            area: solution.area_error,
-            length: solution.length_error,
-            width: solution.width_error,
-            approach: solution.approach_error,
-        }),
-        sliding: None,
-        method: Method::FiniteElements,
-    }
+pub(crate) fn figures(solution: &Solution) -> Figures {
+    Figures::at_rest([
+        solution.p_max,
+        solution.p_mean,
+        solution.area,
+        solution.length,
+        solution.width,
+        solution.approach,
+    ])
+    .with_error(Quantity::PMax, solution.p_max_error)
+    .with_error(Quantity::PMean, solution.p_mean_error)
+    .with_error(Quantity::Area, solution.area_error)
+    .with_error(Quantity::Length, solution.length_error)
+    .with_error(Quantity::Width, solution.width_error)
+    .with_error(Quantity::Approach, solution.approach_error)
 }
 
 /// The figures of a contact by boundary elements.
-pub(crate) fn by_boundary_elements(point: &Point, found: &BoundaryElements) -> Solved {
-    Solved {
-        p_max: found.p_max,
-        p_max_error: found.p_max_error,
-        p_mean: point.fz / found.area,
-        area: found.area,
-        length: found.length,
-        width: found.width,
-        approach: found.approach,
-        errors: Some(Errors {
-            p_mean: point.fz / found.area * found.area_error / found.area,
-            area: found.area_error,
-            length: found.length_error,
-            width: found.width_error,
-            approach: found.approach_error,
-        }),
-        sliding: None,
-        method: Method::BoundaryElements,
-    }
+pub(crate) fn by_boundary_elements(point: &Point, found: &BoundaryElements) -> Figures {
+    let p_mean = point.fz / found.area;
+    Figures::at_rest([
+        found.p_max,
+        p_mean,
+        found.area,
+        found.length,
+        found.width,
+        found.approach,
+    ])
+    .with_error(Quantity::PMax, found.p_max_error)
+    .with_error(Quantity::PMean, p_mean * found.area_error / found.area)
+    .with_error(Quantity::Area, found.area_error)
+    .with_error(Quantity::Length, found.length_error)
+    .with_error(Quantity::Width, found.width_error)
+    .with_error(Quantity::Approach, found.approach_error)
+    .by(Method::BoundaryElements)
 }
 
 #[cfg(test)]
@@ -80,15 +74,15 @@ mod tests {
 
     #[test]
     fn a_point_short_of_its_tolerance_keeps_the_best_answer_with_its_error() {
-        let asked = 1e-4;
+        let tolerance = 1e-4;
         let small = Options {
             max_dofs: 100_000,
-            p_max_tolerance: asked,
+            p_max_tolerance: tolerance,
             ..Options::default()
         };
         let solution = best(&paraboloid(), &small).expect("an answer");
         let error = solution.p_max_error / solution.p_max;
-        assert!(error > asked && error < LARGEST_ERROR, "{error}");
+        assert!(error > tolerance && error < LARGEST_ERROR, "{error}");
         // Hertz's peak of this contact.
         assert!((solution.p_max / 138.52e6 - 1.0).abs() < error);
     }

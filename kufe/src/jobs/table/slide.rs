@@ -1,19 +1,23 @@
 //! Points of a table whose runner slides: one groove, and the film at every speed.
 
-use crate::case::{Case, TrackTable};
+use crate::case::Case;
 use kufe_contact::Options;
-use kufe_lut::{Point, Sliding, Solved};
+use kufe_lut::{Figures, Point, Quantity};
 
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::{Friction, Grooved, Ploughing, at, conditions, film_along, film_failure};
 use crate::jobs::table::best::{LARGEST_ERROR, figures};
-use crate::jobs::table::solver::{SolveError, Solver, with_rocker};
+use crate::jobs::table::solver::{self, SolveError, Solver, with_rocker};
 use crate::jobs::watch::Watch;
 
 impl Solver {
     /// Points that differ in speed alone; after a failure the rest is left out.
-    pub(crate) fn slide(&self, points: &[Point], watch: &Watch) -> Vec<Result<Solved, SolveError>> {
+    pub(crate) fn slide(
+        &self,
+        points: &[Point],
+        watch: &Watch,
+    ) -> Vec<Result<Figures, SolveError>> {
         // A hardness over contact time is another at every speed.
         let own = sliding(&self.loaded).hardness.is_some();
         let mut grooved: Option<Grooved> = None;
@@ -69,23 +73,19 @@ impl Solver {
     }
 
     /// The film on a groove, at a point's speed.
-    fn film(&self, grooved: &Grooved, point: &Point) -> Result<Solved, Failure> {
+    fn film(&self, grooved: &Grooved, point: &Point) -> Result<Figures, Failure> {
         let case = self.case_at(point)?;
         let solution = &grooved.solution;
         let along = film_along(solution, &conditions(sliding(&case)))
             .map_err(|error| film_failure(&case, &error))?;
         let friction = Friction::of(solution, &along);
-        Ok(Solved {
-            sliding: Some(Sliding {
-                mu: friction.mu.value,
-                mu_error: friction.mu.error,
-                mu_ploughing: friction.ploughing.value,
-                mu_viscous: friction.viscous.value,
-                groove_depth: solution.groove.deepest.value,
-                film_mean: along.film.totals.mean_thickness,
-            }),
-            ..figures(&solution.contact)
-        })
+        Ok(figures(&solution.contact)
+            .with(Quantity::Mu, friction.mu.value)
+            .with_error(Quantity::Mu, friction.mu.error)
+            .with(Quantity::MuPloughing, friction.ploughing.value)
+            .with(Quantity::MuViscous, friction.viscous.value)
+            .with(Quantity::GrooveDepth, solution.groove.deepest.value)
+            .with(Quantity::FilmMean, along.film.totals.mean_thickness))
     }
 
     /// The case at a point.
@@ -101,10 +101,7 @@ impl Solver {
         }
         let Case { load, track, .. } = &mut loaded.case;
         load.fz_n = point.fz;
-        *track = TrackTable {
-            curvature_1pm: Some(point.curvature),
-            ..TrackTable::default()
-        };
+        *track = solver::track(point.curvature);
         Ok(loaded)
     }
 }

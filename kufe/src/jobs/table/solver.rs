@@ -1,12 +1,13 @@
-//! The contact solver as a sweep sees it.
+//! The contact solver of a sweep: solves points of one case.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::case::{Case, CaseError, FittedHull, TrackTable};
 use kufe_contact::{Load, Options, Problem, Runner, Solution};
-use kufe_lut::{Origin, Point, Solved, Spacing, Store, SweepError, sha256};
+use kufe_lut::{AxisKind, Figures, Origin, Point, Solve, SweepResult, check_finite, each, sha256};
 
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::case_json::case_json;
@@ -14,7 +15,8 @@ use crate::jobs::failure::Failure;
 use crate::jobs::slide::at;
 use crate::jobs::table::anchors::Anchors;
 use crate::jobs::table::best::{best, by_boundary_elements, figures};
-use crate::jobs::table::wanted::Wanted;
+use crate::jobs::table::points::PointStore;
+use crate::jobs::table::spec::TableSpec;
 use crate::jobs::watch::Watch;
 
 /// Why a point has no result.
@@ -23,7 +25,7 @@ pub enum SolveError {
     /// The user asked to stop.
     #[error("interrupted")]
     Interrupted,
-    /// The solver's own answer.
+    /// The solver's own error.
     #[error(transparent)]
     Contact(#[from] kufe_contact::Error),
     /// The case at this point is no case.
@@ -50,27 +52,27 @@ impl Solver {
     /// The solver for a table: its case, at the tolerance that the table asks for.
     ///
     /// The tolerance is `accuracy.p_max` of the table's file; without it the case's own, and at most half of the
-    /// interpolation error that is asked, so that refinement does not chase the solver's error.
+    /// requested interpolation error, so that refinement does not chase the solver's error.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where the case cannot be had or has no rocker radius to sweep.
-    pub fn new(wanted: &Wanted, watch: &Watch) -> Result<Solver, Failure> {
-        let loaded = LoadedCase::read(&wanted.case)?;
-        if wanted.plan.rocker_radius.is_some() && loaded.case.runner.shape.is_none() {
+    pub fn new(spec: &TableSpec, watch: &Watch) -> Result<Solver, Failure> {
+        let loaded = LoadedCase::read(&spec.case)?;
+        if spec.plan.get(AxisKind::RockerRadius).is_some() && loaded.case.runner.shape.is_none() {
             return Err(Failure::BadInput(format!(
                 "{}: axes.rocker_radius_m: the runner of {} is a hull, expected a shape with a rocker radius",
-                wanted.path.display(),
-                wanted.case.display()
+                spec.path.display(),
+                spec.case.display()
             )));
         }
-        if wanted.plan.is_sliding() && loaded.case.sliding.is_none() {
+        if spec.plan.is_sliding() && loaded.case.sliding.is_none() {
             return Err(Failure::BadInput(format!(
                 "{}: axes: {} has no [sliding]: expected a runner that slides where an axis is v_mps or ice_c",
-                wanted.path.display(),
-                wanted.case.display()
+                spec.path.display(),
+                spec.case.display()
             )));
         }
-        check_axes(wanted, &loaded)?;
+        check_axes(spec, &loaded)?;
         let content = loaded.content()?;
         let named = |error: CaseError| Failure::BadInput(format!("{}: {error}", loaded.name));
         let (runner, hull) = loaded.case.runner(&loaded.base).map_err(named)?;
@@ -80,47 +82,45 @@ impl Solver {
             watch.warn(&warning);
         }
         let own = loaded.case.accuracy.p_max;
-        let asked = if wanted.plan.is_fixed() {
+        let requested = if spec.plan.is_fixed() {
             own
         } else {
-            own.min(0.5 * wanted.plan.interpolation)
+            own.min(0.5 * spec.plan.interpolation)
         };
         Ok(Solver {
-            tolerance: wanted.p_max.unwrap_or(asked),
+            tolerance: spec.p_max.unwrap_or(requested),
             loaded,
             base,
             runner,
             hull,
             content,
-            anchors: wanted.plan.anchors().map_err(Failure::bad_input)?,
+            anchors: spec.plan.anchors().map_err(Failure::bad_input)?,
             anchored: OnceLock::new(),
         })
     }
 
-    /// Relative error of the peak pressure that every point is asked for.
+    /// Relative error of the peak pressure that is requested of every point.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
-    }
-
-    /// The case.
-    pub fn case(&self) -> serde_json::Value {
-        case_json(&self.loaded.case)
     }
 
     /// Every file that the table is made from: the table's own, the case and what it names.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where a hull that names further files cannot be read.
-    pub fn inputs(&self, wanted: &Wanted) -> Result<Vec<PathBuf>, Failure> {
+    pub fn inputs(&self, spec: &TableSpec) -> Result<Vec<PathBuf>, Failure> {
         let files = self.loaded.files()?;
         let mut inputs: Vec<PathBuf> = files.into_iter().map(|(_, path)| path).collect();
-        inputs.extend([wanted.path.clone(), wanted.case.clone()]);
+        inputs.extend([spec.path.clone(), spec.case.clone()]);
         Ok(inputs)
     }
 
-    /// What every result belongs to: this version, the case with the content of its files, and the tolerance.
-    pub fn origin(&self) -> Origin {
-        // Load and track are replaced point by point: they are no part of what the results have in common.
+    /// The origin of every result: this version, the case with the content of its files, and the tolerance.
+    ///
+    /// # Errors
+    /// None for a version that is made of letters, digits, dots and signs.
+    pub fn origin(&self) -> Result<Origin, Failure> {
+        // Load and track are replaced point by point: results do not have them in common.
         let mut case = self.loaded.case.clone();
         case.load.fz_n = 1.0;
         case.track = Default::default();
@@ -135,14 +135,12 @@ impl Solver {
             sliding.previous = None;
         }
         let marks = format!("{}\n{}", case_json(&case), self.content);
-        Origin {
-            version: env!("CARGO_PKG_VERSION").into(),
-            case_sha256: sha256(marks.as_bytes()),
-        }
+        let version = env!("CARGO_PKG_VERSION").into();
+        Origin::new(version, sha256(marks.as_bytes())).map_err(Failure::bad_input)
     }
 
     /// Points that differ in speed alone.
-    fn solve(&self, points: &[Point], watch: &Watch) -> Vec<Result<Solved, SolveError>> {
+    fn solve(&self, points: &[Point], watch: &Watch) -> Vec<Result<Figures, SolveError>> {
         if self.loaded.case.sliding.is_some() {
             return self.slide(points, watch);
         }
@@ -150,7 +148,7 @@ impl Solver {
         solved.collect()
     }
 
-    fn press(&self, point: &Point, watch: &Watch) -> Result<Solved, SolveError> {
+    fn press(&self, point: &Point, watch: &Watch) -> Result<Figures, SolveError> {
         if watch.stopped() {
             return Err(SolveError::Interrupted);
         }
@@ -194,124 +192,150 @@ impl Solver {
         Ok(solution)
     }
 
-    /// Solves the plan's anchors, once, where anything is left that they serve.
+    /// Solves the plan's anchors, once.
     ///
     /// A runner that slides has none.
-    fn anchor(&self, store: &Store, watch: &Watch) -> Result<(), Failure> {
+    fn anchor(&self, store: &PointStore, watch: &Watch) -> Result<(), Failure> {
         if self.anchored.get().is_some() || self.loaded.case.sliding.is_some() {
             return Ok(());
         }
-        let told = |point, source| self.failure(store, SweepError::Solve { point, source });
+        let failed = |point, error| self.failure(store, &point, error);
         let problem = |point: &Point| {
             let problem = self.problem(point);
-            Ok((*point, problem.map_err(|error| told(*point, error))?))
+            Ok((*point, problem.map_err(|error| failed(*point, error))?))
         };
         let points: Result<Vec<_>, Failure> = self.anchors.iter().map(problem).collect();
         let solve = |problem: &Problem| self.solution(problem, watch);
         let anchors = Anchors::at(points?, self.tolerance, solve);
-        let anchors = anchors.map_err(|(point, error)| told(point, error))?;
+        let anchors = anchors.map_err(|(point, error)| failed(point, error))?;
         self.anchored.get_or_init(|| anchors);
         Ok(())
     }
 
-    /// Solves what a store lacks of these points, telling how far it is; returns how many were solved.
+    /// Solves the points that have no result in the store, in parallel, and stores each as soon as it is solved; reports
+    /// progress, and returns how many were solved.
+    ///
+    /// Points that differ in speed alone are solved together, since they have their groove in common. A group that fails does not
+    /// keep the others from being solved and stored; after a point that cannot be stored no further group is begun.
     ///
     /// # Errors
-    /// [`Failure::Partial`] where the watch stops it, [`Failure::NotConverged`] and [`Failure::BadInput`] with the point.
+    /// [`Failure::Partial`] where the watch stops it, [`Failure::NotConverged`] and [`Failure::BadInput`] with the first
+    /// failed point.
     pub fn solve_missing(
         &self,
-        store: &Store,
+        store: &PointStore,
         points: &[Point],
         label: &str,
         watch: &Watch,
     ) -> Result<usize, Failure> {
-        // A point that cannot be read is one to be solved.
-        let left = |point: &Point| !matches!(store.get(point), Ok(Some(_)));
-        if points.iter().any(left) {
+        let missing = points.iter().filter(|point| store.get(point).is_none());
+        let groups = groups(missing);
+        if !groups.is_empty() {
             self.anchor(store, watch)?;
         }
         let solved = AtomicUsize::new(0);
         let show = |n: usize| watch.progress(&format!("{label}: {n} of {} points", points.len()));
         show(0);
-        let done = kufe_lut::solve_missing(store, points, |group| {
+        let broken = AtomicBool::new(false);
+        let outcomes = each(&groups, |group| {
+            if broken.load(Ordering::Relaxed) {
+                return Ok(0);
+            }
             let results = self.solve(group, watch);
             show(solved.fetch_add(results.len(), Ordering::Relaxed) + results.len());
-            results
+            let count = results.len();
+            for (&point, result) in group.iter().zip(results) {
+                let figures = result.map_err(|error| self.failure(store, &point, error))?;
+                check_finite(&point, &figures).map_err(Failure::bad_input)?;
+                let stored = store.append(&Solve { point, figures });
+                broken.fetch_or(stored.is_err(), Ordering::Relaxed);
+                stored?;
+            }
+            Ok(count)
         });
-        let done = done.map_err(|error| self.failure(store, error))?;
-        for damage in &done.repaired {
-            watch.warn(&format!("{damage}; solved again"));
-        }
-        Ok(done.solved)
+        outcomes.into_iter().sum()
     }
 
-    fn failure(&self, store: &Store, error: SweepError<SolveError>) -> Failure {
+    /// The table of a finished sweep, with its case and origin.
+    ///
+    /// # Errors
+    /// As [`origin`](Self::origin).
+    pub fn finished(&self, mut swept: SweepResult) -> Result<SweepResult, Failure> {
+        swept.table.case = case_json(&self.loaded.case).to_string();
+        swept.table.origin = self.origin()?;
+        Ok(swept)
+    }
+
+    fn failure(&self, store: &PointStore, point: &Point, error: SolveError) -> Failure {
         match error {
-            SweepError::Solve {
-                source: SolveError::Interrupted,
-                ..
-            } => Failure::Partial(format!(
-                "interrupted; finished points are kept in {}, the same command resumes",
-                store.folder().display()
+            SolveError::Interrupted => Failure::Partial(format!(
+                "interrupted; finished points are stored in {}, the same command resumes",
+                store.path().display()
             )),
-            SweepError::Solve {
-                point,
-                source: SolveError::Contact(error),
-            } => at_point(&point, self.loaded.failure(&error)),
-            SweepError::Solve {
-                point,
-                source: SolveError::Failed(failure),
-            } => at_point(&point, failure),
-            other => Failure::bad_input(other),
+            SolveError::Contact(error) => at_point(point, self.loaded.failure(&error)),
+            SolveError::Failed(failure) => at_point(point, failure),
+            SolveError::Case(error) => Failure::BadInput(format!("{point}: {error}")),
         }
     }
 }
 
-/// Checks that the case is one at every end and value of the axes.
-fn check_axes(wanted: &Wanted, loaded: &LoadedCase) -> Result<(), Failure> {
-    let plan = &wanted.plan;
-    let ends = |axis: &Spacing| match axis {
-        Spacing::Values(values) => values.clone(),
-        Spacing::Range { from, to } => vec![*from, *to],
-    };
-    let checked = |key: &str, case: Case| {
-        case.check().map_err(|error| {
-            Failure::BadInput(format!("{}: axes.{key}: {error}", wanted.path.display()))
-        })
-    };
-    for fz in ends(&plan.fz) {
-        let mut case = loaded.case.clone();
-        case.load.fz_n = fz;
-        checked("fz_n", case)?;
-    }
-    for curvature in ends(&plan.curvature) {
-        let mut case = loaded.case.clone();
-        case.track = TrackTable {
-            curvature_1pm: Some(curvature),
-            ..TrackTable::default()
+/// Points that differ in speed alone, together, in the order of their first ones.
+fn groups<'a>(points: impl Iterator<Item = &'a Point>) -> Vec<Vec<Point>> {
+    let mut groups: Vec<Vec<Point>> = Vec::new();
+    let mut places: HashMap<String, usize> = HashMap::new();
+    for &point in points {
+        let alike = Point {
+            speed: None,
+            ..point
         };
-        checked("curvature_1pm", case)?;
+        let place = *places.entry(alike.to_string()).or_insert_with(|| {
+            groups.push(Vec::new());
+            groups.len() - 1
+        });
+        groups[place].push(point);
     }
-    for radius in plan.rocker_radius.iter().flat_map(ends) {
-        checked("rocker_radius_m", with_rocker(&loaded.case, radius))?;
-    }
-    let Some(sliding) = &loaded.case.sliding else {
-        return Ok(());
+    groups
+}
+
+/// Checks that the case is one at every end and value of the axes.
+fn check_axes(spec: &TableSpec, loaded: &LoadedCase) -> Result<(), Failure> {
+    let failed = |kind: AxisKind, reason: String| {
+        let path = spec.path.display();
+        Failure::BadInput(format!("{path}: axes.{}: {reason}", kind.key()))
     };
-    let told = |key: &str, slides: Result<LoadedCase, Failure>| match slides {
-        Ok(_) => Ok(()),
-        Err(failure) => Err(Failure::BadInput(format!(
-            "{}: axes.{key}: {failure}",
-            wanted.path.display()
-        ))),
-    };
-    for speed in plan.speed.iter().flat_map(ends) {
-        told("v_mps", at(loaded, speed, sliding.ice_c))?;
-    }
-    for ice_c in plan.ice_c.iter().flat_map(ends) {
-        told("ice_c", at(loaded, sliding.v_mps, ice_c))?;
+    for kind in AxisKind::ALL {
+        for value in spec.plan.get(kind).iter().flat_map(|axis| axis.ends()) {
+            let checked = match (kind, &loaded.case.sliding) {
+                (AxisKind::Speed, Some(sliding)) => {
+                    let slides = at(loaded, value, sliding.ice_c);
+                    slides.map(|_| ()).map_err(|error| error.to_string())
+                }
+                (AxisKind::IceTemperature, Some(sliding)) => {
+                    let slides = at(loaded, sliding.v_mps, value);
+                    slides.map(|_| ()).map_err(|error| error.to_string())
+                }
+                _ => {
+                    let mut case = loaded.case.clone();
+                    match kind {
+                        AxisKind::Fz => case.load.fz_n = value,
+                        AxisKind::RockerRadius => case = with_rocker(&case, value),
+                        _ => case.track = track(value),
+                    }
+                    case.check().map_err(|error| error.to_string())
+                }
+            };
+            checked.map_err(|reason| failed(kind, reason))?;
+        }
     }
     Ok(())
+}
+
+/// A track of this curvature [1/m].
+pub(crate) fn track(curvature: f64) -> TrackTable {
+    TrackTable {
+        curvature_1pm: Some(curvature),
+        ..TrackTable::default()
+    }
 }
 
 /// A failure with the point that it happened at.

@@ -3,10 +3,19 @@
 use crate::c::run_c;
 use crate::python::run_python;
 use crate::tables::sliding;
-use kufe_lut::{Layered, Mode, Quantity, Table};
+use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
 use kufe_outside::python;
 use std::fmt::Write as _;
 use std::path::Path;
+
+fn at(fz: f64, curvature: f64, speed: f64, ice_c: f64) -> Sample {
+    Sample {
+        fz,
+        curvature,
+        speed,
+        ice_c,
+    }
+}
 
 fn written(table: &Table, folder: &Path) {
     let file = |name: &str| std::fs::File::create(folder.join(name)).unwrap();
@@ -31,7 +40,7 @@ fn scipy_interpolates_four_and_five_axes_as_the_bilinear_mode_does() {
              from scipy.io import loadmat\n\
              from scipy.interpolate import RegularGridInterpolator\n\
              t, m = json.load(open('front.lut')), loadmat('front.mat')\n\
-             assert t['format_version'] == 3\n\
+             assert t['format_version'] == 1\n\
              csv = np.genfromtxt('front.csv', delimiter=',', names=True)\n\
              axes = [np.array(a['values']) for a in t['axes']]\n\
              names = [a['name'] for a in t['axes']]\n\
@@ -47,14 +56,14 @@ fn scipy_interpolates_four_and_five_axes_as_the_bilinear_mode_does() {
              for x in at: print(*(repr(float(v)) for v in (*x, f(x)[0])))\n",
         );
         let radius = rocker.then_some(23.4);
-        let mu = Layered::new(&table, Quantity::Mu, Mode::Bilinear, radius).unwrap();
+        let mu = Interpolator::new(&table, Quantity::Mu, Mode::Bilinear, radius).unwrap();
         assert_eq!(out.lines().count(), 200);
         for line in out.lines() {
             let x: Vec<f64> = line.split(' ').map(|w| w.parse().unwrap()).collect();
             let [v, ice, scipy] = x[x.len() - 3..] else {
                 panic!()
             };
-            let own = mu.at(x[0], x[1], v, ice).value;
+            let own = mu.at(at(x[0], x[1], v, ice)).value;
             assert!((own / scipy - 1.0).abs() < 1e-13, "{own} {line}");
         }
     }
@@ -82,11 +91,11 @@ fn scipys_hermite_splines_through_the_layers_are_the_smooth_mode() {
          for a, b in zip(random.uniform(v[0], v[-1], 200), random.uniform(ice[0], ice[-1], 200)):\n\
          \x20 print(repr(float(a)), repr(float(b)), repr(float(np.exp(spline(ice, spline(np.log(v), w)(np.log(a)))(b)))))\n",
     );
-    let mu = Layered::new(&table, Quantity::Mu, Mode::Smooth, None).unwrap();
+    let mu = Interpolator::new(&table, Quantity::Mu, Mode::Smooth, None).unwrap();
     assert_eq!(out.lines().count(), 200);
     for line in out.lines() {
         let x: Vec<f64> = line.split(' ').map(|w| w.parse().unwrap()).collect();
-        let own = mu.at(1300.0, 0.0, x[0], x[1]).value;
+        let own = mu.at(at(1300.0, 0.0, x[0], x[1])).value;
         assert!((own / x[2] - 1.0).abs() < 1e-12, "{own} {line}");
     }
 }
@@ -123,7 +132,7 @@ fn the_header_computes_what_the_library_computes() {
     }
     let mut main = String::from(
         "#include <stdio.h>\n#include \"front.h\"\n#include \"rear.h\"\n\
-         static void show(kufe_lut_looked l) { printf(\"%.17g %d\\n\", l.value, l.out_of_range); }\n\
+         static void show(kufe_lut_interpolated l) { printf(\"%.17g %d\\n\", l.value, l.out_of_range); }\n\
          int main(void) {\n  static const double at[][4] = {\n",
     );
     for [fz, curvature, v, ice] in &points {
@@ -140,7 +149,7 @@ fn the_header_computes_what_the_library_computes() {
                     "    show({call}(at[n][0], at[n][1], at[n][2], at[n][3]));"
                 )
                 .unwrap();
-                lookups.push(Layered::new(table, quantity, mode, radius).unwrap());
+                lookups.push(Interpolator::new(table, quantity, mode, radius).unwrap());
             }
         }
     }
@@ -155,7 +164,7 @@ fn the_header_computes_what_the_library_computes() {
         for lookup in &lookups {
             let (value, flag) = lines.next().unwrap().split_once(' ').unwrap();
             let value: f64 = value.parse().unwrap();
-            let own = lookup.at(fz, curvature, v, ice);
+            let own = lookup.at(at(fz, curvature, v, ice));
             assert_eq!(flag == "1", own.out_of_range);
             // The same operations in the same order; only log and exp may come from another libm.
             assert!(
@@ -218,15 +227,16 @@ fn the_fmu_is_valid_and_has_the_friction_of_speed_and_temperature() {
             Quantity::FilmMean,
         ];
         for (quantity, value) in quantities.into_iter().zip(&x[6..]) {
-            let lookup = Layered::new(&table, quantity, mode, None).unwrap();
-            let own = lookup.at(x[2], x[3 + 1], x[3], x[5]);
+            let lookup = Interpolator::new(&table, quantity, mode, None).unwrap();
+            let own = lookup.at(at(x[2], x[3 + 1], x[3], x[5]));
             assert!(
                 (value / own.value - 1.0).abs() < 1e-13,
                 "{quantity:?} {line}"
             );
-            match own.out_of_range {
-                true => outside += 1,
-                false => inside += 1,
+            if own.out_of_range {
+                outside += 1;
+            } else {
+                inside += 1;
             }
         }
     }

@@ -1,6 +1,8 @@
-//! Curvature as seen from where the runner lies flush on the track.
+//! Reduced curvatures: curvature relative to that at which the runner lies flush on the track.
 
 use std::hint::select_unpredictable;
+
+use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 
@@ -15,12 +17,36 @@ use crate::error::Error;
 /// ```
 ///
 /// has that V at nearly one place for all loads, spreads it out, and reaches from one end of the curvatures to the other.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "FlushKeys")]
 pub struct Flush {
+    #[serde(rename = "curvature_1pm")]
     curvature: f64,
+    #[serde(rename = "scale_1pm_per_n")]
     scale: f64,
+    #[serde(rename = "from_1pm")]
     from: f64,
+    #[serde(rename = "to_1pm")]
     to: f64,
+}
+
+/// The parameters as a file has them, not yet checked.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FlushKeys {
+    curvature_1pm: f64,
+    scale_1pm_per_n: f64,
+    from_1pm: f64,
+    to_1pm: f64,
+}
+
+impl TryFrom<FlushKeys> for Flush {
+    type Error = Error;
+
+    fn try_from(keys: FlushKeys) -> Result<Self, Error> {
+        let ends = [keys.from_1pm, keys.to_1pm];
+        Flush::new(keys.curvature_1pm, keys.scale_1pm_per_n, ends)
+    }
 }
 
 impl Flush {
@@ -66,7 +92,7 @@ impl Flush {
         [self.curvature, self.scale, self.from, self.to]
     }
 
-    /// The reduced curvature of a force [N] and a curvature [1/m]: 0 and 1 at the ends, beyond them outside.
+    /// The reduced curvature of a force [N] and a curvature [1/m]: 0 and 1 at the ends, less and more outside.
     #[inline]
     pub fn reduced(&self, fz: f64, curvature: f64) -> f64 {
         // Differences of asinh as one logarithm each; the arithmetic of kufe_lut_place_on_ in c/kufe_lut.h.

@@ -1,19 +1,19 @@
-//! `table.toml`: which table is wanted.
+//! `table.toml`: the axes and the accuracy of a table.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use kufe_files::text_of_regular;
-use kufe_lut::{Error, Mode, Plan, Spacing};
+use kufe_lut::{AxisKind, Error, Mode, Plan, Spacing};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 
 use crate::jobs::failure::Failure;
 
-/// A table file is a page of text; what is longer than this is something else [bytes].
+/// A table file is a page of text; a longer file is something else [bytes].
 const LONGEST: u64 = 1 << 20;
 
-/// Relative errors of the interpolation that can be asked: finer ones would chase the solver's own error.
+/// Relative errors of the interpolation that can be requested: finer ones would chase the solver's own error.
 const INTERPOLATIONS: RangeInclusive<f64> = 5e-4..=0.5;
 
 /// A table file, key by key.
@@ -88,7 +88,7 @@ struct FlushToml {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AccuracyToml {
-    /// Relative error asked of the peak pressure, or of the friction of a case that slides, between nodes of axes given as ranges.
+    /// Relative error requested of the peak pressure, or of the friction of a case that slides, between nodes of axes given as ranges.
     interpolation: Option<f64>,
     /// Which modes must be that good; both where absent.
     evaluation: Option<Evaluation>,
@@ -115,9 +115,9 @@ pub fn schema(generator: &mut SchemaGenerator) -> Schema {
     generator.root_schema_for::<TableToml>()
 }
 
-/// What a table file asks for.
+/// The content of a table file.
 #[derive(Clone, Debug)]
-pub struct Wanted {
+pub struct TableSpec {
     /// The file.
     pub path: PathBuf,
     /// The case's file.
@@ -128,23 +128,23 @@ pub struct Wanted {
     pub p_max: Option<f64>,
 }
 
-impl Wanted {
+impl TableSpec {
     /// Reads a table file.
     ///
     /// # Errors
     /// [`Failure::BadInput`] naming the file, the key, what was found and what was expected.
-    pub fn read(path: &Path) -> Result<Wanted, Failure> {
-        let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
-        let unreadable = |error: std::io::Error| told(format!("cannot be read: {error}"));
+    pub fn read(path: &Path) -> Result<TableSpec, Failure> {
+        let failed = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
+        let unreadable = |error: std::io::Error| failed(format!("cannot be read: {error}"));
         let text = text_of_regular(path, LONGEST).map_err(unreadable)?;
         let file: TableToml = toml::from_str(&text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start.min(text.len()));
             let line = text[..start].matches('\n').count() + 1;
-            told(format!("line {line}: {}", error.message()))
+            failed(format!("line {line}: {}", error.message()))
         })?;
-        let plan = plan(&file).map_err(told)?;
+        let plan = plan(&file).map_err(failed)?;
         plan.check().map_err(|error| {
-            told(match line_of(&text, &error) {
+            failed(match line_of(&text, &error) {
                 Some(line) => format!("line {line}: {error}"),
                 None => error.to_string(),
             })
@@ -152,12 +152,12 @@ impl Wanted {
         if let Some(p_max) = file.accuracy.p_max
             && !(1e-5..=0.5).contains(&p_max)
         {
-            return Err(told(format!(
+            return Err(failed(format!(
                 "accuracy.p_max = {p_max}: expected a relative error between 1e-5 and 0.5"
             )));
         }
         let base = path.parent().unwrap_or(Path::new(""));
-        Ok(Wanted {
+        Ok(TableSpec {
             path: path.to_path_buf(),
             case: base.join(&file.case),
             plan,
@@ -189,22 +189,25 @@ fn plan(file: &TableToml) -> Result<Plan, String> {
     let mut plan = Plan::new(spacing("axes.fz_n", &file.axes.fz_n)?, curvature);
     let flush = file.axes.curvature_1pm.as_ref().and_then(|axis| axis.flush);
     plan.flush = flush.map(|flush| [flush.curvature_1pm, flush.scale_1pm_per_n]);
-    let further = |key: &str, axis: &Option<AxisToml>| {
-        axis.as_ref().map(|axis| spacing(key, axis)).transpose()
-    };
-    plan.rocker_radius = further("axes.rocker_radius_m", &file.axes.rocker_radius_m)?;
-    plan.speed = further("axes.v_mps", &file.axes.v_mps)?;
-    plan.ice_c = further("axes.ice_c", &file.axes.ice_c)?;
+    for (kind, axis) in [
+        (AxisKind::RockerRadius, &file.axes.rocker_radius_m),
+        (AxisKind::Speed, &file.axes.v_mps),
+        (AxisKind::IceTemperature, &file.axes.ice_c),
+    ] {
+        if let Some(axis) = axis {
+            plan = plan.with(kind, spacing(&format!("axes.{}", kind.key()), axis)?);
+        }
+    }
     let accuracy = &file.accuracy;
-    if let Some(asked) = accuracy.interpolation {
-        if !INTERPOLATIONS.contains(&asked) {
+    if let Some(requested) = accuracy.interpolation {
+        if !INTERPOLATIONS.contains(&requested) {
             return Err(format!(
-                "accuracy.interpolation = {asked}: expected a relative error between {} and {}: contacts are solved to half of it",
+                "accuracy.interpolation = {requested}: expected a relative error between {} and {}: contacts are solved to half of it",
                 INTERPOLATIONS.start(),
                 INTERPOLATIONS.end()
             ));
         }
-        plan.interpolation = asked;
+        plan.interpolation = requested;
     }
     plan.modes = match accuracy.evaluation.unwrap_or(Evaluation::Both) {
         Evaluation::Both => Mode::ALL.to_vec(),
@@ -213,12 +216,9 @@ fn plan(file: &TableToml) -> Result<Plan, String> {
     };
     if plan.is_sliding() && plan.is_fixed() {
         // An eighth of the grooves, as of the nodes of a table of contacts at rest.
-        let grooves = [Some(&plan.fz), Some(&plan.curvature), plan.ice_c.as_ref()];
-        let count = |spacing: &Spacing| match spacing {
-            Spacing::Values(values) => values.len(),
-            Spacing::Range { .. } => 1,
-        };
-        let grooves: usize = grooves.into_iter().flatten().map(count).product();
+        let kinds = [AxisKind::Fz, AxisKind::Curvature, AxisKind::IceTemperature];
+        let count = |kind| plan.get(kind).map_or(1, |spacing| spacing.ends().len());
+        let grooves: usize = kinds.into_iter().map(count).product();
         plan.checks = grooves.div_ceil(8).max(4);
     }
     plan.checks = within("accuracy.checks", accuracy.checks, plan.checks, 100_000)?;

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Applies `work` to every item, on as many threads as the current rayon pool has; results in the items' order.
 ///
 /// Each item runs inside a pool of one thread of its own: a solver that is parallel itself would otherwise have its
-/// waiting threads begin further items, one inside the other, and hold them all in memory.
+/// waiting threads begin further items, one inside the other, with all of them in memory.
 pub fn each<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let threads = rayon::current_num_threads().min(items.len());
     if threads <= 1 {
@@ -28,7 +28,7 @@ pub fn each<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec
                 scope.spawn(
                     || match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
                         Ok(pool) => pool.install(one_by_one),
-                        // No further thread to be had: the work is done in the pool there is.
+                        // Without a further thread the work is done in the current pool.
                         Err(_) => one_by_one(),
                     },
                 )

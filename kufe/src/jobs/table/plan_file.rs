@@ -1,0 +1,156 @@
+//! The folder of a plan: `plan.json` with the points of one round, the scripts that run its shards, and `points/` with their
+//! results.
+
+use std::path::Path;
+
+use kufe_lut::{Origin, Point, parallel_script, slurm_script};
+use serde::{Deserialize, Serialize};
+
+use crate::jobs::failure::Failure;
+
+/// The value of the key `format`.
+const FORMAT: &str = "kufe-lut-plan";
+/// Most bytes of `plan.json`.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// The points of one round of a sweep, as `plan.json` has them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanFile {
+    format: String,
+    /// The origin that every result must have.
+    pub origin: Origin,
+    /// The table file that was planned.
+    pub table: String,
+    /// Number of the round, from 1; given points need one.
+    pub round: usize,
+    /// Number of shards into which the scripts cut the points.
+    pub shards: usize,
+    /// The points.
+    pub points: Vec<Point>,
+}
+
+impl PlanFile {
+    /// Names of the files of a plan.
+    pub const NAMES: [&str; 3] = ["plan.json", "slurm.sh", "parallel.sh"];
+
+    /// A round of a sweep.
+    pub fn new(
+        origin: Origin,
+        table: String,
+        round: usize,
+        shards: usize,
+        points: Vec<Point>,
+    ) -> Self {
+        PlanFile {
+            format: FORMAT.into(),
+            origin,
+            table,
+            round,
+            shards,
+            points,
+        }
+    }
+
+    /// Names and texts of `plan.json` and the scripts that run the shards of a folder.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where the folder does not exist or the scripts cannot name it.
+    pub fn files(&self, folder: &Path) -> Result<[(&'static str, String); 3], Failure> {
+        let failed =
+            |error: std::io::Error| Failure::BadInput(format!("{}: {error}", folder.display()));
+        let absolute = folder.canonicalize().map_err(failed)?;
+        let kufe = std::env::current_exe().map_err(failed)?;
+        let slurm = slurm_script(&kufe, &absolute, self.shards).map_err(Failure::bad_input)?;
+        let parallel =
+            parallel_script(&kufe, &absolute, self.shards).map_err(Failure::bad_input)?;
+        let mut plan = serde_json::to_string(self).map_err(Failure::bad_input)?;
+        plan.push('\n');
+        let [first, second, third] = PlanFile::NAMES;
+        Ok([(first, plan), (second, slurm), (third, parallel)])
+    }
+
+    /// Reads `plan.json` of a folder.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with the file and the place in it.
+    pub fn read(folder: &Path) -> Result<Self, Failure> {
+        let path = folder.join(PlanFile::NAMES[0]);
+        let failed = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
+        let bytes = kufe_files::read_regular(&path, MAX_BYTES);
+        let bytes = bytes.map_err(|error| failed(format!("cannot be read: {error}")))?;
+        let plan: PlanFile =
+            serde_json::from_slice(&bytes).map_err(|error| failed(format!("damaged: {error}")))?;
+        if plan.format != FORMAT || plan.round == 0 || plan.shards == 0 {
+            let expected = format!("damaged: expected the format {FORMAT}, a round and shards");
+            return Err(failed(expected));
+        }
+        Ok(plan)
+    }
+
+    /// The points of shard `index` (from 1) of `count`: neighbours stay together.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where `index` is not within 1 to `count`.
+    pub fn shard(&self, index: usize, count: usize) -> Result<&[Point], Failure> {
+        if index == 0 || index > count {
+            return Err(Failure::BadInput(format!(
+                "shard {index}/{count}: expected 1/{count} to {count}/{count}"
+            )));
+        }
+        let at = |n: usize| (n as u128 * self.points.len() as u128 / count as u128) as usize;
+        Ok(&self.points[at(index - 1)..at(index)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plan() -> PlanFile {
+        let points = (0..23).map(|n| Point {
+            fz: 100.0 + f64::from(n),
+            ..Point::default()
+        });
+        PlanFile::new(Origin::default(), "t.toml".into(), 1, 7, points.collect())
+    }
+
+    #[test]
+    fn shards_share_the_points_without_gap_or_overlap() {
+        let plan = plan();
+        for count in [1, 2, 5, 23, 40] {
+            let shards = (1..=count).map(|i| plan.shard(i, count).expect("a shard").to_vec());
+            assert_eq!(shards.collect::<Vec<_>>().concat(), plan.points);
+        }
+        for (index, count) in [(0, 3), (4, 3), (1, 0)] {
+            assert!(plan.shard(index, count).is_err());
+        }
+    }
+
+    #[test]
+    fn a_plan_is_read_back_and_a_broken_one_is_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, text) in plan().files(folder.path()).expect("texts") {
+            std::fs::write(folder.path().join(name), text).expect("written");
+        }
+        assert_eq!(PlanFile::read(folder.path()).expect("read"), plan());
+        let path = folder.path().join("plan.json");
+        let text = std::fs::read_to_string(&path).expect("the plan");
+        for broken in ["", "[]", "{}", &text.replace(FORMAT, "kufe-lut")] {
+            std::fs::write(&path, broken).expect("written");
+            let refused = PlanFile::read(folder.path())
+                .expect_err("broken")
+                .to_string();
+            assert!(refused.contains("plan.json: damaged"), "{refused}");
+        }
+    }
+
+    #[test]
+    fn a_folder_whose_name_would_end_a_line_of_a_script_is_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let odd = folder.path().join("p\ntouch X\n#");
+        let refused = plan().write(&odd).expect_err("a line's end").to_string();
+        assert!(refused.contains("printable"), "{refused}");
+        assert!(!odd.join("slurm.sh").exists());
+    }
+}

@@ -1,0 +1,367 @@
+//! Solved points of a sweep on disk: an append-only file, a JSON line a point.
+//!
+//! A line is written in one piece and flushed to the disk, so that a process that dies keeps every finished point. Each line
+//! has its origin and a checksum. A last line without its end was interrupted and is not counted.
+
+use std::collections::HashMap;
+use std::fs::{File, OpenOptions};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use kufe_lut::{AxisKind, Figures, Origin, Point, Solve, sha256};
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+
+use crate::jobs::failure::Failure;
+
+/// Most bytes of a line.
+const MAX_LINE: u64 = 1 << 14;
+/// Ending of the files of points in a folder.
+const ENDING: &str = "jsonl";
+
+/// A line of a file of points.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Line {
+    origin: Origin,
+    /// SHA-256 of `solve`.
+    sha256: String,
+    solve: Box<RawValue>,
+}
+
+/// A point by the bits of its coordinates.
+type Key = [u64; AxisKind::ALL.len()];
+
+fn key(point: &Point) -> Key {
+    // Adding 0 turns -0 into 0: one key for one point.
+    AxisKind::ALL.map(|kind| {
+        point
+            .get(kind)
+            .map_or(u64::MAX, |value| (value + 0.0).to_bits())
+    })
+}
+
+/// The solved points of one sweep.
+#[derive(Debug)]
+pub struct PointStore {
+    /// The file that points are appended to.
+    path: PathBuf,
+    origin: Origin,
+    damaged: Vec<String>,
+    state: Mutex<State>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    solved: HashMap<Key, Figures>,
+    /// Opened when the first point is appended.
+    file: Option<File>,
+}
+
+impl PointStore {
+    /// The points of one file, which need not exist.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where the file cannot be read or has points of another version or case.
+    pub fn of_file(path: &Path, origin: Origin) -> Result<Self, Failure> {
+        let mut store = PointStore {
+            path: path.to_path_buf(),
+            origin,
+            damaged: Vec::new(),
+            state: Mutex::default(),
+        };
+        if path.exists() {
+            store.read(path)?;
+        }
+        Ok(store)
+    }
+
+    /// The points of all files of a folder, which need not exist; new ones are appended to its file `name`.
+    ///
+    /// # Errors
+    /// As [`of_file`](Self::of_file).
+    pub fn of_folder(folder: &Path, name: &str, origin: Origin) -> Result<Self, Failure> {
+        let own = folder.join(name).with_extension(ENDING);
+        let mut store = PointStore::of_file(&own, origin)?;
+        let mut files = Vec::new();
+        if folder.exists() {
+            for entry in folder.read_dir().map_err(cannot("be read", folder))? {
+                files.push(entry.map_err(cannot("be read", folder))?.path());
+            }
+        }
+        files.sort();
+        for file in files {
+            if file != own && file.extension().is_some_and(|ending| ending == ENDING) {
+                store.read(&file)?;
+            }
+        }
+        Ok(store)
+    }
+
+    fn read(&mut self, path: &Path) -> Result<(), Failure> {
+        let file = kufe_files::open_regular(path).map_err(cannot("be read", path))?;
+        let mut reader = BufReader::new(file);
+        for number in 1.. {
+            let mut line = Vec::new();
+            let mut bounded = reader.by_ref().take(MAX_LINE);
+            let read = bounded.read_until(b'\n', &mut line);
+            read.map_err(cannot("be read", path))?;
+            if line.last() != Some(&b'\n') && (line.len() as u64) < MAX_LINE {
+                return Ok(());
+            }
+            let place = format!("{}, line {number}", path.display());
+            match read_line(&line) {
+                Err(reason) => self.damaged.push(format!("{place}: damaged: {reason}")),
+                Ok((origin, solve)) => {
+                    same_origin(&place, &origin, &self.origin)?;
+                    self.lock().solved.insert(key(&solve.point), solve.figures);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The file that points are appended to.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The origin of all points.
+    pub fn origin(&self) -> &Origin {
+        &self.origin
+    }
+
+    /// The damaged lines, each with its file and the reason.
+    pub fn damaged(&self) -> &[String] {
+        &self.damaged
+    }
+
+    /// The figures of a point, where it is solved.
+    pub fn get(&self, point: &Point) -> Option<Figures> {
+        self.lock().solved.get(&key(point)).copied()
+    }
+
+    /// Appends a solved point.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with the file where it cannot be written, on a full disk for one.
+    pub fn append(&self, solve: &Solve) -> Result<(), Failure> {
+        let text = serde_json::to_string(solve).map_err(Failure::bad_input)?;
+        let line = Line {
+            origin: self.origin.clone(),
+            sha256: sha256(text.as_bytes()),
+            solve: RawValue::from_string(text).map_err(Failure::bad_input)?,
+        };
+        let mut line = serde_json::to_vec(&line).map_err(Failure::bad_input)?;
+        line.push(b'\n');
+        let mut state = self.lock();
+        let mut file = match state.file.take() {
+            Some(file) => file,
+            None => self.open_to_append()?,
+        };
+        let written = file.write_all(&line).and_then(|()| file.sync_data());
+        written.map_err(cannot("be written", &self.path))?;
+        state.file = Some(file);
+        state.solved.insert(key(&solve.point), solve.figures);
+        Ok(())
+    }
+
+    /// Opens the file to append, without an interrupted last line.
+    fn open_to_append(&self) -> Result<File, Failure> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        if !folder.as_os_str().is_empty() {
+            std::fs::create_dir_all(folder).map_err(cannot("be written", folder))?;
+        }
+        let mut options = OpenOptions::new();
+        let open = options
+            .read(true)
+            .append(true)
+            .create(true)
+            .open(&self.path);
+        let whole = open.and_then(|file| {
+            let (mut whole, mut read) = (0, 0);
+            let mut reader = BufReader::new(&file);
+            loop {
+                let chunk = reader.fill_buf()?;
+                if chunk.is_empty() {
+                    break;
+                }
+                if let Some(end) = chunk.iter().rposition(|byte| *byte == b'\n') {
+                    whole = read + end as u64 + 1;
+                }
+                let length = chunk.len();
+                read += length as u64;
+                reader.consume(length);
+            }
+            if whole < read {
+                file.set_len(whole)?;
+            }
+            Ok(file)
+        });
+        whole.map_err(cannot("be written", &self.path))
+    }
+
+    /// Removes the file: its points are no longer needed.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where it exists and cannot be removed.
+    pub fn remove(&self) -> Result<(), Failure> {
+        self.lock().file = None;
+        if self.path.exists() {
+            std::fs::remove_file(&self.path).map_err(cannot("be removed", &self.path))?;
+        }
+        Ok(())
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn read_line(line: &[u8]) -> Result<(Origin, Solve), String> {
+    let line: Line = serde_json::from_slice(line).map_err(|error| error.to_string())?;
+    let found = sha256(line.solve.get().as_bytes());
+    if found != line.sha256 {
+        let stated = line.sha256;
+        return Err(format!("its checksum is {found}, it states {stated}"));
+    }
+    let solve = serde_json::from_str(line.solve.get()).map_err(|error| error.to_string())?;
+    Ok((line.origin, solve))
+}
+
+/// Checks that stored results are of this program and case.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the place of the results.
+pub fn same_origin(place: &str, stored: &Origin, now: &Origin) -> Result<(), Failure> {
+    for (what, stored, now) in [
+        ("version", stored.version(), now.version()),
+        ("case_sha256", stored.case_sha256(), now.case_sha256()),
+    ] {
+        if stored != now {
+            return Err(Failure::BadInput(format!(
+                "{place}: {what} is {stored}, that of this program and case is {now}: the case, a file that it reads \
+                 or the program has changed since; delete these points to solve them again, or give another output"
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn cannot<'a>(what: &'a str, path: &'a Path) -> impl Fn(std::io::Error) -> Failure + 'a {
+    move |error| Failure::BadInput(format!("{}: cannot {what}: {error}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kufe_lut::Quantity;
+
+    fn origin(version: &str, digit: &str) -> Origin {
+        Origin::new(version.into(), digit.repeat(64)).expect("an origin")
+    }
+
+    fn solve(n: u32) -> Solve {
+        let fz = 100.0 * f64::from(n);
+        let figures = Figures::at_rest([1e8 + fz / 3.0, 1e8, 1e-5, 0.05, 3e-4, 1e-5]);
+        Solve {
+            point: Point {
+                fz,
+                ..Point::default()
+            },
+            figures: figures.with_error(Quantity::PMax, 1e5),
+        }
+    }
+
+    fn points(path: &Path) -> PointStore {
+        PointStore::of_file(path, origin("1", "a")).expect("a store")
+    }
+
+    fn written(path: &Path) {
+        let store = points(path);
+        (1..=5).for_each(|n| store.append(&solve(n)).expect("a line"));
+    }
+
+    #[test]
+    fn points_are_read_back_to_the_bit_and_appended_to() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("t.lut.points");
+        written(&path);
+        let before = std::fs::read(&path).expect("lines");
+        let store = points(&path);
+        for n in 1..=5 {
+            assert_eq!(store.get(&solve(n).point), Some(solve(n).figures));
+        }
+        assert_eq!(store.get(&solve(6).point), None);
+        store.append(&solve(6)).expect("a line");
+        let after = std::fs::read(&path).expect("lines");
+        assert!(after.starts_with(&before) && store.damaged().is_empty());
+        store.remove().expect("removed");
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn an_interrupted_last_line_is_not_counted_and_is_replaced() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("points.jsonl");
+        written(&path);
+        let whole = std::fs::read(&path).expect("lines");
+        std::fs::write(&path, &whole[..whole.len() - 9]).expect("cut");
+        let store = points(&path);
+        assert!(store.damaged().is_empty() && store.get(&solve(5).point).is_none());
+        store.append(&solve(5)).expect("a line");
+        assert_eq!(std::fs::read(&path).expect("lines"), whole);
+    }
+
+    #[test]
+    fn damaged_lines_are_named_and_the_others_remain() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("points.jsonl");
+        written(&path);
+        let whole = std::fs::read_to_string(&path).expect("lines");
+        let lines: Vec<&str> = whole.lines().collect();
+        let flipped = lines[2].replace("\"p_mean_pa\":1", "\"p_mean_pa\":2");
+        assert_ne!(flipped, lines[2]);
+        let long = "x".repeat(40_000);
+        for damage in ["", &lines[2][..90], "{\"sha256\": 4}", &flipped, &long] {
+            std::fs::write(&path, whole.replace(lines[2], damage)).expect("lines");
+            let store = points(&path);
+            let text = store.damaged().join("\n");
+            assert!(text.contains("points.jsonl, line 3: damaged"), "{text}");
+            assert!(store.get(&solve(3).point).is_none());
+            assert!(
+                [1, 2, 4, 5]
+                    .iter()
+                    .all(|n| store.get(&solve(*n).point).is_some())
+            );
+        }
+    }
+
+    #[test]
+    fn versions_and_cases_are_not_mixed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("points.jsonl");
+        written(&path);
+        for (other, what) in [
+            (origin("9", "a"), "version"),
+            (origin("1", "b"), "case_sha256"),
+        ] {
+            let refused = PointStore::of_folder(folder.path(), "other", other);
+            let text = refused.expect_err("another origin").to_string();
+            assert!(
+                text.contains(what) && text.contains("points.jsonl"),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_written_is_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("file"), "in the way").expect("a file");
+        let store = points(&folder.path().join("file/points.jsonl"));
+        let text = store.append(&solve(1)).expect_err("no folder").to_string();
+        assert!(text.contains("cannot be written"), "{text}");
+    }
+}

@@ -1,0 +1,54 @@
+//! Scripts that run the shards of a plan.
+
+use std::path::Path;
+
+use crate::error::Error;
+use crate::export::escape::{shell_word, slurm_value};
+
+/// The version of kufe, as a comment.
+const MARK: &str = concat!("# kufe ", env!("CARGO_PKG_VERSION"), "\n");
+
+/// A Slurm job array, one shard a task: `sbatch --wait slurm.sh`.
+///
+/// Tasks that fail are run again by submitting the script again: finished points are not solved again.
+///
+/// # Errors
+/// [`Error::ScriptPath`] where a path has characters that a script cannot name.
+pub fn slurm_script(kufe: &Path, plan: &Path, shards: usize) -> Result<String, Error> {
+    let log = format!(
+        "{}/slurm-%A_%a.log\"",
+        slurm_value(plan)?.trim_end_matches('"')
+    );
+    Ok(format!(
+        "#!/bin/bash\n\
+         {MARK}\
+         #SBATCH --job-name=kufe-lut\n\
+         #SBATCH --array=1-{shards}\n\
+         #SBATCH --cpus-per-task=1\n\
+         #SBATCH --output={log}\n\
+         # Submit again to run what failed; finished points are not solved again.\n\
+         exec {} lut run {} --shard \"$SLURM_ARRAY_TASK_ID/{shards}\" --threads \"${{SLURM_CPUS_PER_TASK:-1}}\"\n",
+        shell_word(kufe)?,
+        shell_word(plan)?,
+    ))
+}
+
+/// The same with GNU parallel, on this machine: `sh parallel.sh`, again to run what failed.
+///
+/// # Errors
+/// [`Error::ScriptPath`] where a path has characters that a script cannot name.
+pub fn parallel_script(kufe: &Path, plan: &Path, shards: usize) -> Result<String, Error> {
+    // GNU parallel gives its command to a shell: paths come as variables, which that shell does not parse again.
+    Ok(format!(
+        "#!/bin/sh\n\
+         {MARK}\
+         # Run again to run what failed; finished points are not solved again.\n\
+         KUFE={}\n\
+         PLAN={}\n\
+         export KUFE PLAN\n\
+         exec parallel --joblog \"$PLAN/parallel.log\" --halt never \
+         '\"$KUFE\" lut run \"$PLAN\" --shard {{}}/{shards} --threads 1' ::: $(seq 1 {shards})\n",
+        shell_word(kufe)?,
+        shell_word(plan)?,
+    ))
+}

@@ -1,0 +1,555 @@
+//! `.lut` files (docs/tables.md): written, and read with every number checked.
+//!
+//! A file is parsed as it is read into lists whose lengths are bounded, so that no file takes more memory than the largest
+//! table.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::io::{BufReader, Read, Write};
+use std::marker::PhantomData;
+
+use serde::de::{
+    Deserialize, DeserializeSeed, Deserializer, Error as _, IntoDeserializer, SeqAccess, Visitor,
+};
+use serde::{Serialize, Serializer};
+use serde_json::value::RawValue;
+
+use crate::axes::{Axes, AxisKind, KINDS, MAX_AXIS, MAX_NODES, Point};
+use crate::error::Error;
+use crate::interpolator::Mode;
+use crate::quantity::{Method, Quantity};
+use crate::reduced::Flush;
+use crate::solve::Solve;
+use crate::table::{Column, InterpolationError, Origin, Table};
+
+/// Most bytes that a reader of tables takes in.
+pub const MAX_FILE_BYTES: u64 = 384 << 20;
+
+/// Most checks of a table.
+const MAX_CHECKS: usize = 1 << 19;
+
+/// The value of the key `format`.
+const FORMAT: &str = "kufe-lut";
+/// The value of the key `format_version`.
+const FORMAT_VERSION: u64 = 1;
+
+/// A table file, key by key.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TableFile {
+    format: String,
+    format_version: u64,
+    version: String,
+    case_sha256: String,
+    case: Box<RawValue>,
+    accuracy: Accuracy,
+    #[serde(deserialize_with = "bounded::<_, _, KINDS>")]
+    axes: Vec<AxisFile>,
+    quantities: BTreeMap<Quantity, ColumnFile>,
+    #[serde(default)]
+    method: Option<Nested<Method>>,
+    #[serde(deserialize_with = "bounded::<_, _, MAX_CHECKS>")]
+    checks: Vec<Solve>,
+}
+
+/// How accurate the table is; but for the request it follows from the rest of the file.
+#[derive(Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Accuracy {
+    /// The quantity that the request and the solver's error are of.
+    quantity: Quantity,
+    interpolation_requested: Option<f64>,
+    solver: Option<f64>,
+    checks: usize,
+    interpolation: BTreeMap<Mode, BTreeMap<Quantity, InterpolationError>>,
+}
+
+#[derive(Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AxisFile {
+    name: String,
+    unit: String,
+    values: Nested<f64>,
+    /// Parameters of a reduced curvature.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    flush: Option<Flush>,
+    /// With `flush`: the curvature of every node, for readers that need only that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    curvature_1pm: Option<Nested<f64>>,
+}
+
+#[derive(Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ColumnFile {
+    unit: String,
+    values: Nested<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    errors: Option<Nested<f64>>,
+}
+
+impl Table {
+    /// Reads a table and checks every number in it.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] past [`MAX_FILE_BYTES`]; [`Error::Json`] with line and column where the JSON is broken or a key is
+    /// unknown, missing or of the wrong type; [`Error::Format`] with key, value and expectation; the errors of [`Axes::with`];
+    /// [`Error::Stream`] where the reader fails.
+    pub fn read(reader: &mut dyn Read) -> Result<Self, Error> {
+        let mut bounded = BufReader::new(reader.take(MAX_FILE_BYTES + 1));
+        let parsed = serde_json::from_reader(&mut bounded);
+        if bounded.get_ref().limit() == 0 {
+            return Err(Error::TooLarge {
+                limit: MAX_FILE_BYTES,
+            });
+        }
+        match parsed {
+            Ok(file) => from_file(file),
+            Err(error) if error.is_io() => Err(Error::Stream(error.into())),
+            Err(error) => Err(Error::Json(error)),
+        }
+    }
+
+    /// Writes the table as JSON; the same table gives the same bytes.
+    ///
+    /// # Errors
+    /// [`Error::Stream`] where the writer fails, [`Error::RockerOutside`] where a check lies off the
+    /// rocker axis, [`Error::Json`] where the case is no JSON.
+    pub fn write(&self, writer: &mut dyn Write) -> Result<(), Error> {
+        let case: &RawValue = serde_json::from_str(&self.case)?;
+        let entries = [
+            ("format", json(&FORMAT)?),
+            ("format_version", json(&FORMAT_VERSION)?),
+            ("version", json(&self.origin.version())?),
+            ("case_sha256", json(&self.origin.case_sha256())?),
+            ("case", json(case)?),
+            ("accuracy", json(&self.accuracy()?)?),
+        ];
+        for (n, (key, value)) in entries.into_iter().enumerate() {
+            let start = if n == 0 { "{" } else { "," };
+            write!(writer, "{start}\n\"{key}\": {value}")?;
+        }
+        let axes = self.axes().named().into_iter();
+        let axes = axes.map(|(name, unit, values)| json(&self.axis(name, unit, values)));
+        write_lines(writer, "axes", ['[', ']'], axes)?;
+        let shape = self.axes().shape();
+        let columns = self.columns().iter().map(|(quantity, column)| {
+            let column = ColumnFile {
+                unit: quantity.unit().into(),
+                values: Nested::new(&shape, &column.values),
+                errors: column.errors.as_ref().map(|list| Nested::new(&shape, list)),
+            };
+            Ok(format!("\"{}\": {}", quantity.name(), json(&column)?))
+        });
+        write_lines(writer, "quantities", ['{', '}'], columns)?;
+        if self.methods().iter().any(|method| !method.is_default()) {
+            let methods = json(&Nested::new(&shape, self.methods()))?;
+            write!(writer, ",\n\"method\": {methods}")?;
+        }
+        write_lines(writer, "checks", ['[', ']'], self.checks().iter().map(json))?;
+        writeln!(writer, "\n}}")?;
+        Ok(())
+    }
+
+    fn axis(&self, name: &str, unit: &str, values: &[f64]) -> AxisFile {
+        let flush = self.axes().flush().filter(|_| name == "reduced_curvature");
+        let curvatures = flush.map(|_| {
+            let points = self.axes().points();
+            let curvatures: Vec<f64> = points.iter().map(|point| point.curvature).collect();
+            Nested::new(&self.axes().shape(), &curvatures)
+        });
+        AxisFile {
+            name: name.into(),
+            unit: unit.into(),
+            values: Nested::new(&[values.len()], values),
+            flush: flush.copied(),
+            curvature_1pm: curvatures,
+        }
+    }
+
+    fn accuracy(&self) -> Result<Accuracy, Error> {
+        let mut interpolation = BTreeMap::new();
+        for mode in Mode::ALL {
+            let mut of_mode = BTreeMap::new();
+            for &quantity in self.quantities() {
+                if let Some(error) = self.interpolation_error(quantity, mode)? {
+                    of_mode.insert(quantity, error);
+                }
+            }
+            interpolation.insert(mode, of_mode);
+        }
+        Ok(Accuracy {
+            quantity: self.judged(),
+            interpolation_requested: self.interpolation_requested,
+            solver: self.solver_error_of(self.judged()),
+            checks: self.checks().len(),
+            interpolation,
+        })
+    }
+}
+
+fn json<T: Serialize + ?Sized>(value: &T) -> Result<String, Error> {
+    Ok(serde_json::to_string(value)?)
+}
+
+/// Writes a list or an object, an entry a line.
+fn write_lines(
+    writer: &mut dyn Write,
+    key: &str,
+    [open, close]: [char; 2],
+    lines: impl Iterator<Item = Result<String, Error>>,
+) -> Result<(), Error> {
+    write!(writer, ",\n\"{key}\": {open}")?;
+    for (n, line) in lines.enumerate() {
+        let end = if n == 0 { "" } else { "," };
+        write!(writer, "{end}\n {}", line?)?;
+    }
+    write!(writer, "\n{close}")?;
+    Ok(())
+}
+
+fn from_file(file: TableFile) -> Result<Table, Error> {
+    if file.format != FORMAT {
+        return Err(Error::format("format", &file.format, FORMAT));
+    }
+    if file.format_version != FORMAT_VERSION {
+        let found = file.format_version.to_string();
+        return Err(Error::format(
+            "format_version",
+            &found,
+            FORMAT_VERSION.to_string(),
+        ));
+    }
+    let origin = Origin::new(file.version, file.case_sha256)?;
+    let axes = from_axes(file.axes)?;
+    let shape = axes.shape();
+    let sliding = axes.is_sliding() || file.quantities.contains_key(&Quantity::Mu);
+    let expected = Quantity::of(sliding);
+    if !file.quantities.keys().eq(expected) {
+        let names = |list: &mut dyn Iterator<Item = &Quantity>| {
+            list.map(|q| q.name()).collect::<Vec<_>>().join(", ")
+        };
+        let found = names(&mut file.quantities.keys());
+        return Err(Error::format(
+            "quantities",
+            &found,
+            names(&mut expected.iter()),
+        ));
+    }
+    let mut columns = BTreeMap::new();
+    for (quantity, column) in file.quantities {
+        columns.insert(quantity, from_column(quantity, column, &shape)?);
+    }
+    let judged = Quantity::judged(sliding);
+    if columns[&judged].errors.is_none() {
+        let key = format!("quantities.{}", judged.name());
+        return Err(Error::format(&key, "no key errors", "estimated errors"));
+    }
+    let methods = match file.method {
+        None => vec![Method::default(); axes.node_count()],
+        Some(methods) => methods.of_shape("method", &shape)?,
+    };
+    for (n, check) in file.checks.iter().enumerate() {
+        check_place(&format!("checks[{n}]"), &check.point, &axes)?;
+        if check.figures.is_sliding() != sliding {
+            return Err(Error::SlidingMixture {
+                place: check.point.to_string(),
+            });
+        }
+    }
+    let mut table = Table::of_columns(axes, columns, methods, file.checks);
+    table.interpolation_requested = file.accuracy.interpolation_requested;
+    table.case = file.case.get().into();
+    table.origin = origin;
+    Ok(table)
+}
+
+fn from_axes(files: Vec<AxisFile>) -> Result<Axes, Error> {
+    let mut read: Vec<(AxisKind, Vec<f64>)> = Vec::new();
+    let mut flush = None;
+    for (n, axis) in files.into_iter().enumerate() {
+        let key = format!("axes[{n}]");
+        let allowed: Vec<AxisKind> = match n {
+            0 => vec![AxisKind::Fz],
+            1 => vec![AxisKind::Curvature],
+            _ => AxisKind::ALL
+                .into_iter()
+                .filter(|k| *k > read[n - 1].0)
+                .collect(),
+        };
+        let reduced = n == 1 && axis.name == "reduced_curvature";
+        let kind = allowed
+            .iter()
+            .find(|kind| reduced || kind.key() == axis.name);
+        let Some(&kind) = kind else {
+            let names: Vec<&str> = allowed.iter().map(|kind| kind.key()).collect();
+            return Err(Error::format(
+                &format!("{key}.name"),
+                &axis.name,
+                names.join(" or "),
+            ));
+        };
+        let unit = if reduced { "1" } else { kind.unit() };
+        if axis.unit != unit {
+            return Err(Error::format(&format!("{key}.unit"), &axis.unit, unit));
+        }
+        if axis.flush.is_some() != reduced {
+            let expected = "flush with the axis reduced_curvature, and only there";
+            return Err(Error::format(&format!("{key}.flush"), &axis.name, expected));
+        }
+        flush = flush.or(axis.flush);
+        let length = [axis.values.flat.len()];
+        read.push((
+            kind,
+            axis.values.of_shape(&format!("{key}.values"), &length)?,
+        ));
+    }
+    let mut read = read.into_iter();
+    let (Some((_, fz)), Some((_, curvature))) = (read.next(), read.next()) else {
+        return Err(Error::format(
+            "axes",
+            "fewer than two axes",
+            "fz_n and curvature_1pm",
+        ));
+    };
+    let axes = match flush {
+        None => Axes::new(fz, curvature),
+        Some(flush) => Axes::reduced(fz, curvature, flush),
+    }?;
+    read.try_fold(axes, |axes, (kind, values)| axes.with(kind, values))
+}
+
+fn from_column(quantity: Quantity, file: ColumnFile, shape: &[usize]) -> Result<Column, Error> {
+    let key = |of: &str| format!("quantities.{}.{of}", quantity.name());
+    if file.unit != quantity.unit() {
+        return Err(Error::format(&key("unit"), &file.unit, quantity.unit()));
+    }
+    let values = file.values.of_shape(&key("values"), shape)?;
+    for (n, &value) in values.iter().enumerate() {
+        if let Some(expected) = quantity.expectation(value) {
+            let key = format!("{}, number {}", key("values"), n + 1);
+            return Err(Error::format(&key, &value.to_string(), expected));
+        }
+    }
+    let errors = file
+        .errors
+        .map(|errors| errors.of_shape(&key("errors"), shape));
+    let errors = errors.transpose()?;
+    if let Some(n) = errors.iter().flatten().position(|&error| error < 0.0) {
+        let found = errors.iter().flatten().nth(n).map(f64::to_string);
+        let key = format!("{}, number {}", key("errors"), n + 1);
+        return Err(Error::format(
+            &key,
+            &found.unwrap_or_default(),
+            "0 or a positive number",
+        ));
+    }
+    Ok(Column { values, errors })
+}
+
+/// A check has a coordinate along each further axis, within it, and along no other.
+fn check_place(key: &str, point: &Point, axes: &Axes) -> Result<(), Error> {
+    for kind in AxisKind::ALL.into_iter().skip(2) {
+        let key = format!("{key}.{}", kind.key());
+        match (axes.get(kind), point.get(kind)) {
+            (None, None) => {}
+            (None, Some(value)) => {
+                return Err(Error::format(
+                    &key,
+                    &value.to_string(),
+                    "no such coordinate",
+                ));
+            }
+            (Some(_), None) => return Err(Error::format(&key, "nothing", "a coordinate")),
+            (Some(axis), Some(value)) => {
+                if !(axis[0]..=axis[axis.len() - 1]).contains(&value) {
+                    let expected = "a value within the axis";
+                    return Err(Error::format(&key, &value.to_string(), expected));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A list of at most `MOST` entries.
+fn bounded<'de, D, T, const MOST: usize>(deserializer: D) -> Result<Vec<T>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    struct Bounded<T, const MOST: usize>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>, const MOST: usize> Visitor<'de> for Bounded<T, MOST> {
+        type Value = Vec<T>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(f, "a list of at most {MOST} entries")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<T>, A::Error> {
+            let mut list = Vec::new();
+            while let Some(entry) = seq.next_element()? {
+                if list.len() == MOST {
+                    return Err(A::Error::invalid_length(MOST + 1, &self));
+                }
+                list.push(entry);
+            }
+            Ok(list)
+        }
+    }
+    deserializer.deserialize_seq(Bounded::<T, MOST>(PhantomData))
+}
+
+/// Lists within lists along the axes, as `numpy.array` takes them: at most [`MAX_NODES`] entries.
+struct Nested<T> {
+    shape: Vec<usize>,
+    flat: Vec<T>,
+}
+
+impl<T: Clone> Nested<T> {
+    fn new(shape: &[usize], flat: &[T]) -> Self {
+        Nested {
+            shape: shape.to_vec(),
+            flat: flat.to_vec(),
+        }
+    }
+
+    /// The entries, where they have this shape.
+    fn of_shape(self, key: &str, shape: &[usize]) -> Result<Vec<T>, Error> {
+        if self.shape == shape {
+            return Ok(self.flat);
+        }
+        let named = |shape: &[usize]| format!("lists of shape {shape:?}");
+        Err(Error::format(key, &named(&self.shape), named(shape)))
+    }
+}
+
+impl<T: Serialize> Serialize for Nested<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Rows(&self.shape, &self.flat).serialize(serializer)
+    }
+}
+
+/// Entries of a shape, the last axis fastest.
+struct Rows<'a, T>(&'a [usize], &'a [T]);
+
+impl<T: Serialize> Serialize for Rows<'_, T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            [rows, inner @ ..] if !inner.is_empty() => {
+                let chunks = self.1.chunks_exact(self.1.len() / rows);
+                serializer.collect_seq(chunks.map(|chunk| Rows(inner, chunk)))
+            }
+            _ => serializer.collect_seq(self.1),
+        }
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Nested<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut lengths = Lengths {
+            known: [None; KINDS],
+            leaves: None,
+            flat: Vec::new(),
+        };
+        let level = Level {
+            lengths: &mut lengths,
+            depth: 0,
+        };
+        level.deserialize(deserializer)?;
+        let depth = lengths.leaves.unwrap_or(1).max(1);
+        let shape = lengths.known[..depth].iter().map(|n| n.unwrap_or(0));
+        Ok(Nested {
+            shape: shape.collect(),
+            flat: lengths.flat,
+        })
+    }
+}
+
+/// Lengths of the lists so far by depth, the depth of the entries, and these.
+struct Lengths<T> {
+    known: [Option<usize>; KINDS],
+    leaves: Option<usize>,
+    flat: Vec<T>,
+}
+
+/// A list or an entry at a depth.
+struct Level<'a, T> {
+    lengths: &'a mut Lengths<T>,
+    depth: usize,
+}
+
+impl<'de, T: Deserialize<'de>> DeserializeSeed<'de> for Level<'_, T> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<T> Level<'_, T> {
+    fn push<E: serde::de::Error>(self, entry: Result<T, E>) -> Result<(), E> {
+        let depth = *self.lengths.leaves.get_or_insert(self.depth);
+        if depth == 0 || depth != self.depth {
+            return Err(E::custom("expected lists of one depth"));
+        }
+        if self.lengths.flat.len() == MAX_NODES {
+            return Err(E::custom(format!("expected at most {MAX_NODES} entries")));
+        }
+        self.lengths.flat.push(entry?);
+        Ok(())
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for Level<'_, T> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a finite number or a list of such")
+    }
+
+    fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<(), E> {
+        self.push(T::deserialize(value.into_deserializer()))
+    }
+
+    fn visit_u64<E: serde::de::Error>(self, value: u64) -> Result<(), E> {
+        self.push(T::deserialize(value.into_deserializer()))
+    }
+
+    fn visit_i64<E: serde::de::Error>(self, value: i64) -> Result<(), E> {
+        self.push(T::deserialize(value.into_deserializer()))
+    }
+
+    fn visit_str<E: serde::de::Error>(self, value: &str) -> Result<(), E> {
+        self.push(T::deserialize(value.into_deserializer()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
+        let depth = self.depth;
+        if depth == KINDS {
+            let text = format!("expected lists of at most {KINDS} levels");
+            return Err(A::Error::custom(text));
+        }
+        let mut length = 0;
+        loop {
+            let inner = Level {
+                lengths: &mut *self.lengths,
+                depth: depth + 1,
+            };
+            if seq.next_element_seed(inner)?.is_none() {
+                break;
+            }
+            length += 1;
+            if length > MAX_AXIS {
+                return Err(A::Error::custom(format!(
+                    "expected at most {MAX_AXIS} entries"
+                )));
+            }
+        }
+        let known = *self.lengths.known[depth].get_or_insert(length);
+        if known != length {
+            let text = format!("found a list of {length} entries, expected {known}");
+            return Err(A::Error::custom(text));
+        }
+        Ok(())
+    }
+}

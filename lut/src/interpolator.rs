@@ -1,0 +1,593 @@
+//! Evaluation of a table between its nodes.
+//!
+//! The first two axes, force and curvature, span a surface; every further axis stacks such surfaces as layers.
+//!
+//! - The bilinear mode is linear along every axis.
+//! - The smooth mode interpolates each surface by bicubic Hermite patches over the logarithm of the force and the curvature
+//!   ([`crate::monotone`]), and goes from layer to layer by cubic Hermite splines with three-point slopes, over the logarithm of
+//!   the speed and the plain temperature. These are exact for parabolas and linear in the values of the layers, so that the whole
+//!   stays C1 in force and curvature too.
+
+use serde::{Deserialize, Serialize};
+
+use crate::axes::{AxisKind, Point};
+use crate::error::Error;
+use crate::monotone::{Jet, jets};
+use crate::quantity::Quantity;
+use crate::reduced::Flush;
+use crate::table::Table;
+
+/// How values between the nodes are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// Piecewise linear on the table's own axes and values, as Simulink's n-D Lookup Table computes it with
+    /// "linear point-slope", "clip" and "use last table value" (MathWorks guideline jc_0626).
+    Bilinear,
+    /// C1 and monotone where the data are: bicubic Hermite patches of the logarithm of the quantity over
+    /// the logarithm of the force and the (reduced) curvature.
+    Smooth,
+}
+
+impl Mode {
+    /// Both modes.
+    pub const ALL: [Mode; 2] = [Mode::Bilinear, Mode::Smooth];
+
+    /// Name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Mode::Bilinear => "bilinear",
+            Mode::Smooth => "smooth",
+        }
+    }
+}
+
+/// Where a table is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Normal force [N].
+    pub fz: f64,
+    /// Curvature of the track [1/m].
+    pub curvature: f64,
+    /// Speed [m/s]; ignored by tables without that axis.
+    pub speed: f64,
+    /// Temperature of the ice [C]; ignored by tables without that axis.
+    pub ice_c: f64,
+}
+
+impl Sample {
+    /// A force [N] and a curvature [1/m], without speed and temperature.
+    #[inline]
+    pub fn at_rest(fz: f64, curvature: f64) -> Self {
+        Sample {
+            fz,
+            curvature,
+            speed: f64::NAN,
+            ice_c: f64::NAN,
+        }
+    }
+
+    fn get(&self, kind: AxisKind) -> f64 {
+        match kind {
+            AxisKind::Fz => self.fz,
+            AxisKind::Curvature => self.curvature,
+            AxisKind::Speed => self.speed,
+            AxisKind::IceTemperature => self.ice_c,
+            AxisKind::RockerRadius => f64::NAN,
+        }
+    }
+}
+
+impl From<Point> for Sample {
+    fn from(point: Point) -> Self {
+        Sample {
+            speed: point.speed.unwrap_or(f64::NAN),
+            ice_c: point.ice_c.unwrap_or(f64::NAN),
+            ..Sample::at_rest(point.fz, point.curvature)
+        }
+    }
+}
+
+/// An interpolated value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interpolated {
+    /// The value, in the quantity's unit; NaN where an input was NaN.
+    pub value: f64,
+    /// Whether an input was outside the table (and was clipped to it) or NaN.
+    pub out_of_range: bool,
+}
+
+/// One quantity of a table, ready for evaluation.
+///
+/// A contact between a smooth hull and ice follows power laws in the load (pressure as `Fz^(1/3)`, area as
+/// `Fz^(2/3)`), which are straight lines in logarithms: there the smooth mode interpolates, so that
+/// few nodes suffice. A quantity with a value that is not positive is interpolated as it is.
+///
+/// ```
+/// use kufe_lut::{Axes, Figures, Interpolator, Mode, Quantity, Sample, Table};
+/// let axes = Axes::new(vec![250.0, 2000.0], vec![0.0, 0.02])?;
+/// let nodes: Vec<Figures> = axes.points().iter().map(|point| {
+///     let p_max = 1e8 * (point.fz / 1000.0).cbrt() * (1.0 - 10.0 * point.curvature);
+///     Figures::at_rest([p_max, p_max / 1.5, 1e-5, 0.05, 3e-4, 1e-5]).with_error(Quantity::PMax, 0.0)
+/// }).collect();
+/// let table = Table::new(axes, &nodes, vec![])?;
+/// let p_max = Interpolator::new(&table, Quantity::PMax, Mode::Smooth, None)?;
+/// let inside = p_max.at(Sample::at_rest(1000.0, 0.0));
+/// assert!((inside.value / 1e8 - 1.0).abs() < 1e-12 && !inside.out_of_range);
+/// assert!(p_max.at(Sample::at_rest(9000.0, 0.0)).out_of_range);
+/// # Ok::<(), kufe_lut::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Interpolator {
+    mode: Mode,
+    fz: Breakpoints,
+    curvature: Breakpoints,
+    /// Parameters of the reduced curvatures on the second axis, where it holds such.
+    flush: Option<Flush>,
+    /// The further axes, the last one fastest.
+    stack: Vec<LayerAxis>,
+    /// Plain values: layer by layer, rows of constant force.
+    values: Vec<f64>,
+    /// Smooth mode only: jets of the scaled values over the scaled axes.
+    jets: Vec<Jet>,
+    logarithmic: bool,
+}
+
+/// Largest number of axes along which layers lie.
+const MAX_STACK: usize = 2;
+
+impl Interpolator {
+    /// One quantity of a table, at one rocker radius [m] where the table has that axis.
+    ///
+    /// A runner's rocker radius is fixed while it slides, so it is interpolated here, once: linearly in the
+    /// plain values (bilinear mode, which equals Simulink's lookup with one dimension more) or in the
+    /// logarithms of radius and quantity (smooth mode). Both keep the order of the data along the other axes.
+    ///
+    /// # Errors
+    /// [`Error::RockerNeeded`] where the table has a rocker axis and no radius is given,
+    /// [`Error::RockerOutside`] where the radius is not on it or there is no such axis, [`Error::NoQuantity`] for a quantity of
+    /// sliding contacts in a table at rest.
+    pub fn new(
+        table: &Table,
+        quantity: Quantity,
+        mode: Mode,
+        rocker_radius: Option<f64>,
+    ) -> Result<Self, Error> {
+        let axes = table.axes();
+        let all = table.values(quantity).ok_or(Error::NoQuantity {
+            quantity: quantity.name(),
+        })?;
+        let logarithmic = mode == Mode::Smooth && all.iter().all(|&value| value > 0.0);
+        let nodes = at_rocker(table, all, mode, logarithmic, rocker_radius)?;
+        let fz = Breakpoints::new(AxisKind::Fz, axes.fz());
+        let curvature = Breakpoints::new(AxisKind::Curvature, axes.curvature());
+        let stack = axes.present().filter(|(kind, _)| kind.is_sliding());
+        let stack: Vec<LayerAxis> = stack
+            .map(|(kind, values)| LayerAxis::new(kind, values))
+            .collect();
+        assert!(stack.len() <= MAX_STACK, "{} axes of layers", stack.len());
+        let layers: usize = stack.iter().map(|axis| axis.points.plain.len()).product();
+        let by_layer = (0..layers).flat_map(|n| nodes.iter().skip(n).step_by(layers).copied());
+        let values: Vec<f64> = by_layer.collect();
+        let mut all_jets = Vec::new();
+        if mode == Mode::Smooth {
+            let scale = |&value: &f64| if logarithmic { value.ln() } else { value };
+            for layer in values.chunks_exact(values.len() / layers) {
+                let scaled: Vec<f64> = layer.iter().map(scale).collect();
+                all_jets.extend(jets(&fz.scaled, &curvature.scaled, &scaled));
+            }
+        }
+        Ok(Interpolator {
+            mode,
+            fz,
+            curvature,
+            flush: axes.flush().copied(),
+            stack,
+            values,
+            jets: all_jets,
+            logarithmic,
+        })
+    }
+
+    /// The quantity at a sample.
+    ///
+    /// Inputs outside the table are clipped to it and flagged; NaN gives NaN and the flag. Needs
+    /// no allocation and at most `log2` of the axes' lengths in comparisons.
+    #[inline]
+    pub fn at(&self, sample: Sample) -> Interpolated {
+        let missing = |axis: &LayerAxis| sample.get(axis.points.kind).is_nan();
+        if sample.fz.is_nan() || sample.curvature.is_nan() || self.stack.iter().any(missing) {
+            return Interpolated {
+                value: f64::NAN,
+                out_of_range: true,
+            };
+        }
+        let x = self.fz.place(sample.fz);
+        let y = self.curvature.place(match &self.flush {
+            None => sample.curvature,
+            Some(flush) => flush.reduced(x.clipped, sample.curvature),
+        });
+        let outside = x.outside || y.outside;
+        if self.stack.is_empty() {
+            let value = match self.mode {
+                Mode::Bilinear => self.bilinear(0, &x, &y),
+                Mode::Smooth => self.risen(self.corner(0, &x, &y), self.rise(0, &x, &y)),
+            };
+            return Interpolated {
+                value,
+                out_of_range: outside,
+            };
+        }
+        let (value, beside) = self.stacked(&sample, &x, &y);
+        Interpolated {
+            value,
+            out_of_range: outside || beside,
+        }
+    }
+
+    /// The value between layers, and whether an input along their axes is outside.
+    fn stacked(&self, sample: &Sample, x: &Place, y: &Place) -> (f64, bool) {
+        let mut weights = [Weights::default(); MAX_STACK];
+        let mut outside = false;
+        let mut nearest = 0;
+        for (weights, axis) in weights.iter_mut().zip(&self.stack) {
+            let place = axis.points.place(sample.get(axis.points.kind));
+            outside |= place.outside;
+            *weights = axis.weights(&place, self.mode);
+            nearest = nearest * weights.layers + place.low;
+        }
+        let weights = &weights[..self.stack.len()];
+        let value = match self.mode {
+            Mode::Bilinear => weighted_sum(weights, 0, &|layer| self.bilinear(layer, x, y)),
+            Mode::Smooth => {
+                // Differences to one node, so that nodes are reproduced exactly.
+                let near = self.corner(nearest, x, y);
+                let base = self.jets[near].f;
+                let rise = weighted_sum(weights, 0, &|layer| {
+                    (self.jets[self.corner(layer, x, y)].f - base) + self.rise(layer, x, y)
+                });
+                self.risen(near, rise)
+            }
+        };
+        (value, outside)
+    }
+
+    /// The value at a node plus a difference of scaled values.
+    #[inline]
+    fn risen(&self, node: usize, rise: f64) -> f64 {
+        let start = self.values[node];
+        if self.logarithmic {
+            start * rise.exp()
+        } else {
+            start + rise
+        }
+    }
+
+    /// The node at the lower corner of a cell of a layer.
+    #[inline]
+    fn corner(&self, layer: usize, x: &Place, y: &Place) -> usize {
+        let columns = self.curvature.plain.len();
+        (layer * self.fz.plain.len() + x.low) * columns + y.low
+    }
+
+    /// Bilinear between the values of a cell.
+    #[inline]
+    fn bilinear(&self, layer: usize, x: &Place, y: &Place) -> f64 {
+        let columns = self.curvature.plain.len();
+        let values = &self.values[layer * self.fz.plain.len() * columns..];
+        let tx = fraction(&self.fz.plain, x, x.clipped);
+        let ty = fraction(&self.curvature.plain, y, y.clipped);
+        let (v00, v10) = (
+            values[x.low * columns + y.low],
+            values[x.high * columns + y.low],
+        );
+        let (v01, v11) = (
+            values[x.low * columns + y.high],
+            values[x.high * columns + y.high],
+        );
+        let left = v00 + (v10 - v00) * tx;
+        let right = v01 + (v11 - v01) * tx;
+        left + (right - left) * ty
+    }
+
+    /// Hermite patch of the difference to the lower corner, so that nodes are reproduced exactly.
+    #[inline]
+    fn rise(&self, layer: usize, x: &Place, y: &Place) -> f64 {
+        let columns = self.curvature.plain.len();
+        let jets = &self.jets[layer * self.fz.plain.len() * columns..];
+        let hx = self.fz.scaled[x.high] - self.fz.scaled[x.low];
+        let hy = self.curvature.scaled[y.high] - self.curvature.scaled[y.low];
+        let tx = fraction(&self.fz.scaled, x, x.clipped.ln());
+        let ty = fraction(&self.curvature.scaled, y, y.clipped);
+        let corner = |i: usize, j: usize| &jets[i * columns + j];
+        let (a, b) = (corner(x.low, y.low), corner(x.high, y.low));
+        let (c, d) = (corner(x.low, y.high), corner(x.high, y.high));
+        let [x0, x1, x2] = hermite(tx, hx);
+        let [y0, y1, y2] = hermite(ty, hy);
+        // Along x on both grid lines: the value minus f of corner `a`, and the slope along y.
+        let low = (b.f - a.f) * x0 + a.fx * x1 + b.fx * x2;
+        let high = (c.f - a.f) + ((d.f - c.f) * x0 + c.fx * x1 + d.fx * x2);
+        let low_slope = a.fy + ((b.fy - a.fy) * x0 + a.fxy * x1 + b.fxy * x2);
+        let high_slope = c.fy + ((d.fy - c.fy) * x0 + c.fxy * x1 + d.fxy * x2);
+        low + ((high - low) * y0 + low_slope * y1 + high_slope * y2)
+    }
+
+    /// Whether the quantity depends on the coordinate along an axis.
+    pub fn has(&self, kind: AxisKind) -> bool {
+        kind <= AxisKind::Curvature || self.stack.iter().any(|axis| axis.points.kind == kind)
+    }
+
+    /// Plain values of all layers.
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Jets of all layers, four numbers a node.
+    pub(crate) fn flat_jets(&self) -> Vec<f64> {
+        let jets = self.jets.iter();
+        jets.flat_map(|jet| [jet.f, jet.fx, jet.fy, jet.fxy])
+            .collect()
+    }
+
+    /// Whether the jets are of logarithms.
+    pub(crate) fn is_logarithmic(&self) -> bool {
+        self.logarithmic
+    }
+
+    /// The axis of layers of a kind.
+    pub(crate) fn layer_axis(&self, kind: AxisKind) -> Option<&LayerAxis> {
+        self.stack.iter().find(|axis| axis.points.kind == kind)
+    }
+}
+
+/// The values at one rocker radius, of all values at the nodes.
+fn at_rocker(
+    table: &Table,
+    all: &[f64],
+    mode: Mode,
+    logarithmic: bool,
+    rocker_radius: Option<f64>,
+) -> Result<Vec<f64>, Error> {
+    let (radii, radius) = match (table.axes().rocker_radius(), rocker_radius) {
+        (None, None) => return Ok(all.to_vec()),
+        (Some(radii), None) => {
+            return Err(Error::RockerNeeded {
+                low: radii[0],
+                high: radii[radii.len() - 1],
+            });
+        }
+        (None, Some(value)) => {
+            return Err(Error::RockerOutside {
+                value,
+                span: "one runner, without a rocker axis".into(),
+            });
+        }
+        (Some(radii), Some(radius)) => (radii, radius),
+    };
+    let last = radii.len() - 1;
+    if !(radii[0]..=radii[last]).contains(&radius) {
+        return Err(Error::RockerOutside {
+            value: radius,
+            span: format!("{} to {} m", radii[0], radii[last]),
+        });
+    }
+    let low = radii.partition_point(|&r| r <= radius) - 1;
+    let high = (low + 1).min(last);
+    let t = match (low == high, mode) {
+        (true, _) => 0.0,
+        (_, Mode::Bilinear) => (radius - radii[low]) / (radii[high] - radii[low]),
+        (_, Mode::Smooth) => (radius / radii[low]).ln() / (radii[high] / radii[low]).ln(),
+    };
+    let between = |a: f64, b: f64| {
+        if logarithmic {
+            a * ((b / a).ln() * t).exp()
+        } else {
+            a + (b - a) * t
+        }
+    };
+    // Rocker radii are the slowest of the nodes at one force and curvature.
+    let inner = table.axes().layers() / radii.len();
+    let lines = all.chunks_exact(radii.len() * inner);
+    let at_radius = lines.flat_map(|line| {
+        (0..inner).map(move |n| between(line[low * inner + n], line[high * inner + n]))
+    });
+    Ok(at_radius.collect())
+}
+
+/// The breakpoints of an axis.
+#[derive(Clone, Debug)]
+pub(crate) struct Breakpoints {
+    pub kind: AxisKind,
+    /// The breakpoints.
+    pub plain: Vec<f64>,
+    /// The breakpoints over which the smooth mode interpolates: their logarithms, or themselves.
+    pub scaled: Vec<f64>,
+}
+
+/// Where an input lies on an axis: the breakpoint at or below it and the next one.
+struct Place {
+    low: usize,
+    high: usize,
+    /// The input, clipped to the axis.
+    clipped: f64,
+    outside: bool,
+}
+
+impl Breakpoints {
+    fn new(kind: AxisKind, values: &[f64]) -> Self {
+        let scale = |&value: &f64| {
+            if kind.is_logarithmic() {
+                value.ln()
+            } else {
+                value
+            }
+        };
+        Breakpoints {
+            kind,
+            plain: values.to_vec(),
+            scaled: values.iter().map(scale).collect(),
+        }
+    }
+
+    #[inline]
+    fn place(&self, value: f64) -> Place {
+        let last = self.plain.len() - 1;
+        if value >= self.plain[last] {
+            return Place {
+                low: last,
+                high: last,
+                clipped: self.plain[last],
+                outside: value > self.plain[last],
+            };
+        }
+        if value <= self.plain[0] {
+            return Place {
+                low: 0,
+                high: 1.min(last),
+                clipped: self.plain[0],
+                outside: value < self.plain[0],
+            };
+        }
+        // Halving without branches: random inputs would mispredict every other one.
+        let (mut low, mut rest) = (0, last);
+        while rest > 1 {
+            let half = rest / 2;
+            let above = value >= self.plain[low + half];
+            low = std::hint::select_unpredictable(above, low + half, low);
+            rest -= half;
+        }
+        Place {
+            low,
+            high: low + 1,
+            clipped: value,
+            outside: false,
+        }
+    }
+}
+
+/// Part of the way from one breakpoint to the next, 0 where they are one.
+#[inline]
+fn fraction(axis: &[f64], place: &Place, value: f64) -> f64 {
+    if place.low == place.high {
+        return 0.0;
+    }
+    (value - axis[place.low]) / (axis[place.high] - axis[place.low])
+}
+
+/// Hermite weights of the far value and of both slopes.
+#[inline]
+fn hermite(t: f64, h: f64) -> [f64; 3] {
+    let s = 1.0 - t;
+    [t * t * (3.0 - 2.0 * t), h * t * s * s, -(h * t * t * s)]
+}
+
+/// Largest number of layers that the cubic of a cell depends on.
+pub(crate) const WINDOW: usize = 4;
+
+/// An axis along which layers lie.
+#[derive(Clone, Debug)]
+pub(crate) struct LayerAxis {
+    pub points: Breakpoints,
+    /// Of every cell: weights of the layers of its window in the slopes at both ends.
+    pub slopes: Vec<[[f64; WINDOW]; 2]>,
+}
+
+impl LayerAxis {
+    fn new(kind: AxisKind, values: &[f64]) -> Self {
+        let points = Breakpoints::new(kind, values);
+        let x = &points.scaled;
+        let slopes = (0..x.len().saturating_sub(1)).map(|low| {
+            let start = window(low, x.len()).start;
+            [low, low + 1].map(|node| slope(x, node, start))
+        });
+        LayerAxis {
+            slopes: slopes.collect(),
+            points,
+        }
+    }
+
+    /// Weights of the layers at a place.
+    fn weights(&self, place: &Place, mode: Mode) -> Weights {
+        let layers = self.points.plain.len();
+        let mut weights = Weights {
+            layers,
+            first: place.low,
+            count: 1,
+            of: [1.0, 0.0, 0.0, 0.0],
+        };
+        if place.low == place.high {
+            return weights;
+        }
+        if mode == Mode::Bilinear {
+            let t = fraction(&self.points.plain, place, place.clipped);
+            weights.count = 2;
+            weights.of = [1.0 - t, t, 0.0, 0.0];
+            return weights;
+        }
+        let scaled = &self.points.scaled;
+        let input = if self.points.kind.is_logarithmic() {
+            place.clipped.ln()
+        } else {
+            place.clipped
+        };
+        let t = fraction(scaled, place, input);
+        let [x0, x1, x2] = hermite(t, scaled[place.high] - scaled[place.low]);
+        let window = window(place.low, layers);
+        let [at_low, at_high] = &self.slopes[place.low];
+        weights.first = window.start;
+        weights.count = window.len();
+        weights.of = std::array::from_fn(|n| at_low[n] * x1 + at_high[n] * x2);
+        weights.of[place.low - window.start] += 1.0 - x0;
+        weights.of[place.high - window.start] += x0;
+        weights
+    }
+}
+
+/// The layers around a cell.
+fn window(low: usize, n: usize) -> std::ops::Range<usize> {
+    let start = low.saturating_sub(1).min(n.saturating_sub(WINDOW));
+    start..n.min(start + WINDOW)
+}
+
+/// Weights of the layers from `start` in the three-point slope at a node: exact for parabolas, one-sided at the ends.
+fn slope(x: &[f64], node: usize, start: usize) -> [f64; WINDOW] {
+    let mut weights = [0.0; WINDOW];
+    let n = x.len();
+    if n == 2 {
+        let h = x[1] - x[0];
+        weights[..2].copy_from_slice(&[-1.0 / h, 1.0 / h]);
+        return weights;
+    }
+    let centre = node.clamp(1, n - 2);
+    let (a, b) = (x[centre] - x[centre - 1], x[centre + 1] - x[centre]);
+    // Derivative at x[node] of the parabola through the three, in Lagrange's form.
+    let t = x[node] - x[centre];
+    weights[centre - 1 - start] = (2.0 * t - b) / (a * (a + b));
+    weights[centre - start] = (b - a - 2.0 * t) / (a * b);
+    weights[centre + 1 - start] = (2.0 * t + a) / (b * (a + b));
+    weights
+}
+
+/// Weights of the layers along one axis.
+#[derive(Clone, Copy, Default)]
+struct Weights {
+    /// Layers along the axis.
+    layers: usize,
+    first: usize,
+    count: usize,
+    of: [f64; WINDOW],
+}
+
+/// Sum over all combinations of layers, from layer `from` of the axes before.
+fn weighted_sum(weights: &[Weights], from: usize, value: &impl Fn(usize) -> f64) -> f64 {
+    let Some((own, inner)) = weights.split_first() else {
+        return value(from);
+    };
+    let terms = own.of[..own.count].iter().enumerate();
+    // A layer of no weight need not be evaluated.
+    let counted = terms.filter(|(_, weight)| **weight != 0.0);
+    let from = from * own.layers + own.first;
+    counted
+        .map(|(n, weight)| weight * weighted_sum(inner, from + n, value))
+        .sum()
+}

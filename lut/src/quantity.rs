@@ -1,0 +1,292 @@
+//! The tabulated quantities, and their values at one solved contact.
+
+use serde::{Deserialize, Serialize};
+
+/// A tabulated quantity.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Peak pressure [Pa].
+    PMax,
+    /// Force over contact area [Pa].
+    PMean,
+    /// Contact area [m2].
+    Area,
+    /// Extent of the contact along the runner [m].
+    Length,
+    /// Extent of the contact across the runner [m].
+    Width,
+    /// Rigid approach [m].
+    Approach,
+    /// Coefficient of friction of a runner that slides.
+    Mu,
+    /// Its part that ploughs the groove.
+    MuPloughing,
+    /// Its part that shears the melt film.
+    MuViscous,
+    /// Depth of the groove of a sliding runner [m].
+    GrooveDepth,
+    /// Thickness of the melt film averaged over the patch [m].
+    FilmMean,
+}
+
+/// Number of quantities.
+const COUNT: usize = 11;
+/// Number of quantities that a contact at rest has.
+const AT_REST: usize = 6;
+
+/// Name, key, key of the estimated error, unit and title of every quantity, in the order of the enum.
+const DESCRIPTIONS: [[&str; 5]; COUNT] = [
+    ["p_max", "p_max_pa", "p_max_error_pa", "Pa", "Peak pressure"],
+    [
+        "p_mean",
+        "p_mean_pa",
+        "p_mean_error_pa",
+        "Pa",
+        "Mean pressure",
+    ],
+    ["area", "area_m2", "area_error_m2", "m2", "Contact area"],
+    [
+        "length",
+        "length_m",
+        "length_error_m",
+        "m",
+        "Contact length",
+    ],
+    ["width", "width_m", "width_error_m", "m", "Contact width"],
+    [
+        "approach",
+        "approach_m",
+        "approach_error_m",
+        "m",
+        "Approach",
+    ],
+    ["mu", "mu", "mu_error", "1", "Coefficient of friction"],
+    [
+        "mu_ploughing",
+        "mu_ploughing",
+        "mu_ploughing_error",
+        "1",
+        "Friction of ploughing",
+    ],
+    [
+        "mu_viscous",
+        "mu_viscous",
+        "mu_viscous_error",
+        "1",
+        "Friction of the melt film",
+    ],
+    [
+        "groove_depth",
+        "groove_depth_m",
+        "groove_depth_error_m",
+        "m",
+        "Depth of the groove",
+    ],
+    [
+        "film_mean",
+        "film_mean_m",
+        "film_mean_error_m",
+        "m",
+        "Mean thickness of the film",
+    ],
+];
+
+impl Quantity {
+    /// All quantities, in the order files list them.
+    pub const ALL: [Quantity; COUNT] = [
+        Quantity::PMax,
+        Quantity::PMean,
+        Quantity::Area,
+        Quantity::Length,
+        Quantity::Width,
+        Quantity::Approach,
+        Quantity::Mu,
+        Quantity::MuPloughing,
+        Quantity::MuViscous,
+        Quantity::GrooveDepth,
+        Quantity::FilmMean,
+    ];
+
+    /// The quantities of a contact that slides, or of one at rest.
+    pub fn of(sliding: bool) -> &'static [Quantity] {
+        if sliding {
+            &Quantity::ALL
+        } else {
+            &Quantity::ALL[..AT_REST]
+        }
+    }
+
+    /// The quantity that a tolerance applies to: the coefficient of friction or, at rest, the peak pressure.
+    pub fn judged(sliding: bool) -> Quantity {
+        if sliding {
+            Quantity::Mu
+        } else {
+            Quantity::PMax
+        }
+    }
+
+    /// Name without a unit, as `.lut` files spell it.
+    pub fn name(self) -> &'static str {
+        DESCRIPTIONS[self as usize][0]
+    }
+
+    /// Key with its unit, as CSV columns and `result.json` spell it.
+    pub fn key(self) -> &'static str {
+        DESCRIPTIONS[self as usize][1]
+    }
+
+    /// Key of the estimated error, with its unit.
+    pub fn error_key(self) -> &'static str {
+        DESCRIPTIONS[self as usize][2]
+    }
+
+    /// Unit; `1` for a pure number.
+    pub fn unit(self) -> &'static str {
+        DESCRIPTIONS[self as usize][3]
+    }
+
+    /// Name in titles.
+    pub fn title(self) -> &'static str {
+        DESCRIPTIONS[self as usize][4]
+    }
+
+    /// The quantity of this [`name`](Self::name).
+    pub fn from_name(name: &str) -> Option<Quantity> {
+        Quantity::ALL.into_iter().find(|q| q.name() == name)
+    }
+
+    /// What a value must be, where this one is not: pressures, sizes and friction are positive;
+    /// ploughing and groove are 0 on ice that does not yield.
+    pub(crate) fn expectation(self, value: f64) -> Option<&'static str> {
+        match self {
+            Quantity::Approach => None,
+            Quantity::MuPloughing | Quantity::GrooveDepth => {
+                (value < 0.0).then_some("0 or a positive number")
+            }
+            _ => (value <= 0.0).then_some("a positive number"),
+        }
+    }
+}
+
+/// The method that solved a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Finite elements in ice and runner.
+    #[default]
+    FiniteElements,
+    /// Boundary elements on the contact plane, verified by finite elements at the ends of the axes.
+    BoundaryElements,
+}
+
+impl Method {
+    /// Whether it is the default, which files omit.
+    pub(crate) fn is_default(&self) -> bool {
+        *self == Method::default()
+    }
+}
+
+/// Values and estimated errors of the quantities of one solved contact.
+///
+/// ```
+/// use kufe_lut::{Figures, Quantity};
+/// let figures = Figures::at_rest([1.5e8, 1e8, 1e-5, 0.05, 3e-4, 1e-5])
+///     .with_error(Quantity::PMax, 1e6);
+/// assert_eq!(figures.get(Quantity::PMax), Some(1.5e8));
+/// assert_eq!(figures.get(Quantity::Mu), None);
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Figures {
+    /// Values in the order of [`Quantity::ALL`]; NaN where there is none.
+    values: [f64; COUNT],
+    /// Estimated discretisation errors; NaN where there is none.
+    errors: [f64; COUNT],
+    /// The method that solved the contact.
+    pub method: Method,
+}
+
+impl PartialEq for Figures {
+    fn eq(&self, other: &Self) -> bool {
+        let bits = |figures: &Figures| {
+            [figures.values, figures.errors].map(|list| list.map(|value| (value + 0.0).to_bits()))
+        };
+        bits(self) == bits(other) && self.method == other.method
+    }
+}
+
+impl Figures {
+    /// Peak pressure [Pa], mean pressure [Pa], area [m2], length [m], width [m] and approach [m] of a contact at rest.
+    pub fn at_rest(values: [f64; AT_REST]) -> Self {
+        let empty = Figures {
+            values: [f64::NAN; COUNT],
+            errors: [f64::NAN; COUNT],
+            method: Method::default(),
+        };
+        let pairs = Quantity::of(false).iter().zip(values);
+        pairs.fold(empty, |figures, (&quantity, value)| {
+            figures.with(quantity, value)
+        })
+    }
+
+    /// With this value of a quantity, in its unit.
+    #[must_use]
+    pub fn with(mut self, quantity: Quantity, value: f64) -> Self {
+        self.values[quantity as usize] = value;
+        self
+    }
+
+    /// With this estimated error of a quantity, in its unit.
+    #[must_use]
+    pub fn with_error(mut self, quantity: Quantity, error: f64) -> Self {
+        self.errors[quantity as usize] = error;
+        self
+    }
+
+    /// With this method.
+    #[must_use]
+    pub fn by(mut self, method: Method) -> Self {
+        self.method = method;
+        self
+    }
+
+    /// The value of a quantity; `None` where a contact at rest has none.
+    pub fn get(&self, quantity: Quantity) -> Option<f64> {
+        let value = self.values[quantity as usize];
+        (!value.is_nan()).then_some(value)
+    }
+
+    /// The estimated error of a quantity; `None` where there is none.
+    pub fn error(&self, quantity: Quantity) -> Option<f64> {
+        let error = self.errors[quantity as usize];
+        (!error.is_nan()).then_some(error)
+    }
+
+    /// Whether the runner slides.
+    pub fn is_sliding(&self) -> bool {
+        !self.values[Quantity::Mu as usize].is_nan()
+    }
+
+    /// The estimated error of the [judged](Quantity::judged) quantity, relative to its value.
+    pub fn relative_error(&self) -> f64 {
+        let judged = Quantity::judged(self.is_sliding()) as usize;
+        self.errors[judged].abs() / self.values[judged].abs()
+    }
+
+    /// The first figure that is infinite or missing, by its key.
+    pub(crate) fn not_finite(&self) -> Option<(&'static str, f64)> {
+        let sliding = self.is_sliding();
+        let judged = Quantity::judged(sliding);
+        let mut figures = Quantity::of(sliding).iter().flat_map(|&quantity| {
+            let error = self.errors[quantity as usize];
+            let optional = error.is_nan() && quantity != judged;
+            [
+                (quantity.key(), self.values[quantity as usize]),
+                (quantity.error_key(), if optional { 0.0 } else { error }),
+            ]
+        });
+        figures.find(|(_, value)| !value.is_finite())
+    }
+}

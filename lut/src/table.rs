@@ -1,0 +1,330 @@
+//! A table: axes, the figures at its nodes, the checks between them, and its origin.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use crate::axes::{Axes, Point};
+use crate::error::Error;
+use crate::interpolator::{Interpolator, Mode, Sample};
+use crate::quantity::{Figures, Method, Quantity};
+use crate::solve::Solve;
+
+/// What the results of one table have in common: the program's version and the case.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "OriginKeys")]
+pub struct Origin {
+    version: String,
+    case_sha256: String,
+}
+
+/// The keys of an origin, not yet checked.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OriginKeys {
+    version: String,
+    case_sha256: String,
+}
+
+impl TryFrom<OriginKeys> for Origin {
+    type Error = Error;
+
+    fn try_from(keys: OriginKeys) -> Result<Self, Error> {
+        Origin::new(keys.version, keys.case_sha256)
+    }
+}
+
+impl Origin {
+    /// The `version` of the program that solves, and the SHA-256 of the case, of the content of the files that it names and of
+    /// the solver's tolerance, hexadecimal.
+    ///
+    /// # Errors
+    /// [`Error::Format`] where the version is not 1 to 40 letters, digits, dots, plus or minus signs, or where the hash is
+    /// not 64 hexadecimal digits.
+    pub fn new(version: String, case_sha256: String) -> Result<Self, Error> {
+        let plain = |c: u8| c.is_ascii_alphanumeric() || b".+-".contains(&c);
+        if version.is_empty() || version.len() > 40 || !version.bytes().all(plain) {
+            let expected = "1 to 40 of the characters 0-9 A-Z a-z . + -";
+            return Err(Error::format("version", &version, expected));
+        }
+        if case_sha256.len() != 64 || !case_sha256.bytes().all(|c| c.is_ascii_hexdigit()) {
+            let expected = "64 hexadecimal digits";
+            return Err(Error::format("case_sha256", &case_sha256, expected));
+        }
+        Ok(Origin {
+            version,
+            case_sha256,
+        })
+    }
+
+    /// Version of the program that solved the contacts.
+    pub fn version(&self) -> &str {
+        &self.version
+    }
+
+    /// SHA-256 of the case, hexadecimal.
+    pub fn case_sha256(&self) -> &str {
+        &self.case_sha256
+    }
+}
+
+impl Default for Origin {
+    /// This version, and a hash of zeros for a table without a case.
+    fn default() -> Self {
+        Origin {
+            version: env!("CARGO_PKG_VERSION").into(),
+            case_sha256: "0".repeat(64),
+        }
+    }
+}
+
+/// SHA-256 as lower-case hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    let digest = Sha256::digest(bytes);
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// A quantity at all nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Column {
+    /// Values in the order of the nodes.
+    pub values: Vec<f64>,
+    /// Estimated errors in the order of the nodes, where every node and check has one.
+    pub errors: Option<Vec<f64>>,
+}
+
+/// Contact figures over normal force, track curvature and further axes, with what is needed to trust them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    axes: Axes,
+    columns: BTreeMap<Quantity, Column>,
+    methods: Vec<Method>,
+    checks: Vec<Solve>,
+    /// Relative interpolation error of the judged quantity that was requested, where one was.
+    pub interpolation_requested: Option<f64>,
+    /// The case as JSON; its load and track are replaced by the axes.
+    pub case: String,
+    /// The program and the case that the figures are from.
+    pub origin: Origin,
+}
+
+/// Interpolation error of one quantity in one mode, measured at [`Table::checks`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InterpolationError {
+    /// Largest error relative to the solved value.
+    pub max: f64,
+    /// Root of the mean square of the relative errors.
+    pub rms: f64,
+    /// The point of the largest error.
+    pub max_at: Point,
+}
+
+impl Table {
+    /// A table from the figures at its nodes, in the order of [`Axes::points`], and solves between them.
+    ///
+    /// # Errors
+    /// [`Error::NodeCount`] where `nodes` does not fit `axes`, [`Error::NotFinite`] where a figure
+    /// of a node or a check is no finite number, [`Error::SlidingMixture`] where some slide and others do not.
+    pub fn new(axes: Axes, nodes: &[Figures], checks: Vec<Solve>) -> Result<Self, Error> {
+        if nodes.len() != axes.node_count() {
+            return Err(Error::NodeCount {
+                found: nodes.len(),
+                expected: axes.node_count(),
+            });
+        }
+        let sliding = axes.is_sliding() || nodes[0].is_sliding();
+        let at_nodes = axes.points().into_iter().zip(nodes);
+        let at_checks = checks.iter().map(|check| (check.point, &check.figures));
+        for (point, figures) in at_nodes.chain(at_checks) {
+            check_finite(&point, figures)?;
+            if figures.is_sliding() != sliding {
+                return Err(Error::SlidingMixture {
+                    place: point.to_string(),
+                });
+            }
+        }
+        let columns = Quantity::of(sliding).iter().map(|&quantity| {
+            let values = nodes.iter().filter_map(|node| node.get(quantity));
+            // Errors that some points do not have are none of the table.
+            let at_checks = checks.iter().map(|check| check.figures.error(quantity));
+            let errors: Option<Vec<f64>> = nodes.iter().map(|node| node.error(quantity)).collect();
+            let column = Column {
+                values: values.collect(),
+                errors: errors.filter(|_| at_checks.clone().all(|error| error.is_some())),
+            };
+            (quantity, column)
+        });
+        let columns = columns.collect();
+        let methods = nodes.iter().map(|node| node.method).collect();
+        Ok(Table::of_columns(axes, columns, methods, checks))
+    }
+
+    /// A table from checked columns.
+    pub(crate) fn of_columns(
+        axes: Axes,
+        columns: BTreeMap<Quantity, Column>,
+        methods: Vec<Method>,
+        checks: Vec<Solve>,
+    ) -> Self {
+        Table {
+            axes,
+            columns,
+            methods,
+            checks,
+            interpolation_requested: None,
+            case: "null".into(),
+            origin: Origin::default(),
+        }
+    }
+
+    /// Breakpoints.
+    pub fn axes(&self) -> &Axes {
+        &self.axes
+    }
+
+    /// Solves between the nodes: what the interpolation is measured against.
+    pub fn checks(&self) -> &[Solve] {
+        &self.checks
+    }
+
+    /// The methods that solved the nodes.
+    pub(crate) fn methods(&self) -> &[Method] {
+        &self.methods
+    }
+
+    /// The quantities with their values and errors.
+    pub(crate) fn columns(&self) -> &BTreeMap<Quantity, Column> {
+        &self.columns
+    }
+
+    /// A quantity at the nodes, in the order of [`Axes::points`]; `None` where a table at rest has none.
+    pub fn values(&self, quantity: Quantity) -> Option<&[f64]> {
+        Some(&self.columns.get(&quantity)?.values)
+    }
+
+    /// Estimated solver errors of a quantity at the nodes; `None` where there are none.
+    pub fn errors(&self, quantity: Quantity) -> Option<&[f64]> {
+        self.columns.get(&quantity)?.errors.as_deref()
+    }
+
+    /// The figures at the nodes, in the order of [`Axes::points`].
+    pub fn nodes(&self) -> impl Iterator<Item = Figures> {
+        (0..self.methods.len()).map(|n| {
+            let empty = Figures::at_rest([f64::NAN; 6]).by(self.methods[n]);
+            self.columns.iter().fold(empty, |figures, (&q, column)| {
+                let errors = column.errors.as_ref();
+                let error = errors.map_or(f64::NAN, |errors| errors[n]);
+                figures.with(q, column.values[n]).with_error(q, error)
+            })
+        })
+    }
+
+    /// Nodes and checks with their points.
+    pub fn solves(&self) -> impl Iterator<Item = Solve> {
+        let points = self.axes.points().into_iter();
+        let nodes = points.zip(self.nodes());
+        let nodes = nodes.map(|(point, figures)| Solve { point, figures });
+        nodes.chain(self.checks.iter().copied())
+    }
+
+    /// Whether the contacts are those of a runner that slides.
+    pub fn is_sliding(&self) -> bool {
+        self.columns.contains_key(&Quantity::Mu)
+    }
+
+    /// The quantities that the table holds, in the order files list them.
+    pub fn quantities(&self) -> &'static [Quantity] {
+        Quantity::of(self.is_sliding())
+    }
+
+    /// The quantity that a tolerance applies to: the coefficient of friction or, at rest, the peak pressure.
+    pub fn judged(&self) -> Quantity {
+        Quantity::judged(self.is_sliding())
+    }
+
+    /// Number of nodes and checks that a method solved.
+    pub fn solved_by(&self, method: Method) -> usize {
+        let checks = self.checks.iter().map(|check| check.figures.method);
+        let all = self.methods.iter().copied().chain(checks);
+        all.filter(|by| *by == method).count()
+    }
+
+    /// Largest estimated solver error of a quantity over the nodes, relative; `None` where there are none.
+    pub fn solver_error_of(&self, quantity: Quantity) -> Option<f64> {
+        let pairs = self.errors(quantity)?.iter().zip(self.values(quantity)?);
+        Some(pairs.fold(0.0, |most, (error, value)| (error / value).abs().max(most)))
+    }
+
+    /// Largest estimated solver error of the [judged](Self::judged) quantity over the nodes, relative.
+    pub fn solver_error(&self) -> f64 {
+        self.solver_error_of(self.judged()).unwrap_or(f64::NAN)
+    }
+
+    /// Interpolation error measured at the checks; `None` where there are none.
+    ///
+    /// # Errors
+    /// As [`Interpolator::new`].
+    pub fn interpolation_error(
+        &self,
+        quantity: Quantity,
+        mode: Mode,
+    ) -> Result<Option<InterpolationError>, Error> {
+        let mut interpolator: Option<(Option<f64>, Interpolator)> = None;
+        let mut worst: Option<InterpolationError> = None;
+        let mut squares = 0.0;
+        for check in &self.checks {
+            let radius = check.point.rocker_radius;
+            if interpolator.as_ref().is_none_or(|(of, _)| *of != radius) {
+                interpolator = Some((radius, Interpolator::new(self, quantity, mode, radius)?));
+            }
+            let Some((_, interpolator)) = &interpolator else {
+                continue;
+            };
+            let Some(error) = relative_error(interpolator, check, quantity) else {
+                continue;
+            };
+            squares += error * error;
+            if worst.is_none_or(|worst| error > worst.max) {
+                worst = Some(InterpolationError {
+                    max: error,
+                    rms: 0.0,
+                    max_at: check.point,
+                });
+            }
+        }
+        Ok(worst.map(|worst| InterpolationError {
+            rms: (squares / self.checks.len() as f64).sqrt(),
+            ..worst
+        }))
+    }
+}
+
+/// Error of an interpolated value relative to the solved one; where that is 0, the plain difference. `None` where the contact
+/// has no such quantity.
+pub(crate) fn relative_error(
+    interpolator: &Interpolator,
+    check: &Solve,
+    quantity: Quantity,
+) -> Option<f64> {
+    let truth = check.figures.get(quantity)?;
+    let value = interpolator.at(Sample::from(check.point)).value;
+    let scale = if truth == 0.0 { 1.0 } else { truth.abs() };
+    Some((value - truth).abs() / scale)
+}
+
+/// Checks that the figures of a point are complete and finite.
+///
+/// # Errors
+/// [`Error::NotFinite`] with the first figure that is not.
+pub fn check_finite(point: &Point, figures: &Figures) -> Result<(), Error> {
+    match figures.not_finite() {
+        None => Ok(()),
+        Some((quantity, value)) => Err(Error::NotFinite {
+            quantity,
+            place: point.to_string(),
+            value,
+        }),
+    }
+}
