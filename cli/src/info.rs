@@ -172,13 +172,13 @@ fn table(table: &Table) -> Result<Value, kufe_lut::Error> {
         "written_by": "kufe lut",
         "axes": axes,
         "quantities": quantities,
-        "nodes": table.nodes().len(),
+        "nodes": table.axes().node_count(),
         "checks": table.checks().len(),
         "by_boundary_elements": table.solved_by(Method::BoundaryElements),
         solver: table.solver_error(),
-        "interpolation_asked": table.interpolation_asked,
-        "case_sha256": table.case_sha256,
-        "version": table.version,
+        "interpolation_requested": table.interpolation_requested,
+        "case_sha256": table.origin.case_sha256(),
+        "version": table.origin.version(),
     }))
 }
 
@@ -188,7 +188,7 @@ fn axis(values: &[f64]) -> Value {
 
 /// Smallest and largest value, and the largest relative error of each mode where there are checks.
 fn range_of(table: &Table, quantity: Quantity) -> Result<Value, kufe_lut::Error> {
-    let values = || table.nodes().iter().filter_map(|node| node.get(quantity));
+    let values = || table.values(quantity).unwrap_or_default().iter().copied();
     let mut figures = Map::new();
     figures.insert("min".into(), values().fold(f64::INFINITY, f64::min).into());
     figures.insert(

@@ -233,7 +233,11 @@ fn only_the_steering_is_bridged_and_only_what_is_used_counts() {
         run.columns.remove(name);
     }
     let least = again(&written(&run).unwrap(), &vehicle, &track);
-    let compared: Vec<&str> = least.differences.iter().map(|d| d.column).collect();
+    let compared: Vec<&str> = least
+        .differences
+        .iter()
+        .map(|d| d.column.as_str())
+        .collect();
     assert_eq!(compared, ["t_s", "v_mps"]);
     run.columns.remove("delta_rad");
     let error = written(&run).unwrap_err().to_string();

@@ -146,7 +146,7 @@ fn a_simulated_run_loses_more_on_ice_of_more_friction_and_instants_outside_are_c
     assert_eq!(outside.len(), 2);
     for (outside, runner) in outside.iter().zip(["front", "rear"]) {
         assert_eq!(
-            (outside.runner, outside.samples, outside.of),
+            (outside.runner.as_str(), outside.samples, outside.of),
             (runner, beyond, states.clone().count())
         );
         assert!(outside.to_string().contains("mu.lut"));
