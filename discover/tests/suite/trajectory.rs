@@ -42,7 +42,7 @@ fn gaps(found: &Found, recorded: &[Run], model: &Model) -> BTreeMap<&'static str
         };
         let again = replay(&inputs, &vehicle, &TrackShape::new(&track), &options).unwrap();
         for difference in again.differences {
-            add(difference.column, difference.rms);
+            add(&difference.column, difference.rms);
         }
     }
     squares
