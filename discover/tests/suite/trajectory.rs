@@ -12,11 +12,11 @@ use kufe_sled::{
 use crate::campaign::{driven, plan, searched, truth};
 
 /// Root mean squares over the locked-away runs: of what the balances leave, and of how far runs driven again part.
-fn gaps(found: &Found, recorded: &[Run], model: &Model) -> BTreeMap<&'static str, f64> {
+fn gaps(found: &Found, recorded: &[Run], model: &Model) -> BTreeMap<String, f64> {
     let vehicle = Vehicle::with_effects(model).unwrap();
-    let mut squares: BTreeMap<&'static str, (f64, f64)> = BTreeMap::new();
-    let mut add = |what: &'static str, x: f64| {
-        let sum = squares.entry(what).or_default();
+    let mut squares: BTreeMap<String, (f64, f64)> = BTreeMap::new();
+    let mut add = |what: &str, x: f64| {
+        let sum = squares.entry(what.to_owned()).or_default();
         *sum = (sum.0 + x * x, sum.1 + 1.0);
     };
     for name in &found.report.held_out.runs {
@@ -84,7 +84,7 @@ fn force_gap_and_trajectory_gap_shrink_alike_on_runs_that_the_search_never_saw()
         );
         // Sensors' noise makes what the truth leaves; of what is beyond it four fifths are closed, of the forces and of the way alike.
         for what in [force, way[0], way[1]] {
-            let beyond = |gaps: &BTreeMap<&str, f64>| {
+            let beyond = |gaps: &BTreeMap<String, f64>| {
                 (gaps[what].powi(2) - floor[what].powi(2)).max(0.0).sqrt()
             };
             let closed = 1.0 - beyond(&after) / beyond(&before);
