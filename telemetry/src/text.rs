@@ -436,11 +436,9 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout<'_>> {
         _ => String::new(),
     };
     let (mut comma, mut point) = (false, false);
-    for i in first..rows.len() {
-        for cell in &rows[i].cells {
-            point |= cell.contains('.') && cell.parse::<f64>().is_ok();
-            comma |= cell.contains(',') && cell.replacen(',', ".", 1).parse::<f64>().is_ok();
-        }
+    for cell in rows[first..].iter().flat_map(|row| &row.cells) {
+        point |= cell.contains('.') && cell.parse::<f64>().is_ok();
+        comma |= cell.contains(',') && cell.replacen(',', ".", 1).parse::<f64>().is_ok();
     }
     Some(Layout {
         delimiter,

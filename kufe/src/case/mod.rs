@@ -21,16 +21,16 @@
 //! # Ok::<(), kufe::case::CaseError>(())
 //! ```
 
-mod case;
 mod check;
+mod document;
 pub mod effects;
 mod error;
 mod fitted_hull;
 mod problem;
 mod table;
 
-pub use case::{Case, GROOVE_FILE};
 pub use check::range::{LARGEST_RADIUS, RANGES, Range};
+pub use document::{Case, GROOVE_FILE};
 pub use error::CaseError;
 pub use fitted_hull::FittedHull;
 pub use problem::StatedProblem;

@@ -6,7 +6,7 @@ pub(crate) mod range;
 mod runner;
 mod sliding;
 
-use crate::case::case::Case;
+use crate::case::document::Case;
 use crate::case::table::{LoadTable, TiltWord};
 use ice::check_ice;
 use mount::check_mount;

@@ -1,7 +1,7 @@
 //! The ranges of `[sliding]`, and what it does not go with.
 
-use crate::case::case::Case;
 use crate::case::check::range::{Checked, combination, in_range};
+use crate::case::document::Case;
 
 /// Checks the table where there is one.
 pub(crate) fn check_sliding(case: &Case) -> Checked {
