@@ -14,8 +14,8 @@ use crate::output::marks::is_marked;
 use crate::output::paths::{NewFolders, TEMPORARY, check_place, resolved, unwritable};
 
 /// Endings of files that state within themselves that kufe wrote them.
-const MARKED: [&str; 11] = [
-    "lut", "inp", "mtx", "html", "png", "h", "c", "m", "stl", "mat", "sh",
+const MARKED: [&str; 10] = [
+    "lut", "inp", "mtx", "html", "png", "h", "c", "m", "mat", "sh",
 ];
 
 /// Files that a command writes at places of their own.

@@ -43,7 +43,7 @@ pub struct Args {
     /// Estimate every track from its runs, also where there is a survey
     #[arg(long)]
     pub estimate: bool,
-    /// Refuse runs with missing values or rows, uneven time or standstill, instead of leaving those samples out
+    /// Refuse runs that miss files, values or rows, have uneven times or stand still, instead of leaving them out
     #[arg(long)]
     pub strict: bool,
     /// Write Parquet instead of CSV

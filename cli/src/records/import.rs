@@ -48,7 +48,7 @@ pub struct Args {
     /// Folder for runs.csv and one file a run
     #[arg(long, short, value_name = "FOLDER")]
     pub out: PathBuf,
-    /// Refuse all where one run cannot be imported, instead of leaving it out
+    /// Refuse runs that miss files, values or rows, have uneven times or stand still, instead of leaving them out
     #[arg(long)]
     pub strict: bool,
 }

@@ -29,7 +29,7 @@ pub struct RunArgs {
     /// Leave runs with faulty files out and say so, instead of stopping at the first
     #[arg(long)]
     pub leave_out_bad_runs: bool,
-    /// Refuse runs with missing values or rows, uneven time or standstill, instead of leaving those samples out
+    /// Refuse runs that miss files, values or rows, have uneven times or stand still, instead of leaving them out
     #[arg(long)]
     pub strict: bool,
     /// Frequency above which channels are smoothed, without delay [Hz]

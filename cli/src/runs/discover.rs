@@ -29,7 +29,7 @@ pub struct Args {
     /// Effects to look for and no others, with commas between them; `unknown` stands for all that is beyond the catalogue
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
     only: Vec<String>,
-    /// Refuse runs with missing values or rows, uneven time or standstill, instead of leaving those samples out
+    /// Refuse runs that miss files, values or rows, have uneven times or stand still, instead of leaving them out
     #[arg(long)]
     strict: bool,
     /// Which channels of runs to use

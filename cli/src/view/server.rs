@@ -78,7 +78,9 @@ pub fn serve(listener: &tiny_http::Server, server: &Server) {
 fn response(status: u16, kind: &str, body: String) -> Response<std::io::Cursor<Vec<u8>>> {
     let policy = kufe::report::Kind::View.policy() + "; frame-ancestors 'none'";
     let own = [("Content-Type", kind), ("Content-Security-Policy", &policy)];
-    let mut response = Response::from_data(body).with_status_code(status);
+    let mut response = Response::from_data(body)
+        .with_status_code(status)
+        .with_chunked_threshold(usize::MAX);
     for (name, value) in own.iter().chain(&HEADERS) {
         let header = Header::from_bytes(*name, *value).expect("a name and a value of ASCII");
         response.add_header(header);

@@ -38,7 +38,7 @@ pub struct Args {
     /// Which run of the runs.csv
     #[arg(long, value_name = "NAME", requires = "replay")]
     pub run: Option<String>,
-    /// Refuse runs with missing values or rows, uneven time or standstill, instead of leaving those samples out
+    /// Refuse runs that miss files, values or rows, have uneven times or stand still, instead of leaving them out
     #[arg(long, requires = "replay")]
     pub strict: bool,
     /// Seed of drivers and sensors; each run adds its number

@@ -393,7 +393,7 @@ fn bad_axes_leave_no_folder_of_points_and_are_named_with_their_line() {
         (
             "[0.0] }",
             "[0.0] }\nrocker_radius_m = { values = [1e-300] }",
-            ["t.toml: axes.rocker_radius_m", "0.05 to inf"],
+            ["t.toml: axes.rocker_radius_m", "0.05 to 1e6, or inf"],
         ),
         (
             "curvature_1pm = { values = [0.0] }",

@@ -65,7 +65,16 @@ fn write(bench: &Bench, kind: &str, second: bool) -> &'static str {
         "surface" => bench.write(name, surface(if second { 1e-3 } else { 0.0 })),
         _ => {
             let length = if second { "0.9" } else { "1.0" };
-            let words = ["hull", "bob", "--length-m", length, "-o", name, "-q"];
+            let words = [
+                "hull",
+                "bob",
+                "--length-m",
+                length,
+                "-o",
+                name,
+                "-q",
+                "--force",
+            ];
             bench.succeeds(&words);
         }
     }

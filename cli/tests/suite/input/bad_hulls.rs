@@ -119,7 +119,7 @@ fn a_luge_hull_of_the_defaults_gives_the_parametric_peak() {
     let read = || light("hull = \"luge.obj\"");
     // Edges of 5 mm ask for finer cells than the unknowns leave room for: a coarser mesh of the finer grading tells that these change
     // nothing.
-    let coarse = ["--edge-length-m", "0.005", "-o", "luge.obj"];
+    let coarse = ["--edge-length-m", "0.005", "-o", "luge.obj", "--force"];
     let mut peaks = vec![read()];
     bench.succeeds(&[&["hull", "luge"][..], &coarse].concat());
     peaks.push(read());

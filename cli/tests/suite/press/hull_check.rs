@@ -96,12 +96,14 @@ fn unit_axes_and_radii_of_a_turned_hull_are_told_and_its_case_presses_as_hertz_d
     // 138.5 MPa on a half-space; the layer of 50 mm and the fit of the hull are within 1 %, the accuracy asked is 1 %.
     let peak = number(&result, "p_max_pa");
     assert!((peak / 138.5e6 - 1.0).abs() < 0.02, "{peak}");
+    let edited = std::fs::read_to_string(bench.path("turned.toml")).expect("a case") + "# mine\n";
+    bench.write("turned.toml", edited);
     let again = ["hull", "check", "turned.obj", "-o", "turned.toml"];
     refused(
         &bench.path("."),
         &again,
         3,
-        &["turned.toml: exists already"],
+        &["turned.toml", "exists already"],
     );
 }
 

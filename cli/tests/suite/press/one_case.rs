@@ -328,7 +328,7 @@ fn exrheader_reads_the_map() {
 fn scipy_and_octave_read_figures_errors_and_the_map_from_result_mat() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
-    bench.succeeds(&["press", "case.toml", "--mat", "-o", "."]);
+    bench.succeeds(&["press", "case.toml", "--mat", "-o", ".", "--force"]);
     octave(
         bench.folder.path(),
         "m = load('result.mat'); r = jsondecode(fileread('result.json'));\

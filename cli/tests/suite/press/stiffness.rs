@@ -142,8 +142,5 @@ fn an_export_wants_a_case_and_one_kind_of_file() {
     }
     let onto_itself = ["export", "case.toml", "--calculix", "case.toml"];
     refused(bench.folder.path(), &onto_itself, 3, &["case.toml"]);
-    // As it once was spelt, of a runner that no deck takes.
-    let old = ["export", "--calculix", "case.toml", "-o", "deck.inp"];
-    refused(bench.folder.path(), &old, 3, &["runner.elastic"]);
     assert_eq!(bench.names(), ["case.toml"]);
 }

@@ -68,6 +68,6 @@ fn runs_are_aligned_along_a_survey_or_one_another_and_recorded_ones_are_not_repl
             "sample",
         ],
         3,
-        &["sample/runs.csv", "expected another folder"],
+        &["sample", "expected another folder"],
     );
 }

@@ -59,7 +59,7 @@ fn commands_on_runs_use_what_no_gap_reaches_say_how_much_and_refuse_with_strict(
         (vec!["discover"], "report.json"),
     ] {
         let mut call = words.clone();
-        call.extend([runs, "--model", model, "-o", "out"]);
+        call.extend([runs, "--model", model, "-o", "out", "--force"]);
         if words[0] == "discover" {
             call.extend(["--twins", "10"]);
         }

@@ -151,7 +151,7 @@ fn what_cannot_be_gathered_is_told_and_nothing_is_written() {
     bench.write("there.csv", "mine");
     gather(
         &["monday", "-o", "there.csv"],
-        &["there.csv: exists already"],
+        &["there.csv", "exists already"],
     );
     gather(&["raw", "-o", "new.csv"], &["raw: no runs"]);
     gather(&["absent", "-o", "new.csv"], &["absent: "]);
