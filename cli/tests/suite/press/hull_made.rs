@@ -263,7 +263,15 @@ fn elastic_hulls_that_cannot_be_filled_are_refused_with_the_way_out() {
 fn an_outline_that_tapers_presses_as_its_keel_or_is_too_coarse() {
     let bench = Bench::new();
     let tapered = |edge: &str, narrowed: &dyn Fn(f64) -> f64| {
-        bench.succeeds(&["hull", "bob", "-o", "bob.obj", "--force", "--edge-length-m", edge]);
+        bench.succeeds(&[
+            "hull",
+            "bob",
+            "-o",
+            "bob.obj",
+            "--force",
+            "--edge-length-m",
+            edge,
+        ]);
         let text = std::fs::read_to_string(bench.path("bob.obj")).expect("a hull");
         let line = |line: &str| match line.strip_prefix("v ") {
             None => format!("{line}\n"),

@@ -150,7 +150,7 @@ fn an_import_is_whole_or_absent_and_replaces_only_its_own() {
     );
     refused(
         &["runs", "import", "mapping.toml", "-o", "in"],
-        "this command reads it",
+        "kufe runs import did not write it",
     );
     // A recording that is wrong in its last row leaves nothing.
     let good = std::fs::read_to_string(bench.path("in/2.csv")).expect("text");
