@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 import kufe
 
 case = kufe.Case.example()
-radii_m = [0.004, 0.005, 0.006, 0.007]
+radii_m = [0.005, 0.006, 0.007, 0.008]
 figure, axes = plt.subplots(layout="constrained")
 for label, track_radius_m in [("straight", float("inf")), ("valley of 40 m", 40.0)]:
     peaks_pa = []
