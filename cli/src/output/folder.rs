@@ -53,6 +53,13 @@ impl FolderRecord {
         Ok(())
     }
 
+    /// Names of the files that `command` wrote; other commands may have added theirs.
+    fn files_of(&self, command: &str) -> impl Iterator<Item = &String> {
+        let is_of = move |file: &FileRecord| file.command == command;
+        let files = self.files.iter().filter(move |(_, file)| is_of(file));
+        files.map(|(name, _)| name)
+    }
+
     /// The command that wrote `name`, where the file is as it was written.
     pub fn writer_of(&self, folder: &Path, name: &str) -> Option<&str> {
         let file = self.files.get(name)?;
@@ -213,7 +220,7 @@ impl OutputDir {
             command: self.command.to_owned(),
             files: BTreeMap::new(),
         });
-        for name in own.files.keys() {
+        for name in own.files_of(self.command) {
             let path = self.target.join(name);
             if self.inputs.iter().any(|input| same_file(input, &path)) {
                 return Err(failure(
@@ -233,7 +240,8 @@ impl OutputDir {
         for name in names {
             let path = self.target.join(name);
             check_place(&path, &self.inputs).map_err(|reason| failure(name, reason))?;
-            if path.exists() && !self.force && !own.files.contains_key(name) {
+            let is_own = own.files_of(self.command).any(|one| one == name);
+            if path.exists() && !self.force && !is_own {
                 return Err(failure(
                     name,
                     "it exists and kufe did not write it; expected another folder, or --force",
@@ -294,7 +302,7 @@ impl OutputDir {
         Ok(text)
     }
 
-    /// Moves every file into the output folder and removes those of an earlier run.
+    /// Moves every file into the output folder and removes those of an earlier run of the command.
     ///
     /// An index of runs is removed first and moved last: what it names is always complete.
     ///
@@ -315,14 +323,14 @@ impl OutputDir {
         let mut names: Vec<String> = files.keys().cloned().collect();
         names.sort_by_key(|name| name == INDEX);
         let mut record = self.check(&names)?;
-        let before = std::mem::take(&mut record.files);
+        let is_new = |name: &String| files.contains_key(name);
+        let stale: Vec<String> = record.files_of(self.command).cloned().collect();
+        let stale: Vec<&String> = stale.iter().filter(|name| !is_new(name)).collect();
         // Both sets of files are kufe's until the last is moved.
-        record.files = before.clone();
         record.files.extend(files.clone());
         record.write(&self.target).map_err(failure)?;
-        let stale = before.keys().filter(|name| !files.contains_key(*name));
         let index = files.keys().filter(|name| *name == INDEX);
-        for name in index.chain(stale) {
+        for name in index.chain(stale.iter().copied()) {
             let path = self.target.join(name);
             match std::fs::remove_file(&path) {
                 Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
@@ -336,7 +344,9 @@ impl OutputDir {
             std::fs::rename(self.temporary.path().join(name), &to)
                 .map_err(|error| unwritable(&to, &error))?;
         }
-        record.files = files;
+        for name in stale {
+            record.files.remove(name);
+        }
         record.write(&self.target).map_err(failure)
     }
 }
@@ -400,6 +410,26 @@ mod tests {
         names.retain(|name| name != RECORD);
         names.sort();
         names
+    }
+
+    #[test]
+    fn files_of_other_commands_stay_whatever_a_user_made_of_them() -> Outcome {
+        let root = tempfile::tempdir()?;
+        let out = root.path().join("out");
+        write_all(&out, false, &["x", "y"])?;
+        let case = out.join("case.toml");
+        std::fs::write(&case, "a case")?;
+        FolderRecord::add(&out, "case.toml", "init");
+        std::fs::write(&case, "a case of the user's own")?;
+        for force in [false, true] {
+            let inputs = [case.clone()];
+            let output = OutputDir::prepare("press", &inputs, &out, force)?;
+            output.text("x", "x")?;
+            output.commit()?;
+            assert_eq!(names(&out), ["case.toml", "x"]);
+            assert_eq!(std::fs::read_to_string(&case)?, "a case of the user's own");
+        }
+        Ok(())
     }
 
     #[test]
