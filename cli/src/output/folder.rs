@@ -31,6 +31,19 @@ pub struct FolderRecord {
 struct FileRecord {
     command: String,
     bytes: u64,
+    /// Length of the earlier file, until this one has taken its place.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    earlier_bytes: Option<u64>,
+}
+
+impl FileRecord {
+    fn new(command: &str, bytes: u64) -> Self {
+        FileRecord {
+            command: command.to_owned(),
+            bytes,
+            earlier_bytes: None,
+        }
+    }
 }
 
 impl FolderRecord {
@@ -53,9 +66,10 @@ impl FolderRecord {
         Ok(())
     }
 
-    /// Names of the files that `command` wrote; other commands may have added theirs.
+    /// Names of the files that `command` wrote, and of pages that show them; other commands may
+    /// have added theirs.
     fn files_of(&self, command: &str) -> impl Iterator<Item = &String> {
-        let is_of = move |file: &FileRecord| file.command == command;
+        let is_of = move |file: &FileRecord| file.command == command || file.command == "report";
         let files = self.files.iter().filter(move |(_, file)| is_of(file));
         files.map(|(name, _)| name)
     }
@@ -64,7 +78,8 @@ impl FolderRecord {
     pub fn writer_of(&self, folder: &Path, name: &str) -> Option<&str> {
         let file = self.files.get(name)?;
         let found = folder.join(name).symlink_metadata().ok()?;
-        (found.is_file() && found.len() == file.bytes).then_some(&file.command)
+        let is_as_written = found.len() == file.bytes || Some(found.len()) == file.earlier_bytes;
+        (found.is_file() && is_as_written).then_some(&file.command)
     }
 
     /// Adds `name`, which `command` has written into `folder`, to the folder's record, if it has one.
@@ -76,10 +91,7 @@ impl FolderRecord {
         let Ok(found) = folder.join(name).metadata() else {
             return;
         };
-        let file = FileRecord {
-            command: command.to_owned(),
-            bytes: found.len(),
-        };
+        let file = FileRecord::new(command, found.len());
         record.files.insert(name.to_owned(), file);
         // Without its entry the file is only never replaced.
         let _ = record.write(folder);
@@ -314,10 +326,8 @@ impl OutputDir {
         let mut files = BTreeMap::new();
         for entry in std::fs::read_dir(self.temporary.path()).map_err(failure)? {
             let entry = entry.map_err(failure)?;
-            let file = FileRecord {
-                command: self.command.to_owned(),
-                bytes: entry.metadata().map_err(failure)?.len(),
-            };
+            let bytes = entry.metadata().map_err(failure)?.len();
+            let file = FileRecord::new(self.command, bytes);
             files.insert(entry.file_name().to_string_lossy().into_owned(), file);
         }
         let mut names: Vec<String> = files.keys().cloned().collect();
@@ -327,7 +337,11 @@ impl OutputDir {
         let stale: Vec<String> = record.files_of(self.command).cloned().collect();
         let stale: Vec<&String> = stale.iter().filter(|name| !is_new(name)).collect();
         // Both sets of files are kufe's until the last is moved.
-        record.files.extend(files.clone());
+        for (name, file) in &files {
+            let mut file = file.clone();
+            file.earlier_bytes = self.target.join(name).metadata().ok().map(|old| old.len());
+            record.files.insert(name.clone(), file);
+        }
         record.write(&self.target).map_err(failure)?;
         let index = files.keys().filter(|name| *name == INDEX);
         for name in index.chain(stale.iter().copied()) {
@@ -344,6 +358,7 @@ impl OutputDir {
             std::fs::rename(self.temporary.path().join(name), &to)
                 .map_err(|error| unwritable(&to, &error))?;
         }
+        record.files.extend(files.clone());
         for name in stale {
             record.files.remove(name);
         }

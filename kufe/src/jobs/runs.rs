@@ -9,6 +9,7 @@ use kufe_sled::{
 
 use crate::jobs::failure::Failure;
 use crate::jobs::watch::Watch;
+use crate::results::RunsUsed;
 
 /// Which runs, and what they are used with.
 #[derive(Clone, Debug)]
@@ -43,6 +44,18 @@ pub struct Loaded {
     pub gaps: Vec<TakingPart>,
     /// Tables of the model that do not span every sample.
     pub outside_tables: Vec<OutsideTable>,
+}
+
+impl RunsUsed {
+    /// Of runs that are read and prepared.
+    pub fn new(loaded: &Loaded) -> Self {
+        RunsUsed {
+            left_out: loaded.left_out.clone(),
+            outside_tables: loaded.outside_tables.clone(),
+            gaps: loaded.gaps.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        }
+    }
 }
 
 /// The failure that a sled error is.

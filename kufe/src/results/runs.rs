@@ -10,8 +10,6 @@ use kufe_sled::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::jobs::runs::Loaded;
-
 /// What a result made of recorded runs states of them.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
@@ -25,18 +23,6 @@ pub struct RunsUsed {
     pub gaps: Vec<TakingPart>,
     /// Version of the program.
     pub version: String,
-}
-
-impl RunsUsed {
-    /// Of runs that are read and prepared.
-    pub fn new(loaded: &Loaded) -> Self {
-        RunsUsed {
-            left_out: loaded.left_out.clone(),
-            outside_tables: loaded.outside_tables.clone(),
-            gaps: loaded.gaps.clone(),
-            version: version(),
-        }
-    }
 }
 
 /// `fit.json`: lateral friction of both runners.

@@ -113,8 +113,8 @@ fn pyvista_and_meshio_read_meshes_and_fields() {
     };
     let bench = Bench::new();
     bench.write("case.toml", CASE);
-    bench.succeeds(&["mesh", "case.toml", "-o", "."]);
-    bench.succeeds(&["press", "case.toml", "-o", "."]);
+    bench.succeeds(&["mesh", "case.toml", "-o", ".", "--force"]);
+    bench.succeeds(&["press", "case.toml", "-o", ".", "--force"]);
     let script = "import numpy as np, pyvista, meshio, json\n\
         r = json.load(open('result.json'))\n\
         for name in ['ice.vtu', 'runner.vtu', 'field.vtu']:\n\

@@ -213,7 +213,9 @@ fn scipy_and_octave_read_simulated_runs_and_their_validation() {
     let runs = "out/runs.csv";
     succeeds(
         folder,
-        &["validate", runs, "--model", model, "--mat", "-o", "out"],
+        &[
+            "validate", runs, "--model", model, "--mat", "-o", "out", "--force",
+        ],
     );
     octave(
         folder,

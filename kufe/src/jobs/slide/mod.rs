@@ -4,6 +4,7 @@ mod film;
 mod groove;
 mod hardness;
 mod optimum;
+mod result;
 mod sensitivity;
 mod sliding;
 mod table;
