@@ -133,15 +133,18 @@ fn pyvista_and_meshio_read_meshes_and_fields() {
         top = {tuple(p[:2]): k for k, p in enumerate(f.points) if p[2] == 0}\n\
         quarter = [k for k, p in enumerate(c.points) if p[0] >= 0 and p[1] >= 0]\n\
         at = [top[tuple(c.points[k][:2])] for k in quarter]\n\
-        for name in ['contact_pressure_pa', 'gap_m']:\n\
-        \x20   assert np.array_equal(c[name][quarter], f[name][at]), name\n\
+        assert np.array_equal(c['gap_m'][quarter], f['gap_m'][at])\n\
+        faces = c.regular_faces\n\
+        rim = np.unique(faces[(c['contact_pressure_pa'][faces] == 0).any(1)])\n\
+        same = c['contact_pressure_pa'][quarter] == f['contact_pressure_pa'][at]\n\
+        assert set(np.array(quarter)[~same]) <= set(rim), 'inside the rim'\n\
         assert np.allclose(c['uz_m'][quarter], f['displacement_m'][at, 2])\n\
         below = f.points[:, 2] < 0\n\
         assert (f['contact_pressure_pa'][below] == 0).all() and np.isnan(f['gap_m'][below]).all()\n\
         assert np.allclose(c.bounds[:4:2], -np.array(c.bounds[1:4:2]))\n\
         whole = c.point_data_to_cell_data().compute_cell_sizes()\n\
         force = (whole['contact_pressure_pa'] * whole['Area']).sum()\n\
-        assert abs(force / r['fz_n'] - 1) < 0.05, force\n\
+        assert abs(force / r['fz_n'] - 1) < 1e-3, force\n\
         assert (c['gap_m'][c['contact_pressure_pa'] > 0] < 1e-9).all()\n\
         print(-s[:, 2, 2].min() / r['p_max_pa'])\n";
     let output = std::process::Command::new(interpreter)
