@@ -5,7 +5,7 @@
 /// Returns an empty list where the range is empty or not finite.
 ///
 /// ```
-/// assert_eq!(crate::plot::axis_ticks(0.0, 10.0, 5), vec![0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
+/// assert_eq!(kufe::plot::axis_ticks(0.0, 10.0, 5), vec![0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
 /// ```
 pub fn axis_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     let span = high - low;
@@ -27,10 +27,10 @@ pub fn axis_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
 /// A tick's number with as many digits as an axis of this span needs to tell its ticks apart.
 ///
 /// ```
-/// assert_eq!(crate::plot::tick_text(20.0, 60.0), "20");
-/// assert_eq!(crate::plot::tick_text(0.05, 0.4), "0.05");
-/// assert_eq!(crate::plot::tick_text(1.5, 4.0), "1.5");
-/// assert_eq!(crate::plot::tick_text(-0.0, 0.4), "0");
+/// assert_eq!(kufe::plot::tick_text(20.0, 60.0), "20");
+/// assert_eq!(kufe::plot::tick_text(0.05, 0.4), "0.05");
+/// assert_eq!(kufe::plot::tick_text(1.5, 4.0), "1.5");
+/// assert_eq!(kufe::plot::tick_text(-0.0, 0.4), "0");
 /// ```
 pub fn tick_text(value: f64, span: f64) -> String {
     let digits = (2.0 - span.abs().log10().floor()).clamp(0.0, 6.0) as usize;

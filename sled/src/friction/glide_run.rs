@@ -13,7 +13,7 @@ pub const SHARE_LEFT_OUT: f64 = 0.2;
 /// Air density [kg/m3]: `rho = p / (R T)` with the specific gas constant of air and T in kelvin.
 ///
 /// ```
-/// assert!((crate::friction::air_density(94_700.0, 2.0) - 1.199).abs() < 1e-3);
+/// assert!((kufe_sled::friction::air_density(94_700.0, 2.0) - 1.199).abs() < 1e-3);
 /// ```
 pub fn air_density(air_pa: f64, air_c: f64) -> f64 {
     air_pa / (GAS_CONSTANT_OF_AIR * (air_c + 273.15))

@@ -155,7 +155,7 @@ impl Longitudinal {
 /// `fz` is the normal force [N], `alpha` the slip angle [rad]. Negative: it acts against the motion.
 ///
 /// ```
-/// assert!((crate::friction::longitudinal_force(1000.0, 0.0, 0.004) + 4.0).abs() < 1e-12);
+/// assert!((kufe_sled::friction::longitudinal_force(1000.0, 0.0, 0.004) + 4.0).abs() < 1e-12);
 /// ```
 pub fn longitudinal_force(fz: f64, alpha: f64, mu: f64) -> f64 {
     -mu * fz * alpha.cos()
