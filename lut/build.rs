@@ -1,6 +1,7 @@
 //! Compiles the FMU's library with the system's C compiler, so that an installed `kufe` carries it.
 //!
-//! Without a usable compiler the crate still builds; only writing an FMU is refused then, with the reason.
+//! Without a usable compiler the crate still builds; only writing an FMU is refused then, with the
+//! reason.
 
 use std::path::Path;
 use std::process::Command;
@@ -31,7 +32,7 @@ fn main() {
     };
     if !reason.is_empty() {
         println!("cargo::warning=kufe-lut: no FMU export: {reason}");
-        // Left empty on purpose: the library tells its absence by its length.
+        // Empty on purpose: the library detects its absence by its length.
         if let Err(error) = std::fs::write(&library, b"") {
             println!("cargo::error=kufe-lut: {}: {error}", library.display());
         }
@@ -44,7 +45,8 @@ fn main() {
     );
 }
 
-/// Architecture and system of a target triple; the C library it is linked with does not matter to an FMU.
+/// Architecture and system of a target triple; the C library it is linked with does not matter to
+/// an FMU.
 fn machine(triple: &str) -> (Option<&str>, Option<&str>) {
     let mut parts = triple.split('-');
     (parts.next(), parts.nth(1))

@@ -102,7 +102,7 @@ def faces(grid):
 
 
 def share(nodes, line, mirror):
-    """m1 p' + m2 p'' / 2 of the hat functions with moments m1, m2, on a line of nodes; 0 beside nodes without pressure."""
+    """m1 p' + m2 p'' / 2 of the hat functions with moments m1, m2, on a line of nodes; 0 next to nodes without pressure."""
     if mirror:
         nodes, line = np.concatenate([[-nodes[1]], nodes]), np.concatenate([[line[1]], line])
     out = np.zeros(len(line))
@@ -180,7 +180,7 @@ def level(kufe, folder, cells):
 
 
 def limit(cells, values):
-    """The limit of a quantity and the error left on the finest mesh: least squares of v + c / cells^2."""
+    """The limit of a quantity and the remaining error on the finest mesh: least squares of v + c / cells^2."""
     design = np.array([[1.0, 1 / n**2] for n in cells])
     (found, slope), *_ = np.linalg.lstsq(design, np.array(values), rcond=None)
     return found, abs(values[-1] - found) + np.abs(design @ [found, slope] - values).max()

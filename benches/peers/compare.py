@@ -1,11 +1,11 @@
-"""kufe beside the programs people would use instead, in one run: whole process, work alone, true error, ratio.
+"""kufe and the programs people would use instead, in one run: whole process, work alone, true error, ratio.
 
     python benches/peers/compare.py target/release/fields [--slow]
 
-GetFEM, which has no window but a mesh, is asked by the interpreter that GETFEM_PYTHON names, once: it takes minutes.
+GetFEM, which has no window but a mesh, is run by the interpreter that GETFEM_PYTHON names, once: it takes minutes.
 `--slow` measures instead what a peer's user who sizes no windows gets: 64 contacts in the window of the largest.
 Every figure is the fastest of three processes. A peer gets the coarsest of its grids from which on every finer one
-is at least as good as what is asked, in a window sized by Hertz' formulas: its user has to know the patch already.
+is at least as good as requested, in a window sized by Hertz' formulas: its user has to know the patch already.
 """
 import math
 import os
@@ -40,11 +40,11 @@ def script(name, *arguments):
     return [sys.executable, str(HERE / name), *map(str, arguments)]
 
 
-def coarsest(name, mode, asked):
-    """The peer's grid: the coarsest with every finer one within `asked`."""
+def coarsest(name, mode, requested):
+    """The peer's grid: the coarsest with every finer one within `requested`."""
     chosen = None
     for n in reversed(GRIDS):
-        if measured(script(name, mode, n), 1)[1][0] > asked:
+        if measured(script(name, mode, n), 1)[1][0] > requested:
             break
         chosen = n
     return chosen
@@ -55,8 +55,8 @@ def row(label, error, whole, work, base):
     print(f"| {label} | {100 * error:.3f} % | {whole:.3f} s | {work:.3f} s | {ratio} |", flush=True)
 
 
-def table(title, asked, mine, others, mode):
-    print(f"\n### {title}, asked {100 * asked:g} %\n")
+def table(title, requested, mine, others, mode):
+    print(f"\n### {title}, requested error {100 * requested:g} %\n")
     print("| program | true error | whole process | work alone | times kufe's: process / work |")
     print("|---|---|---|---|---|")
     whole, numbers = mine
@@ -65,9 +65,9 @@ def table(title, asked, mine, others, mode):
     for label, (whole, (error, work)) in others.items():
         row(label, error, whole, work, base)
     for label, name in [("Tamaas", "tamaas_hertz.py"), ("ContactMechanics", "contactmechanics_hertz.py")]:
-        n = coarsest(name, mode, asked)
+        n = coarsest(name, mode, requested)
         if n is None:
-            print(f"| {label} | over what was asked up to {GRIDS[-1]} x {GRIDS[-1]} points | | | |")
+            print(f"| {label} | over the requested error up to {GRIDS[-1]} x {GRIDS[-1]} points | | | |")
             continue
         whole, (error, work) = measured(script(name, mode, n))
         row(f"{label}, {n} x {n}, window sized by hand", error, whole, work, base)
@@ -83,13 +83,13 @@ def getfem(base):
     row(f"GetFEM, {unknowns:.0f} unknowns, mesh sized by hand", error, whole, work, base)
 
 
-def one_window(fields, asked):
+def one_window(fields, requested):
     """64 contacts by Tamaas in the window of the largest, fine enough for 16 points across the smallest."""
     sized = [hertz(*case) for case in points()]
     shape = [math.ceil(16 * 1.2 * max(s[axis] for s in sized) / min(s[axis] for s in sized)) for axis in (0, 1)]
-    whole, (worst, seconds) = measured([fields, "all", str(asked)])
+    whole, (worst, seconds) = measured([fields, "all", str(requested)])
     base = (whole, seconds)
-    print(f"\n### 64 contacts in one window, asked {100 * asked:g} %\n")
+    print(f"\n### 64 contacts in one window, requested error {100 * requested:g} %\n")
     print("| program | true error | whole process | work alone | times kufe's: process / work |")
     print("|---|---|---|---|---|")
     row("kufe, no window", worst, whole, seconds, None)
@@ -102,11 +102,11 @@ def main():
     if "--slow" in sys.argv[2:]:
         return one_window(fields, 0.005)
     os.environ.setdefault("OMP_NUM_THREADS", str(os.cpu_count()))
-    for asked in (0.005, 0.001):
-        mine = measured([fields, "one", str(asked)])
+    for requested in (0.005, 0.001):
+        mine = measured([fields, "one", str(requested)])
         others = {ALONE: measured([fields, "plane", "one"])}
-        table("One contact: rocker 30 m, section 5 mm, 1 kN", asked, mine, others, "one")
-        if asked == 0.005:
+        table("One contact: rocker 30 m, section 5 mm, 1 kN", requested, mine, others, "one")
+        if requested == 0.005:
             getfem((mine[0], mine[1][1]))
     others = {
         "kufe, finite elements throughout": measured([fields, "all", "0.005"]),

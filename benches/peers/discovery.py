@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Blind cases through LassoCV (folds by run) and STLSQ, beside `kufe discover`.
+"""Blind cases through LassoCV (folds by run) and STLSQ, compared with `kufe discover`.
 
     blind write --families null,lateral/camber-thrust@0.02 --seeds 3 --data D --answers A
     python benches/peers/discovery.py D A
@@ -148,10 +148,10 @@ def load(folder):
         x = run_state(sled, run, pd.read_csv(folder / run.file))
         inside = slice(25, -25, THIN)
         measured = np.stack([x["a"][:, 0], x["a"][:, 1], x["turning"][:, 2]], 1)
-        left, base = measured - predict(sled, friction, x), base_columns(sled, friction, x)
+        residual, base = measured - predict(sled, friction, x), base_columns(sled, friction, x)
         long, lateral = columns(sled, friction, x)
-        parts["longitudinal"].append((left[inside, :1], [base[0][inside, :1]], {k: c[inside, None] for k, c in long.items()}, group))
-        parts["lateral"].append((left[inside, 1:], [b[inside, 1:] for b in base[1:]], {k: c[inside] for k, c in lateral.items()}, group))
+        parts["longitudinal"].append((residual[inside, :1], [base[0][inside, :1]], {k: c[inside, None] for k, c in long.items()}, group))
+        parts["lateral"].append((residual[inside, 1:], [b[inside, 1:] for b in base[1:]], {k: c[inside] for k, c in lateral.items()}, group))
     for channel, runs in parts.items():
         target = np.concatenate([r[0] for r in runs])
         scale = 1.0 / target.std(0)

@@ -3,7 +3,7 @@
     /usr/bin/python3 getfem_hertz.py CELLS    # cells over the half width and over the half length of the patch
 
 In millimetres and megapascals: its residuals know no scale. Prints the true error of p_max, the seconds of building and solving, and the unknowns. The mesh is sized by Hertz' formulas
-and pressed in by the approach that they tell; p_max is held against Hertz' for the force that results.
+and pressed in by the approach of Hertz; p_max is compared with Hertz' for the force that results.
 """
 import sys
 import time
@@ -25,7 +25,7 @@ def hertz(force):
 
 
 def axis(half, cells):
-    """Even to a quarter beyond the patch, then by a factor of 2.5 a cell to the far face."""
+    """Even to a quarter outside the patch, then by a factor of 2.5 a cell to the far face."""
     step = half / cells
     nodes = [step * i for i in range(cells + cells // 4 + 1)]
     while nodes[-1] < FAR:

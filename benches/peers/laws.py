@@ -4,7 +4,7 @@
     blind score --kufe target/release/kufe --families recovery/unknown,recovery/pitch-rate-dip --seeds 1 --keep D
     python benches/peers/laws.py D
 
-Beside kufe's own answers in `D/out`: PySINDy's STLSQ on polynomials of second degree, and the symbolic regressors of
+Next to kufe's own answers in `D/out`: PySINDy's STLSQ on polynomials of second degree, and the symbolic regressors of
 pyoperon and gplearn. The peers get what they need served: the low-passed residuals of the base model, what a refit
 of the base takes up removed, and the columns that the law may be of; the two regressors the factor on grip itself.
 
@@ -39,7 +39,7 @@ def samples(folder):
     """Columns, the residual with what a refit of the base takes up removed, and what a factor on grip would do."""
     model = tomllib.loads((folder / "model.toml").read_text())
     sled, friction = model["sled"], model["friction"]
-    rows = {"columns": [], "left": [], "base": [], "grip": []}
+    rows = {"columns": [], "residual": [], "base": [], "grip": []}
     for run in pd.read_csv(folder / "runs.csv").itertuples():
         x = run_state(sled, run, pd.read_csv(folder / run.file))
         inside = slice(25, -25, THIN)
@@ -47,28 +47,28 @@ def samples(folder):
         rear = magic(friction["rear"], x["slip_r"], x["rear"])
         arm = (sled["l_f_m"] * front - sled["l_r_m"] * rear) / sled["j_zz_kgm2"]
         measured = np.stack([x["a"][:, 1], x["turning"][:, 2]], 1)
-        rows["left"].append((measured - predict(sled, friction, x)[:, 1:])[inside])
+        rows["residual"].append((measured - predict(sled, friction, x)[:, 1:])[inside])
         rows["grip"].append(np.stack([(front + rear) / sled["mass_kg"], arm], 1)[inside])
         rows["base"].append(np.stack([b[inside, 1:] for b in base_columns(sled, friction, x)[1:]], 2))
         rows["columns"].append(np.stack([x[c][inside] for c in COLUMNS], 1))
-    columns, left, base, grip = (np.concatenate(rows[k]) for k in ["columns", "left", "base", "grip"])
-    scale = 1.0 / left.std(0)
+    columns, residual, base, grip = (np.concatenate(rows[k]) for k in ["columns", "residual", "base", "grip"])
+    scale = 1.0 / residual.std(0)
     flat = lambda block: (block * (scale if block.ndim == 2 else scale[:, None])).reshape(-1, *block.shape[2:])
     basis, _ = np.linalg.qr(flat(base))
     free = lambda block: block - basis @ (basis.T @ block)
-    return columns, flat(left), free, grip * scale
+    return columns, flat(residual), free, grip * scale
 
 
 def stlsq(case):
     """Sparse terms of second degree; of five thresholds the one that explains most of a third of the rows, not used before."""
     import pysindy
 
-    columns, left, free, grip = case
+    columns, residual, free, grip = case
     middle, spread = columns.mean(0), columns.std(0)
     library = pysindy.PolynomialLibrary(degree=2, include_bias=False).fit(columns[:1])
     terms = lambda c: np.asarray(library.transform((c - middle) / spread))
-    theta = np.asarray(free((terms(columns)[:, None, :] * grip[:, :, None]).reshape(left.size, -1)))
-    y = free(left)
+    theta = np.asarray(free((terms(columns)[:, None, :] * grip[:, :, None]).reshape(residual.size, -1)))
+    y = free(residual)
     size = theta.std(0)
     learn = np.arange(y.size) < 2 * y.size // 3
     best = None
@@ -86,11 +86,11 @@ def stlsq(case):
 
 def factor(case, rows=4000):
     """The factor on grip sample by sample, where grip is strong, and the columns over their spread."""
-    columns, left, free, grip = case
+    columns, residual, free, grip = case
     strong = np.square(grip).sum(1)
     kept = np.flatnonzero(strong > np.median(strong))
     kept = kept[np.linspace(0, kept.size - 1, min(rows, kept.size)).astype(int)]
-    y = free(left).reshape(grip.shape)
+    y = free(residual).reshape(grip.shape)
     z = (y * grip).sum(1) / strong
     return columns[kept] / columns.std(0), z[kept], columns.std(0)
 

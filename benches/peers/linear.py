@@ -38,7 +38,7 @@ def main():
     ask = lambda what: subprocess.run([solver, what, str(CELLS)], check=True, capture_output=True, text=True).stdout.split()
     dofs, iterations, set_up, seconds, peak = map(float, ask("linear"))
     base = set_up + seconds
-    print("### One linear solve beside a direct solver and algebraic multigrid, aspect ratio over 100\n")
+    print("### One linear solve: kufe, a direct solver and algebraic multigrid, aspect ratio over 100\n")
     print("| program | unknowns | iterations | set-up and solve | peak memory | times kufe's: time, memory |")
     print("|---|---|---|---|---|---|")
     print(f"| kufe, energy error 1e-8 | {dofs:.0f} | {iterations:.0f} | {base:.2f} s | {peak / 1e9:.2f} GB | 1, 1 |", flush=True)
@@ -69,31 +69,31 @@ def main():
     stiffness = sp.bmat([[block(c, e) for e in range(3)] for c in range(3)]).tocsr()
     zz, yy, xx = np.meshgrid(z, y, x, indexing="ij")
     points = np.stack([xx, yy, zz], -1).reshape(n, 3)
-    held = [
+    fixed = [
         (points[:, 0] == x[-1]) | (points[:, 1] == y[-1]) | (points[:, 2] == z[0]) | ((points[:, c] == 0) if c < 2 else False)
         for c in range(3)
     ]
-    # Node by node in blocks of three, as aggregation wants it, without nodes held wholly; a held unknown of another is left alone.
-    held = np.stack(held, 1)
-    kept = np.repeat(~held.all(1), 3)
-    held = held.ravel()
+    # Node by node in blocks of three, as aggregation wants it, without fully fixed nodes; a single fixed unknown stays.
+    fixed = np.stack(fixed, 1)
+    kept = np.repeat(~fixed.all(1), 3)
+    fixed = fixed.ravel()
     order = np.arange(3 * n).reshape(3, n).T.ravel()
     stiffness = stiffness[order][:, order]
-    free = sp.diags((~held).astype(float))
-    stiffness = free @ stiffness @ free + sp.diags(np.where(held, stiffness.diagonal(), 0.0))
+    free = sp.diags((~fixed).astype(float))
+    stiffness = free @ stiffness @ free + sp.diags(np.where(fixed, stiffness.diagonal(), 0.0))
     stiffness = stiffness.tocsr()[kept][:, kept]
     inside = np.clip(1 - (xx[-1] / PATCH[0]) ** 2 - (yy[-1] / PATCH[1]) ** 2, 0, None)
     load = np.zeros(3 * n)
     lumped = lambda nodes: np.r_[np.diff(nodes), 0] / 2 + np.r_[0, np.diff(nodes)] / 2
     load[3 * n - inside.size :] = (-1e8 * np.sqrt(inside) * np.outer(lumped(y), lumped(x))).ravel()
-    load = np.where(held, 0.0, load[order])[kept]
+    load = np.where(fixed, 0.0, load[order])[kept]
     rigid = np.zeros((3 * n, 6))
     for c in range(3):
         rigid[c::3, c] = 1
     rigid[1::3, 3], rigid[2::3, 3] = -points[:, 2], points[:, 1]
     rigid[0::3, 4], rigid[2::3, 4] = points[:, 2], -points[:, 0]
     rigid[0::3, 5], rigid[1::3, 5] = -points[:, 1], points[:, 0]
-    rigid = (rigid * ~held[:, None])[kept]
+    rigid = (rigid * ~fixed[:, None])[kept]
     # The best of what was tried: a diagonal of ones, and nodes joined only where they hang together strongly.
     scale = 1 / np.sqrt(stiffness.diagonal())
     stiffness = (sp.diags(scale) @ stiffness @ sp.diags(scale)).tobsr((3, 3))
@@ -117,7 +117,7 @@ def main():
     theirs = time.perf_counter() - begun
     reached = residuals[-1] / residuals[0]
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    print(f"| pyamg, residual {reached:.0e} ({theirs_set_up:.1f} s set-up) | {(~held).sum()} | {len(residuals) - 1} | {theirs:.1f} s | {memory / 1e9:.2f} GB "
+    print(f"| pyamg, residual {reached:.0e} ({theirs_set_up:.1f} s set-up) | {(~fixed).sum()} | {len(residuals) - 1} | {theirs:.1f} s | {memory / 1e9:.2f} GB "
           f"| {theirs / base:.0f}, {memory / peak:.0f} |")
 
 

@@ -1,4 +1,4 @@
-"""Gaps that are no paraboloid, kufe beside Tamaas (`dcfft`, so not periodic): peak pressure and pressure map.
+"""Gaps that are no paraboloid, kufe and Tamaas (`dcfft`, so not periodic): peak pressure and pressure map.
 
     python benches/peers/shapes.py target/release/kufe [SHAPE ...]
 
@@ -20,7 +20,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 E, NU, FORCE, ROCKER, SECTION = 9.0e9, 0.33, 1000.0, 30.0, 0.005
 WAVES = 'waviness = { amplitude_m = 4.0e-6, wavelength_m = 0.02 }'
-# Relative error asked of kufe's peak pressure, whose last mesh is the map's; the conformal and the worn peak are not had to 0.1 %.
+# Requested relative error of kufe's peak pressure, whose last mesh is the map's; the conformal and the worn peak are not had to 0.1 %.
 ACCURACY = {"conformal": 0.003, "worn": 0.005}
 FINE = 0.001
 # Points along and across in a cell over which a map is averaged.
@@ -111,7 +111,7 @@ def main():
     tm.set_log_level(tm.LogLevel.error)
     command = sys.argv[1]
     good = True
-    print("### Gaps that are no paraboloid, beside Tamaas\n")
+    print("### Gaps that are no paraboloid: kufe and Tamaas\n")
     print("| gap | p_max, kufe | p_max, Tamaas | differ | maps differ (L2) | kufe | Tamaas | points |")
     print("|---|---|---|---|---|---|---|---|")
     for name in sys.argv[2:] or SHAPES:

@@ -17,7 +17,7 @@ pub struct Line {
 /// Lines that share their axes.
 #[derive(Clone, Debug)]
 pub struct Chart {
-    /// What stands above it.
+    /// Title.
     pub title: &'static str,
     /// What y is, with its unit.
     pub unit: &'static str,

@@ -3,7 +3,7 @@
 //! | program | what it measures |
 //! |---|---|
 //! | `solver` | contact and linear solves: time, memory, unknowns, iterations |
-//! | `limits` | the solver's kernels beside the machine's bandwidth and faer's matrix products |
+//! | `limits` | the solver's kernels against the machine's bandwidth and faer's matrix products |
 //! | `fields` | one field, 64 fields, and fields for other programs to compare with |
 //! | `elastic` | elastic runners over shapes, tracks and mounts |
 //! | `real_time` | the driving simulation against the clock, the height of a fitted hull |

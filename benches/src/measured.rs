@@ -51,10 +51,12 @@ pub fn best_of<T>(rounds: usize, mut work: impl FnMut() -> T) -> (f64, T) {
     }
 }
 
-/// Processor time of this process so far, all threads together, to a hundredth of a second [s]; 0 where the system does not tell.
+/// Processor time of this process so far, all threads together, to a hundredth of a second [s]; 0
+/// where the system does not tell.
 pub fn cpu_seconds() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // Behind the name in brackets, which may hold spaces: user and system time are fields 14 and 15 of them all.
+    // Behind the name in brackets, which may hold spaces: user and system time are fields 14 and 15
+    // of them all.
     let fields = stat.rsplit(')').next().unwrap_or_default();
     let ticks = fields.split_whitespace().skip(11).take(2);
     ticks.filter_map(|t| t.parse::<f64>().ok()).sum::<f64>() / 100.0

@@ -1,4 +1,5 @@
-//! The equations of ice under a needle-shaped patch, as a runner of 30 m rocker and 5 mm section leaves it.
+//! The equations of ice under a needle-shaped patch, as a runner of 30 m rocker and 5 mm section
+//! leaves it.
 
 use kufe_fem::{End, Material, PlanewiseDiagonal, TensorOperator};
 use kufe_mesh::TensorGrid;
@@ -19,7 +20,8 @@ pub struct NeedleBlock {
     pub preconditioner: PlanewiseDiagonal,
 }
 
-/// A block of `cells` cells along each axis: even to the patch's half width, then in geometric progression to 0.3 m.
+/// A block of `cells` cells along each axis: even to the patch's half width, then in geometric
+/// progression to 0.3 m.
 pub fn needle_block(cells: usize) -> NeedleBlock {
     let patch = [0.0251, 0.000137];
     let axis = |half: f64| -> Vec<f64> {
@@ -35,9 +37,9 @@ pub fn needle_block(cells: usize) -> NeedleBlock {
         z: axis(patch[1]).iter().rev().map(|d| -d).collect(),
     };
     let ice = Material::new(ICE.0, ICE.1).unwrap_or_else(|error| panic!("{error}"));
-    // Mirror planes at x = 0 and y = 0, the far faces held, the surface free.
-    let held = std::array::from_fn(|c| [[c == 0, true], [c == 1, true], [true, false]]);
-    let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), held);
+    // Mirror planes at x = 0 and y = 0, the far faces fixed, the surface free.
+    let fixed = std::array::from_fn(|c| [[c == 0, true], [c == 1, true], [true, false]]);
+    let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), fixed);
     let preconditioner = PlanewiseDiagonal::new(&operator, End::High);
     NeedleBlock {
         grid,

@@ -4,7 +4,8 @@ use kufe_lut::{Axes, Figures, Quantity, Table};
 
 const QUERIES: usize = 1 << 20;
 
-/// A table of `size` x `size` nodes: unevenly spaced breakpoints, pressures that follow the load's power law.
+/// A table of `size` x `size` nodes: unevenly spaced breakpoints, pressures that follow the load's
+/// power law.
 pub fn pressure_table(size: usize) -> Result<Table, kufe_lut::Error> {
     let t = |i: usize| i as f64 / (size - 1) as f64;
     let fz = (0..size).map(|i| 200.0 * 40f64.powf(t(i))).collect();

@@ -192,7 +192,7 @@ pub enum Error {
     #[error(
         "equilibrium and contact conditions are violated by {residual:.2e} (relative; all nodes of the contact plane), {most:.1e} is the most"
     )]
-    NotHeld {
+    ConditionsViolated {
         /// Largest relative violation.
         residual: f64,
         /// Largest that passes.

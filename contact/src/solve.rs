@@ -17,7 +17,7 @@ use crate::{Error, Load, Options, Problem, Solution};
 /// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::TrackTooTight`] and [`Error::BeyondHardness`] for
 /// problems without an answer; [`Error::NotConverged`] where a mesh's equations are not solved, and
 /// [`Error::AccuracyNotReached`], with the best solution in it, where the largest mesh allowed does not do;
-/// [`Error::NotHeld`] and [`Error::TouchesElsewhere`] where the solution of the last mesh violates the contact conditions;
+/// [`Error::ConditionsViolated`] and [`Error::TouchesElsewhere`] where the solution of the last mesh violates the contact conditions;
 /// [`Error::TooFine`] and [`Error::MeshTooLarge`] where no mesh can be had, [`Error::NoAnswer`] where
 /// the meshes give no contact under the load.
 pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
@@ -32,7 +32,7 @@ fn refined(problem: &Problem, options: &Options, mut meshes: Meshes) -> Result<S
         match meshes.judge(&contact) {
             Verdict::Reached(limits) => {
                 let solution = meshes.solution(contact, limits);
-                return answered(problem, held(solution, options)?);
+                return answered(problem, verified(solution, options)?);
             }
             Verdict::Refine(plan) => meshes.refine(contact, plan),
             Verdict::Widen(found) => meshes.widen(&contact, &found)?,
@@ -43,7 +43,7 @@ fn refined(problem: &Problem, options: &Options, mut meshes: Meshes) -> Result<S
                     estimate: relative,
                     tolerance: options.p_max_tolerance,
                     finest,
-                    best: Box::new(answered(problem, held(best, options)?)?),
+                    best: Box::new(answered(problem, verified(best, options)?)?),
                 });
             }
         }
@@ -65,16 +65,16 @@ pub fn check_problem(problem: &Problem, options: &Options) -> Result<(), Error> 
 const BALANCED: f64 = 1e-6;
 
 /// What equilibrium and contact conditions may be violated by at the end, relative: the sets' own slack where they went in circles.
-const HELD: f64 = 2e-5;
+const LARGEST_VIOLATION: f64 = 2e-5;
 
 /// Passes a solution on that holds equilibrium and contact conditions on all nodes of the plane, or to ten times a residual that was
-/// asked looser.
-fn held(solution: Solution, options: &Options) -> Result<Solution, Error> {
-    let most = HELD.max(10.0 * options.residual);
+/// requested looser.
+fn verified(solution: Solution, options: &Options) -> Result<Solution, Error> {
+    let most = LARGEST_VIOLATION.max(10.0 * options.residual);
     if solution.kkt_residual <= most {
         return Ok(solution);
     }
-    Err(Error::NotHeld {
+    Err(Error::ConditionsViolated {
         residual: solution.kkt_residual,
         most,
     })
@@ -210,8 +210,8 @@ mod tests {
     }
 
     #[test]
-    fn tilts_that_are_not_small_are_refused_held_or_settled()
-    -> Result<(), Box<dyn std::error::Error>> {
+    fn tilts_that_are_not_small_are_refused_fixed_or_free() -> Result<(), Box<dyn std::error::Error>>
+    {
         let with = |offset_y: f64, tilt: Tilt| -> Result<Problem, Box<dyn std::error::Error>> {
             let load = Load::Force {
                 fz: 1000.0,
@@ -225,8 +225,8 @@ mod tests {
             })
         };
         for roll in [0.3, -0.9] {
-            let held = with(0.0, Tilt::Fixed { pitch: 0.0, roll })?;
-            let refused = solve(&held, &Options::default()).err();
+            let fixed = with(0.0, Tilt::Fixed { pitch: 0.0, roll })?;
+            let refused = solve(&fixed, &Options::default()).err();
             assert!(
                 matches!(refused, Some(Error::OutOfRange { value, .. }) if value == roll),
                 "{refused:?}"

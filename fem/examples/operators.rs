@@ -1,4 +1,5 @@
-//! Time of the assembled and the matrix-free stiffness, and of a Cholesky factorisation, on a block of steel.
+//! Time of the assembled and the matrix-free stiffness, and of a Cholesky factorisation, on a block
+//! of steel.
 
 use std::time::Instant;
 

@@ -9,7 +9,8 @@ use crate::error::Error;
 
 /// A hexahedral mesh whose cells have materials and elements, checked once.
 ///
-/// Displacements and forces of a body are `3 * node_count` numbers, node by node, (x, y, z) within a node.
+/// Displacements and forces of a body are `3 * node_count` numbers, node by node, (x, y, z) within
+/// a node.
 ///
 /// ```
 /// use kufe_fem::{Body, ElementKind, Material};
@@ -29,8 +30,9 @@ pub struct Body {
 impl Body {
     /// A body with one section a cell.
     ///
-    /// Fails where there are no cells, a cell names a missing node, a Jacobian determinant at a Gauss point or at a
-    /// cell's centre is not positive, the number of sections differs from that of cells, or the nodes exceed 32 bits.
+    /// Fails where there are no cells, a cell names a missing node, a Jacobian determinant at a
+    /// Gauss point or at a cell's centre is not positive, the number of sections differs from that
+    /// of cells, or the nodes exceed 32 bits.
     pub fn new(mesh: HexMesh, sections: Vec<Section>) -> Result<Self, Error> {
         let node_count = mesh.points.len();
         let limit = (u32::MAX / 3) as usize;
@@ -116,15 +118,16 @@ pub enum ElementKind {
     Hex8,
     /// Trilinear with incompatible modes, for bodies that bend.
     Hex8Incompatible,
-    /// Trilinear with the shear of planes across its first axis averaged along it, for beams along that axis.
+    /// Trilinear with the shear of planes across its first axis averaged along it, for beams along
+    /// that axis.
     Hex8Axial,
     /// Trilinear with the mean change of volume, for nearly incompressible materials.
     Hex8Dilatation,
 }
 
 impl ElementKind {
-    /// The element of a block that does not bend: the plain one, or that with the mean change of volume from a Poisson's ratio
-    /// of [`hex8_dilatation::NEARLY_INCOMPRESSIBLE`] on.
+    /// The element of a block that does not bend: the plain one, or that with the mean change of
+    /// volume from a Poisson's ratio of [`hex8_dilatation::NEARLY_INCOMPRESSIBLE`] on.
     pub fn of_block(poissons_ratio: f64) -> Self {
         if poissons_ratio >= hex8_dilatation::NEARLY_INCOMPRESSIBLE {
             ElementKind::Hex8Dilatation
@@ -220,7 +223,8 @@ impl Material {
         self.lame_lambda() + 2.0 * self.shear_modulus()
     }
 
-    /// Stress [Pa] of a small strain, both as (xx, yy, zz, yz, zx, xy) with engineering shear strains.
+    /// Stress [Pa] of a small strain, both as (xx, yy, zz, yz, zx, xy) with engineering shear
+    /// strains.
     ///
     /// sigma = lambda tr(epsilon) I + 2 mu epsilon.
     pub fn stress(&self, strain: [f64; 6]) -> [f64; 6] {

@@ -1,8 +1,8 @@
 //! Preconditioned conjugate gradients.
 //!
-//! Operator and preconditioner are closures that write their result into the slice given. Nothing is allocated inside the
-//! loop but the history's entries, which are reserved before it; sums are taken in fixed chunks, so that results have
-//! the same bits for any number of threads.
+//! Operator and preconditioner are closures that write their result into the slice given. Nothing
+//! is allocated inside the loop but the history's entries, which are reserved before it; sums are
+//! taken in fixed chunks, so that results have the same bits for any number of threads.
 
 use rayon::prelude::*;
 
@@ -15,9 +15,10 @@ pub enum Stop {
     Residual(f64),
     /// Estimated energy norm of the error <= tolerance times the energy norm of the solution.
     ///
-    /// The error of the state d = 4 iterations ago is the energy gained since, e (Hestenes and Stiefel 1952; Z. Strakos and
-    /// P. Tichy, ETNA 13 (2002), 56-80), plus what is still to come, taken as a geometric series: e / (1 - q), where q is
-    /// the ratio of e to the gain of the d iterations before. The present state is better than that.
+    /// The error of the state d = 4 iterations ago is the energy gained since, e (Hestenes and
+    /// Stiefel 1952; Z. Strakos and P. Tichy, ETNA 13 (2002), 56-80), plus what is still to come,
+    /// taken as a geometric series: e / (1 - q), where q is the ratio of e to the gain of the d
+    /// iterations before. The present state is better than that.
     Energy(f64),
 }
 
@@ -63,10 +64,12 @@ pub struct Workspace {
     partial: Vec<f64>,
 }
 
-/// Solves A x = b from the start `x`, A symmetric positive definite, with a symmetric positive definite preconditioner.
+/// Solves A x = b from the start `x`, A symmetric positive definite, with a symmetric positive
+/// definite preconditioner.
 ///
-/// `apply(v, out)` writes A v, `precondition(r, out)` writes P^-1 r. Prescribed entries stay as they are where both write
-/// zeros there and `b - A x` is zero there. Fails where the tolerance is not reached, or a direction has no positive energy.
+/// `apply(v, out)` writes A v, `precondition(r, out)` writes P^-1 r. Prescribed entries stay as
+/// they are where both write zeros there and `b - A x` is zero there. Fails where the tolerance is
+/// not reached, or a direction has no positive energy.
 ///
 /// ```
 /// use kufe_fem::cg;
@@ -168,7 +171,8 @@ pub fn solve(
     }
 }
 
-/// Estimated error of the state [`ENERGY_DELAY`] iterations ago over the energy norm of the present one.
+/// Estimated error of the state [`ENERGY_DELAY`] iterations ago over the energy norm of the present
+/// one.
 fn energy_error(energies: &[f64], x: &[f64], b: &[f64], r: &[f64], partial: &mut [f64]) -> f64 {
     let Some(start) = energies.len().checked_sub(2 * ENERGY_DELAY) else {
         return f64::INFINITY;
@@ -231,7 +235,8 @@ fn zip_apply(out: &mut [f64], a: &[f64], b: &[f64], f: impl Fn(&mut f64, f64, f6
         });
 }
 
-/// The plain preconditioner: division by the diagonal. Entries that are not positive count as fixed and give zero.
+/// The plain preconditioner: division by the diagonal. Entries that are not positive count as fixed
+/// and give zero.
 #[derive(Clone, Debug)]
 pub struct Jacobi {
     inverse: Vec<f64>,

@@ -25,14 +25,16 @@ impl Beam {
 
     /// Shear stiffness kappa G b h [N], with kappa = 10 (1 + nu) / (12 + 11 nu).
     ///
-    /// Source: G. R. Cowper, The shear coefficient in Timoshenko's beam theory, J. Appl. Mech. 33 (1966), 335-340.
+    /// Source: G. R. Cowper, The shear coefficient in Timoshenko's beam theory, J. Appl. Mech. 33
+    /// (1966), 335-340.
     pub fn shear_stiffness(&self) -> f64 {
         let nu = self.material.poissons_ratio();
         let kappa = 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu);
         kappa * self.material.shear_modulus() * self.width * self.height
     }
 
-    /// Deflection [m] of the free end of a cantilever under an end load F [N]: F L^3 / (3 E I) + F L / (kappa G A).
+    /// Deflection [m] of the free end of a cantilever under an end load F [N]: F L^3 / (3 E I) + F
+    /// L / (kappa G A).
     ///
     /// Source: S. Timoshenko, Strength of Materials I (1955), article 39.
     pub fn cantilever_tip_deflection(&self, load: f64) -> f64 {
@@ -50,8 +52,8 @@ impl Beam {
 /// u_z = -P / (4 pi mu) [ d^2 / R^3 + 2 (1 - nu) / R ].
 /// ```
 ///
-/// Returns (u_x, u_y, u_z) [m] for `load` in [N]. Infinite at the origin itself, where the solution is singular.
-/// Source: K. L. Johnson, Contact Mechanics (1985), equations 3.18.
+/// Returns (u_x, u_y, u_z) [m] for `load` in [N]. Infinite at the origin itself, where the solution
+/// is singular. Source: K. L. Johnson, Contact Mechanics (1985), equations 3.18.
 ///
 /// ```
 /// let ice = kufe_fem::Material::new(9.0e9, 0.33)?;
@@ -78,7 +80,8 @@ pub fn boussinesq(point: [f64; 3], load: f64, material: Material) -> [f64; 3] {
 
 /// Stress in the half-space z <= 0 at `point` [m] under a downward point force at the origin.
 ///
-/// Returns (xx, yy, zz, yz, zx, xy) [Pa], tension positive, `load` [N] positive downwards. With depth d = -z:
+/// Returns (xx, yy, zz, yz, zx, xy) [Pa], tension positive, `load` [N] positive downwards. With
+/// depth d = -z:
 ///
 /// ```text
 /// s_xx = P/(2 pi) { -3 x^2 d/R^5 + (1-2nu) [ d/R^3 - 1/(R(R+d)) + x^2 (2R+d)/(R^3 (R+d)^2) ] },   s_yy likewise,
@@ -86,8 +89,8 @@ pub fn boussinesq(point: [f64; 3], load: f64, material: Material) -> [f64; 3] {
 /// s_zz = -3P/(2 pi) d^3/R^5,   s_zx = 3P/(2 pi) x d^2/R^5,   s_yz = 3P/(2 pi) y d^2/R^5.
 /// ```
 ///
-/// Source: K. L. Johnson, Contact Mechanics (1985), equations 3.19, written through R (R + d), which stays
-/// finite on the axis. Singular at the origin.
+/// Source: K. L. Johnson, Contact Mechanics (1985), equations 3.19, written through R (R + d),
+/// which stays finite on the axis. Singular at the origin.
 pub fn boussinesq_stress(point: [f64; 3], load: f64, material: Material) -> [f64; 6] {
     let [x, y, z] = point;
     let d = -z;
@@ -108,16 +111,17 @@ pub fn boussinesq_stress(point: [f64; 3], load: f64, material: Material) -> [f64
     ]
 }
 
-/// Depth to which a half-space sinks under a uniform pressure on a rectangle, times E / (1 - nu^2) over the pressure [m]:
+/// Depth to which a half-space sinks under a uniform pressure on a rectangle, times E / (1 - nu^2)
+/// over the pressure [m]:
 ///
 /// ```text
 /// d = [ F(x+a, y+b) - F(x+a, y-b) - F(x-a, y+b) + F(x-a, y-b) ] / pi,
 /// F(x, y) = x asinh(y / |x|) + y asinh(x / |y|).
 /// ```
 ///
-/// The rectangle spans |x| <= a, |y| <= b, `half_widths` = [a, b] [m]; `point` is (x, y) [m], inside or
-/// outside of it. Source: A. E. H. Love, Phil. Trans. R. Soc. A 228 (1929); K. L. Johnson, Contact
-/// Mechanics (1985), equation 3.25.
+/// The rectangle spans |x| <= a, |y| <= b, `half_widths` = [a, b] [m]; `point` is (x, y) [m],
+/// inside or outside of it. Source: A. E. H. Love, Phil. Trans. R. Soc. A 228 (1929); K. L.
+/// Johnson, Contact Mechanics (1985), equation 3.25.
 pub fn love_depth(point: [f64; 2], half_widths: [f64; 2]) -> f64 {
     fn term(x: f64, y: f64) -> f64 {
         if x == 0.0 {
@@ -207,7 +211,8 @@ mod tests {
         Material::new(9.0e9, 0.33).unwrap()
     }
 
-    /// Second derivative d2 u / (d x_a d x_b) by central differences of fourth order along one axis at a time.
+    /// Second derivative d2 u / (d x_a d x_b) by central differences of fourth order along one axis
+    /// at a time.
     fn second(
         u: &dyn Fn([f64; 3]) -> [f64; 3],
         p: [f64; 3],
@@ -285,7 +290,8 @@ mod tests {
         for p in [[0.5, 0.2, 0.0], [-1.0, 0.7, 0.0]] {
             let s = boussinesq_stress(p, 1.0, m);
             assert_eq!([s[2], s[3], s[4]], [0.0; 3]);
-            // The same from the displacements, which continue smoothly past z = 0 away from the origin.
+            // The same from the displacements, which continue smoothly past z = 0 away from the
+            // origin.
             let d = differentiated_stress(p, m);
             for c in [2, 3, 4] {
                 assert!(d[c].abs() < 1e-9 * s[0].abs().max(s[1].abs()), "{d:?}");

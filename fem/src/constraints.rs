@@ -31,7 +31,8 @@ impl Constraints {
 
     /// Prescribes one component (0, 1, 2 for x, y, z) of a node's displacement [m].
     ///
-    /// Fails where node or component do not exist, the value is not finite, or the displacement already has another value.
+    /// Fails where node or component do not exist, the value is not finite, or the displacement
+    /// already has another value.
     pub fn prescribe(&mut self, node: usize, component: usize, value: f64) -> Result<(), Error> {
         if node >= self.node_count || component > 2 || !value.is_finite() {
             return Err(Error::Prescribed {
@@ -66,8 +67,8 @@ impl Constraints {
         Ok(())
     }
 
-    /// Puts nodes on a symmetry plane with the normal `axis` (0, 1, 2): no displacement along it, no shear traction.
-    /// Fails as [`Constraints::prescribe`].
+    /// Puts nodes on a symmetry plane with the normal `axis` (0, 1, 2): no displacement along it,
+    /// no shear traction. Fails as [`Constraints::prescribe`].
     pub fn symmetry(
         &mut self,
         nodes: impl IntoIterator<Item = usize>,
@@ -104,11 +105,11 @@ impl Constraints {
     pub fn dof_map(&self) -> DofMap {
         let mut index = vec![0; 3 * self.node_count];
         for (dof, _) in self.iter() {
-            index[dof] = HELD;
+            index[dof] = FIXED;
         }
         let mut free = Vec::with_capacity(index.len() - self.values.len());
         for (dof, place) in index.iter_mut().enumerate() {
-            if *place != HELD {
+            if *place != FIXED {
                 *place = free.len() as u32;
                 free.push(dof as u32);
             }
@@ -117,7 +118,7 @@ impl Constraints {
     }
 }
 
-const HELD: u32 = u32::MAX;
+const FIXED: u32 = u32::MAX;
 
 /// Numbering of the free displacements.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -145,7 +146,7 @@ impl DofMap {
     /// Index of displacement `dof` among the free ones, if it is free.
     pub fn index(&self, dof: usize) -> Option<usize> {
         let index = self.index[dof];
-        (index != HELD).then_some(index as usize)
+        (index != FIXED).then_some(index as usize)
     }
 
     /// The free entries of a full vector.

@@ -127,7 +127,8 @@ pub enum Error {
         /// The tolerance.
         tolerance: f64,
     },
-    /// The operator or preconditioner of conjugate gradients has a direction of negative or undefined energy.
+    /// The operator or preconditioner of conjugate gradients has a direction of negative or
+    /// undefined energy.
     #[error(
         "conjugate gradients met the energy {energy} at iteration {iteration}; expected a positive number"
     )]

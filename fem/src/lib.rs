@@ -76,4 +76,4 @@ pub use stress::{
     von_mises,
 };
 pub use tensor::axis::{Axis, AxisModes, Tridiagonal};
-pub use tensor::operator::{HeldFaces, LowerLayer, TensorOperator};
+pub use tensor::operator::{FixedFaces, LowerLayer, TensorOperator};

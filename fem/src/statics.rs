@@ -24,7 +24,8 @@ pub enum Solver {
 pub struct Equilibrium {
     /// Displacements, three a node [m].
     pub displacement: Vec<f64>,
-    /// Forces that the supports exert on the body, three a node [N]; zero where nothing is prescribed.
+    /// Forces that the supports exert on the body, three a node [N]; zero where nothing is
+    /// prescribed.
     pub reaction: Vec<f64>,
     /// History of conjugate gradients; empty for Cholesky.
     pub history: cg::History,
@@ -50,9 +51,9 @@ pub fn add_body_force(
 
 /// Solves K u = f with prescribed displacements.
 ///
-/// The free rows hold: K_ff u_f = f_f - K_fp u_p; the reactions are the residual of the prescribed rows:
-/// r_p = K_pf u_f + K_pp u_p - f_p. `loads` are nodal forces, three a node [N]. Fails where lengths differ, the supports
-/// leave a mechanism, or conjugate gradients do not converge.
+/// The free rows hold: K_ff u_f = f_f - K_fp u_p; the reactions are the residual of the prescribed
+/// rows: r_p = K_pf u_f + K_pp u_p - f_p. `loads` are nodal forces, three a node [N]. Fails where
+/// lengths differ, the supports leave a mechanism, or conjugate gradients do not converge.
 ///
 /// ```
 /// use kufe_fem::{Body, Constraints, ElementKind, Material, Solver, equilibrium};

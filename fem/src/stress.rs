@@ -96,7 +96,8 @@ pub fn stress_at(body: &Body, cell: usize, u: &[f64], xi: [f64; 3]) -> [f64; 6] 
         .stress(strain_at(body, cell, u, xi))
 }
 
-/// Stresses [Pa] at the 2 x 2 x 2 Gauss points of every cell, in the order of [`hex8::gauss_points`].
+/// Stresses [Pa] at the 2 x 2 x 2 Gauss points of every cell, in the order of
+/// [`hex8::gauss_points`].
 ///
 /// # Panics
 /// Where `u` does not have three numbers a node.
@@ -116,8 +117,9 @@ fn cell_stresses(body: &Body, cell: usize, u: &[f64]) -> [[f64; 6]; 8] {
 
 /// Stresses at a cell's corners: those of its Gauss points, continued.
 enum CornerStresses {
-    /// Of a plain box its lengths [m]: u's derivative along an edge is bilinear in the other two directions, which continues to the corners as
-    /// it is: what the two ends of the edge differ by, over its length.
+    /// Of a plain box its lengths [m]: u's derivative along an edge is bilinear in the other two
+    /// directions, which continues to the corners as it is: what the two ends of the edge differ
+    /// by, over its length.
     Edges([f64; 3]),
     /// Of any other cell [Pa].
     Continued(Box<[[f64; 6]; 8]>),
@@ -169,10 +171,11 @@ pub fn extrapolate_to_corners(values: &[[f64; 6]; 8]) -> [[f64; 6]; 8] {
     })
 }
 
-/// Stresses [Pa] at the nodes: Gauss-point stresses continued to the corners, averaged over the cells of a node.
+/// Stresses [Pa] at the nodes: Gauss-point stresses continued to the corners, averaged over the
+/// cells of a node.
 ///
-/// Where materials meet, stresses jump and the average lies between the sides: take [`gauss_point_stresses`] there. Nodes
-/// without cells get zero.
+/// Where materials meet, stresses jump and the average lies between the sides: take
+/// [`gauss_point_stresses`] there. Nodes without cells get zero.
 ///
 /// # Panics
 /// As [`gauss_point_stresses`].
@@ -224,18 +227,22 @@ pub fn principal_stresses(stress: [f64; 6]) -> [f64; 3] {
     values
 }
 
-/// Largest shear stress on any plane: half the difference of the largest and smallest principal stress.
+/// Largest shear stress on any plane: half the difference of the largest and smallest principal
+/// stress.
 pub fn maximum_shear(stress: [f64; 6]) -> f64 {
     let [first, _, third] = principal_stresses(stress);
     (first - third) / 2.0
 }
 
-/// Stresses [Pa] at the nodes of a tensor grid of plain trilinear hexahedra, for displacements [m] in [`TensorGrid::node`] order.
+/// Stresses [Pa] at the nodes of a tensor grid of plain trilinear hexahedra, for displacements [m]
+/// in [`TensorGrid::node`] order.
 ///
-/// What [`nodal_stresses`](crate::nodal_stresses) gives for [`ElementKind::Hex8`](crate::ElementKind::Hex8) on the grid's mesh: in a corner of such
-/// a cell the derivative along an axis is what the two ends of the edge there differ by, over its length, so that the mean over a
-/// node's cells is the mean of the edges on its two sides. `below` is another material, with the number of layers of cells from
-/// below that it fills; where the two meet the stress is the mean of both sides.
+/// What [`nodal_stresses`](crate::nodal_stresses) gives for
+/// [`ElementKind::Hex8`](crate::ElementKind::Hex8) on the grid's mesh: in a corner of such a cell
+/// the derivative along an axis is what the two ends of the edge there differ by, over its length,
+/// so that the mean over a node's cells is the mean of the edges on its two sides. `below` is
+/// another material, with the number of layers of cells from below that it fills; where the two
+/// meet the stress is the mean of both sides.
 ///
 /// # Panics
 /// Where there is not one displacement a node.
@@ -286,7 +293,8 @@ pub fn grid_stresses(
     stresses
 }
 
-/// At each node the weights of the differences to the node before and to the one after [1/m]: their mean, one alone at the ends.
+/// At each node the weights of the differences to the node before and to the one after [1/m]: their
+/// mean, one alone at the ends.
 fn slopes(nodes: &[f64]) -> Vec<[f64; 2]> {
     let last = nodes.len() - 1;
     (0..nodes.len())

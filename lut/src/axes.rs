@@ -115,8 +115,8 @@ impl std::fmt::Display for Point {
 
 /// Breakpoints, strictly increasing on every axis.
 ///
-/// A table has an axis of forces, one of curvatures, and any of the other kinds. Nodes are numbered with
-/// the last axis fastest.
+/// A table has an axis of forces, one of curvatures, and any of the other kinds. Nodes are numbered
+/// with the last axis fastest.
 ///
 /// ```
 /// use kufe_lut::{Axes, AxisKind};
@@ -151,7 +151,8 @@ impl Axes {
     /// Axes of forces [N] and reduced curvatures between 0 and 1.
     ///
     /// # Errors
-    /// As [`with`](Self::with); [`Error::AxisValue`] where a reduced curvature is not between 0 and 1.
+    /// As [`with`](Self::with); [`Error::AxisValue`] where a reduced curvature is not between 0
+    /// and 1.
     pub fn reduced(fz: Vec<f64>, reduced: Vec<f64>, flush: Flush) -> Result<Self, Error> {
         if let Some(index) = reduced.iter().position(|t| !(0.0..=1.0).contains(t)) {
             return Err(Error::AxisValue {
@@ -171,9 +172,10 @@ impl Axes {
     /// With breakpoints along an axis.
     ///
     /// # Errors
-    /// [`Error::AxisLength`], [`Error::AxisValue`] and [`Error::TooManyNodes`] where the axis is empty or too long, where
-    /// a value is not finite, not above the one before, or not positive along any axis but curvature and
-    /// temperature, or where there are more than [`MAX_NODES`] nodes; [`Error::FlushPlan`] with reduced curvatures.
+    /// [`Error::AxisLength`], [`Error::AxisValue`] and [`Error::TooManyNodes`] where the axis is
+    /// empty or too long, where a value is not finite, not above the one before, or not positive
+    /// along any axis but curvature and temperature, or where there are more than [`MAX_NODES`]
+    /// nodes; [`Error::FlushPlan`] with reduced curvatures.
     pub fn with(mut self, kind: AxisKind, values: Vec<f64>) -> Result<Self, Error> {
         if self.flush.is_some() {
             return Err(Error::FlushPlan);
@@ -200,7 +202,8 @@ impl Axes {
         self.get(AxisKind::Fz).unwrap_or_default()
     }
 
-    /// Track curvatures, positive in a valley [1/m]; reduced ones, from 0 to 1, where [`Axes::flush`] is given.
+    /// Track curvatures, positive in a valley [1/m]; reduced ones, from 0 to 1, where
+    /// [`Axes::flush`] is given.
     pub fn curvature(&self) -> &[f64] {
         self.get(AxisKind::Curvature).unwrap_or_default()
     }
@@ -274,7 +277,8 @@ impl Axes {
         self.shape()[2..].iter().product()
     }
 
-    /// Number of the node at breakpoints `i` (force), `j` (curvature) and at `k` among those of one force and curvature.
+    /// Number of the node at breakpoints `i` (force), `j` (curvature) and at `k` among those of one
+    /// force and curvature.
     pub fn node(&self, i: usize, j: usize, k: usize) -> usize {
         (i * self.curvature().len() + j) * self.layers() + k
     }

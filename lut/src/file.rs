@@ -1,7 +1,7 @@
 //! `.lut` files (docs/tables.md): written, and read with every number checked.
 //!
-//! A file is parsed as it is read into lists whose lengths are bounded, so that no file takes more memory than the largest
-//! table.
+//! A file is parsed as it is read into lists whose lengths are bounded, so that no file takes more
+//! memory than the largest table.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -91,9 +91,10 @@ impl Table {
     /// Reads a table and checks every number in it.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] past [`MAX_FILE_BYTES`]; [`Error::Json`] with line and column where the JSON is broken or a key is
-    /// unknown, missing or of the wrong type; [`Error::Format`] with key, value and expectation; the errors of [`Axes::with`];
-    /// [`Error::Stream`] where the reader fails.
+    /// [`Error::TooLarge`] past [`MAX_FILE_BYTES`]; [`Error::Json`] with line and column where the
+    /// JSON is broken or a key is unknown, missing or of the wrong type; [`Error::Format`] with
+    /// key, value and expectation; the errors of [`Axes::with`]; [`Error::Stream`] where the reader
+    /// fails.
     pub fn read(reader: &mut dyn Read) -> Result<Self, Error> {
         let mut bounded = BufReader::new(reader.take(MAX_FILE_BYTES + 1));
         let parsed = serde_json::from_reader(&mut bounded);
@@ -112,8 +113,8 @@ impl Table {
     /// Writes the table as JSON; the same table gives the same bytes.
     ///
     /// # Errors
-    /// [`Error::Stream`] where the writer fails, [`Error::RockerOutside`] where a check lies off the
-    /// rocker axis, [`Error::Json`] where the case is no JSON.
+    /// [`Error::Stream`] where the writer fails, [`Error::RockerOutside`] where a check lies off
+    /// the rocker axis, [`Error::Json`] where the case is no JSON.
     pub fn write(&self, writer: &mut dyn Write) -> Result<(), Error> {
         let case: &RawValue = serde_json::from_str(&self.case)?;
         let entries = [

@@ -1,12 +1,14 @@
 //! Evaluation of a table between its nodes.
 //!
-//! The first two axes, force and curvature, span a surface; every further axis stacks such surfaces as layers.
+//! The first two axes, force and curvature, span a surface; every further axis stacks such surfaces
+//! as layers.
 //!
 //! - The bilinear mode is linear along every axis.
-//! - The smooth mode interpolates each surface by bicubic Hermite patches over the logarithm of the force and the curvature
-//!   ([`crate::monotone`]), and goes from layer to layer by cubic Hermite splines with three-point slopes, over the logarithm of
-//!   the speed and the plain temperature. These are exact for parabolas and linear in the values of the layers, so that the whole
-//!   stays C1 in force and curvature too.
+//! - The smooth mode interpolates each surface by bicubic Hermite patches over the logarithm of the
+//!   force and the curvature ([`crate::monotone`]), and goes from layer to layer by cubic Hermite
+//!   splines with three-point slopes, over the logarithm of the speed and the plain temperature.
+//!   These are exact for parabolas and linear in the values of the layers, so that the whole stays
+//!   C1 in force and curvature too.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,11 +23,12 @@ use crate::table::Table;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
-    /// Piecewise linear on the table's own axes and values, as Simulink's n-D Lookup Table computes it with
-    /// "linear point-slope", "clip" and "use last table value" (MathWorks guideline jc_0626).
+    /// Piecewise linear on the table's own axes and values, as Simulink's n-D Lookup Table computes
+    /// it with "linear point-slope", "clip" and "use last table value" (MathWorks guideline
+    /// jc_0626).
     Bilinear,
-    /// C1 and monotone where the data are: bicubic Hermite patches of the logarithm of the quantity over
-    /// the logarithm of the force and the (reduced) curvature.
+    /// C1 and monotone where the data are: bicubic Hermite patches of the logarithm of the quantity
+    /// over the logarithm of the force and the (reduced) curvature.
     Smooth,
 }
 
@@ -99,9 +102,10 @@ pub struct Interpolated {
 
 /// One quantity of a table, ready for evaluation.
 ///
-/// A contact between a smooth hull and ice follows power laws in the load (pressure as `Fz^(1/3)`, area as
-/// `Fz^(2/3)`), which are straight lines in logarithms: there the smooth mode interpolates, so that
-/// few nodes suffice. A quantity with a value that is not positive is interpolated as it is.
+/// A contact between a smooth hull and ice follows power laws in the load (pressure as `Fz^(1/3)`,
+/// area as `Fz^(2/3)`), which are straight lines in logarithms: there the smooth mode interpolates,
+/// so that few nodes suffice. A quantity with a value that is not positive is interpolated as it
+/// is.
 ///
 /// ```
 /// use kufe_lut::{Axes, Figures, Interpolator, Mode, Quantity, Sample, Table};
@@ -139,14 +143,15 @@ const MAX_STACK: usize = 2;
 impl Interpolator {
     /// One quantity of a table, at one rocker radius [m] where the table has that axis.
     ///
-    /// A runner's rocker radius is fixed while it slides, so it is interpolated here, once: linearly in the
-    /// plain values (bilinear mode, which equals Simulink's lookup with one dimension more) or in the
-    /// logarithms of radius and quantity (smooth mode). Both keep the order of the data along the other axes.
+    /// A runner's rocker radius is fixed while it slides, so it is interpolated here, once:
+    /// linearly in the plain values (bilinear mode, which equals Simulink's lookup with one
+    /// dimension more) or in the logarithms of radius and quantity (smooth mode). Both keep the
+    /// order of the data along the other axes.
     ///
     /// # Errors
     /// [`Error::RockerNeeded`] where the table has a rocker axis and no radius is given,
-    /// [`Error::RockerOutside`] where the radius is not on it or there is no such axis, [`Error::NoQuantity`] for a quantity of
-    /// sliding contacts in a table at rest.
+    /// [`Error::RockerOutside`] where the radius is not on it or there is no such axis,
+    /// [`Error::NoQuantity`] for a quantity of sliding contacts in a table at rest.
     pub fn new(
         table: &Table,
         quantity: Quantity,
@@ -218,10 +223,10 @@ impl Interpolator {
                 out_of_range: outside,
             };
         }
-        let (value, beside) = self.stacked(&sample, &x, &y);
+        let (value, stack_outside) = self.stacked(&sample, &x, &y);
         Interpolated {
             value,
-            out_of_range: outside || beside,
+            out_of_range: outside || stack_outside,
         }
     }
 
@@ -549,7 +554,8 @@ fn window(low: usize, n: usize) -> std::ops::Range<usize> {
     start..n.min(start + WINDOW)
 }
 
-/// Weights of the layers from `start` in the three-point slope at a node: exact for parabolas, one-sided at the ends.
+/// Weights of the layers from `start` in the three-point slope at a node: exact for parabolas,
+/// one-sided at the ends.
 fn slope(x: &[f64], node: usize, start: usize) -> [f64; WINDOW] {
     let mut weights = [0.0; WINDOW];
     let n = x.len();

@@ -1,8 +1,9 @@
-//! Lookup tables of contact figures over normal force and track curvature, of a sliding runner also over speed and ice temperature.
+//! Lookup tables of contact figures over normal force and track curvature, of a sliding runner also
+//! over speed and ice temperature.
 //!
-//! A simulator cannot solve a contact at every step: it interpolates the pressure in a table. This crate defines such a table,
-//! evaluates it, places its points and writes it in the forms that simulators read. It never solves a
-//! contact itself: the solver is given as a closure.
+//! A simulator cannot solve a contact at every step: it interpolates the pressure in a table. This
+//! crate defines such a table, evaluates it, places its points and writes it in the forms that
+//! simulators read. It never solves a contact itself: the solver is given as a closure.
 //!
 //! | item | what it is |
 //! |---|---|

@@ -1,10 +1,11 @@
 //! Slopes of a C1 surface that keeps monotone data monotone.
 //!
-//! On each cell the surface is the bicubic Hermite patch of the values, slopes and twist at its four corners, so it is C1
-//! for any choice of them. Its Bezier net along the lower edge is `f0, f0 + h d0/3, f1 - h d1/3, f1`, with the
-//! slopes `d`; the other three rows follow from the values, slopes and twists carried by a third of the cell across.
-//! Where all differences of the net along one direction have one sign, so has the slope of the patch
-//! (Carlson and Fritsch, SIAM J. Numer. Anal. 22, 386, 1985, state the same idea on the derivatives).
+//! On each cell the surface is the bicubic Hermite patch of the values, slopes and twist at its
+//! four corners, so it is C1 for any choice of them. Its Bezier net along the lower edge is
+//! `f0, f0 + h d0/3, f1 - h d1/3, f1`, with the slopes `d`; the other three rows follow from the
+//! values, slopes and twists carried by a third of the cell across. Where all differences of the
+//! net along one direction have one sign, so has the slope of the patch (Carlson and Fritsch, SIAM
+//! J. Numer. Anal. 22, 386, 1985, state the same idea on the derivatives).
 
 /// Value, slopes and twist at a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,12 +20,13 @@ pub(crate) struct Jet {
     pub fxy: f64,
 }
 
-/// Jets of `f` (rows of `y.len()`) on the grid `x`, `y`: three-point slopes, reduced where the surface would
-/// overshoot.
+/// Jets of `f` (rows of `y.len()`) on the grid `x`, `y`: three-point slopes, reduced where the
+/// surface would overshoot.
 ///
-/// What holds afterwards: along every grid line the surface rises (falls) between two nodes where the data do; and in a
-/// cell whose two edges along a direction both rise (fall), it rises (falls) throughout the cell in that direction.
-/// So data that are monotone along an axis give a surface that is.
+/// What holds afterwards: along every grid line the surface rises (falls) between two nodes where
+/// the data do; and in a cell whose two edges along a direction both rise (fall), it rises (falls)
+/// throughout the cell in that direction. So data that are monotone along an axis give a surface
+/// that is.
 pub(crate) fn jets(x: &[f64], y: &[f64], f: &[f64]) -> Vec<Jet> {
     let (nx, ny) = (x.len(), y.len());
     assert_eq!(f.len(), nx * ny, "values do not fit the grid");
@@ -81,7 +83,7 @@ fn slopes_of(x: &[f64], f: &[f64]) -> Vec<f64> {
     d
 }
 
-/// Three-point slopes, 0 at turning points and at most three times the smaller secant beside the node
+/// Three-point slopes, 0 at turning points and at most three times the smaller adjacent secant
 /// (Fritsch and Carlson, SIAM J. Numer. Anal. 17, 238, 1980).
 fn limited_slopes(x: &[f64], f: &[f64]) -> Vec<f64> {
     let n = x.len();
@@ -112,8 +114,8 @@ fn limited_slopes(x: &[f64], f: &[f64]) -> Vec<f64> {
 
 /// Scales slopes and twists down, node by node, until no net difference opposes its data.
 ///
-/// Every difference is linear in them and has the data's sign when they vanish, so scaling always helps; what still
-/// fails after [`PASSES`] is set to 0, which ends it.
+/// Every difference is linear in them and has the data's sign when they vanish, so scaling always
+/// helps; what still fails after [`PASSES`] is set to 0, which ends it.
 fn reduce(x: &[f64], y: &[f64], jets: &mut [Jet]) {
     const PASSES: usize = 64;
     for pass in 0.. {

@@ -5,12 +5,13 @@ pub const MIN_SPEED: f64 = 1.0;
 
 /// Track curvature in the vertical plane from speed and pitch rate, positive in a valley.
 ///
-/// `1/r = -pitch_rate / v`, the inverse of `r = -v / pitch_rate`
-/// (von Schleinitz et al., Modeling ice friction for vehicle dynamics of a bobsled). A pitch rate of 0 gives 0, a straight. Below
-/// [`MIN_SPEED`] the quotient would be noise over nothing: it becomes `-pitch_rate v / MIN_SPEED^2`,
-/// which joins it continuously and is 0 at a standstill.
+/// `1/r = -pitch_rate / v`, the inverse of `r = -v / pitch_rate` (von Schleinitz et al., Modeling
+/// ice friction for vehicle dynamics of a bobsled). A pitch rate of 0 gives 0, a straight. Below
+/// [`MIN_SPEED`] the quotient would be noise over nothing: it becomes
+/// `-pitch_rate v / MIN_SPEED^2`, which joins it continuously and is 0 at a standstill.
 ///
-/// Speed [m/s], forward positive; pitch rate [rad/s], nose down positive; result [1/m]. NaN in, NaN out.
+/// Speed [m/s], forward positive; pitch rate [rad/s], nose down positive; result [1/m]. NaN in, NaN
+/// out.
 ///
 /// ```
 /// use kufe_lut::curvature_from_pitch;
@@ -27,7 +28,8 @@ pub fn curvature_from_pitch(speed: f64, pitch_rate: f64) -> f64 {
     }
 }
 
-/// Track radius in the vertical plane, `r = -v / pitch_rate` [m], guarded as [`curvature_from_pitch`].
+/// Track radius in the vertical plane, `r = -v / pitch_rate` [m], guarded as
+/// [`curvature_from_pitch`].
 ///
 /// Infinite on a straight and at a standstill, negative on a crest.
 ///

@@ -37,7 +37,8 @@ const COUNT: usize = 11;
 /// Number of quantities that a contact at rest has.
 const AT_REST: usize = 6;
 
-/// Name, key, key of the estimated error, unit and title of every quantity, in the order of the enum.
+/// Name, key, key of the estimated error, unit and title of every quantity, in the order of the
+/// enum.
 const DESCRIPTIONS: [[&str; 5]; COUNT] = [
     ["p_max", "p_max_pa", "p_max_error_pa", "Pa", "Peak pressure"],
     [
@@ -119,7 +120,8 @@ impl Quantity {
         }
     }
 
-    /// The quantity that a tolerance applies to: the coefficient of friction or, at rest, the peak pressure.
+    /// The quantity that a tolerance applies to: the coefficient of friction or, at rest, the peak
+    /// pressure.
     pub fn judged(sliding: bool) -> Quantity {
         if sliding {
             Quantity::Mu
@@ -218,7 +220,8 @@ impl PartialEq for Figures {
 }
 
 impl Figures {
-    /// Peak pressure [Pa], mean pressure [Pa], area [m2], length [m], width [m] and approach [m] of a contact at rest.
+    /// Peak pressure [Pa], mean pressure [Pa], area [m2], length [m], width [m] and approach [m] of
+    /// a contact at rest.
     pub fn at_rest(values: [f64; AT_REST]) -> Self {
         let empty = Figures {
             values: [f64::NAN; COUNT],

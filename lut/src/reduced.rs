@@ -8,15 +8,17 @@ use crate::error::Error;
 
 /// Where a runner of bounded length fits the track, and how sharply that depends on the load.
 ///
-/// On a track of the rocker's own curvature the contact runs from end to end. Its peak pressure has a minimum there that is as
-/// sharp as a V, over a width that grows with the load: a rigid runner of half-length L on a half-space of contact
-/// modulus E* depends on the curvature mostly through `(kappa - flush) E* L^3 / Fz`. A table over the reduced curvature
+/// On a track of the rocker's own curvature the contact runs from end to end. Its peak pressure has
+/// a minimum there that is as sharp as a V, over a width that grows with the load: a rigid runner
+/// of half-length L on a half-space of contact modulus E* depends on the curvature mostly through
+/// `(kappa - flush) E* L^3 / Fz`. A table over the reduced curvature
 ///
 /// ```text
 /// t = (s(kappa) - s(from)) / (s(to) - s(from)),   s(kappa) = asinh((kappa - flush) / (scale Fz))
 /// ```
 ///
-/// has that V at nearly one place for all loads, spreads it out, and reaches from one end of the curvatures to the other.
+/// has that V at nearly one place for all loads, spreads it out, and reaches from one end of the
+/// curvatures to the other.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "FlushKeys")]
 pub struct Flush {
@@ -50,8 +52,8 @@ impl TryFrom<FlushKeys> for Flush {
 }
 
 impl Flush {
-    /// The flush `curvature` [1/m], its `scale` [1/(m N)] (about `10 / (E* L^3)`), and the curvatures `from` and `to` [1/m]
-    /// that the reduced curvatures 0 and 1 stand for.
+    /// The flush `curvature` [1/m], its `scale` [1/(m N)] (about `10 / (E* L^3)`), and the
+    /// curvatures `from` and `to` [1/m] that the reduced curvatures 0 and 1 stand for.
     ///
     /// # Errors
     /// [`Error::FlushValue`] where a number is not finite, the scale not positive, or the order not
@@ -87,15 +89,18 @@ impl Flush {
         })
     }
 
-    /// Flush curvature, scale, and the curvatures at 0 and 1: the four numbers, in the order of [`Flush::new`].
+    /// Flush curvature, scale, and the curvatures at 0 and 1: the four numbers, in the order of
+    /// [`Flush::new`].
     pub fn numbers(&self) -> [f64; 4] {
         [self.curvature, self.scale, self.from, self.to]
     }
 
-    /// The reduced curvature of a force [N] and a curvature [1/m]: 0 and 1 at the ends, less and more outside.
+    /// The reduced curvature of a force [N] and a curvature [1/m]: 0 and 1 at the ends, less and
+    /// more outside.
     #[inline]
     pub fn reduced(&self, fz: f64, curvature: f64) -> f64 {
-        // Differences of asinh as one logarithm each; the arithmetic of kufe_lut_place_on_ in c/kufe_lut.h.
+        // Differences of asinh as one logarithm each; the arithmetic of kufe_lut_place_on_ in
+        // c/kufe_lut.h.
         let far = |x: f64| x.abs() + (1.0 + x * x).sqrt();
         let width = self.scale * fz;
         let below = far((self.from - self.curvature) / width);

@@ -1,4 +1,5 @@
-//! A point and the figures of the contact solved there: one JSON object with a key a coordinate and a figure.
+//! A point and the figures of the contact solved there: one JSON object with a key a coordinate and
+//! a figure.
 
 use std::fmt;
 

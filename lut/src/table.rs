@@ -36,12 +36,12 @@ impl TryFrom<OriginKeys> for Origin {
 }
 
 impl Origin {
-    /// The `version` of the program that solves, and the SHA-256 of the case, of the content of the files that it names and of
-    /// the solver's tolerance, hexadecimal.
+    /// The `version` of the program that solves, and the SHA-256 of the case, of the content of the
+    /// files that it names and of the solver's tolerance, hexadecimal.
     ///
     /// # Errors
-    /// [`Error::Format`] where the version is not 1 to 40 letters, digits, dots, plus or minus signs, or where the hash is
-    /// not 64 hexadecimal digits.
+    /// [`Error::Format`] where the version is not 1 to 40 letters, digits, dots, plus or minus
+    /// signs, or where the hash is not 64 hexadecimal digits.
     pub fn new(version: String, case_sha256: String) -> Result<Self, Error> {
         let plain = |c: u8| c.is_ascii_alphanumeric() || b".+-".contains(&c);
         if version.is_empty() || version.len() > 40 || !version.bytes().all(plain) {
@@ -94,7 +94,8 @@ pub(crate) struct Column {
     pub errors: Option<Vec<f64>>,
 }
 
-/// Contact figures over normal force, track curvature and further axes, with what is needed to trust them.
+/// Contact figures over normal force, track curvature and further axes, with what is needed to
+/// trust them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     axes: Axes,
@@ -122,11 +123,13 @@ pub struct InterpolationError {
 }
 
 impl Table {
-    /// A table from the figures at its nodes, in the order of [`Axes::points`], and solves between them.
+    /// A table from the figures at its nodes, in the order of [`Axes::points`], and solves between
+    /// them.
     ///
     /// # Errors
     /// [`Error::NodeCount`] where `nodes` does not fit `axes`, [`Error::NotFinite`] where a figure
-    /// of a node or a check is no finite number, [`Error::SlidingMixture`] where some slide and others do not.
+    /// of a node or a check is no finite number, [`Error::SlidingMixture`] where some slide and
+    /// others do not.
     pub fn new(axes: Axes, nodes: &[Figures], checks: Vec<Solve>) -> Result<Self, Error> {
         if nodes.len() != axes.node_count() {
             return Err(Error::NodeCount {
@@ -199,7 +202,8 @@ impl Table {
         &self.columns
     }
 
-    /// A quantity at the nodes, in the order of [`Axes::points`]; `None` where a table at rest has none.
+    /// A quantity at the nodes, in the order of [`Axes::points`]; `None` where a table at rest has
+    /// none.
     pub fn values(&self, quantity: Quantity) -> Option<&[f64]> {
         Some(&self.columns.get(&quantity)?.values)
     }
@@ -239,7 +243,8 @@ impl Table {
         Quantity::of(self.is_sliding())
     }
 
-    /// The quantity that a tolerance applies to: the coefficient of friction or, at rest, the peak pressure.
+    /// The quantity that a tolerance applies to: the coefficient of friction or, at rest, the peak
+    /// pressure.
     pub fn judged(&self) -> Quantity {
         Quantity::judged(self.is_sliding())
     }
@@ -251,13 +256,15 @@ impl Table {
         all.filter(|by| *by == method).count()
     }
 
-    /// Largest estimated solver error of a quantity over the nodes, relative; `None` where there are none.
+    /// Largest estimated solver error of a quantity over the nodes, relative; `None` where there
+    /// are none.
     pub fn solver_error_of(&self, quantity: Quantity) -> Option<f64> {
         let pairs = self.errors(quantity)?.iter().zip(self.values(quantity)?);
         Some(pairs.fold(0.0, |most, (error, value)| (error / value).abs().max(most)))
     }
 
-    /// Largest estimated solver error of the [judged](Self::judged) quantity over the nodes, relative.
+    /// Largest estimated solver error of the [judged](Self::judged) quantity over the nodes,
+    /// relative.
     pub fn solver_error(&self) -> f64 {
         self.solver_error_of(self.judged()).unwrap_or(f64::NAN)
     }
@@ -301,8 +308,8 @@ impl Table {
     }
 }
 
-/// Error of an interpolated value relative to the solved one; where that is 0, the plain difference. `None` where the contact
-/// has no such quantity.
+/// Error of an interpolated value relative to the solved one; where that is 0, the plain
+/// difference. `None` where the contact has no such quantity.
 pub(crate) fn relative_error(
     interpolator: &Interpolator,
     check: &Solve,

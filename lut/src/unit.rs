@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-/// The unit that a column's or a key's name ends in, `k_n_per_rad` and `slope_per_k` among them; empty for a pure number.
+/// The unit that a column's or a key's name ends in, `k_n_per_rad` and `slope_per_k` among them;
+/// empty for a pure number.
 pub fn unit_of(name: &str) -> Cow<'static, str> {
     let Some((above, below)) = name.rsplit_once("_per_") else {
         return Cow::Borrowed(ending(name));

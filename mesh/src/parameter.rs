@@ -28,7 +28,8 @@ pub(crate) fn positive_finite(name: &'static str, value: f64) -> Result<f64, Mes
     }
 }
 
-/// `count` equal intervals from `from` to `to`; the last value is exactly `to`, which rounding of the formula may exceed.
+/// `count` equal intervals from `from` to `to`; the last value is exactly `to`, which rounding of
+/// the formula may exceed.
 pub(crate) fn linspace(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
     (0..=count).map(move |i| {
         if i == count {

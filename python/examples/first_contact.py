@@ -48,7 +48,7 @@ figure.savefig("contact.png", dpi=120)
 
 # %% [markdown]
 # A lookup table over force and curvature is what a simulator reads. A table file says which; solved points are kept
-# beside the table, so that an interrupted call resumes.
+# next to the table, so that an interrupted call resumes.
 
 # %%
 pathlib.Path("case.toml").write_text(case.to_toml())

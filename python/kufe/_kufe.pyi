@@ -24,7 +24,7 @@ class InputError(Error):
     """A file, or a value in it, is wrong, or a file cannot be written."""
 
 class NotConvergedError(Error):
-    """An iteration stopped short of the accuracy asked."""
+    """An iteration stopped short of the requested accuracy."""
 
 @final
 class Case:
@@ -183,7 +183,7 @@ class Table:
 
 @final
 class Evaluation:
-    """What drivers lose beyond a straight glide."""
+    """What drivers lose compared with a straight glide."""
 
     @property
     def runs(self) -> list[dict[str, Any]]: ...
@@ -197,7 +197,7 @@ class Evaluation:
 
 @final
 class Discovery:
-    """What the model lacks, by data."""
+    """Effects that the model does not have, by data."""
 
     @property
     def verdict(self) -> str: ...
@@ -234,7 +234,7 @@ def slide(
 def fill_table(
     table: _Path, out: _Path | None = None, *, progress: _Progress = None
 ) -> Table:
-    """Solve the table that a table file asks for and write it; resumes what an interrupt left."""
+    """Solve the table that a table file asks for and write it; resumes after an interruption."""
 
 def evaluate(
     runs: _Path,
@@ -260,4 +260,4 @@ def discover(
     only: Sequence[str] = (),
     progress: _Progress = None,
 ) -> Discovery:
-    """Find the effect that a model lacks and name it."""
+    """Find the effect that a model does not have and name it."""

@@ -34,7 +34,8 @@ impl Case {
         Ok(Case { loaded })
     }
 
-    /// The case that the command solves where none is given: a bobsled runner on flat ice under 1 kN.
+    /// The case that the command solves where none is given: a bobsled runner on flat ice under 1
+    /// kN.
     #[staticmethod]
     fn example() -> PyResult<Case> {
         let loaded = LoadedCase::example().map_err(raised)?;
@@ -114,8 +115,9 @@ pub struct Contact {
 
 /// Solves one contact problem.
 ///
-/// `case` is a `Case` or the path of one; `accuracy` replaces its `accuracy.p_max`, the relative discretisation
-/// error asked of the peak pressure; `subsurface` follows the shear under the peak; `progress` is called with a text on every update of the contact set.
+/// `case` is a `Case` or the path of one; `accuracy` replaces its `accuracy.p_max`, the relative
+/// discretisation requested error of the peak pressure; `subsurface` follows the shear under the
+/// peak; `progress` is called with a text on every update of the contact set.
 #[pyfunction]
 #[pyo3(signature = (case, *, accuracy = None, subsurface = false, progress = None))]
 pub fn press(
@@ -125,7 +127,7 @@ pub fn press(
     subsurface: bool,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Contact> {
-    let keys: Vec<(&str, toml::Value)> = accuracy.map(asked).into_iter().collect();
+    let keys: Vec<(&str, toml::Value)> = accuracy.map(accuracy_key).into_iter().collect();
     let options = Options {
         subsurface,
         ..Options::default()
@@ -133,10 +135,12 @@ pub fn press(
     solved(py, replaced(case, &keys)?, options, progress)
 }
 
-/// Solves steady sliding on ice that yields: the groove that the runner ploughs and the melt film in it.
+/// Solves steady sliding on ice that yields: the groove that the runner ploughs and the melt film
+/// in it.
 ///
-/// As `press` on a case with `sliding.v_mps` and `sliding.ice_c`; what else `[sliding]` says is the case's. `result` holds
-/// the coefficient of friction with its parts, `groove_m` the plastic depth of the ice.
+/// As `press` on a case with `sliding.v_mps` and `sliding.ice_c`; what else `[sliding]` says is the
+/// case's. `result` holds the coefficient of friction with its parts, `groove_m` the plastic depth
+/// of the ice.
 #[pyfunction]
 #[pyo3(signature = (case, v_mps, ice_c, *, accuracy = None, progress = None))]
 pub fn slide(
@@ -151,11 +155,11 @@ pub fn slide(
         ("sliding.v_mps", v_mps.into()),
         ("sliding.ice_c", ice_c.into()),
     ];
-    keys.extend(accuracy.map(asked));
+    keys.extend(accuracy.map(accuracy_key));
     solved(py, replaced(case, &keys)?, Options::default(), progress)
 }
 
-fn asked(accuracy: f64) -> (&'static str, toml::Value) {
+fn accuracy_key(accuracy: f64) -> (&'static str, toml::Value) {
     ("accuracy.p_max", accuracy.into())
 }
 
@@ -182,11 +186,12 @@ fn solved(
     options: Options,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Contact> {
-    let (watched, asked) = (progress.is_some(), loaded.case.accuracy.p_max);
+    let (watched, accuracy) = (progress.is_some(), loaded.case.accuracy.p_max);
     let worked = work(py, progress, |watch, teller| {
-        let options = match watched {
-            true => with_progress(options, asked, move |line| teller.progress(line)),
-            false => options,
+        let options = if watched {
+            with_progress(options, accuracy, move |line| teller.progress(line))
+        } else {
+            options
         };
         let solved = kufe::Contact::from(loaded).options(options).best(watch)?;
         match solved.short {
@@ -302,7 +307,8 @@ impl Contact {
         self.pressed.solution.fz
     }
 
-    /// Largest shear stress in the ice under the peak; `None` where it was not asked for or does not lie under the surface [Pa].
+    /// Largest shear stress in the ice under the peak; `None` where it was not requested or does
+    /// not lie under the surface [Pa].
     #[getter]
     fn max_shear_pa(&self) -> Option<f64> {
         self.pressed.solution.under_peak.map(|u| u.shear)

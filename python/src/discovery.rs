@@ -9,7 +9,7 @@ use crate::error::{InputError, NotConvergedError, bad_input};
 use crate::json::to_python;
 use crate::work::work;
 
-/// What the model lacks, by data.
+/// Effects that the model does not have, by data.
 #[pyclass(frozen, module = "kufe")]
 pub struct Discovery {
     report: Report,
@@ -19,10 +19,11 @@ pub struct Discovery {
 
 /// Finds where simulation and measurement part, and names the effect that closes the gap.
 ///
-/// `data` is a `runs.csv`, an `experiments.csv` or a `pressures.csv`; `model` the `model.toml`, or for pressures the
-/// `case.toml`. A `campaign.toml` names several of them and their model itself.
+/// `data` is a `runs.csv`, an `experiments.csv` or a `pressures.csv`; `model` the `model.toml`, or
+/// for pressures the `case.toml`. A `campaign.toml` names several of them and their model itself.
 ///
-/// `only` names the effects to look for, and `"unknown"` for what is beyond the catalogue; all where it is empty.
+/// `only` names the effects to look for, and `"unknown"` for what is outside the catalogue; all
+/// where it is empty.
 #[allow(clippy::too_many_arguments)] // keywords in Python
 #[pyfunction]
 #[pyo3(signature = (data, model = None, *, seed = 1, twins = 40, channels = "all", only = Vec::new(), progress = None))]
@@ -96,7 +97,7 @@ impl Discovery {
         &self.next_model
     }
 
-    /// The next case, as its file's text, where pressures stand beside other data of a campaign; else None.
+    /// The next case, as its file's text, where a campaign has pressures and other data; else None.
     #[getter]
     fn next_case(&self) -> Option<&str> {
         self.next_case.as_deref()

@@ -20,7 +20,7 @@ create_exception!(
     kufe,
     NotConvergedError,
     Error,
-    "An iteration stopped short of the accuracy asked."
+    "An iteration stopped short of the requested accuracy."
 );
 
 /// The exception that a failure is.
@@ -33,7 +33,7 @@ pub fn raised(failure: Failure) -> PyErr {
     }
 }
 
-/// Bad input as told by a library's error.
+/// Bad input as reported by a library's error.
 pub fn bad_input(error: impl std::fmt::Display) -> PyErr {
     InputError::new_err(error.to_string())
 }

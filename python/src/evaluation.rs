@@ -12,7 +12,7 @@ use crate::error::{InputError, raised};
 use crate::json::to_python;
 use crate::work::work;
 
-/// What drivers lose beyond a straight glide.
+/// What drivers lose compared with a straight glide.
 #[pyclass(frozen, module = "kufe")]
 pub struct Evaluation {
     runs: Vec<RunEvaluation>,
@@ -80,13 +80,14 @@ impl Evaluation {
         to_python(py, &self.runs)
     }
 
-    /// Means by driver and by track, each with its 95 % interval over runs, as in `evaluation.json`.
+    /// Means by driver and by track, each with its 95 % interval over runs, as in
+    /// `evaluation.json`.
     #[getter]
     fn groups<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.groups)
     }
 
-    /// Runs left out, and why.
+    /// Excluded runs, and why.
     #[getter]
     fn left_out(&self) -> Vec<String> {
         self.left_out.clone()
@@ -98,7 +99,8 @@ impl Evaluation {
         self.remarks.clone()
     }
 
-    /// One run's samples as arrays: time, place, force along the motion as driven and of a straight glide, angles.
+    /// One run's samples as arrays: time, place, force along the motion as driven and of a straight
+    /// glide, angles.
     fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
         let Some(found) = self.runs.iter().find(|evaluated| evaluated.run == run) else {
             let known: Vec<&str> = self.runs.iter().map(|run| run.run.as_str()).collect();

@@ -21,8 +21,9 @@ pub struct Hull {
 
 #[pymethods]
 impl Hull {
-    /// Reads and checks an OBJ, glTF, STL or 3MF file; `scale` is metres a unit of the file (0.001 for millimetres),
-    /// `up` and `forward` its axes (`"z"`, `"-x"`; up is y in glTF and z elsewhere where absent).
+    /// Reads and checks an OBJ, glTF, STL or 3MF file; `scale` is metres a unit of the file (0.001
+    /// for millimetres), `up` and `forward` its axes (`"z"`, `"-x"`; up is y in glTF and z
+    /// elsewhere where absent).
     #[staticmethod]
     #[pyo3(signature = (path, *, scale = 1.0, up = None, forward = "x"))]
     fn read(
@@ -44,8 +45,8 @@ impl Hull {
         Ok(Hull { hull, report })
     }
 
-    /// A bobsled runner: a round section swept along a rocker, with rounded ends; `edge_length_m` is that of the
-    /// triangles on the underside.
+    /// A bobsled runner: a round section swept along a rocker, with rounded ends; `edge_length_m`
+    /// is that of the triangles on the underside.
     #[staticmethod]
     #[pyo3(signature = (
         *,

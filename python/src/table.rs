@@ -14,7 +14,8 @@ use pyo3::types::{IntoPyDict, PyTuple};
 use crate::error::{InputError, bad_input, raised};
 use crate::work::work;
 
-/// Contact figures over normal force and track curvature, of a sliding runner also over speed and temperature of the ice.
+/// Contact figures over normal force and track curvature, of a sliding runner also over speed and
+/// temperature of the ice.
 #[pyclass(frozen, module = "kufe")]
 pub struct Table {
     table: kufe_lut::Table,
@@ -41,8 +42,8 @@ impl Table {
         py.detach(|| write(&self.table, &path))
     }
 
-    /// Figures at the nodes: an array over force, curvature and, where the table has those axes, rocker radius, speed and
-    /// temperature of the ice.
+    /// Figures at the nodes: an array over force, curvature and, where the table has those axes,
+    /// rocker radius, speed and temperature of the ice.
     #[pyo3(signature = (quantity = "p_max"))]
     fn values<'py>(
         &self,
@@ -54,8 +55,9 @@ impl Table {
         values.into_pyarray(py).reshape(self.table.axes().shape())
     }
 
-    /// One quantity at forces [N], curvatures [1/m] and, where the table has those axes, speeds [m/s] and temperatures of the
-    /// ice [C], which are broadcast, and where an input was outside the table and clipped to it; NaN gives NaN and the flag.
+    /// One quantity at forces [N], curvatures [1/m] and, where the table has those axes, speeds
+    /// [m/s] and temperatures of the ice [C], which are broadcast, and where an input was outside
+    /// the table and clipped to it; NaN gives NaN and the flag.
     #[pyo3(signature = (fz_n, curvature_1pm, quantity = "p_max", *, v_mps = None, ice_c = None, mode = "smooth", rocker_radius_m = None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn lookup<'py>(
@@ -107,7 +109,8 @@ impl Table {
         ))
     }
 
-    /// Largest relative interpolation error measured between the nodes; `None` where none was measured.
+    /// Largest relative interpolation error measured between the nodes; `None` where none was
+    /// measured.
     #[pyo3(signature = (quantity = "p_max", *, mode = "smooth"))]
     fn interpolation_error(&self, quantity: &str, mode: &str) -> PyResult<Option<f64>> {
         let measured = self
@@ -150,14 +153,15 @@ impl Table {
         temperatures.map(|temperatures| PyArray1::from_slice(py, temperatures))
     }
 
-    /// Largest estimated solver error over the nodes, relative: of the peak pressure, or of mu where the runner slides.
+    /// Largest estimated solver error over the nodes, relative: of the peak pressure, or of mu
+    /// where the runner slides.
     #[getter]
     fn solver_error(&self) -> f64 {
         self.table.solver_error()
     }
 
-    /// Where the interpolation is less accurate than the table file asked; `None` where it is not, and for a table
-    /// that was read.
+    /// Where the interpolation is less accurate than the table file requests; `None` where it is
+    /// not, and for a table that was read.
     #[getter]
     fn shortfall(&self) -> Option<&str> {
         self.shortfall.as_deref()
@@ -195,8 +199,9 @@ impl Table {
     }
 }
 
-/// Solves every point of the table that a table file asks for and writes it to `out`, the file's name with `.lut` where
-/// absent. Points are kept beside it meanwhile: after Ctrl-C the same call resumes.
+/// Solves every point of the table that a table file asks for and writes it to `out`, the file's
+/// name with `.lut` where absent. Solved points are stored next to it: after Ctrl-C the same call
+/// resumes.
 #[pyfunction]
 #[pyo3(signature = (table, out = None, *, progress = None))]
 pub fn fill_table(

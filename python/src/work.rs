@@ -7,7 +7,7 @@ use std::time::Duration;
 use kufe::jobs::Watch;
 use pyo3::prelude::*;
 
-/// What a job told while it worked, and what came of it.
+/// Messages and result of a job.
 pub struct Worked<T> {
     /// What the job returned.
     pub value: T,
@@ -17,15 +17,16 @@ pub struct Worked<T> {
 
 /// Runs `job` on a thread of its own, without the interpreter's lock.
 ///
-/// The calling thread hands `progress` its messages and looks for Ctrl-C ten times a second: then the job is asked to
-/// stop, finishes what it has in hand, and the interrupt is raised. An exception of `progress` stops it likewise.
+/// The calling thread hands `progress` its messages and looks for Ctrl-C ten times a second: then
+/// the job is requested to stop, finishes what it has in hand, and the interrupt is raised. An
+/// exception of `progress` stops it likewise.
 pub fn work<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
     job: impl FnOnce(&Watch, Teller) -> T + Send,
 ) -> PyResult<Worked<T>> {
     let stop = AtomicBool::new(false);
-    let (sender, mut told) = mpsc::channel::<Message>();
+    let (sender, mut messages) = mpsc::channel::<Message>();
     let (value, warnings, raised) = std::thread::scope(|scope| {
         let stop = &stop;
         let worker = scope.spawn(move || {
@@ -40,8 +41,8 @@ pub fn work<T: Send>(
         let mut raised = None;
         // The channel closes when the job has ended and dropped its end.
         loop {
-            let told = &mut told;
-            match py.detach(move || told.recv_timeout(Duration::from_millis(100))) {
+            let messages = &mut messages;
+            match py.detach(move || messages.recv_timeout(Duration::from_millis(100))) {
                 Ok(Message::Warning(text)) => warnings.push(text),
                 Ok(Message::Progress(text)) => {
                     let call = || progress.map(|call| call.call1((text,))).transpose();

@@ -1,5 +1,5 @@
-//! The Python package as its users have it: the library that cargo has just built, beside the package's Python files,
-//! with pytest over python/tests and the examples.
+//! The Python package as its users have it: the library that cargo has just built, together with
+//! the package's Python files, with pytest over python/tests and the examples.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

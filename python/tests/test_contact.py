@@ -158,7 +158,7 @@ def test_a_sliding_runner_has_its_groove_and_its_friction():
     assert groove.max() == pytest.approx(result["groove_depth_m"])
     # It never falls towards the back, which is where x is least.
     assert (np.diff(groove, axis=1) <= 1e-15).all()
-    # The plastic work over the way is the ploughing force: hardness times the section that is left.
+    # The plastic work over the way is the ploughing force: hardness times the section of the groove.
     work = slid.result["hardness_pa"] * np.trapezoid(groove[:, 0], slid.y_m)
     assert work / 950.0 == pytest.approx(result["mu_ploughing"], rel=0.03)
     assert kufe.press(case).groove_m is None

@@ -1,8 +1,9 @@
 //! The table of docs/verification.md that says how often stated errors hold the true ones.
 //!
-//! `cargo run --release -p kufe-tests --example coverage -- all` solves every row of tests/data/coverage.csv to 2, 0.5 and 0.1 %, without `all` one in ten
-//! to 2 %, with the names of classes only their rows, with numbers only these accuracies, with a .csv the rows of that one, drawn from
-//! another seed; what does not hold is listed after the table.
+//! `cargo run --release -p kufe-tests --example coverage -- all` solves every row of
+//! tests/data/coverage.csv to 2, 0.5 and 0.1 %, without `all` one in ten to 2 %, with the names of
+//! classes only their rows, with numbers only these accuracies, with a .csv the rows of that one,
+//! drawn from another seed; what does not hold is listed after the table.
 
 use kufe_tests::coverage::{Miss, Outcome, Row, rows, rows_of};
 
@@ -33,7 +34,7 @@ fn main() {
     let mut classes: Vec<&str> = rows.iter().map(|row| row.class.as_str()).collect();
     classes.dedup();
     println!(
-        "| class | contacts | asked | reached | peak held | area held | approach held | stated over true, peak | over the root of the true ones' mean square |"
+        "| class | contacts | asked | reached | peak covered | area covered | approach covered | stated over true, peak | over the root of the true ones' mean square |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
     let mut misses = Vec::new();
@@ -50,7 +51,7 @@ fn main() {
                     }
                 })
                 .collect();
-            let held = [0, 1, 2].map(|k| share(&outcomes, k, asked, &mut misses));
+            let covered = [0, 1, 2].map(|k| share(&outcomes, k, asked, &mut misses));
             let reached = outcomes
                 .iter()
                 .filter(|(_, outcome)| outcome.reached)
@@ -59,14 +60,14 @@ fn main() {
                 "| {class} | {} | {} % | {reached} | {} | {} | {} | {} |",
                 of.len(),
                 100.0 * asked,
-                held[0],
-                held[1],
-                held[2],
+                covered[0],
+                covered[1],
+                covered[2],
                 ratio(&outcomes)
             );
         }
     }
-    println!("\nNot held:\n");
+    println!("\nNot covered:\n");
     for miss in misses {
         println!("- {miss}");
     }
@@ -74,14 +75,14 @@ fn main() {
 
 /// How many of how many stated errors of figure `k` hold the true ones.
 fn share(outcomes: &[(&Row, Outcome)], k: usize, asked: f64, misses: &mut Vec<String>) -> String {
-    let (mut held, mut known) = (0, 0);
+    let (mut covered, mut known) = (0, 0);
     for (row, outcome) in outcomes {
         let Some(miss) = outcome.figures[k] else {
             continue;
         };
         known += 1;
         if row.holds(k, miss) {
-            held += 1;
+            covered += 1;
         } else {
             let figure = ["peak", "area", "approach"][k];
             let (off, stated) = (100.0 * miss.off, 100.0 * miss.stated);
@@ -94,12 +95,13 @@ fn share(outcomes: &[(&Row, Outcome)], k: usize, asked: f64, misses: &mut Vec<St
     }
     match known {
         0 => String::new(),
-        _ => format!("{held} of {known}"),
+        _ => format!("{covered} of {known}"),
     }
 }
 
-/// The median of the stated error of the peak over the true one; and that of stated errors over the root of the mean square of the true ones,
-/// which no true error that is next to nothing by chance makes large.
+/// The median of the stated error of the peak over the true one; and that of stated errors over the
+/// root of the mean square of the true ones, which no true error that is next to nothing by chance
+/// makes large.
 fn ratio(outcomes: &[(&Row, Outcome)]) -> String {
     let peaks: Vec<Miss> = outcomes
         .iter()

@@ -1,7 +1,9 @@
-//! How often the stated errors of the largest shear under the peak, and of its depth, hold the true ones.
+//! How often the stated errors of the largest shear under the peak, and of its depth, hold the true
+//! ones.
 //!
-//! `cargo run --release -p kufe-tests --example under_peak -- 20261127 40` draws 40 contacts from a seed, solves each to 2 and 0.5 % of the peak and
-//! compares with the integral of point loads over Hertz's ellipse; a line a contact, then one an accuracy.
+//! `cargo run --release -p kufe-tests --example under_peak -- 20261127 40` draws 40 contacts from a
+//! seed, solves each to 2 and 0.5 % of the peak and compares with the integral of point loads over
+//! Hertz's ellipse; a line a contact, then one an accuracy.
 
 use kufe_tests::coverage::Miss;
 use kufe_tests::under_peak::drawn;
@@ -45,13 +47,13 @@ fn main() {
 }
 
 fn told(miss: Miss) -> String {
-    let held = if miss.off <= miss.stated {
+    let covered = if miss.off <= miss.stated {
         ""
     } else {
-        " NOT HELD"
+        " NOT COVERED"
     };
     format!(
-        "off {:.3} %, stated {:.3} %{held}",
+        "off {:.3} %, stated {:.3} %{covered}",
         100.0 * miss.off,
         100.0 * miss.stated
     )

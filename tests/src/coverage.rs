@@ -15,8 +15,9 @@ pub struct Row {
     pub class: String,
     /// As the file has it.
     pub text: String,
-    /// Rocker and section radius [m], share of x^4 [1/m^3], force [N], offset x and y [m], thickness [m], Young's modulus [Pa] and
-    /// thickness of a bed [m], whether the runner is steel, hardness [Pa], depth of a worn flat [m], track's curvature [1/m].
+    /// Rocker and section radius [m], share of x^4 [1/m^3], force [N], offset x and y [m],
+    /// thickness [m], Young's modulus [Pa] and thickness of a bed [m], whether the runner is steel,
+    /// hardness [Pa], depth of a worn flat [m], track's curvature [1/m].
     numbers: [f64; 13],
     /// Peak pressure [Pa], area [m2] and approach [m]; 0 where nothing is known.
     truth: [f64; 3],
@@ -112,7 +113,7 @@ impl Row {
         } else {
             Arc::new(Paraboloid::new(rocker, section).expect("a paraboloid"))
         };
-        let elastic = ElasticRunner::held_at_top(210e9, 0.30, f64::INFINITY);
+        let elastic = ElasticRunner::fixed_at_top(210e9, 0.30, f64::INFINITY);
         let foundation = match (thickness.is_finite(), bed > 0.0) {
             (false, _) => Foundation::HalfSpace,
             (true, false) => Foundation::RigidBed { thickness },
@@ -175,7 +176,8 @@ impl Row {
         std::array::from_fn(|k| self.miss(k, stated[k].0, stated[k].1))
     }
 
-    /// A figure (0: peak, 1: area, 2: approach) with its stated error beside the truth; `None` where the truth says nothing of it.
+    /// A figure (0: peak, 1: area, 2: approach) with its stated error beside the truth; `None`
+    /// where the truth says nothing of it.
     pub fn miss(&self, figure: usize, value: f64, error: f64) -> Option<Miss> {
         let truth = self.truth[figure];
         (truth > 0.0).then(|| Miss {
@@ -184,7 +186,8 @@ impl Row {
         })
     }
 
-    /// Whether what is stated, and what the truth is known to, holds a miss. An area of rectangles is known to some of them at its rim.
+    /// Whether what is stated, and what the truth is known to, holds a miss. An area of rectangles
+    /// is known to some of them at its rim.
     pub fn holds(&self, figure: usize, miss: Miss) -> bool {
         let rectangles = match self.class.as_str() {
             "no paraboloid" | "ice that yields" if figure == 1 => 0.01,

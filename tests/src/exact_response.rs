@@ -2,8 +2,8 @@
 //! sparse Cholesky, and a primal-dual active set (M. Hintermüller, K. Ito and K. Kunisch, SIAM J.
 //! Optim. 13 (2003) 865-888).
 //!
-//! Of the solution that is tested it takes the mesh, the stiffness, the displacements of fixed nodes
-//! and the undeformed gap. Contact set, forces and rigid motion are its own.
+//! Of the solution that is tested it takes the mesh, the stiffness, the displacements of fixed
+//! nodes and the undeformed gap. Contact set, forces and rigid motion are its own.
 
 use std::collections::HashMap;
 
@@ -18,7 +18,8 @@ pub struct Compared {
     pub solution: Solution,
     /// Largest difference of a contact force, over the largest force.
     pub force: f64,
-    /// Largest change of the gap by the difference of the rigid motions, over the largest change of the gap by displacements.
+    /// Largest change of the gap by the difference of the rigid motions, over the largest change of
+    /// the gap by displacements.
     pub motion: f64,
     /// Nodes that touch, and nodes at the ice's hardness.
     pub nodes: [usize; 2],
@@ -76,13 +77,14 @@ impl Body<'_> {
         force
     }
 
-    /// What the body closes the gap by at `nodes` without contact forces, and by unit forces on each of them.
+    /// What the body closes the gap by at `nodes` without contact forces, and by unit forces on
+    /// each of them.
     fn response(&self, nodes: &[usize]) -> (Vec<f64>, Mat<f64>) {
         let dofs = self.displacement.len();
         let mut number = vec![usize::MAX; dofs];
         let mut fixed = vec![false; dofs];
         self.assembled
-            .held
+            .fixed
             .iter()
             .for_each(|&dof| fixed[dof] = true);
         let free: Vec<usize> = (0..dofs).filter(|&dof| !fixed[dof]).collect();
@@ -97,7 +99,8 @@ impl Body<'_> {
         let n = free.len();
         let matrix = SparseColMat::try_new_from_triplets(n, n, &entries).expect("entries");
         let factor = matrix.sp_cholesky(Side::Lower).expect("positive definite");
-        // Loads other than contact, less what fixed nodes take: K u - contact forces - K_fixed u_fixed.
+        // Loads other than contact, less what fixed nodes take: K u - contact forces - K_fixed
+        // u_fixed.
         let mut load = self.product();
         self.vertical
             .iter()

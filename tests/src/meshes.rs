@@ -17,7 +17,8 @@ pub fn block(cells: [usize; 3], size: [f64; 3]) -> HexMesh {
     grid.hex_mesh()
 }
 
-/// Moves the nodes inside a block at random by up to `share` of a cell along x, y and z; its faces stay plane.
+/// Moves the nodes inside a block at random by up to `share` of a cell along x, y and z; its faces
+/// stay plane.
 pub fn shake(mesh: &mut HexMesh, cells: [usize; 3], size: [f64; 3], share: [f64; 3]) {
     let mut seed = 20_261_121u64;
     for point in &mut mesh.points {

@@ -1,4 +1,5 @@
-//! The stress under elliptic contacts in closed form, and whether stated errors of the solver's hold.
+//! The stress under elliptic contacts in closed form, and whether stated errors of the solver's
+//! hold.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -11,10 +12,12 @@ use kufe_mesh::Paraboloid;
 
 use crate::coverage::Miss;
 
-/// Stresses (xx, yy, zz) at depth `z` under the middle of a Hertz contact of half-axes `a` >= `b` and unit peak: the
-/// integral of Boussinesq's point load (Johnson, Contact Mechanics, eq. 3.19) over the ellipse.
+/// Stresses (xx, yy, zz) at depth `z` under the middle of a Hertz contact of half-axes `a` >= `b`
+/// and unit peak: the integral of Boussinesq's point load (Johnson, Contact Mechanics, eq. 3.19)
+/// over the ellipse.
 ///
-/// Strips across at x = b sinh(u), dense near the middle, and y = Y sin(v) on each, Y its half-width.
+/// Strips across at x = b sinh(u), dense near the middle, and y = Y sin(v) on each, Y its
+/// half-width.
 pub fn hertz_stress(a: f64, b: f64, nu: f64, z: f64) -> [f64; 3] {
     const STRIPS: usize = 600;
     const POINTS: usize = 300;
@@ -47,13 +50,15 @@ pub fn hertz_stress(a: f64, b: f64, nu: f64, z: f64) -> [f64; 3] {
     sum
 }
 
-/// The largest shear on the axis of a Hertz contact of half-axes `a` >= `b` and unit peak, and its depth.
+/// The largest shear on the axis of a Hertz contact of half-axes `a` >= `b` and unit peak, and its
+/// depth.
 pub fn hertz_shear(a: f64, b: f64, nu: f64) -> LargestShear {
     let shear = |z: f64| {
         let [xx, yy, zz] = hertz_stress(a, b, nu, z);
         maximum_shear([xx, yy, zz, 0.0, 0.0, 0.0])
     };
-    // Of long contacts on ice of a low Poisson's ratio there are two tops: stresses along and across change places.
+    // Of long contacts on ice of a low Poisson's ratio there are two tops: stresses along and
+    // across change places.
     let coarse = (1..=50).map(|i| 0.02 * b * f64::from(i));
     let top = coarse
         .map(|z| (z, shear(z)))
@@ -62,9 +67,10 @@ pub fn hertz_shear(a: f64, b: f64, nu: f64) -> LargestShear {
     let (mut low, mut high) = (top.0 - 0.02 * b, top.0 + 0.02 * b);
     for _ in 0..12 {
         let [left, right] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
-        match shear(left) < shear(right) {
-            true => low = left,
-            false => high = right,
+        if shear(left) < shear(right) {
+            low = left
+        } else {
+            high = right
         }
     }
     let depth = 0.5 * (low + high);
@@ -103,7 +109,8 @@ impl Random {
     }
 }
 
-/// So many contacts: patches 1 to 200 times as long as wide, Poisson's ratios of 0.2 to 0.4, every second load off the middle.
+/// So many contacts: patches 1 to 200 times as long as wide, Poisson's ratios of 0.2 to 0.4, every
+/// second load off the middle.
 pub fn drawn(seed: u64, count: usize) -> Vec<Sample> {
     let mut random = Random(seed.max(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     // The first numbers of small seeds are small.
@@ -135,7 +142,8 @@ impl Sample {
         hertz(self.radii[0], self.radii[1], modulus, self.force).expect("a contact")
     }
 
-    /// The problem that it states: under a load off the middle the paraboloid turns and is the same.
+    /// The problem that it states: under a load off the middle the paraboloid turns and is the
+    /// same.
     ///
     /// # Panics
     /// Where it is none.
@@ -152,7 +160,8 @@ impl Sample {
         Problem::new(runner, Ice::half_space(self.ice[0], self.ice[1]), load)
     }
 
-    /// Shear and depth at an accuracy asked of the peak, with their stated errors, beside the integral of point loads.
+    /// Shear and depth at an accuracy asked of the peak, with their stated errors, beside the
+    /// integral of point loads.
     ///
     /// # Errors
     /// Those of the solver.

@@ -1,4 +1,5 @@
-//! The layout of the code: the folders of a crate are steps that import one another in one direction.
+//! The layout of the code: the folders of a crate are steps that import one another in one
+//! direction.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -71,7 +72,8 @@ fn first_names(code: &str) -> BTreeSet<String> {
     names
 }
 
-/// Which folder of a crate's `src` imports from which; items that `lib.rs` passes on count for the folder they are from.
+/// Which folder of a crate's `src` imports from which; items that `lib.rs` passes on count for the
+/// folder they are from.
 fn imports(source: &Path) -> Graph {
     let entries = std::fs::read_dir(source).into_iter().flatten().flatten();
     let folders = entries.map(|e| e.path()).filter(|path| path.is_dir());

@@ -1,4 +1,5 @@
-//! Elastic runners: iterations, unknowns and time of one mesh each, over shapes, tracks, mounts and elements.
+//! Elastic runners: iterations, unknowns and time of one mesh each, over shapes, tracks, mounts and
+//! elements.
 //!
 //! ```sh
 //! elastic                # 8 cells over half the patch
@@ -103,8 +104,8 @@ fn gallery(cells: usize) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// The same runners meshed with each element: what locks is too stiff, and what is softened in every plane loses its
-/// preconditioner.
+/// The same runners meshed with each element: what locks is too stiff, and what is softened in
+/// every plane loses its preconditioner.
 fn elements(cells: usize) -> Result<(), Box<dyn std::error::Error>> {
     let rows = [bob("bob", 30.0, 0.005, 0.0)?, luge("luge", 0.02, 0.0)?];
     println!("### Elements of a runner on two places, 1 kN, residual 1e-9\n");
@@ -192,7 +193,7 @@ fn problem(row: &Row, mount: usize, free: bool) -> (&'static str, Problem) {
         elastic: Some(ElasticRunner {
             mount,
             flank: row.flank,
-            ..ElasticRunner::held_at_top(210e9, 0.3, row.top)
+            ..ElasticRunner::fixed_at_top(210e9, 0.3, row.top)
         }),
     };
     let tilt = if free { Tilt::Free } else { Tilt::LEVEL };

@@ -92,7 +92,8 @@ fn plane() -> Result<(), Box<dyn std::error::Error>> {
 /// What finds a problem's peak pressure [Pa].
 type PeakOf<'a> = &'a (dyn Fn(&Problem) -> Result<f64, Box<dyn std::error::Error>> + Sync);
 
-/// Rocker radii [m] and loads [N] of 64 contacts: eight loads from 250 to 4000 N by eight effective radii from 15 to 250 m, each in geometric progression.
+/// Rocker radii [m] and loads [N] of 64 contacts: eight loads from 250 to 4000 N by eight effective
+/// radii from 15 to 250 m, each in geometric progression.
 fn points() -> Vec<(f64, f64)> {
     let spread = |from: f64, to: f64, i: usize| from * (to / from).powf(i as f64 / 7.0);
     let point = |n: usize| (spread(15.0, 250.0, n / 8), spread(250.0, 4000.0, n % 8));
@@ -116,7 +117,8 @@ fn all(p_max: PeakOf) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Corners and middle of the 64 contacts by finite elements, the others by boundary elements where these confirm them.
+/// Corners and middle of the 64 contacts by finite elements, the others by boundary elements where
+/// these confirm them.
 fn anchored(tolerance: f64) -> Result<(), Box<dyn std::error::Error>> {
     let begun = Instant::now();
     let points = points();

@@ -1,10 +1,12 @@
-//! Cost against size: time and memory over unknowns, points of a table, runs and candidates, with fitted exponents.
+//! Cost against size: time and memory over unknowns, points of a table, runs and candidates, with
+//! fitted exponents.
 //!
 //! ```sh
 //! growth docs/performance   # prints the table and draws growth.svg there
 //! ```
 //!
-//! Every size is measured in a process of its own. Exponents are the slopes of least squares through the logarithms.
+//! Every size is measured in a process of its own. Exponents are the slopes of least squares
+//! through the logarithms.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,7 +21,7 @@ use kufe_sled::{Model, PrepareOptions, Vehicle, evaluate, prepare_all};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-/// What grows: its name here, what is counted, the work, and the sizes asked for.
+/// What grows: its name here, what is counted, the work, and the default sizes.
 const SERIES: [(&str, &str, &str, &[&str]); 5] = [
     (
         "linear",
@@ -246,7 +248,8 @@ fn runs(count: usize) -> [f64; 2] {
     [count as f64, seconds]
 }
 
-/// Candidates scored against a residual: products of all columns run by run, then what each explains.
+/// Candidates scored against a residual: products of all columns run by run, then what each
+/// explains.
 fn candidates(count: usize) -> [f64; 2] {
     const RUNS: usize = 20;
     const SAMPLES: usize = 1000;

@@ -1,4 +1,5 @@
-//! Four small pieces of work whose instructions `benches/guard` counts; always the same work, on one thread.
+//! Four small pieces of work whose instructions `benches/guard` counts; always the same work, on
+//! one thread.
 //!
 //! ```sh
 //! guard contact   # one contact on one small mesh

@@ -1,4 +1,4 @@
-//! The solver's kernels beside what this machine can do: memory bandwidth and matrix products.
+//! The solver's kernels and the limits of this machine: memory bandwidth and matrix products.
 //!
 //! `cargo run --release -p kufe-benches --bin limits`
 //!
@@ -40,7 +40,7 @@ fn main() {
 
 fn tables() {
     let triad = triad();
-    println!("### Kernels beside this machine's limits\n");
+    println!("### Kernels and this machine's limits\n");
     println!(
         "{} threads. Stream triad: {:.1} GB/s. faer, product of 512 x 512 matrices in single precision, on every thread at once: \
          {:.1} Gflop/s.",
@@ -145,8 +145,8 @@ fn triad() -> f64 {
 
 /// Bytes that the operator must read and write for a node.
 const BYTES: f64 = 48.0;
-/// What it computes for a node (`kufe-fem`, tensor_kernel.rs), counted at an inner node: multiplications, of which 29 with an
-/// addition in one instruction, and further additions.
+/// What it computes for a node (`kufe-fem`, tensor_kernel.rs), counted at an inner node:
+/// multiplications, of which 29 with an addition in one instruction, and further additions.
 const FUSED: usize = 52;
 const ADDED: usize = 48;
 
@@ -168,7 +168,8 @@ struct Mixture {
     nodes: usize,
 }
 
-/// Fused chains and chains of additions: an operation takes up to four cycles, and processors begin two of each kind a cycle.
+/// Fused chains and chains of additions: an operation takes up to four cycles, and processors begin
+/// two of each kind a cycle.
 const CHAINS: [usize; 2] = [8, 6];
 
 impl WithSimd for Mixture {
@@ -182,7 +183,8 @@ impl WithSimd for Mixture {
         );
         let mut fused = [simd.splat_f64s(1.0); CHAINS[0]];
         let mut added = [simd.splat_f64s(0.0); CHAINS[1]];
-        // One operation of each fused chain at a time, and one of each other chain whenever as many additions are due.
+        // One operation of each fused chain at a time, and one of each other chain whenever as many
+        // additions are due.
         let rounds = self.nodes * FUSED / (S::F64_LANES * CHAINS[0]);
         let mut due = 0;
         for _ in 0..rounds {
@@ -202,7 +204,8 @@ impl WithSimd for Mixture {
     }
 }
 
-/// Operations a second of rows x inner by inner x cols products in single precision, each thread at its own.
+/// Operations a second of rows x inner by inner x cols products in single precision, each thread at
+/// its own.
 fn plane_products(rows: usize, inner: usize, cols: usize) -> f64 {
     let left = Mat::<f32>::from_fn(rows, inner, |i, j| (i + 2 * j) as f32);
     let right = Mat::<f32>::from_fn(inner, cols, |i, j| (i as f32 - j as f32).sin());
@@ -227,7 +230,8 @@ fn plane_products(rows: usize, inner: usize, cols: usize) -> f64 {
     flops * repeats as f64 / seconds
 }
 
-/// Prints unknowns, the operator's time and bytes, the preconditioner's time and operations, and faer's time for those.
+/// Prints unknowns, the operator's time and bytes, the preconditioner's time and operations, and
+/// faer's time for those.
 fn kernels(cells: usize) {
     let block = needle_block(cells);
     let (operator, preconditioner) = (&block.operator, &block.preconditioner);
@@ -241,8 +245,8 @@ fn kernels(cells: usize) {
         preconditioner.apply(black_box(&u), &mut out, &mut modal)
     });
     let mut flops = 0.0;
-    for held in &operator.held {
-        let modes = |axis: usize| operator.axes[axis].modes(held[axis]).values.len();
+    for fixed in &operator.fixed {
+        let modes = |axis: usize| operator.axes[axis].modes(fixed[axis]).values.len();
         let (mx, my) = (modes(0), modes(1));
         flops += 4.0 * (mx * nx * ny * nz + mx * ny * my * nz) as f64;
     }

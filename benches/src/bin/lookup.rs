@@ -1,4 +1,5 @@
-//! Time of one evaluation of a table, at random points, beside the crate `interpn`'s bilinear interpolation.
+//! Time of one evaluation of a table, at random points, compared with the crate `interpn`'s
+//! bilinear interpolation.
 //!
 //! `cargo run --release -p kufe-benches --bin lookup`
 

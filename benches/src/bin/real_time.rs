@@ -1,4 +1,5 @@
-//! What must keep up with something: the simulator with the clock, a fitted hull with the solver's grid.
+//! What must keep up with something: the simulator with the clock, a fitted hull with the solver's
+//! grid.
 
 use std::hint::black_box;
 

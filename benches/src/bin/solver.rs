@@ -32,7 +32,7 @@ fn number(word: &str) -> f64 {
 fn tables() {
     println!("### Runner of 30 m rocker and 5 mm section, 1 kN, rigid on a half-space\n");
     println!(
-        "| accuracy asked | true error | solve | whole process | peak memory | unknowns | iterations |"
+        "| requested accuracy | true error | solve | whole process | peak memory | unknowns | iterations |"
     );
     println!("|---|---|---|---|---|---|---|");
     for tolerance in ["0.005", "0.001", "0.0003"] {
@@ -53,7 +53,7 @@ fn tables() {
     println!("\nThe whole process solves five times; the solve is the best of them.\n");
     println!("What each of the three meshes of that contact takes:\n");
     println!(
-        "| accuracy asked | patch found | coarsest | middle | finest | the coarsest, of time | of unknowns |"
+        "| requested accuracy | patch found | coarsest | middle | finest | the coarsest, of time | of unknowns |"
     );
     println!("|---|---|---|---|---|---|---|");
     for tolerance in ["0.01", "0.005", "0.001"] {
@@ -159,7 +159,8 @@ fn hertz_case(tolerance: f64) {
 /// How often a contact of milliseconds is solved.
 const OFTEN: usize = 40;
 
-/// Times until the patch is found and of each of three meshes, and the coarsest's part of their unknowns.
+/// Times until the patch is found and of each of three meshes, and the coarsest's part of their
+/// unknowns.
 fn meshes_case(tolerance: f64) {
     let problem = on_half_space(rigid(paraboloid(30.0, 0.005)), 0.0, 1000.0);
     let one_cell = Options {
@@ -172,12 +173,12 @@ fn meshes_case(tolerance: f64) {
     for _ in 0..OFTEN {
         let ends = Arc::new(Mutex::new([0.0; 3]));
         let begun = Instant::now();
-        let (told, mine) = (begun, ends.clone());
+        let (start, mine) = (begun, ends.clone());
         let options = Options {
             p_max_tolerance: tolerance,
             progress: Some(Arc::new(move |update| {
                 let mut ends = mine.lock().unwrap_or_else(PoisonError::into_inner);
-                ends[update.level.min(2)] = told.elapsed().as_secs_f64();
+                ends[update.level.min(2)] = start.elapsed().as_secs_f64();
             })),
             ..Options::default()
         };
@@ -195,7 +196,8 @@ fn meshes_case(tolerance: f64) {
     println!("{found} {} {} {} {share}", least[0], least[1], least[2]);
 }
 
-/// A quarter of a needle-shaped patch under its Hertz pressure, on a graded grid of `cells`^3 cells.
+/// A quarter of a needle-shaped patch under its Hertz pressure, on a graded grid of `cells`^3
+/// cells.
 fn linear_case(cells: usize) {
     let (set_up, block) = best_of(1, || needle_block(cells));
     let load = block.load();
@@ -224,7 +226,8 @@ fn linear_case(cells: usize) {
     );
 }
 
-/// The same equations by faer's sparse Cholesky: unknowns, seconds to assemble, to factorise and to solve, memory.
+/// The same equations by faer's sparse Cholesky: unknowns, seconds to assemble, to factorise and to
+/// solve, memory.
 fn direct_case(cells: usize) -> Result<(), kufe_fem::Error> {
     let block = needle_block(cells);
     let nodes = block.grid.node_count();
@@ -234,22 +237,22 @@ fn direct_case(cells: usize) -> Result<(), kufe_fem::Error> {
         Material::new(ICE.0, ICE.1)?,
         ElementKind::Hex8,
     )?;
-    let mut held = Constraints::new(nodes);
+    let mut fixed = Constraints::new(nodes);
     let faces = block.grid.shape().map(|n| n - 1);
     for node in 0..nodes {
         let [nx, ny, _] = block.grid.shape();
         let place = [node % nx, node / nx % ny, node / (nx * ny)];
         for c in 0..3 {
             let on = |axis: usize| {
-                let [low, high] = block.operator.held[c][axis];
+                let [low, high] = block.operator.fixed[c][axis];
                 (low && place[axis] == 0) || (high && place[axis] == faces[axis])
             };
             if (0..3).any(on) {
-                held.prescribe(node, c, 0.0)?;
+                fixed.prescribe(node, c, 0.0)?;
             }
         }
     }
-    let map = held.dof_map();
+    let map = fixed.dof_map();
     let (assembling, stiffness) = best_of(1, || assemble(&body));
     let points = body.mesh().points.clone();
     let (factorising, factor) = best_of(1, || Factor::of_body(&stiffness, &map, &points));

@@ -50,7 +50,7 @@ pub fn write_stiffness(
     files.commit()?;
     let displacements: usize = bodies.iter().map(|body| body.dofs()).sum();
     let entries: usize = bodies.iter().map(|body| body.entries()).sum();
-    let held: usize = solution.assembled.iter().map(|body| body.held.len()).sum();
+    let held: usize = solution.assembled.iter().map(|body| body.fixed.len()).sum();
     if global.json {
         let facts = json!({
             "stiffness": matrix.display().to_string(),
@@ -89,7 +89,7 @@ fn comments(title: String, solution: &Solution) -> Vec<String> {
                 listed(&format!("ice {axis}"), nodes.iter(), &mut lines);
             }
         }
-        let held = body.held.iter().map(|held| first + held);
+        let held = body.fixed.iter().map(|dof| first + dof);
         listed(&format!("{} held", body.name), held, &mut lines);
         first += dofs;
     }

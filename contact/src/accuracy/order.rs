@@ -463,14 +463,14 @@ mod tests {
                 limit.error / (limit.value - 1.0).abs().max(f64::MIN_POSITIVE)
             })
             .collect();
-        let held = ratios.iter().filter(|r| **r >= 1.0).count() as f64 / ratios.len() as f64;
+        let covered = ratios.iter().filter(|r| **r >= 1.0).count() as f64 / ratios.len() as f64;
         ratios.sort_by(f64::total_cmp);
         let median = ratios[ratios.len() / 2];
         println!(
-            "held in {:.2} %, median {median:.2} times the true error",
-            100.0 * held
+            "covered in {:.2} %, median {median:.2} times the true error",
+            100.0 * covered
         );
-        assert!(held >= 0.95, "{held}");
+        assert!(covered >= 0.95, "{covered}");
         assert!(median <= 5.0, "{median}");
     }
 }

@@ -89,13 +89,13 @@ mod tests {
                 y: even(dy, 10, -5.0 * dy),
                 z: even(dz, 2, 0.0),
             };
-            let held = |p: [f64; 3]| p[2] > 1.5 * dz;
-            let solid = RunnerSolid::new(grid.hex_mesh(), young, 0.3, held)?;
+            let fixed = |p: [f64; 3]| p[2] > 1.5 * dz;
+            let solid = RunnerSolid::new(grid.hex_mesh(), young, 0.3, fixed)?;
             let flat = Paraboloid::new(1.0, 1.0).expect("radii");
             let mut runner = Runner::rigid(Arc::new(flat));
             runner.elastic = Some(ElasticRunner {
                 solid: Some(Arc::new(solid)),
-                ..ElasticRunner::held_at_top(young, 0.3, 0.0)
+                ..ElasticRunner::fixed_at_top(young, 0.3, 0.0)
             });
             let load = Load::central(1.0, Tilt::Free);
             let problem = Problem::new(runner, Ice::half_space(9e9, 0.3), load);

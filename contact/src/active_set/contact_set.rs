@@ -277,7 +277,7 @@ impl ContactMesh {
         let energy = match last {
             Some(last) => last.energy + last.change(&force, &gap),
             None => {
-                // Motions that are held belong to the gap without forces.
+                // Motions that are fixed belong to the gap without forces.
                 let moved = [0, 1, 2].map(|a| match self.motion.free[a] {
                     true => state.motion[a],
                     false => -state.motion[a],

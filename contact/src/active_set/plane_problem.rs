@@ -226,15 +226,15 @@ impl PlaneProblem<'_> {
         state.motion = [0, 1, 2].map(|a| state.motion[a] + answer.turn[a]);
     }
 
-    /// D of forces that keep the balance; motions that are held belong to the gap.
+    /// D of forces that keep the balance; motions that are fixed belong to the gap.
     fn energy(&self, state: &PlaneState, deflection: &[f64]) -> f64 {
-        let held = [0, 1, 2].map(|a| match self.motion.free[a] {
+        let fixed = [0, 1, 2].map(|a| match self.motion.free[a] {
             true => 0.0,
             false => state.motion[a],
         });
         (0..self.gap.len())
             .map(|i| {
-                let gap = self.gap[i] - dot(self.rows[i], held);
+                let gap = self.gap[i] - dot(self.rows[i], fixed);
                 state.force[i] * (gap + 0.5 * deflection[i])
             })
             .sum()

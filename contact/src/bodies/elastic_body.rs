@@ -27,8 +27,8 @@ pub(crate) struct ElasticBody {
     pub trace: Trace,
     /// Young's modulus and Poisson's ratio; of the ice where a bed lies under it.
     pub material: Material,
-    /// Entries held beside what the stiffness holds: those of the preconditioner's clamps.
-    pub held: Vec<usize>,
+    /// Entries fixed beside what the stiffness holds: those of the preconditioner's clamps.
+    pub fixed: Vec<usize>,
     /// Forces from outside on the body [N]; none where empty.
     pub load: Vec<f64>,
 }
@@ -58,7 +58,7 @@ impl ElasticBody {
             stiffness: Stiffness::Tensor(operator),
             assembled: None,
             material,
-            held: Vec::new(),
+            fixed: Vec::new(),
             load: Vec::new(),
         }
     }
@@ -70,7 +70,7 @@ impl ElasticBody {
         inverse: MountedInverse,
         material: Material,
         columns: Columns,
-        (held, load): (Vec<usize>, Vec<f64>),
+        (fixed, load): (Vec<usize>, Vec<f64>),
     ) -> Self {
         ElasticBody {
             inverse: Inverse::Mounted(Box::new(inverse)),
@@ -78,7 +78,7 @@ impl ElasticBody {
             stiffness: Stiffness::Tensor(operator),
             assembled: None,
             material,
-            held,
+            fixed,
             load,
         }
     }
@@ -99,7 +99,7 @@ impl ElasticBody {
 
     /// Unknowns that nothing holds.
     pub fn free_dofs(&self) -> usize {
-        self.stiffness.free_dofs() - self.held.len()
+        self.stiffness.free_dofs() - self.fixed.len()
     }
 
     /// The columns of the contact plane that the body's own nodes are on.
@@ -118,7 +118,7 @@ impl ElasticBody {
         }
     }
 
-    /// `out` = K `u`, with 0 on held entries.
+    /// `out` = K `u`, with 0 on fixed entries.
     pub fn apply(&self, u: &[f64], out: &mut [f64], work: &mut BodyWork) {
         match &self.assembled {
             Some(assembled) => {
@@ -127,7 +127,7 @@ impl ElasticBody {
             }
             None => self.stiffness.apply(u, out, &mut work.stiffness),
         }
-        self.held.iter().for_each(|&entry| out[entry] = 0.0);
+        self.fixed.iter().for_each(|&entry| out[entry] = 0.0);
     }
 
     /// `closing` += B M^-1 `residual`; `work` keeps what [`ElasticBody::finish`] goes on from.
@@ -138,7 +138,7 @@ impl ElasticBody {
     /// `step` = M^-1 (residual - B^T m) for the residual that `work` was last begun with and the forces m on nodes.
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut BodyWork) {
         self.inverse.finish(multipliers, step, &mut work.inverse);
-        self.held.iter().for_each(|&entry| step[entry] = 0.0);
+        self.fixed.iter().for_each(|&entry| step[entry] = 0.0);
     }
 
     /// `closing` += B M^-1 B^T f for the forces f on nodes; `work` forgets what it was begun with.
@@ -152,10 +152,10 @@ impl ElasticBody {
     }
 
     /// Entries that faces, clamps or the mount hold, ascending.
-    pub fn held_entries(&self) -> Vec<usize> {
+    pub fn fixed_dofs(&self) -> Vec<usize> {
         let mut ones = vec![1.0; self.len()];
         self.stiffness.mask(&mut ones);
-        self.held.iter().for_each(|&entry| ones[entry] = 0.0);
+        self.fixed.iter().for_each(|&entry| ones[entry] = 0.0);
         (0..ones.len())
             .filter(|&entry| ones[entry] == 0.0)
             .collect()

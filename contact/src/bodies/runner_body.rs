@@ -1,7 +1,7 @@
 //! The elastic runner: hexahedra on the ice's columns between its underside and its mount.
 
 use kufe_fem::{
-    BeamModes, Body as Solid, ElementKind, HeldFaces, Material, MatrixFree, TensorOperator,
+    BeamModes, Body as Solid, ElementKind, FixedFaces, Material, MatrixFree, TensorOperator,
 };
 use kufe_mesh::{HexMesh, TensorGrid, limit_slope, mesh_over_heights};
 
@@ -57,7 +57,7 @@ impl RunnerPlan<'_> {
         let (columns, grid) = self.columns();
         let (mesh, grid) = mapped(self.problem, elastic, grid, (self.spacing, self.growth))?;
         let body = match elastic.mount {
-            Mount::Top => self.held_at_top(material, columns, &mesh, &grid)?,
+            Mount::Top => self.fixed_at_top(material, columns, &mesh, &grid)?,
             Mount::Places(_) | Mount::Loads(_) => self.mounted(material, columns, &mesh, &grid)?,
         };
         Ok((body, mesh))
@@ -75,7 +75,7 @@ impl RunnerPlan<'_> {
             count: [grid.x.len(), grid.y.len()],
             plane_width: ice.x.len(),
         };
-        let mut operator = self.operator(&grid, material, held(self.symmetry, true, true));
+        let mut operator = self.operator(&grid, material, fixed_faces(self.symmetry, true, true));
         if self.elastic.element_kind() == ElementKind::Hex8Dilatation {
             operator = operator.with_mean_dilatation();
         }
@@ -85,8 +85,13 @@ impl RunnerPlan<'_> {
         )
     }
 
-    fn operator(&self, grid: &TensorGrid, material: Material, held: HeldFaces) -> TensorOperator {
-        TensorOperator::new(grid, material.lame_lambda(), material.shear_modulus(), held)
+    fn operator(&self, grid: &TensorGrid, material: Material, fixed: FixedFaces) -> TensorOperator {
+        TensorOperator::new(
+            grid,
+            material.lame_lambda(),
+            material.shear_modulus(),
+            fixed,
+        )
     }
 
     /// The columns under the hull, and their grid without heights.
@@ -112,14 +117,14 @@ impl RunnerPlan<'_> {
         (columns, grid)
     }
 
-    fn held_at_top(
+    fn fixed_at_top(
         &self,
         material: Material,
         columns: Columns,
         mesh: &HexMesh,
         grid: &TensorGrid,
     ) -> Result<ElasticBody, Error> {
-        let operator = self.operator(grid, material, held(self.symmetry, false, true));
+        let operator = self.operator(grid, material, fixed_faces(self.symmetry, false, true));
         let body = ElasticBody::on_grid(operator, material, Side::Above, columns);
         if !self.for_solving {
             return Ok(body);
@@ -138,7 +143,7 @@ impl RunnerPlan<'_> {
         let (elastic, symmetry) = (self.elastic, self.symmetry);
         let extent = self.problem.runner.underside.extent();
         let length = extent[1] - extent[0];
-        let mut operator = self.operator(grid, material, held(symmetry, false, false));
+        let mut operator = self.operator(grid, material, fixed_faces(symmetry, false, false));
         // No face holds the body: its rigid motions get a little stiffness in P, and the mount is a constraint.
         let axis = &mut operator.axes[0];
         for (k, m) in axis.stiffness.iter_mut().zip(&axis.mass) {
@@ -154,7 +159,7 @@ impl RunnerPlan<'_> {
         let mut inverse =
             MountedInverse::new(&operator, averaged.as_ref(), 0, columns, -1.0, material);
         inverse.add_beam(beam);
-        let held = held_nodes(&elastic.mount, grid, symmetry);
+        let fixed = fixed_nodes(&elastic.mount, grid, symmetry);
         let load = match &elastic.mount {
             Mount::Loads(loads) => load_of(self.problem, loads, grid, symmetry),
             Mount::Top | Mount::Places(_) => Vec::new(),
@@ -162,13 +167,13 @@ impl RunnerPlan<'_> {
         let [nx, ny, nz] = grid.shape();
         let entries = (0..3)
             .flat_map(|c| {
-                held[c]
+                fixed[c]
                     .iter()
                     .map(move |&[i, j]| ((c * nz + nz - 1) * ny + j) * nx + i)
             })
             .collect();
         inverse
-            .clamp(nz - 1, held)
+            .clamp(nz - 1, fixed)
             .ok_or_else(|| Error::RunnerMesh {
                 reason: "its mount holds no independent nodes".into(),
             })?;
@@ -240,8 +245,8 @@ fn solid(mesh: &HexMesh, material: Material, kind: ElementKind) -> Result<Solid,
     })
 }
 
-/// Mirror planes held in their normal component, ends and sides where `all_round`, the top where `top`.
-fn held(symmetry: [bool; 2], all_round: bool, top: bool) -> HeldFaces {
+/// Mirror planes fixed in their normal component, ends and sides where `all_round`, the top where `top`.
+fn fixed_faces(symmetry: [bool; 2], all_round: bool, top: bool) -> FixedFaces {
     std::array::from_fn(|c| {
         let ends = |axis: usize| {
             if symmetry[axis] {
@@ -319,7 +324,7 @@ fn beam_space(
 /// The nodes (i, j) of the top that the mount holds, by component; mirror planes hold theirs already.
 ///
 /// A runner that nothing holds gets three points without reaction, which fix its six rigid motions.
-pub(crate) fn held_nodes(
+pub(crate) fn fixed_nodes(
     mount: &Mount,
     grid: &TensorGrid,
     symmetry: [bool; 2],
@@ -337,19 +342,19 @@ pub(crate) fn held_nodes(
     };
     let centre = |n: usize, symmetric: bool| if symmetric { 0 } else { n / 2 };
     let (i, j) = (centre(nx, symmetry[0]), centre(ny, symmetry[1]));
-    let mut held = [Vec::new(), Vec::new(), vec![[i, j]]];
+    let mut fixed = [Vec::new(), Vec::new(), vec![[i, j]]];
     if !symmetry[0] {
-        held[0].push([i, j]);
-        held[2].push([nx - 1, j]);
+        fixed[0].push([i, j]);
+        fixed[2].push([nx - 1, j]);
     }
     if !symmetry[1] {
-        held[1].push([i, j]);
-        held[2].push([i, ny - 1]);
+        fixed[1].push([i, j]);
+        fixed[2].push([i, ny - 1]);
     }
     if !symmetry[0] && !symmetry[1] {
-        held[1].push([nx - 1, j]);
+        fixed[1].push([nx - 1, j]);
     }
-    held
+    fixed
 }
 
 /// The nodal forces of the loads on the top, by components [N].

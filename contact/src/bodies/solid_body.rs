@@ -31,7 +31,7 @@ pub(crate) fn solid_body(solid: &Arc<RunnerSolid>, grid: &TensorGrid) -> Elastic
         inverse: Inverse::Factored(FactoredInverse::new(solid.clone(), mortar.clone())),
         trace: Trace::Means(mortar),
         material: solid.material(),
-        held: Vec::new(),
+        fixed: Vec::new(),
         load: Vec::new(),
     }
 }
@@ -46,7 +46,7 @@ mod tests {
     const YOUNGS: f64 = 210e9;
     const PRESSURE: f64 = 5e6;
 
-    /// A block of 7 x 5 x 3 cells, without Poisson's effect, its top held: uneven ones with rectangular faces, and `skewed` by a part.
+    /// A block of 7 x 5 x 3 cells, without Poisson's effect, its top fixed: uneven ones with rectangular faces, and `skewed` by a part.
     fn uneven(skewed: f64) -> Arc<RunnerSolid> {
         let even = |half: f64, n: i32| -> Vec<f64> {
             let place = |i: i32| half * (2.0 * f64::from(i) / f64::from(n) - 1.0);
@@ -64,8 +64,8 @@ mod tests {
             p[0] += HALF[0] * (0.1 * (1.0 - s * s) + skewed * rim * (t + 0.2));
             p[1] += HALF[1] * (0.1 * (1.0 - t * t) + skewed * rim);
         }
-        let held = |p: [f64; 3]| p[2] > HEIGHT - 1e-9;
-        Arc::new(RunnerSolid::new(mesh, YOUNGS, 0.0, held).expect("a block"))
+        let fixed = |p: [f64; 3]| p[2] > HEIGHT - 1e-9;
+        Arc::new(RunnerSolid::new(mesh, YOUNGS, 0.0, fixed).expect("a block"))
     }
 
     /// How the gap closes at the nodes of an ice plane whose forces are those of one pressure, for lines that match no face of the block.

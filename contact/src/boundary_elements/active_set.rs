@@ -281,14 +281,14 @@ impl Balance {
 pub(super) struct Plane {
     /// Cells along x that are solved for.
     pub width: usize,
-    /// Undeformed gap at the centres less the motion that is held; infinite where there is no hull [m].
+    /// Undeformed gap at the centres less the motion that is fixed; infinite where there is no hull [m].
     pub gap: Vec<f64>,
     /// How the motions that follow from balance close the gap, one list a motion.
     pub motions: Vec<Vec<f64>>,
     /// Which motions these are: approach, and tilts by x and by y.
     free: Vec<usize>,
-    /// The motion that is held [m].
-    held: f64,
+    /// The motion that is fixed [m].
+    fixed: f64,
     /// What the cells' pressures times those rows sum to [Pa], [Pa m].
     pub balance: Vec<f64>,
     /// Largest pressure [Pa].
@@ -322,13 +322,13 @@ impl Plane {
             .map(|m| if m { 2.0 } else { 1.0 })
             .iter()
             .product();
-        let (mut balance, mut held) = (vec![0.0; free.len()], 0.0);
+        let (mut balance, mut fixed) = (vec![0.0; free.len()], 0.0);
         match problem.load {
             Load::Force { fz, .. } => balance[0] = fz / (copies * dx * dy),
             Load::Approach { approach, .. } => {
                 let lowest = gaps.iter().copied().fold(window.lowest, f64::min);
-                held = approach + lowest;
-                gaps.iter_mut().for_each(|g| *g -= held);
+                fixed = approach + lowest;
+                gaps.iter_mut().for_each(|g| *g -= fixed);
             }
         }
         Plane {
@@ -336,7 +336,7 @@ impl Plane {
             gap: gaps,
             motions,
             free,
-            held,
+            fixed,
             balance,
             hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
         }
@@ -362,6 +362,6 @@ impl Plane {
     pub fn depth(&self, gap: &Gap, motion: &[f64], [x, y]: [f64; 2]) -> f64 {
         let row = gap.motion_row(x, y);
         let closed: f64 = self.free.iter().zip(motion).map(|(a, q)| row[*a] * q).sum();
-        closed + self.held - gap.at(x, y)
+        closed + self.fixed - gap.at(x, y)
     }
 }

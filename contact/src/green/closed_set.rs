@@ -59,7 +59,7 @@ impl<'a> ClosedSet<'a> {
         set
     }
 
-    /// The forces and the motion for gaps g without either, from forces near them; held motions, and those that the set does not
+    /// The forces and the motion for gaps g without either, from forces near them; fixed motions, and those that the set does not
     /// feel, stay as in `current`. None where the iteration does not end.
     pub fn solve(
         &self,

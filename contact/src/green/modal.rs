@@ -31,7 +31,7 @@ pub(crate) struct ModalGreen<'a> {
 
 impl<'a> ModalGreen<'a> {
     /// Between `candidates` of a plane of `plane` nodes, on and under these bodies; with `scaled` the responses of those that faces
-    /// alone hold are elasticity's, not their preconditioner's. None where the first body is held by more than faces.
+    /// alone hold are elasticity's, not their preconditioner's. None where the first body is fixed by more than faces.
     pub fn new(
         bodies: &'a [ElasticBody],
         candidates: &'a [usize],

@@ -34,21 +34,21 @@ fn paraboloid() -> Result<Runner, Failure> {
 
 fn bob(mount: Mount, solid: Option<HexMesh>) -> Result<Runner, Failure> {
     let top = 0.03;
-    let held = |p: [f64; 3]| p[2] > top - 1e-9;
+    let fixed = |p: [f64; 3]| p[2] > top - 1e-9;
     let solid = solid
-        .map(|mesh| RunnerSolid::new(mesh, 210e9, 0.3, held))
+        .map(|mesh| RunnerSolid::new(mesh, 210e9, 0.3, fixed))
         .transpose()?;
     Ok(Runner {
         underside: Arc::new(BobRunner::default().swept()?),
         elastic: Some(ElasticRunner {
             mount,
             solid: solid.map(Arc::new),
-            ..ElasticRunner::held_at_top(210e9, 0.3, top)
+            ..ElasticRunner::fixed_at_top(210e9, 0.3, top)
         }),
     })
 }
 
-/// Contacts of every kind of body, of hardness, and of motions that are free or held.
+/// Contacts of every kind of body, of hardness, and of motions that are free or fixed.
 fn contacts() -> Result<Vec<(&'static str, OneMesh)>, Failure> {
     let central = Load::central(1000.0, Tilt::Free);
     let offset = Load::Force {
@@ -57,7 +57,7 @@ fn contacts() -> Result<Vec<(&'static str, OneMesh)>, Failure> {
         offset_y: 1e-5,
         tilt: Tilt::Free,
     };
-    let held = Load::Approach {
+    let fixed = Load::Approach {
         approach: 12e-6,
         pitch: 1e-4,
         roll: 1e-3,
@@ -75,12 +75,12 @@ fn contacts() -> Result<Vec<(&'static str, OneMesh)>, Failure> {
     let levels = graded_levels(5, 1.0)?;
     let solid = mapped_runner_mesh(&line(0.4, 30), &line(0.0035, 6), &swept, 0.03, &levels)?;
     let unbounded = Runner {
-        elastic: Some(ElasticRunner::held_at_top(9e9, 0.3, 0.0)),
+        elastic: Some(ElasticRunner::fixed_at_top(9e9, 0.3, 0.0)),
         ..paraboloid()?
     };
     let cases = [
         ("rigid", paraboloid()?, ice(0.005, None), offset),
-        ("held", paraboloid()?, Ice::half_space(9e9, 0.33), held),
+        ("fixed", paraboloid()?, Ice::half_space(9e9, 0.33), fixed),
         ("hard", paraboloid()?, ice(0.005, Some(60e6)), offset),
         ("unbounded", unbounded, Ice::half_space(9e9, 0.33), central),
         ("top", bob(Mount::Top, None)?, ice(0.02, None), central),

@@ -315,11 +315,11 @@ impl LoadBalance<'_> {
                 break;
             }
             let slopes = self.memory.slopes(&at.kinds);
-            let held = |a: usize, b: usize| if a == b { 1.0 } else { 0.0 };
+            let identity = |a: usize, b: usize| if a == b { 1.0 } else { 0.0 };
             let is_free = |a: usize| free.contains(&a);
             let matrix = Matrix3::from_fn(|a, b| match is_free(a) && is_free(b) {
                 true => slopes[a][b] / self.size(a) * self.unit(b, &at),
-                false => held(a, b),
+                false => identity(a, b),
             });
             let out = Vector3::from_fn(|a, _| match is_free(a) {
                 true => self.out(&at, a) / self.size(a),

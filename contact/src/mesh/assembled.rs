@@ -17,7 +17,7 @@ pub struct AssembledBody {
     /// K of all displacements of the body, component after component, nodes as in [`VolumeField`](crate::VolumeField) or [`RunnerField`](crate::RunnerField) [N/m].
     pub stiffness: Arc<SparseStiffness>,
     /// Displacements that mirror planes, outer faces or a mount hold, ascending.
-    pub held: Vec<usize>,
+    pub fixed: Vec<usize>,
 }
 
 /// Assembles the stiffness of every body of a mesh, to be multiplied with from now on.
@@ -70,14 +70,14 @@ fn named(error: kufe_fem::Error) -> Error {
     }
 }
 
-/// The assembled bodies with what is held of them; none where nothing was assembled.
+/// The assembled bodies with what is fixed of them; none where nothing was assembled.
 pub(crate) fn assembled_bodies(contact: &ContactMesh) -> Vec<AssembledBody> {
     let bodies = ["ice", "runner"].into_iter().zip(&contact.bodies);
     let assembled = bodies.filter_map(|(name, body)| {
         Some(AssembledBody {
             name,
             stiffness: body.assembled.clone()?,
-            held: body.held_entries(),
+            fixed: body.fixed_dofs(),
         })
     });
     assembled.collect()

@@ -34,7 +34,7 @@ pub(crate) struct ContactMesh {
 /// Displacements, contact forces and motion on one mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
-    /// Displacements of the bodies one after another, held values included [m].
+    /// Displacements of the bodies one after another, fixed values included [m].
     pub displacement: Vec<f64>,
     /// Contact forces on the plane [N].
     pub force: Vec<f64>,

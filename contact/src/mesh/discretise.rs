@@ -1,6 +1,6 @@
 //! From a patch and a resolution to a mesh.
 
-use kufe_fem::{ElementKind, HeldFaces, LowerLayer, Material, TensorOperator};
+use kufe_fem::{ElementKind, FixedFaces, LowerLayer, Material, TensorOperator};
 use kufe_mesh::{HexMesh, TensorGrid};
 
 use crate::bodies::elastic_body::ElasticBody;
@@ -85,7 +85,7 @@ impl MeshPlan<'_> {
         };
         storable(grid.shape())?;
         let (lambda, mu) = (self.material.lame_lambda(), self.material.shear_modulus());
-        let mut operator = TensorOperator::new(&grid, lambda, mu, held_faces(symmetry));
+        let mut operator = TensorOperator::new(&grid, lambda, mu, fixed_faces(symmetry));
         if let Some(layer) = lower {
             operator = operator.on_layer(layer);
         }
@@ -323,8 +323,8 @@ fn lower_layer(bed: Bed, cells: usize) -> Result<LowerLayer, Error> {
     })
 }
 
-/// Outer faces held in all components, mirror planes in their normal one.
-fn held_faces(symmetry: [bool; 2]) -> HeldFaces {
+/// Outer faces fixed in all components, mirror planes in their normal one.
+fn fixed_faces(symmetry: [bool; 2]) -> FixedFaces {
     std::array::from_fn(|c| {
         [
             [!symmetry[0] || c == 0, true],

@@ -52,12 +52,12 @@ impl MountedInverse {
     }
 
     /// Fixes entries (component, node (i, j)) of plane `plane`; fails where they are no independent constraint.
-    pub fn clamp(&mut self, plane: usize, held: [Vec<[usize; 2]>; 3]) -> Option<()> {
+    pub fn clamp(&mut self, plane: usize, fixed: [Vec<[usize; 2]>; 3]) -> Option<()> {
         let factors = [1.0, self.response];
         self.clamps = Some(Clamps::new(
             &self.fast,
             plane,
-            held,
+            fixed,
             self.beam.as_ref(),
             factors,
         )?);
@@ -190,7 +190,7 @@ impl MountedInverse {
 
 // Places of a body's top that a mount holds, as a constraint of its preconditioner.
 
-/// Held displacements of one horizontal plane.
+/// Fixed displacements of one horizontal plane.
 ///
 /// With D picking them, the preconditioner in the subspace D z = 0 is
 /// M^-1 r = Q^-1 (r - D^T m), G m = D Q^-1 r, G = D Q^-1 D^T, where Q^-1 = P^-1 + Z C^-1 Z^T knows no clamps.
@@ -198,9 +198,9 @@ impl MountedInverse {
 pub(crate) struct Clamps {
     /// The plane's modes by component.
     modes: [PlaneModes; 3],
-    /// Held nodes (i, j) by component.
-    held: [Vec<[usize; 2]>; 3],
-    /// Z's rows of the held displacements, in their order; none without a beam.
+    /// Fixed nodes (i, j) by component.
+    fixed: [Vec<[usize; 2]>; 3],
+    /// Z's rows of the fixed displacements, in their order; none without a beam.
     rows: Vec<Vec<(usize, f64)>>,
     /// G as it is, and with P's part scaled to elasticity's response.
     factors: [DenseCholesky; 2],
@@ -209,27 +209,27 @@ pub(crate) struct Clamps {
 }
 
 impl Clamps {
-    /// LineValue `held`, nodes (i, j) of plane `plane` by component, with P's part of G scaled by each of `scales`.
+    /// LineValue `fixed`, nodes (i, j) of plane `plane` by component, with P's part of G scaled by each of `scales`.
     ///
     /// None where G is not definite.
     pub fn new(
         fast: &FastDiagonal,
         plane: usize,
-        held: [Vec<[usize; 2]>; 3],
+        fixed: [Vec<[usize; 2]>; 3],
         beam: Option<&BeamSpace>,
         scales: [f64; 2],
     ) -> Option<Self> {
         let modes = [0, 1, 2].map(|c| PlaneModes::new(fast, c, plane));
         let shape = [0, 1].map(|axis| fast.axis_modes(0, axis).vectors.nrows());
-        let count: usize = held.iter().map(Vec::len).sum();
+        let count: usize = fixed.iter().map(Vec::len).sum();
         let rows: Vec<Vec<(usize, f64)>> = beam.map_or(Vec::new(), |beam| {
             (0..3)
-                .flat_map(|c| held[c].iter().map(move |&node| beam.row(node, plane, c)))
+                .flat_map(|c| fixed[c].iter().map(move |&node| beam.row(node, plane, c)))
                 .collect()
         });
         let mut blocks = Mat::<f64>::zeros(count, count);
         let mut start = 0;
-        for (modes, nodes) in modes.iter().zip(&held) {
+        for (modes, nodes) in modes.iter().zip(&fixed) {
             let green = modes.green(nodes);
             for j in 0..nodes.len() {
                 for i in 0..nodes.len() {
@@ -252,13 +252,13 @@ impl Clamps {
         Some(Clamps {
             factors: [factor(scales[0])?, factor(scales[1])?],
             modes,
-            held,
+            fixed,
             rows,
             shape,
         })
     }
 
-    /// Takes from Q^-1 r, given by its modal values and by Z^T r, what moves the held displacements.
+    /// Takes from Q^-1 r, given by its modal values and by Z^T r, what moves the fixed displacements.
     pub fn hold(
         &self,
         fast: &FastDiagonal,
@@ -267,7 +267,7 @@ impl Clamps {
         motion: &mut [f64],
     ) {
         let mut moved = Vec::new();
-        for (modes, nodes) in self.modes.iter().zip(&self.held) {
+        for (modes, nodes) in self.modes.iter().zip(&self.fixed) {
             if nodes.is_empty() {
                 continue;
             }
@@ -283,7 +283,7 @@ impl Clamps {
         let side = Mat::from_fn(moved.len(), 1, |i, _| moved[i]);
         let reaction = self.factors[0].solve(&side);
         let mut start = 0;
-        for (modes, nodes) in self.modes.iter().zip(&self.held) {
+        for (modes, nodes) in self.modes.iter().zip(&self.fixed) {
             if nodes.is_empty() {
                 continue;
             }
@@ -301,7 +301,7 @@ impl Clamps {
         }
     }
 
-    /// What the clamps take from the Green's matrix of contact nodes: X G^-1 X^T, X between those and the held ones.
+    /// What the clamps take from the Green's matrix of contact nodes: X G^-1 X^T, X between those and the fixed ones.
     ///
     /// `kind` says which of the scales, `scale` its value.
     pub fn share(
@@ -313,11 +313,11 @@ impl Clamps {
         scale: f64,
         nodes: &[[usize; 2]],
     ) -> Mat<f64> {
-        let count: usize = self.held.iter().map(Vec::len).sum();
-        let vertical = count - self.held[2].len();
+        let count: usize = self.fixed.iter().map(Vec::len).sum();
+        let vertical = count - self.fixed[2].len();
         let table = contact.table_with(&self.modes[2], fast);
         let basis = &contact.basis;
-        let direct = basis.green_between(table.as_ref(), nodes, &self.held[2]);
+        let direct = basis.green_between(table.as_ref(), nodes, &self.fixed[2]);
         let mut cross = match beam {
             Some(beam) => {
                 let rows: Vec<_> = self.rows.iter().collect();
@@ -326,7 +326,7 @@ impl Clamps {
             None => Mat::zeros(count, nodes.len()),
         };
         for j in 0..nodes.len() {
-            for i in 0..self.held[2].len() {
+            for i in 0..self.fixed[2].len() {
                 cross[(vertical + i, j)] += scale * direct[(j, i)];
             }
         }

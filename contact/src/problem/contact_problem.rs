@@ -85,7 +85,7 @@ impl Load {
 pub enum Tilt {
     /// Pitch and roll settle where the moments balance.
     Free,
-    /// Pitch and roll are held.
+    /// Pitch and roll are fixed.
     Fixed {
         /// Pitch about y, positive lowers the nose [rad].
         pitch: f64,
@@ -95,7 +95,7 @@ pub enum Tilt {
 }
 
 impl Tilt {
-    /// Held as the hull is drawn.
+    /// Fixed as the hull is drawn.
     pub const LEVEL: Tilt = Tilt::Fixed {
         pitch: 0.0,
         roll: 0.0,
@@ -154,8 +154,8 @@ impl ElasticRunner {
         (1.0 - self.poissons_ratio * self.poissons_ratio) / self.youngs_modulus
     }
 
-    /// A runner held at its flat top.
-    pub fn held_at_top(youngs_modulus: f64, poissons_ratio: f64, top: f64) -> Self {
+    /// A runner fixed at its flat top.
+    pub fn fixed_at_top(youngs_modulus: f64, poissons_ratio: f64, top: f64) -> Self {
         ElasticRunner {
             youngs_modulus,
             poissons_ratio,

@@ -12,7 +12,7 @@ pub(crate) struct Gap<'a> {
     problem: &'a Problem,
     /// Line of action [m].
     pub line_of_action: [f64; 2],
-    /// Pitch and roll that are held and so part of g [rad].
+    /// Pitch and roll that are fixed and so part of g [rad].
     fixed_tilt: [f64; 2],
     /// Which of approach, pitch and roll follow from balance.
     pub free_motion: [bool; 3],

@@ -35,7 +35,7 @@ pub enum Mount {
     /// The top's full width at some places along it, as a luge steel on its bridges or a runner in its carriers.
     Places(Vec<Place>),
     /// Nothing: places along the top carry the load down, spread evenly along each place on the line of action. The shares
-    /// sum to 1, and their line of action is the load's, so that the body is in balance whatever it is held by.
+    /// sum to 1, and their line of action is the load's, so that the body is in balance whatever it is fixed by.
     Loads(Vec<LoadedPlace>),
 }
 
@@ -48,7 +48,7 @@ const CELLS_A_PLACE: f64 = 1.0;
 impl Mount {
     /// The steepest slope of the meshed underside that serves this mount.
     ///
-    /// What is held all over its top does not bend, and a gentle flank costs nothing; where it bends, the steel that the
+    /// What is fixed all over its top does not bend, and a gentle flank costs nothing; where it bends, the steel that the
     /// limit adds counts: 0.35 adds 4.1 per cent to the bending stiffness of a runner with a half circle for its section,
     /// 10 mm x 30 mm, and 0.5 takes up to a fifth more iterations.
     pub fn flank(&self) -> f64 {
@@ -58,7 +58,7 @@ impl Mount {
         }
     }
 
-    /// The element of a runner on the ice's columns: what is held all over its top cannot bend, and what serves a
+    /// The element of a runner on the ice's columns: what is fixed all over its top cannot bend, and what serves a
     /// block serves it.
     pub fn element(&self, poissons_ratio: f64) -> ElementKind {
         match self {

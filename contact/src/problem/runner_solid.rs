@@ -1,4 +1,4 @@
-//! A runner on hexahedra of its own: held somewhere, touched from below.
+//! A runner on hexahedra of its own: fixed somewhere, touched from below.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -45,18 +45,18 @@ const DOWN: f64 = -0.2;
 const BATCH: usize = 32;
 
 impl RunnerSolid {
-    /// A solid of one material whose nodes where `held` are clamped; z points up.
+    /// A solid of one material whose nodes where `fixed` are clamped; z points up.
     ///
     /// The underside is what faces down and hangs together with the lowest face.
     ///
     /// # Errors
-    /// [`Error::RunnerMesh`] where a cell is inside out, nothing is held, what is held leaves a mechanism, or nothing faces
+    /// [`Error::RunnerMesh`] where a cell is inside out, nothing is fixed, what is fixed leaves a mechanism, or nothing faces
     /// down.
     pub fn new(
         mesh: HexMesh,
         youngs_modulus: f64,
         poissons_ratio: f64,
-        held: impl Fn([f64; 3]) -> bool,
+        fixed: impl Fn([f64; 3]) -> bool,
     ) -> Result<Self, Error> {
         let bad = |reason: String| Error::RunnerMesh { reason };
         let said = |error: kufe_fem::Error| Error::RunnerMesh {
@@ -71,7 +71,7 @@ impl RunnerSolid {
             return Err(bad("no face of its mesh faces down".into()));
         }
         let clamped: Vec<usize> = (0..mesh.points.len())
-            .filter(|&node| held(mesh.points[node]))
+            .filter(|&node| fixed(mesh.points[node]))
             .collect();
         if clamped.is_empty() {
             return Err(bad("its mount holds no node of its mesh".into()));

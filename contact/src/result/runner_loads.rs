@@ -23,7 +23,7 @@ pub struct RunnerLoads {
 /// What the runner pushes one part of its mount with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MountForce {
-    /// Middle of what is held or loaded [m].
+    /// Middle of what is fixed or loaded [m].
     pub at: [f64; 3],
     /// Force on the mount; what carries a load has that load, upwards [N].
     pub force: [f64; 3],
@@ -39,8 +39,8 @@ pub struct MountForce {
 ///
 /// F = -sum f,  M = -sum (r - r0) x f,
 ///
-/// with r0 the middle of the part: parts are what hangs together over faces that are held. They sum to the contact's force and to its
-/// moments as far as equilibrium is reached. Stresses are [`nodal_stresses`]; at the rim of what is held elasticity has no limit of them,
+/// with r0 the middle of the part: parts are what hangs together over faces that are fixed. They sum to the contact's force and to its
+/// moments as far as equilibrium is reached. Stresses are [`nodal_stresses`]; at the rim of what is fixed elasticity has no limit of them,
 /// so that they grow there with finer meshes.
 ///
 /// # Errors
@@ -93,8 +93,8 @@ pub fn runner_loads(problem: &Problem, solution: &Solution) -> Result<Option<Run
 fn on_mount(elastic: &ElasticRunner, field: &RunnerField) -> Vec<bool> {
     let points = &field.mesh.points;
     if let Some(solid) = &elastic.solid {
-        let held = |node| solid.map.index(3 * node).is_none();
-        return (0..points.len()).map(held).collect();
+        let fixed = |node| solid.map.index(3 * node).is_none();
+        return (0..points.len()).map(fixed).collect();
     }
     let top = points
         .iter()
@@ -102,8 +102,8 @@ fn on_mount(elastic: &ElasticRunner, field: &RunnerField) -> Vec<bool> {
         .fold(f64::NEG_INFINITY, f64::max);
     let slack = 1e-9 * top.abs();
     let over = |x| elastic.mount == Mount::Top || elastic.mount.over(x);
-    let held = |p: &[f64; 3]| p[2] >= top - slack && over(p[0]);
-    points.iter().map(held).collect()
+    let fixed = |p: &[f64; 3]| p[2] >= top - slack && over(p[0]);
+    points.iter().map(fixed).collect()
 }
 
 /// Nodes that hang together over faces of which all corners are `on`; what is left over, within cells.

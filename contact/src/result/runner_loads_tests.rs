@@ -9,7 +9,7 @@ use crate::{Foundation, Ice, Load, LoadedPlace, Options, Place, Runner, RunnerSo
 
 const STEEL: (f64, f64) = (210e9, 0.3);
 
-fn held(places: &[(f64, f64)]) -> Mount {
+fn fixed(places: &[(f64, f64)]) -> Mount {
     let place = |&(x, length): &(f64, f64)| Place { x, length };
     Mount::Places(places.iter().map(place).collect())
 }
@@ -30,7 +30,7 @@ fn problem(
 ) -> Problem {
     let elastic = ElasticRunner {
         mount,
-        ..ElasticRunner::held_at_top(STEEL.0, STEEL.1, top)
+        ..ElasticRunner::fixed_at_top(STEEL.0, STEEL.1, top)
     };
     let runner = Runner {
         underside,
@@ -91,10 +91,10 @@ fn what_mounts_bear_sums_to_the_contacts_force_and_moments() {
     let two = [(-0.08, 0.02), (0.08, 0.02)];
     let mounts = [
         (Mount::Top, 0.0, Tilt::LEVEL, 1),
-        (held(&two), 0.0, Tilt::LEVEL, 2),
-        (held(&[(0.0, 0.04)]), 0.0, Tilt::LEVEL, 1),
-        (held(&[(-0.08, 0.02), (0.03, 0.01)]), 0.0, Tilt::Free, 2),
-        (held(&[(0.1, 0.02)]), 0.0, Tilt::LEVEL, 1),
+        (fixed(&two), 0.0, Tilt::LEVEL, 2),
+        (fixed(&[(0.0, 0.04)]), 0.0, Tilt::LEVEL, 1),
+        (fixed(&[(-0.08, 0.02), (0.03, 0.01)]), 0.0, Tilt::Free, 2),
+        (fixed(&[(0.1, 0.02)]), 0.0, Tilt::LEVEL, 1),
         (
             carried(&[(-0.08, 0.02, 0.5), (0.08, 0.02, 0.5)]),
             0.0,
@@ -140,7 +140,7 @@ fn what_mounts_bear_sums_to_the_contacts_force_and_moments() {
     }
 }
 
-/// A block on hexahedra of its own, held at two rows of its top.
+/// A block on hexahedra of its own, fixed at two rows of its top.
 #[test]
 fn hexahedra_from_elsewhere_bear_on_each_place_that_holds_them() {
     let line = |half: f64, n: i32| -> Vec<f64> {

@@ -39,11 +39,11 @@ pub struct Solution {
     pub approach_error: f64,
     /// Pitch about y, positive lowers the nose [rad].
     pub pitch: f64,
-    /// Estimated error of the pitch; 0 where it is held [rad].
+    /// Estimated error of the pitch; 0 where it is fixed [rad].
     pub pitch_error: f64,
     /// Roll about x [rad].
     pub roll: f64,
-    /// Estimated error of the roll; 0 where it is held [rad].
+    /// Estimated error of the roll; 0 where it is fixed [rad].
     pub roll_error: f64,
     /// The largest shear in the ice under the peak pressure, where it was requested and lies under the surface.
     pub under_peak: Option<UnderPeak>,

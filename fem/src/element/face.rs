@@ -7,7 +7,8 @@ use kufe_mesh::HexMesh;
 use crate::element::hex8::GAUSS;
 use crate::error::Error;
 
-/// Corners of the six faces of a cell, counter-clockwise seen from outside: -x, +x, -y, +y, -z, +z in natural coordinates.
+/// Corners of the six faces of a cell, counter-clockwise seen from outside: -x, +x, -y, +y, -z, +z
+/// in natural coordinates.
 pub const FACES: [[usize; 4]; 6] = [
     [0, 4, 7, 3],
     [1, 2, 6, 5],
@@ -17,7 +18,8 @@ pub const FACES: [[usize; 4]; 6] = [
     [4, 5, 6, 7],
 ];
 
-/// The faces that belong to one cell only, as nodes counter-clockwise seen from outside, in the order of the cells.
+/// The faces that belong to one cell only, as nodes counter-clockwise seen from outside, in the
+/// order of the cells.
 pub fn boundary_faces(mesh: &HexMesh) -> Vec<[usize; 4]> {
     let key = |mut face: [usize; 4]| {
         face.sort_unstable();
@@ -99,9 +101,11 @@ fn add_force(
     Ok(())
 }
 
-/// Adds the consistent nodal forces [N] of a traction given by position [Pa] on faces, 2 x 2 Gauss points each.
+/// Adds the consistent nodal forces [N] of a traction given by position [Pa] on faces, 2 x 2 Gauss
+/// points each.
 ///
-/// `loads` has three numbers a node. Fails where its length is another, or a face names a missing node.
+/// `loads` has three numbers a node. Fails where its length is another, or a face names a missing
+/// node.
 pub fn add_traction(
     mesh: &HexMesh,
     faces: &[[usize; 4]],
@@ -115,9 +119,11 @@ pub fn add_traction(
     })
 }
 
-/// Adds the consistent nodal forces [N] of a pressure given by position [Pa] on faces, against their outward normals.
+/// Adds the consistent nodal forces [N] of a pressure given by position [Pa] on faces, against
+/// their outward normals.
 ///
-/// Faces are counter-clockwise seen from outside, as from [`boundary_faces`]. Fails as [`add_traction`].
+/// Faces are counter-clockwise seen from outside, as from [`boundary_faces`]. Fails as
+/// [`add_traction`].
 pub fn add_pressure(
     mesh: &HexMesh,
     faces: &[[usize; 4]],

@@ -1,8 +1,8 @@
 //! The trilinear eight-node hexahedron.
 //!
-//! Corners are in VTK's order. Displacements and forces of an element are 24 numbers, corner by corner, (x, y, z)
-//! within a corner. Strains and stresses are (xx, yy, zz, yz, zx, xy) with engineering shear strains.
-//! Source: T. J. R. Hughes, The Finite Element Method (1987), chapter 3.
+//! Corners are in VTK's order. Displacements and forces of an element are 24 numbers, corner by
+//! corner, (x, y, z) within a corner. Strains and stresses are (xx, yy, zz, yz, zx, xy) with
+//! engineering shear strains. Source: T. J. R. Hughes, The Finite Element Method (1987), chapter 3.
 
 use crate::body::Material;
 
@@ -39,12 +39,14 @@ pub(crate) const EDGES: [[[usize; 2]; 3]; 8] = [
 /// Abscissa 1/sqrt(3) of the two-point Gauss rule; its weights are 1.
 pub const GAUSS: f64 = 0.577_350_269_189_625_8;
 
-/// Natural coordinates of the 2 x 2 x 2 Gauss points, in the order of the corners that they are next to.
+/// Natural coordinates of the 2 x 2 x 2 Gauss points, in the order of the corners that they are
+/// next to.
 pub fn gauss_points() -> [[f64; 3]; 8] {
     CORNERS.map(|corner| corner.map(|c| c * GAUSS))
 }
 
-/// Shape functions N_a = (1 + xi xi_a)(1 + eta eta_a)(1 + zeta zeta_a) / 8 at natural coordinates `xi`.
+/// Shape functions N_a = (1 + xi xi_a)(1 + eta eta_a)(1 + zeta zeta_a) / 8 at natural coordinates
+/// `xi`.
 pub fn shape_functions(xi: [f64; 3]) -> [f64; 8] {
     CORNERS.map(|c| (0..3).map(|k| 1.0 + xi[k] * c[k]).product::<f64>() / 8.0)
 }
@@ -101,7 +103,8 @@ impl Jacobian {
     }
 }
 
-/// Gradients d N_a / d x of the shape functions [1/m] at natural coordinates `xi`, and the Jacobian determinant [m^3].
+/// Gradients d N_a / d x of the shape functions [1/m] at natural coordinates `xi`, and the Jacobian
+/// determinant [m^3].
 pub fn gradients(corners: &Corners, xi: [f64; 3]) -> ([[f64; 3]; 8], f64) {
     let derivatives = shape_derivatives(xi);
     let jacobian = Jacobian::from_derivatives(corners, &derivatives);
@@ -109,7 +112,8 @@ pub fn gradients(corners: &Corners, xi: [f64; 3]) -> ([[f64; 3]; 8], f64) {
     (g, jacobian.determinant)
 }
 
-/// Lengths along x, y and z [m] of an element that is a box along these axes, with its corners in their order; nothing of another.
+/// Lengths along x, y and z [m] of an element that is a box along these axes, with its corners in
+/// their order; nothing of another.
 pub fn box_lengths(corners: &Corners) -> Option<[f64; 3]> {
     let (low, high) = (corners[0], corners[6]);
     let boxed = CORNERS.iter().zip(corners).all(|(natural, corner)| {
@@ -172,8 +176,8 @@ pub fn strain_displacement(corners: &Corners, xi: [f64; 3]) -> [[f64; 24]; 6] {
     b
 }
 
-/// Adds `weight` times the stiffness density of two scalar functions with gradients `ga` and `gb` to a 3 x 3 block:
-/// K_ij = lambda ga_i gb_j + mu ga_j gb_i + mu (ga . gb) delta_ij.
+/// Adds `weight` times the stiffness density of two scalar functions with gradients `ga` and `gb`
+/// to a 3 x 3 block: K_ij = lambda ga_i gb_j + mu ga_j gb_i + mu (ga . gb) delta_ij.
 #[inline]
 pub(crate) fn add_block(
     block: &mut [[f64; 3]; 3],
@@ -191,7 +195,8 @@ pub(crate) fn add_block(
     }
 }
 
-/// Adds a point's weight times B^T D B to the upper half of a stiffness, for elements with a B (6 x 24) of their own.
+/// Adds a point's weight times B^T D B to the upper half of a stiffness, for elements with a B (6
+/// x 24) of their own.
 pub(crate) fn add_density(
     k: &mut ElementMatrix,
     b: &[[f64; 24]; 6],
@@ -219,8 +224,8 @@ pub(crate) fn mirrored(mut k: ElementMatrix) -> ElementMatrix {
 
 /// Stiffness matrix K = integral of B^T D B over the element, 2 x 2 x 2 Gauss points.
 ///
-/// 24 x 24, symmetric [N/m]. Every Jacobian determinant must be positive ([`smallest_determinant`]);
-/// [`crate::Body`] checks it.
+/// 24 x 24, symmetric [N/m]. Every Jacobian determinant must be positive
+/// ([`smallest_determinant`]); [`crate::Body`] checks it.
 pub fn stiffness(corners: &Corners, material: Material) -> ElementMatrix {
     let (lambda, mu) = (material.lame_lambda(), material.shear_modulus());
     let mut blocks = [[[[0.0; 3]; 3]; 8]; 8];

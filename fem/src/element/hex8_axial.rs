@@ -1,21 +1,25 @@
-//! The eight-node hexahedron whose changes across its first axis are averaged along it where a beam has none.
+//! The eight-node hexahedron whose changes across its first axis are averaged along it where a beam
+//! has none.
 //!
-//! A long thin cell that bends stores, as plain trilinear element, a shear strain linear along it that no beam has. Here, over
-//! the two Gauss points xi = -1/sqrt(3), 1/sqrt(3) of each line along the first natural axis, means weighted by det J replace
+//! A long thin cell that bends stores, as plain trilinear element, a shear strain linear along it
+//! that no beam has. Here, over the two Gauss points xi = -1/sqrt(3), 1/sqrt(3) of each line along
+//! the first natural axis, means weighted by det J replace
 //!
 //! ```text
 //! gamma_xy, gamma_zx,   and in  eps_xx = d u_x / d xi  d xi / d x + [d u_x / d eta  d eta / d x + d u_x / d zeta  d zeta / d x]
 //! ```
 //!
-//! the bracket, which is there where the cell's sides climb along x; everything else is the plain element's. Means weighted by
-//! det J keep the forces of a constant stress (the argument of B-bar: T. J. R. Hughes, Int. J. Numer. Meth. Engng 15 (1980),
-//! 1413-1418). Linear displacements keep their strain where the corners lie in planes across x, so that the patch test is
-//! passed on columns of any height: runners are meshed that way, and other meshes take [`crate::element::hex8_incompatible`]. In
-//! planes across x the element remains the plain one.
+//! the bracket, which is there where the cell's sides climb along x; everything else is the plain
+//! element's. Means weighted by det J keep the forces of a constant stress (the argument of B-bar:
+//! T. J. R. Hughes, Int. J. Numer. Meth. Engng 15 (1980), 1413-1418). Linear displacements keep
+//! their strain where the corners lie in planes across x, so that the patch test is passed on
+//! columns of any height: runners are meshed that way, and other meshes take
+//! [`crate::element::hex8_incompatible`]. In planes across x the element remains the plain one.
 //!
-//! The remaining stiffness is, block by block, a sum of Kronecker products on a tensor grid again, with the mass matrix
-//! of x averaged in component x ([`crate::Axis::averaged`]), so that fast diagonalisation stays an effective preconditioner
-//! whatever the cells' aspect. Incompatible modes soften every plane at once, and no such sum follows them.
+//! The remaining stiffness is, block by block, a sum of Kronecker products on a tensor grid again,
+//! with the mass matrix of x averaged in component x ([`crate::Axis::averaged`]), so that fast
+//! diagonalisation stays an effective preconditioner whatever the cells' aspect. Incompatible modes
+//! soften every plane at once, and no such sum follows them.
 
 use crate::body::Material;
 use crate::element::hex8::{self, Corners, ElementMatrix, GAUSS, gauss_points};
@@ -25,7 +29,8 @@ const SHEARS: [usize; 2] = [4, 5];
 /// Gauss points that share a line along the first natural axis.
 pub(crate) const LINES: [[usize; 2]; 4] = [[0, 1], [3, 2], [4, 5], [7, 6]];
 
-/// B (6 x 24) of the plain element, apart from the bracket of eps_xx, and that bracket by corner; with det J.
+/// B (6 x 24) of the plain element, apart from the bracket of eps_xx, and that bracket by corner;
+/// with det J.
 type Split = ([[f64; 24]; 6], [f64; 8], f64);
 
 fn split(corners: &Corners, xi: [f64; 3]) -> Split {
@@ -63,7 +68,8 @@ fn averaged(ends: &mut [Split; 2]) {
 
 /// Stiffness (24 x 24), symmetric [N/m].
 ///
-/// Every Jacobian determinant must be positive ([`hex8::smallest_determinant`]); [`crate::Body`] checks it.
+/// Every Jacobian determinant must be positive ([`hex8::smallest_determinant`]); [`crate::Body`]
+/// checks it.
 pub fn stiffness(corners: &Corners, material: Material) -> ElementMatrix {
     let points = gauss_points();
     let mut k = [[0.0; 24]; 24];
@@ -133,7 +139,8 @@ mod tests {
         }
     }
 
-    /// Bending u_x = x z, u_z = -x^2/2 at nu = 0 has the energy E c^2 V / (2 * 3), however long the cell; and about z too.
+    /// Bending u_x = x z, u_z = -x^2/2 at nu = 0 has the energy E c^2 V / (2 * 3), however long the
+    /// cell; and about z too.
     #[test]
     fn bending_along_the_first_axis_has_the_energy_of_beam_theory() {
         let material = Material::new(7.0, 0.0).unwrap();

@@ -1,25 +1,27 @@
 //! The eight-node hexahedron whose change of volume is its mean over the cell (B-bar).
 //!
-//! A plain trilinear cell of a nearly incompressible material must conserve its volume at each of its Gauss points, which gives it
-//! hardly a way to deform: it locks. Here the mean over the cell weighted by det J takes the place of the dilatation,
+//! A plain trilinear cell of a nearly incompressible material must conserve its volume at each of
+//! its Gauss points, which gives it hardly a way to deform: it locks. Here the mean over the cell
+//! weighted by det J takes the place of the dilatation,
 //!
 //! ```text
 //! strain = e - tr(e) / 3 I + mean / 3 I,   mean = integral of tr(e) / volume,
 //! ```
 //!
-//! in the strain and in the virtual strain alike; the deviator stays the plain element's, so that only rigid motions are free.
-//! Linear displacements keep their strain whatever the cell's shape. On boxes the stiffness is a sum of Kronecker products
-//! ([`crate::TensorOperator::with_mean_dilatation`]).
-//! Source: T. J. R. Hughes, Generalization of selective integration procedures to anisotropic and nonlinear media, Int. J.
-//! Numer. Meth. Engng 15 (1980), 1413-1418.
+//! in the strain and in the virtual strain alike; the deviator stays the plain element's, so that
+//! only rigid motions are free. Linear displacements keep their strain whatever the cell's shape.
+//! On boxes the stiffness is a sum of Kronecker products
+//! ([`crate::TensorOperator::with_mean_dilatation`]). Source: T. J. R. Hughes, Generalization of
+//! selective integration procedures to anisotropic and nonlinear media, Int. J. Numer. Meth. Engng
+//! 15 (1980), 1413-1418.
 
 use crate::body::Material;
 use crate::element::hex8::{self, Corners, ElementMatrix, gauss_points};
 
 /// Poisson's ratio from which on a block takes this element.
 ///
-/// Hertz's paraboloid (rocker 30 m, section 5 mm, 1 kN, 18,192 unknowns): how far the mesh's own peak is off the closed form, and
-/// the error that is stated, in per cent.
+/// Hertz's paraboloid (rocker 30 m, section 5 mm, 1 kN, 18,192 unknowns): how far the mesh's own
+/// peak is off the closed form, and the error that is stated, in per cent.
 ///
 /// | ratio | plain | stated | this | stated |
 /// |---|---|---|---|---|
@@ -29,13 +31,15 @@ use crate::element::hex8::{self, Corners, ElementMatrix, gauss_points};
 /// | 0.44 | 1.03 | 0.96 | 0.24 | 0.91 |
 /// | 0.45 | 1.21 | 1.44 | 0.22 | 0.94 |
 ///
-/// From 0.44 on the plain element's stated error, by which meshes are refined, is the larger one. At half of this lambda / mu
-/// (0.41) a product of twice the cost would gain nothing; at twice (0.474) a mesh is refined that need not be.
+/// From 0.44 on the plain element's stated error, by which meshes are refined, is the larger one.
+/// At half of this lambda / mu (0.41) a product of twice the cost would gain nothing; at twice
+/// (0.474) a mesh is refined that need not be.
 pub const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
 /// Stiffness (24 x 24), symmetric [N/m].
 ///
-/// Every Jacobian determinant must be positive ([`hex8::smallest_determinant`]); [`crate::Body`] checks it.
+/// Every Jacobian determinant must be positive ([`hex8::smallest_determinant`]); [`crate::Body`]
+/// checks it.
 pub fn stiffness(corners: &Corners, material: Material) -> ElementMatrix {
     let mean = mean_divergence(corners);
     let mut k = [[0.0; 24]; 24];
@@ -84,7 +88,8 @@ mod tests {
         (0..24).map(|i| 0.5 * u[i] * force(i)).sum()
     }
 
-    /// Only the six rigid motions cost nothing, whatever the shape and however near 0.5 Poisson's ratio is.
+    /// Only the six rigid motions cost nothing, whatever the shape and however near 0.5 Poisson's
+    /// ratio is.
     #[test]
     fn no_motion_but_a_rigid_one_is_free() {
         for (corners, ratio) in [
@@ -110,8 +115,8 @@ mod tests {
         }
     }
 
-    /// Motions that keep a box' volume on the whole cost shear alone: of the 18 that are not rigid only one feels lambda, where
-    /// all but one of the plain element's do.
+    /// Motions that keep a box' volume on the whole cost shear alone: of the 18 that are not rigid
+    /// only one feels lambda, where all but one of the plain element's do.
     #[test]
     fn only_the_mean_dilatation_of_a_box_feels_a_high_lambda() {
         let material = Material::new(3.0, 0.499_999).unwrap();

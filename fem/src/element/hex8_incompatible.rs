@@ -1,17 +1,19 @@
 //! The eight-node hexahedron with incompatible modes, which bends without locking.
 //!
-//! Each element gets three inner modes 1 - xi^2, 1 - eta^2, 1 - zeta^2 in each displacement component. Their
-//! gradients are taken with the Jacobian J_0 of the centre and scaled by det J_0 / det J, so that their integral
-//! over the element vanishes: that is the condition under which the element passes the patch test when distorted.
-//! The nine amplitudes are condensed out of the element.
+//! Each element gets three inner modes 1 - xi^2, 1 - eta^2, 1 - zeta^2 in each displacement
+//! component. Their gradients are taken with the Jacobian J_0 of the centre and scaled by det J_0 /
+//! det J, so that their integral over the element vanishes: that is the condition under which the
+//! element passes the patch test when distorted. The nine amplitudes are condensed out of the
+//! element.
 //!
-//! Source: R. L. Taylor, P. J. Beresford and E. L. Wilson, A non-conforming element for stress analysis, Int. J.
-//! Numer. Meth. Engng 10 (1976), 1211-1219.
+//! Source: R. L. Taylor, P. J. Beresford and E. L. Wilson, A non-conforming element for stress
+//! analysis, Int. J. Numer. Meth. Engng 10 (1976), 1211-1219.
 
 use crate::body::Material;
 use crate::element::hex8::{Corners, ElementMatrix, Jacobian, add_block, gauss_points, gradients};
 
-/// Gradients [1/m] of the three modes at natural coordinates `xi` where the determinant is `determinant`.
+/// Gradients [1/m] of the three modes at natural coordinates `xi` where the determinant is
+/// `determinant`.
 pub fn mode_gradients(centre: &Jacobian, xi: [f64; 3], determinant: f64) -> [[f64; 3]; 3] {
     let scale = centre.determinant / determinant;
     std::array::from_fn(|m| centre.inverse[m].map(|g| -2.0 * xi[m] * scale * g))
@@ -28,7 +30,8 @@ pub struct Uncondensed {
 }
 
 impl Uncondensed {
-    /// Integrates the element with 2 x 2 x 2 Gauss points. Every Jacobian determinant must be positive.
+    /// Integrates the element with 2 x 2 x 2 Gauss points. Every Jacobian determinant must be
+    /// positive.
     pub fn new(corners: &Corners, material: Material) -> Self {
         let (lambda, mu) = (material.lame_lambda(), material.shear_modulus());
         let centre = Jacobian::at(corners, [0.0; 3]);
@@ -79,7 +82,8 @@ impl Uncondensed {
     }
 }
 
-/// Cholesky factor of the stiffness of the inner amplitudes alone, as [`Uncondensed::inner_factor`].
+/// Cholesky factor of the stiffness of the inner amplitudes alone, as
+/// [`Uncondensed::inner_factor`].
 pub(crate) fn inner_factor(corners: &Corners, material: Material) -> [[f64; 9]; 9] {
     let (lambda, mu) = (material.lame_lambda(), material.shear_modulus());
     let centre = Jacobian::at(corners, [0.0; 3]);
@@ -113,7 +117,8 @@ pub(crate) fn inner_factor(corners: &Corners, material: Material) -> [[f64; 9]; 
 
 /// Condensed stiffness K_uu - K_ua K_aa^-1 K_au (24 x 24), symmetric [N/m].
 ///
-/// Every Jacobian determinant must be positive ([`crate::element::hex8::smallest_determinant`]); [`crate::Body`] checks it.
+/// Every Jacobian determinant must be positive ([`crate::element::hex8::smallest_determinant`]);
+/// [`crate::Body`] checks it.
 pub fn stiffness(corners: &Corners, material: Material) -> ElementMatrix {
     let element = Uncondensed::new(corners, material);
     // W = L^-1 K_au, so that K_ua K_aa^-1 K_au = W^T W: symmetric to the last bit.
@@ -223,7 +228,8 @@ mod tests {
         }
     }
 
-    /// Bending u_x = x y, u_y = -x^2/2, of a plate in plane stress with nu = 0, has the energy E b^2 V / (2 * 3).
+    /// Bending u_x = x y, u_y = -x^2/2, of a plate in plane stress with nu = 0, has the energy E
+    /// b^2 V / (2 * 3).
     #[test]
     fn pure_bending_has_the_energy_of_beam_theory() {
         let (a, b, c) = (4.0, 0.25, 0.5);

@@ -7,7 +7,8 @@ use pulp::Simd;
 use crate::element::hex8::GAUSS;
 use crate::element::hex8_axial::LINES;
 
-/// Number of cells in a batch of the matrix-free operator: a vector holds as many or a whole part of them.
+/// Number of cells in a batch of the matrix-free operator: a vector holds as many or a whole part
+/// of them.
 pub(crate) const LANES: usize = 4;
 
 /// One number of each of a batch's cells, as it is stored.
@@ -15,7 +16,8 @@ pub(crate) type Stored = [f64; LANES];
 
 /// One number of each of the cells that a vector holds.
 ///
-/// The vector type is named, not left to be found in loops over its numbers: those take the compiler many times as long.
+/// The vector type is explicit. Loops that the compiler has to vectorise take it many times as
+/// long.
 #[derive(Clone, Copy)]
 pub(crate) struct Lanes<S: Simd> {
     simd: S,
@@ -96,8 +98,8 @@ impl<S: Simd> AddAssign for Lanes<S> {
 /// Values of three components at eight corners.
 pub(crate) type CornerField<S> = [[Lanes<S>; 3]; 8];
 
-/// Derivatives of one component by xi, eta, zeta at four sign pairs each: by xi at (eta, zeta), by eta at (zeta, xi), by
-/// zeta at (xi, eta); pairs in the order --, +-, -+, ++.
+/// Derivatives of one component by xi, eta, zeta at four sign pairs each: by xi at (eta, zeta), by
+/// eta at (zeta, xi), by zeta at (xi, eta); pairs in the order --, +-, -+, ++.
 pub(super) type Derivatives<S> = [[Lanes<S>; 4]; 3];
 
 /// Sign pair of Gauss point `g` (corners' order) that a derivative by natural axis `m` depends on.
@@ -121,8 +123,8 @@ fn butterfly<S: Simd>(a: Lanes<S>, b: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     (a + b, a - b)
 }
 
-/// Sums of the eight values with the signs of 1, xi, eta, xi eta, zeta, zeta xi, eta zeta, xi eta zeta; its own transpose up to
-/// the order of the corners.
+/// Sums of the eight values with the signs of 1, xi, eta, xi eta, zeta, zeta xi, eta zeta, xi eta
+/// zeta; its own transpose up to the order of the corners.
 #[inline(always)]
 fn hadamard<S: Simd>(v: [Lanes<S>; 8]) -> [Lanes<S>; 8] {
     // v in binary order: bit 0 is xi, bit 1 eta, bit 2 zeta.
@@ -265,7 +267,8 @@ pub(crate) enum Mean {
     Dilatation,
 }
 
-/// Lower triangle by rows of the inverse stiffness of the incompatible modes' amplitudes, of a batch's cells.
+/// Lower triangle by rows of the inverse stiffness of the incompatible modes' amplitudes, of a
+/// batch's cells.
 pub(crate) type InnerInverse = [Stored; 45];
 
 /// Cofactors C_mi = det J d xi_m / d x_i of J_im = d x_i / d xi_m.
@@ -311,8 +314,8 @@ fn traction<S: Simd>(s: &[Lanes<S>; 6], v: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
     ]
 }
 
-/// Corner forces K u of a vector's cells; `inner` is given for cells with incompatible modes, with their first place in the batch, `mean` says
-/// what is averaged.
+/// Corner forces K u of a vector's cells; `inner` is given for cells with incompatible modes, with
+/// their first place in the batch, `mean` says what is averaged.
 #[inline(always)]
 pub(crate) fn apply<S: Simd>(
     corners: &CornerField<S>,
@@ -407,7 +410,8 @@ fn mean_of<S: Simd>(
     (value * q + other * p) * (p + q).recip()
 }
 
-/// Stresses of the averaged strains: zx and xy averaged, and the stress of eps_xx's averaged bracket (given times det J) added.
+/// Stresses of the averaged strains: zx and xy averaged, and the stress of eps_xx's averaged
+/// bracket (given times det J) added.
 #[inline(always)]
 fn average<S: Simd>(
     bracket: &[Lanes<S>; 8],
@@ -438,7 +442,8 @@ fn average<S: Simd>(
     }
 }
 
-/// Stresses of the mean dilatation in place of each point's own (`trace`, given times det J): kappa times the difference more.
+/// Stresses of the mean dilatation in place of each point's own (`trace`, given times det J): kappa
+/// times the difference more.
 ///
 /// The stress' own trace is then the same at all points, so that the virtual strain needs no mean.
 #[inline(always)]

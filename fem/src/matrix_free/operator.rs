@@ -22,19 +22,22 @@ struct Batch {
 
 /// The stiffness of a body as an operator: [`crate::BlockMatrix`]'s product without its assembly.
 ///
-/// On two cores at 311,000 displacements: made in 0.06 s (0.6 s assembled), applied in 11 ms (13 ms), 45 MB (193 MB); with
-/// incompatible modes applied in 20 ms (17 ms), 81 MB. `cargo run --release -p kufe-fem --example operators` measures it.
-/// Cells go through four at a time; their corner forces are then added node by node in a fixed order, so that results have the
+/// On two cores at 311,000 displacements: made in 0.06 s (0.6 s assembled), applied in 11 ms (13
+/// ms), 45 MB (193 MB); with incompatible modes applied in 20 ms (17 ms), 81 MB.
+/// `cargo run --release -p kufe-fem --example operators` measures it. Cells go through four at a
+/// time; their corner forces are then added node by node in a fixed order, so that results have the
 /// same bits for any number of threads.
 pub struct MatrixFree {
     dofs: usize,
-    /// Plain cells' batches first, then those with averaged shear, with mean dilatation, with incompatible modes.
+    /// Plain cells' batches first, then those with averaged shear, with mean dilatation, with
+    /// incompatible modes.
     batches: Vec<Batch>,
     /// Where the batches of each kind after the first begin.
     starts: [usize; 3],
     inner: Vec<InnerInverse>,
     cell_start: Vec<usize>,
-    /// Index in `forces` of the x force of each node's corners; y and z follow at strides of [`LANES`].
+    /// Index in `forces` of the x force of each node's corners; y and z follow at strides of
+    /// [`LANES`].
     slots: Vec<u32>,
     /// What [`MatrixFree::apply`] writes corner forces to; empty before.
     forces: Vec<f64>,
@@ -123,7 +126,8 @@ impl MatrixFree {
         self.forces = forces;
     }
 
-    /// As [`MatrixFree::apply`], with the caller's vector for the corner forces, which is given its length.
+    /// As [`MatrixFree::apply`], with the caller's vector for the corner forces, which is given its
+    /// length.
     ///
     /// # Panics
     /// Where `u` or `y` has another length.

@@ -8,27 +8,30 @@ use crate::tensor::axis::eigenpairs;
 
 /// Additive coarse correction by the motions of a beam along x.
 ///
-/// Korn's constant of a slender body falls with (height / length)^2, and with it what [`crate::FastDiagonal`] alone can do: its
-/// three scalar operators know no bending. The correction z += Z (Z^T K Z)^-1 Z^T r holds those motions exactly. On knots
-/// along x, Z has for each knot the two cubic Hermite deflections w and v,
+/// Korn's constant of a slender body falls with (height / length)^2, and with it what
+/// [`crate::FastDiagonal`] alone can do: its three scalar operators know no bending. The correction
+/// z += Z (Z^T K Z)^-1 Z^T r holds those motions exactly. On knots along x, Z has for each knot the
+/// two cubic Hermite deflections w and v,
 ///
 /// ```text
 /// u = (-(z - z_0) w', 0, w)   and   u = (-(y - y_0) v', v, 0),
 /// ```
 ///
-/// and, piecewise linear, with y and z from the axis, a stretch u = (s, 0, 0), a twist u = (0, -z t, y t), the warping
-/// that a twist brings, u = (y z q, 0, 0), and bending across, u = (0, -2 y z c, y^2 c): eight motions a knot.
+/// and, piecewise linear, with y and z from the axis, a stretch u = (s, 0, 0), a twist u = (0, -z
+/// t, y t), the warping that a twist brings, u = (y z q, 0, 0), and bending across, u = (0, -2 y z
+/// c, y^2 c): eight motions a knot.
 ///
-/// Measured on a clamped steel of 0.6 m x 20 mm x 8 mm to 1e-6 in energy, flat or rounded underneath, three refinements,
-/// either element: 245-612 iterations without, 29-40 with 25 knots (33-58 with 13).
+/// Measured on a clamped steel of 0.6 m x 20 mm x 8 mm to 1e-6 in energy, flat or rounded
+/// underneath, three refinements, either element: 245-612 iterations without, 29-40 with 25 knots
+/// (33-58 with 13).
 ///
-/// Vectors hold three numbers a node, node by node. Entries that `held` names are zero in Z.
+/// Vectors hold three numbers a node, node by node. Entries that `fixed` names are zero in Z.
 #[derive(Clone, Debug)]
 pub struct BeamModes {
     knots: Vec<f64>,
     axis: [f64; 2],
     points: Vec<[f64; 3]>,
-    held: Vec<bool>,
+    fixed: Vec<bool>,
     /// (Z^T K Z)^+ by columns: what motions that strain nothing would take is omitted.
     inverse: Mat<f64>,
     partial: Vec<f64>,
@@ -42,9 +45,10 @@ const NODES_A_TASK: usize = 2048;
 impl BeamModes {
     /// The coarse space of a body whose nodes lie in planes across x.
     ///
-    /// `points` are the nodes' positions, whose x are among `lines` (ascending) [m]; about `knot_count` of the lines, evenly
-    /// spread, become knots. `axis` = (y_0, z_0) is the beam's axis [m]; `held` says which displacements are zero; `apply`
-    /// writes K u. It is called 24 times. Fails where a list's length is wrong.
+    /// `points` are the nodes' positions, whose x are among `lines` (ascending) [m]; about
+    /// `knot_count` of the lines, evenly spread, become knots. `axis` = (y_0, z_0) is the beam's
+    /// axis [m]; `fixed` says which displacements are zero; `apply` writes K u. It is called 24
+    /// times. Fails where a list's length is wrong.
     ///
     /// # Panics
     /// With fewer than two lines or knots.
@@ -53,13 +57,13 @@ impl BeamModes {
         lines: &[f64],
         knot_count: usize,
         axis: [f64; 2],
-        held: Vec<bool>,
+        fixed: Vec<bool>,
         mut apply: impl FnMut(&[f64], &mut [f64]),
     ) -> Result<Self, Error> {
-        if held.len() != 3 * points.len() {
+        if fixed.len() != 3 * points.len() {
             return Err(Error::Length {
-                what: "held displacements",
-                found: held.len(),
+                what: "fixed displacements",
+                found: fixed.len(),
                 expected: 3 * points.len(),
             });
         }
@@ -70,12 +74,13 @@ impl BeamModes {
             knots,
             axis,
             points,
-            held,
+            fixed,
             inverse: Mat::zeros(n, n),
             partial: vec![0.0; tasks * n],
         };
         let mut reduced = Mat::<f64>::zeros(n, n);
-        // Knots lie on planes of nodes, so K couples a knot with its next ones only: every third knot goes at once.
+        // Knots lie on planes of nodes, so K couples a knot with its next ones only: every third
+        // knot goes at once.
         let dofs = 3 * modes.points.len();
         let (mut u, mut image, mut column) = (vec![0.0; dofs], vec![0.0; dofs], vec![0.0; n]);
         for colour in 0..3 {
@@ -126,12 +131,12 @@ impl BeamModes {
         }
     }
 
-    /// Entries of Z's row of a displacement as (motion, value); none where it is held.
+    /// Entries of Z's row of a displacement as (motion, value); none where it is fixed.
     ///
     /// # Panics
     /// Where the node or the component (0, 1, 2) does not exist.
     pub fn row(&self, node: usize, component: usize) -> Vec<(usize, f64)> {
-        if self.held[3 * node + component] {
+        if self.fixed[3 * node + component] {
             return Vec::new();
         }
         let (knot, motions) = self.local(node);
@@ -142,7 +147,8 @@ impl BeamModes {
             .collect()
     }
 
-    /// The first of the two knots about a node, and the node's displacement for each motion of both.
+    /// The first of the two knots about a node, and the node's displacement for each motion of
+    /// both.
     fn local(&self, node: usize) -> (usize, [[[f64; 3]; MOTIONS]; 2]) {
         let [x, y, z] = self.points[node];
         let last = self.knots.len() - 2;
@@ -192,7 +198,7 @@ impl BeamModes {
                     let (knot, motions) = self.local(node);
                     for (motion, c) in motions.as_flattened().iter().zip(&c[MOTIONS * knot..]) {
                         for i in 0..3 {
-                            if !self.held[3 * node + i] {
+                            if !self.fixed[3 * node + i] {
                                 u[i] += c * motion[i];
                             }
                         }
@@ -208,7 +214,8 @@ impl BeamModes {
         self.partial = partial;
     }
 
-    /// As [`BeamModes::project`], with the caller's vector for the tasks' sums, which is given its length.
+    /// As [`BeamModes::project`], with the caller's vector for the tasks' sums, which is given its
+    /// length.
     ///
     /// # Panics
     /// Where `r` does not hold three numbers a node.
@@ -227,7 +234,7 @@ impl BeamModes {
                     let sums = &mut sums[MOTIONS * knot..];
                     for (motion, sum) in motions.as_flattened().iter().zip(sums) {
                         for i in 0..3 {
-                            if !self.held[3 * node + i] {
+                            if !self.fixed[3 * node + i] {
                                 *sum += motion[i] * r[3 * node + i];
                             }
                         }
@@ -270,11 +277,12 @@ fn spread(lines: &[f64], count: usize) -> Vec<f64> {
     knots
 }
 
-/// Eigenvalues of the matrix with unit diagonal below which a motion strains nothing but by rounding.
+/// Eigenvalues of the matrix with unit diagonal below which a motion strains nothing but by
+/// rounding.
 const STRAINS: f64 = 1e-12;
 
-/// The pseudo-inverse of a positive semi-definite matrix whose rows are of very different units: D V L^+ V^T D from the
-/// eigenvalues L of D A D, which has a unit diagonal.
+/// The pseudo-inverse of a positive semi-definite matrix whose rows are of very different units: D
+/// V L^+ V^T D from the eigenvalues L of D A D, which has a unit diagonal.
 fn pseudo_inverse(a: &Mat<f64>) -> Result<Mat<f64>, Error> {
     let n = a.nrows();
     let scale: Vec<f64> = (0..n)
@@ -305,18 +313,19 @@ mod tests {
     fn modes_of_a_cantilever() -> (BeamModes, crate::BlockMatrix) {
         let mesh = block([24, 3, 2], [0.6, 0.02, 0.008], 0.0);
         let points = mesh.points.clone();
-        let held: Vec<bool> = points.iter().flat_map(|p| [p[0] == 0.0; 3]).collect();
+        let fixed: Vec<bool> = points.iter().flat_map(|p| [p[0] == 0.0; 3]).collect();
         let lines: Vec<f64> = (0..=24).map(|i| 0.6 * i as f64 / 24.0).collect();
         let steel = Material::new(210e9, 0.3).unwrap();
         let body = Body::uniform(mesh, steel, ElementKind::Hex8Incompatible).unwrap();
         let stiffness = assemble(&body);
-        let modes = BeamModes::new(points, &lines, 9, [0.01, 0.004], held, |u, out| {
+        let modes = BeamModes::new(points, &lines, 9, [0.01, 0.004], fixed, |u, out| {
             stiffness.apply(u, out)
         });
         (modes.unwrap(), stiffness)
     }
 
-    /// Z (Z^T K Z)^-1 Z^T K is a projection: applied to a motion of the coarse space it gives that motion.
+    /// Z (Z^T K Z)^-1 Z^T K is a projection: applied to a motion of the coarse space it gives that
+    /// motion.
     #[test]
     fn the_correction_is_exact_in_the_coarse_space() {
         let (mut modes, stiffness) = modes_of_a_cantilever();

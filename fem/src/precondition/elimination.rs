@@ -32,9 +32,9 @@ const PAIRS: usize = 256;
 
 impl Elimination {
     /// Factorises towards `end` of the axis `z`.
-    pub fn new(z: &Axis, held: [bool; 2], coefficient: f64, shift: Vec<f64>, end: End) -> Self {
+    pub fn new(z: &Axis, fixed: [bool; 2], coefficient: f64, shift: Vec<f64>, end: End) -> Self {
         let mut planes: Vec<usize> =
-            (usize::from(held[0])..z.len() - usize::from(held[1])).collect();
+            (usize::from(fixed[0])..z.len() - usize::from(fixed[1])).collect();
         if end == End::Low {
             planes.reverse();
         }
@@ -234,8 +234,8 @@ mod tests {
         let shift: Vec<f64> = (0..PAIRS + 37)
             .map(|i| 1e-6 * 1.06f64.powi(i as i32))
             .collect();
-        for (end, held) in [(End::High, [true, false]), (End::Low, [false, true])] {
-            let elimination = Elimination::new(&z, held, coefficient, shift.clone(), end);
+        for (end, fixed) in [(End::High, [true, false]), (End::Low, [false, true])] {
+            let elimination = Elimination::new(&z, fixed, coefficient, shift.clone(), end);
             let pairs = shift.len();
             let given: Vec<f64> = (0..pairs * elimination.planes.len())
                 .map(|i| (0.7 * i as f64).sin())

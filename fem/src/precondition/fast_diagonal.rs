@@ -13,19 +13,19 @@ use crate::body::Material;
 use crate::constraints::{to_components, to_nodes};
 use crate::precondition::beam_modes::BeamModes;
 use crate::tensor::axis::{Axis, AxisModes};
-use crate::tensor::operator::{HeldFaces, TensorOperator};
+use crate::tensor::operator::{FixedFaces, TensorOperator};
 
 /// Inverse of the block diagonal of elasticity on a tensor grid.
 ///
-/// Component c of P is the scalar operator with coefficient lambda + 2 mu along axis c and mu along the
-/// others. With K_d q = theta_d M_d q on each axis,
-/// P_c^-1 = (Qx x Qy x Qz) diag(1 / Lambda) (Qx x Qy x Qz)^T, Lambda = sum over d of coefficient_d theta_d.
-/// By Korn's inequality P is spectrally equivalent to the stiffness with constants that depend on
-/// Poisson's ratio and the fixed faces only, not on the grading (R. E. Lynch, J. R. Rice and D. H. Thomas,
-/// Numer. Math. 6 (1964) 185-199, for the diagonalisation).
+/// Component c of P is the scalar operator with coefficient lambda + 2 mu along axis c and mu along
+/// the others. With K_d q = theta_d M_d q on each axis, P_c^-1 = (Qx x Qy x Qz) diag(1 / Lambda)
+/// (Qx x Qy x Qz)^T, Lambda = sum over d of coefficient_d theta_d. By Korn's inequality P is
+/// spectrally equivalent to the stiffness with constants that depend on Poisson's ratio and the
+/// fixed faces only, not on the grading (R. E. Lynch, J. R. Rice and D. H. Thomas, Numer. Math. 6
+/// (1964) 185-199, for the diagonalisation).
 ///
-/// [`FastDiagonal::to_modes`], a change to the modal vector, and [`FastDiagonal::from_modes`] are stored
-/// apart so that a constraint on one horizontal plane can act between them.
+/// [`FastDiagonal::to_modes`], a change to the modal vector, and [`FastDiagonal::from_modes`] are
+/// stored apart so that a constraint on one horizontal plane can act between them.
 #[derive(Clone, Debug)]
 pub struct FastDiagonal {
     shape: [usize; 3],
@@ -48,17 +48,19 @@ impl FastDiagonal {
         Self::with_first_axis(operator, None)
     }
 
-    /// As [`FastDiagonal::new`]; where `first` is given, component x has that axis along x instead of the operator's own.
+    /// As [`FastDiagonal::new`]; where `first` is given, component x has that axis along x instead
+    /// of the operator's own.
     ///
     /// For [`crate::element::hex8_axial`] `first` is the operator's first axis, [`Axis::averaged`].
     pub fn with_first_axis(operator: &TensorOperator, first: Option<&Axis>) -> Self {
-        // Two layers give the vertical component a z axis of its own, an axis from outside component x one of x.
+        // Two layers give the vertical component a z axis of its own, an axis from outside
+        // component x one of x.
         let variant = |c: usize, axis: usize| match (c, axis) {
             (2, 2) => usize::from(operator.lower_layer().is_some()),
             (0, 0) => usize::from(first.is_some()),
             _ => 0,
         };
-        let key = |c: usize, axis: usize| (axis, operator.held[c][axis], variant(c, axis));
+        let key = |c: usize, axis: usize| (axis, operator.fixed[c][axis], variant(c, axis));
         let mut wanted: Vec<(usize, [bool; 2], usize)> = Vec::new();
         for c in 0..3 {
             for axis in 0..3 {
@@ -70,13 +72,13 @@ impl FastDiagonal {
         }
         let solved: HashMap<(usize, [bool; 2], usize), AxisModes> = wanted
             .par_iter()
-            .map(|&(axis, held, variant)| {
+            .map(|&(axis, fixed, variant)| {
                 let modes = match (axis, first) {
-                    (2, _) => operator.preconditioned_z(2 * variant).modes(held),
-                    (0, Some(first)) if variant == 1 => first.modes(held),
-                    _ => operator.axes[axis].modes(held),
+                    (2, _) => operator.preconditioned_z(2 * variant).modes(fixed),
+                    (0, Some(first)) if variant == 1 => first.modes(fixed),
+                    _ => operator.axes[axis].modes(fixed),
                 };
-                ((axis, held, variant), modes)
+                ((axis, fixed, variant), modes)
             })
             .collect();
         let mut start = 0;
@@ -241,7 +243,8 @@ impl Component {
     }
 }
 
-/// Splits a `rows` x `cols` matrix into blocks of columns that do not depend on the number of threads.
+/// Splits a `rows` x `cols` matrix into blocks of columns that do not depend on the number of
+/// threads.
 fn by_column_blocks(
     data: &mut [f64],
     rows: usize,
@@ -277,11 +280,12 @@ pub(crate) fn product<T: ComplexField>(
     matmul(to, Accum::Replace, left, right, one(), Par::Seq);
 }
 
-/// [`FastDiagonal`] of a straight grid, used for a body with the same numbering of nodes, with [`BeamModes`] where it is slender.
+/// [`FastDiagonal`] of a straight grid, used for a body with the same numbering of nodes, with
+/// [`BeamModes`] where it is slender.
 ///
-/// The stiffness of the mapped body and that of the straight grid are spectrally equivalent with the constants of the map, so
-/// iteration counts depend on its flanks' slope, not on the refinement. Vectors hold three numbers a node, node by node, as
-/// those of [`crate::Body`].
+/// The stiffness of the mapped body and that of the straight grid are spectrally equivalent with
+/// the constants of the map, so iteration counts depend on its flanks' slope, not on the
+/// refinement. Vectors hold three numbers a node, node by node, as those of [`crate::Body`].
 #[derive(Clone, Debug)]
 pub struct MappedPreconditioner {
     fast: FastDiagonal,
@@ -295,13 +299,19 @@ pub struct MappedPreconditioner {
 }
 
 impl MappedPreconditioner {
-    /// From the straight grid that represents the body: its columns, and levels at their mean heights [m].
+    /// From the straight grid that represents the body: its columns, and levels at their mean
+    /// heights [m].
     ///
-    /// `held` names the faces whose displacements are zero. Where no face holds a component, its operator is singular and is
-    /// shifted by `shift` times its mass [1/m^2]; about 1 / length^2 of the body will do. Zero where every component is held.
-    pub fn new(grid: &TensorGrid, material: Material, held: HeldFaces, shift: f64) -> Self {
-        let mut operator =
-            TensorOperator::new(grid, material.lame_lambda(), material.shear_modulus(), held);
+    /// `fixed` names the faces whose displacements are zero. Where no face holds a component, its
+    /// operator is singular and is shifted by `shift` times its mass [1/m^2]; about 1 / length^2 of
+    /// the body will do. Zero where every component is fixed.
+    pub fn new(grid: &TensorGrid, material: Material, fixed: FixedFaces, shift: f64) -> Self {
+        let mut operator = TensorOperator::new(
+            grid,
+            material.lame_lambda(),
+            material.shear_modulus(),
+            fixed,
+        );
         let axis = &mut operator.axes[0];
         for (k, m) in axis.stiffness.iter_mut().zip(&axis.mass) {
             for d in 0..3 {

@@ -1,4 +1,5 @@
-//! The preconditioner of [`crate::FastDiagonal`] with less work: x and y by eigenvectors, z by elimination.
+//! The preconditioner of [`crate::FastDiagonal`] with less work: x and y by eigenvectors, z by
+//! elimination.
 
 use faer::{Mat, MatMut, MatRef};
 use rayon::prelude::*;
@@ -10,17 +11,18 @@ use crate::tensor::operator::TensorOperator;
 
 /// Inverse of the block diagonal of elasticity on a tensor grid, plane by plane.
 ///
-/// The operator is [`crate::FastDiagonal`]'s, and so is the result. In the modes of x and y a component's operator falls apart
-/// into one tridiagonal matrix a pair (a, b) of modes,
+/// The operator is [`crate::FastDiagonal`]'s, and so is the result. In the modes of x and y a
+/// component's operator falls apart into one tridiagonal matrix a pair (a, b) of modes,
 ///
 /// T = c_z K_z + (c_x theta_a + c_y theta_b) M_z,
 ///
-/// which is eliminated towards one end of z: four small matrix products a component instead of six. What that end has
-/// gathered, y, gives the answer there before any other is known: z = T y with T one over the last pivot. A constraint on
-/// that plane acts between [`PlanewiseDiagonal::gather`] and [`PlanewiseDiagonal::spread`].
+/// which is eliminated towards one end of z: four small matrix products a component instead of six.
+/// What that end has gathered, y, gives the answer there before any other is known: z = T y with T
+/// one over the last pivot. A constraint on that plane acts between [`PlanewiseDiagonal::gather`]
+/// and [`PlanewiseDiagonal::spread`].
 ///
-/// The products are done in single precision ([`crate::precondition::planewise_diagonal`]), the elimination in double; so is the answer on that
-/// plane, where a constraint must hold to rounding.
+/// The products are done in single precision ([`crate::precondition::planewise_diagonal`]), the
+/// elimination in double; so is the answer on that plane, where a constraint must hold to rounding.
 #[derive(Clone, Debug)]
 pub struct PlanewiseDiagonal {
     pub(crate) shape: [usize; 3],
@@ -38,30 +40,31 @@ pub(crate) struct Component {
 }
 
 impl PlanewiseDiagonal {
-    /// Diagonalises x and y once for each pair of fixed ends that occurs, and eliminates z towards `end`.
+    /// Diagonalises x and y once for each pair of fixed ends that occurs, and eliminates z towards
+    /// `end`.
     ///
     /// # Panics
-    /// Where the plane at `end` is held in z: nothing could act there.
+    /// Where the plane at `end` is fixed in z: nothing could act there.
     pub fn new(operator: &TensorOperator, end: End) -> Self {
         let mut wanted: Vec<(usize, [bool; 2])> = Vec::new();
-        for held in &operator.held {
-            for (axis, &held) in held.iter().enumerate().take(2) {
-                if !wanted.contains(&(axis, held)) {
-                    wanted.push((axis, held));
+        for fixed in &operator.fixed {
+            for (axis, &fixed) in fixed.iter().enumerate().take(2) {
+                if !wanted.contains(&(axis, fixed)) {
+                    wanted.push((axis, fixed));
                 }
             }
         }
         let solved: Vec<AxisModes> = wanted
             .par_iter()
-            .map(|&(axis, held)| operator.axes[axis].modes(held))
+            .map(|&(axis, fixed)| operator.axes[axis].modes(fixed))
             .collect();
-        let modes = |axis: usize, held: [bool; 2]| {
-            let place = wanted.iter().position(|key| *key == (axis, held));
+        let modes = |axis: usize, fixed: [bool; 2]| {
+            let place = wanted.iter().position(|key| *key == (axis, fixed));
             solved[place.unwrap_or_else(|| unreachable!("every pair was collected"))].clone()
         };
         let mut start = 0;
         let components = std::array::from_fn(|c| {
-            let held = operator.held[c];
+            let fixed = operator.fixed[c];
             let coefficient = |axis: usize| {
                 operator.mu
                     + if axis == c {
@@ -71,9 +74,9 @@ impl PlanewiseDiagonal {
                     }
             };
             let component = Component::new(
-                [modes(0, held[0]), modes(1, held[1])],
+                [modes(0, fixed[0]), modes(1, fixed[1])],
                 &operator.preconditioned_z(c),
-                held[2],
+                fixed[2],
                 [coefficient(0), coefficient(1), coefficient(2)],
                 end,
                 start,
@@ -82,8 +85,8 @@ impl PlanewiseDiagonal {
             component
         });
         assert!(
-            !operator.held[2][2][usize::from(end == End::High)],
-            "the plane that elimination ends on is held"
+            !operator.fixed[2][2][usize::from(end == End::High)],
+            "the plane that elimination ends on is fixed"
         );
         PlanewiseDiagonal {
             shape: operator.shape(),
@@ -132,7 +135,8 @@ impl PlanewiseDiagonal {
         end - mx * my..end
     }
 
-    /// The modal form of `r`, solved but for the vertical component, which is eliminated up to the end plane.
+    /// The modal form of `r`, solved but for the vertical component, which is eliminated up to the
+    /// end plane.
     pub fn gather(&self, r: &[f64], modal: &mut [f64]) {
         let nodes: usize = self.shape.iter().product();
         assert_eq!((r.len(), modal.len()), (3 * nodes, self.mode_count()));
@@ -167,7 +171,7 @@ impl Component {
     fn new(
         [x, y]: [AxisModes; 2],
         z: &Axis,
-        held: [bool; 2],
+        fixed: [bool; 2],
         coefficients: [f64; 3],
         end: End,
         start: usize,
@@ -177,7 +181,7 @@ impl Component {
             let y = coefficients[1] * theta_y;
             shift.extend(x.values.iter().map(|theta| coefficients[0] * theta + y));
         }
-        let z = Elimination::new(z, held, coefficients[2], shift, end);
+        let z = Elimination::new(z, fixed, coefficients[2], shift, end);
         let rounded = RoundedModes::new(&x, &y);
         Component {
             x,
@@ -245,9 +249,9 @@ impl Component {
 
 /// The eigenvectors Q of x and y, rounded.
 ///
-/// A preconditioner need not be exact, and numbers of half the length are multiplied twice as fast. Each plane is scaled by
-/// the power of two that brings its largest number to 1 or more and below 2, so nothing overflows, and what is lost is some
-/// 6e-8 sqrt(nx + ny) of that largest number.
+/// A preconditioner need not be exact, and numbers of half the length are multiplied twice as fast.
+/// Each plane is scaled by the power of two that brings its largest number to 1 or more and below
+/// 2, so nothing overflows, and what is lost is some 6e-8 sqrt(nx + ny) of that largest number.
 #[derive(Clone, Debug)]
 pub(crate) struct RoundedModes {
     x: Mat<f32>,
@@ -354,7 +358,7 @@ fn largest(values: &[f64]) -> f64 {
 
 /// The power of two that brings `largest` to 1 or more and below 2; 1 where there is none.
 pub(crate) fn scale_of(largest: f64) -> f64 {
-    // Beyond these bounds the power or its reciprocal would not be a normal number.
+    // Outside these bounds the power or its reciprocal would not be a normal number.
     if (1e-300..1e300).contains(&largest) {
         let exponent = largest.to_bits() >> 52;
         f64::from_bits((2 * ONE - exponent) << 52)
@@ -374,7 +378,7 @@ mod tests {
     use crate::body::Material;
     use crate::precondition::fast_diagonal::FastDiagonal;
 
-    fn operator(held_high: bool) -> TensorOperator {
+    fn operator(fixed_high: bool) -> TensorOperator {
         let graded = |n: usize, growth: f64| -> Vec<f64> {
             (0..n).map(|i| growth.powi(i as i32) - 1.0).collect()
         };
@@ -384,15 +388,15 @@ mod tests {
             z: graded(11, 1.2),
         };
         let ice = Material::new(9e9, 0.33).unwrap();
-        let held =
-            std::array::from_fn(|c| [[c == 0, true], [c == 1, true], [!held_high, held_high]]);
-        TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), held)
+        let fixed =
+            std::array::from_fn(|c| [[c == 0, true], [c == 1, true], [!fixed_high, fixed_high]]);
+        TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), fixed)
     }
 
     #[test]
     fn elimination_and_eigenvectors_invert_the_same_operator_to_single_precision() {
-        for (end, held_high) in [(End::High, false), (End::Low, true)] {
-            let operator = operator(held_high);
+        for (end, fixed_high) in [(End::High, false), (End::Low, true)] {
+            let operator = operator(fixed_high);
             let plain = FastDiagonal::new(&operator);
             let layered = PlanewiseDiagonal::new(&operator, end);
             let n = 3 * operator.node_count();
@@ -424,17 +428,17 @@ mod tests {
         layered.gather(&r, &mut modal);
         let gathered = layered.gathered(&modal);
         let response = layered.end_response();
-        let told = Mat::from_fn(gathered.nrows(), gathered.ncols(), |a, b| {
+        let expected = Mat::from_fn(gathered.nrows(), gathered.ncols(), |a, b| {
             gathered[(a, b)] * response[(a, b)]
         });
         let [x, y] = layered.plane_modes();
-        let told = &x.vectors * told * y.vectors.transpose();
+        let expected = &x.vectors * expected * y.vectors.transpose();
         let mut z = vec![0.0; n];
         layered.spread(&mut modal, &mut z);
         let [nx, ny, _] = operator.shape();
         let size = z.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         for (place, z) in z[n - nx * ny..].iter().enumerate() {
-            assert!((z - told[(place % nx, place / nx)]).abs() < 1e-13 * size);
+            assert!((z - expected[(place % nx, place / nx)]).abs() < 1e-13 * size);
         }
     }
 

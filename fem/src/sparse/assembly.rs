@@ -14,8 +14,8 @@ use crate::sparse::stiffness::SparseStiffness;
 
 /// A symmetric sparse matrix of 3 x 3 blocks over the nodes of a mesh.
 ///
-/// Two kilobytes a node for a hexahedral mesh, both triangles stored, so that rows can be applied in parallel with
-/// the same bits for any number of threads.
+/// Two kilobytes a node for a hexahedral mesh, both triangles stored, so that rows can be applied
+/// in parallel with the same bits for any number of threads.
 #[derive(Clone, Debug)]
 pub struct BlockMatrix {
     /// Which blocks there are.
@@ -80,7 +80,8 @@ impl BlockMatrix {
 
     /// The lower triangle over the free displacements of `map` as a faer matrix, diagonal included.
     ///
-    /// Square, [`DofMap::free_count`] rows, columns and rows ascending; what a Cholesky factorisation reads.
+    /// Square, [`DofMap::free_count`] rows, columns and rows ascending; what a Cholesky
+    /// factorisation reads.
     pub fn lower_free(&self, map: &DofMap) -> SparseColMat<u32, f64> {
         let n = map.free_count();
         // The matrix is symmetric, so a column's rows are read from the block row of its node.
@@ -123,13 +124,14 @@ impl BlockMatrix {
     }
 }
 
-/// Cells whose matrices are held at once: 4.6 kB each. A constant, so that sums never depend on the thread count.
+/// Cells whose matrices are in memory at once: 4.6 kB each. A constant, so that sums never depend
+/// on the thread count.
 const CELLS_A_CHUNK: usize = 2048;
 
 /// Assembles the stiffness matrix of a body.
 ///
-/// K = sum over cells of A_e^T K_e A_e. Element matrices are made in parallel, then added row by row in the order of
-/// the cells, in parallel over rows: the same bits for any number of threads.
+/// K = sum over cells of A_e^T K_e A_e. Element matrices are made in parallel, then added row by
+/// row in the order of the cells, in parallel over rows: the same bits for any number of threads.
 ///
 /// ```
 /// use kufe_fem::{Body, ElementKind, Material, assemble};
@@ -146,7 +148,8 @@ pub fn assemble(body: &Body) -> BlockMatrix {
     assemble_on(body, Arc::new(NodeGraph::new(body.mesh())))
 }
 
-/// Assembles the stiffness matrix on a graph made before with [`NodeGraph::new`] from a mesh with the same cells.
+/// Assembles the stiffness matrix on a graph made before with [`NodeGraph::new`] from a mesh with
+/// the same cells.
 ///
 /// For bodies that keep their cells while nodes move or materials change.
 pub fn assemble_on(body: &Body, graph: Arc<NodeGraph>) -> BlockMatrix {
@@ -199,11 +202,13 @@ pub fn assemble_on(body: &Body, graph: Arc<NodeGraph>) -> BlockMatrix {
     BlockMatrix { graph, blocks }
 }
 
-/// Writes the stiffness of some bodies, one after the other along the diagonal, in Matrix Market form.
+/// Writes the stiffness of some bodies, one after the other along the diagonal, in Matrix Market
+/// form.
 ///
-/// `coordinate real symmetric`: the lower triangle, one-based (row, column, value [N/m]), column by column; values have as many
-/// digits as bring the same number back. `comments` come first, a line each. Source: R. F. Boisvert, R. Pozo and
-/// K. A. Remington, The Matrix Market exchange formats, NISTIR 5935 (1996).
+/// `coordinate real symmetric`: the lower triangle, one-based (row, column, value [N/m]), column by
+/// column; values have as many digits as bring the same number back. `comments` come first, a line
+/// each. Source: R. F. Boisvert, R. Pozo and K. A. Remington, The Matrix Market exchange formats,
+/// NISTIR 5935 (1996).
 ///
 /// # Errors
 /// Those of `out`.
@@ -285,9 +290,9 @@ mod tests {
     fn faer_form_agrees_with_the_blocks() {
         let body = mixed(2);
         let k = assemble(&body);
-        let mut held = Constraints::new(body.node_count());
-        held.clamp([3, 7, 8]).unwrap();
-        let map = held.dof_map();
+        let mut fixed = Constraints::new(body.node_count());
+        fixed.clamp([3, 7, 8]).unwrap();
+        let map = fixed.dof_map();
         let lower = k.lower_free(&map).to_dense();
         let diagonal = k.diagonal();
         for j in 0..map.free_count() {
@@ -302,7 +307,8 @@ mod tests {
                 } else {
                     0.0
                 };
-                // Both triangles are summed in the same order, so symmetry is exact up to the products' rounding.
+                // Both triangles are summed in the same order, so symmetry is exact up to the
+                // products' rounding.
                 assert!((lower[(i, j)] - expected).abs() < 1e-15);
             }
         }

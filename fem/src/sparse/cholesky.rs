@@ -18,8 +18,8 @@ use crate::sparse::graph::nested_dissection;
 
 /// A supernodal Cholesky factor L L^T of the stiffness over the free displacements.
 ///
-/// The checking backend, and the one for unstructured bodies. Needs about 12 kB a displacement at 200,000 of them, growing
-/// like n^(4/3), and time like n^2: at larger sizes take [`crate::cg`].
+/// The checking backend, and the one for unstructured bodies. Needs about 12 kB a displacement at
+/// 200,000 of them, growing like n^(4/3), and time like n^2: at larger sizes take [`crate::cg`].
 pub struct Factor {
     symbolic: SymbolicCholesky<u32>,
     values: Vec<f64>,
@@ -34,12 +34,13 @@ impl std::fmt::Debug for Factor {
     }
 }
 
-/// A matrix that amplifies forces by this much or more is singular to rounding: mechanisms do by 2e15 and more, the slender and stretched bodies of
-/// this workspace's tests by 1e7 at most.
+/// A matrix that amplifies forces by this much or more is singular to rounding: mechanisms do by
+/// 2e15 and more, the slender and stretched bodies of this workspace's tests by 1e7 at most.
 const SINGULAR: f64 = 1e13;
 
 impl Factor {
-    /// Factorises the stiffness of a body over its free displacements, ordered by nested dissection of `points` [m].
+    /// Factorises the stiffness of a body over its free displacements, ordered by nested dissection
+    /// of `points` [m].
     ///
     /// Fails where the free displacements leave a mechanism, or the factor does not fit.
     pub fn of_body(
@@ -60,9 +61,11 @@ impl Factor {
         Self::new(&stiffness.lower_free(map), &order)
     }
 
-    /// Factorises a symmetric positive definite matrix given by its lower triangle, eliminating in `order`.
+    /// Factorises a symmetric positive definite matrix given by its lower triangle, eliminating in
+    /// `order`.
     ///
-    /// `order[k]` is the unknown eliminated k-th; it contains each of the n unknowns once (checked).
+    /// `order[k]` is the unknown eliminated k-th; it contains each of the n unknowns once
+    /// (checked).
     pub fn new(lower: &SparseColMat<u32, f64>, order: &[u32]) -> Result<Self, Error> {
         let free_dofs = lower.ncols();
         let too_large = |reason: String| Error::FactorTooLarge { free_dofs, reason };
@@ -90,7 +93,8 @@ impl Factor {
             .try_reserve_exact(symbolic.len_val())
             .map_err(|e| too_large(e.to_string()))?;
         values.resize(symbolic.len_val(), 0.0);
-        // One thread: two give the factorisation of these matrices nothing, and the bits stay the same.
+        // One thread: two give the factorisation of these matrices nothing, and the bits stay the
+        // same.
         let request = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let mut memory = MemBuffer::try_new(request).map_err(|e| too_large(format!("{e:?}")))?;
         symbolic
@@ -111,8 +115,9 @@ impl Factor {
         }
     }
 
-    /// Largest diagonal entry times what forces of 1, of either sign by turns without a pattern, move at most: no more than the matrix's condition number
-    /// times the root of its size. A mechanism whose pivot is above 0 by rounding moves without end.
+    /// Largest diagonal entry times what forces of 1, of either sign by turns without a pattern,
+    /// move at most: no more than the matrix's condition number times the root of its size. A
+    /// mechanism whose pivot is above 0 by rounding moves without end.
     fn amplifies(&self, lower: &SparseColMat<u32, f64>) -> f64 {
         let n = self.dofs();
         let diagonal = (0..n).flat_map(|j| {
@@ -141,7 +146,8 @@ impl Factor {
         self.values.len() * size_of::<f64>()
     }
 
-    /// Solves for many right-hand sides in place: `rhs` holds columns of [`Factor::dofs`] numbers, one after another.
+    /// Solves for many right-hand sides in place: `rhs` holds columns of [`Factor::dofs`] numbers,
+    /// one after another.
     ///
     /// # Panics
     /// Where the length of `rhs` is not a multiple of the number of unknowns.
@@ -164,9 +170,11 @@ impl Factor {
         );
     }
 
-    /// Solves K u = f for a full vector of loads [N] with the prescribed displacements of `constraints`.
+    /// Solves K u = f for a full vector of loads [N] with the prescribed displacements of
+    /// `constraints`.
     ///
-    /// Returns the full displacements [m]. `stiffness` and `map` are those that the factor was made with.
+    /// Returns the full displacements [m]. `stiffness` and `map` are those that the factor was made
+    /// with.
     pub fn displacement(
         &self,
         stiffness: &BlockMatrix,

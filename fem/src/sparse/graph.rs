@@ -106,15 +106,17 @@ impl NodeGraph {
 /// Sets of nodes this small are not cut further.
 const LEAF: usize = 24;
 
-/// An elimination order of nodes with little fill: halves first, the nodes between them last, recursively.
+/// An elimination order of nodes with little fill: halves first, the nodes between them last,
+/// recursively.
 ///
-/// Each set is cut at the median of one coordinate; the separator is those nodes of the lower half that have neighbours
-/// in the upper half. Of the three coordinates the one with the smallest separator is taken, so that graded meshes are cut
-/// across their fewest cells whatever the cells' lengths. On structured hexahedra this equals METIS in fill.
+/// Each set is cut at the median of one coordinate; the separator is those nodes of the lower half
+/// that have neighbours in the upper half. Of the three coordinates the one with the smallest
+/// separator is taken, so that graded meshes are cut across their fewest cells whatever the cells'
+/// lengths. On structured hexahedra this equals METIS in fill.
 ///
-/// `nodes` are those to be ordered (ascending, without repetition); `points` [m] are all nodes' positions. Returns `nodes`
-/// in the order of elimination. Source: A. George, Nested dissection of a regular finite element mesh,
-/// SIAM J. Numer. Anal. 10 (1973), 345-363.
+/// `nodes` are those to be ordered (ascending, without repetition); `points` [m] are all nodes'
+/// positions. Returns `nodes` in the order of elimination. Source: A. George, Nested dissection of
+/// a regular finite element mesh, SIAM J. Numer. Anal. 10 (1973), 345-363.
 pub fn nested_dissection(graph: &NodeGraph, points: &[[f64; 3]], nodes: &[usize]) -> Vec<usize> {
     let mut order = nodes.to_vec();
     // Which piece of the cut a node lies in: 0 outside the set at hand, else below or above.
@@ -172,7 +174,8 @@ fn dissect(graph: &NodeGraph, points: &[[f64; 3]], set: &mut [usize], side: &mut
     dissect(graph, points, &mut set[below..above], side);
 }
 
-/// The coordinate at or below which about half of the set lies, if the set has two different coordinates.
+/// The coordinate at or below which about half of the set lies, if the set has two different
+/// coordinates.
 fn median_cut(points: &[[f64; 3]], set: &[usize], axis: usize) -> Option<f64> {
     let mut values: Vec<f64> = set.iter().map(|&node| points[node][axis]).collect();
     let middle = (values.len() - 1) / 2;
@@ -228,7 +231,8 @@ mod tests {
         let mut sorted = order.clone();
         sorted.sort_unstable();
         assert_eq!(sorted, nodes);
-        // Longest in cells along x although shortest in metres: the separator is one plane of 25 nodes.
+        // Longest in cells along x although shortest in metres: the separator is one plane of 25
+        // nodes.
         let mut cut = vec![false; nodes.len()];
         for &node in &order[order.len() - 25..] {
             cut[node] = true;

@@ -10,11 +10,13 @@ use crate::error::Error;
 use crate::sparse::assembly::{BlockMatrix, assemble_on};
 use crate::sparse::graph::NodeGraph;
 
-/// The stiffness of all displacements of a body [N/m], fixed ones included, as a sparse matrix of faer's.
+/// The stiffness of all displacements of a body [N/m], fixed ones included, as a sparse matrix of
+/// faer's.
 ///
-/// Vectors hold component after component, as those of [`crate::TensorOperator`]: displacement `c` of node `n` is number
-/// `c * node_count + n`. The matrix is stored in panels of neighbouring columns, both triangles of it, so that a product is one
-/// scalar product a column: the same bits for any number of threads.
+/// Vectors hold component after component, as those of [`crate::TensorOperator`]: displacement `c`
+/// of node `n` is number `c * node_count + n`. The matrix is stored in panels of neighbouring
+/// columns, both triangles of it, so that a product is one scalar product a column: the same bits
+/// for any number of threads.
 #[derive(Clone, Debug)]
 pub struct SparseStiffness {
     dofs: usize,
@@ -25,19 +27,23 @@ pub struct SparseStiffness {
 /// Columns of a panel.
 const COLUMNS: usize = 4096;
 
-/// Memory of a block of 3 x 3 while the matrix is made [bytes]: its node, itself, and nine entries with their rows.
+/// Memory of a block of 3 x 3 while the matrix is made [bytes]: its node, itself, and nine entries
+/// with their rows.
 const BYTES_A_BLOCK: u64 = 4 + 9 * 8 + 9 * (8 + 4);
 
-/// Memory of a node in addition to its blocks [bytes]: its cells and the starts of rows and columns.
+/// Memory of a node in addition to its blocks [bytes]: its cells and the starts of rows and
+/// columns.
 const BYTES_A_NODE: u64 = 8 * 8 + 2 * 8 + 3 * 4;
 
 impl SparseStiffness {
     /// Assembles the stiffness of a body, in parallel.
     ///
-    /// Needs 184 bytes for each of some 27 neighbours of a node while it is made, of which 108 stay; that is counted first.
+    /// Needs 184 bytes for each of some 27 neighbours of a node while it is made, of which 108
+    /// stay; that is counted first.
     ///
     /// # Errors
-    /// [`Error::MatrixTooLarge`] where it would need more than `limit` bytes; nothing is assembled then.
+    /// [`Error::MatrixTooLarge`] where it would need more than `limit` bytes; nothing is assembled
+    /// then.
     ///
     /// ```
     /// use kufe_fem::{Body, ElementKind, Material, SparseStiffness};
@@ -107,7 +113,8 @@ impl SparseStiffness {
         });
     }
 
-    /// The entries of the lower triangle as (row, column, value [N/m]), column by column, rows ascending.
+    /// The entries of the lower triangle as (row, column, value [N/m]), column by column, rows
+    /// ascending.
     pub fn lower(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         let columns = self.panels.iter().enumerate().flat_map(|(p, panel)| {
             (0..panel.ncols()).map(move |local| (panel, local, p * COLUMNS + local))

@@ -40,7 +40,8 @@ impl Axis {
         Axis::weighted(nodes, |_| [1.0; 2])
     }
 
-    /// Assembles the matrices with a factor an element: `weights(e)` are those of K and of M (and of the lumped mass).
+    /// Assembles the matrices with a factor an element: `weights(e)` are those of K and of M (and
+    /// of the lumped mass).
     ///
     /// # Panics
     /// As [`Axis::new`].
@@ -72,8 +73,8 @@ impl Axis {
         axis
     }
 
-    /// This axis with the mass of cellwise averages, sum over cells of h (u_i + u_(i+1)) (v_i + v_(i+1)) / 4, and
-    /// `share` of the consistent mass in excess of it.
+    /// This axis with the mass of cellwise averages, sum over cells of h (u_i + u_(i+1)) (v_i +
+    /// v_(i+1)) / 4, and `share` of the consistent mass in excess of it.
     ///
     /// Averages miss what alternates from node to node; a small positive share keeps M definite.
     pub fn averaged(&self, share: f64) -> Self {
@@ -184,9 +185,11 @@ fn add_element(matrix: &mut Tridiagonal, e: usize, element: [[f64; 2]; 2]) {
     matrix[e + 1][1] += element[1][1];
 }
 
-/// Eigenvalues of the symmetric matrix `a`, increasing, and their eigenvectors, one a column; `None` where they do not converge.
+/// Eigenvalues of the symmetric matrix `a`, increasing, and their eigenvectors, one a column;
+/// `None` where they do not converge.
 ///
-/// On one thread: with more of them faer sums the halves of a product apart, which moves the last digits.
+/// On one thread: with more of them faer sums the halves of a product apart, which moves the last
+/// digits.
 pub(crate) fn eigenpairs(a: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
     let n = a.nrows();
     let (mut values, mut vectors) = (Diag::zeros(n), Mat::zeros(n, n));

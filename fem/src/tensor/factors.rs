@@ -1,14 +1,16 @@
 //! What the kernel of the tensor operator multiplies with.
 //!
-//! The 1-D matrices of linear elements are sums over cells. With the difference v = u_(i+1) - u_i and the sum
-//! w = u_(i+1) + u_i of a cell of length h between two nodes, and h_i the lumped mass of a node,
+//! The 1-D matrices of linear elements are sums over cells. With the difference v = u_(i+1) - u_i
+//! and the sum w = u_(i+1) + u_i of a cell of length h between two nodes, and h_i the lumped mass
+//! of a node,
 //!
 //! (M u)_i = h_i u_i + (h v / 6)_(above) - (h v / 6)_(below),
 //! (K u)_i = (v / h)_(below) - (v / h)_(above),
 //! (2 D u)_i = w_(below) - w_(above),
 //!
-//! where a cell that is not there counts as 0. So a cell needs two numbers, h / 6 and 1 / h, and a node its lumped mass. Where
-//! cells count by their means, h / 4 replaces h / 6: (u_i + u_(i+1)) (v_i + v_(i+1)) h / 4 is then what a cell weighs.
+//! where a cell that is not there counts as 0. So a cell needs two numbers, h / 6 and 1 / h, and a
+//! node its lumped mass. Where cells count by their means, h / 4 replaces h / 6: (u_i + u_(i+1))
+//! (v_i + v_(i+1)) h / 4 is then what a cell weighs.
 
 use crate::tensor::axis::{Axis, Tridiagonal};
 
@@ -44,16 +46,17 @@ pub(crate) struct Layer {
 ///
 /// lambda D_x D_y^T + mu D_x^T D_y = -s (2 D_x) (2 D_y) + lambda D_x E_y + mu E_x D_y:
 ///
-/// one product a pair of components in the grid, and what E adds on its faces. Everything that meets M of z is divided by s,
-/// so that products of differences need no factor.
+/// one product a pair of components in the grid, and what E adds on its faces. Everything that
+/// meets M of z is divided by s, so that products of differences need no factor.
 #[derive(Clone, Debug)]
 pub(crate) struct Factors {
-    /// Along x: lumped mass, and h / 6 (or h / 4) of the cells below and above, continued by zeros to whole vectors.
+    /// Along x: lumped mass, and h / 6 (or h / 4) of the cells below and above, continued by zeros
+    /// to whole vectors.
     pub mass_x: [Vec<f64>; 3],
     /// 1 / h of the cells below and above, by modulus as in [`Row::above`].
     pub stiffness_x: [[Vec<f64>; 2]; 2],
-    /// What 2 D and E add to u_(i-1) - u_(i+1) at the ends of x, zeros outside them standing for nodes that are not there:
-    /// 2 D - share E for the shares of lambda and of mu, and 2 D alone.
+    /// What 2 D and E add to u_(i-1) - u_(i+1) at the ends of x, zeros outside them standing for
+    /// nodes that are not there: 2 D - share E for the shares of lambda and of mu, and 2 D alone.
     pub ends_x: [Vec<f64>; 3],
     pub rows: Vec<Row>,
     pub layers: Vec<Layer>,
@@ -95,7 +98,8 @@ impl Factors {
             values.resize(padded(nx), 0.0);
             values
         };
-        // Twice for the nodes below and above a cell: that of node i is `offset` 1 below it, 0 above it.
+        // Twice for the nodes below and above a cell: that of node i is `offset` 1 below it, 0
+        // above it.
         let around = |offset: usize, of: &dyn Fn(Cell) -> f64| {
             along_x(&|i| i.checked_sub(offset).map_or(0.0, |e| of(cell(x, e))))
         };
@@ -182,7 +186,8 @@ pub(crate) fn padded(nx: usize) -> usize {
 
 /// An end of z of one material: the terms with E = diag(-1, 0 .. 0, 1) of z,
 ///
-/// lambda D_x E_z M_y u_z in x, lambda D_y E_z M_x u_z in y and mu E_z (D_x M_y u_x + D_y M_x u_y) in z.
+/// lambda D_x E_z M_y u_z in x, lambda D_y E_z M_x u_z in y and mu E_z (D_x M_y u_x + D_y M_x u_y)
+/// in z.
 pub(crate) struct FaceTerms<'a> {
     pub axes: [&'a Axis; 2],
     /// Lame constants times E's entry [Pa].

@@ -1,7 +1,7 @@
 //! What one plane of u gives to K u: to its own plane and to the two next to it.
 //!
-//! A vector of neighbours along x goes up y, row by row, for one equation or two at a time. In each row come the products
-//! along x,
+//! A vector of neighbours along x goes up y, row by row, for one equation or two at a time. In each
+//! row come the products along x,
 //!
 //! a = M u, b = K u of the equation's own component, p, q and r of the others (2 D u or M u),
 //!
@@ -9,10 +9,11 @@
 //!
 //! f_m = M b + K a - 2 D p, f_k = M a, f_d = M q + 2 D r,
 //!
-//! and M f_m + K f_k - 2 D f_d along z, which is added to what the planes before gave. Nothing but these sums is stored: two
-//! planes of them, a vector's column after the other.
+//! and M f_m + K f_k - 2 D f_d along z, which is added to what the planes before gave. Nothing but
+//! these sums is stored: two planes of them, a vector's column after the other.
 //!
-//! Rows may go up in bands ([`crate::tensor::slab`]); a band takes the products of the neighbouring rows too.
+//! Rows may go up in bands ([`crate::tensor::slab`]); a band takes the products of the neighbouring
+//! rows too.
 //!
 //! | equation | p | q | r |
 //! |---|---|---|---|
@@ -20,7 +21,8 @@
 //! | y | 2 D u_x | | M u_z |
 //! | z | | 2 D u_x | M u_y |
 //!
-//! The equations y and z both take M u_y, M u_z and D u_x, and go up together. That of x takes none of these.
+//! The equations y and z both take M u_y, M u_z and D u_x, and go up together. That of x takes none
+//! of these.
 
 use std::ops::Range;
 
@@ -40,15 +42,16 @@ pub(crate) struct Plane<'a> {
     pub rows: [&'a [f64]; 3],
     /// The same rows' ends.
     pub ends: &'a RowEnds,
-    /// What the plane below and this one have so far, then this one and the one above: a pair a row and equation, by group
-    /// of equations and column.
+    /// What the plane below and this one have so far, then this one and the one above: a pair a row
+    /// and equation, by group of equations and column.
     pub sums: &'a mut [f64],
     /// The plane below, which is complete now, by component.
     pub out: [&'a mut [f64]; 3],
     pub nx: usize,
     /// Neighbouring rows.
     pub band: Range<usize>,
-    /// Where the same band of the next plane will read and write, by component: a band's lines are prefetched.
+    /// Where the same band of the next plane will read and write, by component: a band's lines are
+    /// prefetched.
     pub ahead: [[&'a [f64]; 2]; 3],
 }
 
@@ -164,7 +167,8 @@ fn store<S: Simd, const END: bool>(simd: S, row: &mut [f64], width: usize, value
 }
 
 impl Column<'_> {
-    /// The equations `FIRST` to `FIRST + N`, in a column at an `END` of the rows or not, in all rows or some.
+    /// The equations `FIRST` to `FIRST + N`, in a column at an `END` of the rows or not, in all
+    /// rows or some.
     #[inline(always)]
     fn run<S: Simd, const FIRST: usize, const N: usize, const END: bool, const WHOLE: bool>(
         &self,
@@ -266,8 +270,8 @@ impl Column<'_> {
         }
         for (e, sums) in last_sums.iter_mut().enumerate() {
             let [m, d] = across.on_face(simd, FIRST + e, row, on[e].r);
-            let beyond = [m, across.zero, simd.neg_f64s(d)];
-            let complete = z[e].add(simd, behind[e].with(simd, beyond), sums);
+            let zeros_outside = [m, across.zero, simd.neg_f64s(d)];
+            let complete = z[e].add(simd, behind[e].with(simd, zeros_outside), sums);
             let to = &mut out[e][base + inner.len() * self.nx..];
             store::<S, END>(simd, to, width, complete);
         }

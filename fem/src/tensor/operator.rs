@@ -9,8 +9,8 @@ use crate::tensor::factors::FaceTerms;
 use crate::tensor::factors::{CellMass, Factors};
 use crate::tensor::slab::{Pool, Scratch, band_height, part, walk};
 
-/// Which components are held on which faces: `held[c][axis]` is (low face, high face).
-pub type HeldFaces = [[[bool; 2]; 3]; 3];
+/// Which components are fixed on which faces: `fixed[c][axis]` is (low face, high face).
+pub type FixedFaces = [[[bool; 2]; 3]; 3];
 
 /// Another material in the lower part of a tensor grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,10 +41,11 @@ struct Products {
 /// * c != d: lambda D_c D_d^T + mu D_c^T D_d, M on the third axis.
 ///
 /// Vectors hold component after component, each in [`TensorGrid::node`] order: `3 * node_count`
-/// numbers. The integration is exact. Cost: 52 multiplications, 29 of them with an addition in one instruction,
-/// and 48 further additions a node.
+/// numbers. The integration is exact. Cost: 52 multiplications, 29 of them with an addition in one
+/// instruction, and 48 further additions a node.
 ///
-/// [`TensorOperator::with_mean_dilatation`] makes it that of [`ElementKind::Hex8Dilatation`], at twice the cost.
+/// [`TensorOperator::with_mean_dilatation`] makes it that of [`ElementKind::Hex8Dilatation`], at
+/// twice the cost.
 #[derive(Clone, Debug)]
 pub struct TensorOperator {
     /// x, y and z.
@@ -53,8 +54,8 @@ pub struct TensorOperator {
     pub lambda: f64,
     /// Shear modulus, of the upper layer where there are two [Pa].
     pub mu: f64,
-    /// Held faces; results are 0 there.
-    pub held: HeldFaces,
+    /// Fixed faces; results are 0 there.
+    pub fixed: FixedFaces,
     lower: Option<LowerLayer>,
     kind: ElementKind,
     products: Vec<Products>,
@@ -63,12 +64,12 @@ pub struct TensorOperator {
 
 impl TensorOperator {
     /// The operator of a grid; `lambda` and `mu` are the Lame constants [Pa].
-    pub fn new(grid: &TensorGrid, lambda: f64, mu: f64, held: HeldFaces) -> Self {
+    pub fn new(grid: &TensorGrid, lambda: f64, mu: f64, fixed: FixedFaces) -> Self {
         let mut operator = TensorOperator {
             axes: [Axis::new(&grid.x), Axis::new(&grid.y), Axis::new(&grid.z)],
             lambda,
             mu,
-            held,
+            fixed,
             lower: None,
             kind: ElementKind::Hex8,
             products: Vec::new(),
@@ -94,11 +95,12 @@ impl TensorOperator {
         self
     }
 
-    /// The same operator with the mean of each cell's change of volume in place of the change itself.
+    /// The same operator with the mean of each cell's change of volume in place of the change
+    /// itself.
     ///
-    /// With the bulk modulus kappa = lambda + 2/3 mu a cell's energy is that of the plain element at -2/3 mu and mu, which
-    /// is the deviator's, and kappa times the square of the mean dilatation: the plain element's at kappa and 0, with masses of
-    /// means over cells.
+    /// With the bulk modulus kappa = lambda + 2/3 mu a cell's energy is that of the plain element
+    /// at -2/3 mu and mu, which is the deviator's, and kappa times the square of the mean
+    /// dilatation: the plain element's at kappa and 0, with masses of means over cells.
     pub fn with_mean_dilatation(mut self) -> Self {
         self.kind = ElementKind::Hex8Dilatation;
         self.multiply_out();
@@ -149,9 +151,10 @@ impl TensorOperator {
 
     /// The z axis as component `c` of the preconditioner sees it.
     ///
-    /// With two layers its matrices carry the lower material's moduli over the upper one's: mu in the mass and for
-    /// the horizontal components, lambda + 2 mu in the stiffness of the vertical one. Where both have one
-    /// Poisson's ratio that is the block diagonal of the stiffness exactly.
+    /// With two layers its matrices carry the lower material's moduli over the upper one's: mu in
+    /// the mass and for the horizontal components, lambda + 2 mu in the stiffness of the vertical
+    /// one. Where both have one Poisson's ratio that is the block diagonal of the stiffness
+    /// exactly.
     pub(crate) fn preconditioned_z(&self, c: usize) -> Axis {
         let Some(layer) = self.lower else {
             return self.axes[2].clone();
@@ -184,8 +187,8 @@ impl TensorOperator {
     /// Number of unknowns that no fixed face removes.
     pub fn free_dofs(&self) -> usize {
         let free = |c: usize, axis: usize| {
-            let held = self.held[c][axis];
-            self.axes[axis].len() - usize::from(held[0]) - usize::from(held[1])
+            let fixed = self.fixed[c][axis];
+            self.axes[axis].len() - usize::from(fixed[0]) - usize::from(fixed[1])
         };
         (0..3).map(|c| free(c, 0) * free(c, 1) * free(c, 2)).sum()
     }
@@ -199,7 +202,7 @@ impl TensorOperator {
                 .par_chunks_mut(nx * ny)
                 .enumerate()
                 .for_each(|(k, plane)| {
-                    mask_plane(plane, self.held[c], [nx, ny, nz], k);
+                    mask_plane(plane, self.fixed[c], [nx, ny, nz], k);
                 });
         }
     }
@@ -222,7 +225,8 @@ impl TensorOperator {
             (3 * nodes, 3 * nodes),
             "vectors of {nodes} nodes"
         );
-        // Every plane's numbers are the same in any slab, so slabs may depend on the number of threads.
+        // Every plane's numbers are the same in any slab, so slabs may depend on the number of
+        // threads.
         let planes = nz.div_ceil(rayon::current_num_threads());
         let slab = planes.max(FEWEST_PLANES) * plane;
         let (out_x, rest) = out.split_at_mut(nodes);
@@ -267,7 +271,7 @@ impl TensorOperator {
         }
         for (c, component) in out.iter_mut().enumerate() {
             for (place, plane) in component.chunks_exact_mut(nx * ny).enumerate() {
-                mask_plane(plane, self.held[c], [nx, ny, nz], first + place);
+                mask_plane(plane, self.fixed[c], [nx, ny, nz], first + place);
             }
         }
     }
@@ -301,7 +305,7 @@ impl TensorOperator {
             let mut of_own = part(out, from..from + own.len() * size);
             walk(factors, u, shape, own.clone(), height, scratch, &mut of_own);
             for (k, sign) in [(factors.first, -1.0), (factors.end() - 1, 1.0)] {
-                if own.contains(&k) && !self.is_held(k) {
+                if own.contains(&k) && !self.is_fixed(k) {
                     let at = (k - first) * size;
                     let [x, y] = &products.plane;
                     let of = |c: usize| &u[(c * shape[2] + k) * size..][..size];
@@ -325,34 +329,34 @@ impl TensorOperator {
         }
     }
 
-    /// Whether all of plane `k` is held.
-    fn is_held(&self, k: usize) -> bool {
+    /// Whether all of plane `k` is fixed.
+    fn is_fixed(&self, k: usize) -> bool {
         let last = self.axes[2].len() - 1;
-        let on = |held: &[[bool; 2]; 3]| (held[2][0] && k == 0) || (held[2][1] && k == last);
-        self.held.iter().all(on)
+        let on = |fixed: &[[bool; 2]; 3]| (fixed[2][0] && k == 0) || (fixed[2][1] && k == last);
+        self.fixed.iter().all(on)
     }
 }
 
 /// A slab computes with its two neighbouring planes too: fewer planes would not pay.
 const FEWEST_PLANES: usize = 4;
 
-fn mask_plane(plane: &mut [f64], held: [[bool; 2]; 3], shape: [usize; 3], k: usize) {
+fn mask_plane(plane: &mut [f64], fixed: [[bool; 2]; 3], shape: [usize; 3], k: usize) {
     let [nx, ny, nz] = shape;
-    if (held[2][0] && k == 0) || (held[2][1] && k == nz - 1) {
+    if (fixed[2][0] && k == 0) || (fixed[2][1] && k == nz - 1) {
         plane.fill(0.0);
         return;
     }
-    if held[1][0] {
+    if fixed[1][0] {
         plane[..nx].fill(0.0);
     }
-    if held[1][1] {
+    if fixed[1][1] {
         plane[(ny - 1) * nx..].fill(0.0);
     }
     for row in plane.chunks_exact_mut(nx) {
-        if held[0][0] {
+        if fixed[0][0] {
             row[0] = 0.0;
         }
-        if held[0][1] {
+        if fixed[0][1] {
             row[nx - 1] = 0.0;
         }
     }

@@ -11,7 +11,8 @@ use crate::precondition::fast_diagonal::FastDiagonal;
 use crate::precondition::planewise_diagonal::PlanewiseDiagonal;
 use crate::sparse::assembly::assemble;
 
-/// The assembled stiffness of the same hexahedra, on graded grids whose rows are shorter and longer than a register.
+/// The assembled stiffness of the same hexahedra, on graded grids whose rows are shorter and longer
+/// than a register.
 #[test]
 fn operator_is_the_assembled_stiffness() {
     for shape in [
@@ -110,8 +111,8 @@ fn slabs_give_the_same_bits_for_any_number_of_threads() {
         y: axis(6),
         z: axis(23),
     };
-    let held = [[[true, false], [false, true], [true, false]]; 3];
-    let plain = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), held);
+    let fixed = [[[true, false], [false, true], [true, false]]; 3];
+    let plain = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), fixed);
     let lower = |cells: usize| {
         plain.clone().on_layer(LowerLayer {
             cells,
@@ -145,14 +146,14 @@ fn slabs_give_the_same_bits_for_any_number_of_threads() {
 fn bands_give_the_same_bits_for_any_number_of_rows() {
     let (_, ice, concrete, _) = layered();
     let axis = |n: usize| -> Vec<f64> { (0..n).map(|i| 1.1f64.powi(i as i32)).collect() };
-    let held = [[[true, false], [false, true], [true, false]]; 3];
+    let fixed = [[[true, false], [false, true], [true, false]]; 3];
     for nx in [5, 8, 21] {
         let grid = TensorGrid {
             x: axis(nx),
             y: axis(17),
             z: axis(9),
         };
-        let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), held)
+        let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), fixed)
             .on_layer(LowerLayer {
                 cells: 3,
                 lambda: concrete.lame_lambda(),
@@ -173,8 +174,8 @@ fn bands_give_the_same_bits_for_any_number_of_rows() {
     }
 }
 
-/// With one Poisson's ratio the preconditioner is the inverse of the stiffness' diagonal blocks, layers included: on a
-/// displacement of one component P^-1 K u gives u back in that component.
+/// With one Poisson's ratio the preconditioner is the inverse of the stiffness' diagonal blocks,
+/// layers included: on a displacement of one component P^-1 K u gives u back in that component.
 #[test]
 fn layers_of_one_poissons_ratio_are_inverted_exactly_in_each_component() {
     let (grid, ice, _, _) = layered();
@@ -184,9 +185,9 @@ fn layers_of_one_poissons_ratio_are_inverted_exactly_in_each_component() {
         lambda: stiff.lame_lambda(),
         mu: stiff.shear_modulus(),
     };
-    let held = [[[true; 2], [true; 2], [true, false]]; 3];
+    let fixed = [[[true; 2], [true; 2], [true, false]]; 3];
     let operator =
-        TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), held).on_layer(layer);
+        TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), fixed).on_layer(layer);
     let fast = FastDiagonal::new(&operator);
     let nodes = grid.node_count();
     for c in 0..3 {

@@ -1,4 +1,5 @@
-//! K u on some neighbouring planes: one walk up z through them and the two next to them, or one for each band of rows.
+//! K u on some neighbouring planes: one walk up z through them and the two next to them, or one for
+//! each band of rows.
 
 use std::fmt;
 use std::ops::Range;
@@ -59,10 +60,11 @@ impl fmt::Debug for Pool {
     }
 }
 
-/// The planes `planes` of one material's K u into `out`, by component, but for what the ends of z add.
+/// The planes `planes` of one material's K u into `out`, by component, but for what the ends of z
+/// add.
 ///
-/// A plane's sum takes the plane below it, itself and the plane above in this order, wherever the walk begins. `height` rows
-/// go up together; numbers do not depend on it.
+/// A plane's sum takes the plane below it, itself and the plane above in this order, wherever the
+/// walk begins. `height` rows go up together; numbers do not depend on it.
 pub(crate) fn walk(
     factors: &Factors,
     u: &[f64],
@@ -132,8 +134,8 @@ pub(crate) fn walk(
     }
 }
 
-/// Rows that a walk takes through all planes together: all of them where u and K u stay in the last cache, and else so many
-/// that what a walk works in stays in a core's own.
+/// Rows that a walk takes through all planes together: all of them where u and K u stay in the last
+/// cache, and else so many that what a walk works in stays in a core's own.
 ///
 /// Each band computes the products along x of the two neighbouring rows anew.
 pub(crate) fn band_height([nx, ny, nz]: [usize; 3]) -> usize {
@@ -146,9 +148,11 @@ pub(crate) fn band_height([nx, ny, nz]: [usize; 3]) -> usize {
     ny.div_ceil(bands)
 }
 
-/// Bytes of u and K u that may be expected to stay in the last cache, together with the other vectors of a solve.
+/// Bytes of u and K u that may be expected to stay in the last cache, together with the other
+/// vectors of a solve.
 const LAST_CACHE: usize = 12 << 20;
-/// Bytes of a band's sums. The neighbouring rows of u, and what is prefetched, are as many again and more.
+/// Bytes of a band's sums. The neighbouring rows of u, and what is prefetched, are as many again
+/// and more.
 const SUMS: usize = 128 << 10;
 
 /// A part of each component.
@@ -157,7 +161,8 @@ pub(crate) fn part<'a>(out: &'a mut [&mut [f64]; 3], range: Range<usize>) -> [&'
         .map(|component| &mut component[range.clone()])
 }
 
-/// The ends of rows of u between zeros, for the vectors of neighbours along x that would reach over them.
+/// The ends of rows of u between zeros, for the vectors of neighbours along x that would reach over
+/// them.
 ///
 /// Vectors in between read u itself.
 pub(crate) struct RowEnds {
@@ -172,7 +177,8 @@ const END: usize = WIDEST + 1;
 
 impl RowEnds {
     pub fn new([nx, ny]: [usize; 2]) -> Self {
-        // An odd number of cache lines, so that a column of rows spreads over all of a cache's sets.
+        // An odd number of cache lines, so that a column of rows spreads over all of a cache's
+        // sets.
         let lines = (padded(nx) + 2 * WIDEST) / 8;
         let stride = 8 * (lines | 1);
         RowEnds {

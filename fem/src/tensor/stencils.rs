@@ -1,4 +1,5 @@
-//! The matrices of the three axes acting on vectors of neighbours along x ([`crate::tensor::kernel`]).
+//! The matrices of the three axes acting on vectors of neighbours along x
+//! ([`crate::tensor::kernel`]).
 
 use pulp::Simd;
 
@@ -98,7 +99,8 @@ impl<S: Simd> AlongZ<S> {
         }
     }
 
-    /// Adds to the sums of the plane below and of this one; returns the first, which is complete, and begins the plane above.
+    /// Adds to the sums of the plane below and of this one; returns the first, which is complete,
+    /// and begins the plane above.
     #[inline(always)]
     pub fn add(&self, simd: S, [m, k, d]: [S::f64s; 3], sums: &mut [S::f64s; 2]) -> S::f64s {
         let side = |side: usize| {
@@ -167,7 +169,8 @@ impl<S: Simd, const FIRST: usize, const N: usize, const END: bool> AcrossRow<S, 
         products
     }
 
-    /// What E of y adds to f_m and takes from f_d on the last row, and the other way round on the first.
+    /// What E of y adds to f_m and takes from f_d on the last row, and the other way round on the
+    /// first.
     #[inline(always)]
     pub fn on_face(&self, simd: S, equation: usize, row: [&[f64]; 3], r: S::f64s) -> [S::f64s; 2] {
         let slope = |c: usize| self.x.plain_slope::<END>(simd, three::<S>(row[c]));

@@ -128,7 +128,7 @@ impl Case {
         let underside = FittedUnderside::new(&part, noise.found).map_err(|error| named(&error))?;
         let elastic = ElasticRunner {
             solid: Some(Arc::new(solid)),
-            ..ElasticRunner::held_at_top(modulus, ratio, top)
+            ..ElasticRunner::fixed_at_top(modulus, ratio, top)
         };
         let hull = FittedHull {
             underside: Arc::new(underside),
@@ -158,7 +158,7 @@ impl Case {
             mount: mount.unwrap_or_default(),
             // A luge steel is flat across: a gentle limit adds steel over the radius of its edge alone.
             flank: gentle.then_some(GENTLE),
-            ..ElasticRunner::held_at_top(
+            ..ElasticRunner::fixed_at_top(
                 self.runner.youngs_modulus_pa,
                 self.runner.poissons_ratio,
                 top,

@@ -244,7 +244,7 @@ impl LoadedCase {
             | Error::NoPatch { .. }
             | Error::FarField { .. }
             | Error::NoAnswer { .. }
-            | Error::NotHeld { .. }
+            | Error::ConditionsViolated { .. }
             | Error::TouchesElsewhere { .. }
             | Error::SlidingAccuracyNotReached { .. } => Failure::NotConverged(text),
             Error::Stopped => Failure::Partial(text),

@@ -1,6 +1,7 @@
 //! Text from outside, made safe for the languages that it is exported to.
 //!
-//! Every string that is not the program's own passes one of these functions: names, versions, hashes and paths.
+//! Every string that is not the program's own passes one of these functions: names, versions,
+//! hashes and paths.
 
 use std::path::Path;
 
@@ -8,8 +9,8 @@ use crate::error::Error;
 
 /// Text within a comment of C or MATLAB: one line that neither ends nor begins a comment.
 ///
-/// Characters that end a line in any of the languages become spaces, and so do slashes and stars that stand together and
-/// backslashes, which would continue a line.
+/// Characters that end a line in any of the languages become spaces, and so do slashes and stars
+/// that stand together and backslashes, which would continue a line.
 pub(super) fn comment(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {
@@ -67,7 +68,8 @@ pub(super) fn identifier(name: &str) -> String {
 /// A path for a script.
 ///
 /// # Errors
-/// [`Error::ScriptPath`] where it is no Unicode or has characters that end a line or move the cursor.
+/// [`Error::ScriptPath`] where it is no Unicode or has characters that end a line or move the
+/// cursor.
 pub(super) fn script_path(path: &Path) -> Result<&str, Error> {
     let plain = |c: char| !c.is_control() && !matches!(c, '\u{2028}' | '\u{2029}');
     let text = path.to_str().filter(|text| text.chars().all(plain));
@@ -84,7 +86,8 @@ pub(super) fn shell_word(path: &Path) -> Result<String, Error> {
     Ok(format!("'{}'", script_path(path)?.replace('\'', r"'\''")))
 }
 
-/// A path as the value of an option in a `#SBATCH` line: quoted, its percent signs, which begin patterns, doubled.
+/// A path as the value of an option in a `#SBATCH` line: quoted, its percent signs, which begin
+/// patterns, doubled.
 ///
 /// # Errors
 /// As [`script_path`].

@@ -1,7 +1,7 @@
 //! A table as a Functional Mock-up Unit, FMI 3.0, Model Exchange and Co-Simulation.
 //!
-//! The library inside is the same for every table: it was compiled with this crate and reads the table from the
-//! unit's resources. So an FMU is written without a compiler.
+//! The library inside is the same for every table: it was compiled with this crate and reads the
+//! table from the unit's resources. So an FMU is written without a compiler.
 
 use std::io::{Cursor, Read, Seek, SeekFrom, Write};
 
@@ -38,8 +38,9 @@ pub struct Fmu {
 /// Reads the table of an FMU back.
 ///
 /// # Errors
-/// [`Error::TooLarge`] past [`MAX_FILE_BYTES`]; [`Error::Zip`] where it is no archive or has no table in its resources; those of
-/// [`Table::read`], which bounds what the table takes when it is expanded.
+/// [`Error::TooLarge`] past [`MAX_FILE_BYTES`]; [`Error::Zip`] where it is no archive or has no
+/// table in its resources; those of [`Table::read`], which bounds what the table takes when it is
+/// expanded.
 pub fn read_fmu(mut reader: impl Read + Seek) -> Result<Fmu, Error> {
     if reader.seek(SeekFrom::End(0))? > MAX_FILE_BYTES {
         return Err(Error::TooLarge {
@@ -65,17 +66,17 @@ pub fn read_fmu(mut reader: impl Read + Seek) -> Result<Fmu, Error> {
 }
 
 impl Table {
-    /// Writes an FMU whose inputs are `fz`, `v`, `pitch_rate` and `curvature` and whose outputs are `pressure`
-    /// (the peak pressure) and `out_of_range`; of a runner that slides also the input `ice_c` and the outputs `mu`,
-    /// `mu_ploughing`, `mu_viscous`, `groove_depth` and `film_mean`.
+    /// Writes an FMU whose inputs are `fz`, `v`, `pitch_rate` and `curvature` and whose outputs are
+    /// `pressure` (the peak pressure) and `out_of_range`; of a runner that slides also the input
+    /// `ice_c` and the outputs `mu`, `mu_ploughing`, `mu_viscous`, `groove_depth` and `film_mean`.
     ///
-    /// The parameter `use_curvature` takes the input `curvature` instead of `-pitch_rate / v`; `smooth` chooses
-    /// the mode. The unit holds a library for the platform that this crate was built on, and its sources
-    /// for others. `rocker_radius` as in [`Table::write_header`].
+    /// The parameter `use_curvature` takes the input `curvature` instead of `-pitch_rate / v`;
+    /// `smooth` chooses the mode. The unit holds a library for the platform that this crate was
+    /// built on, and its sources for others. `rocker_radius` as in [`Table::write_header`].
     ///
     /// # Errors
-    /// [`Error::NoFmuLibrary`] where this crate was built without a C compiler; [`Error::RockerNeeded`],
-    /// [`Error::RockerOutside`]; [`Error::Zip`] and [`Error::Stream`].
+    /// [`Error::NoFmuLibrary`] where this crate was built without a C compiler;
+    /// [`Error::RockerNeeded`], [`Error::RockerOutside`]; [`Error::Zip`] and [`Error::Stream`].
     pub fn write_fmu(
         &self,
         name: &str,
@@ -117,7 +118,8 @@ impl Table {
         Ok(())
     }
 
-    /// What follows magic and token in `resources/table.bin` (see `Head` in c/fmu.c), little-endian.
+    /// What follows magic and token in `resources/table.bin` (see `Head` in c/fmu.c),
+    /// little-endian.
     fn fmu_numbers(&self, rocker_radius: Option<f64>) -> Result<Vec<u8>, Error> {
         let quantities = self.fmu_quantities();
         let axes = self.axes();
@@ -140,7 +142,8 @@ impl Table {
                 }
             }
             logarithmic |= u32::from(smooth.is_logarithmic()) << k;
-            // The plain values do not depend on the mode but at a rocker radius between breakpoints, which exports refuse.
+            // The plain values do not depend on the mode but at a rocker radius between
+            // breakpoints, which exports refuse.
             numbers.extend(smooth.values());
             numbers.extend(smooth.flat_jets());
         }

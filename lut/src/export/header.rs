@@ -17,15 +17,17 @@ pub(crate) const LAYER_AXES: [(AxisKind, &str); 2] =
 pub(crate) const EVALUATION: &str = include_str!("../../c/kufe_lut.h");
 
 impl Table {
-    /// Writes a C99 header with all quantities: `NAME_QUANTITY_bilinear(fz, curvature)` and `NAME_QUANTITY_smooth(fz,
-    /// curvature)` return a value and the out-of-range flag; nothing else is needed to use them but `libm`. Where the table has
-    /// speeds or temperatures of the ice the functions take `(fz, curvature, v, ice_c)`.
+    /// Writes a C99 header with all quantities: `NAME_QUANTITY_bilinear(fz, curvature)` and
+    /// `NAME_QUANTITY_smooth(fz, curvature)` return a value and the out-of-range flag; nothing else
+    /// is needed to use them but `libm`. Where the table has speeds or temperatures of the ice the
+    /// functions take `(fz, curvature, v, ice_c)`.
     ///
-    /// `name` becomes a C identifier; several such headers fit into one program. `rocker_radius` chooses a
-    /// breakpoint of the rocker axis where the table has one [m].
+    /// `name` becomes a C identifier; several such headers fit into one program. `rocker_radius`
+    /// chooses a breakpoint of the rocker axis where the table has one [m].
     ///
     /// # Errors
-    /// [`Error::RockerNeeded`] and [`Error::RockerOutside`] as [`Interpolator::new`]; [`Error::Stream`].
+    /// [`Error::RockerNeeded`] and [`Error::RockerOutside`] as [`Interpolator::new`];
+    /// [`Error::Stream`].
     pub fn write_header(
         &self,
         name: &str,

@@ -1,7 +1,8 @@
-//! MATLAB version 5 MAT-files, uncompressed: variables of numbers, text, structures and cells; and tables in that form.
+//! MATLAB version 5 MAT-files, uncompressed: variables of numbers, text, structures and cells; and
+//! tables in that form.
 //!
-//! Layout after MathWorks, "MAT-File Format" (version 5): a 128-byte header, then one `miMATRIX` element
-//! a variable, each made of tagged parts padded to 8 bytes. Everything is little-endian.
+//! Layout after MathWorks, "MAT-File Format" (version 5): a 128-byte header, then one `miMATRIX`
+//! element a variable, each made of tagged parts padded to 8 bytes. Everything is little-endian.
 
 use std::io::{Error, Result, Write};
 
@@ -30,7 +31,8 @@ pub enum MatValue {
     Numbers(Vec<usize>, Vec<f64>),
     /// A line of text.
     Text(String),
-    /// A row of structures: the names of their fields, and the fields' values structure by structure.
+    /// A row of structures: the names of their fields, and the fields' values structure by
+    /// structure.
     Structures(Vec<String>, Vec<Vec<MatValue>>),
     /// A row of anything.
     Cells(Vec<MatValue>),
@@ -53,8 +55,9 @@ impl MatValue {
         MatValue::Structures(names, vec![values])
     }
 
-    /// What JSON holds: numbers, true as 1, null as NaN; lists of numbers as rows, of objects as rows of structures with the fields of them
-    /// all (an empty array where one has none), other lists as cells; objects as structures.
+    /// What JSON holds: numbers, true as 1, null as NaN; lists of numbers as rows, of objects as
+    /// rows of structures with the fields of them all (an empty array where one has none), other
+    /// lists as cells; objects as structures.
     pub fn of_json(value: &Value) -> Self {
         let number = |value: &Value| match value {
             Value::Null => Some(f64::NAN),
@@ -82,7 +85,8 @@ impl MatValue {
             MatValue::Numbers(shape, values) => doubles(name, shape, values),
             MatValue::Text(text) => characters(name, text),
             MatValue::Structures(names, rows) => {
-                // In one word with its tag, as MATLAB does: Octave takes the length of names in no other form.
+                // In one word with its tag, as MATLAB does: Octave takes the length of names in no
+                // other form.
                 let mut data = [MI_INT32 | 4 << 16, LONGEST as u32 + 1]
                     .iter()
                     .flat_map(|word| word.to_le_bytes())
@@ -120,8 +124,8 @@ fn objects(list: &[Value]) -> MatValue {
     MatValue::Structures(names, rows)
 }
 
-/// Writes variables as a MAT-file of version 5, `version` being that of kufe, and after them `units`: a structure with the unit of each
-/// name of numbers that has one.
+/// Writes variables as a MAT-file of version 5, `version` being that of kufe, and after them
+/// `units`: a structure with the unit of each name of numbers that has one.
 ///
 /// # Errors
 /// Those of the writer, and where a variable is longer than the format's 2 GiB.
@@ -145,7 +149,8 @@ pub fn write_mat_file(
     Ok(())
 }
 
-/// A structure with the unit of each name of numbers in the variables that has one, those of structures' fields among them.
+/// A structure with the unit of each name of numbers in the variables that has one, those of
+/// structures' fields among them.
 fn units(variables: &[(String, MatValue)]) -> MatValue {
     let mut names = Vec::new();
     for (name, value) in variables {
@@ -252,13 +257,16 @@ fn unit(name: &str) -> Option<String> {
 }
 
 impl Table {
-    /// Writes the axes (`fz_n`, `curvature_1pm`, perhaps `rocker_radius_m`, `v_mps`, `ice_c`, as rows) and every figure as an array
-    /// over them, force first, named as in `result.json`; with `case_json`, `case_sha256` and `version` as text, and `units`.
+    /// Writes the axes (`fz_n`, `curvature_1pm`, perhaps `rocker_radius_m`, `v_mps`, `ice_c`, as
+    /// rows) and every figure as an array over them, force first, named as in `result.json`; with
+    /// `case_json`, `case_sha256` and `version` as text, and `units`.
     ///
-    /// Where the second axis holds reduced curvatures it is called `reduced_curvature`; `flush` holds the four numbers that
-    /// define them (flush curvature, scale, ends) and `curvature_1pm` the curvature of every node.
+    /// Where the second axis holds reduced curvatures it is called `reduced_curvature`; `flush`
+    /// holds the four numbers that define them (flush curvature, scale, ends) and `curvature_1pm`
+    /// the curvature of every node.
     ///
-    /// In Simulink's n-D Lookup Table: breakpoints 1 `fz_n`, breakpoints 2 `curvature_1pm`, table data `p_max_pa`.
+    /// In Simulink's n-D Lookup Table: breakpoints 1 `fz_n`, breakpoints 2 `curvature_1pm`, table
+    /// data `p_max_pa`.
     ///
     /// # Errors
     /// [`crate::Error::Stream`] where the writer fails.

@@ -1,7 +1,7 @@
 //! MATLAB version 5 MAT-files, uncompressed: variables of numbers, text, structures and cells.
 //!
-//! Layout after MathWorks, "MAT-File Format" (version 5): a 128-byte header, then one `miMATRIX` element
-//! a variable, each made of tagged parts padded to 8 bytes. Everything is little-endian.
+//! Layout after MathWorks, "MAT-File Format" (version 5): a 128-byte header, then one `miMATRIX`
+//! element a variable, each made of tagged parts padded to 8 bytes. Everything is little-endian.
 
 use std::io::{Error, Result, Write};
 
@@ -29,7 +29,8 @@ pub enum MatValue {
     Numbers(Vec<usize>, Vec<f64>),
     /// A line of text.
     Text(String),
-    /// A row of structures: the names of their fields, and the fields' values structure by structure.
+    /// A row of structures: the names of their fields, and the fields' values structure by
+    /// structure.
     Structures(Vec<String>, Vec<Vec<MatValue>>),
     /// A row of anything.
     Cells(Vec<MatValue>),
@@ -52,8 +53,9 @@ impl MatValue {
         MatValue::Structures(names, vec![values])
     }
 
-    /// What JSON holds: numbers, true as 1, null as NaN; lists of numbers as rows, of objects as rows of structures with the fields of them
-    /// all (an empty array where one lacks it), other lists as cells; objects as structures.
+    /// What JSON holds: numbers, true as 1, null as NaN; lists of numbers as rows, of objects as
+    /// rows of structures with the fields of them all (an empty array where one is absent), other
+    /// lists as cells; objects as structures.
     pub fn of_json(value: &Value) -> Self {
         let number = |value: &Value| match value {
             Value::Null => Some(f64::NAN),
@@ -81,7 +83,8 @@ impl MatValue {
             MatValue::Numbers(shape, values) => doubles(name, shape, values),
             MatValue::Text(text) => characters(name, text),
             MatValue::Structures(names, rows) => {
-                // In one word with its tag, as MATLAB does: Octave takes the length of names in no other form.
+                // In one word with its tag, as MATLAB does: Octave takes the length of names in no
+                // other form.
                 let mut data = [MI_INT32 | 4 << 16, LONGEST as u32 + 1]
                     .iter()
                     .flat_map(|word| word.to_le_bytes())
@@ -119,8 +122,8 @@ fn objects(list: &[Value]) -> MatValue {
     MatValue::Structures(names, rows)
 }
 
-/// Writes variables as a MAT-file of version 5, `version` being that of kufe, and after them `units`: a structure with the unit of each
-/// name of numbers that has one.
+/// Writes variables as a MAT-file of version 5, `version` being that of kufe, and after them
+/// `units`: a structure with the unit of each name of numbers that has one.
 ///
 /// # Errors
 /// Those of the writer, and where a variable is longer than the format's 2 GiB.
@@ -144,7 +147,8 @@ pub fn write_mat_file(
     Ok(())
 }
 
-/// A structure with the unit of each name of numbers in the variables that has one, those of structures' fields among them.
+/// A structure with the unit of each name of numbers in the variables that has one, those of
+/// structures' fields among them.
 fn units(variables: &[(String, MatValue)]) -> MatValue {
     let mut names = Vec::new();
     for (name, value) in variables {

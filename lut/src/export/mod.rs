@@ -1,4 +1,5 @@
-//! The forms that other programs read: CSV, MAT-files, C headers, blocks for Simulink, FMUs, and scripts for clusters.
+//! The forms that other programs read: CSV, MAT-files, C headers, blocks for Simulink, FMUs, and
+//! scripts for clusters.
 
 mod escape;
 mod fmu;
@@ -22,7 +23,8 @@ use crate::table::Table;
 type Figure = fn(&Figures, Quantity) -> Option<f64>;
 
 impl Table {
-    /// Keys of the figures of every node, each with what reads it: values, and errors where there are such.
+    /// Keys of the figures of every node, each with what reads it: values, and errors where there
+    /// are such.
     fn figures(&self) -> Vec<(&'static str, Quantity, Figure)> {
         let figures = self.columns().iter().flat_map(|(&quantity, column)| {
             let value = (quantity.key(), quantity, Figures::get as Figure);

@@ -10,7 +10,8 @@ const MARK: &str = concat!("# kufe ", env!("CARGO_PKG_VERSION"), "\n");
 
 /// A Slurm job array, one shard a task: `sbatch --wait slurm.sh`.
 ///
-/// Tasks that fail are run again by submitting the script again: finished points are not solved again.
+/// Tasks that fail are run again by submitting the script again: finished points are not solved
+/// again.
 ///
 /// # Errors
 /// [`Error::ScriptPath`] where a path has characters that a script cannot name.
@@ -38,7 +39,8 @@ pub fn slurm_script(kufe: &Path, plan: &Path, shards: usize) -> Result<String, E
 /// # Errors
 /// [`Error::ScriptPath`] where a path has characters that a script cannot name.
 pub fn parallel_script(kufe: &Path, plan: &Path, shards: usize) -> Result<String, Error> {
-    // GNU parallel gives its command to a shell: paths come as variables, which that shell does not parse again.
+    // GNU parallel gives its command to a shell: paths come as variables, which that shell does not
+    // parse again.
     Ok(format!(
         "#!/bin/sh\n\
          {MARK}\

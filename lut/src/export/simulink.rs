@@ -1,4 +1,5 @@
-//! A table as a block for Simulink: a C MEX S-function of its header, and the MATLAB script that builds a library with it.
+//! A table as a block for Simulink: a C MEX S-function of its header, and the MATLAB script that
+//! builds a library with it.
 
 use std::io::Write;
 
@@ -30,13 +31,16 @@ pub fn simulink_files(name: &str) -> [String; 3] {
 }
 
 impl Table {
-    /// Writes the S-function (level 2, C MEX) that includes the header of [`Table::write_header`] and gives each quantity of the table
-    /// at one output, and whether an input was clipped at the last. Its parameter is 1 for the smooth mode, 2 for the bilinear one.
+    /// Writes the S-function (level 2, C MEX) that includes the header of [`Table::write_header`]
+    /// and gives each quantity of the table at one output, and whether an input was clipped at the
+    /// last. Its parameter is 1 for the smooth mode, 2 for the bilinear one.
     ///
-    /// Sources: MathWorks, "Create C S-Functions" (Simulink): the four callbacks that a level-2 S-function must have.
+    /// Sources: MathWorks, "Create C S-Functions" (Simulink): the four callbacks that a level-2
+    /// S-function must have.
     ///
     /// # Errors
-    /// [`Error::RockerNeeded`] and [`Error::RockerOutside`] as [`Table::write_header`]; [`Error::Stream`].
+    /// [`Error::RockerNeeded`] and [`Error::RockerOutside`] as [`Table::write_header`];
+    /// [`Error::Stream`].
     pub fn write_s_function(
         &self,
         name: &str,
@@ -93,8 +97,9 @@ impl Table {
         Ok(())
     }
 
-    /// Writes the MATLAB script that compiles the S-function and builds a library, `NAME_lib`, with one block: ports have the names and units of
-    /// the table's columns, the block's parameter chooses the mode.
+    /// Writes the MATLAB script that compiles the S-function and builds a library, `NAME_lib`, with
+    /// one block: ports have the names and units of the table's columns, the block's parameter
+    /// chooses the mode.
     ///
     /// # Errors
     /// [`Error::Stream`].

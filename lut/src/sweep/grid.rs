@@ -5,7 +5,8 @@ use crate::error::Error;
 use crate::reduced::Flush;
 use crate::sweep::plan::{Plan, Spacing};
 
-/// Coordinates by kind of axis, the second one perhaps reduced; along an axis that is not there it is ignored.
+/// Coordinates by kind of axis, the second one perhaps reduced; along an axis that is not there it
+/// is ignored.
 pub(crate) type Place = [f64; KINDS];
 
 /// The places on each axis.
@@ -19,8 +20,8 @@ pub(crate) struct Grid {
     has: [bool; KINDS],
 }
 
-/// The middle of an interval as the sweep divides it: of logarithms of forces, radii and speeds, of plain curvatures and
-/// temperatures.
+/// The middle of an interval as the sweep divides it: of logarithms of forces, radii and speeds, of
+/// plain curvatures and temperatures.
 pub(crate) fn middle(axis: usize, low: f64, high: f64) -> f64 {
     if AxisKind::ALL[axis].is_logarithmic() {
         (low * high).sqrt()
@@ -138,8 +139,8 @@ impl Grid {
         places
     }
 
-    /// Spread places; where an axis is given by its values, every other place lies on one of them, so that it
-    /// measures the refined axes alone.
+    /// Spread places; where an axis is given by its values, every other place lies on one of them,
+    /// so that it measures the refined axes alone.
     pub fn spread(&self, count: usize) -> Vec<Place> {
         let mut places = spread(&self.values, count);
         for at in places.iter_mut().step_by(2) {
@@ -200,11 +201,12 @@ fn five(axis: usize, from: f64, to: f64) -> Result<Vec<f64>, Error> {
     Ok(vec![from, low, centre, high, to])
 }
 
-/// `count` places spread evenly between the ends of the axes: the R2 sequence (M. Roberts, The unreasonable
-/// effectiveness of quasirandom sequences, 2018) in the logarithms of forces, radii and speeds and in plain curvatures and
-/// temperatures.
+/// `count` places spread evenly between the ends of the axes: the R2 sequence (M. Roberts, The
+/// unreasonable effectiveness of quasirandom sequences, 2018) in the logarithms of forces, radii
+/// and speeds and in plain curvatures and temperatures.
 pub(crate) fn spread(values: &[Vec<f64>; KINDS], count: usize) -> Vec<Place> {
-    // Powers of 1/g for the root g of g^4 = g + 1, and of g^6 = g + 1 where there are more than three axes.
+    // Powers of 1/g for the root g of g^4 = g + 1, and of g^6 = g + 1 where there are more than
+    // three axes.
     const THREE: [f64; KINDS] = [
         0.819_172_513_396_164_4,
         0.671_043_606_703_789_2,

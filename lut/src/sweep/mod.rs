@@ -1,4 +1,5 @@
-//! Filling a table: given points, or points placed until the interpolation is as accurate as requested.
+//! Filling a table: given points, or points placed until the interpolation is as accurate as
+//! requested.
 
 mod grid;
 mod parallel;
@@ -46,13 +47,13 @@ type SolveBatch<'a, E> = dyn FnMut(&[Point]) -> Result<Vec<Figures>, E> + 'a;
 
 /// Solves the contacts of a plan, points in parallel, and makes the table.
 ///
-/// Every point is solved by itself, from nothing but its coordinates, so the table is the same to the last bit for any number of
-/// threads, after an interruption, and when the points were solved on several machines.
-/// `solve` is called once a point; several calls run at once.
+/// Every point is solved by itself, from nothing but its coordinates, so the table is the same to
+/// the last bit for any number of threads, after an interruption, and when the points were solved
+/// on several machines. `solve` is called once a point; several calls run at once.
 ///
 /// # Errors
-/// [`SweepError::Solve`] with the first failed point in sweep order; [`SweepError::Table`] where the plan's axes
-/// are not usable or a figure is not finite.
+/// [`SweepError::Solve`] with the first failed point in sweep order; [`SweepError::Table`] where
+/// the plan's axes are not usable or a figure is not finite.
 ///
 /// ```
 /// use kufe_lut::{Figures, Plan, Quantity, Spacing, sweep};
@@ -142,8 +143,8 @@ pub fn replay(plan: &Plan, stored: impl Fn(&Point) -> Option<Figures>) -> Result
 
 /// As [`sweep`], with the points given in batches that may be solved anywhere in any order.
 ///
-/// The batches follow from the plan and the results so far alone, so a sweep can be replayed from stored results. A
-/// batch never repeats a point.
+/// The batches follow from the plan and the results so far alone, so a sweep can be replayed from
+/// stored results. A batch never repeats a point.
 ///
 /// # Errors
 /// Those of `solve`, and an [`Error`] of the plan or its results.

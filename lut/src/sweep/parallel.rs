@@ -2,10 +2,12 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Applies `work` to every item, on as many threads as the current rayon pool has; results in the items' order.
+/// Applies `work` to every item, on as many threads as the current rayon pool has; results in the
+/// items' order.
 ///
-/// Each item runs inside a pool of one thread of its own: a solver that is parallel itself would otherwise have its
-/// waiting threads begin further items, one inside the other, with all of them in memory.
+/// Each item runs inside a pool of one thread of its own: a solver that is parallel itself would
+/// otherwise have its waiting threads begin further items, one inside the other, with all of them
+/// in memory.
 pub fn each<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let threads = rayon::current_num_threads().min(items.len());
     if threads <= 1 {

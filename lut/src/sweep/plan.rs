@@ -34,10 +34,12 @@ impl Spacing {
 pub struct Plan {
     /// Spacings by kind of axis.
     axes: [Option<Spacing>; KINDS],
-    /// The curvature at which the runner lies flush [1/m] and the scale [1/(m N)], see [`crate::Flush`]. The table's second axis
-    /// then holds reduced curvatures; needs a range of curvatures and no further axis.
+    /// The curvature at which the runner lies flush [1/m] and the scale [1/(m N)], see
+    /// [`crate::Flush`]. The table's second axis then holds reduced curvatures; needs a range of
+    /// curvatures and no further axis.
     pub flush: Option<[f64; 2]>,
-    /// Relative interpolation error of [`Table::judged`](crate::Table::judged), requested of every mode in `modes`.
+    /// Relative interpolation error of [`Table::judged`](crate::Table::judged), requested of every
+    /// mode in `modes`.
     pub interpolation: f64,
     /// The modes that must be that accurate.
     pub modes: Vec<Mode>,
@@ -45,15 +47,17 @@ pub struct Plan {
     pub max_nodes: usize,
     /// Smallest interval, as a part of its axis: what a kink of the data is narrowed down to.
     pub smallest_interval: f64,
-    /// Solves spread over the table that measure the interpolation, in addition to those that refinement makes.
+    /// Solves spread over the table that measure the interpolation, in addition to those that
+    /// refinement makes.
     pub checks: usize,
 }
 
 impl Plan {
-    /// A plan over forces [N] and curvatures [1/m] that requests 1 % of both modes, measured at 200 spread points, and places at
-    /// most 20 000 nodes, none closer than 1/65536 of an axis.
+    /// A plan over forces [N] and curvatures [1/m] that requests 1 % of both modes, measured at 200
+    /// spread points, and places at most 20 000 nodes, none closer than 1/65536 of an axis.
     ///
-    /// Where both axes are given by their values, it has as many checks as an eighth of the nodes, at least 4.
+    /// Where both axes are given by their values, it has as many checks as an eighth of the nodes,
+    /// at least 4.
     pub fn new(fz: Spacing, curvature: Spacing) -> Self {
         let checks = match (&fz, &curvature) {
             (Spacing::Values(fz), Spacing::Values(curvature)) => {
@@ -72,7 +76,8 @@ impl Plan {
         }
     }
 
-    /// With this spacing along an axis. Without it, rocker radius, speed and temperature are those of the case.
+    /// With this spacing along an axis. Without it, rocker radius, speed and temperature are those
+    /// of the case.
     #[must_use]
     pub fn with(mut self, kind: AxisKind, spacing: Spacing) -> Self {
         self.axes[kind as usize] = Some(spacing);
@@ -99,12 +104,14 @@ impl Plan {
     /// Checks the axes, before anything is solved.
     ///
     /// # Errors
-    /// [`Error::AxisLength`], [`Error::AxisValue`], [`Error::TooManyNodes`], [`Error::FlushValue`], [`Error::FlushPlan`].
+    /// [`Error::AxisLength`], [`Error::AxisValue`], [`Error::TooManyNodes`], [`Error::FlushValue`],
+    /// [`Error::FlushPlan`].
     pub fn check(&self) -> Result<(), Error> {
         Grid::start(self)?.axes().map(|_| ())
     }
 
-    /// The nodes at the corners of the table, and the one in its middle: each is solved in any case.
+    /// The nodes at the corners of the table, and the one in its middle: each is solved in any
+    /// case.
     ///
     /// # Errors
     /// As [`check`](Self::check).

@@ -1,11 +1,12 @@
 //! Placing breakpoints where the interpolation is worst.
 //!
-//! Each round solves the nodes and, on every interval of an axis to be refined, its middle on every other grid
-//! line. An interval whose error there is above [`MARGIN`] of the request is halved; the solves just made become nodes.
-//! When no interval is, points spread evenly over the table (Roberts' R2 sequence) are solved and measured: a miss halves
-//! the interval around it, unless the solver's own error is as large as the miss. The sweep ends when every solve that is
-//! no node is met within the request. Axes given by their values stay as they are, and what the interpolation misses
-//! between those values is measured but not mended.
+//! Each round solves the nodes and, on every interval of an axis to be refined, its middle on every
+//! other grid line. An interval whose error there is above [`MARGIN`] of the request is halved; the
+//! solves just made become nodes. When no interval is, points spread evenly over the table
+//! (Roberts' R2 sequence) are solved and measured: a miss halves the interval around it, unless the
+//! solver's own error is as large as the miss. The sweep ends when every solve that is no node is
+//! met within the request. Axes given by their values stay as they are, and what the interpolation
+//! misses between those values is measured but not mended.
 
 use std::collections::{HashMap, HashSet};
 
@@ -19,7 +20,8 @@ use crate::sweep::grid::{Grid, Place, middle};
 use crate::sweep::plan::Plan;
 use crate::table::{Table, relative_error};
 
-/// Part of the requested error that an interval's middle may have: between the checks it may be larger.
+/// Part of the requested error that an interval's middle may have: between the checks it may be
+/// larger.
 const MARGIN: f64 = 0.8;
 
 pub(crate) struct Refinement {
@@ -196,7 +198,8 @@ enum Halved {
     Limit(&'static str),
 }
 
-/// Halves the interval around every miss above `limit`, along the axis whose middles are missed most.
+/// Halves the interval around every miss above `limit`, along the axis whose middles are missed
+/// most.
 fn halve(grid: &mut Grid, misses: &[Miss], limit: f64, plan: &Plan) -> Halved {
     // Largest error at the middle of each interval of each axis.
     let mut at_middle: [Vec<f64>; KINDS] =

@@ -3,8 +3,8 @@
 use std::fs::{File, write};
 use std::path::Path;
 
-/// What the C99 program in the file `source` of `folder` prints, given `input`; compiled without a warning, with these `flags` beside.
-/// None where there is no compiler.
+/// What the C99 program in the file `source` of `folder` prints, given `input`; compiled without a
+/// warning, and with these `flags`. None where there is no compiler.
 pub fn run_c(folder: &Path, source: &str, flags: &[&str], input: &str) -> Option<String> {
     let mut compiler = kufe_outside::program("cc")?;
     let compiled = compiler
@@ -21,8 +21,8 @@ pub fn run_c(folder: &Path, source: &str, flags: &[&str], input: &str) -> Option
         .current_dir(folder)
         .output()
         .unwrap();
-    let told = String::from_utf8_lossy(&compiled.stderr);
-    assert!(compiled.status.success(), "{told}");
+    let messages = String::from_utf8_lossy(&compiled.stderr);
+    assert!(compiled.status.success(), "{messages}");
     write(folder.join("input"), input).unwrap();
     let ran = std::process::Command::new(folder.join("program"))
         .stdin(File::open(folder.join("input")).unwrap())

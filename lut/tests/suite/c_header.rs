@@ -86,7 +86,8 @@ fn the_header_compiles_and_computes_what_the_library_computes() {
             if own.value.is_nan() {
                 assert!(value.is_nan());
             } else {
-                // The same operations in the same order; only log and exp may come from another libm.
+                // The same operations in the same order; only log and exp may come from another
+                // libm.
                 assert!(
                     (value / own.value - 1.0).abs() < 1e-14,
                     "{value} {}",

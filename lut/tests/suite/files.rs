@@ -18,7 +18,10 @@ fn refused(good: &str, cases: &[(&str, &str, &str)]) {
             panic!("{from} may be {to}");
         };
         let error = error.to_string();
-        assert!(error.contains(expected), "{error} lacks {expected}");
+        assert!(
+            error.contains(expected),
+            "{error} does not contain {expected}"
+        );
     }
 }
 

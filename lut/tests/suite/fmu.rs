@@ -63,7 +63,7 @@ fn the_fmu_agrees(python: &std::path::Path, table: &Table) {
             "{line} {}",
             own.value
         );
-        // In Model Exchange the flag moves at the event after the step that left the table.
+        // In Model Exchange the flag moves at the event after the step that leaves the table.
         if words[0] == "CoSimulation" {
             assert_eq!(words[9] == "1", own.out_of_range, "{line}");
         }

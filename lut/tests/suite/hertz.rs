@@ -2,11 +2,13 @@
 
 use kufe_lut::{Figures, Point, Quantity};
 
-/// Contact of a rigid paraboloid with ice (E = 9 GPa, nu = 0.33), rocker radius and section radius given.
+/// Contact of a rigid paraboloid with ice (E = 9 GPa, nu = 0.33), rocker radius and section radius
+/// given.
 ///
 /// With the curvatures `A = 1/(2 R1) < B = 1/(2 R2)`, ratio `k = b/a`, `e^2 = 1 - k^2`:
 /// `B/A = (E(e)/k^2 - K(e)) / (K(e) - E(e))` gives `k`; `a^3 = 3 F E(e) / (2 pi k^2 E* (A + B))`,
-/// `p = 3 F / (2 pi a b)`, approach `= 3 F K(e) / (2 pi a E*)`. K. L. Johnson, Contact Mechanics (1985), section 4.2.
+/// `p = 3 F / (2 pi a b)`, approach `= 3 F K(e) / (2 pi a E*)`. K. L. Johnson, Contact Mechanics
+/// (1985), section 4.2.
 pub fn hertz(fz: f64, rocker: f64, section: f64) -> Figures {
     let e_star = 9e9 / (1.0 - 0.33f64 * 0.33);
     let (a_curvature, b_curvature) = (0.5 / rocker, 0.5 / section);
@@ -53,7 +55,8 @@ fn complete_elliptic(k: f64) -> (f64, f64) {
     (first, first * (1.0 - sum))
 }
 
-/// The bobsled runner of section radius 5 mm whose rocker of 30 m runs on a curved track: `1/R = 1/30 - curvature`.
+/// The bobsled runner of section radius 5 mm whose rocker of 30 m runs on a curved track:
+/// `1/R = 1/30 - curvature`.
 pub fn runner(point: &Point) -> Figures {
     let rocker = point.rocker_radius.unwrap_or(30.0);
     hertz(point.fz, 1.0 / (1.0 / rocker - point.curvature), 0.005)

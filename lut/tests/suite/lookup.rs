@@ -31,7 +31,8 @@ fn of_values(fz: Vec<f64>, curvature: Vec<f64>, values: &[f64]) -> Table {
 
 #[test]
 fn the_tests_hertz_agrees_with_independent_values() {
-    // rocker, section, load, a, b, p_max, approach; computed elsewhere in double precision with SciPy's elliptic integrals.
+    // rocker, section, load, a, b, p_max, approach; computed elsewhere in double precision with
+    // SciPy's elliptic integrals.
     let rows = [
         [
             30.0,
@@ -142,7 +143,8 @@ fn smooth_mode_meets_cell_borders_with_one_slope() {
     let table = table(runner_axes());
     let lookup = plain(&table, Mode::Smooth);
     let axes = table.axes();
-    // One-sided second-order differences: of the order of step^2 f''' ~ 1e-8 relative apart on a C1 surface.
+    // One-sided second-order differences: of the order of step^2 f''' ~ 1e-8 relative apart on a C1
+    // surface.
     let slope = |f: &dyn Fn(f64) -> f64, at: f64, step: f64| {
         (-3.0 * f(at) + 4.0 * f(at + step) - f(at + 2.0 * step)) / (2.0 * step)
     };

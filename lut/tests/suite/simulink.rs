@@ -1,4 +1,5 @@
-//! The block for Simulink: its S-function compiled against a small stand-in for Simulink's headers, its script run by Octave.
+//! The block for Simulink: its S-function compiled against a small stand-in for Simulink's headers,
+//! its script run by Octave.
 
 use std::fmt::Write as _;
 use std::process::Command;
@@ -40,7 +41,8 @@ typedef struct { double parameter; int parameters, inputs, outputs; double in[8]
 #endif
 "#;
 
-/// In the place of Simulink's `simulink.c`: a program that reads the mode and the inputs and prints the outputs.
+/// In the place of Simulink's `simulink.c`: a program that reads the mode and the inputs and prints
+/// the outputs.
 const SIMULINK: &str = r#"
 #include <stdio.h>
 int main(void) {
@@ -119,7 +121,8 @@ fn the_s_function_gives_each_quantity_at_its_output_in_both_modes() {
     }
 }
 
-/// Octave has no Simulink: functions in the place of Simulink's write down what they are called with.
+/// Octave has no Simulink: functions in the place of Simulink's write down what they are called
+/// with.
 #[test]
 fn the_script_builds_a_library_whose_ports_have_names_and_units() {
     if kufe_outside::program("octave-cli").is_none() {

@@ -88,7 +88,8 @@ fn the_smooth_mode_alone_needs_fewer_nodes() {
 
 #[test]
 fn a_kink_is_refined_where_it_is() {
-    // Peak pressure of a contact that splits in two: a V in curvature whose bottom moves with the load.
+    // Peak pressure of a contact that splits in two: a V in curvature whose bottom moves with the
+    // load.
     let kinked = |point: &Point| {
         let bottom = 1.0 / 30.0 + 1e-7 * point.fz;
         let p_max =
@@ -107,7 +108,8 @@ fn a_kink_is_refined_where_it_is() {
     assert!((finest[0] - 1.0 / 30.0).abs() < 3e-3, "{finest:?}");
 }
 
-/// A runner of bounded length: its peak depends on force and on `(curvature - flush) / (scale force)`, with a V beside 0.
+/// A runner of bounded length: its peak depends on force and on
+/// `(curvature - flush) / (scale force)`, with a V next to 0.
 fn fits_the_track(point: &Point) -> Result<Figures, Infallible> {
     let u = (point.curvature - FLUSH[0]) / (FLUSH[1] * point.fz);
     let v = u + 0.3;
@@ -337,7 +339,7 @@ fn a_figure_that_is_not_finite_is_refused() {
 
 #[test]
 fn the_solvers_own_error_is_not_chased() {
-    // Half a percent of scatter that no interpolation can follow, told as such.
+    // Half a percent of scatter that no interpolation can follow, reported as such.
     let noisy = |point: &Point| {
         let truth = runner(point);
         let scatter = 0.005 * (1e3 * point.fz + 1e7 * point.curvature).sin();

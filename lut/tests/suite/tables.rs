@@ -55,7 +55,8 @@ pub fn table(rocker: bool) -> Table {
     table
 }
 
-/// A contact that slides, by formulas that bend along every axis: a film's law that grows with speed and cold, and a groove.
+/// A contact that slides, by formulas that bend along every axis: a film's law that grows with
+/// speed and cold, and a groove.
 pub fn slid(point: &Point) -> Figures {
     let speed = point.speed.unwrap_or(20.0);
     let cold = -point.ice_c.unwrap_or(-5.0);

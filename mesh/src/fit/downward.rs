@@ -30,7 +30,8 @@ impl Downward {
     /// Finds the part of `hull`.
     ///
     /// # Errors
-    /// [`MeshError::NothingFacesDown`] where no facet does, [`MeshError::StrayVertex`] where the hull's lowest vertex is none of theirs.
+    /// [`MeshError::NothingFacesDown`] where no facet does, [`MeshError::StrayVertex`] where the
+    /// hull's lowest vertex is none of theirs.
     pub fn of(hull: &Hull) -> Result<Self, MeshError> {
         let downward: Vec<(&[u32; 3], [f64; 3])> = hull
             .triangles
@@ -102,7 +103,8 @@ impl Downward {
         Ok(part)
     }
 
-    /// Refuses a hull whose lowest vertex no facet of the part reaches: those around it are as steep as flanks.
+    /// Refuses a hull whose lowest vertex no facet of the part reaches: those around it are as
+    /// steep as flanks.
     fn refuse_stray_vertex(&self, hull: &Hull) -> Result<(), MeshError> {
         let lowest = self.range(2)[0];
         let corners = hull.triangles.iter().flatten();
@@ -210,7 +212,8 @@ impl Outline {
     }
 }
 
-/// Arc length along the mean section over y: facets' slopes averaged between columns of vertices, summed up.
+/// Arc length along the mean section over y: facets' slopes averaged between columns of vertices,
+/// summed up.
 pub(crate) fn arc_length(part: &Downward, [y0, y1]: [f64; 2], mirrored: bool) -> Profile {
     const MOST_COLUMNS: usize = 48;
     let mut ys: Vec<f64> = part.points.iter().map(|p| p[1]).collect();

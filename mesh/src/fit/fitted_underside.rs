@@ -14,9 +14,9 @@ use crate::shapes::underside::{Underside, lows};
 
 /// A smooth height field through the vertices of a hull's downward-facing part.
 ///
-/// A bicubic spline `z = s(x, t(y))` is fitted to the vertices by least squares of their distance along
-/// the normal. t(y) is the arc length along the mean section, so that flanks up to upright are
-/// resolved; knots are refined, at most to the vertices' own spacing, until the residuals are
+/// A bicubic spline `z = s(x, t(y))` is fitted to the vertices by least squares of their distance
+/// along the normal. t(y) is the arc length along the mean section, so that flanks up to upright
+/// are resolved; knots are refined, at most to the vertices' own spacing, until the residuals are
 /// noise. Facets only say where the hull is.
 #[derive(Clone, Debug)]
 pub struct FittedUnderside {
@@ -29,13 +29,13 @@ pub struct FittedUnderside {
 }
 
 impl FittedUnderside {
-    /// Fits the underside of `hull`, whose vertices carry noise of standard deviation `noise` [m] (0 for
-    /// a hull made by a computer).
+    /// Fits the underside of `hull`, whose vertices carry noise of standard deviation `noise` [m]
+    /// (0 for a hull made by a computer).
     ///
     /// # Errors
     /// [`MeshError::Parameter`] for a negative noise, [`MeshError::NothingFacesDown`],
-    /// [`MeshError::TooFewPoints`] where fewer than 16 vertices face down, [`MeshError::NoFit`] where
-    /// they do not determine a surface.
+    /// [`MeshError::TooFewPoints`] where fewer than 16 vertices face down, [`MeshError::NoFit`]
+    /// where they do not determine a surface.
     pub fn new(hull: &Hull, noise: f64) -> Result<Self, MeshError> {
         if !(noise >= 0.0 && noise.is_finite()) {
             return Err(MeshError::Parameter {
@@ -124,15 +124,17 @@ impl FittedUnderside {
         })
     }
 
-    /// The fits with every other knot, and with the others: what they change of a contact bounds what the vertices' distances leave of it, where
-    /// the fit follows vertices without noise. One alone may agree with it by chance.
+    /// The fits with every other knot, and with the others: what they change of a contact bounds
+    /// what the vertices' distances leave of it, where the fit follows vertices without noise. One
+    /// alone may agree with it by chance.
     pub fn with_half_the_knots(&self) -> [Arc<dyn Underside>; 2] {
         self.coarser
             .clone()
             .map(|surface| surface as Arc<dyn Underside>)
     }
 
-    /// `hull`, scanned once more: its vertices put on this surface, and moved by fresh noise of standard deviation `noise` [m] upwards.
+    /// `hull`, scanned once more: its vertices put on this surface, and moved by fresh noise of
+    /// standard deviation `noise` [m] upwards.
     ///
     /// Vertices farther off than six of it are of other parts of the hull, and only get the noise.
     pub fn scanned(&self, hull: &Hull, noise: f64, seed: u64) -> Hull {
@@ -162,13 +164,15 @@ impl FittedUnderside {
         self.judgement.quality
     }
 
-    /// Whether the hull is too coarse, or too noisy, to be pressed in by `approach` [m] on a flat plane:
-    /// the fit's estimated error where the height is below twice the approach exceeds a twentieth of it.
+    /// Whether the hull is too coarse, or too noisy, to be pressed in by `approach` [m] on a flat
+    /// plane: the fit's estimated error where the height is below twice the approach exceeds a
+    /// twentieth of it.
     pub fn coarse_for(&self, approach: f64) -> Option<Coarse> {
         self.judgement.coarse_below(approach, 2.0 * approach)
     }
 
-    /// As [`coarse_for`](Self::coarse_for) for a contact patch `[x_min, x_max, y_min, y_max]` [m] anywhere on the hull.
+    /// As [`coarse_for`](Self::coarse_for) for a contact patch `[x_min, x_max, y_min, y_max]` [m]
+    /// anywhere on the hull.
     pub fn coarse_within(&self, approach: f64, patch: [f64; 4]) -> Option<Coarse> {
         self.judgement.coarse_within(approach, self.near(patch))
     }
@@ -204,13 +208,14 @@ impl Underside for FittedUnderside {
     }
 }
 
-/// What single precision leaves in heights that differ by `range`, and in the places on a slope: noise, too [m].
+/// What single precision leaves in heights that differ by `range`, and in the places on a slope:
+/// noise, too [m].
 pub(crate) fn rounding(range: f64) -> f64 {
     1e-9 + 6e-8 * range
 }
 
-/// Makes the spline even along every axis of `mirrored` along which it is so to three times what the fit misses and
-/// `noise` [m]; which those are.
+/// Makes the spline even along every axis of `mirrored` along which it is so to three times what
+/// the fit misses and `noise` [m]; which those are.
 fn symmetrise(
     surface: &mut Bicubic,
     samples: &[Sample],

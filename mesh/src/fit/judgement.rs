@@ -39,8 +39,9 @@ pub struct Coarse {
 impl Coarse {
     /// By how much noise times spacing is to shrink where it is noise that leaves the error.
     ///
-    /// The error of a smooth surface fitted to n vertices with noise goes as (noise / sqrt(n))^(2p/(2p + d)), p = 4 for cubic splines, d = 2
-    /// (C.J. Stone, Ann. Statist. 10, 1040, 1982), and n as one over the spacing squared: as (noise times spacing)^(4/5).
+    /// The error of a smooth surface fitted to n vertices with noise goes as (noise /
+    /// sqrt(n))^(2p/(2p + d)), p = 4 for cubic splines, d = 2 (C.J. Stone, Ann. Statist. 10, 1040,
+    /// 1982), and n as one over the spacing squared: as (noise times spacing)^(4/5).
     pub fn noise_share(&self) -> f64 {
         (self.allowed / self.error).powf(1.25)
     }
@@ -64,8 +65,8 @@ pub(crate) struct Judgement {
 }
 
 impl Judgement {
-    /// Finds the keel of `surface`, moves its lowest point to height 0 and measures the fit near the keel; `coarser`
-    /// is the fit with half the knots.
+    /// Finds the keel of `surface`, moves its lowest point to height 0 and measures the fit near
+    /// the keel; `coarser` is the fit with half the knots.
     pub fn of(surface: &mut Surface, samples: &[Sample], coarser: &Bicubic, noise: f64) -> Self {
         const STATIONS: usize = 400;
         let [x0, x1, y0, y1] = surface.extent;

@@ -69,15 +69,18 @@ pub(crate) fn break_places(
     })
 }
 
-/// Parts of half the hull, with as many vertices each, in which those on both sides of the middle are counted.
+/// Parts of half the hull, with as many vertices each, in which those on both sides of the middle
+/// are counted.
 const PARTS: usize = 16;
-/// So many times as many on one side are too many for knots at the same distances: those of the finer side would lie between the vertices
-/// of the other.
+/// So many times as many on one side are too many for knots at the same distances: those of the
+/// finer side would lie between the vertices of the other.
 const MOST_RATIO: f64 = 2.0;
-/// Fewest vertices that a part is judged by: of so many that stand at random one in ten thousand parts has twice as many on one side.
+/// Fewest vertices that a part is judged by: of so many that stand at random one in ten thousand
+/// parts has twice as many on one side.
 const FEWEST: usize = 64;
 
-/// Whether about as many of these places [m], those in a column counted once, lie at every distance below 0 as above it.
+/// Whether about as many of these places [m], those in a column counted once, lie at every distance
+/// below 0 as above it.
 pub(crate) fn balanced_sides(mut places: Vec<f64>) -> bool {
     places.sort_by(f64::total_cmp);
     let span = places
@@ -104,21 +107,23 @@ pub(crate) fn balanced_sides(mut places: Vec<f64>) -> bool {
         })
 }
 
-/// Most unknowns times band width squared: a bound on the work of one factorisation, a second or two. With a third of it a luge steel of
-/// 300,000 vertices stays unresolved.
+/// Most unknowns times band width squared: a bound on the work of one factorisation, a second or
+/// two. With a third of it a luge steel of 300,000 vertices stays unresolved.
 const MOST_WORK: f64 = 1e10;
 /// Most rounds of refinement.
 const ROUNDS: usize = 24;
-/// Misfits below this part of the largest wait: where curvature jumps the spline rings across intervals next to it and along the other axis,
-/// which is gone once the jump is resolved. A square, so of residuals a thirtieth, some three intervals away.
+/// Misfits below this part of the largest wait: where curvature jumps the spline rings across
+/// intervals next to it and along the other axis, which is gone once the jump is resolved. A
+/// square, so of residuals a thirtieth, some three intervals away.
 const RINGING: f64 = 1e-3;
 
-/// Fits with breaks taken from `candidates` (sorted, ends included), each interval split at its middle
-/// candidate, the worst first, until its residuals are what noise of standard deviation `noise` leaves.
+/// Fits with breaks taken from `candidates` (sorted, ends included), each interval split at its
+/// middle candidate, the worst first, until its residuals are what noise of standard deviation
+/// `noise` leaves.
 ///
-/// Of each interval the means over quarters (and thirds along the other axis) are tested; noise makes
-/// the sum of their squares over `noise^2/n` about their number. Where `mirrored` an interval is
-/// split together with its mirror image.
+/// Of each interval the means over quarters (and thirds along the other axis) are tested; noise
+/// makes the sum of their squares over `noise^2/n` about their number. Where `mirrored` an interval
+/// is split together with its mirror image.
 pub(crate) fn refined_fit(
     samples: &[Sample],
     candidates: &[Vec<f64>; 2],
@@ -149,8 +154,8 @@ pub(crate) fn refined_fit(
     Some(surface)
 }
 
-/// The breaks that `splits_over` gives for all misfits over 1 and over [`RINGING`] of the largest, or for as many of the largest as
-/// [`MOST_WORK`] allows.
+/// The breaks that `splits_over` gives for all misfits over 1 and over [`RINGING`] of the largest,
+/// or for as many of the largest as [`MOST_WORK`] allows.
 fn affordable(
     misfits: &[Vec<f64>; 2],
     splits_over: impl Fn(f64) -> [Vec<f64>; 2],
@@ -193,7 +198,8 @@ fn symmetric(values: Vec<f64>) -> Vec<f64> {
     all
 }
 
-/// Of each interval along `axis`, what the residuals' means over its parts add up to over the most that noise leaves.
+/// Of each interval along `axis`, what the residuals' means over its parts add up to over the most
+/// that noise leaves.
 fn misfits(
     samples: &[Sample],
     residuals: &[f64],

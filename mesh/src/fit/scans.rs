@@ -1,4 +1,5 @@
-//! Repeated scans of a hull: the same vertices with other noise, fitted at the cost of a right-hand side each.
+//! Repeated scans of a hull: the same vertices with other noise, fitted at the cost of a right-hand
+//! side each.
 
 use std::sync::Arc;
 
@@ -13,9 +14,11 @@ use crate::fit::spline::{FactoredFit, Sample};
 use crate::hull::triangles::Hull;
 use crate::shapes::underside::Underside;
 
-/// Synthetic scans of a fitted surface whose fits share their places, weights, knots and factorised equations.
+/// Synthetic scans of a fitted surface whose fits share their places, weights, knots and factorised
+/// equations.
 ///
-/// A fit is linear in the heights, and noise moves nothing else: knots that noise alone would have moved stay where the scan put them.
+/// A fit is linear in the heights, and noise moves nothing else: knots that noise alone would have
+/// moved stay where the scan put them.
 pub struct Scans<'a> {
     surface: &'a Surface,
     factored: FactoredFit,
@@ -74,7 +77,8 @@ impl<'a> Scans<'a> {
     }
 }
 
-/// The height of the surface at a vertex; its own where it is farther off than six of `noise` [m] and so of another part of the hull.
+/// The height of the surface at a vertex; its own where it is farther off than six of `noise` [m]
+/// and so of another part of the hull.
 pub(crate) fn projected_height(surface: &Surface, [x, y, z]: [f64; 3], noise: f64) -> f64 {
     let on = surface.spline_height(x, y);
     if (on - z).abs() <= 6.0 * noise { on } else { z }
@@ -95,7 +99,8 @@ mod tests {
     use crate::fit::fitted_underside::FittedUnderside;
     use crate::shapes::underside::Paraboloid;
 
-    /// Along the keel a scan's fit with the stored factor and a new fit differ by far less than either differs from the surface.
+    /// Along the keel a scan's fit with the stored factor and a new fit differ by far less than
+    /// either differs from the surface.
     #[test]
     fn a_fit_with_the_stored_factor_equals_a_new_fit_of_the_same_scan()
     -> Result<(), Box<dyn std::error::Error>> {

@@ -37,7 +37,8 @@ impl BSpline {
         &self.knots[3..self.knots.len() - 3]
     }
 
-    /// First spline that is not zero at `x`, and the four values there. `x` is clamped to the breaks' range.
+    /// First spline that is not zero at `x`, and the four values there. `x` is clamped to the
+    /// breaks' range.
     pub fn values(&self, x: f64) -> (usize, [f64; 4]) {
         let (first, x) = self.interval(x);
         let mut values = [1.0, 0.0, 0.0, 0.0];
@@ -167,7 +168,8 @@ const REACH: usize = 3;
 
 /// Symmetric equations in the coefficients of a bicubic spline, the second axis running fastest.
 ///
-/// Coefficient (i, j) meets (k, l) where |i - k| and |j - l| are at most 3. The lower triangle is stored column by column.
+/// Coefficient (i, j) meets (k, l) where |i - k| and |j - l| are at most 3. The lower triangle is
+/// stored column by column.
 pub(crate) struct NormalEquations {
     columns: usize,
     starts: Vec<u32>,
@@ -201,8 +203,8 @@ impl NormalEquations {
         equations
     }
 
-    /// Adds `weight (a . s - height)^2` for the coefficients s of the four by four splines from (`i`, `j`) on, the
-    /// factors `a` being products of `along` and `across`.
+    /// Adds `weight (a . s - height)^2` for the coefficients s of the four by four splines from
+    /// (`i`, `j`) on, the factors `a` being products of `along` and `across`.
     pub fn add(
         &mut self,
         [i, j]: [usize; 2],
@@ -277,7 +279,8 @@ impl NormalEquations {
     }
 }
 
-/// Equations whose matrix is factorised: they are solved again for other heights at the same places.
+/// Equations whose matrix is factorised: they are solved again for other heights at the same
+/// places.
 pub(crate) struct Factored {
     columns: usize,
     symbolic: SymbolicCholesky<u32>,
@@ -337,14 +340,16 @@ pub(crate) fn fit(samples: &[Sample], breaks: &[Vec<f64>; 2]) -> Option<Bicubic>
     })
 }
 
-/// A fit whose breaks, places and weights stay as they are: other heights cost a right-hand side each.
+/// A fit whose breaks, places and weights stay as they are: other heights cost a right-hand side
+/// each.
 pub(crate) struct FactoredFit {
     axes: [BSpline; 2],
     factored: Factored,
 }
 
 impl FactoredFit {
-    /// The equations of these samples on the axes of a fit, factorised; none where they determine nothing.
+    /// The equations of these samples on the axes of a fit, factorised; none where they determine
+    /// nothing.
     pub fn new(samples: &[Sample], axes: [BSpline; 2]) -> Option<Self> {
         let factored = equations(samples, &axes).factored()?;
         Some(FactoredFit { axes, factored })

@@ -9,11 +9,12 @@ use crate::shapes::underside::Underside;
 
 /// Columns along and across in which the space over an underside is measured.
 const COLUMNS: [usize; 2] = [512, 128];
-/// Largest part of a hull's steel that columns may misrepresent: stiffness in bending goes as the cube of height, so that it
-/// stays within three times that.
+/// Largest part of a hull's steel that columns may misrepresent: stiffness in bending goes as the
+/// cube of height, so that it stays within three times that.
 const MOST_DIFFERENCE: f64 = 0.02;
 
-/// The space between a hull's fitted underside and its flat top, as upright columns over a rectangle.
+/// The space between a hull's fitted underside and its flat top, as upright columns over a
+/// rectangle.
 #[derive(Clone, Debug)]
 pub struct Filled {
     /// Height of the flat top over the lowest point [m].
@@ -25,14 +26,17 @@ pub struct Filled {
 }
 
 impl Filled {
-    /// The space under the hull's highest place, or under `top` [m] over its lowest one where that is stated.
+    /// The space under the hull's highest place, or under `top` [m] over its lowest one where that
+    /// is stated.
     ///
-    /// The hull's own steel below the top at height h is the surface integral of (min(z, h) - h) n_z, in which upright sides, the top and
-    /// an open upper end count nothing. Undercuts, holes and a top that is not flat part it from the space over the underside.
+    /// The hull's own steel below the top at height h is the surface integral of (min(z, h) - h)
+    /// n_z, in which upright sides, the top and an open upper end count nothing. Undercuts, holes
+    /// and a top that is not flat part it from the space over the underside.
     ///
     /// # Errors
-    /// [`MeshError::TopNotKnown`] for an open hull without `top`; [`MeshError::NotFilled`] where more than 2 per cent of the outline's
-    /// rectangle lies outside the hull, or the steel and the space part by more than that.
+    /// [`MeshError::TopNotKnown`] for an open hull without `top`; [`MeshError::NotFilled`] where
+    /// more than 2 per cent of the outline's rectangle lies outside the hull, or the steel and the
+    /// space part by more than that.
     pub fn of(
         hull: &Hull,
         report: &HullReport,
@@ -102,7 +106,8 @@ impl Filled {
         heights.iter().map(|z| self.top - z).sum::<f64>() * dx * dy
     }
 
-    /// The part of the volume that is gained where the underside goes on straight from where it is as steep as `slope`.
+    /// The part of the volume that is gained where the underside goes on straight from where it is
+    /// as steep as `slope`.
     pub fn gain(&self, slope: f64) -> f64 {
         let mut limited = self.heights.clone();
         let [x, y] = &self.middles;
@@ -111,7 +116,8 @@ impl Filled {
     }
 }
 
-/// Volume of the hull below the plane at `top` [m^3]: what is open above it, or upright, counts nothing.
+/// Volume of the hull below the plane at `top` [m^3]: what is open above it, or upright, counts
+/// nothing.
 fn steel_below(hull: &Hull, top: f64) -> f64 {
     let part = |corners: &[u32; 3]| {
         let depth = corners.map(|c| (hull.positions[c as usize][2] - top).min(0.0));

@@ -97,15 +97,15 @@ pub fn graded_levels(layers: usize, growth: f64) -> Result<Vec<f64>, MeshError> 
     Ok(levels)
 }
 
-/// Hexahedra in the columns `x` times `y` [m] between `underside` and a flat top at height `top` [m]:
-/// node (i, j, k) is at height `h + levels[k] (top - h)`, h the underside's at (x_i, y_j).
+/// Hexahedra in the columns `x` times `y` [m] between `underside` and a flat top at height `top`
+/// [m]: node (i, j, k) is at height `h + levels[k] (top - h)`, h the underside's at (x_i, y_j).
 ///
 /// Nodes and cells are numbered as those of [`TensorGrid`], so that the lowest
 /// nodes lie over the nodes of an ice grid with the same columns.
 ///
 /// # Errors
-/// [`MeshError::NotIncreasing`] where coordinates do not increase, [`MeshError::OutsideHull`] where a
-/// column has no hull over it or reaches the top.
+/// [`MeshError::NotIncreasing`] where coordinates do not increase, [`MeshError::OutsideHull`] where
+/// a column has no hull over it or reaches the top.
 pub fn mapped_runner_mesh(
     x: &[f64],
     y: &[f64],
@@ -168,8 +168,8 @@ pub fn mesh_over_heights(
     Ok(mesh)
 }
 
-/// Lowers `heights` over the columns `x` times `y`, x fastest, until no two neighbours differ by more than `slope` times
-/// their distance: the largest such surface that is nowhere higher.
+/// Lowers `heights` over the columns `x` times `y`, x fastest, until no two neighbours differ by
+/// more than `slope` times their distance: the largest such surface that is nowhere higher.
 ///
 /// A convex section is unchanged up to where it is that steep, and continues straight from there.
 ///
@@ -181,7 +181,8 @@ pub fn limit_slope(x: &[f64], y: &[f64], heights: &mut [f64], slope: f64) {
     let mut relax = |from: usize, to: usize, distance: f64| {
         heights[to] = heights[to].min(heights[from] + slope * distance);
     };
-    // Distances add up along x and along y, so that one sweep forth and one back on each axis is all.
+    // Distances add up along x and along y, so that one sweep forth and one back on each axis is
+    // all.
     for j in 0..y.len() {
         (1..nx).for_each(|i| relax(j * nx + i - 1, j * nx + i, x[i] - x[i - 1]));
         (1..nx)

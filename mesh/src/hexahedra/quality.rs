@@ -145,8 +145,8 @@ fn triple(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
 }
 
 impl HexMesh {
-    /// A mesh from another program: indices and positions checked, unused points removed, cells that are
-    /// inside out (upper and lower face exchanged) turned right.
+    /// A mesh from another program: indices and positions checked, unused points removed, cells
+    /// that are inside out (upper and lower face exchanged) turned right.
     ///
     /// # Errors
     /// [`MeshError::NoCells`], [`MeshError::CellNode`] where a corner has no point,

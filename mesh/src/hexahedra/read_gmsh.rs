@@ -7,7 +7,8 @@ use crate::hexahedra::hex_mesh::HexMesh;
 
 /// Gmsh's number for an eight-node hexahedron.
 const HEXAHEDRON: u64 = 5;
-/// Nodes of each of Gmsh's element types that may occur together with hexahedra: lines, triangles, quadrangles, points.
+/// Nodes of each of Gmsh's element types that may occur together with hexahedra: lines, triangles,
+/// quadrangles, points.
 const LOWER_DIMENSIONS: [(u64, usize); 8] = [
     (1, 2),
     (2, 3),
@@ -19,11 +20,12 @@ const LOWER_DIMENSIONS: [(u64, usize); 8] = [
     (16, 8),
 ];
 
-/// Reads the hexahedra of a Gmsh file in text format, version 2.2 or 4.1. Points, lines and faces are passed over.
+/// Reads the hexahedra of a Gmsh file in text format, version 2.2 or 4.1. Points, lines and faces
+/// are passed over.
 ///
 /// # Errors
-/// [`MeshError::Syntax`] with the line and what was expected, [`MeshError::CellType`] for other solid
-/// elements, and those of [`HexMesh::checked`].
+/// [`MeshError::Syntax`] with the line and what was expected, [`MeshError::CellType`] for other
+/// solid elements, and those of [`HexMesh::checked`].
 pub fn read_gmsh(bytes: &[u8]) -> Result<HexMesh, MeshError> {
     let mut words = Words::of(bytes)?;
     words.section("$MeshFormat")?;

@@ -15,8 +15,8 @@ use crate::hexahedra::hex_mesh::HexMesh;
 /// Reads the hexahedra of a VTU file: text, base64 or raw, appended or not, zlib or uncompressed.
 ///
 /// # Errors
-/// [`MeshError::VtuRead`] with what is wrong and where, [`MeshError::CellType`] for other cells than
-/// hexahedra, and those of [`HexMesh::checked`].
+/// [`MeshError::VtuRead`] with what is wrong and where, [`MeshError::CellType`] for other cells
+/// than hexahedra, and those of [`HexMesh::checked`].
 pub fn read_vtu(bytes: &[u8]) -> Result<HexMesh, MeshError> {
     let file = VtuFile::parse(bytes)?;
     let points = file.array("Points")?;

@@ -13,7 +13,8 @@ use crate::error::MeshError;
 use crate::hexahedra::hex_mesh::HexMesh;
 use crate::hexahedra::read_vtu::HEXAHEDRON;
 
-/// Numbers of the version that has written a file; readers that refuse texts among a file's data take numbers.
+/// Numbers of the version that has written a file; readers that refuse texts among a file's data
+/// take numbers.
 const VERSION: [&str; 3] = [
     env!("CARGO_PKG_VERSION_MAJOR"),
     env!("CARGO_PKG_VERSION_MINOR"),
@@ -23,12 +24,13 @@ const VERSION: [&str; 3] = [
 /// Numbers that are compressed at a time, one thread a block.
 const BLOCK: usize = 1 << 15;
 
-/// The part of a block, one in so many, that says whether packing is worth its time: stresses and displacements, whose last digits are those
-/// of no other, shrink by 17 % at most, and are stored as they are.
+/// The part of a block, one in so many, that says whether packing is worth its time: stresses and
+/// displacements, whose last digits are those of no other, shrink by 17 % at most, and are stored
+/// as they are.
 const SAMPLE: usize = 16;
 
-/// A named array with one value, vector or tensor a point or cell; in the file its numbers have seven digits (`Float32`), which halves
-/// what is packed.
+/// A named array with one value, vector or tensor a point or cell; in the file its numbers have
+/// seven digits (`Float32`), which halves what is packed.
 #[derive(Clone, Copy, Debug)]
 pub struct VtuField<'a> {
     /// The array's name; its unit belongs in it, as `stress_pa`.
@@ -39,11 +41,12 @@ pub struct VtuField<'a> {
     pub values: &'a [f64],
 }
 
-/// Writes `mesh` with `point_data` and `cell_data` as a VTU file that VTK, pyvista and meshio read; `field_data` is numbers of the whole file
-/// by name, to which `kufe_version` is added: 0, 1, 0.
+/// Writes `mesh` with `point_data` and `cell_data` as a VTU file that VTK, pyvista and meshio read;
+/// `field_data` is numbers of the whole file by name, to which `kufe_version` is added: 0, 1, 0.
 ///
 /// # Errors
-/// [`MeshError::FieldLength`] where an array does not fit the mesh, [`MeshError::Vtu`] where it cannot be written.
+/// [`MeshError::FieldLength`] where an array does not fit the mesh, [`MeshError::Vtu`] where it
+/// cannot be written.
 pub fn write_vtu(
     mesh: &HexMesh,
     point_data: &[VtuField],
@@ -128,7 +131,8 @@ pub(super) fn write_field_data(out: &mut impl Write, field_data: &[(&str, &[f64]
     writeln!(out, "</FieldData>")
 }
 
-/// The arrays on points or cells; the first scalar, vector and tensor are those that a viewer shows first.
+/// The arrays on points or cells; the first scalar, vector and tensor are those that a viewer shows
+/// first.
 pub(super) fn write_fields(out: &mut impl Write, tag: &str, fields: &[VtuField]) -> Result<()> {
     write!(out, "<{tag}")?;
     for (attribute, components) in [("Scalars", 1), ("Vectors", 3), ("Tensors", 9)] {
@@ -177,8 +181,8 @@ fn zlib(bytes: &[u8], level: Compression) -> Result<Vec<u8>> {
     encoder.finish()
 }
 
-/// A header of the blocks' number, size, last size (0 where it is whole) and compressed sizes, then the blocks; both in
-/// base64. `number` gives a value's bytes in the file.
+/// A header of the blocks' number, size, last size (0 where it is whole) and compressed sizes, then
+/// the blocks; both in base64. `number` gives a value's bytes in the file.
 fn write_array<T: Copy + Sync, const N: usize>(
     out: &mut impl Write,
     kind: &str,
@@ -227,11 +231,13 @@ fn write_array<T: Copy + Sync, const N: usize>(
     writeln!(out, "\n</DataArray>")
 }
 
-/// Writes quadrilaterals over `points` [m], each a round of four numbers of points, with `point_data` as a VTP file (polygons) that VTK
-/// and pyvista read; `kufe_version` is among the file's data.
+/// Writes quadrilaterals over `points` [m], each a round of four numbers of points, with
+/// `point_data` as a VTP file (polygons) that VTK and pyvista read; `kufe_version` is among the
+/// file's data.
 ///
 /// # Errors
-/// [`MeshError::FieldLength`] where an array does not fit the points, [`MeshError::Vtu`] where it cannot be written.
+/// [`MeshError::FieldLength`] where an array does not fit the points, [`MeshError::Vtu`] where it
+/// cannot be written.
 pub fn write_vtp(
     points: &[[f64; 3]],
     quadrilaterals: &[[usize; 4]],
@@ -269,7 +275,8 @@ fn write_surface(
     writeln!(out, "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>")
 }
 
-/// Writes a PVD file, which ParaView opens as time: pairs of time (or load, or whatever is stepped) and file.
+/// Writes a PVD file, which ParaView opens as time: pairs of time (or load, or whatever is stepped)
+/// and file.
 ///
 /// # Errors
 /// Those of the writer.

@@ -22,13 +22,13 @@ const USUAL_MODEL: &str = "3D/3dmodel.model";
 
 /// Reads the build items of a 3MF file with their transforms, in the unit that the file states.
 ///
-/// The positions in metres are multiplied by `options.scale`. The file's up is z unless `options` state
-/// another axis.
+/// The positions in metres are multiplied by `options.scale`. The file's up is z unless `options`
+/// state another axis.
 ///
 /// # Errors
-/// [`MeshError::ThreeMf`] with the part of the package, [`MeshError::TooMany`] if it unpacks to more
-/// than 2 GiB or 50 million triangles, and those of a hull without triangles or with positions that
-/// are not finite.
+/// [`MeshError::ThreeMf`] with the part of the package, [`MeshError::TooMany`] if it unpacks to
+/// more than 2 GiB or 50 million triangles, and those of a hull without triangles or with positions
+/// that are not finite.
 pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> {
     let rows = options.rows(Axis::Z)?;
     let mut package = Package::open(bytes)?;
@@ -379,7 +379,8 @@ mod tests {
             let hull = read(model(unit, &object, item)).unwrap();
             assert_eq!(hull.positions[1], [metres, 0.0, 0.0], "{unit}");
         }
-        // A component scaled by two along x and moved by five along z, mirrored along y by the build.
+        // A component scaled by two along x and moved by five along z, mirrored along y by the
+        // build.
         let parts = format!(
             r#"{object}<object id="2"><components>
                <component objectid="1" transform="2 0 0 0 1 0 0 0 1 0 0 5"/></components></object>"#

@@ -18,7 +18,8 @@ use crate::hull::triangles::{Axis, HullOptions};
 /// Most triangles, and most vertices, read from one file; nodes may use one mesh many times.
 const MOST_TRIANGLES: usize = 50_000_000;
 
-/// Extensions that a file may require although they do not change its triangles, by their beginning.
+/// Extensions that a file may require although they do not change its triangles, by their
+/// beginning.
 const WITHOUT_EFFECT: [&str; 4] = [
     "KHR_materials_",
     "KHR_texture_",
@@ -135,7 +136,8 @@ fn check_length(bytes: &[u8]) -> Result<(), MeshError> {
 
 /// The validated document and the binary chunk.
 ///
-/// The library's own validation indexes accessors before it has checked them, so that comes first here.
+/// The library's own validation indexes accessors before it has checked them, so that comes first
+/// here.
 fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), MeshError> {
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes)?;
     let mut root = document.into_json();
@@ -351,7 +353,8 @@ impl Reader {
 mod tests {
     use super::*;
 
-    /// One triangle (0,0,0) (1,0,0) (0,1,0) with 16-bit indices, its node moved, turned or scaled by `node`.
+    /// One triangle (0,0,0) (1,0,0) (0,1,0) with 16-bit indices, its node moved, turned or scaled
+    /// by `node`.
     fn file(node: &str, announced: usize, count: usize, index: u16) -> String {
         let mut data = Vec::new();
         for value in [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {

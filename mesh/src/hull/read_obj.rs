@@ -7,12 +7,12 @@ use crate::hull::triangles::{Axis, Hull, HullOptions};
 /// Reads the triangles and polygons of an OBJ file.
 ///
 /// Only `v` and `f` are read. Texture coordinates, normals, materials, groups, lines and points are
-/// ignored. A negative index counts backwards from the last vertex above its line. Polygons are split
-/// into triangles from their first corner.
+/// ignored. A negative index counts backwards from the last vertex above its line. Polygons are
+/// split into triangles from their first corner.
 ///
 /// # Errors
-/// [`MeshError::Syntax`] with the line, and those of a hull without triangles or with positions that
-/// are not finite.
+/// [`MeshError::Syntax`] with the line, and those of a hull without triangles or with positions
+/// that are not finite.
 pub fn read_obj(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> {
     let rows = options.rows(Axis::Z)?;
     let text = decode(bytes);
@@ -58,8 +58,8 @@ fn continued<'a>(first: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>
     joined
 }
 
-/// The vertex, from 0, of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn` on a line with `above` vertices
-/// above it.
+/// The vertex, from 0, of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn` on a line with `above`
+/// vertices above it.
 fn corner(word: &str, above: usize) -> Option<usize> {
     let index: i64 = word.split('/').next()?.parse().ok()?;
     if index < 0 {

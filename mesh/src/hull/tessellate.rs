@@ -8,15 +8,17 @@ use crate::shapes::underside::Underside;
 
 /// Largest turn of the section over one facet [rad].
 const LARGEST_TURN: f64 = 0.25;
-/// A facet is longer than its neighbour across by at most this part of their mean: a smooth surface is fitted to them later, which cannot
-/// follow a sharp edge whose neighbour is a hundred times as wide.
+/// A facet is longer than its neighbour across by at most this part of their mean: a smooth surface
+/// is fitted to them later, which cannot follow a sharp edge whose neighbour is a hundred times as
+/// wide.
 const GRADING: f64 = 0.25;
 /// Samples of the section from which its facets are spaced.
 const SAMPLES: usize = 4000;
 /// Most vertices in one hull.
 const MOST_VERTICES: f64 = 2e7;
 
-/// The runner's surface as outward triangles with edges of about `edge_length` [m] on the underside.
+/// The runner's surface as outward triangles with edges of about `edge_length` [m] on the
+/// underside.
 ///
 /// Every vertex of the underside lies on it. Across, facets are shorter where the section turns by
 /// more than 0.25 rad in one edge length. The top is flat, sides and ends are upright.
@@ -28,8 +30,8 @@ pub fn tessellate(runner: &Swept, edge_length: f64) -> Result<Hull, MeshError> {
     tessellate_turning(runner, edge_length, LARGEST_TURN)
 }
 
-/// As [`tessellate`] with facets across that turn by at most `largest_turn` [rad]: smaller for an edge
-/// so sharp that its radius is of the size of the contact.
+/// As [`tessellate`] with facets across that turn by at most `largest_turn` [rad]: smaller for an
+/// edge so sharp that its radius is of the size of the contact.
 ///
 /// # Errors
 /// As [`tessellate`], and [`MeshError::Parameter`] where the turn is not positive.
@@ -92,7 +94,8 @@ pub fn tessellate_turning(
     Ok(hull)
 }
 
-/// Positions across: steps of at most `edge_length` along the section and turns of at most `largest_turn`, which grow gradually.
+/// Positions across: steps of at most `edge_length` along the section and turns of at most
+/// `largest_turn`, which grow gradually.
 fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64>, MeshError> {
     let section = runner.section();
     let [y0, y1] = section.extent();
@@ -224,8 +227,8 @@ mod tests {
         // No facet is much wider than its neighbour.
         let steps: Vec<f64> = ys.windows(2).map(|y| y[1] - y[0]).collect();
         let last = steps.len() - 2;
-        let beside = steps.windows(2).enumerate().skip(10).take(last - 12);
-        let widest = beside.map(|(_, s)| s[1] / s[0]).fold(0.0, f64::max);
+        let adjacent = steps.windows(2).enumerate().skip(10).take(last - 12);
+        let widest = adjacent.map(|(_, s)| s[1] / s[0]).fold(0.0, f64::max);
         assert!(widest < 2.0, "{widest} of {}", steps.len());
         assert!(steps.iter().any(|s| *s > 0.9e-3));
     }

@@ -86,7 +86,8 @@ impl Hull {
         bounds
     }
 
-    /// Signed volume `1/6 sum a . (b x c)` [m^3], positive where the triangles of a closed hull face outwards.
+    /// Signed volume `1/6 sum a . (b x c)` [m^3], positive where the triangles of a closed hull
+    /// face outwards.
     pub fn volume(&self) -> f64 {
         let [low, _] = self.bounds();
         let volume = |t: &[u32; 3]| {
@@ -203,7 +204,8 @@ impl HullOptions {
     /// The rows of the matrix that carries file coordinates to metres, x forward, y left, z up.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where the scale is not positive, [`MeshError::Axes`] where the axes are parallel.
+    /// [`MeshError::Parameter`] where the scale is not positive, [`MeshError::Axes`] where the axes
+    /// are parallel.
     pub(crate) fn rows(&self, usual_up: Axis) -> Result<[[f64; 3]; 3], MeshError> {
         if !(self.scale > 0.0 && self.scale.is_finite()) {
             let expected = "a positive number of metres in one unit of the file";

@@ -12,10 +12,12 @@ use crate::error::MeshError;
 use crate::ice::surface::{HeightMap, Interpolation};
 
 impl HeightMap {
-    /// Reads columns `x_m`, `y_m`, `z_m` of a CSV table whose points, in any order, fill a regular grid.
+    /// Reads columns `x_m`, `y_m`, `z_m` of a CSV table whose points, in any order, fill a regular
+    /// grid.
     ///
     /// # Errors
-    /// [`MeshError::MapRow`] with the row and column, [`MeshError::MapGrid`] where the points fill no regular grid.
+    /// [`MeshError::MapRow`] with the row and column, [`MeshError::MapGrid`] where the points fill
+    /// no regular grid.
     pub fn from_csv(reader: impl Read, interpolation: Interpolation) -> Result<Self, MeshError> {
         let mut table = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
@@ -96,8 +98,8 @@ const MOST_VALUES: u64 = 1 << 26;
 /// Most bytes of an image's file.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// An image with the attributes `origin_x_m, origin_y_m, pixel_x_m, pixel_y_m`: column i, row j is centred at
-/// (origin_x_m + i pixel_x_m, origin_y_m + j pixel_y_m).
+/// An image with the attributes `origin_x_m, origin_y_m, pixel_x_m, pixel_y_m`: column i, row j is
+/// centred at (origin_x_m + i pixel_x_m, origin_y_m + j pixel_y_m).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExrImage {
     /// Numbers of columns and rows.
@@ -130,8 +132,8 @@ impl ExrImage {
     /// Reads the bytes of a file.
     ///
     /// # Errors
-    /// [`MeshError::Exr`] where they are no EXR image, where a header announces more values than are read, or where an
-    /// attribute is missing or no place.
+    /// [`MeshError::Exr`] where they are no EXR image, where a header announces more values than
+    /// are read, or where an attribute is missing or no place.
     pub fn read(bytes: &[u8]) -> Result<Self, MeshError> {
         let exr_error = |problem: String| MeshError::Exr { problem };
         if bytes.len() as u64 > MOST_BYTES {
@@ -223,7 +225,8 @@ impl ExrImage {
     }
 }
 
-/// Reads the height map `path`: CSV with columns `x_m, y_m, z_m` ([`HeightMap::from_csv`]), or EXR ([`HeightMap::from_exr`]).
+/// Reads the height map `path`: CSV with columns `x_m, y_m, z_m` ([`HeightMap::from_csv`]), or EXR
+/// ([`HeightMap::from_exr`]).
 ///
 /// Between the points it is interpolated by cubic convolution.
 ///
@@ -254,8 +257,9 @@ pub fn load_height_map(path: &Path) -> Result<HeightMap, MeshError> {
 }
 
 impl HeightMap {
-    /// Reads channel `z` [m] of an EXR image with the attributes `origin_x_m, origin_y_m, pixel_x_m, pixel_y_m`: column i,
-    /// row j is centred at (origin_x_m + i pixel_x_m, origin_y_m + j pixel_y_m).
+    /// Reads channel `z` [m] of an EXR image with the attributes
+    /// `origin_x_m, origin_y_m, pixel_x_m, pixel_y_m`: column i, row j is centred at (origin_x_m +
+    /// i pixel_x_m, origin_y_m + j pixel_y_m).
     ///
     /// # Errors
     /// [`MeshError::Exr`] where that is not what the bytes hold, and as [`HeightMap::new`].

@@ -12,7 +12,8 @@ pub trait IceSurface: Send + Sync {
     /// Whether the height is even in x and even in y, to rounding.
     fn mirror_symmetric(&self) -> [bool; 2];
 
-    /// Places (x, y) [m] where measured ice has a local maximum along x or across. None of ice given by a formula.
+    /// Places (x, y) [m] where measured ice has a local maximum along x or across. None of ice
+    /// given by a formula.
     fn highs(&self) -> &[[f64; 2]] {
         &[]
     }
@@ -95,12 +96,13 @@ pub struct HeightMap {
 }
 
 impl HeightMap {
-    /// Heights [m] on `shape` = [nx, ny] points, x running fastest, the first at `origin` [m], `spacing` [m] apart.
+    /// Heights [m] on `shape` = [nx, ny] points, x running fastest, the first at `origin` [m],
+    /// `spacing` [m] apart.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] for a spacing that is not positive, [`MeshError::MapShape`] where the
-    /// number of heights is not nx ny or an axis has fewer than two points, [`MeshError::MapHeight`]
-    /// where a height is not finite.
+    /// [`MeshError::Parameter`] for a spacing that is not positive, [`MeshError::MapShape`] where
+    /// the number of heights is not nx ny or an axis has fewer than two points,
+    /// [`MeshError::MapHeight`] where a height is not finite.
     pub fn new(
         origin: [f64; 2],
         spacing: [f64; 2],

@@ -33,9 +33,10 @@ pub struct ScanFrame {
 impl ScanFrame {
     /// Finds the side that is rounded along and across, as a runner's underside is.
     ///
-    /// `hull` is as its file has it: scale 1, x forward, z up. The longest axis is forward. Of the four sides along it the underside
-    /// is the one whose lowest line is curved (rocker) and whose section there is (edge), with the largest product of the two curvatures;
-    /// both are found by least squares. `None` where no side is rounded both ways.
+    /// `hull` is as its file has it: scale 1, x forward, z up. The longest axis is forward. Of the
+    /// four sides along it the underside is the one whose lowest line is curved (rocker) and whose
+    /// section there is (edge), with the largest product of the two curvatures; both are found by
+    /// least squares. `None` where no side is rounded both ways.
     ///
     /// # Errors
     /// [`MeshError::NoTriangles`] for a hull without any.
@@ -75,7 +76,8 @@ impl ScanFrame {
     }
 }
 
-/// Radii of rocker and section of the side that faces down when `up` points up [m]; `None` where it is flat or hollow.
+/// Radii of rocker and section of the side that faces down when `up` points up [m]; `None` where it
+/// is flat or hollow.
 fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<[f64; 2]> {
     let across = 3 - forward - up.index;
     let sign = if up.negative { -1.0 } else { 1.0 };

@@ -49,8 +49,8 @@ const POWERS: [[i32; 2]; 15] = [
 pub struct Noise {
     /// Standard deviation about a smooth surface [m]; 0 where it is no more than rounding.
     pub found: f64,
-    /// What the surface's own curvature leaves at these distances of the nodes [m]: less noise than that does not show. 0 where that is
-    /// no more than rounding.
+    /// What the surface's own curvature leaves at these distances of the nodes [m]: less noise than
+    /// that does not show. 0 where that is no more than rounding.
     pub unseen: f64,
 }
 
@@ -76,13 +76,13 @@ pub fn noise_of_hull(hull: &Hull) -> Option<Noise> {
 /// Noise of the heights of an underside's nodes; `None` if there are too few faces. `points` are x
 /// forward, y to the left and z up [m]; `faces` are the nodes of each face.
 ///
-/// At the lowest node of each station a polynomial of fourth order is fitted to the nearest nodes, in
-/// neighbourhoods of several [`ASPECT_RATIOS`]. The residual is noise and the surface's higher orders.
-/// A fit to twice as many nodes, s times as far, has the same noise and s^5 times the higher orders,
-/// which are subtracted. If its residual grows by more than [`CURVATURE_RATIO`], as at a jump of the
-/// curvature, no noise is found. Each aspect ratio gives medians over the stations. Curvature only adds
-/// to a residual, so the ratio with the smallest residual of 2n nodes is used; of those that agree
-/// within [`EQUAL_RESIDUAL`] the one with the smallest subtraction.
+/// At the lowest node of each station a polynomial of fourth order is fitted to the nearest nodes,
+/// in neighbourhoods of several [`ASPECT_RATIOS`]. The residual is noise and the surface's higher
+/// orders. A fit to twice as many nodes, s times as far, has the same noise and s^5 times the
+/// higher orders, which are subtracted. If its residual grows by more than [`CURVATURE_RATIO`], as
+/// at a jump of the curvature, no noise is found. Each aspect ratio gives medians over the
+/// stations. Curvature only adds to a residual, so the ratio with the smallest residual of 2n nodes
+/// is used; of those that agree within [`EQUAL_RESIDUAL`] the one with the smallest subtraction.
 pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Option<Noise> {
     let mut nodes = nodes_of(points, faces);
     nodes.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
@@ -155,8 +155,8 @@ fn nodes_of<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Vec<No
     nodes.filter_map(node).collect()
 }
 
-/// Residual of the polynomial around one node, its part from curvature, and the residual of twice as
-/// many nodes [m]; `None` if the nodes do not determine it.
+/// Residual of the polynomial around one node, its part from curvature, and the residual of twice
+/// as many nodes [m]; `None` if the nodes do not determine it.
 fn residuals_at(nodes: &[Node], node: usize, ratio: f64) -> Option<[f64; 3]> {
     let [x, y, z] = nodes[node].at;
     let far = |p: &Node| ((p.at[0] - x) / ratio).hypot(p.at[1] - y);
@@ -205,8 +205,9 @@ fn residuals_at(nodes: &[Node], node: usize, ratio: f64) -> Option<[f64; 3]> {
 fn residual_of(nodes: &[Node]) -> Option<f64> {
     let places: Vec<[f64; 2]> = nodes.iter().map(|node| [node.at[0], node.at[1]]).collect();
     let heights: Vec<f64> = nodes.iter().map(|node| node.at[2]).collect();
-    // Lines of nodes determine as many powers as there are lines. Noise along a slope moves the nodes
-    // of one line in proportion to their heights: taken for positions across, it would be fitted.
+    // Lines of nodes determine as many powers as there are lines. Noise along a slope moves the
+    // nodes of one line in proportion to their heights: taken for positions across, it would be
+    // fitted.
     let mut lines = [0; 2];
     for (axis, lines) in lines.iter_mut().enumerate() {
         let apart = LINE_DISTANCE * median(nodes.iter().map(|node| node.faces[axis]).collect())?;
@@ -228,7 +229,8 @@ pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// A polynomial fitted to values at places: its coefficients with their standard errors, and the residuals.
+/// A polynomial fitted to values at places: its coefficients with their standard errors, and the
+/// residuals.
 #[derive(Clone, Debug)]
 pub struct Fitted {
     /// One a power.
@@ -292,7 +294,8 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// Of a hull in metres, x forward and z up, whose section has this radius [m] where it is lowest.
+    /// Of a hull in metres, x forward and z up, whose section has this radius [m] where it is
+    /// lowest.
     ///
     /// `None` where no triangle touches the examined places along the keel.
     pub fn of(hull: &Hull, section_radius: f64) -> Option<Self> {
@@ -340,8 +343,8 @@ mod tests {
 
     const KINDS: [bool; 2] = [false, true];
 
-    /// A grid of faces over `height`, of four corners or as triangles, its lines closer together in the middle, nodes off them by `skewed` of their distance and off the
-    /// surface by noise.
+    /// A grid of faces over `height`, of four corners or as triangles, its lines closer together in
+    /// the middle, nodes off them by `skewed` of their distance and off the surface by noise.
     fn noise_of(
         [nx, ny]: [usize; 2],
         [long, wide]: [f64; 2],
@@ -410,7 +413,8 @@ mod tests {
         assert_eq!(noise_of([3, 3], [0.1, 0.003], [0.0; 2], false, round), None);
     }
 
-    /// Two millimetres between the vertices of a section of five: lines along the runner show what places as long as wide do not.
+    /// Two millimetres between the vertices of a section of five: lines along the runner show what
+    /// places as long as wide do not.
     #[test]
     fn far_between_vertices_show_noise_along_a_runner() {
         let runner = BobRunner::default().swept().expect("a runner");
@@ -437,7 +441,8 @@ mod tests {
         }
     }
 
-    /// Noise along the normals moves the vertices of a line across, too, in proportion to their heights.
+    /// Noise along the normals moves the vertices of a line across, too, in proportion to their
+    /// heights.
     #[test]
     fn noise_along_normals_is_found() {
         let bob = BobRunner {

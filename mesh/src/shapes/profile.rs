@@ -10,9 +10,9 @@ use crate::error::MeshError;
 ///
 /// The slopes at the points are those of the not-a-knot cubic spline (C2, curvature to second
 /// order). Where that spline would bend against locally convex (or concave) points, the slope is
-/// replaced by that of the parabola through three neighbouring points and the piece becomes two parabolas that meet with the
-/// secant's slope (after Schumaker 1983, doi 10.1137/0720057); the curve is C1 there.
-/// Outside the points it goes on straight.
+/// replaced by that of the parabola through three neighbouring points and the piece becomes two
+/// parabolas that meet with the secant's slope (after Schumaker 1983, doi 10.1137/0720057); the
+/// curve is C1 there. Outside the points it goes on straight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     breaks: Vec<f64>,
@@ -77,7 +77,8 @@ impl Profile {
         Ok(profile)
     }
 
-    /// Appends the piece from (`x`, `z`); `bend` is the sign of the data's curvature there, 0 where mixed.
+    /// Appends the piece from (`x`, `z`); `bend` is the sign of the data's curvature there, 0 where
+    /// mixed.
     fn add_piece(&mut self, x: f64, z: f64, step: f64, secant: f64, slopes: [f64; 2], bend: f64) {
         let (first, last) = (secant - slopes[0], slopes[1] - secant);
         let keeps_shape = bend * (2.0 * first - last) >= 0.0 && bend * (2.0 * last - first) >= 0.0;
@@ -136,7 +137,8 @@ impl Profile {
         for (i, &[_, b, c, d]) in self.pieces.iter().enumerate() {
             let step = self.breaks[i + 1] - self.breaks[i];
             let root = (c * c - 3.0 * b * d).max(0.0).sqrt();
-            // Where the slope b + 2 c t + 3 d t^2 vanishes and grows: t = (root - c)/(3 d), written without cancellation.
+            // Where the slope b + 2 c t + 3 d t^2 vanishes and grows: t = (root - c)/(3 d), written
+            // without cancellation.
             let turn = if c + root != 0.0 {
                 -b / (c + root)
             } else {
@@ -183,7 +185,8 @@ impl Profile {
     }
 }
 
-/// Sign of the data's curvature over the points `from..=to` (ends have none of their own), 0 where it changes.
+/// Sign of the data's curvature over the points `from..=to` (ends have none of their own), 0 where
+/// it changes.
 fn bend(secants: &[f64], from: usize, to: usize) -> f64 {
     let (mut up, mut down) = (false, false);
     for i in from.max(1)..=to.min(secants.len() - 1) {
@@ -193,7 +196,8 @@ fn bend(secants: &[f64], from: usize, to: usize) -> f64 {
     f64::from(u8::from(up)) - f64::from(u8::from(down))
 }
 
-/// The not-a-knot spline's slopes, limited to those of the neighbouring secants where the data bend one way.
+/// The not-a-knot spline's slopes, limited to those of the neighbouring secants where the data bend
+/// one way.
 fn shape_keeping_slopes(steps: &[f64], secants: &[f64]) -> Vec<f64> {
     let mut slopes = spline_slopes(steps, secants);
     let n = secants.len();
@@ -216,7 +220,8 @@ fn shape_keeping_slopes(steps: &[f64], secants: &[f64]) -> Vec<f64> {
     slopes
 }
 
-/// Slopes of the not-a-knot cubic spline at its points (a parabola for three points, a line for two).
+/// Slopes of the not-a-knot cubic spline at its points (a parabola for three points, a line for
+/// two).
 fn spline_slopes(h: &[f64], d: &[f64]) -> Vec<f64> {
     let n = h.len();
     if n == 1 {

@@ -85,7 +85,8 @@ impl Section {
         })
     }
 
-    /// The smooth curve through `points` (y [m], height [m]), moved so that its lowest point has height 0.
+    /// The smooth curve through `points` (y [m], height [m]), moved so that its lowest point has
+    /// height 0.
     ///
     /// # Errors
     /// As [`Profile::new`].
@@ -95,14 +96,16 @@ impl Section {
         Ok(Self::Points(curve.raised(-lowest)))
     }
 
-    /// This section after wear has removed `depth` [m] from its lowest point and rounded the flat's edges with `edge` times
-    /// the section's own radius.
+    /// This section after wear has removed `depth` [m] from its lowest point and rounded the flat's
+    /// edges with `edge` times the section's own radius.
     ///
-    /// On an arc of radius R the flat is 2 sqrt(2 R depth) wide and meets the flanks at the slope sqrt(2 depth / R); a sharp
-    /// edge (0) presses without limit, as the logarithm of the distance from it.
+    /// On an arc of radius R the flat is 2 sqrt(2 R depth) wide and meets the flanks at the slope
+    /// sqrt(2 depth / R); a sharp edge (0) presses without limit, as the logarithm of the distance
+    /// from it.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where the depth is negative or takes the whole section, or `edge` is not from 0 to 1.
+    /// [`MeshError::Parameter`] where the depth is negative or takes the whole section, or `edge`
+    /// is not from 0 to 1.
     pub fn worn(self, depth: f64, edge: f64) -> Result<Self, MeshError> {
         if !(0.0..=1.0).contains(&edge) {
             return Err(MeshError::Parameter {
@@ -214,7 +217,8 @@ impl Rocker {
         })
     }
 
-    /// The smooth curve through `points` (x [m], height [m]), moved so that its lowest point has height 0.
+    /// The smooth curve through `points` (x [m], height [m]), moved so that its lowest point has
+    /// height 0.
     ///
     /// # Errors
     /// As [`Profile::new`].

@@ -127,7 +127,8 @@ impl Swept {
         lows([&lines[0], &lines[1]], |i, j| keel[i] + section[j])
     }
 
-    /// The same with ends of `end_radius` [m] that rise by half the distance between the underside's corners and the top.
+    /// The same with ends of `end_radius` [m] that rise by half the distance between the
+    /// underside's corners and the top.
     ///
     /// # Errors
     /// As [`Swept::new`].
@@ -275,7 +276,8 @@ impl BobRunner {
         self.swept_along(Rocker::arc(self.rocker_radius)?)
     }
 
-    /// The runner swept along another rocker, as one of several radii given by points; `rocker_radius` is not used.
+    /// The runner swept along another rocker, as one of several radii given by points;
+    /// `rocker_radius` is not used.
     ///
     /// # Errors
     /// [`MeshError::Parameter`] where the numbers make no runner.
@@ -293,8 +295,8 @@ impl BobRunner {
     }
 }
 
-/// A luge steel on its inner edge: flat underside tilted on the runner, rounded edge,
-/// upright flank, bent to its rocker radius. The edge's lowest point is at x = 0, y = 0; the flat rises
+/// A luge steel on its inner edge: flat underside tilted on the runner, rounded edge, upright
+/// flank, bent to its rocker radius. The edge's lowest point is at x = 0, y = 0; the flat rises
 /// towards +y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LugeSteel {
@@ -316,7 +318,8 @@ pub struct LugeSteel {
 }
 
 impl Default for LugeSteel {
-    /// 0.6 m long, rocker 25 m, edge 0.3 mm, tilt 0.02 rad, 20 mm wide, 8 mm high, end radius 0.1 m.
+    /// 0.6 m long, rocker 25 m, edge 0.3 mm, tilt 0.02 rad, 20 mm wide, 8 mm high, end radius 0.1
+    /// m.
     fn default() -> Self {
         Self {
             length: 0.6,
@@ -495,7 +498,8 @@ mod tests {
     proptest::proptest! {
         #![proptest_config(proptest::prelude::ProptestConfig { failure_persistence: None, ..Default::default() })]
 
-        /// The highest point lies on the ends and sides, whose coordinates must not be exceeded by rounding.
+        /// The highest point lies on the ends and sides, whose coordinates must not be exceeded by
+        /// rounding.
         #[test]
         fn every_runner_below_its_top_is_built(
             length in 0.3..1.0f64,

@@ -9,17 +9,19 @@ use crate::parameter::positive;
 /// load's line of action, and the lowest point of the hull is near height zero (the solver finds
 /// the approach, so the level itself does not matter).
 pub trait Underside: Send + Sync {
-    /// Height of the lower surface at (`x` [m], `y` [m]), in [m]; `f64::INFINITY` where there is no hull.
+    /// Height of the lower surface at (`x` [m], `y` [m]), in [m]; `f64::INFINITY` where there is no
+    /// hull.
     fn height(&self, x: f64, y: f64) -> f64;
 
-    /// The rectangle `[x_min, x_max, y_min, y_max]` [m] that encloses the hull; infinite ends are allowed.
+    /// The rectangle `[x_min, x_max, y_min, y_max]` [m] that encloses the hull; infinite ends are
+    /// allowed.
     fn extent(&self) -> [f64; 4];
 
     /// Whether the height is even in x and even in y, to rounding.
     fn mirror_symmetric(&self) -> [bool; 2];
 
-    /// Places (x, y) [m] where a surface through measured points is below what is beside them, along x or across: a burr may lie between any
-    /// even lines. None of one that a formula says.
+    /// Places (x, y) [m] where a surface through measured points is below its surroundings, along x
+    /// or across: a burr may lie between any even lines. None of one that a formula says.
     fn lows(&self) -> &[[f64; 2]] {
         &[]
     }
@@ -28,8 +30,8 @@ pub trait Underside: Send + Sync {
 /// Most places that are returned: the lowest of a surface that is rough everywhere.
 const MOST: usize = 20_000;
 
-/// Where heights on lines of x and of y are below those beside them, along x or along y: a burr's whole length, and every keel's. The lowest
-/// first.
+/// Where heights on lines of x and of y are below the adjacent ones, along x or along y: a burr's
+/// whole length, and every keel's. The lowest first.
 pub(crate) fn lows([xs, ys]: [&[f64]; 2], height: impl Fn(usize, usize) -> f64) -> Vec<[f64; 2]> {
     let (nx, ny) = (xs.len(), ys.len());
     let heights: Vec<f64> = (0..nx * ny).map(|k| height(k % nx, k / nx)).collect();

@@ -92,7 +92,8 @@ fn facets_too_coarse_for_the_approach_are_called_so_and_finer_ones_not() {
     assert_eq!(fine.coarse_for(10e-6), None);
 }
 
-/// Knots as fine on the coarse side as on the fine one would lie between its vertices, and the surface with them anywhere.
+/// Knots as fine on the coarse side as on the fine one would lie between its vertices, and the
+/// surface with them anywhere.
 #[test]
 fn vertices_that_are_fine_on_one_side_alone_are_followed_on_both() {
     let height = |x: f64, y: f64| x * x / 60.0 + y * y / 0.01;
@@ -166,8 +167,9 @@ fn luge_steels_rounded_edge_is_followed_within_the_estimate() {
     assert!(worst < fitted.quality().resolution_error);
 }
 
-/// The curvature jumps across where the edge meets the flat, and along where the ends begin. The more vertices, the more intervals show what
-/// the jumps leave beside them; none of that may keep the edge itself from being resolved.
+/// The curvature jumps across where the edge meets the flat, and along where the ends begin. The
+/// more vertices, the more intervals show what the jumps cause next to them; none of that may keep
+/// the edge itself from being resolved.
 #[test]
 fn finer_vertices_on_a_sharp_edge_are_followed_no_worse() {
     let runner = LugeSteel::default().swept().unwrap();

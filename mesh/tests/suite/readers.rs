@@ -1,4 +1,4 @@
-//! Readers neither panic nor allocate beyond their input, whatever the bytes.
+//! Readers neither panic nor allocate more than their input, whatever the bytes.
 
 use kufe_mesh::{
     BobRunner, FittedUnderside, HeightMap, HullFormat, HullOptions, Interpolation, TensorGrid,

@@ -4,7 +4,8 @@ use std::{path::Path, process::Command};
 
 use kufe_mesh::{HexMesh, TensorGrid, VtuField, read_gmsh, read_vtu, write_pvd, write_vtu};
 
-/// Runs `script` with the interpreter that KUFE_PYTHON names; none where that or `modules` are missing.
+/// Runs `script` with the interpreter that KUFE_PYTHON names; none where that or `modules` are
+/// missing.
 fn python(script: &str, modules: &str, folder: &Path) -> Option<String> {
     let interpreter = kufe_outside::python(modules)?;
     let run = |code: &str| {
@@ -34,7 +35,8 @@ fn mesh(shape: [usize; 3]) -> HexMesh {
     .hex_mesh()
 }
 
-/// Writes `mesh` with a scalar, a vector and a tensor on points and a scalar on cells, all functions of place.
+/// Writes `mesh` with a scalar, a vector and a tensor on points and a scalar on cells, all
+/// functions of place.
 fn write_with_fields(mesh: &HexMesh, path: &Path) {
     let scalar: Vec<f64> = mesh
         .points

@@ -1,4 +1,5 @@
-//! Blind cases for `kufe discover`: data with a hidden cause, and the program that scores the answers.
+//! Blind cases for `kufe discover`: data with a hidden cause, and the program that scores the
+//! answers.
 //!
 //! Nothing here uses a kufe crate. The sled, its sensors, the friction experiments and the
 //! pressure maps come from physics written a second time, so that a mistake in the finder's model

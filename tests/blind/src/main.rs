@@ -25,7 +25,8 @@ enum Task {
     List,
     /// Writes cases: data in one folder, answers in another, a name for each case in both.
     Write {
-        /// Comma-separated beginnings of case names, `@0.02` behind one or alone for a size, or `all`.
+        /// Comma-separated beginnings of case names, `@0.02` behind one or alone for a size, or
+        /// `all`.
         #[arg(long)]
         families: String,
         /// Seeds a case.
@@ -45,7 +46,8 @@ enum Task {
     Score {
         #[command(flatten)]
         how: How,
-        /// Comma-separated beginnings of case names, `@0.02` behind one or alone for a size, or `all`.
+        /// Comma-separated beginnings of case names, `@0.02` behind one or alone for a size, or
+        /// `all`.
         #[arg(long, default_value = "all")]
         families: String,
         /// Seeds a case.
@@ -60,7 +62,8 @@ enum Task {
         /// One row a case instead of a family.
         #[arg(long)]
         by_case: bool,
-        /// Have the finder look for the hidden effect and for no other: what it misses then, these data do not hold.
+        /// Have the finder look for the hidden effect and for no other: what it misses then, these
+        /// data do not hold.
         #[arg(long)]
         told: bool,
     },
@@ -77,7 +80,8 @@ enum Task {
         #[command(flatten)]
         how: How,
     },
-    /// Prints the score at half and at twice each chosen constant of a search, on a few cheap cases.
+    /// Prints the score at half and at twice each chosen constant of a search, on a few cheap
+    /// cases.
     Constants {
         #[command(flatten)]
         how: How,

@@ -1,7 +1,8 @@
 //! Programs from outside that tests compare with, and what happens where they are missing.
 //!
-//! A test that lacks its program passes and says on standard error what it did not check, also where the test runner keeps
-//! what passing tests print. With `KUFE_DEMAND=1`, as in `.ci/run`, it fails.
+//! A test that lacks its program passes and says on standard error what it did not check, also
+//! where the test runner keeps what passing tests print. With `KUFE_DEMAND=1`, as in `.ci/run`, it
+//! fails.
 
 use std::{
     io::Write,
@@ -21,8 +22,8 @@ pub fn missing(what: &str) {
     not_here(what);
 }
 
-/// Says that this machine cannot do what a test needs (a mount, a second address, data that are not handed on). Nothing to install
-/// would change it, so it is never demanded.
+/// Says that this machine cannot do what a test needs (a mount, a second address, data that are not
+/// handed on). Nothing to install would change it, so it is never demanded.
 pub fn not_here(why: &str) {
     // Past the test runner's capture.
     let _ = writeln!(std::io::stderr().lock(), "not checked: {why}");

@@ -1,4 +1,5 @@
-//! The assembled stiffness: the same answers as without it, the same products, and what it may take.
+//! The assembled stiffness: the same answers as without it, the same products, and what it may
+//! take.
 
 use std::sync::Arc;
 
@@ -32,7 +33,7 @@ fn bending(mount: Mount) -> Problem {
     };
     let elastic = ElasticRunner {
         mount,
-        ..ElasticRunner::held_at_top(STEEL.0, STEEL.1, bob.height)
+        ..ElasticRunner::fixed_at_top(STEEL.0, STEEL.1, bob.height)
     };
     on_layer(Arc::new(bob.swept().unwrap()), elastic)
 }
@@ -77,12 +78,13 @@ fn on_own_hexahedra() -> Problem {
     let solid = RunnerSolid::new(mesh, STEEL.0, STEEL.1, |p| p[2] > height - 1e-9).unwrap();
     let elastic = ElasticRunner {
         solid: Some(Arc::new(solid)),
-        ..ElasticRunner::held_at_top(STEEL.0, STEEL.1, 0.0)
+        ..ElasticRunner::fixed_at_top(STEEL.0, STEEL.1, 0.0)
     };
     on_layer(Arc::new(hull), elastic)
 }
 
-/// The solutions with both forms of the stiffness, whose displacements and peak pressures differ by less than 1e-8.
+/// The solutions with both forms of the stiffness, whose displacements and peak pressures differ by
+/// less than 1e-8.
 fn compared(problem: &Problem) -> (Solution, Solution) {
     let free = solve(problem, &options(StiffnessForm::MatrixFree)).unwrap();
     let stored = solve(problem, &options(StiffnessForm::Assembled)).unwrap();
@@ -120,16 +122,16 @@ fn a_rigid_runner_on_ice_gives_the_same_answer() {
         3 * stored.volume.displacement.len(),
         "every node of the ice"
     );
-    assert_eq!(ice.stiffness.dofs() - ice.held.len(), stored.dofs);
+    assert_eq!(ice.stiffness.dofs() - ice.fixed.len(), stored.dofs);
 }
 
 #[test]
-fn a_runner_held_at_its_top_gives_the_same_answer() {
+fn a_runner_fixed_at_its_top_gives_the_same_answer() {
     let (_, stored) = compared(&bending(Mount::Top));
     let free: usize = stored
         .assembled
         .iter()
-        .map(|body| body.stiffness.dofs() - body.held.len())
+        .map(|body| body.stiffness.dofs() - body.fixed.len())
         .sum();
     assert_eq!((stored.assembled.len(), free), (2, stored.dofs));
 }

@@ -1,4 +1,5 @@
-//! Places of contact that are far smaller than the hull: on measured surfaces they are found wherever they lie.
+//! Places of contact that are far smaller than the hull: on measured surfaces they are found
+//! wherever they lie.
 
 use std::sync::Arc;
 
@@ -33,7 +34,8 @@ fn line(low: f64, high: f64, at: f64) -> Vec<f64> {
         .collect()
 }
 
-/// A paraboloid with a bell at (x, y) that reaches `deeper` [m] below its lowest point, as triangles.
+/// A paraboloid with a bell at (x, y) that reaches `deeper` [m] below its lowest point, as
+/// triangles.
 fn with_wart([x, y]: [f64; 2], deeper: f64) -> Hull {
     let smooth = |x: f64, y: f64| x * x / (2.0 * ROCKER) + y * y / (2.0 * SECTION);
     let height = smooth(x, y) + deeper;
@@ -74,7 +76,8 @@ fn solved(problem: &Problem) -> (Solution, Result<BoundaryElements, NotChecked>)
     )
 }
 
-/// Peaks of two contacts of these radii, the second `deeper` [m] than the first, under one approach.
+/// Peaks of two contacts of these radii, the second `deeper` [m] than the first, under one
+/// approach.
 fn shared(radii: [[f64; 2]; 2], deeper: f64) -> (f64, [f64; 2]) {
     let stiff = radii.map(|[a, b]| {
         let one = hertz(a.max(b), a.min(b), contact_modulus(), 1.0).unwrap();
@@ -87,9 +90,10 @@ fn shared(radii: [[f64; 2]; 2], deeper: f64) -> (f64, [f64; 2]) {
     let (mut low, mut high) = (0.0, 1e-3);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
-        match forces(middle).iter().sum::<f64>() < 1000.0 {
-            true => low = middle,
-            false => high = middle,
+        if forces(middle).iter().sum::<f64>() < 1000.0 {
+            low = middle
+        } else {
+            high = middle
         }
     }
     let peaks = [0, 1].map(|k| {
@@ -102,8 +106,8 @@ fn shared(radii: [[f64; 2]; 2], deeper: f64) -> (f64, [f64; 2]) {
     (high, peaks)
 }
 
-/// A wart of 0.6 mm beside the keel of a hull of a metre, which no even line meets. Its bell is a sphere of its top's curvature to the
-/// fourth order: 2 % of the peak.
+/// A wart of 0.6 mm beside the keel of a hull of a metre, which no even line meets. Its bell is a
+/// sphere of its top's curvature to the fourth order: 2 % of the peak.
 #[test]
 fn a_wart_beside_the_keel_bears_its_share() {
     let at = [0.1013, 0.0008];
@@ -178,7 +182,8 @@ fn a_grain_on_measured_ice_bears_its_share() {
     assert!(off < 0.02, "{:e} {:e}", unbounded.p_max, s.p_max);
 }
 
-/// A burr of 0.06 mm along the whole runner, 2.5 mm beside the middle and 3 µm deeper: it bears a line contact as sharp as itself.
+/// A burr of 0.06 mm along the whole runner, 2.5 mm beside the middle and 3 µm deeper: it bears a
+/// line contact as sharp as itself.
 #[test]
 fn a_burr_along_a_measured_section_is_touched() {
     let (at, width) = (2.525e-3, 0.03e-3);

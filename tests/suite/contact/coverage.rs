@@ -1,11 +1,13 @@
-//! Stated errors hold the true ones in contacts drawn at random: a part of what the example `coverage` solves.
+//! Stated errors hold the true ones in contacts drawn at random: a part of what the example
+//! `coverage` solves.
 
 use kufe_tests::coverage::rows;
 
-/// Every seventh row at 2 %: all classes but the slow ones of the last lines. One row in twenty may be off.
+/// Every seventh row at 2 %: all classes but the slow ones of the last lines. One row in twenty may
+/// be off.
 #[test]
 fn stated_errors_of_peaks_hold_in_95_of_100_random_contacts() {
-    let (mut held, mut count, mut told) = (0, 0, Vec::new());
+    let (mut covered, mut count, mut told) = (0, 0, Vec::new());
     for row in rows().iter().step_by(7) {
         let outcome = row
             .outcome(0.02)
@@ -15,7 +17,7 @@ fn stated_errors_of_peaks_hold_in_95_of_100_random_contacts() {
         };
         count += 1;
         if row.holds(0, miss) {
-            held += 1;
+            covered += 1;
         } else {
             told.push(format!("{}: {miss:?}", row.text));
         }
@@ -24,5 +26,8 @@ fn stated_errors_of_peaks_hold_in_95_of_100_random_contacts() {
         assert!(miss.off < 0.02, "{}: {miss:?}", row.text);
     }
     assert!(count >= 30, "{count} rows");
-    assert!(100 * held >= 95 * count, "{held} of {count}: {told:?}");
+    assert!(
+        100 * covered >= 95 * count,
+        "{covered} of {count}: {told:?}"
+    );
 }

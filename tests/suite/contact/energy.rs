@@ -1,5 +1,5 @@
-//! What the history says of the energy of the contact forces: it falls from contact set to contact set, to minus the total
-//! potential energy.
+//! What the history says of the energy of the contact forces: it falls from contact set to contact
+//! set, to minus the total potential energy.
 
 use kufe_contact::{Foundation, Iterate, Load, Options, Problem, Solution, Tilt, hertz, solve};
 use kufe_mesh::{BobRunner, Paraboloid};

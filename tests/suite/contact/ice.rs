@@ -31,7 +31,8 @@ fn solved(problem: &Problem, p_max_tolerance: f64) -> Solution {
     solve(problem, &options).unwrap()
 }
 
-/// Contact radius [m], approach [m] and peak pressure [Pa] by Hankel transforms, where SciPy is at hand.
+/// Contact radius [m], approach [m] and peak pressure [Pa] by Hankel transforms, where SciPy is at
+/// hand.
 fn by_transforms(thickness: f64, bed: Bed) -> Option<[f64; 3]> {
     let interpreter = kufe_outside::python("scipy")?;
     let numbers = [
@@ -72,7 +73,8 @@ fn ice_on_concrete_agrees_with_hankel_transforms_within_three_tenths_of_a_percen
             return;
         };
         let s = solved(&on_bed(1.0, thickness, bed), 0.003);
-        // The rim is found on the parabola of p^2, which a contact wider than the layer leaves by a third of a cell.
+        // The rim is found on the parabola of p^2, which a contact wider than the layer leaves by a
+        // third of a cell.
         for (found, expected, tolerance) in [
             (s.p_max, p_max, 0.003),
             (s.approach, approach, 0.003),
@@ -108,9 +110,10 @@ fn layers_have_the_forces_of_exact_responses_by_cholesky() {
     assert!(found.force < 1e-6 && found.motion < 1e-6);
 }
 
-/// Waves that press with their crests alone (H. M. Westergaard, J. Appl. Mech. 6 (1939) 49-53; K. L. Johnson, Contact
-/// Mechanics, section 13.2): with the mean pressure p over a wave and p* = pi E* amplitude / wavelength,
-/// sin^2(pi c / wavelength) = p / p* for the half-length c of each contact, and p_max = 2 sqrt(p p*).
+/// Waves that press with their crests alone (H. M. Westergaard, J. Appl. Mech. 6 (1939) 49-53; K.
+/// L. Johnson, Contact Mechanics, section 13.2): with the mean pressure p over a wave and p* = pi
+/// E* amplitude / wavelength, sin^2(pi c / wavelength) = p / p* for the half-length c of each
+/// contact, and p_max = 2 sqrt(p p*).
 #[test]
 fn wavy_ice_meets_westergaards_partial_contact() {
     let (wavelength, amplitude, radius, force) = (1e-3, 2.5e-6, 1.0, 1000.0);
@@ -228,8 +231,9 @@ fn root(rising: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
     0.5 * (low + high)
 }
 
-/// A runner as bent as its track on 17 crests of ice, loaded off its middle: each crest is Hertz's contact under its part of approach and
-/// pitch, and those balance force and moment. Scouting sees some of the crests, and those late are more than can be taken up one a solve.
+/// A runner as bent as its track on 17 crests of ice, loaded off its middle: each crest is Hertz's
+/// contact under its part of approach and pitch, and those balance force and moment. Scouting sees
+/// some of the crests, and those late are more than can be taken up one a solve.
 #[test]
 fn a_runner_on_many_crests_presses_each_by_its_part_of_approach_and_pitch() {
     let (fz, offset_x, amplitude, wavelength) = (500.0, 0.02, 5e-5, 0.03);
@@ -266,7 +270,8 @@ fn a_runner_on_many_crests_presses_each_by_its_part_of_approach_and_pitch() {
         "{:e} +- {:e}, Hertz {peak:e}; pitch {} {pitch}",
         s.p_max, s.p_max_error, s.pitch
     );
-    // What crests sink by one another's loads is left out: 30 mm beside each other under contacts of 2 mm, half a per cent.
+    // What crests sink by one another's loads is left out: 30 mm beside each other under contacts
+    // of 2 mm, half a per cent.
     assert!((s.p_max - peak).abs() < s.p_max_error + 0.005 * peak);
     assert!((s.pitch / pitch - 1.0).abs() < 0.03, "{} {pitch}", s.pitch);
     // Every crest is pressed, and nothing between them.
@@ -291,8 +296,9 @@ fn a_runner_on_many_crests_presses_each_by_its_part_of_approach_and_pitch() {
     }
 }
 
-/// Width where ice yields all across, by its force: a strip of the plane bears H times its width, whatever nodes lie beside the rim. Over
-/// an ellipse of this length all strips tell that of the middle one; single ones are told to the cell.
+/// Width where ice yields all across, by its force: a strip of the plane bears H times its width,
+/// whatever nodes lie beside the rim. Over an ellipse of this length all strips tell that of the
+/// middle one; single ones are told to the cell.
 fn width_by_strips(s: &Solution) -> f64 {
     let f = &s.surface;
     let nx = f.x.len();
@@ -308,7 +314,8 @@ fn width_by_strips(s: &Solution) -> f64 {
     strips.iter().sum::<f64>() / strips.len() as f64
 }
 
-/// A rim half-way between nodes is off by up to half a cell at either side, one in nine to one in fifteen of these widths.
+/// A rim half-way between nodes is off by up to half a cell at either side, one in nine to one in
+/// fifteen of these widths.
 #[test]
 fn the_width_of_ice_that_yields_is_that_of_its_force_and_of_the_map() {
     for (section, hardness) in [(0.005, 20e6), (0.005, 40e6), (0.004, 30e6), (0.01, 15e6)] {

@@ -19,13 +19,13 @@ fn one_and_two_threads_give_the_same_bits() {
     let small = on_half_space(Paraboloid::new(0.02, 0.01).unwrap(), 500.0);
     let mut large = on_half_space(Paraboloid::new(30.0, 0.005).unwrap(), 1000.0);
     large.ice.foundation = Foundation::RigidBed { thickness: 0.05 };
-    let mut held = on_half_space(BobRunner::default().swept().unwrap(), 1000.0);
-    held.ice = large.ice.clone();
-    held.runner.elastic = Some(ElasticRunner {
+    let mut fixed = on_half_space(BobRunner::default().swept().unwrap(), 1000.0);
+    fixed.ice = large.ice.clone();
+    fixed.runner.elastic = Some(ElasticRunner {
         mount: Mount::Places([-0.3, 0.3].map(|x| Place { x, length: 0.05 }).to_vec()),
-        ..ElasticRunner::held_at_top(210e9, 0.3, 0.03)
+        ..ElasticRunner::fixed_at_top(210e9, 0.3, 0.03)
     });
-    for (problem, cells, least) in [(small, 8, 1e4), (large, 24, 8e5), (held, 3, 1e4)] {
+    for (problem, cells, least) in [(small, 8, 1e4), (large, 24, 8e5), (fixed, 3, 1e4)] {
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             let pool = pool.build().unwrap();
@@ -50,7 +50,8 @@ fn one_and_two_threads_give_the_same_bits() {
     }
 }
 
-/// Off its middle, so that the runner tilts, on ice that yields: a motion of two numbers and three kinds of nodes.
+/// Off its middle, so that the runner tilts, on ice that yields: a motion of two numbers and three
+/// kinds of nodes.
 #[test]
 fn exact_responses_find_tilt_and_yielding_nodes_by_themselves() {
     let hull = Paraboloid::new(0.02, 0.01).unwrap();

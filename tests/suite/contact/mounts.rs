@@ -1,4 +1,5 @@
-//! Elastic runners on their mounts: the same answer by a slow way, beams on a soft foundation, balance of forces.
+//! Elastic runners on their mounts: the same answer by a slow way, beams on a soft foundation,
+//! balance of forces.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -25,7 +26,7 @@ fn pressed(underside: Arc<dyn Underside>, elastic: ElasticRunner, ice: Ice, load
 fn steel(top: f64, mount: Mount) -> ElasticRunner {
     ElasticRunner {
         mount,
-        ..ElasticRunner::held_at_top(STEEL.0, STEEL.1, top)
+        ..ElasticRunner::fixed_at_top(STEEL.0, STEEL.1, top)
     }
 }
 
@@ -45,7 +46,7 @@ fn force(fz: f64, offset_x: f64, tilt: Tilt) -> Load {
     }
 }
 
-fn held(places: &[(f64, f64)]) -> Mount {
+fn fixed(places: &[(f64, f64)]) -> Mount {
     Mount::Places(
         places
             .iter()
@@ -90,8 +91,8 @@ fn every_mount_gives_the_forces_of_exact_responses_by_cholesky() {
     let (hull, top) = short_bob();
     let mounts = [
         (Mount::Top, 0.0, Tilt::LEVEL),
-        (held(&[(-0.08, 0.02), (0.08, 0.02)]), 0.0, Tilt::LEVEL),
-        (held(&[(-0.08, 0.02), (0.03, 0.01)]), 0.0, Tilt::Free),
+        (fixed(&[(-0.08, 0.02), (0.08, 0.02)]), 0.0, Tilt::LEVEL),
+        (fixed(&[(-0.08, 0.02), (0.03, 0.01)]), 0.0, Tilt::Free),
         (
             carried(&[(-0.08, 0.02, 0.5), (0.08, 0.02, 0.5)]),
             0.0,
@@ -118,15 +119,16 @@ fn every_mount_gives_the_forces_of_exact_responses_by_cholesky() {
     }
 }
 
-/// A flat steel 20 mm x 8 mm on a soft layer 0.5 mm thick, bonded to a rigid bed: each column of the layer is pressed by
-/// itself, k = M w / t per length with M = lambda + 2 mu, and the steel is a beam. Loaded in its middle it lifts off at
-/// x = pi / (2 l), l = (k / 4 E I)^(1/4), and presses in the middle with
+/// A flat steel 20 mm x 8 mm on a soft layer 0.5 mm thick, bonded to a rigid bed: each column of
+/// the layer is pressed by itself, k = M w / t per length with M = lambda + 2 mu, and the steel is
+/// a beam. Loaded in its middle it lifts off at x = pi / (2 l), l = (k / 4 E I)^(1/4), and presses
+/// in the middle with
 ///
 /// p = F l / (2 w) (cosh pi + cos pi + 2) / sinh pi
 ///
-/// (M. Hetenyi, Beams on Elastic Foundation, 1946, section 22: the free beam of length pi / l, whose ends neither press nor
-/// lift). The beam's shear, the load's 4 mm and the layer beside the steel, which
-/// cells of a millimetre draw down with it, are worth a per cent or two each.
+/// (M. Hetenyi, Beams on Elastic Foundation, 1946, section 22: the free beam of length pi / l,
+/// whose ends neither press nor lift). The beam's shear, the load's 4 mm and the layer beside the
+/// steel, which cells of a millimetre draw down with it, are worth a per cent or two each.
 #[test]
 fn a_steel_loaded_in_its_middle_presses_as_a_beam_on_winklers_foundation_and_lifts_off_where_that_does()
  {
@@ -173,7 +175,7 @@ fn a_steel_loaded_in_its_middle_presses_as_a_beam_on_winklers_foundation_and_lif
     assert!((s.fz / load - 1.0).abs() < 1e-8);
 }
 
-/// Sum of the vertical forces that the steel's top, held or loaded, passes on: K u there.
+/// Sum of the vertical forces that the steel's top, fixed or loaded, passes on: K u there.
 fn passed_on_by_the_top(s: &Solution, kind: ElementKind) -> f64 {
     let field = s.runner_volume.as_ref().unwrap();
     let material = Material::new(STEEL.0, STEEL.1).unwrap();
@@ -195,8 +197,8 @@ fn borne_by_the_bed(s: &Solution) -> f64 {
     let u: Vec<f64> = s.volume.displacement.iter().flatten().copied().collect();
     let mut forces = vec![0.0; u.len()];
     assemble(&body).apply(&u, &mut forces);
-    // The far sides are held too.
-    let held = (0..body.node_count()).filter(|&n| {
+    // The far sides are fixed too.
+    let fixed = (0..body.node_count()).filter(|&n| {
         let (i, j, k) = (n % nx, n / nx % ny, n / nx / ny);
         k == 0
             || i == nx - 1
@@ -204,7 +206,7 @@ fn borne_by_the_bed(s: &Solution) -> f64 {
             || (!s.symmetry[0] && i == 0)
             || (!s.symmetry[1] && j == 0)
     });
-    held.map(|n| forces[3 * n + 2]).sum()
+    fixed.map(|n| forces[3 * n + 2]).sum()
 }
 
 #[test]
@@ -213,7 +215,7 @@ fn action_equals_reaction_through_both_bodies() {
     let mounts = [
         (Mount::Top, ElementKind::Hex8, Tilt::LEVEL),
         (
-            held(&[(-0.08, 0.02), (0.08, 0.02)]),
+            fixed(&[(-0.08, 0.02), (0.08, 0.02)]),
             ElementKind::Hex8Axial,
             Tilt::LEVEL,
         ),
@@ -250,7 +252,8 @@ fn action_equals_reaction_through_both_bodies() {
     }
 }
 
-/// The gap knows no sides: steel with this hull on flat ice presses as ice with this hull on flat steel.
+/// The gap knows no sides: steel with this hull on flat ice presses as ice with this hull on flat
+/// steel.
 #[test]
 fn swapping_the_bodies_roles_changes_the_peak_by_less_than_half_a_per_cent() {
     let hull = Arc::new(kufe_mesh::Paraboloid::new(30.0, 0.005).unwrap());
@@ -259,7 +262,7 @@ fn swapping_the_bodies_roles_changes_the_peak_by_less_than_half_a_per_cent() {
         ..Options::default()
     };
     let peak = |above: (f64, f64), below: (f64, f64)| {
-        let runner = ElasticRunner::held_at_top(above.0, above.1, f64::INFINITY);
+        let runner = ElasticRunner::fixed_at_top(above.0, above.1, f64::INFINITY);
         let half_space = Ice::half_space(below.0, below.1);
         let load = force(1000.0, 0.0, Tilt::Free);
         let problem = pressed(hull.clone(), runner, half_space, load);
@@ -270,7 +273,8 @@ fn swapping_the_bodies_roles_changes_the_peak_by_less_than_half_a_per_cent() {
     assert!((one / other - 1.0).abs() < 0.005, "{one} {other}");
 }
 
-/// Where the hull is steep the meshed solid is not: the gap is the hull's, and what steel is added stands beside the contact.
+/// Where the hull is steep the meshed solid is not: the gap is the hull's, and what steel is added
+/// stands beside the contact.
 #[test]
 fn the_limit_of_the_flanks_slope_leaves_the_pressure_alone() {
     let bob = BobRunner::default();
@@ -300,8 +304,9 @@ fn the_limit_of_the_flanks_slope_leaves_the_pressure_alone() {
     }
 }
 
-/// A thin steel carried at two places bends off the ice by more than it presses in: the undeformed shapes, where the runner's middle
-/// puts them, do not even touch. The answer is that of exact responses all the same.
+/// A thin steel carried at two places bends off the ice by more than it presses in: the undeformed
+/// shapes, where the runner's middle puts them, do not even touch. The answer is that of exact
+/// responses all the same.
 #[test]
 fn a_carried_steel_that_bends_away_further_than_it_presses_in_is_solved() {
     let luge = LugeSteel::default();

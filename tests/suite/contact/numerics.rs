@@ -1,10 +1,12 @@
-//! The version of the numerics says what it should: figures that change without it would stand beside older ones kept on disk.
+//! The version of the numerics says what it should: figures that change without it would stand
+//! beside older ones kept on disk.
 
 use kufe_contact::{Foundation, Ice, NUMERICS, Options, Problem, slide, solve};
 use kufe_mesh::{BobRunner, Paraboloid};
 use kufe_tests::contact::{ICE_E, ICE_NU, on_half_space};
 
-/// The version, and peak pressure [Pa], its error [Pa] and approach [m] of each problem, as that version gives them.
+/// The version, and peak pressure [Pa], its error [Pa] and approach [m] of each problem, as that
+/// version gives them.
 const RECORDED: (u32, [[f64; 3]; 4]) = (
     17,
     [
@@ -15,7 +17,8 @@ const RECORDED: (u32, [[f64; 3]; 4]) = (
     ],
 );
 
-/// Depth [m], ploughing force [N] and front [m] of the groove in the third problem's ice, as that version gives them.
+/// Depth [m], ploughing force [N] and front [m] of the groove in the third problem's ice, as that
+/// version gives them.
 const GROOVE: [f64; 3] = [4.233_356_116e-6, 7.673_649_465e-2, 2.777_781_654e-2];
 
 /// What another processor's vectors or another order of sums may change, relative.

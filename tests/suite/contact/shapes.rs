@@ -1,4 +1,5 @@
-//! Contacts that are no paraboloid on a half-space: punch, cylinder, layer, offset load, two ends, hardness.
+//! Contacts that are no paraboloid on a half-space: punch, cylinder, layer, offset load, two ends,
+//! hardness.
 
 use std::f64::consts::PI;
 
@@ -47,7 +48,8 @@ fn flat_ended_rigid_punch_carries_two_contact_moduli_times_radius_times_approach
     );
 }
 
-/// p0 = sqrt(q E* / (pi R)), b = sqrt(4 q R / (pi E*)) with q the load per length (Johnson, eqs. 4.43, 4.45).
+/// p0 = sqrt(q E* / (pi R)), b = sqrt(4 q R / (pi E*)) with q the load per length (Johnson, eqs.
+/// 4.43, 4.45).
 #[test]
 fn long_cylinder_is_a_line_contact_in_its_middle() {
     let radius = 0.005;
@@ -98,7 +100,8 @@ fn long_cylinder_is_a_line_contact_in_its_middle() {
 }
 
 /// A rigid paraboloid on a thin bonded compressible layer: each column of ice is pressed by itself,
-/// p = M (d - r^2 / 2R) / t with M = lambda + 2 mu, so F = pi M R d^2 / t and p_max = M d / t (Johnson, section 5.8).
+/// p = M (d - r^2 / 2R) / t with M = lambda + 2 mu, so F = pi M R d^2 / t and p_max = M d / t
+/// (Johnson, section 5.8).
 #[test]
 fn thin_layer_on_a_rigid_bed_tends_to_independent_columns() {
     let (radius, thickness, force) = (1.0, 1e-4, 1000.0);
@@ -182,7 +185,7 @@ fn offset_load_tilts_the_runner_until_the_moments_balance() {
 }
 
 #[test]
-fn held_tilt_moves_the_patch_to_where_the_hull_is_level() {
+fn a_fixed_tilt_moves_the_patch_to_where_the_hull_is_level() {
     let mut problem = on_half_space(paraboloid(), 1000.0);
     let tilt = Tilt::Fixed {
         pitch: 0.001,
@@ -209,8 +212,8 @@ fn held_tilt_moves_the_patch_to_where_the_hull_is_level() {
     );
 }
 
-/// A track of smaller radius than the rocker: only the ends touch. Solved without the mirror plane across the
-/// runner, so that the symmetry is a result.
+/// A track of smaller radius than the rocker: only the ends touch. Solved without the mirror plane
+/// across the runner, so that the symmetry is a result.
 #[test]
 fn two_ended_contact_is_symmetric_and_each_end_carries_half() {
     let bob = BobRunner::default().swept().unwrap();
@@ -296,8 +299,8 @@ fn hardness_bounds_the_pressure_keeps_the_balance_and_tends_to_elasticity() {
     }
 }
 
-/// A rocker's bump, and far from it one so short that neither the first guess nor the first mesh meets it.
-/// Each is a Hertz contact under the one approach: F_i = K_i d^(3/2).
+/// A rocker's bump, and far from it one so short that neither the first guess nor the first mesh
+/// meets it. Each is a Hertz contact under the one approach: F_i = K_i d^(3/2).
 #[test]
 fn a_second_bump_far_from_where_contact_was_looked_for_bears_its_share() {
     let bumps = [[-0.3, 0.0, 5.0, 0.005], [0.3004, 0.0, 0.01, 0.005]];
@@ -361,8 +364,8 @@ fn a_second_bump_far_from_where_contact_was_looked_for_bears_its_share() {
     );
 }
 
-/// Two meshes that both miss the peaks at the ends would agree on a pressure that is too low by a tenth, and which track
-/// has such meshes would be an accident of rounding.
+/// Two meshes that both miss the peaks at the ends would agree on a pressure that is too low by a
+/// tenth, and which track has such meshes would be an accident of rounding.
 #[test]
 fn a_hair_of_track_curvature_moves_the_peaks_at_the_ends_by_a_hair() {
     let p_max = |curvature: f64| {

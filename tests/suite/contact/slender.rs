@@ -1,4 +1,5 @@
-//! Slender contacts with narrow peaks: the ends of a runner that lies nearly flush on its track, the edges of a worn flat.
+//! Slender contacts with narrow peaks: the ends of a runner that lies nearly flush on its track,
+//! the edges of a worn flat.
 
 use kufe_contact::{Options, solve};
 use kufe_mesh::{BobRunner, Rocker, Section};
@@ -7,8 +8,9 @@ use kufe_tests::contact::on_half_space;
 /// How far the references themselves may be off, relative: tests/data/slender.py.
 const REFERENCE: f64 = 0.001;
 
-/// The references are boundary elements' (`python tests/data/slender.py > tests/data/slender.csv`). A mesh with no fine
-/// cells where the rocker ends is up to 14 % low here, and so is a finer one of its kind.
+/// The references are boundary elements' (`python tests/data/slender.py > tests/data/slender.csv`).
+/// A mesh with no fine cells where the rocker ends is up to 14 % low here, and so is a finer one of
+/// its kind.
 #[test]
 fn narrow_peaks_agree_with_boundary_elements_within_the_stated_error() {
     let table = include_str!("../../data/slender.csv");

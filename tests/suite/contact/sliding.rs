@@ -1,4 +1,5 @@
-//! Steady sliding on ice that yields: the rigid-plastic and the elastic limit, boundary elements, and what has to balance.
+//! Steady sliding on ice that yields: the rigid-plastic and the elastic limit, boundary elements,
+//! and what has to balance.
 
 use std::sync::Arc;
 
@@ -91,7 +92,8 @@ fn hard_ice_has_hertzs_contact_and_no_groove() {
     assert!(s.groove.load_ahead.value.abs() < 1e-3 * s.groove.front.value);
 }
 
-/// The references are boundary elements' (`python tests/data/groove.py > tests/data/groove.csv`), whose grid leaves 1 % open.
+/// The references are boundary elements' (`python tests/data/groove.py > tests/data/groove.csv`),
+/// whose grid leaves 1 % open.
 #[test]
 fn grooves_agree_with_boundary_elements() {
     let mut rows = include_str!("../../data/groove.csv").lines();
@@ -146,7 +148,8 @@ fn grooves_agree_with_boundary_elements() {
     assert!(compared >= 2, "{compared} rows");
 }
 
-/// Whether what was solved is the problem: load, pressures within bounds, no node within the ice, and a groove that only deepens.
+/// Whether what was solved is the problem: load, pressures within bounds, no node within the ice,
+/// and a groove that only deepens.
 fn holds(s: &SlidingSolution, fz: f64, hardness: f64) {
     assert!(near(s.contact.fz, fz, 1e-6), "{}", s.contact.fz);
     assert!(s.contact.kkt_residual < 1e-5, "{}", s.contact.kkt_residual);
@@ -167,7 +170,8 @@ fn holds(s: &SlidingSolution, fz: f64, hardness: f64) {
             k % nx + 1 < nx && s.groove.depth[k] > s.groove.depth[k + 1] * (1.0 + 1e-9) + 1e-12;
         assert!(!deepens || p == hardness, "{} {p}", s.groove.depth[k]);
     }
-    // Two ways to the same force: the plastic work over the way, and pressures on the runner's slope.
+    // Two ways to the same force: the plastic work over the way, and pressures on the runner's
+    // slope.
     for mesh in &s.groove.meshes {
         assert!(
             near(mesh.plastic_work, mesh.ploughing_by_slope, 0.03),
@@ -191,8 +195,9 @@ fn forces_pressures_gaps_and_groove_hold_what_is_asked_of_them() {
     assert!(near(strip, 950.0, 0.02), "{strip}");
 }
 
-/// Stations read their widths from chords through nodes' forces and growths, the map its rim from the nodes' pressures, gaps and growths. A
-/// rim on nodes would be off by up to half a cell at either side: 5 % where these 12 lie over half the width.
+/// Stations read their widths from chords through nodes' forces and growths, the map its rim from
+/// the nodes' pressures, gaps and growths. A rim on nodes would be off by up to half a cell at
+/// either side: 5 % where these 12 lie over half the width.
 #[test]
 fn the_map_of_a_groove_has_the_width_of_its_stations_and_the_force() {
     for (radii, fz) in [([30.0, 0.004], 950.0), ([20.0, 0.006], 600.0)] {
@@ -226,10 +231,11 @@ fn the_map_of_a_groove_has_the_width_of_its_stations_and_the_force() {
     }
 }
 
-/// On a rocker a turn is a shift: a free runner turns until its centre of pressure stands under the load.
+/// On a rocker a turn is a shift: a free runner turns until its centre of pressure stands under the
+/// load.
 #[test]
 fn a_free_runner_pitches_until_the_pressure_stands_under_the_load() {
-    let held = slide(&problem([30.0, 0.004], 950.0, 17.7e6, 9e9), None, &on(8)).unwrap();
+    let fixed = slide(&problem([30.0, 0.004], 950.0, 17.7e6, 9e9), None, &on(8)).unwrap();
     let mut free = problem([30.0, 0.004], 950.0, 17.7e6, 9e9);
     free.load = Load::central(950.0, Tilt::Free);
     let s = slide(&free, None, &on(8)).unwrap();
@@ -241,12 +247,12 @@ fn a_free_runner_pitches_until_the_pressure_stands_under_the_load() {
     );
     assert!(near(
         s.groove.load_ahead.value,
-        held.groove.load_ahead.value,
+        fixed.groove.load_ahead.value,
         0.03
     ));
     assert!(near(
         s.groove.deepest.value,
-        held.groove.deepest.value,
+        fixed.groove.deepest.value,
         0.02
     ));
 }
@@ -289,7 +295,8 @@ fn sliding_has_the_same_bits_on_one_and_on_two_threads() {
     );
 }
 
-/// A block 8 mm wide and 0.5 m long ahead of its lowest point bears H times that, and what springs back behind it a little more.
+/// A block 8 mm wide and 0.5 m long ahead of its lowest point bears H times that, and what springs
+/// back behind it a little more.
 #[test]
 fn a_load_beyond_what_the_sliding_hull_bears_is_refused_with_the_most() {
     let hull = BobRunner {

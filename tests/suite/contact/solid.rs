@@ -16,8 +16,8 @@ use kufe_tests::meshes::block;
 const STEEL: (f64, f64) = (210e9, 0.3);
 
 fn solid(mesh: HexMesh, material: (f64, f64), top: f64) -> Arc<RunnerSolid> {
-    let held = |p: [f64; 3]| p[2] > top - 1e-9;
-    Arc::new(RunnerSolid::new(mesh, material.0, material.1, held).unwrap())
+    let fixed = |p: [f64; 3]| p[2] > top - 1e-9;
+    Arc::new(RunnerSolid::new(mesh, material.0, material.1, fixed).unwrap())
 }
 
 fn pressed(
@@ -29,7 +29,7 @@ fn pressed(
 ) -> Problem {
     let elastic = ElasticRunner {
         solid: Some(solid),
-        ..ElasticRunner::held_at_top(STEEL.0, STEEL.1, 0.0)
+        ..ElasticRunner::fixed_at_top(STEEL.0, STEEL.1, 0.0)
     };
     let runner = Runner {
         underside,
@@ -42,7 +42,7 @@ fn pressed(
     Problem::new(runner, ice, load)
 }
 
-fn held_level(fz: f64) -> Load {
+fn fixed_level(fz: f64) -> Load {
     Load::central(fz, Tilt::LEVEL)
 }
 
@@ -63,8 +63,9 @@ fn inside(s: &Solution, a: f64, b: f64) -> Vec<f64> {
         .collect()
 }
 
-/// A block of skewed cells, both materials with nu = 0: columns that do not feel each other carry one pressure, F / A, and
-/// the block's own compression is F H / (E A), whatever lines cut its faces.
+/// A block of skewed cells, both materials with nu = 0: columns that do not feel each other carry
+/// one pressure, F / A, and the block's own compression is F H / (E A), whatever lines cut its
+/// faces.
 #[test]
 fn a_constant_pressure_passes_between_meshes_that_do_not_match() {
     let (a, b, height, thickness, fz) = (0.03, 0.02, 0.01, 0.001, 1200.0);
@@ -92,7 +93,7 @@ fn a_constant_pressure_passes_between_meshes_that_do_not_match() {
         steel,
         (soft, 0.0),
         thickness,
-        held_level(fz),
+        fixed_level(fz),
     );
     let s = solve(&problem, &at(6)).unwrap();
     let expected = fz / (4.0 * a * b);
@@ -126,7 +127,8 @@ fn a_constant_pressure_passes_between_meshes_that_do_not_match() {
     assert!((s.fz / fz - 1.0).abs() < 1e-8);
 }
 
-/// A short runner as hexahedra with a smooth surface through their nodes, and the same runner meshed on the ice's columns.
+/// A short runner as hexahedra with a smooth surface through their nodes, and the same runner
+/// meshed on the ice's columns.
 #[test]
 fn a_runner_from_a_mesh_of_its_own_presses_as_the_one_on_the_ices_columns() {
     let bob = BobRunner {
@@ -156,7 +158,7 @@ fn a_runner_from_a_mesh_of_its_own_presses_as_the_one_on_the_ices_columns() {
         steel.clone(),
         (ICE_E, ICE_NU),
         0.02,
-        held_level(600.0),
+        fixed_level(600.0),
     );
     let own = solve(&own, &at(8)).unwrap();
     let mut on_columns = pressed(
@@ -164,11 +166,11 @@ fn a_runner_from_a_mesh_of_its_own_presses_as_the_one_on_the_ices_columns() {
         steel.clone(),
         (ICE_E, ICE_NU),
         0.02,
-        held_level(600.0),
+        fixed_level(600.0),
     );
     on_columns.runner.elastic = Some(ElasticRunner {
         mount: Mount::Top,
-        ..ElasticRunner::held_at_top(STEEL.0, STEEL.1, bob.height)
+        ..ElasticRunner::fixed_at_top(STEEL.0, STEEL.1, bob.height)
     });
     let on_columns = solve(&on_columns, &at(8)).unwrap();
     println!(
@@ -185,7 +187,8 @@ fn a_runner_from_a_mesh_of_its_own_presses_as_the_one_on_the_ices_columns() {
     assert!((own.fz / 600.0 - 1.0).abs() < 1e-8);
 }
 
-/// Nodes from -`end` to `end`: even ones of `size` up to `even` from the middle, an edge or a cell's middle at 0, and growing by a third from there.
+/// Nodes from -`end` to `end`: even ones of `size` up to `even` from the middle, an edge or a
+/// cell's middle at 0, and growing by a third from there.
 fn line(size: f64, even: f64, end: f64, edge: bool) -> Vec<f64> {
     let mut half = vec![if edge { 0.0 } else { 0.5 * size }];
     let mut step = size;
@@ -201,14 +204,16 @@ fn line(size: f64, even: f64, end: f64, edge: bool) -> Vec<f64> {
     [below, half].concat()
 }
 
-/// What no mesh of the ice sees: faces of a third to half of the contact's radius on runners softer and stiffer than the ice. Peaks by Hankel transforms,
-/// `python tests/data/layered.py`, of a paraboloid of 2 m, 20 mm high and held at its top, under 1000 N.
+/// What no mesh of the ice sees: faces of a third to half of the contact's radius on runners softer
+/// and stiffer than the ice. Peaks by Hankel transforms, `python tests/data/layered.py`, of a
+/// paraboloid of 2 m, 20 mm high and fixed at its top, under 1000 N.
 #[test]
 fn stated_errors_hold_what_a_runners_own_hexahedra_leave() {
     const RADIUS: f64 = 2.0;
     const HEIGHT: f64 = 0.02;
     let mut stated = Vec::new();
-    // Young's modulus, contact radius, peak; cells over the radius; whether an edge is at the lowest place.
+    // Young's modulus, contact radius, peak; cells over the radius; whether an edge is at the
+    // lowest place.
     for (young, a, peak, cells, edge) in [
         (6e9, 7.187e-3, 9.247_650e6, 2.0, true),
         (6e9, 7.187e-3, 9.247_650e6, 3.0, true),
@@ -236,7 +241,7 @@ fn stated_errors_hold_what_a_runners_own_hexahedra_leave() {
             runner,
             (ICE_E, ICE_NU),
             1.0,
-            held_level(1000.0),
+            fixed_level(1000.0),
         );
         problem.ice.foundation = Foundation::HalfSpace;
         if let Some(elastic) = &mut problem.runner.elastic {
@@ -264,7 +269,8 @@ fn stated_errors_hold_what_a_runners_own_hexahedra_leave() {
         );
         stated.push(error);
     }
-    // Coarse faces of soft runners are told to be worse than fine ones, and those of stiff runners to matter less.
+    // Coarse faces of soft runners are told to be worse than fine ones, and those of stiff runners
+    // to matter less.
     assert!(
         stated[0] > stated[1] && stated[4] < 0.5 * stated[0],
         "{stated:?}"
@@ -275,8 +281,8 @@ fn stated_errors_hold_what_a_runners_own_hexahedra_leave() {
 fn meshes_that_make_no_runner_are_refused_with_the_reason() {
     let mesh = || block([2, 2, 2], [0.1; 3]);
     let refused = |mesh: HexMesh, top: f64| {
-        let held = |p: [f64; 3]| p[2] > top;
-        RunnerSolid::new(mesh, STEEL.0, STEEL.1, held)
+        let fixed = |p: [f64; 3]| p[2] > top;
+        RunnerSolid::new(mesh, STEEL.0, STEEL.1, fixed)
             .unwrap_err()
             .to_string()
     };

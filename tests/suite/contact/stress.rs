@@ -7,7 +7,8 @@ use kufe_tests::contact::{ICE_NU, contact_modulus, on_half_space};
 use kufe_tests::coverage::Miss;
 use kufe_tests::under_peak::{drawn, hertz_shear, hertz_stress};
 
-/// Johnson, sections 3.4 (circle: 0.31 p0 at 0.48 a) and 4.1 (line: 0.30 p0 at 0.78 b), for a Poisson's ratio of 0.3.
+/// Johnson, sections 3.4 (circle: 0.31 p0 at 0.48 a) and 4.1 (line: 0.30 p0 at 0.78 b), for a
+/// Poisson's ratio of 0.3.
 #[test]
 fn the_integral_of_point_loads_has_the_textbooks_figures() {
     let circle = hertz_shear(1.0, 1.0, 0.3);
@@ -70,9 +71,9 @@ fn the_stated_errors_of_the_largest_shear_and_its_depth_hold_in_95_of_100_contac
             .collect();
         for figure in [0, 1] {
             let of = || misses.iter().map(|pair| pair[figure]);
-            let held = of().filter(|miss| miss.off <= miss.stated).count();
+            let covered = of().filter(|miss| miss.off <= miss.stated).count();
             assert!(
-                100 * held >= 95 * misses.len(),
+                100 * covered >= 95 * misses.len(),
                 "{asked} {figure}: {misses:?}"
             );
             let mut ratios: Vec<f64> = of().map(|m| m.stated / m.off.max(1e-12)).collect();
@@ -88,13 +89,14 @@ fn the_stated_errors_of_the_largest_shear_and_its_depth_hold_in_95_of_100_contac
     }
 }
 
-/// Two half-spaces bear one pressure, each with the stresses of its own Poisson's ratio: what steel bears over a contact with ice.
+/// Two half-spaces bear one pressure, each with the stresses of its own Poisson's ratio: what steel
+/// bears over a contact with ice.
 #[test]
 fn the_largest_von_mises_stress_of_an_elastic_runner_is_hertzs_within_three_per_cent() {
     let (steel, ratio) = (210e9, 0.3);
     let hull = Paraboloid::new(0.5, 0.05).expect("a paraboloid");
     let mut problem = on_half_space(hull, 1000.0);
-    problem.runner.elastic = Some(ElasticRunner::held_at_top(steel, ratio, f64::INFINITY));
+    problem.runner.elastic = Some(ElasticRunner::fixed_at_top(steel, ratio, f64::INFINITY));
     let solution = solve(&problem, &Options::default()).expect("a solution");
     let loads = runner_loads(&problem, &solution)
         .expect("a body")

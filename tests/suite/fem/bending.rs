@@ -16,7 +16,8 @@ fn steel() -> Beam {
     }
 }
 
-/// Tip deflection over beam theory's, end load in z, clamped at x = 0, and the bending stress halfway over beam theory's.
+/// Tip deflection over beam theory's, end load in z, clamped at x = 0, and the bending stress
+/// halfway over beam theory's.
 fn cantilever(cells: [usize; 3], kind: ElementKind, distortion: [f64; 3]) -> [f64; 2] {
     let (beam, load) = (steel(), 50.0);
     let size = [beam.length, beam.width, beam.height];
@@ -50,7 +51,8 @@ fn cantilever(cells: [usize; 3], kind: ElementKind, distortion: [f64; 3]) -> [f6
     [mean / beam.cantilever_tip_deflection(load), ratio]
 }
 
-/// Beam theory itself is good to about (h/L) nu^2 here: the clamp also holds the section's width and height.
+/// Beam theory itself is good to about (h/L) nu^2 here: the clamp also holds the section's width
+/// and height.
 #[test]
 fn incompatible_modes_give_the_cantilever_of_beam_theory_within_one_percent() {
     let [tip, stress] = cantilever([40, 2, 1], ElementKind::Hex8Incompatible, [0.0; 3]);
@@ -63,8 +65,9 @@ fn incompatible_modes_give_the_cantilever_of_beam_theory_within_one_percent() {
     assert!((stress - 1.0).abs() < 0.05, "{stress}");
 }
 
-/// Trapezoidal cells stiffen every element with eight nodes (R. H. MacNeal, Finite Elem. Anal. Des. 3 (1987), 175-181):
-/// the columns of a runner's mesh are upright, so its cells are not of that kind.
+/// Trapezoidal cells stiffen every element with eight nodes (R. H. MacNeal, Finite Elem. Anal. Des.
+/// 3 (1987), 175-181): the columns of a runner's mesh are upright, so its cells are not of that
+/// kind.
 #[test]
 fn cells_with_tilted_columns_cost_stiffness_that_refinement_wins_back() {
     let tilted = [0.1, 0.1, 0.1];
@@ -76,8 +79,9 @@ fn cells_with_tilted_columns_cost_stiffness_that_refinement_wins_back() {
     assert!(1.0 - fine < 0.5 * (1.0 - coarse), "{coarse} {fine}");
 }
 
-/// Its cells know only their constant shear along the beam; what is left are the strains across, those of plain hexahedra, which
-/// die out like the square of the number of cells over the height and the width.
+/// Its cells know only their constant shear along the beam; what is left are the strains across,
+/// those of plain hexahedra, which die out like the square of the number of cells over the height
+/// and the width.
 #[test]
 fn the_axial_element_gives_the_cantilever_of_beam_theory_within_two_percent() {
     let [coarse, _] = cantilever([40, 2, 1], ElementKind::Hex8Axial, [0.0; 3]);
@@ -96,7 +100,8 @@ fn the_axial_element_gives_the_cantilever_of_beam_theory_within_two_percent() {
     assert!(plain < 0.5, "{plain}");
 }
 
-/// Cells 15 mm long and 8 mm high store a parasitic shear of about (l/h)^2 (1 - nu) / 2 times the bending energy.
+/// Cells 15 mm long and 8 mm high store a parasitic shear of about (l/h)^2 (1 - nu) / 2 times the
+/// bending energy.
 #[test]
 fn plain_hexahedra_lock_on_thin_steel() {
     let [coarse, _] = cantilever([40, 2, 1], ElementKind::Hex8, [0.0; 3]);

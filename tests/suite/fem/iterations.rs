@@ -1,12 +1,14 @@
-//! Iterations of conjugate gradients on slender steel: what bends needs beam modes, whatever the element.
+//! Iterations of conjugate gradients on slender steel: what bends needs beam modes, whatever the
+//! element.
 
 use kufe_fem::{
-    BeamModes, Body, ElementKind, Factor, HeldFaces, MappedPreconditioner, Material, MatrixFree,
+    BeamModes, Body, ElementKind, Factor, FixedFaces, MappedPreconditioner, Material, MatrixFree,
     assemble, cg,
 };
 use kufe_mesh::TensorGrid;
 
-/// A luge steel, 0.6 m x 20 mm x 8 mm, clamped at one end, its underside rounded across by `round` of its height.
+/// A luge steel, 0.6 m x 20 mm x 8 mm, clamped at one end, its underside rounded across by `round`
+/// of its height.
 fn iterations(
     kind: ElementKind,
     cells: [usize; 3],
@@ -29,16 +31,16 @@ fn iterations(
     let steel = Material::new(210e9, 0.3).unwrap();
     let points = mesh.points.clone();
     let body = Body::uniform(mesh, steel, kind).unwrap();
-    let held: Vec<bool> = points.iter().flat_map(|p| [p[0] == 0.0; 3]).collect();
+    let fixed: Vec<bool> = points.iter().flat_map(|p| [p[0] == 0.0; 3]).collect();
     let mut operator = MatrixFree::new(&body);
     let mut apply = |u: &[f64], out: &mut [f64]| {
         operator.apply(u, out);
         out.iter_mut()
-            .zip(&held)
-            .filter(|(_, held)| **held)
+            .zip(&fixed)
+            .filter(|(_, fixed)| **fixed)
             .for_each(|(out, _)| *out = 0.0);
     };
-    let end: HeldFaces = [[[true, false], [false; 2], [false; 2]]; 3];
+    let end: FixedFaces = [[[true, false], [false; 2], [false; 2]]; 3];
     let mut preconditioner = MappedPreconditioner::new(&grid, steel, end, 0.0);
     preconditioner.beam = knots.map(|knots| {
         let axis = [width / 2.0, height / 2.0];
@@ -47,7 +49,7 @@ fn iterations(
             &grid.x,
             knots,
             axis,
-            held.clone(),
+            fixed.clone(),
             &mut apply,
         )
         .unwrap()
@@ -58,8 +60,8 @@ fn iterations(
         .collect();
     loads
         .iter_mut()
-        .zip(&held)
-        .filter(|(_, held)| **held)
+        .zip(&fixed)
+        .filter(|(_, fixed)| **fixed)
         .for_each(|(f, _)| *f = 0.0);
     let mut u = vec![0.0; body.dofs()];
     let options = cg::Options {

@@ -103,9 +103,9 @@ fn six_rigid_motions_and_no_others_cost_nothing() {
                 assert!(largest < 1e-13 * size, "{kind:?}: {largest} of {size}");
             }
         }
-        // Three points on a line and one beside it, held in six components: no mechanism is left, so Cholesky succeeds;
-        // with five it does not.
-        let held = [
+        // Three points on a line and one beside it, fixed in six components: no mechanism is left,
+        // so Cholesky succeeds; with five it does not.
+        let fixed = [
             (0, 0),
             (0, 1),
             (0, 2),
@@ -115,7 +115,7 @@ fn six_rigid_motions_and_no_others_cost_nothing() {
         ];
         let solve = |count: usize| {
             let mut constraints = Constraints::new(body.node_count());
-            for &(node, component) in &held[..count] {
+            for &(node, component) in &fixed[..count] {
                 constraints.prescribe(node, component, 0.0).unwrap();
             }
             let mut loads = vec![0.0; body.dofs()];
@@ -126,7 +126,8 @@ fn six_rigid_motions_and_no_others_cost_nothing() {
         assert!(solve(6).is_ok());
         let compliant = match solve(5) {
             Err(kufe_fem::Error::NotPositiveDefinite { .. }) => true,
-            // Rounding may leave a tiny positive pivot: then the body flies off along the motion left free.
+            // Rounding may leave a tiny positive pivot: then the body flies off along the motion
+            // left free.
             Ok(state) => state.displacement.iter().any(|u| u.abs() > 1.0),
             Err(other) => panic!("{other}"),
         };

@@ -9,7 +9,8 @@ use kufe_tests::meshes::{block, faces_where, nodes_where, shake};
 const CELLS: [usize; 3] = [9, 6, 7];
 const SIZE: [f64; 3] = [0.3, 0.1, 0.15];
 
-/// Ice on stone, distorted, both elements, on a bed that is pushed down and tilted, with every kind of load.
+/// Ice on stone, distorted, both elements, on a bed that is pushed down and tilted, with every kind
+/// of load.
 fn problem() -> (Body, Constraints, Vec<f64>) {
     let mut mesh = block(CELLS, SIZE);
     shake(&mut mesh, CELLS, SIZE, [0.2; 3]);
@@ -98,14 +99,14 @@ fn reactions_balance_loads_in_force_and_moment() {
         }
         sum
     };
-    let (pushed, held) = (total(&loads), total(&state.reaction));
+    let (pushed, fixed) = (total(&loads), total(&state.reaction));
     let force = pushed[2].abs();
     for i in 0..6 {
         assert!(
-            (pushed[i] + held[i]).abs() < 1e-9 * force,
+            (pushed[i] + fixed[i]).abs() < 1e-9 * force,
             "{i}: {} {}",
             pushed[i],
-            held[i]
+            fixed[i]
         );
     }
     for node in nodes_where(body.mesh(), |p| p[2] > 0.0 && p[1] < SIZE[1]) {

@@ -8,7 +8,8 @@ use kufe_fem::{
 };
 use kufe_tests::meshes::{block, faces_where, fitted_slope, nodes_where};
 
-/// Errors of the inner wall's displacement and hoop stress of a quarter tube in plane strain, relative.
+/// Errors of the inner wall's displacement and hoop stress of a quarter tube in plane strain,
+/// relative.
 fn tube(n: usize, kind: ElementKind, poissons_ratio: f64) -> [f64; 2] {
     let exact = ThickCylinder {
         inner_radius: 0.1,
@@ -65,7 +66,8 @@ fn lames_cylinder_converges_with_slope_2_to_its_displacement_and_about_1_to_its_
         let slopes = [0, 1].map(|i| fitted_slope(&h, &errors.map(|e| e[i])));
         println!("{kind:?}: slopes {slopes:.2?}; relative errors {errors:?}");
         assert!(slopes[0] > 1.9, "{kind:?} {slopes:?}");
-        // Continued from Gauss points to a wall, stresses are of first order; the slope comes up to 1 from below.
+        // Continued from Gauss points to a wall, stresses are of first order; the slope comes up to
+        // 1 from below.
         assert!(slopes[1] > 0.75, "{kind:?} {slopes:?}");
         assert!(
             errors[2][0] < 2e-3 && errors[2][1] < 0.02,
@@ -74,7 +76,8 @@ fn lames_cylinder_converges_with_slope_2_to_its_displacement_and_about_1_to_its_
     }
 }
 
-/// At a ratio of 0.3 as at 0.4999 the wall moves as Lame says; the plain element's little more than half as far.
+/// At a ratio of 0.3 as at 0.4999 the wall moves as Lame says; the plain element's little more than
+/// half as far.
 #[test]
 fn lames_cylinder_moves_however_nearly_incompressible_it_is() {
     for ratio in [0.3, 0.45, 0.49, 0.499, 0.4999] {
@@ -86,8 +89,8 @@ fn lames_cylinder_moves_however_nearly_incompressible_it_is() {
     assert!(locked > 0.4, "{locked}");
 }
 
-/// Largest error of a stress component over the largest component at its node, inside a block of the half-space beside and
-/// below the point load whose boundary is moved as Boussinesq says.
+/// Largest error of a stress component over the largest component at its node, inside a block of
+/// the half-space beside and below the point load whose boundary is moved as Boussinesq says.
 fn below_a_point_load(n: usize) -> f64 {
     let ice = Material::new(9.0e9, 0.33).unwrap();
     let load = 1000.0;

@@ -77,7 +77,8 @@ fn scipys_hermite_splines_through_the_layers_are_the_smooth_mode() {
     let folder = tempfile::tempdir().unwrap();
     let table = sliding(false);
     written(&table, folder.path());
-    // At a node of force and curvature the layers are the nodes. NumPy's gradient of second order is the three-point slope.
+    // At a node of force and curvature the layers are the nodes. NumPy's gradient of second order
+    // is the three-point slope.
     let out = run_python(
         &python,
         folder.path(),

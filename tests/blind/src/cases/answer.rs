@@ -15,8 +15,8 @@ pub struct Hides {
     pub size: f64,
     /// The parameter's unit.
     pub unit: String,
-    /// Variance it adds to the residual after a refit of base and, in other worlds, installation, over the noise's variance; 0 where not
-    /// measured, or without noise.
+    /// Variance it adds to the residual after a refit of base and, in other worlds, installation,
+    /// over the noise's variance; 0 where not measured, or without noise.
     pub share: f64,
     /// Stretches of track where it acts: track, from [m], to [m].
     pub places: Vec<(String, f64, f64)>,
@@ -35,7 +35,8 @@ pub struct Answer {
     pub seed: u64,
     /// The data file that the finder is given.
     pub data: String,
-    /// The model file that the finder is given beside it; none beside a campaign, which names its own.
+    /// The model file that the finder is given beside it; none beside a campaign, which names its
+    /// own.
     pub model: Option<String>,
     /// What is hidden; empty for a null.
     pub hides: Vec<Hides>,
@@ -91,7 +92,8 @@ pub enum CaseError {
 }
 
 impl Case {
-    /// Writes the data into `data` and the answer as `answer_file`; each file is renamed into place.
+    /// Writes the data into `data` and the answer as `answer_file`; each file is renamed into
+    /// place.
     pub fn write(
         &self,
         data: &std::path::Path,

@@ -276,7 +276,8 @@ pub fn all() -> Vec<Spec> {
     specs
 }
 
-/// The cases whose id starts with one of the comma-separated beginnings, `@0.02` behind it for a size; `all` for every case.
+/// The cases whose id starts with one of the comma-separated beginnings, `@0.02` behind it for a
+/// size; `all` for every case.
 ///
 /// Other worlds' cases of a stated size are only meant where a size stands there.
 pub fn chosen(asked: &str) -> Result<Vec<Spec>, CaseError> {

@@ -65,7 +65,8 @@ pub enum Recipe {
     Single(Cause),
 }
 
-/// The published table of seven specimens: name, mu, its deviation, peak pressure [MPa], its deviation.
+/// The published table of seven specimens: name, mu, its deviation, peak pressure [MPa], its
+/// deviation.
 const PUBLISHED: [(&str, f64, f64, f64, f64); 7] = [
     ("Alpha 1", 0.0045, 0.0004, 7.7, 0.4),
     ("Alpha 2", 0.0038, 0.0004, 8.6, 0.5),

@@ -40,7 +40,8 @@ pub struct World {
 /// The film's pressures under a load on a track.
 ///
 /// Gap of the stated frame: `x^2/(2R) - x^2/(2 r) + section(y) + pitch x - roll y`, with waves
-/// `a cos(2 pi x / L)` on the ice or the runner where there are any; a positive pitch lowers the nose (x > 0), a positive roll raises the left (y > 0) side of the runner.
+/// `a cos(2 pi x / L)` on the ice or the runner where there are any; a positive pitch lowers the
+/// nose (x > 0), a positive roll raises the left (y > 0) side of the runner.
 pub fn measure(
     world: &World,
     fz_n: f64,
@@ -106,12 +107,14 @@ fn worn_floor(roll_rad: f64) -> f64 {
     SECTION_M * (1.0 - (1.0 + roll_rad * roll_rad).sqrt())
 }
 
-/// Half axes and approach of Hertz's ellipse for curvatures `along < across`, by bisection on the axes' ratio.
+/// Half axes and approach of Hertz's ellipse for curvatures `along < across`, by bisection on the
+/// axes' ratio.
 fn hertz_axes(along: f64, across: f64, fz_n: f64, body: &Elastic) -> (f64, f64, f64) {
     let modulus = 1.0
         / ((1.0 - body.poissons_ratio.powi(2)) / body.youngs_modulus_pa
             + body.other_compliance_1ppa);
-    // A = 3F/(2 pi E* a^3) I(1), B the same with I(3); I(n) = integral of sin^2 / (k^2 sin^2 + cos^2)^(n/2)
+    // A = 3F/(2 pi E* a^3) I(1), B the same with I(3); I(n) = integral of sin^2 / (k^2 sin^2 +
+    // cos^2)^(n/2)
     let integral = |k: f64, power: i32| {
         let n = 4000;
         let h = std::f64::consts::FRAC_PI_2 / f64::from(n);

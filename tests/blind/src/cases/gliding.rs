@@ -9,14 +9,16 @@ use crate::world::film::{Glide, Shape, friction};
 use crate::world::hidden::{Hidden, Kind};
 use crate::world::sled::Sled;
 
-/// The runners whose groove and film are the friction: so short a rocker lies flush on no track there is.
+/// The runners whose groove and film are the friction: so short a rocker lies flush on no track
+/// there is.
 const GLIDING: Shape = Shape {
     rocker_m: 10.0,
     section_m: 0.004,
 };
 
-/// Gives every run the friction of groove and film, and says what of it the catalogue has names for: the power of the speed and
-/// the slope over the temperature that it amounts to in the middle of what is driven; signatures of a cosine of `same` are one class.
+/// Gives every run the friction of groove and film, and says what of it the catalogue has names
+/// for: the power of the speed and the slope over the temperature that it amounts to in the middle
+/// of what is driven; signatures of a cosine of `same` are one class.
 pub fn glide(campaign: &mut Campaign, sled: &mut Sled, gauge: &Gauge, same: f64) -> Vec<Hides> {
     let mu = |speed: f64, ice_c: f64| -> f64 {
         let half_sled = 0.5 * sled.mass_kg * 9.81;

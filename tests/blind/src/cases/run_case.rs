@@ -201,7 +201,8 @@ fn draw_sled(source: &mut Source) -> Sled {
     sled
 }
 
-/// The size in the sense in which a model states it: here tracks climb where their slope is positive, a model's slopes fall.
+/// The size in the sense in which a model states it: here tracks climb where their slope is
+/// positive, a model's slopes fall.
 fn as_stated(kind: Kind, size: f64) -> f64 {
     match kind {
         Kind::Slope | Kind::TrackProfile => -size,

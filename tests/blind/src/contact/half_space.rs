@@ -1,8 +1,9 @@
-//! A rigid indenter on an elastic half-space or on a layer bonded to a rigid bed: boundary elements.
+//! A rigid indenter on an elastic half-space or on a layer bonded to a rigid bed: boundary
+//! elements.
 //!
 //! Constant pressure on rectangles, surface displacements by Love's formula (A.E.H. Love, Phil.
-//! Trans. R. Soc. A 228 (1929) 377), the layer's difference by a Hankel integral, and the contact by
-//! projected conjugate gradients after I.A. Polonsky and L.M. Keer, Wear 231 (1999) 206.
+//! Trans. R. Soc. A 228 (1929) 377), the layer's difference by a Hankel integral, and the contact
+//! by projected conjugate gradients after I.A. Polonsky and L.M. Keer, Wear 231 (1999) 206.
 
 use crate::cases::answer::CaseError;
 use crate::contact::fourier::Kernel;
@@ -41,8 +42,8 @@ impl Elastic {
         top / bottom - 1.0
     }
 
-    /// What the rigid bed takes away from the displacement under a unit force at a distance, sampled
-    /// every `step` of `r/h` up to `count` samples [m/N].
+    /// What the rigid bed takes away from the displacement under a unit force at a distance,
+    /// sampled every `step` of `r/h` up to `count` samples [m/N].
     fn bed(&self, step: f64, count: usize) -> Vec<f64> {
         let own = (1.0 - self.poissons_ratio.powi(2)) / self.youngs_modulus_pa;
         let (dt, terms) = (0.005, 3000);

@@ -134,12 +134,14 @@ struct Campaign<'a> {
     roads: &'a [Road; 2],
     /// Walls that some runs hit, and the bumper's lever [m].
     walls: Option<(Walls, f64)>,
-    /// Seed and name where each run has a stream of its own, so that runs can be drawn before it is known how large the effect is.
+    /// Seed and name where each run has a stream of its own, so that runs can be drawn before it is
+    /// known how large the effect is.
     apart: Option<(u64, String)>,
 }
 
 impl Campaign<'_> {
-    /// Draws every run, and hands it over with its line of the index and the source that its noise comes from.
+    /// Draws every run, and hands it over with its line of the index and the source that its noise
+    /// comes from.
     fn runs(&self, source: &mut Source, mut each: impl FnMut(Start, &str, &mut Source)) {
         let [sessions, a_session] = self.wrong.runs;
         for session in 0..sessions {
@@ -182,9 +184,9 @@ impl Campaign<'_> {
     }
 }
 
-/// Names of what the world itself has wrong, which are no false claims in it: a sled that climbs the banks feels another slope than
-/// the table's, a channel is late that lags three of the default tolerance's deviations behind the middle of all, and so far a gyroscope's
-/// bias or scale is off.
+/// Names of what the world itself has wrong, which are no false claims in it: a sled that climbs
+/// the banks feels another slope than the table's, a channel is late that lags three of the default
+/// tolerance's deviations behind the middle of all, and so far a gyroscope's bias or scale is off.
 fn really_off(wrong: &Wrong) -> Vec<String> {
     const LATE_S: f64 = 3.0 * 0.002;
     const BIAS_RADPS: f64 = 3.0 * 0.001;
@@ -203,9 +205,10 @@ fn really_off(wrong: &Wrong) -> Vec<String> {
         (8, "steer-lag"),
         (9, "roll-split-lag"),
     ];
-    let mut names = match wrong.line_m > 0.0 {
-        true => vec!["track-profile", "slope"],
-        false => Vec::new(),
+    let mut names = if wrong.line_m > 0.0 {
+        vec!["track-profile", "slope"]
+    } else {
+        Vec::new()
     };
     let mut sorted = wrong.delay_s;
     sorted.sort_by(f64::total_cmp);
@@ -229,7 +232,8 @@ fn really_off(wrong: &Wrong) -> Vec<String> {
     names.into_iter().map(str::to_owned).collect()
 }
 
-/// A wall is really there where two runs of a track happen to meet theirs within a stretch of 15 m, as long as a hidden one is.
+/// A wall is really there where two runs of a track happen to meet theirs within a stretch of 15 m,
+/// as long as a hidden one is.
 fn wall_of_two_runs(starts: &[Start]) -> Vec<String> {
     const APART_M: f64 = 15.0;
     let middles = starts.iter().filter_map(|start| {
@@ -239,9 +243,10 @@ fn wall_of_two_runs(starts: &[Start]) -> Vec<String> {
     let mut middles: Vec<(usize, f64)> = middles.collect();
     middles.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let close = |pair: &[(usize, f64)]| pair[0].0 == pair[1].0 && pair[1].1 - pair[0].1 < APART_M;
-    match middles.windows(2).any(close) {
-        true => vec!["wall-contact".to_owned()],
-        false => Vec::new(),
+    if middles.windows(2).any(close) {
+        vec!["wall-contact".to_owned()]
+    } else {
+        Vec::new()
     }
 }
 

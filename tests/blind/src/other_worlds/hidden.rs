@@ -37,7 +37,8 @@ pub enum Acts {
     Centre,
     /// A wall that pushes at one place in every run [N].
     Wall,
-    /// Walls at several places that some runs hit, harder or softer; the size is the lever of the bumper [m].
+    /// Walls at several places that some runs hit, harder or softer; the size is the lever of the
+    /// bumper [m].
     Bumper(Chance),
 }
 
@@ -169,7 +170,8 @@ impl Hidden {
         self
     }
 
-    /// The least and the most that there may be of it: what a sled, a rink or a recorder could still be taken for one with.
+    /// The least and the most that there may be of it: what a sled, a rink or a recorder could
+    /// still be taken for one with.
     pub fn bounds(&self) -> [f64; 2] {
         let most = match self.effect.acts {
             Acts::Force(force) => match force {

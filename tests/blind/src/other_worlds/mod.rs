@@ -1,9 +1,10 @@
 //! Other worlds: runs by a second generator, in which the data are wrong the way real data are.
 //!
-//! The sled is the published one, but everything that makes data of it is written anew: the road turns by rotation
-//! matrices, the equations of motion are those of speed, course and yaw, integrated at the rate of a logger by a
-//! predictor and a corrector, and the recorders have delays, filters, scales and biases of their own. A world says what
-//! is wrong in it besides noise; an effect may be hidden there or not.
+//! The sled is the published one, but everything that makes data of it is written anew: the road
+//! turns by rotation matrices, the equations of motion are those of speed, course and yaw,
+//! integrated at the rate of a logger by a predictor and a corrector, and the recorders have
+//! delays, filters, scales and biases of their own. A world says what is wrong in it besides noise;
+//! an effect may be hidden there or not.
 //!
 //! | world | what is wrong |
 //! |---|---|
@@ -22,13 +23,15 @@
 //! | `walls` | some runs hit a wall somewhere, harder or softer |
 //! | `uphill` | the track tables count slope uphill |
 //!
-//! `W-effect/CASE` hides an effect of a size that somebody who looks for it would meet; `W-effect/CASE@0.02` one that leaves 2 % of the noise's variance when
-//! base and installation are fitted again, or as much as its bounds let it.
+//! `W-effect/CASE` hides an effect of a size that somebody who looks for it would meet;
+//! `W-effect/CASE@0.02` one that leaves 2 % of the noise's variance when base and installation are
+//! fitted again, or as much as its bounds let it.
 //!
-//! In the worlds of `recovery` noise is 0, 0.1, 1 and 10 % of what each channel spreads in a run, and nobody states it.
+//! In the worlds of `recovery` noise is 0, 0.1, 1 and 10 % of what each channel spreads in a run,
+//! and nobody states it.
 //!
-//! Hidden in any world may be `wall-contact-by-run` and `wall-contact-by-driver`: one to six places that 20 to 80 % of the runs hit, with
-//! lognormal strengths, or each driver in a way of his own.
+//! Hidden in any world may be `wall-contact-by-run` and `wall-contact-by-driver`: one to six places
+//! that 20 to 80 % of the runs hit, with lognormal strengths, or each driver in a way of his own.
 
 mod build;
 mod effects;

@@ -149,7 +149,8 @@ fn later(values: &[f64], by: f64) -> Vec<f64> {
         .collect()
 }
 
-/// A Butterworth low-pass of second order by the bilinear transform, started at rest on the first value.
+/// A Butterworth low-pass of second order by the bilinear transform, started at rest on the first
+/// value.
 fn filtered(values: &[f64], corner_hz: f64, rate_hz: f64) -> Vec<f64> {
     if corner_hz.is_infinite() {
         return values.to_vec();
@@ -173,7 +174,8 @@ fn filtered(values: &[f64], corner_hz: f64, rate_hz: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Noise with this standard deviation, this correlation from one millisecond to the next, and through a filter of this corner [Hz].
+/// Noise with this standard deviation, this correlation from one millisecond to the next, and
+/// through a filter of this corner [Hz].
 fn noise(count: usize, sd: f64, [keep, corner_hz]: [f64; 2], source: &mut Source) -> Vec<f64> {
     let mut state = source.normal();
     let raw: Vec<f64> = (0..count)

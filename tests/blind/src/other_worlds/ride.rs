@@ -47,7 +47,8 @@ impl Drawn {
     }
 }
 
-/// Distance, offset from the line, heading from the line, speed, course, yaw rate, steering, and the slips that forces follow.
+/// Distance, offset from the line, heading from the line, speed, course, yaw rate, steering, and
+/// the slips that forces follow.
 type State = [f64; 9];
 
 struct Ride<'a> {
@@ -151,8 +152,8 @@ impl Ride<'_> {
         (slopes, truth)
     }
 
-    /// Gravity in the body's frame: where a way up the bank costs height the body's own heading decides, else slope and
-    /// bank are those along the course.
+    /// Gravity in the body's frame: where a way up the bank costs height the body's own heading
+    /// decides, else slope and bank are those along the course.
     fn gravity(&self, here: &Here, heading: f64, beta: f64) -> [f64; 3] {
         let angle = if self.plan.climbs { heading } else { -beta };
         Road::gravity(here, angle)
@@ -169,7 +170,8 @@ impl Ride<'_> {
         own.map_or(0.0, |[.., force]| force) + hidden.map_or(0.0, |h| h.size)
     }
 
-    /// What the driver steers for: the road's turn, the side force, his line, and something of his own.
+    /// What the driver steers for: the road's turn, the side force, his line, and something of his
+    /// own.
     fn wish(&self, drawn: &Drawn, x: &State, here: &Here) -> f64 {
         let sled = self.sled;
         let way = x[3];
@@ -181,9 +183,10 @@ impl Ride<'_> {
             side / base * (sled.axle_m[1] / sled.grip[0][3] - sled.axle_m[0] / sled.grip[1][3]);
         let course = x[2] + x[4];
         // Only where drivers have lines of their own, which then climb.
-        let line = match self.plan.climbs {
-            true => self.plan.line.at(x[0]),
-            false => 0.0,
+        let line = if self.plan.climbs {
+            self.plan.line.at(x[0])
+        } else {
+            0.0
         };
         let aim = base * yaw / way + bend - 0.3 * course - 0.006 * (x[1] - line);
         (aim + drawn.steer).clamp(-0.12, 0.12)
@@ -227,14 +230,16 @@ impl<'a> Way<'a> {
         }
     }
 
-    /// Rides down the road: Heun's predictor and corrector, with the slope of the speed of the step before.
+    /// Rides down the road: Heun's predictor and corrector, with the slope of the speed of the step
+    /// before.
     pub fn ridden(&self, hidden: Option<&Hidden>) -> Vec<Truth> {
         let mut truths = Vec::new();
         self.step(&self.ride(hidden), |_, _, truth| truths.push(truth));
         truths
     }
 
-    /// The same, with what the hidden force adds at every so many steps: along and across [m/s2], about the vertical [rad/s2].
+    /// The same, with what the hidden force adds at every so many steps: along and across [m/s2],
+    /// about the vertical [rad/s2].
     pub fn parted(&self, hidden: Option<&Hidden>, every: usize) -> (Vec<Truth>, Vec<[f64; 3]>) {
         let (mut truths, mut added) = (Vec::new(), Vec::new());
         let without = self.ride(None);
@@ -308,7 +313,8 @@ mod tests {
         }
         let energy = |truth: &Truth| 0.5 * truth.v * truth.v;
         let gained = energy(&truths[truths.len() - 1]) - energy(&truths[0]);
-        // The sums are of first order in a step of 1 ms, and the way is a little shorter than the distance driven.
+        // The sums are of first order in a step of 1 ms, and the way is a little shorter than the
+        // distance driven.
         assert!(
             (gained - height - work).abs() < 2e-3 * height,
             "{gained} {height} {work}"

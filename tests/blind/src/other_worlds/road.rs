@@ -7,7 +7,8 @@ use crate::world::noise::{Smooth, Source};
 /// Gravity [m/s2].
 pub const GRAVITY: f64 = 9.81;
 
-/// One bend: its curvature swells and fades as a squared sine over its length, banked for a share of its pull.
+/// One bend: its curvature swells and fades as a squared sine over its length, banked for a share
+/// of its pull.
 #[derive(Debug, Clone, Copy)]
 struct Bend {
     from_m: f64,

@@ -4,7 +4,8 @@ use super::hidden::Chance;
 use super::road::Road;
 use crate::world::noise::Source;
 
-/// A bumper pressed against a wall: half a sine of force over a stretch, with the friction of rubber on ice.
+/// A bumper pressed against a wall: half a sine of force over a stretch, with the friction of
+/// rubber on ice.
 #[derive(Debug, Clone, Copy)]
 pub struct Bumper {
     /// Where it begins [m].
@@ -128,7 +129,8 @@ mod tests {
                     .sum()
             };
             let [often, seldom] = [0, 1].map(|driver| count(driver, source) as f64);
-            // 400 runs scatter by 20; nine in ten against two in ten differ by more than a factor of three.
+            // 400 runs scatter by 20; nine in ten against two in ten differ by more than a factor
+            // of three.
             assert_eq!(often > 3.0 * seldom, differ, "{often} {seldom}");
         }
     }

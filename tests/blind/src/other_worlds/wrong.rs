@@ -68,7 +68,8 @@ impl World {
     }
 }
 
-/// Channels of a record in the order of its columns: ax, ay, az, roll, pitch and yaw rate, speed, slip, steering, roll split.
+/// Channels of a record in the order of its columns: ax, ay, az, roll, pitch and yaw rate, speed,
+/// slip, steering, roll split.
 pub const CHANNELS: usize = 10;
 /// The speed's.
 pub const SPEED: usize = 6;

@@ -133,7 +133,8 @@ fn magic(law: &Lateral, slip: f64, load: f64) -> f64 {
     limit / law.c * (law.c * inner.atan()).sin()
 }
 
-/// `[x, y]` of the front runner in body axes; its normal load by the secant method on the z balance.
+/// `[x, y]` of the front runner in body axes; its normal load by the secant method on the z
+/// balance.
 fn front_forces(sled: &Sled, sample: &Sample, slip: f64, load_body: f64) -> [f64; 2] {
     let (sg, cg) = sample.gamma_rad.sin_cos();
     let (sd, cd) = sample.delta_rad.sin_cos();

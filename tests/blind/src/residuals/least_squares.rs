@@ -25,9 +25,11 @@ pub fn project_out(columns: &[Vec<f64>], target: &[f64]) -> Vec<f64> {
     rest
 }
 
-/// What is left of `target` after the fit `min |target - C p|^2 + sum_j (p_j / sd_j)^2`; an infinite `sd_j` leaves `p_j` free.
+/// What is left of `target` after the fit `min |target - C p|^2 + sum_j (p_j / sd_j)^2`; an
+/// infinite `sd_j` leaves `p_j` free.
 ///
-/// Normal equations `(C'C + diag(1/sd^2)) p = C' target` by Cholesky, on columns of unit size; collinear columns are dropped.
+/// Normal equations `(C'C + diag(1/sd^2)) p = C' target` by Cholesky, on columns of unit size;
+/// collinear columns are dropped.
 pub fn ridge_out(columns: &[Vec<f64>], sd: &[f64], target: &[f64]) -> Vec<f64> {
     let size: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt()).collect();
     let used: Vec<usize> = (0..columns.len()).filter(|&j| size[j] > 0.0).collect();

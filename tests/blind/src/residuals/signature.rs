@@ -44,7 +44,8 @@ pub struct Gauge {
 impl Gauge {
     /// Drives the undisturbed runs and measures what the noise alone leaves in the residuals.
     pub fn new(campaign: &Campaign, sled: &Sled, noise: &Noise, seed: u64) -> Self {
-        // one run a session, the first, the second, and so on, so that what changes from run to run shows
+        // one run a session, the first, the second, and so on, so that what changes from run to run
+        // shows
         let sessions = campaign
             .runs
             .iter()

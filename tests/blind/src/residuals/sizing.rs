@@ -11,10 +11,12 @@ pub struct Wanted {
     pub bounds: [f64; 2],
 }
 
-/// Looks for the size with this share, from `start` on, and gives it with the share that it has; within the bounds if none there has it.
+/// Looks for the size with this share, from `start` on, and gives it with the share that it has;
+/// within the bounds if none there has it.
 ///
-/// Steps along `share ~ size^power`, the power taken from the last two sizes: some effects grow with the square of their parameter,
-/// or saturate. A share that is not a number says that the sled slid away: nothing as large is tried again.
+/// Steps along `share ~ size^power`, the power taken from the last two sizes: some effects grow
+/// with the square of their parameter, or saturate. A share that is not a number says that the sled
+/// slid away: nothing as large is tried again.
 pub fn sized(
     start: f64,
     mut power: f64,
@@ -41,9 +43,10 @@ pub fn sized(
         }
         reached = share(size);
         let slope = (reached / old.1).ln() / (size / old.0).ln();
-        power = match slope.is_finite() {
-            true => power.signum() * (slope * power.signum()).clamp(1.0, 6.0),
-            false => 2.0 * power.signum(),
+        power = if slope.is_finite() {
+            power.signum() * (slope * power.signum()).clamp(1.0, 6.0)
+        } else {
+            2.0 * power.signum()
         };
     }
     (size, reached)

@@ -46,8 +46,8 @@ pub fn specs() -> Vec<Spec> {
 
 /// Thresholds that the outcomes miss, each as a sentence.
 ///
-/// No false claim is let pass. The rest is wider than the goals of the full table: with this few cases a rate of 95 % misses one
-/// of nineteen more often than not.
+/// No false claim is let pass. The rest is wider than the goals of the full table: with this few
+/// cases a rate of 95 % misses one of nineteen more often than not.
 pub fn missed(outcomes: &[Outcome]) -> Vec<String> {
     let (nulls, effects): (Vec<&Outcome>, Vec<&Outcome>) =
         outcomes.iter().partition(|o| o.found.is_empty());

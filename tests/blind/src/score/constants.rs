@@ -12,7 +12,8 @@ use crate::score::run::{Options, score};
 /// Seed of the cases, outside the range of the full table.
 const SEED: u64 = 911;
 
-/// Cheap cases of each kind of data: nulls, and effects that are well seen, hardly seen and hard to tell apart.
+/// Cheap cases of each kind of data: nulls, and effects that are well seen, hardly seen and hard to
+/// tell apart.
 const RUNS: [&str; 9] = [
     "null/ar1",
     "null/unstated-noise",
@@ -24,7 +25,8 @@ const RUNS: [&str; 9] = [
     "clean-effect/wall-contact-by-run",
     "delays-effect/drag-area@10",
 ];
-/// Laws beyond the catalogue: nothing, of a column that the model has no name for, of a product, of a sensor.
+/// Laws beyond the catalogue: nothing, of a column that the model has no name for, of a product, of
+/// a sensor.
 const LAWS: [&str; 4] = [
     "clean-null/none",
     "beyond/pitch_rate@0.06",
@@ -41,8 +43,8 @@ const EXPERIMENTS: [&str; 6] = [
 ];
 const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
-/// The chosen constants that decide on claims, by the kind of data that they act on. Those that only size what is shown, and
-/// what else of the lock is chosen, are left out.
+/// The chosen constants that decide on claims, by the kind of data that they act on. Those that
+/// only size what is shown, and what else of the lock is chosen, are left out.
 const RUN_KEYS: [&str; 60] = [
     "lock.runs_every",
     "search.superfluous_t",
@@ -158,8 +160,9 @@ pub struct Row {
     pub failures: usize,
 }
 
-/// Scores the rules as they are, and with each chosen constant at half and at twice its value; `rules` is their TOML text,
-/// `only` holds words of which a constant's key must hold one, where there are any.
+/// Scores the rules as they are, and with each chosen constant at half and at twice its value;
+/// `rules` is their TOML text, `only` holds words of which a constant's key must hold one, where
+/// there are any.
 ///
 /// # Errors
 /// [`CaseError`] where a constant is not among the rules, or files cannot be written.

@@ -106,8 +106,8 @@ const INSTALLED: [(&str, &str); 15] = [
     ("roll-split-lag", "delay of gamma_rad"),
 ];
 
-/// Whether the report tells the effect, or one of its class, as an error of the installation: under `within_tolerance`, or in a remark
-/// as beyond it.
+/// Whether the report tells the effect, or one of its class, as an error of the installation: under
+/// `within_tolerance`, or in a remark as beyond it.
 fn installed(report: &Value, hides: &Hides) -> bool {
     let list = |key: &str| report[key].as_array().cloned().unwrap_or_default();
     let (within, remarks) = (list("within_tolerance"), list("remarks"));
@@ -190,7 +190,8 @@ fn overlap(step: &Value, hides: &Hides) -> Option<f64> {
     Some(if any > 0.0 { both / any } else { 0.0 })
 }
 
-/// Base parameters that the next model (TOML) states, and whether their intervals in the report hold the truth.
+/// Base parameters that the next model (TOML) states, and whether their intervals in the report
+/// hold the truth.
 pub fn base_found(next: &str, report: &Value, answer: &Answer) -> Vec<BaseFound> {
     let Ok(model) = next.parse::<toml::Table>() else {
         return Vec::new();

@@ -154,8 +154,8 @@ pub fn markdown(rows: &[Rates], date: &str) -> String {
     text
 }
 
-/// Mean relative error of each base parameter after the effect was added, with its standard error, and how many intervals hold the truth,
-/// over the outcomes that found what was hidden.
+/// Mean relative error of each base parameter after the effect was added, with its standard error,
+/// and how many intervals hold the truth, over the outcomes that found what was hidden.
 pub fn base_table(outcomes: &[Outcome]) -> String {
     let all_found = |o: &&Outcome| !o.found.is_empty() && o.found.iter().all(|f| f.in_class);
     let mut by_key: BTreeMap<&str, Vec<&BaseFound>> = BTreeMap::new();
@@ -171,10 +171,10 @@ pub fn base_table(outcomes: &[Outcome]) -> String {
         let squares: f64 = found.iter().map(|base| (base.error - mean).powi(2)).sum();
         let spread = (squares / (n - 1.0).max(1.0)).sqrt();
         let told: Vec<bool> = found.iter().filter_map(|base| base.inside).collect();
-        let held = told.iter().filter(|inside| **inside).count();
+        let covered = told.iter().filter(|inside| **inside).count();
         let _ = writeln!(
             text,
-            "| {key} | {n} | {:+.2} % | {:.2} % | {held} of {} |",
+            "| {key} | {n} | {:+.2} % | {:.2} % | {covered} of {} |",
             100.0 * mean,
             100.0 * spread / n.sqrt(),
             told.len()
@@ -187,8 +187,9 @@ pub fn base_table(outcomes: &[Outcome]) -> String {
 const SHARES: [f64; 3] = [0.007, 0.02, 0.06];
 const NEAR: f64 = 0.95;
 
-/// What was said of effects in other worlds, by the share of the noise's variance that they have beyond what tolerances imitate; empty
-/// where there are none. Effects that met their bounds before they had the share that was asked of them are counted and left out.
+/// What was said of effects in other worlds, by the share of the noise's variance that they have
+/// beyond what tolerances imitate; empty where there are none. Effects that met their bounds before
+/// they had the share that was asked of them are counted and left out.
 pub fn by_share(outcomes: &[Outcome]) -> String {
     let all: Vec<(f64, Option<f64>, &Found, &Outcome)> = outcomes
         .iter()

@@ -1,6 +1,8 @@
-//! Friction of a runner that ploughs ice and floats on its melt, by closed forms and one equation along the patch.
+//! Friction of a runner that ploughs ice and floats on its melt, by closed forms and one equation
+//! along the patch.
 //!
-//! Rigid-plastic groove of a round section r on a rocker R_e (as the track leaves it) at hardness H under a load F:
+//! Rigid-plastic groove of a round section r on a rocker R_e (as the track leaves it) at hardness H
+//! under a load F:
 //!
 //! ```text
 //! l = sqrt(2 F sqrt(R_e/r) / (pi H)),   w(x) = 2 sqrt(r/R_e) sqrt(l^2 - x^2),   mu_plough = 4 l / (3 pi R_e)
@@ -59,7 +61,8 @@ pub fn friction(shape: Shape, load_n: f64, speed_mps: f64, ice_c: f64) -> [f64; 
     [4.0 * length / (3.0 * PI * shape.rocker_m), drag / load_n]
 }
 
-/// Drag of the film on a strip of this width [m] over x from 0 to its front at `length` [m], at a pressure [Pa].
+/// Drag of the film on a strip of this width [m] over x from 0 to its front at `length` [m], at a
+/// pressure [Pa].
 pub fn film_drag_n(
     width: &dyn Fn(f64) -> f64,
     length: f64,
@@ -99,7 +102,8 @@ pub fn film_drag_n(
         }
         g
     };
-    // Slow and cold the film follows its balance within a hair of the way: an L-stable method of second order (SDIRK).
+    // Slow and cold the film follows its balance within a hair of the way: an L-stable method of
+    // second order (SDIRK).
     let part = 1.0 - 0.5f64.sqrt();
     let du = length.sqrt() / STEPS as f64;
     let mut g = start;
@@ -155,7 +159,8 @@ impl Glide {
         Glide { mu }
     }
 
-    /// mu at a load [N], a speed [m/s] and a curvature of the track [1/m]; at the edge beyond the ends.
+    /// mu at a load [N], a speed [m/s] and a curvature of the track [1/m]; at the edge beyond the
+    /// ends.
     pub fn mu(&self, load_n: f64, speed_mps: f64, curvature_1pm: f64) -> f64 {
         let place = |x: f64, n: usize| {
             let x = x.clamp(0.0, 1.0) * n as f64;

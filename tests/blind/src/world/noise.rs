@@ -114,7 +114,8 @@ impl Smooth {
         both
     }
 
-    /// Value and derivative at `x - by`, `x` and `x + by`, by one evaluation of each wave there and one of `by`.
+    /// Value and derivative at `x - by`, `x` and `x + by`, by one evaluation of each wave there and
+    /// one of `by`.
     pub fn around(&self, x: f64, by: f64) -> [[f64; 2]; 3] {
         let mut all = [[0.0; 2]; 3];
         for (a, w, p) in &self.waves {

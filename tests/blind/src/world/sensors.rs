@@ -178,7 +178,8 @@ pub fn measure(
         .collect()
 }
 
-/// A series so many samples later, by the cubic of Catmull and Rom; its first value before the start.
+/// A series so many samples later, by the cubic of Catmull and Rom; its first value before the
+/// start.
 fn delayed(values: &[f64], by: f64) -> Vec<f64> {
     if by == 0.0 {
         return values.to_vec();

@@ -36,7 +36,8 @@ pub struct Sled {
 }
 
 impl Sled {
-    /// States the centre of gravity so far behind where it is [m]: axles and sensors stand further ahead of it.
+    /// States the centre of gravity so far behind where it is [m]: axles and sensors stand further
+    /// ahead of it.
     pub fn say_centre_back(&mut self, by: f64) {
         self.l_f_m += by;
         self.l_r_m -= by;
@@ -116,7 +117,8 @@ pub struct Conditions {
     pub session_mu: f64,
     /// Unexplained factor on the lateral grip of the session (1: none).
     pub session_grip: f64,
-    /// Friction of groove and melt film in place of the sled's coefficient, where the world has that.
+    /// Friction of groove and melt film in place of the sled's coefficient, where the world has
+    /// that.
     pub glide: Option<Arc<Glide>>,
 }
 
@@ -173,7 +175,8 @@ pub struct Forces {
 
 /// Forces of the ice and the air on the sled, hidden effects included.
 ///
-/// The air holds against the velocity. Front: `F_f0 = R_x(gamma) R_z(delta) F_f`, solved for the runner's own normal load.
+/// The air holds against the velocity. Front: `F_f0 = R_x(gamma) R_z(delta) F_f`, solved for the
+/// runner's own normal load.
 pub fn forces(sled: &Sled, at: &Conditions, m: &Motion, hidden: &[Hidden]) -> Forces {
     let mut factor = at.session_mu;
     let (mut add, mut add_front, mut grip, mut drag, mut wind) =

@@ -39,7 +39,8 @@ fn without_noise_and_effects_the_inverse_leaves_nothing() {
             campaign.surveyed_slope(k, s)
         });
         let inside = &left[5..left.len() - 5];
-        // the rates' central differences are what is left; the noise of the sensors leaves 0.04 to 0.15
+        // the rates' central differences are what is left; the noise of the sensors leaves 0.04 to
+        // 0.15
         assert!(
             rms(inside.iter().map(|r| r.x_mps2)) < 2e-3,
             "x {}",

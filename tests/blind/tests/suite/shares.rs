@@ -79,7 +79,8 @@ fn read(case: &Case) -> (Vec<Run>, Sled) {
     (runs.collect(), sled)
 }
 
-/// What an inversion leaves of rows, by channel: along, of the speed, across, about the vertical; low-passed or as it is.
+/// What an inversion leaves of rows, by channel: along, of the speed, across, about the vertical;
+/// low-passed or as it is.
 fn left(run: &Run, rows: &[[f64; 10]], sled: &Sled, filtered: bool) -> [Vec<f64>; 4] {
     let samples: Vec<Sample> = rows
         .iter()
@@ -116,7 +117,8 @@ fn left(run: &Run, rows: &[[f64; 10]], sled: &Sled, filtered: bool) -> [Vec<f64>
     })
 }
 
-/// A run without most of its noise, its accelerometer reading what the laws say; else columns together could say what the noise is.
+/// A run without most of its noise, its accelerometer reading what the laws say; else columns
+/// together could say what the noise is.
 fn calm(run: &Run, sled: &Sled) -> Vec<[f64; 10]> {
     let mut rows = run.rows.clone();
     for c in 0..10 {
@@ -154,8 +156,10 @@ fn read_off(rows: &[[f64; 10]], (c, what, by): (usize, usize, f64)) -> Vec<[f64;
     other
 }
 
-/// Mean squares by channel of what is left of a case after the refit and of what tolerances spent on it, in units of `sd`, by normal equations as in a textbook; across and
-/// about the vertical over what they are from 6 Hz on, where there is noise alone: it goes with the stiffness of the sled.
+/// Mean squares by channel of what is left of a case after the refit and of what tolerances spent
+/// on it, in units of `sd`, by normal equations as in a textbook; across and about the vertical
+/// over what they are from 6 Hz on, where there is noise alone: it goes with the stiffness of the
+/// sled.
 fn mean_squares(case: &Case, sd: [f64; 4]) -> [f64; 4] {
     let (runs, sled) = read(case);
     let delays = (0..10).map(|c| (c, 0, 0.002));
@@ -280,8 +284,9 @@ fn the_share_in_an_answer_is_that_of_the_files() {
         let over = pair.map(|c| 2.0 * squares[c] / (nulls[0][c] + nulls[1][c]) - 1.0);
         let measured = over.into_iter().fold(0.0, f64::max);
         let said = case.answer.hides[0].share;
-        // Noise of a campaign scatters by 2 % from what its roughness says, that of those with nothing hidden with it; columns here
-        // come from what was recorded, the hidden effect with it.
+        // Noise of a campaign scatters by 2 % from what its roughness says, that of those with
+        // nothing hidden with it; columns here come from what was recorded, the hidden effect with
+        // it.
         assert!(
             (measured - said).abs() < 0.04 + 0.15 * said,
             "{id}: {measured} measured, {said} said"

@@ -1,4 +1,5 @@
-//! Boundary elements between contacts that finite elements have solved, beside closed forms and finite elements.
+//! Boundary elements between contacts that finite elements have solved, beside closed forms and
+//! finite elements.
 
 use kufe_contact::{
     Foundation, Ice, Load, Options, Problem, Solution, Tilt, VerifiedBem, hertz, solve,

@@ -1,5 +1,6 @@
-//! Parts of problems that a program makes itself, of numbers that are none: closed forms, grooves, anchors, and runners on hexahedra of their own. Errors
-//! follow, or figures that are numbers, and never a panic.
+//! Parts of problems that a program makes itself, of numbers that are none: closed forms, grooves,
+//! anchors, and runners on hexahedra of their own. Errors follow, or figures that are numbers, and
+//! never a panic.
 
 use std::sync::Arc;
 
@@ -89,8 +90,8 @@ fn anchors_at_no_tolerance_trust_nothing() {
     }
 }
 
-fn solid(mesh: HexMesh, young: f64, poisson: f64, held: f64) -> Result<RunnerSolid, Error> {
-    RunnerSolid::new(mesh, young, poisson, |p| p[2] > held)
+fn solid(mesh: HexMesh, young: f64, poisson: f64, fixed: f64) -> Result<RunnerSolid, Error> {
+    RunnerSolid::new(mesh, young, poisson, |p| p[2] > fixed)
 }
 
 #[test]
@@ -100,7 +101,7 @@ fn hexahedra_that_are_no_runner_are_refused() {
     let pressed = |solid: RunnerSolid| {
         let elastic = ElasticRunner {
             solid: Some(Arc::new(solid)),
-            ..ElasticRunner::held_at_top(210e9, 0.3, 0.0)
+            ..ElasticRunner::fixed_at_top(210e9, 0.3, 0.0)
         };
         let mut problem = problem(None);
         problem.runner.elastic = Some(elastic);
@@ -139,7 +140,7 @@ fn hexahedra_that_are_no_runner_are_refused() {
         change(&mut odd);
         assert!(solid(odd, 210e9, 0.3, 0.09).is_err(), "{what}");
     };
-    // Held by an edge it turns about it.
+    // Fixed by an edge it turns about it.
     let hinged = RunnerSolid::new(mesh(), 210e9, 0.3, |p| p[2] > 0.09 && p[0] < 0.01);
     let told = hinged.unwrap_err().to_string();
     assert!(told.contains("hold every rigid motion"), "{told}");

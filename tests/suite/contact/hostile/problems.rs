@@ -1,5 +1,6 @@
-//! What no file can state, since its reader refuses it: a program that calls the library can. Every number of a problem in turn is none, or
-//! far too large, or nothing: an error follows or figures that are such, in bounded time, and never a panic.
+//! What no file can state, since its reader refuses it: a program that calls the library can. Every
+//! number of a problem in turn is none, or far too large, or nothing: an error follows or figures
+//! that are such, in bounded time, and never a panic.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -52,14 +53,14 @@ fn rigid() -> Problem {
     }
 }
 
-/// A bar on the same ice without a bed, held or carried.
+/// A bar on the same ice without a bed, fixed or carried.
 fn elastic(mount: Mount) -> Problem {
     let runner = Runner {
         underside: Arc::new(BobRunner::default().swept().unwrap()),
         elastic: Some(ElasticRunner {
             mount,
             flank: Some(0.3),
-            ..ElasticRunner::held_at_top(210e9, 0.3, 0.03)
+            ..ElasticRunner::fixed_at_top(210e9, 0.3, 0.03)
         }),
     };
     let ice = Ice {
@@ -183,7 +184,8 @@ fn numbers_of_ice_and_track() {
             let mut problem = rigid();
             *field(&mut problem) = number;
             if name.starts_with("bed") {
-                // Sliding on a bed that gives a million times more than the ice takes half a minute.
+                // Sliding on a bed that gives a million times more than the ice takes half a
+                // minute.
                 problem.ice.hardness = None;
             }
             survives(&format!("{name} {number:e}"), &problem, &quick());

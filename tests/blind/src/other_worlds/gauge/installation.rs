@@ -4,7 +4,8 @@ use crate::other_worlds::recorder::{ROWS_HZ, Row};
 use crate::other_worlds::wrong::{CHANNELS, Fault};
 use crate::world::sled::Sled as Stated;
 
-/// Defaults of `[tolerances]`, standard deviations: of clocks [s], of gyroscopes (of one, [rad/s]), of accelerometers (of one, [m/s2]), of the steering's scale.
+/// Defaults of `[tolerances]`, standard deviations: of clocks [s], of gyroscopes (of one, [rad/s]),
+/// of accelerometers (of one, [m/s2]), of the steering's scale.
 const DELAY_S: f64 = 0.002;
 const GYRO: [f64; 2] = [0.005, 0.001];
 const ACCELEROMETER: [f64; 2] = [0.005, 0.02];

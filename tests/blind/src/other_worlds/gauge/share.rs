@@ -1,4 +1,5 @@
-//! Noise-free rides of a campaign, and the share of the noise's variance that an effect has in them.
+//! Noise-free rides of a campaign, and the share of the noise's variance that an effect has in
+//! them.
 
 use super::installation::{BASE, SLEDS, faults, faulty};
 use super::inversion::{Balances, balances, conditions, minus, samples, stated};
@@ -62,7 +63,8 @@ struct Ridden<'a> {
     rows: Vec<Row>,
 }
 
-/// What everything is compared with: rides, the noise that they have, and what base and installation can imitate.
+/// What everything is compared with: rides, the noise that they have, and what base and
+/// installation can imitate.
 struct Still<'a> {
     rides: Vec<Ridden<'a>>,
     noise_sd: [f64; 4],
@@ -70,7 +72,8 @@ struct Still<'a> {
 }
 
 impl Gauge<'_> {
-    /// The size of this effect that has a share of the noise's variance, and that share; it stays within its bounds.
+    /// The size of this effect that has a share of the noise's variance, and that share; it stays
+    /// within its bounds.
     pub fn sized(&self, hidden: &Hidden, share: f64) -> (Hidden, f64) {
         let power = match hidden.effect.acts {
             Acts::Recorder(Fault::Saturating(_)) => -4.0,
@@ -88,7 +91,8 @@ impl Gauge<'_> {
         (hidden.of_amount(amount), share)
     }
 
-    /// The share of the noise's variance that an effect has, in the channel of its two where it is larger.
+    /// The share of the noise's variance that an effect has, in the channel of its two where it is
+    /// larger.
     pub fn share(&self, hidden: &Hidden) -> f64 {
         self.measured(hidden, &mut None)
     }
@@ -111,7 +115,8 @@ impl Gauge<'_> {
         spreads.resize(still.columns.len(), f64::INFINITY);
         let effect = self.effect(hidden, still);
         let left = ridge_out(&still.columns, &spreads, &effect);
-        // The least of the sum of squares with the tolerances' own is the effect's product with what is left of it.
+        // The least of the sum of squares with the tolerances' own is the effect's product with
+        // what is left of it.
         let spent = (dot(&effect, &left) - dot(&left, &left)).max(0.0);
         let used = self.used();
         let count = left.len() / used.len();
@@ -127,7 +132,8 @@ impl Gauge<'_> {
             .fold(0.0, f64::max)
     }
 
-    /// Residual channels that can be looked at: without a track table the speed's derivative has nothing to be held against.
+    /// Residual channels that can be looked at: without a track table the speed's derivative has
+    /// nothing to be held against.
     fn used(&self) -> &'static [usize] {
         if self.wrong.bare {
             &[0, 2, 3]
@@ -211,7 +217,8 @@ impl Gauge<'_> {
         left.iter().map(balances).collect()
     }
 
-    /// Stacks what every so many rows of each run show at the compared ones, by channel and in units of the noise.
+    /// Stacks what every so many rows of each run show at the compared ones, by channel and in
+    /// units of the noise.
     fn stacked(
         &self,
         every: usize,
@@ -231,7 +238,8 @@ impl Gauge<'_> {
         stack
     }
 
-    /// What a standard deviation of each tolerance leaves, smooth enough to look at the compared rows alone, and a step of each base parameter.
+    /// What a standard deviation of each tolerance leaves, smooth enough to look at the compared
+    /// rows alone, and a step of each base parameter.
     fn columns(&self, still: &Still) -> Vec<Vec<f64>> {
         let own = |run: &Ridden| stated(self.sled, &run.start.plan);
         let base: Vec<Vec<Balances>> = still
@@ -255,7 +263,8 @@ impl Gauge<'_> {
         faults.chain(sleds).collect()
     }
 
-    /// What an effect leaves before anything is fitted: with it less without it, at the same motion.
+    /// What an effect leaves before anything is fitted: with it less without it, at the same
+    /// motion.
     fn effect(&self, hidden: &Hidden, still: &Still) -> Vec<f64> {
         let full = self.sled.with(hidden);
         self.stacked(1, still, |_, run| {
@@ -278,7 +287,8 @@ impl Gauge<'_> {
     }
 }
 
-/// One channel of every so many rows, low-passed as the share has it, less the ends that belong to the filter.
+/// One channel of every so many rows, low-passed as the share has it, less the ends that belong to
+/// the filter.
 fn inside(mut values: Vec<f64>, channel: usize, every: usize) -> Vec<f64> {
     // The filter counts rows.
     let cutoff_hz = every as f64 * [CUTOFF_HZ, SPEED_CUTOFF_HZ, CUTOFF_HZ, CUTOFF_HZ][channel];
@@ -387,7 +397,8 @@ mod tests {
         let inertia = hidden("yaw-inertia");
         let still = gauge.still(&inertia).unwrap();
         let rows = still.columns[0].len() / gauge.used().len();
-        // Imitated in full it would cost this; less of it, with something left, costs less together.
+        // Imitated in full it would cost this; less of it, with something left, costs less
+        // together.
         let most = (inertia.size / 0.05).powi(2) / rows as f64;
         let share = gauge.share(&inertia);
         assert!(share > 0.3 * most && share <= 1.01 * most, "{share} {most}");
