@@ -33,8 +33,9 @@ pub use discover::discover;
 pub use error::Error;
 pub use evidence::{experiments, maps, runs};
 pub use finding::{
-    Bin, ByRun, ChannelGap, Curve, Detectable, Fitted, HeldOut, Interval, NextRuns, OfKind,
-    Picture, Plot, Report, Rival, RunMean, Series, Step, Tolerated, Verdict,
+    Baseline, Bin, ByRun, ChannelGap, Curve, Detectable, Fitted, HeldOut, Interval, ModelKind,
+    NextRuns, OfKind, Picture, Plot, Remaining, Report, Rival, RunMean, Series, Step, Tolerated,
+    Verdict, Withheld,
 };
 pub use input::{read_map, read_map_bytes};
 pub use joint::file::CampaignFile;

@@ -7,6 +7,6 @@ pub(crate) mod report;
 pub use next_runs::NextRuns;
 pub use picture::{Curve, Picture, Plot, Series};
 pub use report::{
-    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, OfKind, Report, Rival, RunMean,
-    Step, Tolerated, Verdict,
+    Baseline, Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, ModelKind, OfKind,
+    Remaining, Report, Rival, RunMean, Step, Tolerated, Verdict, Withheld,
 };

@@ -19,6 +19,8 @@ pub enum Verdict {
     DependsOn,
     /// A place or a bin, no name.
     Located,
+    /// A misfit that repeats from run to run, without a name or a bin that stands out.
+    Inadequate,
     /// Nothing stands out.
     None,
     /// Something differs, but these data cannot say what.
@@ -239,6 +241,67 @@ pub struct ChannelGap {
     pub noise: f64,
 }
 
+/// What a model leaves of the misfit that repeats from run to run, in one channel.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Remaining {
+    /// Channel.
+    pub channel: String,
+    /// Its unit.
+    pub unit: String,
+    /// Root mean square of what repeats.
+    pub repeatable: f64,
+    /// Its share of what repeats with friction and grip refitted alone, as mean squares.
+    pub share: Interval,
+    /// Its share of the whole mean square of the channel; the sensors' noise and what differs from run to run are the rest.
+    pub of_misfit: Interval,
+    /// Whether that share is small enough for the model to be adequate.
+    pub is_small: bool,
+    /// Where most of it is.
+    #[serde(rename = "where")]
+    pub places: Vec<String>,
+}
+
+/// A model that may be written to `model.next.toml`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ModelKind {
+    /// With the effects of the report's steps.
+    WithEffect,
+    /// The given model with friction and grip refitted.
+    Refitted,
+    /// The model as given.
+    #[default]
+    AsGiven,
+}
+
+/// Root mean square of one quantity over the locked-away runs, for each model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Baseline {
+    /// A force channel, or a column of the replay (`replay v_mps`).
+    pub quantity: String,
+    /// Unit.
+    pub unit: String,
+    /// Of the model as given.
+    pub as_given: f64,
+    /// With friction and grip refitted; absent where that model cannot be simulated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refitted: Option<f64>,
+    /// With the effects that were found; absent where none was, or where it cannot be simulated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub with_effect: Option<f64>,
+}
+
+/// A model that was fitted but is not written.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Withheld {
+    /// Which one.
+    pub model: ModelKind,
+    /// The effects that it has beyond the model as given.
+    pub effects: Vec<String>,
+    /// Why it is not written.
+    pub reason: String,
+}
+
 /// What would have been seen.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Detectable {
@@ -316,12 +379,28 @@ pub struct Report {
     pub verdict: Verdict,
     /// The outcome in a sentence.
     pub sentence: String,
+    /// Whether nothing that repeats from run to run remains beyond a small share in any channel.
+    pub adequate: bool,
+    /// What remains of it by channel; empty where the data are no runs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub remaining: Vec<Remaining>,
     /// What the installation is off by within its tolerances: allowed for, and no finding.
     pub within_tolerance: Vec<Tolerated>,
     /// The effects found, in order.
     pub steps: Vec<Step>,
     /// Locked-away data.
     pub held_out: HeldOut,
+    /// The model that is written to `model.next.toml`.
+    pub written: ModelKind,
+    /// Three models on the same locked-away runs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub baselines: Vec<Baseline>,
+    /// Models that are not written, and why.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub withheld: Vec<Withheld>,
+    /// Base parameters that a refit moves out of their plausible range.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub implausible: Vec<Fitted>,
     /// What would have been seen.
     pub minimum_detectable: Vec<Detectable>,
     /// What to measure next.

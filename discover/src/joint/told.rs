@@ -73,6 +73,8 @@ pub fn described(
         all.training.extend(one.training);
         all.within_tolerance.extend(one.within_tolerance);
         all.base.extend(one.base);
+        all.remaining.extend(one.remaining);
+        all.implausible.extend(one.implausible);
         all.bins.extend(one.bins);
         all.bins_after.extend(one.bins_after);
         all.by_run.extend(one.by_run);

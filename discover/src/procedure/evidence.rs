@@ -4,7 +4,8 @@ use crate::error::Error;
 use crate::finding::next_runs::NextRuns;
 use crate::finding::picture::Picture;
 use crate::finding::report::{
-    Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, Rival, Step, Tolerated,
+    Baseline, Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, ModelKind, Remaining,
+    Rival, Step, Tolerated, Withheld,
 };
 use crate::procedure::candidate::Candidate;
 use crate::procedure::lowered::Lowered;
@@ -73,6 +74,30 @@ pub trait Evidence {
         account: &mut Account,
     ) -> Result<Opened, Error>;
 
+    /// The model to write: the fit with effects, the refitted base or the model as given, whichever
+    /// comes first of those that are no worse than the model as given on the locked-away data.
+    ///
+    /// # Errors
+    /// Those of the simulations it needs.
+    fn choose(
+        &mut self,
+        refitted: &Self::Fit,
+        last: Self::Fit,
+        account: &mut Account,
+    ) -> Result<Choice<Self::Fit>, Error> {
+        let _ = refitted;
+        Ok(Choice {
+            fit: last,
+            changed: false,
+            written: match account.steps.is_empty() {
+                true => ModelKind::Refitted,
+                false => ModelKind::WithEffect,
+            },
+            baselines: Vec::new(),
+            withheld: Vec::new(),
+        })
+    }
+
     /// Everything else that a report tells, and the next model.
     ///
     /// # Errors
@@ -137,6 +162,18 @@ impl Account {
             })
             .collect();
         self.is_left_without(told);
+    }
+
+    /// Takes back every step: the model with them is worse than the one as given, for this reason.
+    pub fn are_withheld(&mut self, reason: &str) {
+        let gone = std::mem::take(&mut self.steps);
+        let names: Vec<&str> = gone.iter().map(|step| step.effect.as_str()).collect();
+        let told = format!(
+            "{} fits the runs it was learned from (p = {:.1e}), but the model with it is worse than the model as given on the runs put aside ({reason}): neither named nor written",
+            names.join(" with "),
+            gone.first().map_or(1.0, |step| step.p_value)
+        );
+        self.is_left_without(vec![told]);
     }
 
     /// A step is taken back that stands out at more places than it can be bound to.
@@ -237,6 +274,20 @@ impl Opened {
     }
 }
 
+/// The model to write, and how it compares on the locked-away data.
+pub struct Choice<F> {
+    /// Its fit.
+    pub fit: F,
+    /// Whether it is another one than the last fit of the search.
+    pub changed: bool,
+    /// Which model it is.
+    pub written: ModelKind,
+    /// Root mean squares of all three models.
+    pub baselines: Vec<Baseline>,
+    /// Models that are worse than the one as given.
+    pub withheld: Vec<Withheld>,
+}
+
 /// The rest of a report.
 #[derive(Default)]
 pub struct Description {
@@ -252,6 +303,8 @@ pub struct Description {
     pub within_tolerance: Vec<Tolerated>,
     /// Base parameters.
     pub base: Vec<Fitted>,
+    /// Those of them that a refit moves out of their plausible range.
+    pub implausible: Vec<Fitted>,
     /// Bins that stand out before.
     pub bins: Vec<Bin>,
     /// Bins that stand out after.
@@ -262,6 +315,8 @@ pub struct Description {
     pub pictures: Vec<Picture>,
     /// Whether the residual is clean.
     pub clean: bool,
+    /// What remains of the repeatable misfit, by channel.
+    pub remaining: Vec<Remaining>,
     /// Whether places stand out although nothing is named.
     pub located: bool,
     /// Effects that could not be tested, and why.
@@ -296,8 +351,6 @@ pub struct Words {
     pub nothing: String,
     /// What to measure next where nothing is found.
     pub next_after_nothing: String,
-    /// What to measure next where one effect is named; what decides on it where this is empty.
-    pub next_after_name: String,
 }
 
 #[cfg(test)]

@@ -33,13 +33,15 @@ pub fn search_evidence<E: Evidence>(
     let base = evidence.fit_base(&mut account)?;
     let rules = &options.rules.search;
     let mut fit = base.clone();
-    let mut detectable = None;
+    let mut detectable = Vec::new();
     // How many stretches each step has.
     let mut places: Vec<usize> = Vec::new();
     for number in 0..=rules.most_screens {
         progress(&format!("screen {}", number + 1));
         let screen = evidence.screen(&fit, &mut account)?;
-        detectable.get_or_insert(screen.detectable);
+        if detectable.is_empty() {
+            detectable = screen.detectable;
+        }
         let Some(claim) = screen.claim else { break };
         let effect = &claim.candidate.effect;
         let known = account.steps.iter().position(|s| s.effect == *effect);
@@ -88,18 +90,24 @@ pub fn search_evidence<E: Evidence>(
     }
     let mut last = evidence.settle(fit, &mut account)?;
     progress("looking at the data that were put aside");
-    let written = match account.steps.is_empty() {
-        true => None,
-        false => Some(evidence.settle(base.clone(), &mut Account::default())?),
+    let refitted = match account.steps.is_empty() {
+        true => last.clone(),
+        false => evidence.settle(base.clone(), &mut Account::default())?,
     };
-    if let Some(written) = &written {
-        last = outlast(evidence, written, last, &mut account, rules)?;
+    if !account.steps.is_empty() {
+        last = outlast(evidence, &refitted, last, &mut account, rules)?;
     }
-    let mut opened = evidence.open(&base, &last, &mut account)?;
     // What makes more of what can be explained is no explanation, however much of the rest it takes along.
-    if let Some(written) = written.filter(|_| opened.are_worse()) {
+    let mut opened = evidence.open(&base, &last, &mut account)?;
+    if opened.are_worse() {
         account.take_back_all(&opened.closed);
-        last = written;
+        last = refitted.clone();
+        opened = evidence.open(&base, &last, &mut account)?;
+    }
+    progress("replaying the data that were put aside");
+    let chosen = evidence.choose(&refitted, last, &mut account)?;
+    last = chosen.fit;
+    if chosen.changed {
         opened = evidence.open(&base, &last, &mut account)?;
     }
     progress("writing the report");
@@ -117,7 +125,8 @@ pub fn search_evidence<E: Evidence>(
     for (step, law) in account.steps.iter_mut().zip(described.laws.clone()) {
         step.law = law;
     }
-    let verdict = verdict(&account, described.located);
+    let adequate = described.remaining.iter().all(|channel| channel.is_small);
+    let verdict = verdict(&account, described.located, adequate);
     let next_experiment = next_experiment(verdict, &account, &described);
     let sentence = sentence(
         verdict,
@@ -136,10 +145,16 @@ pub fn search_evidence<E: Evidence>(
     let report = Report {
         verdict,
         sentence,
+        adequate,
+        remaining: described.remaining,
         within_tolerance: described.within_tolerance,
         steps,
         held_out: opened.held_out,
-        minimum_detectable: detectable.unwrap_or_default(),
+        written: chosen.written,
+        baselines: chosen.baselines,
+        withheld: chosen.withheld,
+        implausible: described.implausible,
+        minimum_detectable: detectable,
         next_experiment,
         next_runs: described.next_runs,
         base: described.base,

@@ -66,6 +66,7 @@ pub fn sentence(
         ),
         Verdict::DependsOn => format!("{}; {}.{gap}", names.join(", then "), depends.join("; ")),
         Verdict::Located => "The residual is not clean at the places listed, and no effect of the catalogue fits.".to_owned(),
+        Verdict::Inadequate => "The model does not explain what repeats from run to run, and no effect of the catalogue does.".to_owned(),
         Verdict::None if !words.nothing.is_empty() => words.nothing.clone(),
         Verdict::None => "Nothing to be found: no effect stands out from chance and from the noise of the inputs.".to_owned(),
         Verdict::NotIdentifiable => format!("Something differs that these data cannot name: {next}."),

@@ -1,11 +1,13 @@
 //! The outcome: its verdict and what to measure next.
 
+use kufe::plot::number4;
+
 use crate::finding::next_runs::NextRuns;
-use crate::finding::report::Verdict;
+use crate::finding::report::{Bin, Verdict};
 use crate::procedure::evidence::{Account, Description};
 
 /// The outcome in one word.
-pub fn verdict(account: &Account, located: bool) -> Verdict {
+pub fn verdict(account: &Account, located: bool, adequate: bool) -> Verdict {
     match account.steps.first() {
         Some(_) if !account.depends.is_empty() && account.steps.len() == 1 => Verdict::DependsOn,
         Some(step) if step.law.is_some() => Verdict::Law,
@@ -13,6 +15,7 @@ pub fn verdict(account: &Account, located: bool) -> Verdict {
         Some(_) => Verdict::OneOf,
         None if account.unexplained.is_some() => Verdict::NotIdentifiable,
         None if located => Verdict::Located,
+        None if !adequate => Verdict::Inadequate,
         None => Verdict::None,
     }
 }
@@ -24,10 +27,22 @@ pub fn next_experiment(verdict: Verdict, account: &Account, described: &Descript
         Verdict::NotIdentifiable => account.unexplained.clone().unwrap_or_default(),
         Verdict::DependsOn => "a survey of the track's slope with a stated deviation".to_owned(),
         Verdict::Located => {
-            "runs in which the bins listed are visited with other variables changed".to_owned()
+            let bin = |b: &Bin| format!("{} {} to {}", b.column, number4(b.from), number4(b.to));
+            let places: Vec<String> = described.bins_after.iter().take(3).map(bin).collect();
+            format!(
+                "two runs that pass {} with a tenth less speed, and two with a tenth more mass",
+                places.join(", ")
+            )
+        }
+        Verdict::Inadequate => {
+            let places = described.remaining.iter().filter(|r| !r.is_small);
+            let places: Vec<&str> = places.flat_map(|r| &r.places).map(String::as_str).collect();
+            format!(
+                "two more runs that take these places on another line or at another speed, and a check of the sensors at rest before and after: {}",
+                places.join("; ")
+            )
         }
         Verdict::None => words.next_after_nothing.clone(),
-        Verdict::Named if !words.next_after_name.is_empty() => words.next_after_name.clone(),
         Verdict::Law => {
             let of_laws = account.steps.iter().filter(|s| s.law.is_some());
             let columns = of_laws.flat_map(|s| s.class.iter());

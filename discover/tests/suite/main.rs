@@ -2,6 +2,7 @@
 
 mod campaign;
 mod hidden_effects;
+mod misaligned;
 mod next_runs;
 mod real_data;
 mod trajectory;

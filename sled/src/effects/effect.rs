@@ -197,6 +197,29 @@ impl Fault {
         }
     }
 
+    /// The inertial unit turned by a small angle about x (left side up), y (nose down) and z (to the left): both of its
+    /// sensors read their own axes. To second order the angle about each axis is a rotation.
+    pub const MISALIGNED: [[Self; 4]; 3] = [
+        [
+            Self::picks_up(Sensor::Ay, Sensor::Az, 1.0, 0),
+            Self::picks_up(Sensor::Az, Sensor::Ay, -1.0, 0),
+            Self::picks_up(Sensor::PitchRate, Sensor::YawRate, 1.0, 0),
+            Self::picks_up(Sensor::YawRate, Sensor::PitchRate, -1.0, 0),
+        ],
+        [
+            Self::picks_up(Sensor::Ax, Sensor::Az, -1.0, 1),
+            Self::picks_up(Sensor::Az, Sensor::Ax, 1.0, 1),
+            Self::picks_up(Sensor::RollRate, Sensor::YawRate, -1.0, 1),
+            Self::picks_up(Sensor::YawRate, Sensor::RollRate, 1.0, 1),
+        ],
+        [
+            Self::picks_up(Sensor::Ax, Sensor::Ay, 1.0, 2),
+            Self::picks_up(Sensor::Ay, Sensor::Ax, -1.0, 2),
+            Self::picks_up(Sensor::RollRate, Sensor::PitchRate, 1.0, 2),
+            Self::picks_up(Sensor::PitchRate, Sensor::RollRate, -1.0, 2),
+        ],
+    ];
+
     /// From what is true to what is read at one instant.
     pub fn disturb(&self, size: f64, signals: &mut Signals) {
         let at = self.of as usize;
@@ -348,4 +371,41 @@ fn constant<'a>(sled: &'a mut Constants, name: &str) -> Option<&'a mut f64> {
         "slip_x_m" => &mut sled.slip_sensor,
         _ => return None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Length and angle of the accelerations are those of a turned unit but for the square of the angle, and what is corrected is
+    /// what was true.
+    #[test]
+    fn a_misaligned_unit_reads_rotated_axes_and_is_corrected_exactly() {
+        let angle = 0.01;
+        for faults in Fault::MISALIGNED {
+            let mut signals = Signals::default();
+            for (k, value) in [1.0, -2.0, 15.0, 0.3, 0.1, -0.8].into_iter().enumerate() {
+                signals.value[k] = value;
+            }
+            let truth = signals;
+            for fault in &faults {
+                fault.disturb(angle, &mut signals);
+            }
+            for [a, b, c] in [[0, 1, 2], [3, 4, 5]] {
+                let square =
+                    |s: &Signals| [a, b, c].map(|k| s.value[k].powi(2)).iter().sum::<f64>();
+                let (turned, own) = (square(&signals), square(&truth));
+                assert!(
+                    (turned / own - 1.0).abs() < 2.0 * angle * angle,
+                    "{turned} {own}"
+                );
+            }
+            for fault in faults.iter().rev() {
+                fault.correct(angle, &mut signals);
+            }
+            for (a, b) in signals.value.iter().zip(&truth.value) {
+                assert!((a - b).abs() < 1e-14);
+            }
+        }
+    }
 }

@@ -120,6 +120,10 @@ pub struct Tolerances {
     pub inertia: f64,
     /// Scale of the steering angle.
     pub steer_scale: f64,
+    /// Misalignment of the inertial unit about each axis [rad].
+    pub misalignment_rad: f64,
+    /// What each gyroscope's axis picks up of the vertical acceleration [rad s/m].
+    pub gyro_g_sensitivity_radps_per_mps2: f64,
 }
 
 impl Tolerances {
@@ -134,10 +138,12 @@ impl Tolerances {
         mass: 0.0,
         inertia: 0.0,
         steer_scale: 0.0,
+        misalignment_rad: 0.0,
+        gyro_g_sensitivity_radps_per_mps2: 0.0,
     };
 
     /// Keys and values.
-    pub(crate) fn named(&self) -> [(&'static str, f64); 9] {
+    pub(crate) fn named(&self) -> [(&'static str, f64); 11] {
         [
             ("tolerances.delay_s", self.delay_s),
             ("tolerances.place_m", self.place_m),
@@ -148,6 +154,11 @@ impl Tolerances {
             ("tolerances.mass", self.mass),
             ("tolerances.inertia", self.inertia),
             ("tolerances.steer_scale", self.steer_scale),
+            ("tolerances.misalignment_rad", self.misalignment_rad),
+            (
+                "tolerances.gyro_g_sensitivity_radps_per_mps2",
+                self.gyro_g_sensitivity_radps_per_mps2,
+            ),
         ]
     }
 }
@@ -164,6 +175,8 @@ impl Default for Tolerances {
             mass: 0.01,
             inertia: 0.05,
             steer_scale: 0.01,
+            misalignment_rad: 0.005,
+            gyro_g_sensitivity_radps_per_mps2: 9e-5,
         }
     }
 }

@@ -342,7 +342,6 @@ impl Evidence for Experiments<'_> {
                     "{} rows leave {freedom} degrees of freedom; more specimens, each at several pressures and conditions, would let smaller effects be seen",
                     self.rows()
                 ),
-                next_after_name: String::new(),
             },
             next_model: self.next_model(last, &parameters, account).to_toml(),
             parameters,

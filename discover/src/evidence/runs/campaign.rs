@@ -82,6 +82,9 @@ pub struct RunFit {
     pub estimates: Vec<Estimate>,
     /// The model that holds these estimates.
     pub settled: ResidualModel,
+    /// Estimates and model conditional on the installation errors that were found, where there are any: the sled itself rather than
+    /// what its sensors recorded.
+    pub conditional: Option<(Vec<Estimate>, ResidualModel)>,
 }
 
 impl RunFit {
@@ -94,6 +97,7 @@ impl RunFit {
             owners,
             told: None,
             estimates: Vec::new(),
+            conditional: None,
         }
     }
 
@@ -235,7 +239,7 @@ impl Campaign<'_> {
             return Ok(plain);
         }
         let found = self.least_squares(off, plain.owners.clone())?;
-        let cost = found.residual_model.installation.cost();
+        let cost = found.residual_model.installation.distance();
         let left = |fit: &RunFit| -> f64 {
             let runs = self.left_by_run(&fit.residual_model, &fit.whitener);
             runs.iter().sum()

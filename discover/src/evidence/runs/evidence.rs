@@ -30,7 +30,7 @@ use crate::evidence::runs::recordings::prepare::Data;
 use crate::finding::report::HeldOut;
 use crate::options::Options;
 use crate::procedure::evidence::{
-    Account, Added, Claim, Description, Evidence, Meaning, Opened, Screen, Words,
+    Account, Added, Choice, Claim, Description, Evidence, Meaning, Opened, Screen, Words,
 };
 use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
@@ -163,6 +163,18 @@ impl Evidence for Campaign<'_> {
         let free = self.free.clone();
         let at = Current::new(residual_model, &whitener, &free, &simulator);
         let track = self.surveyed(residual_model, &simulator, account);
+        if let Some(track) = track
+            .as_ref()
+            .filter(|track| self.is_tilted(residual_model, track))
+        {
+            self.by_forces.clear();
+            if let Some(claim) = self.on_the_track(residual_model, track, account) {
+                return Ok(Screen {
+                    claim: Some(claim),
+                    detectable: Vec::new(),
+                });
+            }
+        }
         let mut screen = self.within_runs(&at, track.as_ref(), account);
         if screen.claim.is_none() {
             let (claim, chances) = self.between_runs(&at, account);
@@ -297,6 +309,15 @@ impl Evidence for Campaign<'_> {
         })
     }
 
+    fn choose(
+        &mut self,
+        refitted: &RunFit,
+        last: RunFit,
+        account: &mut Account,
+    ) -> Result<Choice<RunFit>, Error> {
+        Ok(self.chosen(refitted, last, account))
+    }
+
     fn describe(
         &mut self,
         base: &RunFit,
@@ -334,6 +355,7 @@ impl Evidence for Campaign<'_> {
         );
         Ok(Description {
             data: data.to_owned(),
+            remaining: self.remaining(base, last),
             pictures: [
                 self.pictures(last, &account.steps, &training),
                 self.contact_pictures(last),
@@ -346,15 +368,24 @@ impl Evidence for Campaign<'_> {
                 self.parameters(last, account.steps.len())
             },
             laws: self.laws(last, account.steps.len()),
+            implausible: self.implausible(&self.base_parameters(last), account),
             base: self.base_parameters(last),
             bins: bins(base),
             clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),
             // Noise that is not white, or not what it is said to be, makes bins stand out, too.
             located: account.steps.is_empty()
-                && !matches!(self.data.noise_from, NoiseFrom::Doubted | NoiseFrom::Spectra)
+                && !matches!(
+                    self.data.noise_from,
+                    NoiseFrom::Doubted | NoiseFrom::Spectra
+                )
                 && self.stands_out(last, &bins_after),
             bins_after,
-            by_run: by_run(&base.residual_model, &last.residual_model, &self.training, self.used),
+            by_run: by_run(
+                &base.residual_model,
+                &last.residual_model,
+                &self.training,
+                self.used,
+            ),
             untestable: self.candidates.untestable.clone(),
             effects: (CATALOGUE.iter().map(|e| e.info()))
                 .map(|i| Meaning {
@@ -365,15 +396,13 @@ impl Evidence for Campaign<'_> {
                 .chain(self.bent_sensors(last))
                 .collect(),
             words: Words {
-                nothing: self.too_few().filter(|_| self.least_p() > rules.alpha).map_or(
-                    String::new(),
-                    |few| format!("Too few runs to find what acts within them: {few}."),
-                ),
-                next_after_nothing:
-                    "more runs lower the smallest detectable sizes as one over the root of their number"
-                        .to_owned(),
-                next_after_name: "more runs in other conditions would narrow the parameter"
-                    .to_owned(),
+                nothing: self
+                    .too_few()
+                    .filter(|_| self.least_p() > rules.alpha)
+                    .map_or(String::new(), |few| {
+                        format!("Too few runs to find what acts within them: {few}.")
+                    }),
+                next_after_nothing: self.runs_to_halve(),
             },
             next_model: next_model(self.model, &last.settled, last.already()).to_toml(),
             next_case: None,

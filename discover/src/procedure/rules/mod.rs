@@ -48,6 +48,13 @@ pub struct SearchRules {
     /// Standard errors by which it must fall in the channels that tell of a step for the others to count only where they rise beyond their
     /// scatter. Chosen: of 34 steps that were refused without it four pass, three of which are there; at half the same four, at twice one that is not.
     pub clear: f64,
+    /// Share of a channel's mean square that may repeat from run to run in an adequate model. Chosen: a twentieth of the root mean square.
+    pub adequate: f64,
+    /// Share by which a root mean square on locked-away data may grow against the model as given. Chosen: less is seen by no one who drives.
+    pub worse: f64,
+    /// Factor between a base parameter and its given value beyond which it is implausible. Chosen: coefficients of steel on ice that
+    /// are published for bobsleds differ by less.
+    pub plausible: f64,
     /// Share of the gap that repeats from run to run, on locked-away data and with nothing named, that a step must close to be worth saying. Chosen.
     pub material: f64,
     /// Share of the sum of squares that the installation's tolerances amount to which a step must close, too. Chosen: a hundredth in size.
@@ -69,6 +76,9 @@ impl Default for SearchRules {
             superfluous_t: 1.5,
             beyond_scatter: 1.0,
             clear: 3.0,
+            adequate: 0.1,
+            worse: 0.05,
+            plausible: 3.0,
             material: 0.05,
             trace: 1e-4,
             kinds_agree: 3.0,

@@ -13,6 +13,9 @@ use crate::report::sign::sign;
 /// Bins that a picture shows.
 const SHOWN: usize = 12;
 
+/// Colour of a bar that is neither of the two ends of a comparison.
+const NEUTRAL: &str = "#8c8c8c";
+
 /// Most of a picture's width that names of bins take.
 const NAMES: f64 = 420.0;
 
@@ -41,6 +44,33 @@ pub fn gap(title: &str, channels: &[Data]) -> String {
 }
 
 fn gap_drawn(title: &str, channels: &[Data], width: f64) -> String {
+    const BARS: [(&str, &str, &str); 3] = [
+        ("before", "before", COLOURS[0]),
+        ("after", "after", COLOURS[1]),
+        ("noise", "sensor noise", NEUTRAL),
+    ];
+    drawn(title, ("channel", channels), BARS, width)
+}
+
+/// Horizontal bars of three models: as given, base refitted, with the effect. A model that cannot be simulated has no bar.
+pub fn models(title: &str, baselines: &[Data]) -> String {
+    const BARS: [(&str, &str, &str); 3] = [
+        ("as_given", "as given", COLOURS[0]),
+        ("refitted", "base refitted", NEUTRAL),
+        ("with_effect", "with the effect", COLOURS[1]),
+    ];
+    for_both(WIDTHS, |width| {
+        drawn(title, ("quantity", baselines), BARS, width)
+    })
+}
+
+/// Three bars for each row, whose name is the field `of`; each bar is a field, its label and its colour.
+fn drawn(
+    title: &str,
+    (of, channels): (&str, &[Data]),
+    bars: [(&str, &str, &str); 3],
+    width: f64,
+) -> String {
     // Names stand left of their bars, on a phone above them.
     let (left, above, step) = match is_narrow(width) {
         true => (92.0, 20, 94),
@@ -55,27 +85,19 @@ fn gap_drawn(title: &str, channels: &[Data], width: f64) -> String {
     );
     for (k, c) in channels.iter().enumerate() {
         let y = 30 + k * step;
-        let most = c
-            .number("before")
-            .max(c.number("after"))
-            .max(c.number("noise"))
-            .max(1e-300);
+        let most = bars.map(|(field, ..)| c.number(field));
+        let most = most.into_iter().fold(1e-300, f64::max);
         let (_, unit) = usual(1.0, c.text("unit"));
         let _ = write!(
             svg,
             "<text x=\"0\" y=\"{}\">{}{}</text>",
             if above > 0 { y + 14 } else { y + 34 },
-            escape(c.text("channel")),
+            escape(c.text(of)),
             escape(&in_brackets(unit))
         );
-        for (row, (label, value, colour)) in [
-            ("before", c.number("before"), COLOURS[0]),
-            ("after", c.number("after"), COLOURS[1]),
-            ("sensor noise", c.number("noise"), "#8c8c8c"),
-        ]
-        .into_iter()
-        .enumerate()
-        {
+        let known = bars.into_iter().filter(|(field, ..)| c.has(field));
+        for (row, (field, label, colour)) in known.enumerate() {
+            let value = c.number(field);
             let top = y + above + row * 20;
             let wide = most_wide * value / most;
             let _ = writeln!(

@@ -95,6 +95,11 @@ fn figures(out: &mut String, pictures: &[Data]) {
 /// Tables of numbers, folded.
 fn details(out: &mut String, report: Data) {
     out.push_str("<h2>In numbers</h2>\n");
+    let baselines = report.list("baselines");
+    if !baselines.is_empty() {
+        let title = "Three models on data that the search had not seen";
+        out.push_str(&bars::models(title, &baselines));
+    }
     fold(out, "The gap before and after, channel by channel", |out| {
         gaps(out, report);
     });

@@ -11,6 +11,7 @@ use crate::report::page::escape;
 /// The verdict as a heading, the effects one a line, figures to act on, and what to do next.
 pub fn summary(out: &mut String, report: Data) {
     let _ = writeln!(out, "<h1>{}</h1>", in_words(report));
+    adequacy(out, report);
     let steps = report.list("steps");
     if steps.is_empty() {
         let _ = writeln!(
@@ -58,11 +59,58 @@ pub fn summary(out: &mut String, report: Data) {
         tile(out, &text, &why);
     }
     out.push_str("</div>\n");
+    for withheld in report.list("withheld") {
+        let which = match withheld.text("model") {
+            "with-effect" => format!("The model with {}", withheld.texts("effects").join(", ")),
+            _ => "The model with friction and grip refitted".to_owned(),
+        };
+        let _ = writeln!(
+            out,
+            "<p><b>Not written:</b> {} is worse than the model as given on data that the search had not seen: {}.</p>",
+            escape(&which),
+            escape(withheld.text("reason"))
+        );
+    }
+    for parameter in report.list("implausible") {
+        let _ = writeln!(
+            out,
+            "<p><b>Implausible:</b> {} is far from the given value: a sensor, the data or the model is wrong rather than this parameter.</p>",
+            escape(&size(parameter))
+        );
+    }
     if !report.text("next_experiment").is_empty() {
         let _ = writeln!(
             out,
             "<p><b>What to measure next:</b> {}</p>",
             escape(report.text("next_experiment"))
+        );
+    }
+}
+
+/// What share of the repeatable misfit the answer explains, what remains, and where.
+fn adequacy(out: &mut String, report: Data) {
+    for channel in report
+        .list("remaining")
+        .into_iter()
+        .filter(|c| !c.is("is_small"))
+    {
+        let percent = |part: &str, of: &str| 100.0 * channel.part(part).number(of);
+        let places = channel.texts("where").join("; ");
+        let explained = match report.list("steps").is_empty() {
+            true => String::new(),
+            false => format!(
+                "; the answer explains {:.0} % of what the refitted base leaves",
+                100.0 - percent("share", "value")
+            ),
+        };
+        let _ = writeln!(
+            out,
+            "<p><b>The model is not adequate:</b> {:.0} % ({:.0} to {:.0} %) of the mean square misfit in {} repeats from run to run{explained}. Most of it: {}.</p>",
+            percent("of_misfit", "value"),
+            percent("of_misfit", "low"),
+            percent("of_misfit", "high"),
+            escape(channel.text("channel")),
+            escape(&places)
         );
     }
 }
@@ -75,6 +123,7 @@ fn in_words(report: Data) -> &'static str {
         "depends-on" => "What is missing depends on how well the track was surveyed",
         "law" => "Something beyond the catalogue is missing: a law for it",
         "located" => "Something is missing at some places, and has no name",
+        "inadequate" => "Something that repeats from run to run is missing, and has no name",
         "none" => "Nothing is missing that these data could show",
         _ => "Something differs, but these data cannot name it",
     }

@@ -23,6 +23,9 @@ const SCALED: Info = Info {
     ..SENSOR
 };
 
+/// The inertial unit turned about each axis.
+const TURNED: [[Fault; 4]; 3] = Fault::MISALIGNED;
+
 /// Slip, steering and roll-split angle.
 pub(super) const ANGLES: &[Effect] = &[
     Effect {
@@ -180,6 +183,36 @@ pub(super) const ANGLES: &[Effect] = &[
 
 /// Gyroscopes.
 pub(super) const GYROS: &[Effect] = &[
+    // The gyroscopes pick up the vertical acceleration, each axis by its own.
+    Effect {
+        info: Info {
+            name: "gyro-g-sensitivity",
+            summary: "the gyroscopes pick up the vertical acceleration",
+            formula: "omega + k a_z",
+            signature: "rates in curves, over the vertical acceleration",
+            parameters: &[
+                amplitude("roll_radps_per_mps2", "rad s/m", -0.01, 0.01, 1e-4),
+                amplitude("pitch_radps_per_mps2", "rad s/m", -0.01, 0.01, 1e-4),
+                amplitude("yaw_radps_per_mps2", "rad s/m", -0.01, 0.01, 1e-4),
+            ],
+            needs: &[Column::VerticalAcceleration],
+            judged: Judged::BeyondTolerance,
+            looks_like: &["yaw-rate-bias", "pitch-rate-bias", "roll-rate-bias"],
+            decides: "the inertial unit turned through six positions at rest",
+            source: "IEEE Std 1431-2004, drift rate sensitive to acceleration",
+            ..SENSOR
+        },
+        on_sensors: &[
+            Fault::picks_up(Sensor::RollRate, Sensor::Az, 1.0, 0),
+            Fault::picks_up(Sensor::PitchRate, Sensor::Az, 1.0, 1),
+            Fault::picks_up(Sensor::YawRate, Sensor::Az, 1.0, 2),
+        ],
+        ..Effect::example(
+            &[0.0, 0.0, 1e-3],
+            &[("yaw_rate_radps", 0.3), ("az_mps2", 20.0)],
+            ("yaw_rate_radps", 0.32),
+        )
+    },
     Effect {
         info: Info {
             name: "pitch-rate-bias",
@@ -438,6 +471,47 @@ pub(super) const ACCELEROMETER_AND_SPEED: &[Effect] = &[
         ],
         ..Effect::example(
             &[0.01, 0.0],
+            &[("ax_mps2", -0.3), ("az_mps2", 20.0)],
+            ("ax_mps2", -0.5),
+        )
+    },
+    // The box of the inertial unit is mounted askew: rolled by phi (left side up), pitched by theta
+    // (nose down), turned by psi. Accelerometer and gyroscopes turn together.
+    Effect {
+        info: Info {
+            name: "imu-misalignment",
+            summary: "the box of the inertial unit is mounted askew",
+            formula: "a + a x (phi, theta, psi), omega + omega x (phi, theta, psi)",
+            signature: "the vertical acceleration, and rates that pick up one another",
+            parameters: &[
+                amplitude("roll_rad", "rad", -0.3, 0.3, 0.003),
+                amplitude("pitch_rad", "rad", -0.3, 0.3, 0.001),
+                amplitude("yaw_rad", "rad", -0.3, 0.3, 0.003),
+            ],
+            needs: &[Column::VerticalAcceleration],
+            judged: Judged::BeyondTolerance,
+            form: Form::FirstOrder,
+            looks_like: &["accelerometer-tilt", "accelerometer-bias", "slope"],
+            decides: "the box turned by half a turn about the vertical; the sled at rest on level ice",
+            source: "IEEE Std 1293-2018, misalignment of the input axis",
+            ..SENSOR
+        },
+        on_sensors: &[
+            TURNED[0][0],
+            TURNED[0][1],
+            TURNED[0][2],
+            TURNED[0][3],
+            TURNED[1][0],
+            TURNED[1][1],
+            TURNED[1][2],
+            TURNED[1][3],
+            TURNED[2][0],
+            TURNED[2][1],
+            TURNED[2][2],
+            TURNED[2][3],
+        ],
+        ..Effect::example(
+            &[0.0, 0.01, 0.0],
             &[("ax_mps2", -0.3), ("az_mps2", 20.0)],
             ("ax_mps2", -0.5),
         )

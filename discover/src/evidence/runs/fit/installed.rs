@@ -64,9 +64,12 @@ impl Campaign<'_> {
         &self,
         fit: &RunFit,
     ) -> Result<Option<(RunFit, Installation, PartProducts)>, Error> {
-        let stated = Installation::new(&self.model.tolerances.unwrap_or_default());
+        let mut stated = Installation::new(&self.model.tolerances.unwrap_or_default());
         if stated.fitted() == 0 {
             return Ok(None);
+        }
+        if let Some(information) = self.track_information(&fit.residual_model, &stated) {
+            stated = stated.informed(information);
         }
         let without = ResidualModel {
             installation: stated.clone(),
@@ -77,7 +80,7 @@ impl Campaign<'_> {
         Ok(Some((plain, stated, products)))
     }
 
-    /// Products beside a fit with an installation of which nothing is found.
+    /// Products beside a fit with an installation of which the forces have told nothing.
     fn part_products(&self, plain: &RunFit) -> PartProducts {
         let model = plain.residual_model.hold(false);
         let design = self.fit_design(&model, &plain.whitener);
@@ -116,7 +119,7 @@ impl Campaign<'_> {
         let installation = installation.told_apart(&beyond, LEAST);
         let directions = installation.directions.clone();
         let start = ResidualModel {
-            installation,
+            installation: installation.clone(),
             ..plain.residual_model.clone()
         };
         let at = start.hold(true);
@@ -135,7 +138,7 @@ impl Campaign<'_> {
         (0..first).for_each(|k| combined[(k, k)] = 1.0);
         combined[(all - 1, first + directions.len())] = 1.0;
         for (k, direction) in directions.iter().enumerate() {
-            for (j, share) in direction.iter().enumerate() {
+            for (j, share) in installation.shares(direction).iter().enumerate() {
                 combined[(first + j, first + k)] = share * wider[j];
             }
         }
@@ -185,6 +188,7 @@ impl Campaign<'_> {
             let direction = DVector::from_column_slice(direction);
             open -= &direction * direction.transpose();
         }
+        let moved = moved * installation.root();
         let left = &moved * open;
         (0..known)
             .map(|k| left.row(k).dot(&moved.row(k)).max(0.0).sqrt())

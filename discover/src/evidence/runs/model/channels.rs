@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use kufe_sled::effects::{Constants, Sensor, Signals, ahead};
+use kufe_sled::effects::{Constants, Fault, Reading, Sensor, Signals, ahead};
 
 use crate::evidence::runs::recordings::frame::Frame;
 
@@ -77,6 +77,25 @@ impl<'a> Channels<'a> {
         let (value, slope) = &mut self.values[sensor as usize];
         for x in [Some(value), slope.as_mut()].into_iter().flatten() {
             x.to_mut().iter_mut().for_each(|x| *x /= scale);
+        }
+    }
+
+    /// A channel that picks up another one by this size, freed of it.
+    pub fn correct(&mut self, fault: &Fault, size: f64) {
+        let Reading::PicksUp { other, factor } = fault.reading else {
+            return;
+        };
+        let (value, slope) = self.values[other as usize].clone();
+        let by = factor * size;
+        let (to_value, to_slope) = &mut self.values[fault.of as usize];
+        let take_off = |to: &mut [f64], other: &[f64]| {
+            to.iter_mut().zip(other).for_each(|(to, x)| *to -= by * x);
+        };
+        take_off(to_value.to_mut(), &value);
+        match (to_slope, slope) {
+            (Some(to), Some(slope)) => take_off(to.to_mut(), &slope),
+            // An accelerometer has no derivative here; what a gyroscope picks up of it changes slowly.
+            _ => {}
         }
     }
 

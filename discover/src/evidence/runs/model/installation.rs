@@ -7,11 +7,17 @@
 //! min |r - J b - N a|^2 + |a|^2        V = 1 + N N'
 //! ```
 //!
+//! Where the track's slope is surveyed the difference of the speed's derivative and the accelerometer tells of the accelerometer's tilt and
+//! bias without any friction. Its information K about the sizes, and its scores k at sizes of 0, make their law before the forces are used
+//! normal with the covariance `S = inv(1 + K)` and the mean `S k`. Combinations are then those of independent b in `a = S k + root(S) b`.
+//!
 //! Source: G. K. Robinson, That BLUP is a good thing: the estimation of random effects, Statistical Science 6 (1991) 15.
 
+use std::sync::Arc;
+
 use kufe_sled::Tolerances;
-use kufe_sled::effects::{Constants, Sensor};
-use nalgebra::DMatrix;
+use kufe_sled::effects::{Constants, Fault, Sensor};
+use nalgebra::{DMatrix, DVector};
 
 use crate::evidence::runs::model::channels::Channels;
 
@@ -24,6 +30,10 @@ enum Wrong {
     Scaled(Sensor),
     /// A channel reads a constant too much.
     Biased(Sensor),
+    /// The inertial unit is turned about an axis: roll, pitch, yaw.
+    Misaligned(usize),
+    /// A gyroscope's axis picks up the vertical acceleration.
+    GSensitive(usize),
     /// The accelerometer stands further along an axis.
     Accelerometer(usize),
     /// The slip sensor stands further ahead.
@@ -58,11 +68,71 @@ impl Part {
         matches!(self.wrong, Wrong::Late(_))
     }
 
+    /// Whether it moves the accelerometer ahead as a slope does.
+    pub fn is_tilt(&self) -> bool {
+        matches!(
+            self.wrong,
+            Wrong::Biased(Sensor::Ax) | Wrong::Misaligned(1 | 2)
+        )
+    }
+
+    /// Whether it makes channels of the inertial unit pick up others.
+    pub fn mixes(&self) -> bool {
+        matches!(self.wrong, Wrong::Misaligned(_) | Wrong::GSensitive(_))
+    }
+
     /// The sensor that it stands before.
     pub fn sensor(&self) -> Option<Sensor> {
         match self.wrong {
             Wrong::Late(sensor) | Wrong::Scaled(sensor) | Wrong::Biased(sensor) => Some(sensor),
             _ => None,
+        }
+    }
+}
+
+/// What other data than the forces say of the sizes, in stated standard deviations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Information {
+    /// Information K.
+    pub precision: DMatrix<f64>,
+    /// Scores k at sizes of 0.
+    pub scores: DVector<f64>,
+}
+
+/// The normal law of the sizes before the forces are used: `mean + root b` with independent b.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct SizeLaw {
+    mean: DVector<f64>,
+    root: DMatrix<f64>,
+    inverse_root: DMatrix<f64>,
+}
+
+impl SizeLaw {
+    fn of(parts: &[Part], information: Option<&Information>) -> Self {
+        let count = parts.len();
+        let Some(information) = information else {
+            return Self {
+                mean: DVector::zeros(count),
+                root: DMatrix::identity(count, count),
+                inverse_root: DMatrix::identity(count, count),
+            };
+        };
+        let wider: Vec<f64> = parts.iter().map(|part| part.sd / part.stated).collect();
+        let precision = DMatrix::from_fn(count, count, |j, k| {
+            wider[j] * information.precision[(j, k)] * wider[k]
+        });
+        let scores = DVector::from_fn(count, |j, _| wider[j] * information.scores[j]);
+        let eigen = precision.symmetric_eigen();
+        let power = |exponent: f64| {
+            let diagonal = eigen
+                .eigenvalues
+                .map(|value| (1.0 + value.max(0.0)).powf(exponent));
+            &eigen.eigenvectors * DMatrix::from_diagonal(&diagonal) * eigen.eigenvectors.transpose()
+        };
+        Self {
+            mean: power(-1.0) * scores,
+            root: power(-0.5),
+            inverse_root: power(0.5),
         }
     }
 }
@@ -74,10 +144,13 @@ pub struct Installation {
     pub parts: Vec<Part>,
     /// By how much, in standard deviations.
     pub sizes: Vec<f64>,
-    /// Orthonormal combinations of the parts that are fitted, by the share of each part in them.
+    /// Orthonormal combinations of the independent errors b that are fitted.
     pub directions: Vec<Vec<f64>>,
     /// Whether fits leave the sizes as they are.
     pub held: bool,
+    /// Law of the sizes before the forces are used.
+    law: Arc<SizeLaw>,
+    information: Option<Arc<Information>>,
 }
 
 impl Installation {
@@ -128,6 +201,15 @@ impl Installation {
         let steer = Sensor::Steering;
         let what = format!("scale of {}", steer.name());
         add(what, "", t.steer_scale, Wrong::Scaled(steer));
+        for (axis, name) in ["roll", "pitch", "yaw"].into_iter().enumerate() {
+            let what = format!("misalignment of the inertial unit, {name}");
+            add(what, "rad", t.misalignment_rad, Wrong::Misaligned(axis));
+        }
+        for (axis, s) in gyros.into_iter().enumerate() {
+            let (unit, sd) = ("rad/s per m/s2", t.gyro_g_sensitivity_radps_per_mps2);
+            let what = format!("g-sensitivity of {}", s.name());
+            add(what, unit, sd, Wrong::GSensitive(axis));
+        }
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             let what = format!("place of the accelerometer, {name}");
             add(what, "m", t.place_m, Wrong::Accelerometer(axis));
@@ -144,19 +226,54 @@ impl Installation {
         for (axis, wrong) in inertias {
             add(format!("{axis} inertia, relative"), "", t.inertia, wrong);
         }
-        Self::of(parts)
+        Self::of(parts, None)
     }
 
-    /// All parts, each by itself.
-    fn of(parts: Vec<Part>) -> Self {
+    /// All independent errors, each by itself, at their means.
+    fn of(parts: Vec<Part>, information: Option<Arc<Information>>) -> Self {
         let count = parts.len();
         let alone = |k: usize| (0..count).map(|j| f64::from(u8::from(j == k))).collect();
+        let law = SizeLaw::of(&parts, information.as_deref());
         Self {
-            sizes: vec![0.0; count],
+            sizes: law.mean.iter().copied().collect(),
             directions: (0..count).map(alone).collect(),
             held: false,
+            law: Arc::new(law),
+            information,
             parts,
         }
+    }
+
+    /// The stated installation with what other data than the forces say of it.
+    pub fn informed(self, information: Information) -> Self {
+        Self::of(self.parts, Some(Arc::new(information)))
+    }
+
+    /// Independent errors b of the sizes.
+    fn independent(&self) -> DVector<f64> {
+        let sizes = DVector::from_column_slice(&self.sizes);
+        &self.law.inverse_root * (sizes - &self.law.mean)
+    }
+
+    /// The root of the sizes' covariance before the forces are used.
+    pub fn root(&self) -> &DMatrix<f64> {
+        &self.law.root
+    }
+
+    /// The share of each part in a combination.
+    pub fn shares(&self, direction: &[f64]) -> Vec<f64> {
+        let shares = &self.law.root * DVector::from_column_slice(direction);
+        shares.iter().copied().collect()
+    }
+
+    /// The same with nothing found of what moves the accelerometer as a slope does.
+    pub fn without_tilt(&self) -> Self {
+        let mut without = self.clone();
+        let parts = without.parts.iter().zip(&mut without.sizes);
+        for (_, size) in parts.filter(|(part, _)| part.is_tilt()) {
+            *size = 0.0;
+        }
+        without
     }
 
     /// Number of combinations that are fitted.
@@ -175,11 +292,16 @@ impl Installation {
         }
     }
 
-    /// What its sizes cost, as the logarithm of a density, and the deviations beyond those stated.
+    /// What its sizes cost, as the logarithm of a density against that of sizes of 0, and the deviations beyond those stated.
     pub fn cost(&self) -> f64 {
-        let squares: f64 = self.sizes.iter().map(|size| size * size).sum();
+        let of_mean = &self.law.inverse_root * &self.law.mean;
+        self.distance() - 0.5 * of_mean.norm_squared()
+    }
+
+    /// The same against that of the sizes' means.
+    pub fn distance(&self) -> f64 {
         let wider: f64 = self.parts.iter().map(|p| (p.sd / p.stated).ln()).sum();
-        0.5 * squares + wider
+        0.5 * self.independent().norm_squared() + wider
     }
 
     /// Whether a part is off by more than so many of its standard deviations.
@@ -206,8 +328,12 @@ impl Installation {
 
     /// By how much a combination is off, in standard deviations.
     pub fn along(&self, direction: usize) -> f64 {
-        let shares = self.directions[direction].iter();
-        shares.zip(&self.sizes).map(|(v, size)| v * size).sum()
+        let errors = self.independent();
+        let direction = self.directions[direction].iter();
+        direction
+            .zip(errors.iter())
+            .map(|(v, error)| v * error)
+            .sum()
     }
 
     /// The combinations of parts of which one standard deviation shows, from their products in the rows (parts by parts).
@@ -215,7 +341,8 @@ impl Installation {
     /// With G these products beyond the base, the eigenvectors of G are told apart by the data, and one of eigenvalue g moves no
     /// statistic by more than the root of g: those below `least` are left out, and with them what no fit could hold.
     pub fn told_apart(&self, products: &DMatrix<f64>, least: f64) -> Self {
-        let eigen = products.clone().symmetric_eigen();
+        let root = self.root();
+        let eigen = (root * products * root).symmetric_eigen();
         let kept = (0..eigen.eigenvalues.len()).filter(|k| eigen.eigenvalues[*k] >= least);
         Self {
             directions: kept
@@ -233,6 +360,7 @@ impl Installation {
                 (part.sd, *size) = (part.stated, 0.0);
             }
         }
+        stated.law = Arc::new(SizeLaw::of(&stated.parts, stated.information.as_deref()));
         stated
     }
 
@@ -240,7 +368,7 @@ impl Installation {
     pub fn part_by_part(&self) -> Self {
         Self {
             sizes: self.sizes.clone(),
-            ..Self::of(self.parts.clone())
+            ..Self::of(self.parts.clone(), None)
         }
     }
 
@@ -252,13 +380,14 @@ impl Installation {
                 part.sd *= factor;
             }
         }
-        Self::of(parts)
+        Self::of(parts, self.information.clone())
     }
 
     /// Moves all combinations, in standard deviations.
     pub fn step(&mut self, by: &[f64]) {
         for (direction, by) in self.directions.iter().zip(by) {
-            for (size, share) in self.sizes.iter_mut().zip(direction) {
+            let shares = &self.law.root * DVector::from_column_slice(direction);
+            for (size, share) in self.sizes.iter_mut().zip(shares.iter()) {
                 *size += by * share;
             }
         }
@@ -275,7 +404,8 @@ impl Installation {
     pub fn combined(&self, parts: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let combined = |direction: &Vec<f64>| {
             let mut sum = vec![0.0; parts[0].len()];
-            let taking_part = direction.iter().zip(parts).filter(|(by, _)| **by != 0.0);
+            let shares = self.shares(direction);
+            let taking_part = shares.iter().zip(parts).filter(|(by, _)| **by != 0.0);
             for (by, part) in taking_part {
                 for (sum, x) in sum.iter_mut().zip(part) {
                     *sum += by * x;
@@ -291,9 +421,11 @@ impl Installation {
     /// combination holds is open as it was stated.
     pub fn found(&self, errors: &[f64]) -> Vec<(f64, f64)> {
         let part = |(j, part): (usize, &Part)| {
-            let (mut open, mut known) = (1.0, 0.0);
+            let own = self.root().row(j);
+            let (mut open, mut known) = (own.norm_squared(), 0.0);
             for (direction, error) in self.directions.iter().zip(errors) {
-                let share = direction[j].powi(2);
+                let both = own.iter().zip(direction);
+                let share = both.map(|(r, v)| r * v).sum::<f64>().powi(2);
                 (open, known) = (open - share, known + share * error * error);
             }
             let error = (known + f64::max(open, 0.0)).sqrt();
@@ -319,6 +451,7 @@ impl Installation {
                 Wrong::PitchInertia => sled.pitch_inertia *= 1.0 + size,
                 Wrong::YawInertia => sled.yaw_inertia *= 1.0 + size,
                 Wrong::Late(_) | Wrong::Scaled(_) | Wrong::Biased(_) => {}
+                Wrong::Misaligned(_) | Wrong::GSensitive(_) => {}
             }
         }
     }
@@ -330,6 +463,26 @@ impl Installation {
         late.map(|(part, size)| part.sd * size).sum()
     }
 
+    /// From what the inertial unit said, each channel corrected by itself, to what was true of the sled.
+    pub fn unmix(&self, channels: &mut Channels) {
+        let parts = self.parts.iter().zip(&self.sizes).rev();
+        for (part, size) in parts.filter(|(part, size)| part.mixes() && **size != 0.0) {
+            let size = size * part.sd;
+            let gyros = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
+            match part.wrong {
+                Wrong::Misaligned(axis) => {
+                    for fault in Fault::MISALIGNED[axis].iter().rev() {
+                        channels.correct(fault, size);
+                    }
+                }
+                Wrong::GSensitive(axis) => {
+                    channels.correct(&Fault::picks_up(gyros[axis], Sensor::Az, 1.0, 0), size);
+                }
+                _ => {}
+            }
+        }
+    }
+
     /// From what a sensor said to what was true: what the installation is off by, then this delay [s] by effects.
     pub fn correct(&self, of: Sensor, delay_s: f64, channels: &mut Channels) {
         let parts = self.parts.iter().zip(&self.sizes);
@@ -339,7 +492,8 @@ impl Installation {
                 Wrong::Late(sensor) => channels.catch_up(sensor, size),
                 Wrong::Biased(sensor) => channels.take_off(sensor, size),
                 Wrong::Scaled(sensor) => channels.divide(sensor, 1.0 + size),
-                Wrong::Accelerometer(_) | Wrong::SlipSensor | Wrong::Centre => {}
+                Wrong::Misaligned(_) | Wrong::GSensitive(_) | Wrong::Accelerometer(_) => {}
+                Wrong::SlipSensor | Wrong::Centre => {}
                 Wrong::Mass | Wrong::PitchInertia | Wrong::YawInertia => {}
             }
         }

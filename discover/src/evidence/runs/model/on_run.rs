@@ -101,6 +101,7 @@ impl<'a> ModelOnRun<'a> {
         for (sensor, delay) in Sensor::ALL.into_iter().zip(delays) {
             installation.correct(sensor, delay, &mut channels);
         }
+        installation.unmix(&mut channels);
         Self {
             residual_model,
             frame,

@@ -7,6 +7,16 @@ use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::residual_model::{BALANCES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 
+/// Channels of the inertial unit.
+const UNIT: [Sensor; 6] = [
+    Sensor::Ax,
+    Sensor::Ay,
+    Sensor::Az,
+    Sensor::RollRate,
+    Sensor::PitchRate,
+    Sensor::YawRate,
+];
+
 /// By how much values, their derivatives and constants differ between two models' corrections of a run.
 pub struct Differences {
     sensors: Vec<(Sensor, [Vec<f64>; 2])>,
@@ -26,6 +36,14 @@ impl Differences {
             delays[0][k] != delays[1][k]
                 || parts.any(|(part, (a, b))| a != b && part.sensor() == Some(*sensor))
         };
+        // What makes channels pick up others moves all of the inertial unit.
+        let of_unit: Vec<usize> = (0..own.installation.parts.len())
+            .filter(|k| own.installation.parts[*k].mixes())
+            .collect();
+        let sizes = models.map(|model| &model.installation.sizes);
+        if of_unit.iter().any(|k| sizes[0][*k] != sizes[1][*k]) {
+            return Self::of_unit(models, frame);
+        }
         let between = |sensor: Sensor| {
             let k = sensor as usize;
             let [own, other] = [0, 1].map(|m| {
@@ -60,6 +78,32 @@ impl Differences {
                 accelerometer: [0, 1, 2].map(|k| b.accelerometer[k] - a.accelerometer[k]),
                 slip_sensor: b.slip_sensor - a.slip_sensor,
             },
+        }
+    }
+
+    /// The same where the inertial units of the two models pick up their channels by different sizes.
+    fn of_unit(models: [&ResidualModel; 2], frame: &Frame) -> Self {
+        let [own, other] = models.map(|model| {
+            let mut channels = Channels::new(frame);
+            let delays = model.effects.on_track(&frame.track).delays();
+            for sensor in UNIT {
+                let delay = delays[sensor as usize];
+                model.installation.correct(sensor, delay, &mut channels);
+            }
+            model.installation.unmix(&mut channels);
+            channels
+        });
+        let between = |sensor: Sensor| {
+            let (own, other) = (own.series(sensor), other.series(sensor));
+            let by = [0, 1].map(|k| {
+                let both = other[k].iter().zip(own[k]);
+                both.map(|(other, own)| other - own).collect()
+            });
+            (sensor, by)
+        };
+        Self {
+            sensors: UNIT.into_iter().map(between).collect(),
+            constants: Constants::default(),
         }
     }
 

@@ -237,7 +237,7 @@ fn as_candidate(active: &Active, locals: &[Candidate<Amplitude>]) -> Option<Cand
     Some(candidate)
 }
 
-fn base_value(model: &Model, b: usize) -> f64 {
+pub(super) fn base_value(model: &Model, b: usize) -> f64 {
     match b {
         1 => model.friction.front.mu_zeta,
         2 => model.friction.front.k_n_per_rad,

@@ -70,14 +70,7 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
     let speed = speeds.get(speeds.len() / 2).copied().unwrap_or(10.0);
     let conditions = usual(training);
     let mut plans = Vec::new();
-    for track in &data.tracks {
-        let mut track = track.clone();
-        if data.uphill {
-            track
-                .slope_rad
-                .iter_mut()
-                .for_each(|slope| *slope = -*slope);
-        }
+    for track in data.downhill_tracks() {
         let same = Plan {
             track,
             start_speed_mps: speed,

@@ -308,7 +308,7 @@ impl Campaign<'_> {
 }
 
 /// Residuals of which no contact is taken off the side balance that set it.
-fn with_whole_side(model: &ResidualModel, frame: &Frame) -> ChannelRows {
+pub fn with_whole_side(model: &ResidualModel, frame: &Frame) -> ChannelRows {
     let mut rows = model.residuals(frame);
     if model.contacts.is_some() {
         let [bare] = &left_without(model, std::slice::from_ref(frame))[..] else {

@@ -1,7 +1,9 @@
 //! What a search over runs ends with: gaps, bins, intervals and the next model.
 
+pub(crate) mod adequacy;
 pub(crate) mod bins;
 pub(crate) mod by_run;
+pub(crate) mod choose;
 pub(crate) mod conclude;
 pub(crate) mod driven;
 pub(crate) mod explained;

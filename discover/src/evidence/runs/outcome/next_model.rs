@@ -49,3 +49,49 @@ pub fn next_model(model: &Model, residual_model: &ResidualModel, already: usize)
 pub fn table(active: &Active) -> toml::Table {
     active.table()
 }
+
+#[cfg(test)]
+mod tests {
+    use kufe_sled::Vehicle;
+    use kufe_sled::effects::{CATALOGUE, Effects, Kind};
+
+    use super::*;
+    use crate::evidence::runs::model::installation::Installation;
+
+    #[test]
+    fn a_model_with_any_effect_of_the_catalogue_is_read_back_as_it_was_written() {
+        let model = Model::published();
+        let bare = ResidualModel {
+            vehicle: Vehicle::new(&model).unwrap(),
+            base: [1.3, 0.7, 1.1, 0.9, 1.2],
+            effects: Effects::default(),
+            along_path: false,
+            installation: Installation::default(),
+            contacts: None,
+            beyond_noise: [0.0; 3],
+            frozen: Vec::new(),
+        };
+        for effect in CATALOGUE {
+            for share in [0.0, 0.137, 1.0] {
+                let parameters = effect.info.parameters.iter();
+                let values = parameters.map(|p| match p.is_amplitude() {
+                    true => p.low + share * (p.high - p.low),
+                    false => p.default,
+                });
+                let active = Active {
+                    name: format!("{}@2", effect.info.name),
+                    kind: Kind::Catalogue(effect),
+                    values: values.collect(),
+                    track: Some("east".to_owned()),
+                };
+                let text = next_model(&model, &bare.with(active.clone()), 0).to_toml();
+                let next = Model::from_toml(&text, "model.next.toml").unwrap();
+                let read = Effects::from_tables(&next.effects).unwrap();
+                assert_eq!(read.active[0].values, active.values, "{}", active.name);
+                assert_eq!(read.active[0].track, active.track);
+                let mu = |model: &Model| model.friction.longitudinal.mu.unwrap();
+                assert!((mu(&next) / mu(&model) - 1.3).abs() < 1e-12);
+            }
+        }
+    }
+}

@@ -42,6 +42,19 @@ struct Member {
 type Pair = ([usize; 2], f64);
 
 impl Campaign<'_> {
+    /// Runs that would halve the smallest sizes that can be found, which go as one over the root of their number.
+    pub fn runs_to_halve(&self) -> String {
+        let runs = self.training.len() + self.held.len();
+        let mut tracks: Vec<&str> = self.training.iter().map(|f| f.track.as_str()).collect();
+        tracks.sort_unstable();
+        tracks.dedup();
+        format!(
+            "{} more runs on {}, which would halve the smallest sizes that can be found",
+            3 * runs,
+            tracks.join(" and ")
+        )
+    }
+
     /// Plans for the first step whose class has several members, the best first; none where no track is known or no two members
     /// can be driven.
     ///

@@ -24,6 +24,11 @@ impl Campaign<'_> {
         }
         self.widen(fit);
         let frozen = fit.settled.frozen.clone();
+        let itself = ResidualModel {
+            installation: Installation::default(),
+            ..fit.settled.clone()
+        };
+        fit.conditional = Some((fit.estimates.clone(), itself));
         let sized = ResidualModel {
             installation: Installation::default(),
             frozen: fit

@@ -36,6 +36,8 @@ pub struct Data {
     pub uphill: bool,
     /// Which frames are learned from and which are locked away.
     pub(crate) locked: Locked,
+    /// The locked-away runs as recorded, which models are replayed on; empty for segments of one run.
+    pub(crate) locked_runs: Vec<Run>,
     /// Runs with gaps: what is not there, and how much takes part.
     pub gaps: Vec<TakingPart>,
     /// What a reader should know: constant columns, segments, remarks of the reader.
@@ -43,6 +45,20 @@ pub struct Data {
 }
 
 impl Data {
+    /// The tracks with slopes that are positive downhill.
+    pub(crate) fn downhill_tracks(&self) -> Vec<Track> {
+        let mut tracks = self.tracks.clone();
+        if self.uphill {
+            for track in &mut tracks {
+                track
+                    .slope_rad
+                    .iter_mut()
+                    .for_each(|slope| *slope = -*slope);
+            }
+        }
+        tracks
+    }
+
     /// The frames that are learned from.
     pub(crate) fn training(&self) -> impl Iterator<Item = &Frame> {
         self.locked.training.iter().map(|i| &self.frames[*i])
@@ -171,6 +187,11 @@ pub fn prepare(
         segmented,
         tracks: Vec::new(),
         uphill,
+        locked_runs: if segmented {
+            Vec::new()
+        } else {
+            locked.held.iter().map(|i| runs[*i].clone()).collect()
+        },
         locked,
         gaps,
         remarks,

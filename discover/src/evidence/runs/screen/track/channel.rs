@@ -5,10 +5,12 @@
 //! do not lower. Neighbouring bins are correlated by what their lag-1 correlation says.
 
 use kufe_sled::GRAVITY;
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::model::installation::{Information, Installation};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::{between_drivers, by_bin, mean};
@@ -158,7 +160,12 @@ impl TrackChannel {
         candidate: &Candidate<Amplitude>,
         size: f64,
     ) -> Vec<f64> {
-        let moved = rows_of(&residual_model.with(candidate.active(size)), frames);
+        self.change_to(&residual_model.with(candidate.active(size)), frames)
+    }
+
+    /// What another model takes off each bin's mean.
+    fn change_to(&self, moved: &ResidualModel, frames: &[Frame]) -> Vec<f64> {
+        let moved = rows_of(moved, frames);
         let of_run = |(rest, moved): (&Vec<f64>, &Vec<f64>)| {
             rest.iter().zip(moved).map(|(r, m)| r - m).collect()
         };
@@ -177,6 +184,49 @@ impl TrackChannel {
     /// Root mean square scatter of single runs about the bins' means [m/s2].
     pub fn scatter(&self) -> f64 {
         self.scatter
+    }
+
+    /// What the bins say of those parts of an installation that move the accelerometer as a slope does, the model having none of it.
+    ///
+    /// With d what one standard deviation of a part takes off each bin's mean y, W the inverse of the covariance of the means (their
+    /// scatter, the survey's error place by place, and once more alike at all places), the information is `d' W d` and the score
+    /// `d' W y`, both over the factor by which the means scatter beyond that.
+    pub fn information(
+        &self,
+        bare: &ResidualModel,
+        frames: &[Frame],
+        stated: &Installation,
+        slope_sd: f64,
+    ) -> Information {
+        let count = stated.parts.len();
+        let mut directions = DMatrix::zeros(self.bins.len(), count);
+        for part in (0..count).filter(|part| stated.parts[*part].is_tilt()) {
+            let moved = ResidualModel {
+                installation: stated.moved(part, 1.0),
+                ..bare.clone()
+            };
+            let change = DVector::from_vec(self.change_to(&moved, frames));
+            directions.set_column(part, &change);
+        }
+        let w = DVector::from_vec(self.weights(slope_sd));
+        let means = DVector::from_iterator(self.bins.len(), self.bins.iter().map(|bin| bin.2));
+        let alike = 1.0 / (1.0 / (GRAVITY * slope_sd).powi(2) + w.sum());
+        // W x, by Sherman and Morrison's formula.
+        let weighed = |x: DVector<f64>| {
+            let common = alike * w.dot(&x);
+            w.component_mul(&x.add_scalar(-common))
+        };
+        let offset = w.dot(&means) / w.sum();
+        let squares = w.dot(&means.map(|m| (m - offset).powi(2)));
+        let scatter = (squares / (self.bins.len() as f64 - 1.0)).max(1.0) * self.inflation;
+        let columns: Vec<DVector<f64>> = (0..count)
+            .map(|part| weighed(directions.column(part).into_owned()))
+            .collect();
+        let weighed_directions = DMatrix::from_columns(&columns);
+        Information {
+            precision: directions.tr_mul(&weighed_directions) / scatter,
+            scores: weighed_directions.tr_mul(&means) / scatter,
+        }
     }
 
     fn weights(&self, slope_sd: f64) -> Vec<f64> {

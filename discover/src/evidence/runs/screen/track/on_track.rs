@@ -9,6 +9,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::Effort;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::laws::sums::total;
+use crate::evidence::runs::model::installation::{Information, Installation, Part};
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel, TRACK};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
@@ -43,6 +44,36 @@ impl Surveyed {
 }
 
 impl Campaign<'_> {
+    /// What the track channel says of an installation beside a model: nothing where there is none, or where a slope fitted in it has already
+    /// taken what it says.
+    pub fn track_information(
+        &self,
+        model: &ResidualModel,
+        stated: &Installation,
+    ) -> Option<Information> {
+        if !self.used[3] || !stated.parts.iter().any(Part::is_tilt) {
+            return None;
+        }
+        let bare = ResidualModel {
+            installation: stated.clone(),
+            ..model.clone()
+        };
+        let channel = TrackChannel::new(&bare, &self.training, self.rules())?;
+        let slope_sd = (self.model.survey).map_or(self.rules().slope_sd_rad, |s| s.slope_sd_rad);
+        Some(channel.information(&bare, &self.training, stated, slope_sd.max(1e-6)))
+    }
+
+    /// Whether a tilt of the accelerometer is larger than the tolerances allow: friction follows it, so that it comes before the forces.
+    pub fn is_tilted(&self, model: &ResidualModel, track: &Surveyed) -> bool {
+        let stands = |(c, candidate): (usize, &Candidate<Amplitude>)| {
+            let seen = track.channel.judge(c, track.sd);
+            let tolerance = self.tolerance(model, candidate);
+            let slopes = ["rad", "m/s2"].contains(&candidate.unit.as_str());
+            slopes && seen.size.abs() > self.rules().belief * tolerance
+        };
+        track.list.iter().enumerate().any(stands)
+    }
+
     /// The channel, unless there is none, its runs disagree, or a slope fitted in it has already taken what it says.
     pub fn surveyed(
         &self,
@@ -60,6 +91,11 @@ impl Campaign<'_> {
             .collect();
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
         let sd = stated.unwrap_or(self.rules().slope_sd_rad);
+        // A tilt that the channel itself has told of would hide what it says.
+        let residual_model = &ResidualModel {
+            installation: residual_model.installation.without_tilt(),
+            ..residual_model.clone()
+        };
         let mut channel = TrackChannel::new(residual_model, &self.training, self.rules())?;
         if stated.is_none() && account.steps.is_empty() {
             account.remarks.push(format!(
@@ -101,8 +137,10 @@ impl Campaign<'_> {
     fn tolerance(&self, model: &ResidualModel, candidate: &Candidate<Amplitude>) -> f64 {
         let known = self.model.tolerances.unwrap_or_default();
         match candidate.unit.as_str() {
-            "rad" => known.accel_bias_mps2 / GRAVITY,
-            "m/s2" => known.accel_bias_mps2,
+            "rad" => (known.accel_bias_mps2 / GRAVITY).hypot(known.misalignment_rad),
+            "m/s2" => known
+                .accel_bias_mps2
+                .hypot(GRAVITY * known.misalignment_rad),
             // Of the speed beside the accelerometer, each of which may be late, as far as clocks were found to lie apart; and beside the slope,
             // which no low pass spreads over its time constant as it does the signals.
             "s" => {
@@ -112,6 +150,23 @@ impl Campaign<'_> {
                 (found * SQRT_2).hypot(spread)
             }
             _ => 0.0,
+        }
+    }
+
+    /// Twice the log density that a size loses against a size of 0 by what is stated of it: Student's t of four degrees of freedom, with
+    /// the survey's deviation for a slope and the tolerance for a sensor; 0 where nothing is stated.
+    fn surprise(&self, candidate: &Candidate<Amplitude>, size: f64, slope_sd: f64) -> f64 {
+        const FREEDOM: f64 = 4.0;
+        let known = self.model.tolerances.unwrap_or_default();
+        let sd = match candidate.unit.as_str() {
+            "rad" if candidate.effect == "slope" => slope_sd,
+            "rad" => known.misalignment_rad,
+            "m/s2" => known.accel_bias_mps2,
+            _ => 0.0,
+        };
+        match sd > 0.0 {
+            true => (FREEDOM + 1.0) * ((size / sd).powi(2) / FREEDOM).ln_1p(),
+            false => 0.0,
         }
     }
 
@@ -140,7 +195,10 @@ impl Campaign<'_> {
             seen.size / seen.error
         };
         let stands = |factor: f64| -> Vec<usize> {
-            let out = |c: &usize| channel.judge(*c, sd * factor).p_value <= rules.alpha_track;
+            let out = |c: &usize| {
+                let seen = channel.judge(*c, sd * factor);
+                seen.p_value <= rules.alpha_track && list[*c].admits(seen.size)
+            };
             able.iter().copied().filter(out).collect()
         };
         let standing = stands(1.0);
@@ -154,7 +212,10 @@ impl Campaign<'_> {
             }
         }
         let best = |among: Vec<usize>, factor: f64| -> Option<usize> {
-            let both = |c: usize| z(c, factor).powi(2) + of_forces[c];
+            let both = |c: usize| {
+                let size = channel.judge(c, sd * factor).size;
+                z(c, factor).powi(2) + of_forces[c] - self.surprise(&list[c], size, sd)
+            };
             among
                 .into_iter()
                 .max_by(|a, b| both(*a).total_cmp(&both(*b)))
@@ -230,6 +291,13 @@ impl Campaign<'_> {
             if channel.profile(0.5 * sd).0 <= rules.alpha_track && needed_sd > sd {
                 account.remarks.push(format!("the track's profile would be off if its survey were twice as good as stated; {needed_sd:.5} rad fits it"));
             }
+            return None;
+        }
+        // What no slope can be off by is no error of the survey.
+        if !profile.admits(slope) {
+            account.remarks.push(format!(
+                "on track {track}, s {from:.0}-{to:.0} m, the speed's derivative, the accelerometer and the slope disagree by {slope:.3} rad, more than a profile can be off by: a sensor or the distance is wrong there"
+            ));
             return None;
         }
         if channel.profile(2.0 * sd).0 > rules.alpha_track {

@@ -1,0 +1,434 @@
+//! The model that is written: read back, and compared with the model as given on the locked-away runs.
+//!
+//! Two comparisons are made on runs that no part of the search has seen:
+//!
+//! - the misfit of each channel of the balances, in pieces of a run;
+//! - the replay: the model driven from each run's start with its steering, and the differences of
+//!   time, speed and yaw rate over distance.
+//!
+//! A quantity is worse where its mean square grows beyond its scatter over the pieces or runs, and by
+//! more than a stated share. The first model with nothing worse is written, of: base and effects, the
+//! refitted base, the model as given.
+
+use kufe_sled::{
+    Inputs, Model, SimulateOptions, Track, TrackShape, Vehicle, refuse_effects, replay,
+};
+use rayon::prelude::*;
+
+use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::contacts::own::without_pushes;
+use crate::evidence::runs::fit::estimate::Estimate;
+use crate::evidence::runs::model::residual_model::{
+    BASE_NAMES, CHANNEL_NAMES, CHANNELS, ResidualModel, TRACK,
+};
+use crate::evidence::runs::outcome::lowered::with_whole_side;
+use crate::evidence::runs::outcome::next_model::next_model;
+use crate::evidence::runs::screen::track::bins::rates;
+use crate::finding::report::{Baseline, Fitted, ModelKind, Withheld};
+use crate::procedure::evidence::{Account, Choice};
+use crate::procedure::lowered::Lowered;
+use crate::procedure::rules::SearchRules;
+
+/// Columns of a replay that are compared, and their units.
+const REPLAYED: [(&str, &str); 3] = [("t_s", "s"), ("v_mps", "m/s"), ("yaw_rate_radps", "rad/s")];
+/// Step of the integration [s]: a run of 50 s then differs from one of 1 ms by less than 1 mm.
+const STEP_S: f64 = 2.5e-3;
+/// Rate of a replay's output [Hz].
+const RATE_HZ: f64 = 100.0;
+
+/// Sums of squares of one quantity with their numbers of values, by piece.
+struct Squares {
+    name: String,
+    unit: &'static str,
+    /// Variance that the sensors' noise alone gives; 0 where the squares contain it.
+    noise: f64,
+    pieces: Vec<[f64; 2]>,
+}
+
+impl Squares {
+    fn mean(&self) -> f64 {
+        let [sum, count] = [0, 1].map(|k| self.pieces.iter().map(|p| p[k]).sum::<f64>());
+        sum / count.max(1.0)
+    }
+
+    fn rms(&self) -> f64 {
+        self.mean().sqrt()
+    }
+}
+
+/// How a model does on the locked-away runs.
+struct Performance {
+    channels: Vec<Squares>,
+    replays: Vec<Squares>,
+    /// Places of the replayed ones among the locked-away runs.
+    replayed: Vec<usize>,
+}
+
+impl Performance {
+    fn all(&self) -> impl Iterator<Item = &Squares> {
+        self.channels.iter().chain(&self.replays)
+    }
+
+    fn worse_than(&self, other: &Self, rules: &SearchRules) -> Vec<String> {
+        worse(self.all(), other.all(), rules)
+    }
+
+    fn replays_worse_than(&self, other: &Self, rules: &SearchRules) -> bool {
+        !worse(self.replays.iter(), other.replays.iter(), rules).is_empty()
+    }
+}
+
+/// The quantities of which `after` leaves more than `before`, in words.
+fn worse<'a>(
+    after: impl Iterator<Item = &'a Squares>,
+    before: impl Iterator<Item = &'a Squares>,
+    rules: &SearchRules,
+) -> Vec<String> {
+    let of = |(after, before): (&Squares, &Squares)| {
+        grows(after, before, rules).then(|| {
+            let [a, b] = [after, before].map(|s| kufe::plot::quantity(s.rms(), s.unit));
+            format!("{} {a}, as given {b}", after.name)
+        })
+    };
+    after.zip(before).filter_map(of).collect()
+}
+
+/// Whether the mean square of `after` exceeds that of `before` beyond scatter and by the stated share.
+///
+/// Of fewer than three pieces the scatter is unknown: then a sum of n squares of a normal variable is
+/// taken, whose standard deviation is its mean times the root of `2 / n`.
+fn grows(after: &Squares, before: &Squares, rules: &SearchRules) -> bool {
+    let both = after.pieces.iter().zip(&before.pieces);
+    let falls: Vec<f64> = both.map(|(a, b)| b[0] - a[0]).collect();
+    let Some(lowered) = Lowered::over(&falls, 0.0) else {
+        return false;
+    };
+    let n = falls.len() as f64;
+    let sum: f64 = before.pieces.iter().map(|p| p[0]).sum();
+    let error = match falls.len() {
+        ..3 => lowered.error.max(sum * (2.0 / n).sqrt()),
+        _ => lowered.error,
+    };
+    let share = (1.0 + rules.worse).powi(2);
+    -lowered.by > rules.interval * error
+        && after.mean() + before.noise > share * (before.mean() + before.noise)
+}
+
+impl Campaign<'_> {
+    /// The model to write, of these two fits and the model as given.
+    pub fn chosen(&self, refitted: &RunFit, last: RunFit, account: &mut Account) -> Choice<RunFit> {
+        let rules = &self.options.rules.search;
+        let as_given = self.as_given(refitted);
+        let given = match self.performance(&as_given, None) {
+            Ok(performance) => performance,
+            Err(reason) => {
+                account.remarks.push(format!(
+                    "the model as given cannot be compared on the runs put aside: {reason}"
+                ));
+                Performance {
+                    channels: Vec::new(),
+                    replays: Vec::new(),
+                    replayed: Vec::new(),
+                }
+            }
+        };
+        let with_effect = !last.owners.is_empty()
+            || (last.settled.contacts.as_ref()).is_some_and(|contacts| contacts.step.is_some());
+        let mut candidates = vec![(ModelKind::Refitted, refitted.clone())];
+        if with_effect {
+            candidates.insert(0, (ModelKind::WithEffect, last.clone()));
+        }
+        let mut done: Vec<(ModelKind, Option<Performance>)> = Vec::new();
+        let mut withheld = Vec::new();
+        let (mut chosen, mut changed) = (None, true);
+        for (kind, fit) in candidates {
+            let mut tried: Vec<(RunFit, Result<Performance, String>)> = Vec::new();
+            for fit in std::iter::once(fit.clone()).chain(self.conditional(&fit)) {
+                let performance = self.performance(&fit, Some(&given.replayed));
+                tried.push((fit, performance));
+            }
+            let reasons: Vec<Vec<String>> = tried
+                .iter()
+                .map(|(_, p)| match p {
+                    Ok(p) => p.worse_than(&given, rules),
+                    Err(reason) => vec![reason.clone()],
+                })
+                .collect();
+            let able = |k: usize| reasons.get(k).is_some_and(Vec::is_empty);
+            let nearer = match &tried[..] {
+                [(_, Ok(recorded)), (_, Ok(itself))] => {
+                    recorded.replays_worse_than(itself, rules)
+                        && !itself.replays_worse_than(recorded, rules)
+                }
+                _ => false,
+            };
+            let best = match (able(0), able(1)) {
+                (true, true) => usize::from(nearer),
+                (false, true) => 1,
+                _ => 0,
+            };
+            let is_able = able(best);
+            if !is_able && chosen.is_none() {
+                let effects = fit.residual_model.effects.active[fit.already()..].iter();
+                withheld.push(Withheld {
+                    model: kind,
+                    effects: effects.map(|e| e.effect_name().to_owned()).collect(),
+                    reason: reasons[best].join("; "),
+                });
+            }
+            let (fit, performance) = tried.swap_remove(best);
+            done.push((kind, performance.ok()));
+            if is_able && chosen.is_none() {
+                changed = best > 0 || (with_effect && kind == ModelKind::Refitted);
+                chosen = Some((kind, fit));
+            }
+        }
+        let (mut written, fit) = chosen.unwrap_or((ModelKind::AsGiven, as_given));
+        if written == ModelKind::Refitted && fit.settled.base == self.given.base {
+            written = ModelKind::AsGiven;
+        }
+        if with_effect && written != ModelKind::WithEffect {
+            let reason = withheld.first().map_or("", |w| w.reason.as_str());
+            account.are_withheld(reason);
+        }
+        if written == ModelKind::AsGiven
+            && let Some(of_base) = withheld.iter().find(|w| w.model == ModelKind::Refitted)
+        {
+            account.remarks.push(format!(
+                "a refit of friction and grip is worse on the runs put aside ({}): model.next.toml is the model as given",
+                of_base.reason
+            ));
+        }
+        let rms = |kind: ModelKind, k: usize| {
+            let (_, performance) = done.iter().find(|(known, _)| *known == kind)?;
+            performance.as_ref()?.all().nth(k).map(Squares::rms)
+        };
+        let baselines = given.all().enumerate().map(|(k, squares)| Baseline {
+            quantity: squares.name.clone(),
+            unit: squares.unit.to_owned(),
+            as_given: squares.rms(),
+            refitted: rms(ModelKind::Refitted, k),
+            with_effect: rms(ModelKind::WithEffect, k),
+        });
+        Choice {
+            fit,
+            changed,
+            written,
+            baselines: baselines.collect(),
+            withheld,
+        }
+    }
+
+    /// Base parameters that the refit moves by more than the plausible factor.
+    pub fn implausible(&self, base: &[Fitted], account: &mut Account) -> Vec<Fitted> {
+        let most = self.options.rules.search.plausible;
+        let far = |(b, fitted): (&usize, &Fitted)| {
+            let given = super::conclude::base_value(self.model, *b);
+            let factor = fitted.value / given;
+            let is_far = !(1.0 / most..=most).contains(&factor);
+            is_far.then(|| {
+                account.remarks.push(format!(
+                    "{} = {:.4} is {factor:.1} times the given {given:.4}: an error of the model, of a sensor or of the data rather than of this parameter",
+                    BASE_NAMES[*b], fitted.value
+                ));
+                fitted.clone()
+            })
+        };
+        self.free.iter().zip(base).filter_map(far).collect()
+    }
+
+    /// The model as given, with the estimates of a refit stated for it.
+    fn as_given(&self, refitted: &RunFit) -> RunFit {
+        let settled = ResidualModel {
+            contacts: refitted.settled.contacts.clone(),
+            ..self.given.clone()
+        };
+        let free = self.free.len();
+        let stated = |(k, e): (usize, &Estimate)| match self.free.get(k) {
+            Some(b) => e.stated_as(settled.base[*b]),
+            None => *e,
+        };
+        let known = refitted.estimates.iter().take(free).enumerate();
+        let rest = refitted.estimates.iter().skip(free);
+        RunFit {
+            estimates: known.map(stated).chain(rest.copied()).collect(),
+            settled,
+            conditional: None,
+            ..refitted.clone()
+        }
+    }
+
+    /// The same fit, written as it is conditional on the installation errors.
+    fn conditional(&self, fit: &RunFit) -> Option<RunFit> {
+        let (estimates, settled) = fit.conditional.clone()?;
+        Some(RunFit {
+            estimates,
+            settled,
+            conditional: None,
+            ..fit.clone()
+        })
+    }
+
+    /// What a fit's model leaves of the locked-away runs, read back from its file's text.
+    ///
+    /// Of the runs those are replayed that are stated, or all that can be.
+    fn performance(&self, fit: &RunFit, runs: Option<&[usize]>) -> Result<Performance, String> {
+        let text = next_model(self.model, &fit.settled, fit.already()).to_toml();
+        let vehicle = self.read_back(&text)?;
+        let (replayed, replays) = self.replay_squares(&vehicle, runs)?;
+        Ok(Performance {
+            channels: self.channel_squares(&fit.settled),
+            replays,
+            replayed,
+        })
+    }
+
+    /// The vehicle of a model's text, by the readers of the simulation commands.
+    fn read_back(&self, text: &str) -> Result<Vehicle, String> {
+        let read = || -> Result<Vehicle, kufe_sled::Error> {
+            let mut model = Model::from_toml(text, "model.next.toml")?;
+            model.folder.clone_from(&self.model.folder);
+            let vehicle = Vehicle::with_effects(&model)?;
+            for frame in &self.held {
+                let run = format!("run {}", frame.name);
+                refuse_effects(&vehicle.effects, &frame.stated_nowhere(), &run)?;
+            }
+            Ok(vehicle)
+        };
+        read().map_err(|error| format!("it cannot be simulated: {error}"))
+    }
+
+    fn channel_squares(&self, model: &ResidualModel) -> Vec<Squares> {
+        let rules = self.rules();
+        let used: Vec<usize> = (0..CHANNELS).filter(|c| self.used[*c]).collect();
+        let of_run = |frame| -> Vec<Vec<[f64; 2]>> {
+            let frame = &without_pushes(frame);
+            let mut rows = with_whole_side(model, frame);
+            rows[TRACK] = rates(frame, &rows[TRACK], rules.track_bin_m);
+            let pieces = frame.row_count().div_ceil(rules.piece_rows).max(1);
+            let of_channel = |c: &usize| {
+                let length = rows[*c].len().div_ceil(pieces).max(1);
+                let squares = |piece: &[f64]| piece.iter().map(|r| r * r).sum();
+                let pieces = rows[*c].chunks(length);
+                pieces
+                    .map(|piece| [squares(piece), piece.len() as f64])
+                    .collect()
+            };
+            used.iter().map(of_channel).collect()
+        };
+        let runs: Vec<Vec<Vec<[f64; 2]>>> = self.held.par_iter().map(of_run).collect();
+        let of_channel = |(k, c): (usize, &usize)| Squares {
+            name: CHANNEL_NAMES[*c].0.to_owned(),
+            unit: CHANNEL_NAMES[*c].1,
+            noise: 0.0,
+            pieces: runs.iter().flat_map(|run| run[k].iter().copied()).collect(),
+        };
+        used.iter().enumerate().map(of_channel).collect()
+    }
+
+    /// Squares of the replays' differences, one piece a run, and the runs; none for runs whose track has no table.
+    fn replay_squares(
+        &self,
+        vehicle: &Vehicle,
+        stated: Option<&[usize]>,
+    ) -> Result<(Vec<usize>, Vec<Squares>), String> {
+        let mut vehicle = vehicle.clone();
+        // A push that differs from run to run belongs to none of them.
+        vehicle.effects.active.retain(|effect| !effect.varies());
+        let tracks: Vec<Track> = self.data.downhill_tracks();
+        let all = &self.data.locked_runs;
+        let on_track = |i: &usize| tracks.iter().any(|t| t.name == all[*i].entry.track);
+        let able = || (0..all.len()).filter(on_track).collect();
+        let runs: Vec<usize> = stated.map_or_else(able, <[usize]>::to_vec);
+        let of_run = |i: &usize| -> Result<([f64; 3], [f64; 3]), String> {
+            let run = &all[*i];
+            let track = tracks.iter().find(|t| t.name == run.entry.track);
+            let track = track.expect("runs without a track are filtered out");
+            let failed = |error: kufe_sled::Error| {
+                format!("run {} cannot be replayed with it: {error}", run.entry.run)
+            };
+            let inputs = Inputs::of(run, &vehicle, track.s_m[0]).map_err(failed)?;
+            let options = SimulateOptions {
+                step_s: STEP_S,
+                rate_hz: RATE_HZ,
+                conditions: run.entry.conditions,
+                ..SimulateOptions::default()
+            };
+            let shape = TrackShape::new(track);
+            let replay = replay(&inputs, &vehicle, &shape, &options).map_err(failed)?;
+            if let Some(stopped) = replay.stopped {
+                return Err(format!(
+                    "run {} stops in its replay: {stopped}",
+                    run.entry.run
+                ));
+            }
+            let mean_square = REPLAYED.map(|(column, _)| {
+                let of = replay.differences.iter().find(|d| d.column == column);
+                of.map_or(0.0, |d| d.rms * d.rms)
+            });
+            Ok((
+                mean_square,
+                [run.dt_s, inputs.noise_sd[0], inputs.noise_sd[2]],
+            ))
+        };
+        let tried: Vec<Result<_, String>> = runs.par_iter().map(of_run).collect();
+        let (mut replayed, mut each) = (Vec::new(), Vec::new());
+        for (run, tried) in runs.into_iter().zip(tried) {
+            match tried {
+                Ok(one) => {
+                    replayed.push(run);
+                    each.push(one);
+                }
+                Err(error) if stated.is_some() => return Err(error),
+                Err(_) => {}
+            }
+        }
+        let of_column = |(k, (column, unit)): (usize, &(&str, &'static str))| Squares {
+            name: format!("replay {column}"),
+            unit,
+            noise: each.iter().map(|(_, noise)| noise[k].powi(2)).sum::<f64>()
+                / each.len().max(1) as f64,
+            pieces: each.iter().map(|(squares, _)| [squares[k], 1.0]).collect(),
+        };
+        let columns = match each.is_empty() {
+            true => Vec::new(),
+            false => REPLAYED.iter().enumerate().map(of_column).collect(),
+        };
+        Ok((replayed, columns))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn squares(pieces: &[f64], noise: f64) -> Squares {
+        Squares {
+            name: String::new(),
+            unit: "",
+            noise,
+            pieces: pieces.iter().map(|square| [*square, 1.0]).collect(),
+        }
+    }
+
+    #[test]
+    fn a_quantity_is_worse_beyond_its_scatter_its_noise_and_the_stated_share() {
+        let rules = SearchRules::default();
+        let before = squares(&[1.0, 1.1, 0.9, 1.0], 0.0);
+        let grown = |pieces: &[f64], noise| grows(&squares(pieces, noise), &before, &rules);
+        assert!(grown(&[2.0, 2.2, 1.9, 2.1], 0.0));
+        // One run of four is far worse, the others are not: within the scatter.
+        assert!(!grown(&[5.0, 1.1, 0.9, 1.0], 0.0));
+        // Worse in each run, by less than the share.
+        assert!(!grown(&[1.01, 1.11, 0.91, 1.01], 0.0));
+        let quiet = squares(&[1e-4; 4], 1.0);
+        assert!(!grows(
+            &squares(&[1e-2, 1.1e-2, 1e-2, 0.9e-2], 1.0),
+            &quiet,
+            &rules
+        ));
+        // A single run has no scatter of its own.
+        assert!(!grows(&squares(&[2.0], 0.0), &squares(&[1.0], 0.0), &rules));
+        assert!(grows(&squares(&[5.0], 0.0), &squares(&[1.0], 0.0), &rules));
+    }
+}
