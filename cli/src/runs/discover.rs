@@ -130,6 +130,9 @@ fn rules(path: &Path) -> Result<Rules, Failure> {
 
 fn tell(report: &Report, output: &Path) {
     say(&format!("{}\n", report.sentence));
+    if !report.explained.is_empty() {
+        say(&format!("{}\n", report.explained));
+    }
     say(&format!(
         "written: {}\n",
         output.join("report.html").display()

@@ -106,8 +106,14 @@ pub struct Step {
     /// Beyond the catalogue: the formula as the next model has it, whose unit is that of the step's parameter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<String>,
-    /// The larger of the p-values by randomisation and against twins.
+    /// p-value over all effects that were tested.
     pub p_value: f64,
+    /// The same where runs are independent of one another; absent where it was judged otherwise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p_runs: Option<f64>,
+    /// The same where sessions are independent and the runs of one may share a fault; absent with a single session.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p_sessions: Option<f64>,
     /// Parameters.
     pub parameters: Vec<Fitted>,
     /// Root mean square of the channel's residual before.
@@ -379,6 +385,9 @@ pub struct Report {
     pub verdict: Verdict,
     /// The outcome in a sentence.
     pub sentence: String,
+    /// What share of the repeatable misfit the answer explains, what remains and where; empty where the data are no runs.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub explained: String,
     /// Whether nothing that repeats from run to run remains beyond a small share in any channel.
     pub adequate: bool,
     /// What remains of it by channel; empty where the data are no runs.

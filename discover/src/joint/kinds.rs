@@ -6,7 +6,7 @@ use crate::joint::combine::{parted, together};
 use crate::joint::kept::Part;
 use crate::options::Options;
 use crate::procedure::beside::Amount;
-use crate::procedure::evidence::Account;
+use crate::procedure::evidence::{Account, Dependence};
 
 /// The kind of data whose model is a case.
 pub const PRESSURES: &str = "pressures";
@@ -100,7 +100,11 @@ impl<'a> Joint<'a> {
         let name = self.kinds[kind].name;
         let of = |text: String| format!("{name}: {text}");
         account.remarks.extend(own.remarks.into_iter().map(of));
-        account.depends.extend(own.depends.into_iter().map(of));
+        let depends = own.depends.into_iter().map(|one| Dependence {
+            assumption: of(one.assumption),
+            ..one
+        });
+        account.depends.extend(depends);
         if let Some(why) = own.unexplained {
             // Told beside the names that other kinds of data have found.
             let remark = of(format!("something is left without a name: {why}"));

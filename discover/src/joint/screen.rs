@@ -10,7 +10,7 @@ use crate::finding::report::Rival;
 use crate::joint::combine::{chance, gain, parted};
 use crate::joint::kinds::{Joint, JointFit, Origin};
 use crate::procedure::beside::Amount;
-use crate::procedure::evidence::{Account, Claim};
+use crate::procedure::evidence::{Account, Claim, Randomised};
 
 /// An effect that several kinds of data show, none of them surely.
 struct Weak {
@@ -170,6 +170,7 @@ impl Joint<'_> {
             claim: claim.candidate.act,
         });
         joint.p_value = best.p_value;
+        joint.randomised = Randomised::default();
         let least = best.gain - self.needed_t().powi(2);
         for rival in weak.iter().filter(|w| w.gain >= least) {
             let effect = &rival.by_kind[0].1.effect;

@@ -125,6 +125,7 @@ fn claimed(effect: &str, size: f64, rivals: &[(&str, f64)]) -> Claim<usize> {
             .collect(),
         rivals: rivals.iter().map(rival).collect(),
         p_value: 1e-3,
+        randomised: Default::default(),
         place: String::new(),
         channel: ("along", "N"),
         remark: None,

@@ -1,5 +1,6 @@
 //! What chance alone shows: randomisations, their largest statistics and the tail beyond them.
 
+pub(crate) mod clusters;
 pub(crate) mod gumbel;
 pub(crate) mod permutations;
 pub(crate) mod random;

@@ -121,9 +121,18 @@ pub struct Account {
     /// What the reader should know.
     pub remarks: Vec<String>,
     /// Assumptions without which a claim would not stand.
-    pub depends: Vec<String>,
+    pub depends: Vec<Dependence>,
     /// What differs although nothing can be named.
     pub unexplained: Option<String>,
+}
+
+/// An assumption on which a claim depends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dependence {
+    /// What depends on what.
+    pub assumption: String,
+    /// What to measure to be free of it.
+    pub decides: String,
 }
 
 impl Account {
@@ -205,6 +214,15 @@ pub struct Screen<A> {
     pub detectable: Vec<Detectable>,
 }
 
+/// p-values of a claim by randomisations, where they can be made.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Randomised {
+    /// Runs independent of one another.
+    pub runs: Option<f64>,
+    /// Sessions independent, the runs of one not.
+    pub sessions: Option<f64>,
+}
+
 /// One effect that stands out.
 pub struct Claim<A> {
     /// The effect.
@@ -219,6 +237,8 @@ pub struct Claim<A> {
     pub rivals: Vec<Rival>,
     /// p-value over all candidates of its kind.
     pub p_value: f64,
+    /// p-values by randomisations of runs and sessions.
+    pub randomised: Randomised,
     /// Where.
     pub place: String,
     /// Channel in which it shows most, and that channel's unit.
@@ -239,6 +259,7 @@ impl<A> Claim<A> {
             class: self.class.clone(),
             rivals: self.rivals.clone(),
             p_value: self.p_value,
+            randomised: self.randomised,
             place: self.place.clone(),
             channel: self.channel,
             remark: self.remark.clone(),

@@ -5,7 +5,7 @@ use crate::finding::report::{Interval, Report, Step};
 use crate::options::Options;
 use crate::procedure::evidence::{Account, Claim, Evidence};
 use crate::procedure::outlast::outlast;
-use crate::procedure::sentence::sentence;
+use crate::procedure::sentence::{adequacy, sentence};
 use crate::procedure::verdict::{next_experiment, verdict};
 
 /// What a search found.
@@ -134,17 +134,21 @@ pub fn search_evidence<E: Evidence>(
         &opened.held_out,
         &next_experiment,
         &described.words,
+        &chosen.baselines,
+        adequate,
     );
+    let explained = adequacy(&account.steps, &described.remaining);
     let Account {
         steps,
         mut remarks,
         depends,
         ..
     } = account;
-    remarks.extend(depends);
+    remarks.extend(depends.into_iter().map(|one| one.assumption));
     let report = Report {
         verdict,
         sentence,
+        explained,
         adequate,
         remaining: described.remaining,
         within_tolerance: described.within_tolerance,
@@ -189,6 +193,8 @@ fn step<A>(claim: Claim<A>, place: Option<String>, [gap_before, gap_after]: [f64
         place: place.unwrap_or(claim.place),
         law: None,
         p_value: claim.p_value,
+        p_runs: claim.randomised.runs,
+        p_sessions: claim.randomised.sessions,
         parameters: claim.parameters,
         gap_before,
         gap_after,
@@ -205,7 +211,7 @@ mod tests {
     use super::*;
     use crate::finding::report::Verdict;
     use crate::procedure::candidate::Candidate;
-    use crate::procedure::evidence::{Added, Description, Opened, Screen};
+    use crate::procedure::evidence::{Added, Description, Opened, Randomised, Screen};
     use crate::procedure::lowered::Lowered;
 
     /// Data in which an effect stands out at one place after another, at so many; a fit is the number of those that are added.
@@ -234,6 +240,7 @@ mod tests {
                 class: vec!["asperities".to_owned()],
                 rivals: Vec::new(),
                 p_value: 1e-3,
+                randomised: Randomised::default(),
                 place: format!("place {added}"),
                 channel: ("side", "N"),
                 remark: None,

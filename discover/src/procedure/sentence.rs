@@ -2,7 +2,7 @@
 
 use kufe::plot::{number4, quantity};
 
-use crate::finding::report::{HeldOut, Verdict};
+use crate::finding::report::{Baseline, HeldOut, Interval, Remaining, Step, Verdict};
 use crate::procedure::evidence::{Account, Words};
 
 /// One sentence for the top of the report.
@@ -12,8 +12,13 @@ pub fn sentence(
     held: &HeldOut,
     next: &str,
     words: &Words,
+    baselines: &[Baseline],
+    adequate: bool,
 ) -> String {
-    let (steps, depends) = (&account.steps, &account.depends);
+    let steps = &account.steps;
+    let depends: Vec<&str> = (account.depends.iter())
+        .map(|one| one.assumption.as_str())
+        .collect();
     let names: Vec<String> = steps
         .iter()
         .map(|step| {
@@ -44,24 +49,16 @@ pub fn sentence(
             format!("{} [{}{law}]{class}", step.effect, sizes.join("; "))
         })
         .collect();
-    let gap = if held.runs.is_empty() {
-        String::new()
-    } else {
-        format!(
-            " On {} that the search had not seen the gap went from {} to {}.",
-            match held.runs.len() {
-                1 => format!("one {}", held.what),
-                count => format!("{count} {}s", held.what),
-            },
-            quantity(held.gap_before, &held.unit),
-            quantity(held.gap_after, &held.unit)
-        )
+    let gap = gap(steps, held, baselines);
+    let more = match adequate {
+        true => "",
+        false => ", and more is missing",
     };
     match verdict {
-        Verdict::Law => format!("Beyond the catalogue: {}.{gap}", names.join(", then ")),
-        Verdict::Named => format!("Missing from the model: {}.{gap}", names.join(", then ")),
+        Verdict::Law => format!("Beyond the catalogue: {}{more}.{gap}", names.join(", then ")),
+        Verdict::Named => format!("Missing from the model: {}{more}.{gap}", names.join(", then ")),
         Verdict::OneOf => format!(
-            "Missing from the model: {}. These data cannot tell the members of a class apart; what would: {next}.{gap}",
+            "Missing from the model: {}{more}. These data cannot tell the members of a class apart; what would: {next}.{gap}",
             names.join(", then ")
         ),
         Verdict::DependsOn => format!("{}; {}.{gap}", names.join(", then "), depends.join("; ")),
@@ -70,5 +67,112 @@ pub fn sentence(
         Verdict::None if !words.nothing.is_empty() => words.nothing.clone(),
         Verdict::None => "Nothing to be found: no effect stands out from chance and from the noise of the inputs.".to_owned(),
         Verdict::NotIdentifiable => format!("Something differs that these data cannot name: {next}."),
+    }
+}
+
+/// The gap on data that the search had not seen, by the three models where they were compared.
+fn gap(steps: &[Step], held: &HeldOut, baselines: &[Baseline]) -> String {
+    let data = match held.runs.len() {
+        0 => return String::new(),
+        1 => format!("one {}", held.what),
+        count => format!("{count} {}s", held.what),
+    };
+    let of_step = steps.first().and_then(|step| {
+        let one = baselines.iter().find(|b| b.quantity == step.channel)?;
+        Some((one, one.refitted?, one.with_effect?))
+    });
+    match of_step {
+        Some((one, refitted, with_effect)) => format!(
+            " On {data} that the search had not seen the gap ({}) is {} as given, {} with the base refitted and {} with the effect.",
+            one.quantity,
+            quantity(one.as_given, &one.unit),
+            quantity(refitted, &one.unit),
+            quantity(with_effect, &one.unit)
+        ),
+        None => format!(
+            " On {data} that the search had not seen the gap went from {} to {}.",
+            quantity(held.gap_before, &held.unit),
+            quantity(held.gap_after, &held.unit)
+        ),
+    }
+}
+
+/// What of the repeatable misfit the answer explains, what remains of it and where; empty where that is unknown.
+pub fn adequacy(steps: &[Step], remaining: &[Remaining]) -> String {
+    let share = |share: &Interval| {
+        let [value, low, high] = [share.value, share.low, share.high].map(|x| 100.0 * x);
+        format!("{value:.0} % ({low:.0} to {high:.0} %)")
+    };
+    let most = |a: &&Remaining, b: &&Remaining| a.of_misfit.value.total_cmp(&b.of_misfit.value);
+    let Some(worst) = remaining.iter().max_by(most) else {
+        return String::new();
+    };
+    let of_step = steps.first().and_then(|step| {
+        let own = remaining.iter().find(|r| r.channel == step.channel)?;
+        let explained = Interval {
+            value: 1.0 - own.share.value,
+            low: 1.0 - own.share.high,
+            high: 1.0 - own.share.low,
+        };
+        Some(format!(
+            "The answer explains {} of the {} misfit that repeats from run to run. ",
+            share(&explained),
+            own.channel
+        ))
+    });
+    let rest = match worst.is_small {
+        true => format!(
+            "At most {} of the mean square misfit of a channel ({}) still repeats.",
+            share(&worst.of_misfit),
+            worst.channel
+        ),
+        false => format!(
+            "{} of the mean square {} misfit still repeats from run to run, most at {}: the model lacks something that is not explained.",
+            share(&worst.of_misfit),
+            worst.channel,
+            worst.places.join("; ")
+        ),
+    };
+    of_step.unwrap_or_default() + &rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn remaining(channel: &str, share: f64, of_misfit: f64) -> Remaining {
+        let interval = |value: f64| Interval {
+            value,
+            low: value - 0.05,
+            high: value + 0.05,
+        };
+        Remaining {
+            channel: channel.to_owned(),
+            unit: "N".to_owned(),
+            repeatable: 1.0,
+            share: interval(share),
+            of_misfit: interval(of_misfit),
+            is_small: of_misfit < 0.1,
+            places: vec!["track a, s 100 to 120 m: 60 %".to_owned()],
+        }
+    }
+
+    #[test]
+    fn the_channel_that_repeats_most_decides_what_is_said_of_adequacy() {
+        let small = adequacy(
+            &[],
+            &[remaining("side", 1.0, 0.06), remaining("yaw", 1.0, 0.02)],
+        );
+        assert_eq!(
+            small,
+            "At most 6 % (1 to 11 %) of the mean square misfit of a channel (side) still repeats."
+        );
+        let large = adequacy(
+            &[],
+            &[remaining("side", 1.0, 0.06), remaining("yaw", 1.0, 0.8)],
+        );
+        assert!(large.starts_with("80 % (75 to 85 %) of the mean square yaw misfit"));
+        assert!(large.contains("track a, s 100 to 120 m"));
+        assert!(adequacy(&[], &[]).is_empty());
     }
 }

@@ -9,7 +9,8 @@ use crate::procedure::evidence::{Account, Description};
 /// The outcome in one word.
 pub fn verdict(account: &Account, located: bool, adequate: bool) -> Verdict {
     match account.steps.first() {
-        Some(_) if !account.depends.is_empty() && account.steps.len() == 1 => Verdict::DependsOn,
+        // Each assumption is about one step.
+        Some(_) if account.depends.len() >= account.steps.len() => Verdict::DependsOn,
         Some(step) if step.law.is_some() => Verdict::Law,
         Some(step) if step.class.len() == 1 => Verdict::Named,
         Some(_) => Verdict::OneOf,
@@ -25,7 +26,11 @@ pub fn next_experiment(verdict: Verdict, account: &Account, described: &Descript
     let words = &described.words;
     match verdict {
         Verdict::NotIdentifiable => account.unexplained.clone().unwrap_or_default(),
-        Verdict::DependsOn => "a survey of the track's slope with a stated deviation".to_owned(),
+        Verdict::DependsOn => {
+            let mut what: Vec<&str> = account.depends.iter().map(|d| d.decides.as_str()).collect();
+            what.dedup();
+            what.join("; ")
+        }
         Verdict::Located => {
             let bin = |b: &Bin| format!("{} {} to {}", b.column, number4(b.from), number4(b.to));
             let places: Vec<String> = described.bins_after.iter().take(3).map(bin).collect();

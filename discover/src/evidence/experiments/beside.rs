@@ -48,6 +48,7 @@ impl Beside for Experiments<'_> {
             candidate,
             rivals: Vec::new(),
             p_value: 1.0,
+            randomised: Default::default(),
             place: "all rows".to_owned(),
             channel: ("mu", ""),
             remark: None,

@@ -26,7 +26,8 @@ use crate::options::{BEYOND, Options};
 use crate::procedure::beside::Chance;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
-    Account, Added, Claim, Description, Evidence, Meaning, Opened, SUPERFLUOUS, Screen, Words,
+    Account, Added, Claim, Description, Evidence, Meaning, Opened, Randomised, SUPERFLUOUS, Screen,
+    Words,
 };
 use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
@@ -159,6 +160,7 @@ impl<'a> Experiments<'a> {
             class,
             rivals,
             p_value: screen.p_value(named),
+            randomised: Randomised::default(),
             place: "all rows".to_owned(),
             channel: ("mu", ""),
             remark: None,

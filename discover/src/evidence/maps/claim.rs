@@ -7,7 +7,7 @@ use crate::evidence::maps::screen::correlation;
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::finding::report::Rival;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::Claim;
+use crate::procedure::evidence::{Claim, Randomised};
 use crate::procedure::rivals::{NamedEffect, RivalRule};
 
 /// The first of `lines` as a claim; `before` is the sum of squares without it.
@@ -63,6 +63,7 @@ pub fn claimed(
         class,
         rivals,
         // Of one of all effects tried, each with its size free.
+        randomised: Randomised::default(),
         p_value: (lines.len() as f64 * (-0.5 * drop).exp()).clamp(1e-12, 1.0),
         place: String::new(),
         channel: ("p", "Pa"),

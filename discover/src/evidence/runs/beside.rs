@@ -45,6 +45,7 @@ impl Beside for Campaign<'_> {
             error: amount.error,
             rivals: Vec::new(),
             p_value: 1.0,
+            randomised: Default::default(),
             place: "all runs".to_owned(),
             channel: CHANNEL_NAMES[channel],
             remark: None,

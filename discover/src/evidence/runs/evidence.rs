@@ -22,6 +22,7 @@ use crate::evidence::runs::model::residual_model::{BALANCES, CHANNEL_NAMES, Resi
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::bins::stand_out;
 use crate::evidence::runs::outcome::by_run::by_run;
+use crate::evidence::runs::outcome::conclude::shared_faults;
 use crate::evidence::runs::outcome::gap::channels;
 use crate::evidence::runs::outcome::next_model::next_model;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -341,6 +342,8 @@ impl Evidence for Campaign<'_> {
         {
             account.remarks.push("a refit of friction and grip leaves no smaller gap on the runs put aside: model.next.toml is the model as given".to_owned());
         }
+        let faults = shared_faults(&account.steps, &self.training, rules.alpha);
+        account.depends.extend(faults);
         let data = match self.data.segmented {
             true => "one run, in segments",
             false => "runs",

@@ -11,7 +11,9 @@ use crate::report::page::escape;
 /// The verdict as a heading, the effects one a line, figures to act on, and what to do next.
 pub fn summary(out: &mut String, report: Data) {
     let _ = writeln!(out, "<h1>{}</h1>", in_words(report));
-    adequacy(out, report);
+    if !report.text("explained").is_empty() {
+        let _ = writeln!(out, "<p>{}</p>", escape(report.text("explained")));
+    }
     let steps = report.list("steps");
     if steps.is_empty() {
         let _ = writeln!(
@@ -71,6 +73,14 @@ pub fn summary(out: &mut String, report: Data) {
             escape(withheld.text("reason"))
         );
     }
+    let base: Vec<String> = report.list("base").into_iter().map(size).collect();
+    if let (Some(friction), true) = (base.first(), report.text("written") != "as-given") {
+        let _ = writeln!(
+            out,
+            "<p><b>Base in the next model:</b> {}</p>",
+            escape(friction)
+        );
+    }
     for parameter in report.list("implausible") {
         let _ = writeln!(
             out,
@@ -87,46 +97,24 @@ pub fn summary(out: &mut String, report: Data) {
     }
 }
 
-/// What share of the repeatable misfit the answer explains, what remains, and where.
-fn adequacy(out: &mut String, report: Data) {
-    for channel in report
-        .list("remaining")
-        .into_iter()
-        .filter(|c| !c.is("is_small"))
-    {
-        let percent = |part: &str, of: &str| 100.0 * channel.part(part).number(of);
-        let places = channel.texts("where").join("; ");
-        let explained = match report.list("steps").is_empty() {
-            true => String::new(),
-            false => format!(
-                "; the answer explains {:.0} % of what the refitted base leaves",
-                100.0 - percent("share", "value")
-            ),
+fn in_words(report: Data) -> String {
+    let more =
+        match report.is("adequate") || !report.has("adequate") || report.list("steps").is_empty() {
+            true => "",
+            false => ", and more is missing",
         };
-        let _ = writeln!(
-            out,
-            "<p><b>The model is not adequate:</b> {:.0} % ({:.0} to {:.0} %) of the mean square misfit in {} repeats from run to run{explained}. Most of it: {}.</p>",
-            percent("of_misfit", "value"),
-            percent("of_misfit", "low"),
-            percent("of_misfit", "high"),
-            escape(channel.text("channel")),
-            escape(&places)
-        );
-    }
-}
-
-fn in_words(report: Data) -> &'static str {
-    match report.text("verdict") {
+    let words = match report.text("verdict") {
         "named" if report.list("steps").len() > 1 => "Effects are missing from the model",
         "named" => "An effect is missing from the model",
         "one-of" => "An effect is missing: one of a few",
-        "depends-on" => "What is missing depends on how well the track was surveyed",
+        "depends-on" => "Whether an effect is missing depends on an assumption",
         "law" => "Something beyond the catalogue is missing: a law for it",
         "located" => "Something is missing at some places, and has no name",
         "inadequate" => "Something that repeats from run to run is missing, and has no name",
         "none" => "Nothing is missing that these data could show",
         _ => "Something differs, but these data cannot name it",
-    }
+    };
+    format!("{words}{more}")
 }
 
 /// Name, what it means, size with interval, place.
@@ -245,6 +233,22 @@ fn gap_tile(out: &mut String, report: Data) {
             channel.text("channel"),
             quantity(channel.number("noise"), unit)
         );
+    }
+    let baselines = report.list("baselines");
+    let of_channel = |b: &&Data| {
+        b.has("refitted") && shown.is_some_and(|c| c.text("channel") == b.text("quantity"))
+    };
+    if let Some(one) = baselines
+        .iter()
+        .find(of_channel)
+        .filter(|b| b.has("with_effect"))
+    {
+        let unit = one.text("unit");
+        let [given, refitted] =
+            ["as_given", "refitted"].map(|key| number4(usual(one.number(key), unit).0));
+        let with = quantity(one.number("with_effect"), unit).replace(' ', "\u{a0}");
+        let why = format!("{why}: as given, with the base refitted, with the effect");
+        return tile(out, &format!("{given} → {refitted} → {with}"), &why);
     }
     let before = number4(usual(held.number("gap_before"), unit).0);
     let after = quantity(held.number("gap_after"), unit).replace(' ', "\u{a0}");

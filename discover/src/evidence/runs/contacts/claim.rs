@@ -18,7 +18,7 @@ use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Added, Claim};
+use crate::procedure::evidence::{Added, Claim, Randomised};
 
 /// Displacements of the contacts that the yaw balance is held against.
 const TRIALS: u64 = 999;
@@ -158,6 +158,7 @@ impl Campaign<'_> {
             class: vec![effect.info.name.to_owned()],
             rivals: Vec::new(),
             p_value: found.p_value,
+            randomised: Randomised::default(),
             place: told_places(&found.contacts),
             channel: CHANNEL_NAMES[yaw],
             remark: None,

@@ -14,7 +14,7 @@ use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::recordings::frame::further_columns;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::Claim;
+use crate::procedure::evidence::{Claim, Randomised};
 
 /// A law beside a claim.
 pub enum Law {
@@ -129,10 +129,21 @@ impl Campaign<'_> {
             class,
             rivals: Vec::new(),
             p_value,
+            randomised: Randomised {
+                runs: Some(p_value),
+                sessions: self.law_by_sessions(&shown.sums),
+            },
             remark,
             parameters: Vec::new(),
             candidate: shown.candidate,
         })))
+    }
+
+    /// The chance of a formula's score, its first column, where only sessions are independent.
+    fn law_by_sessions(&self, sums: &LawSums) -> Option<f64> {
+        let first = |rows: &DMatrix<f64>| rows.rows(0, 1).into_owned();
+        let p_values = self.p_sessions(&first(&sums.u), &[sums.shared[0]], &first(&sums.common));
+        p_values?.first().copied()
     }
 
     /// The least that the claim, unless it is a column, or one of the `strongest` leaves in a full refit.

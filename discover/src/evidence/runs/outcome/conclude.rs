@@ -13,8 +13,9 @@ use crate::evidence::runs::outcome::explained::explainable_closed;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
 use crate::finding::report::{Bin, Fitted, Interval, Step};
+use crate::null::clusters::session_numbers;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::Meaning;
+use crate::procedure::evidence::{Dependence, Meaning};
 use crate::procedure::rules::RunRules;
 
 impl Campaign<'_> {
@@ -224,6 +225,26 @@ fn track_closed(
         low: -1.0,
         high: 1.0,
     }
+}
+
+/// Steps that are chance if the runs of a session share a fault, judged at this level.
+pub fn shared_faults(steps: &[Step], training: &[Frame], alpha: f64) -> Vec<Dependence> {
+    let sessions = session_numbers(training.iter().map(|frame| frame.session.as_str()));
+    let count = sessions.iter().max().map_or(0, |last| last + 1);
+    let of = |step: &Step| {
+        let p_runs = step.p_runs.filter(|p| *p <= alpha)?;
+        let p = step.p_sessions.filter(|p| *p > alpha)?;
+        Some(Dependence {
+            assumption: format!(
+                "{}: if the runs of a session share a fault, this is chance (p = {p:.2} with {count} sessions, {p_runs:.1e} with all runs independent)",
+                step.effect
+            ),
+            decides: format!(
+                "{count} more sessions, with the sensors taken off and mounted anew before each and a recording at rest on level ice"
+            ),
+        })
+    };
+    steps.iter().filter_map(of).collect()
 }
 
 fn as_candidate(active: &Active, locals: &[Candidate<Amplitude>]) -> Option<Candidate<Amplitude>> {

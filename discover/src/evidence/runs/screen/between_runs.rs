@@ -10,7 +10,7 @@ use crate::evidence::runs::screen::levels::judge;
 use crate::finding::report::Rival;
 use crate::procedure::beside::Chance;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Account, Claim};
+use crate::procedure::evidence::{Account, Claim, Randomised};
 use crate::procedure::rivals::NamedEffect;
 
 impl Campaign<'_> {
@@ -96,6 +96,16 @@ impl Campaign<'_> {
             class,
             rivals,
             p_value: seen.p_value,
+            randomised: match list[named].act.level {
+                Level::Run => Randomised {
+                    runs: Some(seen.p_value),
+                    sessions: None,
+                },
+                _ => Randomised {
+                    runs: None,
+                    sessions: Some(seen.p_value),
+                },
+            },
             remark: None,
             parameters: Vec::new(),
         };

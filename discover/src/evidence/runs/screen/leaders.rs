@@ -3,6 +3,8 @@
 
 use std::sync::Arc;
 
+use nalgebra::DMatrix;
+
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::refit::Refit;
@@ -13,9 +15,10 @@ use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel}
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::screen::residual_screen::{RunScreen, ScreenOptions};
 use crate::finding::report::Rival;
+use crate::null::clusters::{by_sessions, session_numbers};
 use crate::null::sign_flips::chances_of_gains;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::Claim;
+use crate::procedure::evidence::{Claim, Randomised};
 
 /// A candidate with what its full refit explains.
 pub struct Leader<'a> {
@@ -235,6 +238,28 @@ impl Campaign<'_> {
         Some(fit.residual_model)
     }
 
+    /// The chance of what the best of some leaders explains where only sessions are independent.
+    fn gains_by_sessions(&self, leaders: &[Leader], best: &Leader) -> Option<f64> {
+        let place = leaders.iter().position(|leader| leader.at == best.at)?;
+        let runs = best.gains.len();
+        let gains = DMatrix::from_fn(leaders.len(), runs, |k, run| leaders[k].gains[run]);
+        let none = DMatrix::zeros(leaders.len(), 0);
+        let p_values = self.p_sessions(&gains, &vec![0.0; leaders.len()], &none)?;
+        p_values.get(place).copied()
+    }
+
+    /// p-values of candidates by their scores where only sessions are independent; `None` with a single session.
+    pub fn p_sessions(
+        &self,
+        u: &DMatrix<f64>,
+        shared: &[f64],
+        common: &DMatrix<f64>,
+    ) -> Option<Vec<f64>> {
+        let sessions = session_numbers(self.training.iter().map(|frame| frame.session.as_str()));
+        let draws = (self.options.flips, self.options.seed);
+        by_sessions(u, shared, common, &sessions, draws)
+    }
+
     /// The best of some leaders, claimed: those that explain no less are its class.
     pub fn claim_of(
         &self,
@@ -279,6 +304,10 @@ impl Campaign<'_> {
             class,
             rivals,
             p_value,
+            randomised: Randomised {
+                runs: Some(p_value),
+                sessions: self.gains_by_sessions(leaders, best),
+            },
             remark: None,
             parameters: Vec::new(),
             candidate: candidate.clone(),

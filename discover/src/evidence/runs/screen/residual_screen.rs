@@ -9,6 +9,7 @@ use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::windows::Window;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::score_sums::ScoreSums;
+use crate::null::clusters::{by_sessions, session_numbers};
 use crate::null::sign_flips::MaxT;
 use crate::procedure::candidate::Candidate;
 use crate::regression::scores::{Scores, cross_information};
@@ -57,6 +58,8 @@ pub struct CandidateScore {
     pub holds_again: bool,
     /// p-value by sign-flips, max-T over its kind.
     pub p_value: f64,
+    /// The same with the runs of a session weighted together; absent with a single session.
+    pub p_sessions: Option<f64>,
     /// What it explains, in units of the noise's variance.
     pub gain: f64,
     /// The same by sizes fitted on other runs.
@@ -147,6 +150,29 @@ pub fn screen_runs(
             options.alpha_local,
         ),
     ];
+    let sessions = session_numbers(frames.iter().map(|frame| frame.session.as_str()));
+    let families = [0, named, regular, count];
+    let p_sessions: Vec<Option<f64>> = families
+        .windows(2)
+        .flat_map(|ends| {
+            let (from, length) = (ends[0], ends[1] - ends[0]);
+            let mut rows = u.rows(from, length).into_owned();
+            let mut common = scores.common.rows(from, length).into_owned();
+            for c in (0..length).filter(|c| !usable[from + c]) {
+                rows.row_mut(c).fill(0.0);
+                common.row_mut(c).fill(0.0);
+            }
+            let shared = &scores.shared[from..from + length];
+            let tested = by_sessions(
+                &rows,
+                shared,
+                &common,
+                &sessions,
+                (options.flips, options.seed),
+            );
+            tested.map_or(vec![None; length], |p| p.into_iter().map(Some).collect())
+        })
+        .collect();
     let criticals = nulls.each_ref().map(|(null, alpha)| null.critical(*alpha));
     let family = |c: usize| usize::from(c >= named) + usize::from(c >= regular);
     let t_all = ts(&scores, &norms);
@@ -183,6 +209,7 @@ pub fn screen_runs(
                 holds: robust_t >= critical * options.holds[usize::from(c >= regular)],
                 holds_again: robust_t >= critical,
                 p_value: if usable[c] { null.p_value(t) } else { 1.0 },
+                p_sessions: p_sessions[c],
                 gain: sum * sum / information,
                 held_gain: held_gain(&scores, c),
                 detectable: (critical + options.nine_in_ten) * error * scale,

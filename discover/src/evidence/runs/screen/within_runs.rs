@@ -18,7 +18,7 @@ use crate::evidence::runs::screen::score_sums::ScoreSums;
 use crate::evidence::runs::screen::track::on_track::Surveyed;
 use crate::options::BEYOND;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Account, Claim, Screen};
+use crate::procedure::evidence::{Account, Claim, Randomised, Screen};
 use crate::regression::scores::{Scores, cross_information};
 
 impl Campaign<'_> {
@@ -266,6 +266,10 @@ impl Campaign<'_> {
             class,
             rivals,
             p_value: seen.p_value,
+            randomised: Randomised {
+                runs: Some(seen.p_value),
+                sessions: seen.p_sessions,
+            },
             remark: (bias.abs() > 1.0).then(|| {
                 format!(
                     "{}: noisy inputs alone would show T = {bias:.1}; it was taken off",

@@ -17,7 +17,7 @@ use crate::evidence::runs::screen::track::jumps;
 use crate::finding::report::{Fitted, Rival};
 use crate::options::BEYOND;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Account, Claim};
+use crate::procedure::evidence::{Account, Claim, Dependence, Randomised};
 use crate::procedure::rivals::NamedEffect;
 
 /// The track channel of a screen, where it can be used.
@@ -40,6 +40,14 @@ impl Surveyed {
             let seen = self.channel.judge(c, self.sd);
             (seen.size - size).abs() < self.within * seen.error.hypot(error)
         })
+    }
+}
+
+/// An assumption about the track's survey.
+fn on_survey(assumption: String) -> Dependence {
+    Dependence {
+        assumption,
+        decides: "a survey of the track's slope with a stated deviation".to_owned(),
     }
 }
 
@@ -259,10 +267,10 @@ impl Campaign<'_> {
             );
             let beside_line = seen.error.hypot(self.by_line(&list[named]));
             if at(2.0).is_none() {
-                account.depends.push(format!(
+                account.depends.push(on_survey(format!(
                     "{} stands out at the stated survey deviation but not at twice it",
                     list[named].effect
-                ));
+                )));
             }
             return Some(Claim {
                 place: "all runs".to_owned(),
@@ -273,6 +281,7 @@ impl Campaign<'_> {
                 class,
                 rivals,
                 p_value: seen.p_value,
+                randomised: Randomised::default(),
                 remark: None,
                 parameters: self.by_track(&list[named], seen.size, beside_line),
             });
@@ -301,9 +310,9 @@ impl Campaign<'_> {
             return None;
         }
         if channel.profile(2.0 * sd).0 > rules.alpha_track {
-            account.depends.push(format!(
+            account.depends.push(on_survey(format!(
                 "the track's profile departs from its survey at the stated deviation of {sd:.5} rad, not at twice it; {needed_sd:.5} rad fits it"
-            ));
+            )));
         }
         let candidate = profile.within(&track, from, to);
         Some(Claim {
@@ -318,6 +327,7 @@ impl Campaign<'_> {
             class: vec![profile.effect.clone()],
             rivals: Vec::new(),
             p_value: p,
+            randomised: Randomised::default(),
             remark: None,
         })
     }
@@ -341,6 +351,7 @@ impl Campaign<'_> {
             class: vec![candidate.effect.clone()],
             rivals: Vec::new(),
             p_value: jump.p_value,
+            randomised: Randomised::default(),
             remark: None,
             parameters: self.by_track(&candidate, jump.size, jump.error),
             candidate,
