@@ -50,6 +50,12 @@ pub fn next_experiment(verdict: Verdict, account: &Account, described: &Descript
         Verdict::None => words.next_after_nothing.clone(),
         Verdict::Law => {
             let of_laws = account.steps.iter().filter(|s| s.law.is_some());
+            let known = of_laws.clone().flat_map(|s| s.class.iter());
+            let known = known.filter_map(|c| described.effects.iter().find(|e| e.name == *c));
+            let decides: Vec<&str> = known.map(|e| e.decides.as_str()).collect();
+            if !decides.is_empty() {
+                return decides.join("; ");
+            }
             let columns = of_laws.flat_map(|s| s.class.iter());
             let columns: Vec<&str> = columns.filter_map(|c| c.strip_prefix("unknown:")).collect();
             format!(

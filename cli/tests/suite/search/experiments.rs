@@ -285,3 +285,54 @@ fn only_what_is_asked_for_is_looked_for() -> Outcome {
     );
     Ok(())
 }
+
+/// A hump of 18 % over speed, and a parabola of temperature: neither is a line, and each is found as what it is.
+#[test]
+fn laws_that_are_not_monotonic_are_found_as_parabolas() -> Outcome {
+    let hump = |_: f64, v: f64| 1.0 + 0.18 * (-((v - 15.0) / 4.0).powi(2)).exp();
+    let parabola = |ice: f64, _: f64| 1.0 + 0.01 * (ice + 6.5).powi(2);
+    let laws: [(&str, Box<dyn Fn(f64, f64) -> f64>); 2] =
+        [("v_mps", Box::new(hump)), ("ice_c", Box::new(parabola))];
+    for (column, law) in laws {
+        let folder = tempfile::tempdir()?;
+        let at = folder.path();
+        std::fs::write(at.join("experiments.csv"), table(law))?;
+        let found = report(at, MODEL)?;
+        let step = &found["steps"][0];
+        let name = format!("unknown:{column}*{column}");
+        assert_eq!(step["effect"], name, "{}", found["sentence"]);
+        let formula = step["law"].as_str().ok_or("no formula")?;
+        assert!(
+            formula.contains(column) && formula.contains("^2"),
+            "{formula}"
+        );
+        let read = kufe_sled::Model::from_toml(&next(at)?, "next")?;
+        assert_eq!(read.effects[&name]["expression"].as_str(), Some(formula));
+    }
+    Ok(())
+}
+
+/// The zero of the force sensor drifts while the table is measured; humidity was made to rise with it.
+#[test]
+fn what_drifts_row_by_row_is_a_rival_of_a_column_that_rises_with_the_rows() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    let rows = table(|_, _| 1.0);
+    let mut lines = rows.lines();
+    let mut text = lines.next().ok_or("no header")?.to_owned() + ",humidity_pct\n";
+    for (k, line) in lines.enumerate() {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        let mu: f64 = cells[3].parse()?;
+        cells[3] = format!("{:.7}", mu + 1e-5 * k as f64);
+        let humidity = 40.0 + 0.7 * k as f64 + f64::from((k * 7) as u32 % 5);
+        text += &format!("{},{humidity}\n", cells.join(","));
+    }
+    std::fs::write(folder.path().join("experiments.csv"), text)?;
+    let found = report(folder.path(), MODEL)?;
+    let class = found["steps"][0]["class"].as_array().ok_or("no step")?;
+    assert!(
+        class.contains(&"unknown:row".into()),
+        "{}",
+        found["sentence"]
+    );
+    Ok(())
+}

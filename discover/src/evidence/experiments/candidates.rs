@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use kufe_sled::effects::{CATALOGUE, Column, Custom, Effect, Effects, Kind};
 
-use crate::evidence::experiments::rows::Row;
+use crate::evidence::experiments::rows::{ORDER, Row};
 use crate::input::table::Table;
 use crate::procedure::candidate::Candidate;
 
@@ -17,6 +17,8 @@ pub struct FrictionChange {
     of: Change,
     /// The table that switches it on, but for its size; `None` where no simulation knows its column.
     pub table: Option<toml::Table>,
+    /// Columns that it is a function of.
+    pub columns: Vec<String>,
     /// Whether it is constant within each session.
     pub by_session: bool,
 }
@@ -92,8 +94,13 @@ pub fn list(rows: &[Row], table: &Table, model: &Effects) -> Listed {
         }
     }
     for (name, values) in further(rows) {
-        if !on(&format!("unknown:{name}")) {
-            candidates.extend(of_column(name, &values));
+        let powers: &[Power] = match name {
+            ORDER => &[Power::Linear],
+            _ => &[Power::Linear, Power::Quadratic],
+        };
+        for power in powers {
+            let column = of_column(name, &values, *power);
+            candidates.extend(column.filter(|c| !on(&c.effect)));
         }
     }
     mark_sessions(rows, &mut candidates);
@@ -111,6 +118,8 @@ fn of_catalogue(effect: &'static Effect) -> Option<Candidate<FrictionChange>> {
     let info = effect.info();
     let index = info.parameters.iter().position(|p| p.is_amplitude())?;
     let p = info.parameters[index];
+    let needed = info.needs_in_experiments().unwrap_or_default();
+    let columns = needed.iter().map(|c| c.name().to_owned()).collect();
     let defaults: Vec<f64> = info.parameters.iter().map(|p| p.default).collect();
     Some(Candidate {
         effect: info.name.to_owned(),
@@ -127,6 +136,7 @@ fn of_catalogue(effect: &'static Effect) -> Option<Candidate<FrictionChange>> {
                 effect.coefficient(&values, mu, &row.conditions) - mu
             }),
             table: Some(toml::Table::new()),
+            columns,
             by_session: false,
         },
     })
@@ -135,6 +145,7 @@ fn of_catalogue(effect: &'static Effect) -> Option<Candidate<FrictionChange>> {
 /// An effect of one's own that `model.toml` proposes with `value = 0`.
 fn own(name: &str, custom: &Custom, rows: &[Row]) -> Candidate<FrictionChange> {
     let custom = custom.clone();
+    let columns = custom.names().iter().map(ToString::to_string).collect();
     let squares = rows
         .iter()
         .map(|row| custom.coefficient(1.0, &row.conditions).powi(2));
@@ -157,6 +168,7 @@ fn own(name: &str, custom: &Custom, rows: &[Row]) -> Candidate<FrictionChange> {
         act: FrictionChange {
             of: Arc::new(move |row, _, size| custom.coefficient(size * typical, &row.conditions)),
             table: Some(table),
+            columns,
             by_session: false,
         },
     }
@@ -176,19 +188,48 @@ fn further(rows: &[Row]) -> Vec<(&str, Vec<f64>)> {
         .collect()
 }
 
-fn of_column(name: &str, values: &[f64]) -> Option<Candidate<FrictionChange>> {
+/// How mu depends on a column.
+#[derive(Clone, Copy, PartialEq)]
+enum Power {
+    Linear,
+    /// A parabola that is uncorrelated with the line: a hump, or a slope that changes.
+    Quadratic,
+}
+
+/// A law over a column: with z its value less the mean in standard deviations, z or `z^2 - s z - 1`, s being the mean of z^3.
+fn of_column(name: &str, values: &[f64], power: Power) -> Option<Candidate<FrictionChange>> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let sd = (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
     if sd <= 1e-9 * mean.abs() || sd == 0.0 {
         return None;
     }
+    let z = format!("({name} - ({mean:?})) / {sd:?}");
+    let (effect, expression, unit, skew) = match power {
+        Power::Linear => (name.to_owned(), z, format!("for {sd:.4} of {name}"), 0.0),
+        Power::Quadratic => {
+            let cubes = values.iter().map(|x| ((x - mean) / sd).powi(3));
+            let skew = cubes.sum::<f64>() / n;
+            // Of fewer than three values a parabola is no law of its own.
+            let mut distinct = values.to_vec();
+            distinct.sort_by(f64::total_cmp);
+            distinct.dedup();
+            if distinct.len() < 3 {
+                return None;
+            }
+            (
+                format!("{name}*{name}"),
+                format!("({z})^2 - ({skew:?}) * ({z}) - 1"),
+                format!("for ({sd:.4})^2 of {name}"),
+                skew,
+            )
+        }
+    };
     // Simulations know the columns of expressions alone.
     let simulated = kufe_sled::effects::is_column(name);
     let table = simulated.then(|| {
         let mut table = toml::Table::new();
-        let text = format!("({name} - ({mean:?})) / {sd:?}");
-        table.insert("expression".to_owned(), text.into());
+        table.insert("expression".to_owned(), expression.into());
         table.insert("channel".to_owned(), "friction".into());
         table.insert("low".to_owned(), (-1.0).into());
         table.insert("high".to_owned(), 1.0.into());
@@ -196,18 +237,24 @@ fn of_column(name: &str, values: &[f64]) -> Option<Candidate<FrictionChange>> {
     });
     let column = name.to_owned();
     Some(Candidate {
-        effect: format!("unknown:{name}"),
+        effect: format!("unknown:{effect}"),
         key: "value".to_owned(),
-        unit: format!("for {sd:.4} of {name}"),
+        unit,
         low: -1.0,
         high: 1.0,
         typical: 1e-4,
         decides: format!("rows in which {name} is varied by itself"),
         act: FrictionChange {
             of: Arc::new(move |row, _, size| {
-                1e-4 * size * (row.columns.get(&column).copied().unwrap_or(mean) - mean) / sd
+                let z = (row.columns.get(&column).copied().unwrap_or(mean) - mean) / sd;
+                let shape = match power {
+                    Power::Linear => z,
+                    Power::Quadratic => z * z - skew * z - 1.0,
+                };
+                1e-4 * size * shape
             }),
             table,
+            columns: vec![name.to_owned()],
             by_session: false,
         },
     })

@@ -1,9 +1,11 @@
 //! Candidates compared by fits that have several of them.
 
+use crate::evidence::experiments::candidates::FrictionChange;
 use crate::evidence::experiments::fit::{Fit, Setting, fit};
 use crate::evidence::experiments::rows::Row;
 use crate::evidence::experiments::screen::TableScreen;
 use crate::finding::report::Rival;
+use crate::procedure::candidate::Candidate;
 use crate::procedure::rivals::NamedEffect;
 use crate::procedure::rules::ExperimentRules;
 
@@ -59,6 +61,10 @@ impl Comparison<'_> {
     /// The class of a named effect and its rivals.
     pub fn class(&self, named: usize) -> (Vec<String>, Vec<Rival>) {
         let (screen, candidates) = (self.screen, &self.setting.candidates);
+        // A function of a column that the named effect reads is no other cause.
+        let read = &candidates[named].act.columns;
+        let shares_column =
+            |rival: &Candidate<FrictionChange>| rival.act.columns.iter().any(|c| read.contains(c));
         let others = candidates.iter().enumerate();
         let others = others
             .filter(|(j, _)| {
@@ -76,7 +82,7 @@ impl Comparison<'_> {
                     gain: screen.t[j].powi(2),
                     correlation: screen.correlation(named, j),
                     t_of_named_beyond: self.beside(j, named),
-                    in_class: !rival.is_column() && rival.admits(size),
+                    in_class: rival.admits(size) && !(rival.is_column() && shares_column(rival)),
                     decides: rival.decides.clone(),
                 }
             })

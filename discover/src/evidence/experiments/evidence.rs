@@ -7,15 +7,16 @@
 
 use std::path::Path;
 
+use kufe::plot::number4;
 use kufe_sled::Model;
 use kufe_sled::effects::{Effects, find};
 use kufe_sled::friction::Longitudinal;
 
 use crate::error::Error;
 use crate::evidence::experiments::bins::bins;
-use crate::evidence::experiments::candidates::{FrictionChange, list};
+use crate::evidence::experiments::candidates::{FrictionChange, list, sessions};
 use crate::evidence::experiments::compare::Comparison;
-use crate::evidence::experiments::fit::{Fit, Setting, fit};
+use crate::evidence::experiments::fit::{Fit, Setting, between_specimens, fit};
 use crate::evidence::experiments::known::Known;
 use crate::evidence::experiments::pictures::pictures;
 use crate::evidence::experiments::rows::{Row, read};
@@ -93,16 +94,20 @@ impl<'a> Experiments<'a> {
         untestable.retain(|(name, _)| options.looks_for(name));
         let locked = options.rules.lock.rows(rows.len());
         let pick = |which: &[usize]| which.iter().map(|i| rows[*i].clone()).collect();
+        let training: Vec<Row> = pick(&locked.training);
+        let mut setting = Setting {
+            candidates,
+            known,
+            base,
+            between: 0.0,
+        };
+        setting.between = between_specimens(&setting, &training);
         Ok(Self {
             model,
             options,
-            training: pick(&locked.training),
+            training,
             held: pick(&locked.held),
-            setting: Setting {
-                candidates,
-                known,
-                base,
-            },
+            setting,
             untestable,
             others,
             next_best: None,
@@ -185,6 +190,12 @@ impl Evidence for Experiments<'_> {
             account.remarks.push(format!(
                 "{} rows are too few to lock any away: the gap is judged on the rows that were fitted",
                 self.rows()
+            ));
+        }
+        if self.setting.between > 0.0 {
+            account.remarks.push(format!(
+                "specimens differ by a standard deviation of {} in mu beyond the deviations of their rows",
+                number4(self.setting.between)
             ));
         }
         let base = self.fitted(Vec::new());
@@ -341,15 +352,31 @@ impl Evidence for Experiments<'_> {
                     first.chi2
                 ),
                 next_after_nothing: format!(
-                    "{} rows leave {freedom} degrees of freedom; more specimens, each at several pressures and conditions, would let smaller effects be seen",
+                    "each specimen measured again in {} more sessions at two pressures, which would halve the smallest sizes that can be found; the {} rows leave {freedom} degrees of freedom",
+                    3 * sessions(&self.training).len(),
                     self.rows()
                 ),
             },
             next_model: self.next_model(last, &parameters, account).to_toml(),
             parameters,
+            laws: last
+                .chosen
+                .iter()
+                .map(|c| formula(&setting.candidates[*c]))
+                .collect(),
             ..Description::default()
         })
     }
+}
+
+/// The formula of a law over a column, as the next model has it.
+fn formula(candidate: &Candidate<FrictionChange>) -> Option<String> {
+    let table = candidate
+        .act
+        .table
+        .as_ref()
+        .filter(|_| candidate.is_column())?;
+    Some(table.get("expression")?.as_str()?.to_owned())
 }
 
 /// Searches an `experiments.csv`.

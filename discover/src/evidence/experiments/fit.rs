@@ -1,5 +1,7 @@
 //! Weighted least squares of mu over pressure, with the effects that take part.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::evidence::experiments::candidates::FrictionChange;
@@ -19,6 +21,63 @@ pub struct Setting {
     pub known: Known,
     /// Coefficients of the base: 3 (p^2, p, 1) or 1.
     pub base: usize,
+    /// Standard deviation of mu from specimen to specimen, beyond that of the rows.
+    pub between: f64,
+}
+
+/// Rows of one specimen share an offset: with sd_i the deviation of row i and s that between specimens, the covariance of its rows is
+/// `diag(sd^2) + s^2 1 1'`. With `a = s / sd`, its inverse root is
+///
+/// ```text
+/// (1 - (1 - 1 / sqrt(1 + |a|^2)) a a' / |a|^2) diag(1 / sd)
+/// ```
+#[derive(Clone)]
+pub struct Whitening {
+    weights: Vec<f64>,
+    /// Rows of each specimen, with a.
+    specimens: Vec<(Vec<usize>, Vec<f64>)>,
+}
+
+impl Whitening {
+    fn new(rows: &[Row], weights: Vec<f64>, between: f64) -> Self {
+        let mut specimens: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        if between > 0.0 {
+            for (i, row) in rows.iter().enumerate() {
+                specimens.entry(&row.name).or_default().push(i);
+            }
+        }
+        let specimens = specimens.into_values().map(|own| {
+            let a = own.iter().map(|i| between * weights[*i]).collect();
+            (own, a)
+        });
+        Self {
+            specimens: specimens.collect(),
+            weights,
+        }
+    }
+
+    /// Values of all rows, whitened.
+    pub fn apply(&self, values: &DVector<f64>) -> DVector<f64> {
+        let mut white = DVector::from_fn(values.len(), |i, _| values[i] * self.weights[i]);
+        for (own, a) in &self.specimens {
+            let norm = a.iter().map(|a| a * a).sum::<f64>();
+            let along: f64 = own.iter().zip(a).map(|(i, a)| a * white[*i]).sum();
+            let share = (1.0 - 1.0 / (1.0 + norm).sqrt()) * along / norm;
+            own.iter().zip(a).for_each(|(i, a)| white[*i] -= share * a);
+        }
+        white
+    }
+
+    /// Logarithm of the covariance's determinant.
+    fn log_determinant(&self) -> f64 {
+        let rows: f64 = self.weights.iter().map(|w| -2.0 * w.ln()).sum();
+        let of_specimen = |a: &Vec<f64>| a.iter().map(|a| a * a).sum::<f64>().ln_1p();
+        rows + self
+            .specimens
+            .iter()
+            .map(|(_, a)| of_specimen(a))
+            .sum::<f64>()
+    }
 }
 
 /// A fit of base and chosen candidates.
@@ -36,6 +95,8 @@ pub struct Fit {
     pub rest: DVector<f64>,
     /// Whitened columns.
     pub columns: DMatrix<f64>,
+    /// What whitens other columns.
+    pub whitening: Whitening,
 }
 
 impl Fit {
@@ -72,9 +133,9 @@ impl Fit {
         setting.candidates[chosen[k]].change(row, own.max(1e-5), size)
     }
 
-    /// Standard deviation of a row's mu, its own and that of its pressure.
+    /// Standard deviation of a row's mu: its own, that of its pressure and that of its specimen.
     pub fn deviation(&self, setting: &Setting, row: &Row) -> f64 {
-        deviation(row, &self.step, setting.base)
+        deviation(row, &self.step, setting.base).hypot(setting.between)
     }
 
     /// Root mean square of the residual of rows that may be others than the fitted.
@@ -126,19 +187,26 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
             let sd = deviation(row, &step, base);
             weights[i] = 1.0 / sd;
             for (k, x) in own.iter().enumerate() {
-                columns[(i, k)] = x / sd;
+                columns[(i, k)] = *x;
             }
-            y[i] = (row.mu - setting.known.add(row, mu.max(1e-5))) / sd;
+            y[i] = row.mu - setting.known.add(row, mu.max(1e-5));
             for (k, c) in chosen.iter().enumerate() {
                 let size: f64 = step[base + k];
                 let slope = candidates[*c].slope(row, mu.max(1e-5), size);
                 let change = candidates[*c].change(row, mu.max(1e-5), size);
                 // An effect whose bounds meet is held at them.
                 let free = candidates[*c].low < candidates[*c].high;
-                columns[(i, base + k)] = if free { slope / sd } else { 0.0 };
-                y[i] -= (change - if free { slope * size } else { 0.0 }) / sd;
+                columns[(i, base + k)] = if free { slope } else { 0.0 };
+                y[i] -= change - if free { slope * size } else { 0.0 };
             }
         }
+        let (plain_columns, plain_y) = (columns.clone(), y.clone());
+        let whitening = Whitening::new(rows, weights, setting.between);
+        for k in 0..m {
+            let white = whitening.apply(&columns.column(k).into_owned());
+            columns.set_column(k, &white);
+        }
+        let y = whitening.apply(&y);
         let inverse = ridge_inverse(columns.tr_mul(&columns));
         step = &inverse * columns.tr_mul(&y);
         for (k, c) in chosen.iter().enumerate() {
@@ -159,16 +227,111 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
                 .map(|k| (inverse[(k, k)].max(0.0) * excess).sqrt())
                 .collect(),
             chi2,
-            rms: (rest
-                .iter()
-                .zip(&weights)
-                .map(|(r, w)| (r / w).powi(2))
-                .sum::<f64>()
-                / n as f64)
-                .sqrt(),
+            rms: (&plain_y - &plain_columns * &step).norm() / (n as f64).sqrt(),
             rest,
             columns,
+            whitening,
         });
     }
     fit.expect("at least one round")
+}
+
+/// The standard deviation of mu from specimen to specimen of largest restricted likelihood beside the base; 0 where fewer than three
+/// specimens were measured or hardly any of them again.
+pub fn between_specimens(setting: &Setting, rows: &[Row]) -> f64 {
+    /// Deviations that are tried, in units of the rows' own, and how many.
+    const LARGEST: f64 = 10.0;
+    const TRIED: i32 = 60;
+    let mut names: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    if names.len() < 3 || rows.len() < names.len() + 3 {
+        return 0.0;
+    }
+    let own = rows.iter().map(|row| row.mu_sd).sum::<f64>() / rows.len() as f64;
+    let cost = |between: f64| {
+        let setting = Setting {
+            candidates: Vec::new(),
+            known: setting.known.clone(),
+            base: setting.base,
+            between,
+        };
+        let fit = fit(&setting, rows, &[]);
+        let information = fit.columns.tr_mul(&fit.columns).determinant().max(1e-300);
+        fit.chi2 + fit.whitening.log_determinant() + information.ln()
+    };
+    let tried = (0..=TRIED).map(|k| own * LARGEST * (f64::from(k) / f64::from(TRIED)).powi(2));
+    let costs = tried.map(|between| (cost(between), between));
+    costs
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or(0.0, |(_, between)| between)
+}
+
+#[cfg(test)]
+mod tests {
+    use kufe_sled::effects::Effects;
+
+    use super::*;
+    use crate::input::table::Table;
+    use crate::null::random::{normal, stream};
+
+    /// Rows of ten specimens, six each, whose mu scatters by 0.1e-3 and from specimen to specimen by `between`.
+    fn rows(between: f64) -> Vec<Row> {
+        let mut rng = stream(3, 3, 3);
+        let mut text = String::from("specimen,p_max_pa,p_max_sd_pa,mu,mu_sd\n");
+        for specimen in 0..10 {
+            let offset = between * normal(&mut rng);
+            for k in 0..6 {
+                let mu = 4e-3 + offset + 1e-4 * normal(&mut rng);
+                let pressure = 8e6 + 1e5 * f64::from(specimen + 10 * k);
+                text += &format!("s{specimen},{pressure},1e3,{mu:.8},1e-4\n");
+            }
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("experiments.csv");
+        std::fs::write(&path, text).unwrap();
+        crate::evidence::experiments::rows::read(&Table::read(&path).unwrap(), 0.0).unwrap()
+    }
+
+    fn setting(rows: &[Row]) -> Setting {
+        let table = Table {
+            file: String::new(),
+            header: Vec::new(),
+            rows: Vec::new(),
+        };
+        let mut setting = Setting {
+            candidates: Vec::new(),
+            known: Known::new(&Effects::default(), &table).unwrap().0,
+            base: 1,
+            between: 0.0,
+        };
+        setting.between = between_specimens(&setting, rows);
+        setting
+    }
+
+    /// The mean of ten specimens is known to the root of a tenth of their variance.
+    #[test]
+    fn specimens_that_differ_widen_what_is_known_of_their_mean() {
+        let rows = rows(5e-4);
+        let setting = setting(&rows);
+        assert!(
+            (3e-4..8e-4).contains(&setting.between),
+            "{}",
+            setting.between
+        );
+        let fit = fit(&setting, &rows, &[]);
+        let expected = (setting.between.powi(2) / 10.0 + 1e-8 / 60.0).sqrt();
+        assert!(
+            (fit.errors[0] / expected - 1.0).abs() < 0.2,
+            "{}",
+            fit.errors[0]
+        );
+        assert!((0.5..1.6).contains(&(fit.chi2 / 59.0)), "{}", fit.chi2);
+    }
+
+    #[test]
+    fn specimens_that_are_alike_are_not_said_to_differ() {
+        let setting = setting(&rows(0.0));
+        assert!(setting.between < 0.6e-4, "{}", setting.between);
+    }
 }

@@ -7,6 +7,7 @@ use crate::evidence::experiments::rows::Row;
 use crate::input::table::Table;
 
 /// What the effects that the model has switched on add to mu.
+#[derive(Clone)]
 pub struct Known {
     effects: Vec<Active>,
 }

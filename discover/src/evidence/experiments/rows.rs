@@ -28,6 +28,9 @@ pub struct Row {
     pub columns: BTreeMap<String, f64>,
 }
 
+/// Name of the column that counts the rows: what drifts while a table is measured follows it.
+pub const ORDER: &str = "row";
+
 /// Columns that no candidate is made of.
 const KNOWN: [&str; 6] = [
     "specimen",
@@ -105,6 +108,7 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
                 columns: further
                     .iter()
                     .map(|(name, values)| ((*name).clone(), values[i]))
+                    .chain([(ORDER.to_owned(), i as f64)])
                     .collect(),
             }
         })

@@ -140,11 +140,10 @@ pub fn screen_table(
         x - &now.columns * (&inverse * now.columns.tr_mul(x))
     };
     let whitened = |c: usize| -> DVector<f64> {
-        DVector::from_fn(n, |i, _| {
-            // The last base column is 1/sd.
+        now.whitening.apply(&DVector::from_fn(n, |i, _| {
             let (mu, _) = now.predict(setting, &rows[i], chosen);
-            candidates[c].slope(&rows[i], mu.max(1e-5), 0.0) * now.columns[(i, base - 1)]
-        })
+            candidates[c].slope(&rows[i], mu.max(1e-5), 0.0)
+        }))
     };
     let raw: Vec<DVector<f64>> = (0..candidates.len()).map(whitened).collect();
     let free: Vec<DVector<f64>> = raw.iter().map(&project).collect();
@@ -210,15 +209,24 @@ pub fn screen_table(
             largest(&project(&mixed), true)
         })
         .collect();
+    let mut specimens: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
+    specimens.sort_unstable();
+    specimens.dedup();
     let simulated: Vec<f64> = (0..options.twins.max(40))
         .map(|k| {
             let mut rng = stream(options.seed, 0x7A17, k);
+            let offsets: Vec<f64> = specimens
+                .iter()
+                .map(|_| setting.between * normal(&mut rng))
+                .collect();
             let twin: Vec<Row> = rows
                 .iter()
                 .map(|row| {
                     let mut twin = row.clone();
+                    let specimen = specimens.iter().position(|name| *name == row.name);
+                    let offset = specimen.map_or(0.0, |k| offsets[k]);
                     let (_, mu) = now.predict(setting, row, chosen);
-                    twin.mu = mu + row.mu_sd * normal(&mut rng);
+                    twin.mu = mu + offset + row.mu_sd * normal(&mut rng);
                     twin.pressure = row.pressure + row.pressure_sd * normal(&mut rng);
                     twin
                 })
