@@ -9,15 +9,15 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// [`ErrorKind::InvalidInput`] where that is a folder, a device, a pipe or a socket, or a link that leads nowhere.
 pub fn replaceable(path: &Path) -> Result<PathBuf> {
-    let told = |reason: &str| Error::new(ErrorKind::InvalidInput, reason.to_owned());
+    let failure = |reason: &str| Error::new(ErrorKind::InvalidInput, reason.to_owned());
     let place = match path.symlink_metadata() {
         Ok(found) if found.is_symlink() => path
             .canonicalize()
-            .map_err(|_| told("a link that leads nowhere is in the way"))?,
+            .map_err(|_| failure("a link that leads nowhere is in the way"))?,
         _ => path.to_path_buf(),
     };
     match place.symlink_metadata() {
-        Ok(found) if !found.is_file() => Err(told(&format!(
+        Ok(found) if !found.is_file() => Err(failure(&format!(
             "{} of that name is in the way",
             kind(found.file_type())
         ))),

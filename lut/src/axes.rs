@@ -1,7 +1,7 @@
 //! The axes of a table: their breakpoints, and the points that they span.
 
 use crate::error::Error;
-use crate::reduced::Flush;
+use crate::reduced::CurvatureScaling;
 
 /// Largest number of breakpoints of an axis.
 pub const MAX_AXIS: usize = 4096;
@@ -131,7 +131,7 @@ pub struct Axes {
     /// Breakpoints by kind.
     values: [Option<Vec<f64>>; KINDS],
     /// The parameters of the reduced curvatures that the second axis holds, where it does.
-    flush: Option<Flush>,
+    flush: Option<CurvatureScaling>,
 }
 
 impl Axes {
@@ -153,7 +153,11 @@ impl Axes {
     /// # Errors
     /// As [`with`](Self::with); [`Error::AxisValue`] where a reduced curvature is not between 0
     /// and 1.
-    pub fn reduced(fz: Vec<f64>, reduced: Vec<f64>, flush: Flush) -> Result<Self, Error> {
+    pub fn reduced(
+        fz: Vec<f64>,
+        reduced: Vec<f64>,
+        flush: CurvatureScaling,
+    ) -> Result<Self, Error> {
         if let Some(index) = reduced.iter().position(|t| !(0.0..=1.0).contains(t)) {
             return Err(Error::AxisValue {
                 axis: "reduced_curvature",
@@ -209,7 +213,7 @@ impl Axes {
     }
 
     /// Parameters of the reduced curvatures, where the second axis holds such.
-    pub fn flush(&self) -> Option<&Flush> {
+    pub fn flush(&self) -> Option<&CurvatureScaling> {
         self.flush.as_ref()
     }
 

@@ -18,7 +18,7 @@ use crate::axes::{Axes, AxisKind, KINDS, MAX_AXIS, MAX_NODES, Point};
 use crate::error::Error;
 use crate::interpolator::Mode;
 use crate::quantity::{Method, Quantity};
-use crate::reduced::Flush;
+use crate::reduced::CurvatureScaling;
 use crate::solve::Solve;
 use crate::table::{Column, InterpolationError, Origin, Table};
 
@@ -72,7 +72,7 @@ struct AxisFile {
     values: Nested<f64>,
     /// Parameters of a reduced curvature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    flush: Option<Flush>,
+    flush: Option<CurvatureScaling>,
     /// With `flush`: the curvature of every node, for readers that need only that.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     curvature_1pm: Option<Nested<f64>>,

@@ -16,7 +16,7 @@ use crate::axes::{AxisKind, Point};
 use crate::error::Error;
 use crate::monotone::{Jet, jets};
 use crate::quantity::Quantity;
-use crate::reduced::Flush;
+use crate::reduced::CurvatureScaling;
 use crate::table::Table;
 
 /// How values between the nodes are found.
@@ -127,7 +127,7 @@ pub struct Interpolator {
     fz: Breakpoints,
     curvature: Breakpoints,
     /// Parameters of the reduced curvatures on the second axis, where it holds such.
-    flush: Option<Flush>,
+    flush: Option<CurvatureScaling>,
     /// The further axes, the last one fastest.
     stack: Vec<LayerAxis>,
     /// Plain values: layer by layer, rows of constant force.

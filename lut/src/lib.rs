@@ -8,7 +8,7 @@
 //! | item | what it is |
 //! |---|---|
 //! | [`Table`] | nodes, checks between them, and their origin; reads and writes `.lut` files |
-//! | [`Axes`], [`Flush`] | the breakpoints; curvatures relative to that at which the runner lies flush |
+//! | [`Axes`], [`CurvatureScaling`] | the breakpoints; curvatures relative to that at which the runner lies flush |
 //! | [`Interpolator`] | one quantity, ready for evaluation in a [`Mode`] |
 //! | [`sweep`] | fills a [`Plan`] from a solver's answers |
 //! | [`curvature_from_pitch`] | the input that a sled measures |
@@ -34,9 +34,9 @@ pub use export::{
 };
 pub use file::MAX_FILE_BYTES;
 pub use interpolator::{Interpolated, Interpolator, Mode, Sample};
-pub use pitch::{MIN_SPEED, curvature_from_pitch, radius_from_pitch};
+pub use pitch::{MIN_SPEED, curvature_from_pitch};
 pub use quantity::{Figures, Method, Quantity};
-pub use reduced::Flush;
+pub use reduced::CurvatureScaling;
 pub use solve::Solve;
 pub use sweep::{
     Plan, Progress, Spacing, SweepError, SweepResult, each, replay, sweep, sweep_batches,

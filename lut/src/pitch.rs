@@ -27,17 +27,3 @@ pub fn curvature_from_pitch(speed: f64, pitch_rate: f64) -> f64 {
         0.0 - pitch_rate * speed / (MIN_SPEED * MIN_SPEED)
     }
 }
-
-/// Track radius in the vertical plane, `r = -v / pitch_rate` [m], guarded as
-/// [`curvature_from_pitch`].
-///
-/// Infinite on a straight and at a standstill, negative on a crest.
-///
-/// ```
-/// use kufe_lut::radius_from_pitch;
-/// assert_eq!(radius_from_pitch(30.0, -0.75), 40.0);
-/// assert_eq!(radius_from_pitch(30.0, 0.0), f64::INFINITY);
-/// ```
-pub fn radius_from_pitch(speed: f64, pitch_rate: f64) -> f64 {
-    1.0 / curvature_from_pitch(speed, pitch_rate)
-}

@@ -21,7 +21,7 @@ use crate::error::Error;
 /// curvatures to the other.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "FlushKeys")]
-pub struct Flush {
+pub struct CurvatureScaling {
     #[serde(rename = "curvature_1pm")]
     curvature: f64,
     #[serde(rename = "scale_1pm_per_n")]
@@ -42,16 +42,16 @@ struct FlushKeys {
     to_1pm: f64,
 }
 
-impl TryFrom<FlushKeys> for Flush {
+impl TryFrom<FlushKeys> for CurvatureScaling {
     type Error = Error;
 
     fn try_from(keys: FlushKeys) -> Result<Self, Error> {
         let ends = [keys.from_1pm, keys.to_1pm];
-        Flush::new(keys.curvature_1pm, keys.scale_1pm_per_n, ends)
+        CurvatureScaling::new(keys.curvature_1pm, keys.scale_1pm_per_n, ends)
     }
 }
 
-impl Flush {
+impl CurvatureScaling {
     /// The flush `curvature` [1/m], its `scale` [1/(m N)] (about `10 / (E* L^3)`), and the
     /// curvatures `from` and `to` [1/m] that the reduced curvatures 0 and 1 stand for.
     ///
@@ -81,7 +81,7 @@ impl Flush {
             let expected = "a curvature between the ends of its axis";
             return Err(wrong("curvature_1pm", curvature, expected));
         }
-        Ok(Flush {
+        Ok(CurvatureScaling {
             curvature,
             scale,
             from,
@@ -89,8 +89,8 @@ impl Flush {
         })
     }
 
-    /// Flush curvature, scale, and the curvatures at 0 and 1: the four numbers, in the order of
-    /// [`Flush::new`].
+    /// CurvatureScaling curvature, scale, and the curvatures at 0 and 1: the four numbers, in the order of
+    /// [`CurvatureScaling::new`].
     pub fn numbers(&self) -> [f64; 4] {
         [self.curvature, self.scale, self.from, self.to]
     }
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn reducing_and_back_gives_the_curvature_and_the_ends_exactly() -> Result<(), Error> {
-        let flush = Flush::new(1.0 / 30.0, 1e-8, [-0.02, 1.0 / 12.0])?;
+        let flush = CurvatureScaling::new(1.0 / 30.0, 1e-8, [-0.02, 1.0 / 12.0])?;
         for fz in [200.0, 1265.0, 8000.0] {
             assert_eq!(flush.reduced(fz, -0.02), 0.0);
             assert_eq!(flush.reduced(fz, 1.0 / 12.0), 1.0);

@@ -215,8 +215,8 @@ pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
     let (s_m, side_n): (Vec<f64>, Vec<f64>) = instants
         .map(|(state, motion)| {
             let at = Balance::new(&without.sled, state, motion);
-            let left = at.left(&at.forces(&without, &at.laws(&without)));
-            (state.s_m, left.side_n)
+            let remainder = at.residual(&at.forces(&without, &at.laws(&without)));
+            (state.s_m, remainder.side_n)
         })
         .unzip();
     let scatter_n = scatter(&side_n);

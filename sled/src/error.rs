@@ -227,15 +227,15 @@ pub enum Error {
     },
     /// A run has no certain place along its track.
     #[error(
-        "{file}: looks like no place of track {track}, or like two: {left:.2} of its curvature and bank is left at the best place and {elsewhere:.2} at another, expected below 0.5 and half as much again elsewhere"
+        "{file}: looks like no place of track {track}, or like two: {misfit:.2} of its curvature and bank is left at the best place and {elsewhere:.2} at another, expected below 0.5 and half as much again elsewhere"
     )]
     Unplaced {
         /// The file.
         file: String,
         /// The track.
         track: String,
-        /// Share of the variance that is left at the best place.
-        left: f64,
+        /// Unexplained share of the variance at the best place.
+        misfit: f64,
         /// The same at the best place elsewhere.
         elsewhere: f64,
     },

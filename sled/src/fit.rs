@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::contacts::{find_contacts, with_own_contacts};
 use crate::error::Error;
-use crate::evaluate::validate::balances_left;
+use crate::evaluate::validate::balance_residuals;
 use crate::friction::{
     Estimate, LateralFit, LateralFitOptions, LateralSample, MagicFormula, fit_lateral,
 };
 use crate::model::model_toml::Model;
 use crate::model::vehicle::Vehicle;
-use crate::motion::balance::Left;
+use crate::motion::balance::BalanceResidual;
 use crate::motion::one_track::{inverse, share_of_laws};
 use crate::signals::prepare::Prepared;
 
@@ -32,7 +32,7 @@ pub struct SledFit {
     /// Samples before anything was left out.
     pub total: usize,
     /// Root mean square of what the balances leave of all runs with the fitted laws, contacts and effects included.
-    pub left: Left,
+    pub residual: BalanceResidual,
 }
 
 /// Fits both runners to prepared runs.
@@ -92,14 +92,14 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
         }
         (front, rear, _) = both(&marked, &fitted)?;
     }
-    let left = balances_left(runs, &vehicle.with_lateral(front.model, rear.model));
+    let residual = balance_residuals(runs, &vehicle.with_lateral(front.model, rear.model));
     Ok(SledFit {
         front,
         rear,
         runs: runs.iter().map(|run| run.entry.run.clone()).collect(),
         excluded,
         contacts,
-        left,
+        residual,
         total: runs.iter().map(|run| run.states.len()).sum(),
     })
 }
@@ -123,7 +123,7 @@ impl SledFit {
             samples: self.total,
             excluded_roll_acceleration: self.excluded,
             excluded_contacts: self.contacts,
-            balances_left_rms: self.left,
+            balances_left_rms: self.residual,
             identifiability: IDENTIFIABILITY.to_owned(),
         }
     }
@@ -149,7 +149,7 @@ pub struct FitResult {
     /// Samples left out because something outside pushed.
     pub excluded_contacts: usize,
     /// Root mean square residuals of the balances with the fitted laws.
-    pub balances_left_rms: Left,
+    pub balances_left_rms: BalanceResidual,
     /// What the data can determine, in words.
     pub identifiability: String,
 }

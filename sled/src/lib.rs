@@ -45,7 +45,7 @@ mod track;
 pub use friction::GRAVITY;
 
 pub use align::estimate::TrackEstimate;
-pub use align::signature::Warp;
+pub use align::signature::DistanceWarp;
 pub use align::{Aligned, AlignedRun, align, state_places};
 pub use columns::matlab::{MatlabVariables, matlab_remark, read_matlab};
 pub use columns::parquet::{read_parquet, write_parquet};
@@ -64,7 +64,7 @@ pub use evaluate::groups::{Summary, quantile, summarise};
 pub use evaluate::validate::{
     Disagreement, LateralForce, RunValidation, TrackValidation, by_track, validate,
 };
-pub use evaluate::validate::{balances_left, residuals, root_mean_square};
+pub use evaluate::validate::{balance_residuals, residuals, root_mean_square};
 pub use fault::{Fault, FaultKind};
 pub use fit::{FitOptions, lateral_samples};
 pub use fit::{FitResult, Interval, RunnerFitResult};
@@ -76,9 +76,9 @@ pub use model::sled::{ModelConditions, Noise, Sled, Survey, Tolerances};
 pub use model::vehicle::{BaseParameter, Vehicle};
 pub use model::vehicle::{RunnerFriction, RunnerLaw, RunnerTable};
 pub use motion::balance::LawForces;
-pub use motion::balance::{Balance, Left};
+pub use motion::balance::{Balance, BalanceResidual};
 pub use motion::outside::{OutsideTable, outside_tables, table_samples, together};
-pub use motion::residual_jacobian::LeftBy;
+pub use motion::residual_jacobian::ResidualJacobian;
 pub use motion::state::from_sensors;
 pub use motion::state::{AxleForces, Motion, State};
 pub use motion::state::{Slips, lever_acceleration, slips, to_centre_of_gravity};
@@ -92,7 +92,7 @@ pub use record::files::{RunFormat, write_run};
 pub use record::files::{read_good_runs, read_needed, read_run, read_runs, state_distances};
 pub use record::gaps::Saturation;
 pub use record::gaps::{Gaps, OnGaps};
-pub use record::gaps::{TakingPart, gaps_line};
+pub use record::gaps::{SampleCoverage, gaps_line};
 pub use record::index::{
     Entry, ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS, read_index, write_index,
 };

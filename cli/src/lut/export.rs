@@ -77,26 +77,26 @@ impl Forms {
     }
 
     /// Where the forms asked for go, each with what tells it: beside the table where they name no file.
-    fn places(&self, beside: &Path) -> Vec<(&'static str, PathBuf)> {
+    fn places(&self, sibling: &Path) -> Vec<(&'static str, PathBuf)> {
         let forms = [
             (&self.csv, "csv"),
             (&self.mat, "mat"),
             (&self.header, "h"),
             (&self.fmu, "fmu"),
         ];
-        let asked = forms.into_iter().filter_map(|(asked, ending)| {
-            let named = asked.as_ref()?.clone();
+        let requested = forms.into_iter().filter_map(|(requested, ending)| {
+            let named = requested.as_ref()?.clone();
             Some((
                 ending,
-                named.unwrap_or_else(|| beside.with_extension(ending)),
+                named.unwrap_or_else(|| sibling.with_extension(ending)),
             ))
         });
-        let mut places: Vec<(&'static str, PathBuf)> = asked.collect();
+        let mut places: Vec<(&'static str, PathBuf)> = requested.collect();
         if self.simulink {
-            let folder = beside.parent().unwrap_or(Path::new(""));
+            let folder = sibling.parent().unwrap_or(Path::new(""));
             for (form, name) in ["h", "sfun", "m"]
                 .into_iter()
-                .zip(simulink_files(&stem(beside)))
+                .zip(simulink_files(&stem(sibling)))
             {
                 let path = folder.join(name);
                 if places.iter().all(|(_, known)| *known != path) {
@@ -108,8 +108,8 @@ impl Forms {
     }
 
     /// Where the forms asked for go.
-    pub fn paths(&self, beside: &Path) -> Vec<PathBuf> {
-        let places = self.places(beside).into_iter();
+    pub fn paths(&self, sibling: &Path) -> Vec<PathBuf> {
+        let places = self.places(sibling).into_iter();
         places.map(|(_, path)| path).collect()
     }
 
@@ -120,10 +120,10 @@ impl Forms {
     pub fn write(
         &self,
         table: &Table,
-        beside: &Path,
+        sibling: &Path,
         files: &OutputFiles,
     ) -> Result<Vec<PathBuf>, Failure> {
-        let stem = stem(beside);
+        let stem = stem(sibling);
         let form = |ending: &str, bytes: &mut Vec<u8>| match ending {
             "csv" => table.write_csv(bytes),
             "mat" => table.write_mat(bytes),
@@ -133,7 +133,7 @@ impl Forms {
             _ => table.write_fmu(&stem, self.rocker_radius_m, bytes),
         };
         let mut written = Vec::new();
-        for (ending, path) in self.places(beside) {
+        for (ending, path) in self.places(sibling) {
             let mut bytes = Vec::new();
             form(ending, &mut bytes)
                 .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;

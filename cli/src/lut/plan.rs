@@ -119,14 +119,14 @@ pub fn run(args: &RunArgs, global: &Global) -> Result<(), Failure> {
     let solved = watched(global, |watch| {
         solver.solve_missing(&store, points, &label, watch)
     })?;
-    let kept = points.len() - solved;
+    let retained = points.len() - solved;
     if global.json {
         let report =
-            serde_json::json!({ "shard": index, "of": count, "solved": solved, "kept": kept });
+            serde_json::json!({ "shard": index, "of": count, "solved": solved, "kept": retained });
         say(&format!("{report}\n"));
     } else if !global.quiet {
         say(&format!(
-            "shard {index}/{count}: {solved} points solved, {kept} were there\n"
+            "shard {index}/{count}: {solved} points solved, {retained} were there\n"
         ));
     }
     Ok(())

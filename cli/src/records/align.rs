@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use kufe::jobs::{Failure, runs::failure};
 use kufe_sled::{
     Aligned, Entry, Error, Model, Needs, OnGaps, PrepareOptions, Prepared, Run, RunFormat,
-    TakingPart, Track, TrackShape, Vehicle, align, gaps_line, prepare_all, read_index, read_runs,
-    run_file, state_places, track_file, write_index, write_run,
+    SampleCoverage, Track, TrackShape, Vehicle, align, gaps_line, prepare_all, read_index,
+    read_runs, run_file, state_places, track_file, write_index, write_run,
 };
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -56,9 +56,9 @@ pub struct Args {
 /// # Errors
 /// [`Failure::BadInput`] with file and place.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let told = |error: Error| failure(&error);
-    let model = Model::load(&args.model).map_err(told)?;
-    let vehicle = Vehicle::with_effects(&model).map_err(told)?;
+    let refusal = |error: Error| failure(&error);
+    let model = Model::load(&args.model).map_err(refusal)?;
+    let vehicle = Vehicle::with_effects(&model).map_err(refusal)?;
     let bar = global.progress();
     bar.set_message(format!("reading {}", args.runs.display()));
     let on_gaps = if args.strict {
@@ -67,7 +67,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         OnGaps::LeaveOut
     };
     let needs = needs(args)?;
-    let mut runs = read_runs(&args.runs, &needs, on_gaps).map_err(told)?;
+    let mut runs = read_runs(&args.runs, &needs, on_gaps).map_err(refusal)?;
     let format = if args.parquet {
         RunFormat::Parquet
     } else {
@@ -84,7 +84,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             ..PrepareOptions::default()
         },
     )
-    .map_err(told)?;
+    .map_err(refusal)?;
     let mut tracks: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for (i, run) in prepared.iter().enumerate() {
         tracks.entry(&run.entry.track).or_default().push(i);
@@ -95,9 +95,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let survey = survey(args, name)?;
         let shape = survey.as_ref().map(TrackShape::new);
         let tolerances = model.tolerances.unwrap_or_default();
-        let aligned = align(&of, &vehicle, shape.as_ref(), &tolerances).map_err(told)?;
+        let aligned = align(&of, &vehicle, shape.as_ref(), &tolerances).map_err(refusal)?;
         for (i, found) in members.iter().zip(&aligned.runs) {
-            state_places(&mut runs[*i], &found.warp).map_err(told)?;
+            state_places(&mut runs[*i], &found.warp).map_err(refusal)?;
         }
         write_track(&output, name, survey.as_ref(), &aligned)?;
         told_tracks.push(described(name, survey.is_some(), &aligned));
@@ -110,7 +110,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "version": env!("CARGO_PKG_VERSION"),
     });
     let parts = prepared.iter().map(|run| run.taking_part.clone());
-    let gaps: Vec<TakingPart> = parts.filter(|run| !run.gaps.is_none()).collect();
+    let gaps: Vec<SampleCoverage> = parts.filter(|run| !run.gaps.is_none()).collect();
     if !gaps.is_empty() {
         document["gaps"] = json!(gaps);
     }

@@ -11,8 +11,8 @@ use serde::de::DeserializeOwned;
 /// # Errors
 /// [`Failure::BadInput`] with the file and the key.
 pub fn read_json<T: DeserializeOwned>(path: &Path, longest: u64) -> Result<T, Failure> {
-    let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
-    let unreadable = |error: std::io::Error| told(format!("cannot be read: {error}"));
+    let failure = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
+    let unreadable = |error: std::io::Error| failure(format!("cannot be read: {error}"));
     let text = text_of_regular(path, longest).map_err(unreadable)?;
-    serde_json::from_str(&text).map_err(|error| told(error.to_string()))
+    serde_json::from_str(&text).map_err(|error| failure(error.to_string()))
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use kufe::jobs::{Failure, table::read_table};
 use kufe::report::{Kind, page as html};
-use kufe_lut::{Axes, Flush, Method, Mode, Quantity, Table};
+use kufe_lut::{Axes, CurvatureScaling, Method, Mode, Quantity, Table};
 use serde::Serialize;
 
 use crate::output::documents::without_idle_steel;
@@ -16,9 +16,9 @@ const MOST: [usize; 3] = [60, 60, 30];
 /// The page of a `.lut` file.
 pub fn page(path: &Path) -> Result<String, Failure> {
     let table = read_table(path)?;
-    let told = |error| Failure::BadInput(format!("{}: {error}", path.display()));
+    let failure = |error| Failure::BadInput(format!("{}: {error}", path.display()));
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let data = data(&table, &name).map_err(told)?;
+    let data = data(&table, &name).map_err(failure)?;
     Ok(html(Kind::Table, &format!("{name}, lookup table"), &data))
 }
 
@@ -86,7 +86,7 @@ fn data<'a>(table: &'a Table, name: &'a str) -> Result<TablePage<'a>, kufe_lut::
         name,
         fz: pick(axes.fz(), &taken[0]),
         curvature: pick(axes.curvature(), &taken[1]),
-        flush: axes.flush().map(Flush::numbers),
+        flush: axes.flush().map(CurvatureScaling::numbers),
         layers,
         layered,
         thinned: table.axes().node_count() > taken.iter().map(Vec::len).product(),

@@ -22,13 +22,13 @@ pub fn draw_tables(
     samples: &[Vec<Sample>; 2],
 ) -> Result<Vec<String>, Failure> {
     let mut drawn = Vec::new();
-    for ((name, table), asked) in TABLE_PICTURES.iter().zip(vehicle.tables()).zip(samples) {
+    for ((name, table), requested) in TABLE_PICTURES.iter().zip(vehicle.tables()).zip(samples) {
         let Some(file) = table.map(|table| PathBuf::from(&table.file)) else {
             continue;
         };
         let table = read_table(&file)?;
         output.draw(name, |path| {
-            draw(&table, table.judged(), Slice::default(), asked, path).map(|_| ())
+            draw(&table, table.judged(), Slice::default(), requested, path).map(|_| ())
         })?;
         drawn.push((*name).to_owned());
     }

@@ -204,8 +204,8 @@ mod tests {
             fz_n: 1e9,
             ..Form::of(&base)
         };
-        let told = form.case(&base).expect_err("far too much");
-        assert!(told.contains("fz_n = 1000000000"), "{told}");
+        let message = form.case(&base).expect_err("far too much");
+        assert!(message.contains("fz_n = 1000000000"), "{message}");
         let unknown = "{\"shape\":\"bob\",\"hull\":\"/etc/passwd\"}";
         assert!(serde_json::from_str::<Form>(unknown).is_err());
         Ok(())

@@ -439,7 +439,7 @@ pub struct Report {
     pub remarks: Vec<String>,
     /// Runs with gaps: what is not there, and how much takes part; absent where there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub gaps: Vec<kufe_sled::TakingPart>,
+    pub gaps: Vec<kufe_sled::SampleCoverage>,
     /// Kind of data.
     pub data: String,
     /// Seed.

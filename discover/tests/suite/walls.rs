@@ -86,7 +86,9 @@ fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
             .iter()
             .flat_map(|run| residuals(run, &vehicle))
             .collect();
-        let sum = |of: fn(&kufe_sled::Left) -> f64| all.iter().map(|l| of(l).powi(2)).sum::<f64>();
+        let sum = |of: fn(&kufe_sled::BalanceResidual) -> f64| {
+            all.iter().map(|l| of(l).powi(2)).sum::<f64>()
+        };
         [sum(|l| l.side_n), sum(|l| l.yaw_nm)]
     };
     let ([side, yaw], [side_next, yaw_next]) = (left(&base), left(&next));

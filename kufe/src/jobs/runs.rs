@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use kufe_sled::{
-    Error, Model, Needs, OnGaps, OutsideTable, PrepareOptions, Prepared, Run, TakingPart, Vehicle,
-    gaps_line, outside_tables, prepare_all,
+    Error, Model, Needs, OnGaps, OutsideTable, PrepareOptions, Prepared, Run, SampleCoverage,
+    Vehicle, gaps_line, outside_tables, prepare_all,
 };
 
 use crate::jobs::failure::Failure;
@@ -41,7 +41,7 @@ pub struct Loaded {
     /// Runs left out and why.
     pub left_out: Vec<String>,
     /// Runs with gaps: what is not there, and how much takes part.
-    pub gaps: Vec<TakingPart>,
+    pub gaps: Vec<SampleCoverage>,
     /// Tables of the model that do not span every sample.
     pub outside_tables: Vec<OutsideTable>,
 }
@@ -129,10 +129,10 @@ impl RunSelection {
         runs.retain(|run| {
             among(&self.session, &run.entry.session) && among(&self.track, &run.entry.track)
         });
-        let asked = runs.len();
+        let requested = runs.len();
         runs.retain(unseen);
         if runs.is_empty() {
-            let why = match asked {
+            let why = match requested {
                 0 => "none is of that session and track".to_owned(),
                 all => format!("the laws were fitted to all {all}; leave some out of the fit"),
             };
@@ -151,7 +151,7 @@ impl RunSelection {
         };
         let prepared = prepare_all(&runs, &vehicle, model.noise.as_ref(), &options)
             .map_err(|error| failure(&error))?;
-        let gaps: Vec<TakingPart> = prepared
+        let gaps: Vec<SampleCoverage> = prepared
             .iter()
             .map(|run| run.taking_part.clone())
             .filter(|run| !run.gaps.is_none())
@@ -177,11 +177,11 @@ impl RunSelection {
     fn known(
         &self,
         option: &str,
-        asked: &[String],
+        requested: &[String],
         runs: &[Run],
         of: fn(&Run) -> &String,
     ) -> Result<(), Failure> {
-        for name in asked {
+        for name in requested {
             if !runs.iter().any(|run| of(run) == name) {
                 let mut there: Vec<&str> = runs.iter().map(|run| of(run).as_str()).collect();
                 there.sort_unstable();

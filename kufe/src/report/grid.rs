@@ -95,9 +95,9 @@ impl Grid<'_> {
 }
 
 /// Every k-th of `0..count` with `kept` among them, at most `most` of them.
-fn every(count: usize, most: usize, kept: usize) -> Vec<usize> {
+fn every(count: usize, most: usize, retained: usize) -> Vec<usize> {
     let stride = count.div_ceil(most.max(1)).max(1);
-    (kept % stride..count).step_by(stride).collect()
+    (retained % stride..count).step_by(stride).collect()
 }
 
 #[cfg(test)]

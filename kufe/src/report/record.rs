@@ -33,8 +33,8 @@ pub fn record_page(check: &Value) -> String {
         escape(text(&check["index"]))
     );
     out.push_str("<p><small>Wrong is what channels prove of one another; odd is what only you can judge. The worst run comes first.</small></p>\n");
-    let (clean, told): (Vec<&Value>, Vec<&Value>) = runs.iter().partition(|run| is_clean(run));
-    for run in told {
+    let (clean, entry): (Vec<&Value>, Vec<&Value>) = runs.iter().partition(|run| is_clean(run));
+    for run in entry {
         let _ = writeln!(out, "<h2>{}</h2>", escape(text(&run["run"])));
         one_run(&mut out, run);
     }
@@ -66,7 +66,7 @@ fn is_clean(run: &Value) -> bool {
 fn one_run(out: &mut String, run: &Value) {
     let number = |key: &str| run[key].as_f64().unwrap_or(0.0);
     if let Some(reason) = run["refused"].as_str() {
-        told(out, "wrong", "Refused", reason, "");
+        entry(out, "wrong", "Refused", reason, "");
     } else {
         let _ = writeln!(
             out,
@@ -79,13 +79,13 @@ fn one_run(out: &mut String, run: &Value) {
     }
     for fault in list(&run["faults"]) {
         let columns: Vec<&str> = list(&fault["columns"]).iter().map(text).collect();
-        let looks = if columns.len() == 1 {
+        let resembles = if columns.len() == 1 {
             "looks like"
         } else {
             "look like"
         };
         let head = format!(
-            "{} {looks} {}",
+            "{} {resembles} {}",
             columns.join(", "),
             text(&fault["looks_like"])
         );
@@ -94,7 +94,7 @@ fn one_run(out: &mut String, run: &Value) {
         } else {
             "wrong"
         };
-        told(
+        entry(
             out,
             class,
             &head,
@@ -105,7 +105,7 @@ fn one_run(out: &mut String, run: &Value) {
     for note in list(&run["notes"]) {
         let column = text(&note["column"]);
         let head = if column.is_empty() { "The run" } else { column };
-        told(out, "odd", head, text(&note["what"]), text(&note["advice"]));
+        entry(out, "odd", head, text(&note["what"]), text(&note["advice"]));
     }
     let Some(channels) = run["channels"]
         .as_object()
@@ -156,7 +156,7 @@ fn one_run(out: &mut String, run: &Value) {
     let _ = writeln!(out, "</table></div>{}", folded[1]);
 }
 
-fn told(out: &mut String, class: &str, head: &str, what: &str, mend: &str) {
+fn entry(out: &mut String, class: &str, head: &str, what: &str, mend: &str) {
     let _ = write!(
         out,
         "<div class=\"told {class}\"><p><b>{}.</b> {}</p>",

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use kufe_sled::{
     EnergyBalance, FitResult, Group, OutsideTable, Replay, RunEvaluation, RunValidation,
-    TakingPart, TrackValidation,
+    SampleCoverage, TrackValidation,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,7 @@ pub struct RunsUsed {
     pub outside_tables: Vec<OutsideTable>,
     /// Runs with gaps, and how much of them takes part.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub gaps: Vec<TakingPart>,
+    pub gaps: Vec<SampleCoverage>,
     /// Version of the program.
     pub version: String,
 }

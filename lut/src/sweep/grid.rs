@@ -2,7 +2,7 @@
 
 use crate::axes::{Axes, AxisKind, KINDS, Point};
 use crate::error::Error;
-use crate::reduced::Flush;
+use crate::reduced::CurvatureScaling;
 use crate::sweep::plan::{Plan, Spacing};
 
 /// Coordinates by kind of axis, the second one perhaps reduced; along an axis that is not there it
@@ -15,7 +15,7 @@ pub(crate) struct Grid {
     pub values: [Vec<f64>; KINDS],
     /// The axes that may grow.
     pub refined: [bool; KINDS],
-    flush: Option<Flush>,
+    flush: Option<CurvatureScaling>,
     /// The axes of the plan.
     has: [bool; KINDS],
 }
@@ -54,7 +54,7 @@ impl Grid {
             (None, _) => None,
             (Some([curvature, scale]), Some(&Spacing::Range { from, to })) if alone => {
                 values[1] = five(1, 0.0, 1.0)?;
-                Some(Flush::new(curvature, scale, [from, to])?)
+                Some(CurvatureScaling::new(curvature, scale, [from, to])?)
             }
             _ => return Err(Error::FlushPlan),
         };

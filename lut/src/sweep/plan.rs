@@ -35,7 +35,7 @@ pub struct Plan {
     /// Spacings by kind of axis.
     axes: [Option<Spacing>; KINDS],
     /// The curvature at which the runner lies flush [1/m] and the scale [1/(m N)], see
-    /// [`crate::Flush`]. The table's second axis then holds reduced curvatures; needs a range of
+    /// [`crate::CurvatureScaling`]. The table's second axis then holds reduced curvatures; needs a range of
     /// curvatures and no further axis.
     pub flush: Option<[f64; 2]>,
     /// Relative interpolation error of [`Table::judged`](crate::Table::judged), requested of every

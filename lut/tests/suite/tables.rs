@@ -1,11 +1,11 @@
 //! Two tables that every form is written from.
 
 use crate::hertz::runner;
-use kufe_lut::{Axes, AxisKind, Figures, Flush, Origin, Point, Quantity, Solve, Table};
+use kufe_lut::{Axes, AxisKind, CurvatureScaling, Figures, Origin, Point, Quantity, Solve, Table};
 
 /// A table over reduced curvatures.
 pub fn reduced() -> Table {
-    let flush = Flush::new(0.02, 1e-6, [-0.02, 0.03]).unwrap();
+    let flush = CurvatureScaling::new(0.02, 1e-6, [-0.02, 0.03]).unwrap();
     let places = vec![0.0, 0.2, 0.5, 0.55, 0.8, 1.0];
     let axes = Axes::reduced(vec![200.0, 500.0, 1300.0, 3000.0, 8000.0], places, flush).unwrap();
     let nodes: Vec<Figures> = axes.points().iter().map(runner).collect();

@@ -177,9 +177,13 @@ fn affordable(
 /// About `count` of the sorted `values`, the ends among them.
 pub(crate) fn thinned(values: &[f64], count: usize, mirrored: bool) -> Vec<f64> {
     let last = values.len() - 1;
-    let mut kept: Vec<f64> = (0..count).map(|i| values[i * last / (count - 1)]).collect();
-    kept.dedup();
-    if mirrored { symmetric(kept) } else { kept }
+    let mut retained: Vec<f64> = (0..count).map(|i| values[i * last / (count - 1)]).collect();
+    retained.dedup();
+    if mirrored {
+        symmetric(retained)
+    } else {
+        retained
+    }
 }
 
 /// `values` and their mirror images, with those that nearly coincide made one.

@@ -1,6 +1,6 @@
 //! A track from the runs that felt it.
 
-use crate::align::signature::{Course, Felt, Warp};
+use crate::align::signature::{DistanceWarp, ReferenceProfile, TrackSignature};
 use crate::model::sled::Tolerances;
 use crate::track::table::Track;
 
@@ -16,7 +16,10 @@ pub struct TrackEstimate {
 }
 
 /// Curvature, bank and slope of every run at every metre from `from_m` on; NaN where a run was not.
-pub(crate) fn over_track(felt: &[&Felt], warps: &[Warp]) -> (f64, Vec<Vec<[f64; 3]>>) {
+pub(crate) fn over_track(
+    felt: &[&TrackSignature],
+    warps: &[DistanceWarp],
+) -> (f64, Vec<Vec<[f64; 3]>>) {
     let ends = felt.iter().zip(warps).map(|(felt, warp)| {
         let last = felt.place(felt.metres.len() - 1);
         (warp.at(felt.from_m), warp.at(last))
@@ -45,12 +48,12 @@ pub(crate) fn over_track(felt: &[&Felt], warps: &[Warp]) -> (f64, Vec<Vec<[f64; 
 }
 
 /// The mean of the runs at every metre as what runs are aligned to.
-pub(crate) fn mean_course(from_m: f64, table: &[Vec<[f64; 3]>]) -> Course {
+pub(crate) fn mean_course(from_m: f64, table: &[Vec<[f64; 3]>]) -> ReferenceProfile {
     let rows = table.iter().map(|row| {
         let [curvature, bank, _] = [0, 1, 2].map(|k| mean_sd(row, k).0);
         [curvature, bank]
     });
-    Course::new(from_m, rows.collect())
+    ReferenceProfile::new(from_m, rows.collect())
 }
 
 /// The mean over runs with its standard error: what runs differ by over the root of their number, of the bank what they differ

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::align::estimate::{TrackEstimate, estimate, mean_course, over_track};
-use crate::align::signature::{Course, Felt, Line, Warp, search};
+use crate::align::signature::{DistanceWarp, Line, ReferenceProfile, TrackSignature, search};
 use crate::error::Error;
 use crate::model::sled::Tolerances;
 use crate::model::vehicle::Vehicle;
@@ -38,12 +38,12 @@ pub struct AlignedRun {
     /// Largest standard error of the place along the run [m].
     pub sd_m: f64,
     /// Share of the track's variance that is left, curvature and bank together, at the search's straight line.
-    pub left: f64,
+    pub misfit: f64,
     /// The same at the best place more than 15 m away; none where no other was tried.
     pub left_elsewhere: Option<f64>,
     /// Own distance to that along the track.
     #[serde(skip)]
-    pub warp: Warp,
+    pub warp: DistanceWarp,
 }
 
 /// The runs of one track at one distance.
@@ -58,7 +58,7 @@ pub struct Aligned {
 /// Brings runs of one track to one distance: that of the survey where there is one, else that of the runs in the mean, the
 /// earliest start at 0.
 ///
-/// Curvature and bank are felt ([`Felt::of`]), the place searched and then refined landmark by landmark ([`refine`]).
+/// Curvature and bank are felt ([`TrackSignature::of`]), the place searched and then refined landmark by landmark ([`refine`]).
 ///
 /// # Errors
 /// [`Error::Unplaced`] for a run that does not look like its track, or like two places of it.
@@ -68,12 +68,12 @@ pub fn align(
     survey: Option<&TrackShape>,
     tolerances: &Tolerances,
 ) -> Result<Aligned, Error> {
-    let felt: Vec<Felt> = runs
+    let felt: Vec<TrackSignature> = runs
         .par_iter()
-        .map(|run| Felt::of(run, &vehicle.sled))
+        .map(|run| TrackSignature::of(run, &vehicle.sled))
         .collect();
-    let felt: Vec<&Felt> = felt.iter().collect();
-    let on = |course: &Course| -> Result<Vec<AlignedRun>, Error> {
+    let felt: Vec<&TrackSignature> = felt.iter().collect();
+    let on = |course: &ReferenceProfile| -> Result<Vec<AlignedRun>, Error> {
         let placed: Vec<_> = runs
             .par_iter()
             .zip(&felt)
@@ -81,17 +81,17 @@ pub fn align(
             .collect();
         placed.into_iter().collect()
     };
-    let warps = |aligned: &[AlignedRun]| -> Vec<Warp> {
+    let warps = |aligned: &[AlignedRun]| -> Vec<DistanceWarp> {
         aligned.iter().map(|run| run.warp.clone()).collect()
     };
     let aligned = match survey {
-        Some(shape) => on(&Course::of(shape))?,
+        Some(shape) => on(&ReferenceProfile::of(shape))?,
         None => {
             let longest = felt.iter().max_by_key(|felt| felt.metres.len());
             let mut course = longest.map_or_else(
-                || Course::new(0.0, Vec::new()),
+                || ReferenceProfile::new(0.0, Vec::new()),
                 |felt| {
-                    Course::new(
+                    ReferenceProfile::new(
                         felt.from_m,
                         felt.metres.iter().map(|m| [m[0], m[1]]).collect(),
                     )
@@ -117,29 +117,38 @@ pub fn align(
     })
 }
 
-fn place(run: &Prepared, felt: &Felt, course: &Course) -> Result<AlignedRun, Error> {
-    let unplaced = |left: f64, elsewhere: f64| Error::Unplaced {
+fn place(
+    run: &Prepared,
+    felt: &TrackSignature,
+    course: &ReferenceProfile,
+) -> Result<AlignedRun, Error> {
+    let unplaced = |misfit: f64, elsewhere: f64| Error::Unplaced {
         file: run.entry.file.display().to_string(),
         track: run.entry.track.clone(),
-        left,
+        misfit,
         elsewhere,
     };
     let Some((line, elsewhere)) = search(felt, course) else {
         return Err(unplaced(f64::NAN, f64::NAN));
     };
-    if line.left > MOST_LEFT || elsewhere < ELSEWHERE * line.left {
-        return Err(unplaced(line.left, elsewhere));
+    if line.misfit > MOST_LEFT || elsewhere < ELSEWHERE * line.misfit {
+        return Err(unplaced(line.misfit, elsewhere));
     }
     let warp = refine(felt, course, &line);
     Ok(described(
         run,
         warp,
-        line.left,
-        Some(elsewhere).filter(|left| left.is_finite()),
+        line.misfit,
+        Some(elsewhere).filter(|misfit| misfit.is_finite()),
     ))
 }
 
-fn described(run: &Prepared, warp: Warp, left: f64, left_elsewhere: Option<f64>) -> AlignedRun {
+fn described(
+    run: &Prepared,
+    warp: DistanceWarp,
+    misfit: f64,
+    left_elsewhere: Option<f64>,
+) -> AlignedRun {
     let (own, stretch) = (&warp.own_m, warp.stretch());
     let straight = |j: usize| warp.shift_m[0] + (stretch - 1.0) * (own[j] - own[0]);
     let drift = (0..own.len()).map(|j| (warp.shift_m[j] - straight(j)).abs());
@@ -149,14 +158,14 @@ fn described(run: &Prepared, warp: Warp, left: f64, left_elsewhere: Option<f64>)
         stretch,
         drift_m: drift.fold(0.0, f64::max),
         sd_m: warp.sd_m.iter().copied().fold(0.0, f64::max),
-        left,
+        misfit,
         left_elsewhere,
         warp,
     }
 }
 
 /// Brings the common distance to the mean of the runs' own: at every metre their growths are averaged; the earliest start is 0.
-fn to_mean_distance(felt: &[&Felt], aligned: &mut [AlignedRun]) {
+fn to_mean_distance(felt: &[&TrackSignature], aligned: &mut [AlignedRun]) {
     let start = |run: &AlignedRun| run.warp.at(run.warp.own_m[0]);
     let end = |run: &AlignedRun| run.warp.at(run.warp.own_m[run.warp.own_m.len() - 1]);
     let from = aligned.iter().map(start).fold(f64::INFINITY, f64::min);
@@ -194,7 +203,7 @@ fn to_mean_distance(felt: &[&Felt], aligned: &mut [AlignedRun]) {
 }
 
 /// States the distance along the track as `s_m` of a run, from its own: `s_m` as recorded, else from the speed.
-pub fn state_places(run: &mut Run, warp: &Warp) -> Result<(), Error> {
+pub fn state_places(run: &mut Run, warp: &DistanceWarp) -> Result<(), Error> {
     let own = match run.columns.get("s_m") {
         Some(recorded) => recorded.clone(),
         None => {
@@ -239,21 +248,25 @@ const ALIKE_M: usize = 40;
 /// ```
 ///
 /// with the deviations sd of what is left. The errors are those of the linear fit, what is left being alike over some metres.
-pub(crate) fn refine(felt: &Felt, course: &Course, from: &Line) -> Warp {
+pub(crate) fn refine(
+    felt: &TrackSignature,
+    course: &ReferenceProfile,
+    from: &Line,
+) -> DistanceWarp {
     let length = (felt.metres.len() - 1).max(1) as f64;
     let pieces = (length / KNOTS_M).round().max(1.0) as usize;
     let knot = |j: usize| felt.from_m + length * j as f64 / pieces as f64;
     let own_m: Vec<f64> = (0..=pieces).map(knot).collect();
     let shift = |own: f64| from.shift_m + (from.stretch - 1.0) * (own - felt.from_m);
-    let mut warp = Warp {
+    let mut warp = DistanceWarp {
         shift_m: own_m.iter().map(|own| shift(*own)).collect(),
         sd_m: vec![0.0; own_m.len()],
         own_m,
     };
     for _ in 0..SPLINE_ROUNDS {
-        let left = Left::of(felt, course, &warp);
+        let misfit = WarpMisfit::of(felt, course, &warp);
         let (mut normal, mut right) = prior(&warp.shift_m);
-        left.add_to(&mut normal, &mut right);
+        misfit.add_to(&mut normal, &mut right);
         let Some(factor) = normal.cholesky() else {
             break;
         };
@@ -262,14 +275,14 @@ pub(crate) fn refine(felt: &Felt, course: &Course, from: &Line) -> Warp {
             *shift += step.clamp(-MOST_M, MOST_M);
         }
     }
-    let left = Left::of(felt, course, &warp);
+    let misfit = WarpMisfit::of(felt, course, &warp);
     let (drift, mut right) = prior(&warp.shift_m);
     let mut data = DMatrix::zeros(drift.nrows(), drift.nrows());
-    left.add_to(&mut data, &mut right);
+    misfit.add_to(&mut data, &mut right);
     if let Some(factor) = (&data + &drift).cholesky() {
         // Metres that say the same are fewer; the drift says what it says.
         let inverse = factor.inverse();
-        let covariance = &inverse * (data * left.alike() + drift) * &inverse;
+        let covariance = &inverse * (data * misfit.alike() + drift) * &inverse;
         warp.sd_m = covariance.diagonal().iter().map(|x| x.sqrt()).collect();
     }
     warp
@@ -297,7 +310,7 @@ fn prior(shift: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
 }
 
 /// What is left between a run and the course at a warp.
-struct Left {
+struct WarpMisfit {
     /// Metre by metre: knot before, share of the next, differences and slopes of the course.
     rows: Vec<(usize, f64, [f64; 2], [f64; 2])>,
     /// Deviations of the differences.
@@ -306,8 +319,8 @@ struct Left {
     knots: usize,
 }
 
-impl Left {
-    fn of(felt: &Felt, course: &Course, warp: &Warp) -> Left {
+impl WarpMisfit {
+    fn of(felt: &TrackSignature, course: &ReferenceProfile, warp: &DistanceWarp) -> WarpMisfit {
         let mut rows = Vec::with_capacity(felt.metres.len());
         for (i, metre) in felt.metres.iter().enumerate() {
             let own = felt.place(i);
@@ -326,7 +339,7 @@ impl Left {
             // The median magnitude of a normal variable; and not less than a hundredth of what the course itself does.
             (median / 0.674_489_75).max(0.01 * course.spread[k])
         });
-        Left {
+        WarpMisfit {
             rows,
             sd,
             knots: warp.own_m.len(),

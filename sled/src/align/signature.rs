@@ -11,14 +11,14 @@ const ABOUT_M: usize = 3;
 
 /// Curvature [1/m], bank and slope [rad] at every metre of a run's own distance.
 #[derive(Clone, Debug)]
-pub(crate) struct Felt {
+pub(crate) struct TrackSignature {
     /// The first metre [m].
     pub from_m: f64,
     /// Means over each metre; NaN where no sample lies.
     pub metres: Vec<[f64; 3]>,
 }
 
-impl Felt {
+impl TrackSignature {
     /// The curvature is `-pitch_rate / v`; bank and slope are those of the upward direction u in the body's axes, which what the
     /// sensors say of the motion leaves of the specific force f at the centre of gravity, without a law of friction:
     ///
@@ -28,7 +28,7 @@ impl Felt {
     /// ```
     ///
     /// with roll, pitch and yaw rate (p, q, r) and `v_z = 0`: the body moves on the ice.
-    pub(crate) fn of(run: &Prepared, sled: &Sled) -> Felt {
+    pub(crate) fn of(run: &Prepared, sled: &Sled) -> TrackSignature {
         let from_m = run.states[0].s_m.round();
         let last = run
             .states
@@ -86,7 +86,7 @@ impl Felt {
                 }
             })
             .collect();
-        Felt { from_m, metres }
+        TrackSignature { from_m, metres }
     }
 
     /// The place of metre `i` in the run's own distance [m].
@@ -97,7 +97,7 @@ impl Felt {
 
 /// Curvature [1/m] and bank [rad] of a track at every metre.
 #[derive(Clone, Debug)]
-pub(crate) struct Course {
+pub(crate) struct ReferenceProfile {
     /// The first metre [m].
     pub from_m: f64,
     /// Both; NaN where they are not known.
@@ -106,9 +106,9 @@ pub(crate) struct Course {
     pub spread: [f64; 2],
 }
 
-impl Course {
+impl ReferenceProfile {
     /// From values at every metre.
-    pub(crate) fn new(from_m: f64, metres: Vec<[f64; 2]>) -> Course {
+    pub(crate) fn new(from_m: f64, metres: Vec<[f64; 2]>) -> ReferenceProfile {
         let spread = [0, 1].map(|k| {
             let values = metres.iter().map(|at| at[k]).filter(|x| x.is_finite());
             let count = values.clone().count().max(1) as f64;
@@ -116,7 +116,7 @@ impl Course {
             let variance = values.map(|x| (x - mean).powi(2)).sum::<f64>() / count;
             variance.sqrt().max(f64::MIN_POSITIVE)
         });
-        Course {
+        ReferenceProfile {
             from_m,
             metres,
             spread,
@@ -124,13 +124,13 @@ impl Course {
     }
 
     /// Of a surveyed track.
-    pub(crate) fn of(shape: &TrackShape) -> Course {
+    pub(crate) fn of(shape: &TrackShape) -> ReferenceProfile {
         let count = (shape.finish_m - shape.start_m) as usize + 1;
         let at = |i: usize| {
             let s = shape.start_m + i as f64;
             [shape.curvature.value(s), shape.bank.value(s)]
         };
-        Course::new(shape.start_m, (0..count).map(at).collect())
+        ReferenceProfile::new(shape.start_m, (0..count).map(at).collect())
     }
 
     /// Both at a place [m], on a straight line between metres, and their slopes; `None` beyond the ends and where one is not known.
@@ -153,7 +153,7 @@ impl Course {
 
 /// A run's own distance and what is added to it: straight lines between knots, level shifts beyond them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Warp {
+pub struct DistanceWarp {
     /// Own distance of each knot [m], increasing.
     pub own_m: Vec<f64>,
     /// What is added there [m].
@@ -162,7 +162,7 @@ pub struct Warp {
     pub sd_m: Vec<f64>,
 }
 
-impl Warp {
+impl DistanceWarp {
     /// The two knots about a place and the share of the later one.
     pub(crate) fn between(&self, own: f64) -> (usize, f64) {
         let last = self.own_m.len() - 1;
@@ -194,7 +194,7 @@ pub(crate) struct Line {
     /// Growth of the distance along the track by the own one.
     pub stretch: f64,
     /// Mean square difference over variance, curvature and bank together.
-    pub left: f64,
+    pub misfit: f64,
 }
 
 /// Shifts are tried two metres apart, which is well within the width of a curve's entry.
@@ -209,7 +209,7 @@ const LEAST_OVERLAP: f64 = 0.6;
 const APART_M: f64 = 15.0;
 
 /// The best line and how badly the best elsewhere fits.
-pub(crate) fn search(felt: &Felt, course: &Course) -> Option<(Line, f64)> {
+pub(crate) fn search(felt: &TrackSignature, course: &ReferenceProfile) -> Option<(Line, f64)> {
     let length = felt.metres.len().min(course.metres.len());
     let least = (LEAST_OVERLAP * length as f64 / EVERY as f64) as usize;
     let base = course.from_m - felt.from_m;
@@ -220,26 +220,32 @@ pub(crate) fn search(felt: &Felt, course: &Course) -> Option<(Line, f64)> {
     for stretch in STRETCHES {
         for i in 0..count {
             let shift_m = base - reach + i as f64 * STEP_M;
-            let left = left(felt, course, shift_m, stretch, least);
-            tried.extend(left.map(|left| Line {
+            let misfit = misfit(felt, course, shift_m, stretch, least);
+            tried.extend(misfit.map(|misfit| Line {
                 shift_m,
                 stretch,
-                left,
+                misfit,
             }));
         }
     }
-    let best = *tried.iter().min_by(|a, b| a.left.total_cmp(&b.left))?;
+    let best = *tried.iter().min_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
     let middle = 0.5 * felt.metres.len() as f64;
     let place = |line: &Line| line.shift_m + line.stretch * middle;
     let elsewhere = tried
         .iter()
         .filter(|line| (place(line) - place(&best)).abs() > APART_M)
-        .map(|line| line.left)
+        .map(|line| line.misfit)
         .fold(f64::INFINITY, f64::min);
     Some((best, elsewhere))
 }
 
-fn left(felt: &Felt, course: &Course, shift: f64, stretch: f64, least: usize) -> Option<f64> {
+fn misfit(
+    felt: &TrackSignature,
+    course: &ReferenceProfile,
+    shift: f64,
+    stretch: f64,
+    least: usize,
+) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0);
     for i in (0..felt.metres.len()).step_by(EVERY) {
         let s = felt.from_m + shift + stretch * i as f64;

@@ -15,9 +15,9 @@ use crate::error::Error;
 /// [`Error::File`] where the file is no MDF 4 or a channel cannot be decoded.
 pub fn read_mdf4(path: &Path) -> Result<Columns, Error> {
     let file = path.display().to_string();
-    let told = |error: falcon_mdf::Mf4Error| Error::file(&file, error);
+    let failure = |error: falcon_mdf::Mf4Error| Error::file(&file, error);
     kufe_files::open_regular(path).map_err(|error| Error::file(&file, error))?;
-    let log = Mf4File::open_buffered(path).map_err(told)?;
+    let log = Mf4File::open_buffered(path).map_err(failure)?;
     let lead = log
         .find_channel("v_mps")
         .ok_or_else(|| Error::MissingColumn {
@@ -26,16 +26,16 @@ pub fn read_mdf4(path: &Path) -> Result<Columns, Error> {
             found: log.channel_names().join(", "),
             needed_by: None,
         })?;
-    let time = log.channel_timestamps(lead).map_err(told)?;
+    let time = log.channel_timestamps(lead).map_err(failure)?;
     let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
     for name in log.channel_names() {
         let Some(channel) = log.find_channel(name) else {
             continue;
         };
-        if name != "t_s" && log.channel_timestamps(channel).map_err(told)? != time {
+        if name != "t_s" && log.channel_timestamps(channel).map_err(failure)? != time {
             continue;
         }
-        let signal = log.signal(channel).map_err(told)?;
+        let signal = log.signal(channel).map_err(failure)?;
         if let Ok(values) = signal.values_f64() {
             columns.push((name.to_string(), values));
         }

@@ -227,33 +227,33 @@ fn read_all<T: DataType>(
 /// # Errors
 /// [`Error::File`] from the writer.
 pub fn write_parquet(writer: impl Write + Send, columns: &[(&str, &[f64])]) -> Result<(), Error> {
-    let told = |error: parquet::errors::ParquetError| Error::file("parquet", error);
+    let refusal = |error: parquet::errors::ParquetError| Error::file("parquet", error);
     let fields: Vec<String> = columns
         .iter()
         .map(|(name, _)| format!("REQUIRED DOUBLE {name};"))
         .collect();
     let schema =
-        parse_message_type(&format!("message run {{ {} }}", fields.join(" "))).map_err(told)?;
+        parse_message_type(&format!("message run {{ {} }}", fields.join(" "))).map_err(refusal)?;
     // Noise does not repeat: a dictionary only costs time.
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::default()))
         .set_dictionary_enabled(false)
         .build();
-    let mut file =
-        SerializedFileWriter::new(writer, Arc::new(schema), Arc::new(properties)).map_err(told)?;
-    let mut group = file.next_row_group().map_err(told)?;
+    let mut file = SerializedFileWriter::new(writer, Arc::new(schema), Arc::new(properties))
+        .map_err(refusal)?;
+    let mut group = file.next_row_group().map_err(refusal)?;
     for (_, values) in columns {
-        let Some(mut column) = group.next_column().map_err(told)? else {
+        let Some(mut column) = group.next_column().map_err(refusal)? else {
             break;
         };
         column
             .typed::<DoubleType>()
             .write_batch(values, None, None)
-            .map_err(told)?;
-        column.close().map_err(told)?;
+            .map_err(refusal)?;
+        column.close().map_err(refusal)?;
     }
-    group.close().map_err(told)?;
-    file.finish().map_err(told)?;
+    group.close().map_err(refusal)?;
+    file.finish().map_err(refusal)?;
     // A buffer that is dropped keeps to itself that it could not be written.
     file.inner_mut()
         .flush()

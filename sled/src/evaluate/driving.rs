@@ -11,7 +11,7 @@ use crate::contacts::with_own_contacts;
 use crate::evaluate::validate::{residuals, root_mean_square};
 use crate::model::vehicle::Vehicle;
 use crate::motion::aero::{along_driving_direction, drag};
-use crate::motion::balance::{Balance, Left};
+use crate::motion::balance::{Balance, BalanceResidual};
 use crate::motion::one_track::forces_at;
 use crate::motion::state::{AxleForces, Motion};
 use crate::signals::prepare::Prepared;
@@ -42,7 +42,7 @@ pub struct RunEvaluation {
     /// Sum of the three: the score, smaller is better.
     pub increase_total: f64,
     /// Root mean square of what the balances leave: how well the model explains the run that it judges.
-    pub left_rms: Left,
+    pub left_rms: BalanceResidual,
     /// Steering angle.
     pub steering: Angles,
     /// Slip angle at the front runner.

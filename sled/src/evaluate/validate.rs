@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::contacts::with_own_contacts;
 use crate::friction::Braghin;
 use crate::model::vehicle::Vehicle;
-use crate::motion::balance::{Balance, Left};
+use crate::motion::balance::{Balance, BalanceResidual};
 use crate::motion::one_track::{forward, forward_braghin, resultant};
 use crate::signals::prepare::Prepared;
 
@@ -29,7 +29,7 @@ pub struct RunValidation {
     /// The same for Braghin's law with its published parameters [N].
     pub rmse_braghin_n: f64,
     /// Root mean square of what all balances leave.
-    pub left_rms: Left,
+    pub left_rms: BalanceResidual,
     /// Where model and measurement differ most, worst first.
     pub largest: Vec<Disagreement>,
     /// The lateral force over time; not part of the report.
@@ -199,23 +199,24 @@ pub fn by_track(runs: &[RunValidation]) -> Vec<TrackValidation> {
 }
 
 /// What the balances leave of one run, one a state.
-pub fn residuals(run: &Prepared, vehicle: &Vehicle) -> Vec<Left> {
+pub fn residuals(run: &Prepared, vehicle: &Vehicle) -> Vec<BalanceResidual> {
     let vehicle = &with_own_contacts(run, vehicle);
     let instants = run.states.iter().zip(&run.motions);
     instants
         .map(|(state, motion)| {
             let at = Balance::new(&vehicle.sled, state, motion);
-            at.left(&at.forces(vehicle, &at.laws(vehicle)))
+            at.residual(&at.forces(vehicle, &at.laws(vehicle)))
         })
         .collect()
 }
 
 /// Root mean square of each balance over the samples; 0 where there are none.
-pub fn root_mean_square(left: &[Left]) -> Left {
-    let count = left.len().max(1) as f64;
-    let rms =
-        |of: fn(&Left) -> f64| (left.iter().map(|l| of(l).powi(2)).sum::<f64>() / count).sqrt();
-    Left {
+pub fn root_mean_square(residuals: &[BalanceResidual]) -> BalanceResidual {
+    let count = residuals.len().max(1) as f64;
+    let rms = |of: fn(&BalanceResidual) -> f64| {
+        (residuals.iter().map(|l| of(l).powi(2)).sum::<f64>() / count).sqrt()
+    };
+    BalanceResidual {
         along_n: rms(|l| l.along_n),
         side_n: rms(|l| l.side_n),
         yaw_nm: rms(|l| l.yaw_nm),
@@ -223,7 +224,8 @@ pub fn root_mean_square(left: &[Left]) -> Left {
 }
 
 /// [`root_mean_square`] of what the balances leave of all runs, in parallel.
-pub fn balances_left(runs: &[Prepared], vehicle: &Vehicle) -> Left {
-    let each: Vec<Vec<Left>> = runs.par_iter().map(|run| residuals(run, vehicle)).collect();
+pub fn balance_residuals(runs: &[Prepared], vehicle: &Vehicle) -> BalanceResidual {
+    let each: Vec<Vec<BalanceResidual>> =
+        runs.par_iter().map(|run| residuals(run, vehicle)).collect();
     root_mean_square(&each.concat())
 }

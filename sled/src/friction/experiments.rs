@@ -161,14 +161,15 @@ pub fn write_experiments(experiments: &[Experiment], writer: impl Write) -> std:
             e.rocker_radius_m.and_then(number)
         }),
     ];
-    let kept: Vec<_> = columns
+    let retained: Vec<_> = columns
         .iter()
         .filter(|(_, always, cell)| *always || experiments.iter().any(|e| cell(e).is_some()))
         .collect();
-    csv.write_record(kept.iter().map(|(name, ..)| name))?;
+    csv.write_record(retained.iter().map(|(name, ..)| name))?;
     for experiment in experiments {
         csv.write_record(
-            kept.iter()
+            retained
+                .iter()
                 .map(|(_, _, cell)| cell(experiment).unwrap_or_default()),
         )?;
     }

@@ -296,10 +296,10 @@ mod tests {
             "{}",
             found.line.slope
         );
-        let told = glide(2.0, KMH).unwrap_err().to_string();
+        let message = glide(2.0, KMH).unwrap_err().to_string();
         assert!(
-            told.contains("km/h") && told.contains("divide by 3.6"),
-            "{told}"
+            message.contains("km/h") && message.contains("divide by 3.6"),
+            "{message}"
         );
         // Here it takes less, and nothing tells.
         assert!(glide(20.0, KMH).is_ok());

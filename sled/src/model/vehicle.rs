@@ -293,11 +293,12 @@ impl RunnerTable {
     /// Opens a table; its smooth mode has no kinks that an integrator would feel.
     pub(crate) fn open(path: &Path, quantity: Quantity) -> Result<Self, Error> {
         let file = path.display().to_string();
-        let told = |error: kufe_lut::Error| Error::file(&file, error);
+        let failure = |error: kufe_lut::Error| Error::file(&file, error);
         let mut opened =
             kufe_files::open_regular(path).map_err(|error| Error::file(&file, error))?;
-        let table = Table::read(&mut opened).map_err(told)?;
-        let interpolator = Interpolator::new(&table, quantity, Mode::Smooth, None).map_err(told)?;
+        let table = Table::read(&mut opened).map_err(failure)?;
+        let interpolator =
+            Interpolator::new(&table, quantity, Mode::Smooth, None).map_err(failure)?;
         let values = table.values(quantity).unwrap_or_default();
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         Ok(RunnerTable {

@@ -43,7 +43,7 @@ pub struct Balance {
 
 /// What the three balances of the sled in its plane leave: measured less modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Left {
+pub struct BalanceResidual {
     /// Along the sled [N].
     #[serde(deserialize_with = "nan_if_null")]
     pub along_n: f64,
@@ -60,7 +60,7 @@ fn nan_if_null<'de, D: Deserializer<'de>>(value: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(value)?.unwrap_or(f64::NAN))
 }
 
-impl Left {
+impl BalanceResidual {
     /// Along [N], side [N], yaw [N m].
     pub fn values(&self) -> [f64; 3] {
         [self.along_n, self.side_n, self.yaw_nm]
@@ -211,10 +211,10 @@ impl Balance {
 
     /// What the balances along, aside and about the vertical leave of these forces.
     #[inline]
-    pub fn left(&self, forces: &Forces) -> Left {
+    pub fn residual(&self, forces: &Forces) -> BalanceResidual {
         let sum = self.resultant(&self.axle_forces(forces, self.front_load(forces)));
         let (m, a) = (self.sled.mass_kg, &self.motion.accel_mps2);
-        Left {
+        BalanceResidual {
             along_n: m * a[0] - sum.fx_n,
             side_n: m * a[1] - sum.fy_n,
             yaw_nm: self.sled.j_zz_kgm2 * self.motion.yaw_accel_radps2 - sum.mz_nm,
@@ -222,10 +222,15 @@ impl Balance {
     }
 
     /// What the balances leave with one more effect, `seen` being this instant and `forces` those without it.
-    pub fn left_with(&self, effect: &Active, seen: &effects::State, forces: &Forces) -> Left {
+    pub fn left_with(
+        &self,
+        effect: &Active,
+        seen: &effects::State,
+        forces: &Forces,
+    ) -> BalanceResidual {
         let mut forces = *forces;
         effect.act(seen, &mut forces);
-        self.left(&forces)
+        self.residual(&forces)
     }
 
     /// What the balance along the track's axis leaves [m/s2], the slope [rad] being positive downhill.

@@ -22,11 +22,6 @@ use crate::motion::balance::Balance;
 pub use crate::motion::state::{AxleForces, Motion, Resultant, State};
 pub use crate::motion::state::{body_to_front, front_to_body, normal_forces};
 
-/// Aerodynamic force at the centre of gravity in the body frame (x, y) [N]: the drag against the driving direction.
-pub fn aero_force(sled: &Sled, state: &State) -> [f64; 2] {
-    Balance::new(sled, state, &Motion::default()).air()
-}
-
 /// Forces on the runners as the motion demands them.
 ///
 /// Momentum along y and z and both moments give `F_y` and `F_z` at the axles in the body frame. `F_x,f0` cannot be

@@ -59,15 +59,15 @@ pub fn outside_tables<'a>(
     let runners = ["front", "rear"].into_iter().zip(tables);
     let counted = runners
         .zip(table_samples(states))
-        .map(|((runner, table), asked)| {
+        .map(|((runner, table), requested)| {
             let table = table?;
             let outside = |s: &&Sample| table.at(s.fz, s.curvature, s.speed, s.ice_c).out_of_range;
-            let samples = asked.iter().filter(outside).count();
+            let samples = requested.iter().filter(outside).count();
             (samples > 0).then(|| OutsideTable {
                 runner: runner.to_owned(),
                 table: table.file.clone(),
                 samples,
-                of: asked.len(),
+                of: requested.len(),
             })
         });
     counted.flatten().collect()

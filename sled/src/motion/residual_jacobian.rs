@@ -15,7 +15,7 @@ use crate::motion::balance::{Balance, LawForces};
 
 /// Derivatives of the balances along, aside and about the vertical, in the shape of what they are taken by.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LeftBy {
+pub struct ResidualJacobian {
     /// By each sensor's value.
     value: [[f64; 3]; SENSORS],
     /// By each gyro's derivative, roll, pitch and yaw.
@@ -40,7 +40,7 @@ fn sum<const N: usize>(parts: [(f64, &[f64; 3]); N]) -> [f64; 3] {
     sum
 }
 
-impl LeftBy {
+impl ResidualJacobian {
     /// What a sensor's value and its derivative do, moved by so much.
     #[inline]
     pub fn of_sensor(&self, sensor: Sensor, value: f64, rate: f64) -> [f64; 3] {
@@ -110,7 +110,12 @@ impl Balance {
     /// Derivatives of [`Balance::left`] of the base laws' forces `of`, by what the sensors say and the constants of the sled.
     ///
     /// `signals` are those from which the balance was made ([`from_sensors`](crate::from_sensors)). Effects are not counted.
-    pub fn left_by(&self, vehicle: &Vehicle, of: &LawForces, signals: &Signals) -> LeftBy {
+    pub fn left_by(
+        &self,
+        vehicle: &Vehicle,
+        of: &LawForces,
+        signals: &Signals,
+    ) -> ResidualJacobian {
         let (sled, state, motion) = (&self.sled, &self.state, &self.motion);
         let (m, v) = (sled.mass_kg, state.v_mps);
         let ((sd, cd), (sg, cg)) = (self.steer, self.split);
@@ -186,7 +191,7 @@ impl Balance {
         let (force_f, force_r) = (state.fz_f0_n / length, state.fz_r_n / length);
         let weight = m * a_z / length;
 
-        let mut by = LeftBy::default();
+        let mut by = ResidualJacobian::default();
         by.value[Sensor::Ax as usize] = [m, 0.0, 0.0];
         by.value[Sensor::Ay as usize] = [0.0, m, 0.0];
         by.value[Sensor::Az as usize] = up;

@@ -95,7 +95,7 @@ pub fn read_run(entry: Entry, required: &[&str], on_gaps: OnGaps) -> Result<Run,
 /// # Errors
 /// As [`read_run`].
 pub fn read_needed(entry: Entry, needs: &Needs, on_gaps: OnGaps) -> Result<Run, Error> {
-    read_run(entry, needs.columns, on_gaps).map_err(|error| needs.told(error))
+    read_run(entry, needs.columns, on_gaps).map_err(|error| needs.explain(error))
 }
 
 /// Like [`read_run`], for a use that takes the `required` columns and those of `known` that the file has, and no others: gaps

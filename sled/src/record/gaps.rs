@@ -101,17 +101,17 @@ impl Gaps {
         let (Some(first), Some(last)) = (gaps.pieces.first(), gaps.pieces.last()) else {
             return gaps;
         };
-        let kept = first.start..last.end;
-        gaps.cut_s = [kept.start, len - kept.end].map(|samples| samples as f64 * dt_s);
-        gaps.standstill = moves[kept.clone()].iter().filter(|m| !**m).count();
+        let retained = first.start..last.end;
+        gaps.cut_s = [retained.start, len - retained.end].map(|samples| samples as f64 * dt_s);
+        gaps.standstill = moves[retained.clone()].iter().filter(|m| !**m).count();
         for column in columns.values_mut() {
-            column.truncate(kept.end);
-            column.drain(..kept.start);
+            column.truncate(retained.end);
+            column.drain(..retained.start);
             // A reader's room for more rows than came, of every channel of every run.
             column.shrink_to_fit();
         }
         for piece in &mut gaps.pieces {
-            *piece = piece.start - kept.start..piece.end - kept.start;
+            *piece = piece.start - retained.start..piece.end - retained.start;
         }
         gaps
     }
@@ -124,7 +124,7 @@ impl Gaps {
 
 /// What of one run took part in a result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct TakingPart {
+pub struct SampleCoverage {
     /// Name of the run.
     pub run: String,
     /// What is not there.
@@ -139,8 +139,8 @@ pub struct TakingPart {
 }
 
 /// One line on all runs with gaps; empty where there are none.
-pub fn gaps_line(runs: &[TakingPart]) -> String {
-    let (Some(first), sum) = (runs.first(), |of: &dyn Fn(&TakingPart) -> f64| -> f64 {
+pub fn gaps_line(runs: &[SampleCoverage]) -> String {
+    let (Some(first), sum) = (runs.first(), |of: &dyn Fn(&SampleCoverage) -> f64| -> f64 {
         runs.iter().map(of).sum()
     }) else {
         return String::new();
@@ -220,7 +220,7 @@ impl Saturation {
     }
 
     /// In words, of a channel whose first sample is at `t0_s`.
-    pub fn told(&self, column: &str, t0_s: f64, dt_s: f64) -> String {
+    pub fn describe(&self, column: &str, t0_s: f64, dt_s: f64) -> String {
         format!(
             "column {column} stays at its extreme {} for {} samples from t = {:.3} s on: saturated?",
             self.at,

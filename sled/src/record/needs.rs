@@ -39,7 +39,7 @@ impl Needs {
     };
 
     /// An error with the name of the computation, where it is of a missing column.
-    pub fn told(&self, error: Error) -> Error {
+    pub fn explain(&self, error: Error) -> Error {
         match error {
             Error::MissingColumn {
                 file,

@@ -59,11 +59,11 @@ impl Run {
     /// Everything that was noticed and is no error, in words.
     pub fn noticed(&self) -> Vec<String> {
         let file = self.entry.file.display();
-        let told = |(name, found): (&String, &Saturation)| {
-            format!("{file}: {}", found.told(name, self.t0_s, self.dt_s))
+        let remark = |(name, found): (&String, &Saturation)| {
+            format!("{file}: {}", found.describe(name, self.t0_s, self.dt_s))
         };
         let remarks = self.remarks.iter().cloned();
-        remarks.chain(self.saturated.iter().map(told)).collect()
+        remarks.chain(self.saturated.iter().map(remark)).collect()
     }
 
     /// A column by name.

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::model::vehicle::Vehicle;
-use crate::record::gaps::TakingPart;
+use crate::record::gaps::SampleCoverage;
 use crate::record::run::Run;
 use crate::replay::compared::{Compared, Difference, Section, compare, differences, sections};
 use crate::replay::inputs::{Inputs, Reading};
@@ -31,7 +31,7 @@ pub struct Replay {
     /// Way on which the steering is a straight line across a gap [m].
     pub bridged_m: f64,
     /// What of the run takes part.
-    pub taking_part: TakingPart,
+    pub taking_part: SampleCoverage,
     /// Force along the sled that the model lacks in the mean [N]: the growth of the difference of kinetic energies over the way.
     pub mean_force_n: f64,
     /// How far both are apart, by column.

@@ -10,7 +10,7 @@ use crate::record::check::LEAST_SAMPLES;
 use crate::record::check::relations::judge::check_relations;
 use crate::record::files::{read_run, read_run_of};
 use crate::record::gaps::OnGaps;
-use crate::record::gaps::TakingPart;
+use crate::record::gaps::SampleCoverage;
 use crate::record::index::Entry;
 use crate::record::needs::Needs;
 use crate::record::run::Run;
@@ -68,7 +68,7 @@ pub struct Inputs {
     /// Standard deviations of [`Reading::values`] that their noise leaves.
     pub noise_sd: [f64; 4],
     /// What of the run takes part.
-    pub taking_part: TakingPart,
+    pub taking_part: SampleCoverage,
 }
 
 /// Reads a run for a replay; only `v_mps` and `delta_rad` must be there, and only gaps of columns that a replay uses count.
@@ -77,7 +77,7 @@ pub struct Inputs {
 /// Those of the reader, and [`Error::Wrong`] where the channels prove that one is not what its name says.
 pub fn read_for_replay(entry: &Entry, on_gaps: OnGaps) -> Result<Run, Error> {
     let mut run = read_run_of(entry.clone(), NEEDS.columns, &COMPARED, on_gaps)
-        .map_err(|error| NEEDS.told(error))?;
+        .map_err(|error| NEEDS.explain(error))?;
     // All channels bear witness, also those that a replay does not use.
     if let Ok(whole) = read_run(entry.clone(), &["v_mps"], OnGaps::LeaveOut) {
         let known = whole.remarks.len();
@@ -97,7 +97,7 @@ impl Inputs {
     /// [`Error::MissingColumn`], [`Error::TooShort`], [`Error::Keys`] for an effect that needs what nothing states.
     pub fn of(run: &Run, vehicle: &Vehicle, start_m: f64) -> Result<Inputs, Error> {
         for name in NEEDS.columns {
-            run.column(name).map_err(|error| NEEDS.told(error))?;
+            run.column(name).map_err(|error| NEEDS.explain(error))?;
         }
         let effects = vehicle.effects.on_track(&run.entry.track);
         let base = Resampling::of(run, &PrepareOptions::default());
@@ -115,7 +115,7 @@ impl Inputs {
             }
             let sensed = Sensed::of(run, piece, &base, &effects, &further, &mut distance)?;
             let start = readings.len();
-            for i in base.kept(number, run.gaps.pieces.len(), sensed.len()) {
+            for i in base.valid_range(number, run.gaps.pieces.len(), sensed.len()) {
                 let (signals, at) = (sensed.signals(i), sensed.conditions(i));
                 readings.push(Reading {
                     t_s: at.t,
@@ -143,7 +143,7 @@ impl Inputs {
                 let column = run.columns.get(sensor.name());
                 column.map_or(0.0, |c| gain * noise_sd_within(run.gaps.within(c)))
             }),
-            taking_part: TakingPart {
+            taking_part: SampleCoverage {
                 run: run.entry.run.clone(),
                 gaps: run.gaps.clone(),
                 stretches: pieces.len(),

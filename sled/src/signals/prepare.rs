@@ -11,7 +11,7 @@ use crate::model::vehicle::Vehicle;
 use crate::motion::one_track::{forward, inverse};
 use crate::motion::state::{AxleForces, Motion, State, from_sensors};
 use crate::record::check::LEAST_SAMPLES;
-use crate::record::gaps::TakingPart;
+use crate::record::gaps::SampleCoverage;
 use crate::record::index::Entry;
 use crate::record::needs::Needs;
 use crate::record::run::Run;
@@ -33,7 +33,7 @@ pub struct Prepared {
     /// Stretches of `states` without a gap: within one they are `dt_s` apart, together they are all states.
     pub pieces: Vec<Range<usize>>,
     /// What of the run takes part.
-    pub taking_part: TakingPart,
+    pub taking_part: SampleCoverage,
     /// Standard deviations of the filtered slip angles, front and rear [rad].
     pub slip_sd_rad: [f64; 2],
 }
@@ -85,7 +85,7 @@ pub fn prepare(
 ) -> Result<Prepared, Error> {
     for name in options.needs.columns {
         run.column(name)
-            .map_err(|error| options.needs.told(error))?;
+            .map_err(|error| options.needs.explain(error))?;
     }
     let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
     let (sled, effects) = (&vehicle.sled, &vehicle.effects);
@@ -106,7 +106,7 @@ pub fn prepare(
         let start = states.len();
         let relaxation = effects.relaxation();
         let mut relaxed = Relaxed::default();
-        for i in base.kept(number, run.gaps.pieces.len(), count) {
+        for i in base.valid_range(number, run.gaps.pieces.len(), count) {
             let (mut state, mut motion) =
                 from_sensors(sled, &sensed.signals(i), &sensed.conditions(i));
             if !along {
@@ -145,7 +145,7 @@ pub fn prepare(
     let mut prepared = Prepared {
         entry: run.entry.clone(),
         dt_s: 1.0 / base.rate_hz,
-        taking_part: TakingPart {
+        taking_part: SampleCoverage {
             run: run.entry.run.clone(),
             gaps: run.gaps.clone(),
             stretches: pieces.len(),
@@ -281,14 +281,19 @@ impl Resampling {
     }
 
     /// Which of the `count` states of stretch `number` of `stretches` take part: those beside a gap do not.
-    pub(crate) fn kept(&self, number: usize, stretches: usize, count: usize) -> Range<usize> {
+    pub(crate) fn valid_range(
+        &self,
+        number: usize,
+        stretches: usize,
+        count: usize,
+    ) -> Range<usize> {
         let from = if number == 0 { 0 } else { self.margin };
-        let beyond = if number + 1 == stretches {
+        let after = if number + 1 == stretches {
             0
         } else {
             self.margin
         };
-        from..count.saturating_sub(beyond).max(from)
+        from..count.saturating_sub(after).max(from)
     }
 }
 

@@ -65,9 +65,9 @@ impl Driver {
     }
 
     /// The driver's random functions over a track from `start` to `finish` [m].
-    pub(crate) fn mood(&self, start: f64, finish: f64, seed: u64) -> Mood {
+    pub(crate) fn mood(&self, start: f64, finish: f64, seed: u64) -> RunVariation {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        Mood {
+        RunVariation {
             noise: smooth_noise(start, finish, self.length_m, self.noise_rad, &mut random),
             line: smooth_noise(start, finish, self.length_m, self.wander_m, &mut random),
         }
@@ -76,7 +76,7 @@ impl Driver {
 
 /// A driver's steering noise [rad] and wanted line [m] on one run, over distance.
 #[derive(Clone, Debug)]
-pub(crate) struct Mood {
+pub(crate) struct RunVariation {
     pub noise: Spline,
     pub line: Spline,
 }
@@ -97,7 +97,7 @@ fn smooth_noise(start: f64, finish: f64, length: f64, sd: f64, random: &mut ChaC
 /// Who steers.
 pub(crate) enum Steering<'a> {
     /// A driver, in his mood on this run.
-    Driver(&'a Driver, Mood),
+    Driver(&'a Driver, RunVariation),
     /// An angle recorded over the distance [rad over m].
     Recorded(Spline),
 }

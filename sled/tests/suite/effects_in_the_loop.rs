@@ -2,8 +2,8 @@
 
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
-    Driver, Left, Model, PrepareOptions, Run, SimulateOptions, Simulated, TrackShape, Vehicle,
-    prepare_all, record, simulate, simulated_entry, validate,
+    BalanceResidual, Driver, Model, PrepareOptions, Run, SimulateOptions, Simulated, TrackShape,
+    Vehicle, prepare_all, record, simulate, simulated_entry, validate,
 };
 
 fn driven(vehicle: &Vehicle) -> (Simulated, Run) {
@@ -59,7 +59,7 @@ fn lateral_and_sensor_effects_are_explained_by_the_model_that_has_them() {
 }
 
 /// What a run's balances leave with the effects of `tables` in its model, and without.
-fn left_with_and_without(tables: &str) -> [Left; 2] {
+fn left_with_and_without(tables: &str) -> [BalanceResidual; 2] {
     let text = format!("{}\n{tables}\n", Model::published().to_toml());
     let model = Model::from_toml(&text, "m.toml").unwrap();
     let with = Vehicle::with_effects(&model).unwrap();
@@ -75,9 +75,9 @@ fn left_with_and_without(tables: &str) -> [Left; 2] {
 
 #[test]
 fn every_channels_fault_and_the_inertia_are_explained_in_the_balance_where_they_show() {
-    let side: fn(&Left) -> f64 = |left| left.side_n;
-    let along: fn(&Left) -> f64 = |left| left.along_n;
-    let yaw: fn(&Left) -> f64 = |left| left.yaw_nm;
+    let side: fn(&BalanceResidual) -> f64 = |left| left.side_n;
+    let along: fn(&BalanceResidual) -> f64 = |left| left.along_n;
+    let yaw: fn(&BalanceResidual) -> f64 = |left| left.yaw_nm;
     let own = "[effects.mine]\nvalue = 1.0\n";
     // Filters and differences leave this much where nothing is hidden.
     let [nothing, _] = left_with_and_without("");

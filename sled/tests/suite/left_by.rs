@@ -29,7 +29,7 @@ fn signals(sled: &Sled, k: usize) -> Signals {
 
 fn left(vehicle: &Vehicle, signals: &Signals) -> [f64; 3] {
     let balance = balance(vehicle, signals);
-    balance.left(&balance.laws(vehicle).forces).values()
+    balance.residual(&balance.laws(vehicle).forces).values()
 }
 
 fn balance(vehicle: &Vehicle, signals: &Signals) -> Balance {

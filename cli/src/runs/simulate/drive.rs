@@ -36,11 +36,11 @@ type Driven = (
 
 /// Drives and writes them.
 pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> Result<(), Failure> {
-    let told = |error: kufe_sled::Error| failure(&error);
+    let refusal = |error: kufe_sled::Error| failure(&error);
     let inputs = [model_file.to_path_buf(), track.to_path_buf()];
-    let model = Model::load(model_file).map_err(told)?;
-    let vehicle = Vehicle::with_effects(&model).map_err(told)?;
-    let track = Track::load(track).map_err(told)?;
+    let model = Model::load(model_file).map_err(refusal)?;
+    let vehicle = Vehicle::with_effects(&model).map_err(refusal)?;
+    let track = Track::load(track).map_err(refusal)?;
     let shape = TrackShape::new(&track);
     let (driver, driver_name) = driver(args)?;
     let conditions = args.conditions()?.or(&vehicle.conditions);
@@ -72,16 +72,22 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
             let run = record(&simulated, &vehicle, noise, entry, options.seed);
             let states = simulated.instants.iter().map(|instant| &instant.state);
             let outside = outside_tables(&vehicle, states.clone());
-            let asked = match tabled && number < DRAWN {
+            let requested = match tabled && number < DRAWN {
                 true => table_samples(states),
                 false => [Vec::new(), Vec::new()],
             };
-            Ok((run, simulated.energy, simulated.finished, outside, asked))
+            Ok((
+                run,
+                simulated.energy,
+                simulated.finished,
+                outside,
+                requested,
+            ))
         })
         .collect::<Vec<_>>()
         .into_iter()
         .collect::<Result<_, _>>()
-        .map_err(told)?;
+        .map_err(refusal)?;
     let seconds = start.elapsed().as_secs_f64();
     let simulated_s: f64 = driven
         .iter()
@@ -91,12 +97,12 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     let mut rows: Vec<SimulatedRun> = Vec::new();
     let mut samples = [Vec::new(), Vec::new()];
     let mut left_tables: Vec<OutsideTable> = Vec::new();
-    for (number, (run, energy, finished, outside, asked)) in driven.into_iter().enumerate() {
+    for (number, (run, energy, finished, outside, requested)) in driven.into_iter().enumerate() {
         left_tables.extend(outside.iter().cloned());
         let seed = args.seed.wrapping_add(number as u64);
         rows.push(SimulatedRun::new(&run, seed, finished, &energy, outside));
         runs.push(run);
-        for (all, own) in samples.iter_mut().zip(asked) {
+        for (all, own) in samples.iter_mut().zip(requested) {
             all.extend(own);
         }
     }

@@ -30,10 +30,10 @@ pub fn replay_run(
     track_file: &Path,
     global: &Global,
 ) -> Result<(), Failure> {
-    let told = |error: Error| failure(&error);
-    let model = Model::load(model_file).map_err(told)?;
-    let vehicle = Vehicle::with_effects(&model).map_err(told)?;
-    let track = Track::load(track_file).map_err(told)?;
+    let refusal = |error: Error| failure(&error);
+    let model = Model::load(model_file).map_err(refusal)?;
+    let vehicle = Vehicle::with_effects(&model).map_err(refusal)?;
+    let track = Track::load(track_file).map_err(refusal)?;
     let mut inputs: Vec<PathBuf> = vec![model_file.to_path_buf(), track_file.to_path_buf()];
     inputs.extend(args.replay.clone());
     let entry = entry(args, &track)?;
@@ -47,7 +47,7 @@ pub fn replay_run(
     } else {
         OnGaps::LeaveOut
     };
-    let run = read_for_replay(&entry, on_gaps).map_err(told)?;
+    let run = read_for_replay(&entry, on_gaps).map_err(refusal)?;
     for remark in &run.remarks {
         warn(remark);
     }
@@ -58,8 +58,8 @@ pub fn replay_run(
         conditions: entry.conditions,
         ..SimulateOptions::default()
     };
-    let measured = Inputs::of(&run, &vehicle, track.s_m[0]).map_err(told)?;
-    let done = replay(&measured, &vehicle, &TrackShape::new(&track), &options).map_err(told)?;
+    let measured = Inputs::of(&run, &vehicle, track.s_m[0]).map_err(refusal)?;
+    let done = replay(&measured, &vehicle, &TrackShape::new(&track), &options).map_err(refusal)?;
     let mut driven = record(&done.simulated, &vehicle, None, entry, 0);
     driven.t0_s = measured.readings[0].t_s;
     let states = done.simulated.instants.iter().map(|instant| &instant.state);

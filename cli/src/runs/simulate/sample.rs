@@ -20,9 +20,9 @@ pub fn sample(
     model_file: Option<&Path>,
     global: &Global,
 ) -> Result<(), Failure> {
-    let told = |error: kufe_sled::Error| failure(&error);
+    let refusal = |error: kufe_sled::Error| failure(&error);
     let model = match model_file {
-        Some(path) => Model::load(path).map_err(told)?,
+        Some(path) => Model::load(path).map_err(refusal)?,
         None => Model::published(),
     };
     let inputs: Vec<PathBuf> = model_file.map(Path::to_path_buf).into_iter().collect();
@@ -31,7 +31,7 @@ pub fn sample(
     let bar = global.progress();
     bar.set_message("driving 44 runs");
     let plan = sample_plan(args.seed);
-    let mut runs = drive_sample(&plan, &model).map_err(told)?;
+    let mut runs = drive_sample(&plan, &model).map_err(refusal)?;
     bar.set_message("writing");
     write_runs(&output, &mut runs, args.format())?;
     for name in ["east", "west"] {

@@ -13,14 +13,16 @@ use kufe_mesh::ExrImage;
 /// attribute, or holds values that are no numbers.
 pub fn read_map(path: &Path) -> Result<PressureMap, Failure> {
     let image = ExrImage::load(path).map_err(|error| Failure::BadInput(error.to_string()))?;
-    let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
+    let refusal = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
     let [nx, ny] = image.size;
     if nx < 2 || ny < 2 {
-        return Err(told(format!("{nx} x {ny} pixels: expected at least 2 x 2")));
+        return Err(refusal(format!(
+            "{nx} x {ny} pixels: expected at least 2 x 2"
+        )));
     }
     let channel = |name: &str| match image.channel(name) {
         Ok(values) => Ok(values.to_vec()),
-        Err(error) => Err(told(error.to_string())),
+        Err(error) => Err(refusal(error.to_string())),
     };
     Ok(PressureMap {
         x0: image.origin_m[0],

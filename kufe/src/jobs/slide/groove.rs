@@ -108,8 +108,8 @@ impl<'a> Ploughing<'a> {
         for _ in 0..ROUNDS {
             let solution = self.at(value, options)?;
             let contact_time = self.contact_time(&solution);
-            let (asked, from) = self.hardness(contact_time.value)?;
-            let change = (asked / value).ln();
+            let (requested, from) = self.hardness(contact_time.value)?;
+            let change = (requested / value).ln();
             apart = change.abs();
             if apart <= within {
                 return Ok(Grooved {
@@ -122,7 +122,7 @@ impl<'a> Ploughing<'a> {
                 });
             }
             value = match from {
-                HardnessFrom::Melting => asked,
+                HardnessFrom::Melting => requested,
                 _ => value * (change / (1.0 - GIVEN_BACK)).exp(),
             };
         }
@@ -185,14 +185,14 @@ fn parts(solution: &SlidingSolution) -> usize {
 /// [`Failure::BadInput`] naming the file where it is missing, has no channel `depth`, or holds no depths.
 fn groove_left(folder: &Path) -> Result<GrooveProfile, Failure> {
     let path = folder.join(GROOVE_FILE);
-    let told = |reason: String| Failure::BadInput(format!("sliding.previous: {reason}"));
-    let image = ExrImage::load(&path).map_err(|error| told(error.to_string()))?;
+    let refusal = |reason: String| Failure::BadInput(format!("sliding.previous: {reason}"));
+    let image = ExrImage::load(&path).map_err(|error| refusal(error.to_string()))?;
     let depth = image
         .channel("depth")
-        .map_err(|error| told(format!("{}: {error}", path.display())))?;
+        .map_err(|error| refusal(format!("{}: {error}", path.display())))?;
     let [columns, rows] = image.size;
     let y = (0..rows).map(|j| image.origin_m[1] + j as f64 * image.pixel_m[1]);
     let last = (0..rows).map(|j| depth[j * columns]);
     GrooveProfile::new(y.collect(), last.collect())
-        .map_err(|error| told(format!("{}: {error}", path.display())))
+        .map_err(|error| refusal(format!("{}: {error}", path.display())))
 }

@@ -111,8 +111,8 @@ pub fn optimise(
         solved.push((values, friction(&runner)?));
     }
     let values: Vec<f64> = solved.iter().map(|(_, p)| p.friction.mu.value).collect();
-    let told = |error| Failure::bad_input(error).within(&loaded.name);
-    let response = Response::fit(&spans, &values).map_err(told)?;
+    let refusal = |error| Failure::bad_input(error).within(&loaded.name);
+    let response = Response::fit(&spans, &values).map_err(refusal)?;
     let values = response.least();
     watch.progress("the best runner");
     let point = friction(&runner(&values)?)?;

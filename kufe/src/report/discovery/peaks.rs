@@ -133,14 +133,14 @@ fn mark(svg: &mut String, kind: usize, x: f64, y: f64) {
 fn line(svg: &mut String, row: Data, x: &dyn Fn(f64) -> f64, y: f64) {
     let [measured, sd, before, after] =
         ["measured", "sd", "before", "after"].map(|key| 1e-6 * row.number(key));
-    let mut told = format!("measured {}, before {}", number4(measured), number4(before));
+    let mut message = format!("measured {}, before {}", number4(measured), number4(before));
     if after.is_finite() {
-        let _ = write!(told, ", after {}", number4(after));
+        let _ = write!(message, ", after {}", number4(after));
     }
     let _ = write!(
         svg,
         "<g><title>{} [MPa]</title><line x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y:.1}\" y2=\"{y:.1}\" stroke=\"currentColor\" stroke-width=\"1.5\"/>",
-        told,
+        message,
         x(measured - 2.0 * sd),
         x(measured + 2.0 * sd)
     );

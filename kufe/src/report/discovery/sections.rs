@@ -125,7 +125,7 @@ fn evidence(out: &mut String, kinds: &[Data]) {
         return;
     }
     let agree = kinds.iter().all(|kind| kind.is("agrees"));
-    let told = match (kinds.len(), agree) {
+    let message = match (kinds.len(), agree) {
         (1, _) => "One kind of data of the campaign knows this effect.",
         (_, true) => {
             "The kinds of data agree: the size above is that of all together, each weighed by its error."
@@ -136,7 +136,7 @@ fn evidence(out: &mut String, kinds: &[Data]) {
     };
     let _ = write!(
         out,
-        "<p>{told}</p>\n<div class=\"wide\"><table><tr><th>data<th>parameter<th class=n>by itself<th class=n>95 % interval<th>unit<th class=n>gap not seen before, and after</tr>\n"
+        "<p>{message}</p>\n<div class=\"wide\"><table><tr><th>data<th>parameter<th class=n>by itself<th class=n>95 % interval<th>unit<th class=n>gap not seen before, and after</tr>\n"
     );
     for kind in kinds {
         for p in kind.list("parameters") {

@@ -35,12 +35,12 @@ pub fn document(out: &mut String, document: &Value) {
 
 /// An object's figures, then what it holds, then what says less.
 fn top(out: &mut String, fields: &Map<String, Value>) {
-    let kept = |(key, value): &(&String, &Value)| {
+    let retained = |(key, value): &(&String, &Value)| {
         !ASIDE.contains(&key.as_str()) && !CASES.contains(&key.as_str()) && !value.is_null()
     };
     let (nested, single): (Vec<_>, Vec<_>) = fields
         .iter()
-        .filter(kept)
+        .filter(retained)
         .map(|(key, value)| (key.as_str(), value))
         .partition(|(_, value)| is_table(value) || has_parts(value));
     let single: Map<String, Value> = single
@@ -117,7 +117,7 @@ fn parts(out: &mut String, mut nested: Vec<(&str, &Value)>) {
             .filter(|(_, other)| alike(other))
             .collect();
         if group.len() > 1 {
-            beside(&mut inner, &group);
+            side_by_side(&mut inner, &group);
             let names: Vec<String> = group.iter().map(|(key, _)| name_of(key)).collect();
             folded(out, &names.join(", "), true, &inner);
             done.extend(group.iter().map(|(key, _)| *key));
@@ -180,7 +180,7 @@ fn pairs(out: &mut String, figures: &[Entry]) {
 }
 
 /// Objects of the same figures, a column each.
-fn beside(out: &mut String, group: &[(&str, &Value)]) {
+fn side_by_side(out: &mut String, group: &[(&str, &Value)]) {
     out.push_str("<div class=\"wide\"><table><tr><th>");
     for (key, _) in group {
         let _ = write!(out, "<th>{}", escape(&name_of(key)));

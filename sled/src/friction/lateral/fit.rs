@@ -605,12 +605,14 @@ pub(crate) fn by_cluster(
 
 /// Step `slope^-1 score` over the free parameters, through a pseudo-inverse.
 fn step(slope: &Matrix3<f64>, score: &Vector3<f64>, free: [bool; 3]) -> Option<Vector3<f64>> {
-    let kept: Vec<usize> = (0..3).filter(|&i| free[i]).collect();
-    let matrix = DMatrix::from_fn(kept.len(), kept.len(), |i, j| slope[(kept[i], kept[j])]);
-    let right = DVector::from_fn(kept.len(), |i, _| score[kept[i]]);
+    let retained: Vec<usize> = (0..3).filter(|&i| free[i]).collect();
+    let matrix = DMatrix::from_fn(retained.len(), retained.len(), |i, j| {
+        slope[(retained[i], retained[j])]
+    });
+    let right = DVector::from_fn(retained.len(), |i, _| score[retained[i]]);
     let solved = matrix.cholesky()?.solve(&right);
     let mut whole = Vector3::zeros();
-    for (i, &k) in kept.iter().enumerate() {
+    for (i, &k) in retained.iter().enumerate() {
         whole[k] = solved[i];
     }
     Some(whole)

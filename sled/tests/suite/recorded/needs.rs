@@ -59,8 +59,8 @@ fn a_lateral_fit_is_the_same_without_what_it_does_not_use() {
     let bare = fitted(&["ax_mps2", "s_m"], "run,file,air_pa,air_c", ",95000,0");
     assert_eq!(whole.front.model, bare.front.model);
     assert_eq!(whole.rear.model, bare.rear.model);
-    assert_eq!(whole.left.side_n, bare.left.side_n);
-    assert!(whole.left.along_n.is_finite() && bare.left.along_n.is_nan());
+    assert_eq!(whole.residual.side_n, bare.residual.side_n);
+    assert!(whole.residual.along_n.is_finite() && bare.residual.along_n.is_nan());
 }
 
 #[test]

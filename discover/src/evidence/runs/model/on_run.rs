@@ -7,7 +7,9 @@ use std::borrow::Cow;
 use std::sync::OnceLock;
 
 use kufe_sled::effects::{Active, Conditions, Constants, Forces, Relaxed, Sensor, Signals};
-use kufe_sled::{Balance, BaseParameter, LeftBy, Motion, Sled, State, Vehicle, aero, from_sensors};
+use kufe_sled::{
+    Balance, BaseParameter, Motion, ResidualJacobian, Sled, State, Vehicle, aero, from_sensors,
+};
 
 use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::instant::Instant;
@@ -249,12 +251,12 @@ impl<'a> ModelOnRun<'a> {
             let seen = balance.seen(&self.vehicle, laws.load_n);
             self.vehicle.effects.act("", &seen, &mut forces);
         }
-        balance.left(&forces).values()
+        balance.residual(&forces).values()
     }
 
     /// Derivatives of the balances of a sample by what its sensors say; nothing where effects act on the forces, which have derivatives of
     /// their own, and where the sled stands.
-    pub fn left_by(&self, at: &Instant, forces: &Forces) -> Option<LeftBy> {
+    pub fn left_by(&self, at: &Instant, forces: &Forces) -> Option<ResidualJacobian> {
         let moves = at.signals[Sensor::Speed] > LEAST_SPEED;
         let plain = moves && *forces == at.laws.forces;
         plain.then(|| at.balance.left_by(&self.vehicle, &at.laws, &at.signals))
@@ -267,7 +269,7 @@ impl<'a> ModelOnRun<'a> {
         reads: &Differences,
         at: &Instant,
         own: [f64; BALANCES],
-        by: Option<&LeftBy>,
+        by: Option<&ResidualJacobian>,
     ) -> [f64; BALANCES] {
         if let (Some(by), false) = (by, self.corrects) {
             return reads.left(i, by);
@@ -299,7 +301,7 @@ impl<'a> ModelOnRun<'a> {
 
     /// What the balances along [N], aside [N] and about the vertical [N m] leave of these forces.
     pub fn balances(&self, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
-        at.balance.left(forces).values()
+        at.balance.residual(forces).values()
     }
 
     /// Balances with base multiplier `b` moved by a small `step`.
@@ -367,7 +369,7 @@ impl<'a> ModelOnRun<'a> {
         effect: &Active,
         at: &Instant,
         forces: &Forces,
-        by: Option<&LeftBy>,
+        by: Option<&ResidualJacobian>,
     ) -> [f64; BALANCES] {
         if !effect.acts_on(&self.frame.track) {
             return self.balances(at, forces);

@@ -1,6 +1,6 @@
 //! What the sensors of a run would say, and what its sled would be, were something else off a little.
 
-use kufe_sled::LeftBy;
+use kufe_sled::ResidualJacobian;
 use kufe_sled::effects::{Constants, Sensor, Signals};
 
 use crate::evidence::runs::model::channels::Channels;
@@ -108,7 +108,7 @@ impl Differences {
     }
 
     /// What the balances of a sample leave more, from their derivatives.
-    pub fn left(&self, i: usize, by: &LeftBy) -> [f64; BALANCES] {
+    pub fn left(&self, i: usize, by: &ResidualJacobian) -> [f64; BALANCES] {
         let mut left = match self.sensors.is_empty() {
             true => by.of_constants(&self.constants),
             false => [0.0; BALANCES],

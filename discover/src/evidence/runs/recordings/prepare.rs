@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use kufe_sled::effects::Column;
-use kufe_sled::{Model, Noise, Run, TakingPart, Track, gaps_line};
+use kufe_sled::{Model, Noise, Run, SampleCoverage, Track, gaps_line};
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
@@ -39,7 +39,7 @@ pub struct Data {
     /// The locked-away runs as recorded, which models are replayed on; empty for segments of one run.
     pub(crate) locked_runs: Vec<Run>,
     /// Runs with gaps: what is not there, and how much takes part.
-    pub gaps: Vec<TakingPart>,
+    pub gaps: Vec<SampleCoverage>,
     /// What a reader should know: constant columns, segments, remarks of the reader.
     pub remarks: Vec<String>,
 }
@@ -199,9 +199,9 @@ pub fn prepare(
 }
 
 /// What of a run with gaps takes part.
-fn taking_part(run: &Run, frame: &Frame) -> TakingPart {
+fn taking_part(run: &Run, frame: &Frame) -> SampleCoverage {
     let begins = |i: &usize| *i == 0 || !frame.taking_part[i - 1];
-    TakingPart {
+    SampleCoverage {
         run: run.entry.run.clone(),
         gaps: run.gaps.clone(),
         stretches: frame.samples().filter(begins).count(),

@@ -20,7 +20,7 @@ const EVENLY: f64 = 0.9;
 
 /// What single channels of a run prove.
 pub fn plain_faults(run: &Run) -> Vec<Fault> {
-    let told = |column: &str, kind, looks_like: String, evidence: String, mend: String| Fault {
+    let fault = |column: &str, kind, looks_like: String, evidence: String, mend: String| Fault {
         run: run.entry.run.clone(),
         file: run.entry.file.display().to_string(),
         columns: vec![column.to_string()],
@@ -32,7 +32,7 @@ pub fn plain_faults(run: &Run) -> Vec<Fault> {
     };
     let mut faults = Vec::new();
     if run.dt_s >= LONGEST_STEP_S {
-        faults.push(told(
+        faults.push(fault(
             "t_s",
             FaultKind::Clock,
             "milliseconds".to_string(),
@@ -54,7 +54,7 @@ pub fn plain_faults(run: &Run) -> Vec<Fault> {
             there.partition(|name| one_value(name).is_some());
         if let Some(other) = moving.first() {
             faults.extend(still.iter().map(|name| {
-                told(
+                fault(
                     name,
                     FaultKind::Constant,
                     "one value throughout".to_string(),
@@ -76,7 +76,7 @@ pub fn plain_faults(run: &Run) -> Vec<Fault> {
             && run.rate_hz() / (rows as f64) < LEAST_RATE_HZ
         {
             let rate = run.rate_hz() / rows as f64;
-            faults.push(told(
+            faults.push(fault(
                 name,
                 FaultKind::Held,
                 format!("values of {rate:.4} Hz, each held for {rows} rows"),
@@ -122,7 +122,7 @@ pub fn range_faults(run: &Run, known: &[Fault]) -> Vec<Fault> {
             .iter()
             .any(|fault| fault.columns.iter().any(|c| c == name))
     };
-    let told = |name: &str| {
+    let fault = |name: &str| {
         let column = run.columns.get(name).filter(|_| !judged(name))?;
         let values: Vec<f64> = run.gaps.within(column).flatten().copied().collect();
         let (kind, looks_like, found, expected, mend) = out_of_range(name, &values)?;
@@ -137,7 +137,7 @@ pub fn range_faults(run: &Run, known: &[Fault]) -> Vec<Fault> {
             mend: format!("{mend} for {name}"),
         })
     };
-    COLUMNS.into_iter().filter_map(told).collect()
+    COLUMNS.into_iter().filter_map(fault).collect()
 }
 
 type OutOfRange = (FaultKind, &'static str, String, &'static str, &'static str);

@@ -187,13 +187,13 @@ impl Slow {
         };
         let mut pieces = Vec::new();
         let mut count = 0;
-        let mut kept = Vec::new();
+        let mut retained = Vec::new();
         for piece in &run.gaps.pieces {
             let length = centres(piece).count();
             // Two samples on each side are spent on derivatives.
             if length > 8 {
                 pieces.push(count..count + length);
-                kept.extend(centres(piece));
+                retained.extend(centres(piece));
                 count += length;
             }
         }
@@ -206,7 +206,7 @@ impl Slow {
                 let window = x[i - half..=i + half].iter().zip(&weights);
                 window.map(|(x, w)| x * w).sum::<f64>() / sum
             };
-            kept.iter().map(one).collect::<Vec<f64>>()
+            retained.iter().map(one).collect::<Vec<f64>>()
         };
         Some(Slow {
             dt_s,
