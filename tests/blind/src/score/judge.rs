@@ -52,7 +52,9 @@ pub fn judge(report: &Value, answer: &Answer, outcome: &mut Outcome) {
         .claims
         .iter()
         .any(|claim| !claim.class.iter().any(|name| fair(name)))
-        || (answer.hides.is_empty() && outcome.claims.is_empty() && outcome.verdict == "located");
+        || (answer.hides.is_empty()
+            && outcome.claims.is_empty()
+            && ["located", "inadequate"].contains(&outcome.verdict.as_str()));
     outcome.wrong_firm = outcome.claims.iter().any(|claim| {
         claim.class.len() == 1
             && !claim.effect.starts_with("unknown:")
