@@ -183,7 +183,7 @@ function slidingOf(result) {
   if (!Number.isFinite(result.mu)) return [];
   const part = (name) => figure(1e3 * result[name], 3), error = (value) => figure(value, 2);
   return [
-    [`\u03bc ${figure(1e3 * result.mu, 4)}e-3`, `friction, \u00b1 ${error(1e3 * result.mu_error)}e-3: ploughing ${part("mu_ploughing")}, film ${part("mu_viscous")}`],
+    [`\u03bc ${figure(1e3 * result.mu, 4)}e-3`, `friction, \u00b1 ${error(1e3 * result.mu_error)}e-3: ploughing ${part("mu_ploughing")}, film ${part("mu_viscous")}${result.mu_boundary > 0 ? `, boundary ${part("mu_boundary")} on ${figure(100 * result.boundary_share, 3)} % of the patch` : ""}`],
     ...(result.mu_sensitivity ? [followsOf(result.mu_sensitivity)] : []),
     [`${figure(1e-6 * result.hardness_pa, 4)} MPa`, `hardness (${result.hardness_from ?? "stated"})`],
     [metres(result.groove_depth_m, 4), `groove left, \u00b1 ${metres(result.groove_depth_error_m, 2)}`],
@@ -195,7 +195,8 @@ function slidingOf(result) {
 /** How friction follows what it depends on. */
 function followsOf(by) {
   const per = (value) => `${value >= 0 ? "+" : "\u2212"}${figure(Math.abs(value), 2)} %`;
-  return [per(by.dlnmu_dlnv), `friction for 1 % of speed; ${per(by.dlnmu_dlnhardness)} for 1 % of hardness, ${per(by.dlnmu_dlnviscosity)} for 1 % of viscosity, ${per(1e2 * by.dlnmu_dice_c)} for 1 K`];
+  const boundary = Number.isFinite(by.dlnmu_dlnroughness) ? `, ${per(by.dlnmu_dlnroughness)} of roughness, ${per(by.dlnmu_dlnboundary_shear)} of boundary shear` : "";
+  return [per(by.dlnmu_dlnv), `friction for 1 % of speed; ${per(by.dlnmu_dlnhardness)} for 1 % of hardness, ${per(by.dlnmu_dlnviscosity)} for 1 % of viscosity${boundary}, ${per(1e2 * by.dlnmu_dice_c)} for 1 K`];
 }
 
 /** The meshes of a sliding contact, whose peak is the ice's hardness on each. */

@@ -9,6 +9,7 @@ const UNITS = {
   p_max: ["peak pressure", "MPa", 1e-6], p_mean: ["mean pressure", "MPa", 1e-6], area: ["contact area", "mm\u00b2", 1e6],
   length: ["contact length", "mm", 1e3], width: ["contact width", "mm", 1e3], approach: ["approach", "\u00b5m", 1e6],
   mu: ["coefficient of friction", "10\u207b\u00b3", 1e3], mu_ploughing: ["friction of ploughing", "10\u207b\u00b3", 1e3], mu_viscous: ["friction of the melt film", "10\u207b\u00b3", 1e3],
+  mu_boundary: ["friction of boundary contact", "10\u207b\u00b3", 1e3],
   groove_depth: ["depth of the groove", "\u00b5m", 1e6], film_mean: ["mean thickness of the film", "\u00b5m", 1e6],
 };
 

@@ -26,6 +26,8 @@ pub enum Quantity {
     MuPloughing,
     /// Its part that shears the melt film.
     MuViscous,
+    /// Its part where steel and ice touch through the film.
+    MuBoundary,
     /// Depth of the groove of a sliding runner [m].
     GrooveDepth,
     /// Thickness of the melt film averaged over the patch [m].
@@ -33,7 +35,7 @@ pub enum Quantity {
 }
 
 /// Number of quantities.
-const COUNT: usize = 11;
+const COUNT: usize = 12;
 /// Number of quantities that a contact at rest has.
 const AT_REST: usize = 6;
 
@@ -80,6 +82,13 @@ const DESCRIPTIONS: [[&str; 5]; COUNT] = [
         "Friction of the melt film",
     ],
     [
+        "mu_boundary",
+        "mu_boundary",
+        "mu_boundary_error",
+        "1",
+        "Friction of boundary contact",
+    ],
+    [
         "groove_depth",
         "groove_depth_m",
         "groove_depth_error_m",
@@ -107,6 +116,7 @@ impl Quantity {
         Quantity::Mu,
         Quantity::MuPloughing,
         Quantity::MuViscous,
+        Quantity::MuBoundary,
         Quantity::GrooveDepth,
         Quantity::FilmMean,
     ];
@@ -161,11 +171,11 @@ impl Quantity {
     }
 
     /// What a value must be, where this one is not: pressures, sizes and friction are positive;
-    /// ploughing and groove are 0 on ice that does not yield.
+    /// ploughing and groove are 0 on ice that does not yield, boundary friction where the film separates steel and ice.
     pub(crate) fn expectation(self, value: f64) -> Option<&'static str> {
         match self {
             Quantity::Approach => None,
-            Quantity::MuPloughing | Quantity::GrooveDepth => {
+            Quantity::MuPloughing | Quantity::MuBoundary | Quantity::GrooveDepth => {
                 (value < 0.0).then_some("0 or a positive number")
             }
             _ => (value <= 0.0).then_some("a positive number"),

@@ -13,7 +13,7 @@ _Path = str | PathLike[str]
 _Progress = Callable[[str], object] | None
 _Quantity = Literal[
     "p_max", "p_mean", "area", "length", "width", "approach",
-    "mu", "mu_ploughing", "mu_viscous", "groove_depth", "film_mean",
+    "mu", "mu_ploughing", "mu_viscous", "mu_boundary", "groove_depth", "film_mean",
 ]
 _Mode = Literal["smooth", "bilinear"]
 

@@ -161,6 +161,11 @@ def test_a_sliding_runner_has_its_groove_and_its_friction():
     # The plastic work over the way is the ploughing force: hardness times the section of the groove.
     work = slid.result["hardness_pa"] * np.trapezoid(groove[:, 0], slid.y_m)
     assert work / 950.0 == pytest.approx(result["mu_ploughing"], rel=0.03)
+    rough = case.replace({"sliding.v_mps": 20.0, "sliding.ice_c": -5.0, "sliding.roughness_m": 0.5e-6, "sliding.boundary_shear_pa": 60e3})
+    rough = kufe.slide(rough, 20.0, -5.0, accuracy=0.03).result
+    parts = rough["mu_ploughing"] + rough["mu_viscous"] + rough["mu_boundary"]
+    assert rough["mu"] == pytest.approx(parts) and rough["mu_boundary"] > 0.0 == result["mu_boundary"]
+    assert 0.0 < rough["boundary_share"] < 1.0
     assert kufe.press(case).groove_m is None
     with pytest.raises(kufe.InputError, match="ice_c"):
         kufe.slide(case, 20.0, 1.0)

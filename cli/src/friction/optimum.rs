@@ -72,12 +72,24 @@ fn parameter(text: &str) -> Result<Parameter, Failure> {
 fn write_csv(file: impl Write, found: &Optimum) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(file);
     let keys = found.parameters.iter().map(|p| p.key.as_str());
-    csv.write_record(keys.chain(["mu", "mu_error", "mu_ploughing", "mu_viscous"]))?;
+    csv.write_record(keys.chain([
+        "mu",
+        "mu_error",
+        "mu_ploughing",
+        "mu_viscous",
+        "mu_boundary",
+    ]))?;
     let best = (&found.values, &found.point);
     let solved = found.solved.iter().map(|(values, point)| (values, point));
     for (values, point) in solved.chain([best]) {
         let f = &point.friction;
-        let figures = [f.mu.value, f.mu.error, f.ploughing.value, f.viscous.value];
+        let figures = [
+            f.mu.value,
+            f.mu.error,
+            f.ploughing.value,
+            f.viscous.value,
+            f.boundary.value,
+        ];
         csv.write_record(values.iter().chain(&figures).map(f64::to_string))?;
     }
     csv.flush()
@@ -86,13 +98,14 @@ fn write_csv(file: impl Write, found: &Optimum) -> io::Result<()> {
 fn text(found: &Optimum) -> String {
     let friction = &found.point.friction;
     let mut text = format!(
-        "least friction at {} m/s and {} C: mu {:.3} +- {:.3}e-3 (ploughing {:.3}, film {:.3})\n",
+        "least friction at {} m/s and {} C: mu {:.3} +- {:.3}e-3 (ploughing {:.3}, film {:.3}, boundary {:.3})\n",
         found.point.v_mps,
         found.point.ice_c,
         1e3 * friction.mu.value,
         1e3 * friction.mu.error,
         1e3 * friction.ploughing.value,
         1e3 * friction.viscous.value,
+        1e3 * friction.boundary.value,
     );
     for (k, (parameter, [from, to])) in found.parameters.iter().zip(found.flat()).enumerate() {
         let bound = match found.on_bound(k) {

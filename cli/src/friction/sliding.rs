@@ -118,12 +118,12 @@ fn text(result: &FrictionTable) -> String {
     let names = result.points.iter().map(|row| row.case.chars().count());
     let wide = names.max().unwrap_or(0).max(6);
     let mut text = format!(
-        "{:wide$}  ice [C]  speed [m/s]  mu [1e-3]       ploughing  film   groove [µm]  film [µm]\n",
+        "{:wide$}  ice [C]  speed [m/s]  mu [1e-3]       ploughing  film   boundary  groove [µm]  film [µm]\n",
         "runner"
     );
     for row in &result.points {
         text += &format!(
-            "{:wide$}  {:7.1}  {:11.1}  {:6.3} +- {:5.3}  {:9.3}  {:5.3}  {:11.2}  {:9.3}\n",
+            "{:wide$}  {:7.1}  {:11.1}  {:6.3} +- {:5.3}  {:9.3}  {:5.3}  {:8.3}  {:11.2}  {:9.3}\n",
             row.case,
             row.ice_c,
             row.v_mps,
@@ -131,6 +131,7 @@ fn text(result: &FrictionTable) -> String {
             1e3 * row.mu.error,
             1e3 * row.mu_ploughing.value,
             1e3 * row.mu_viscous.value,
+            1e3 * row.mu_boundary.value,
             1e6 * row.groove_depth.value,
             1e6 * row.film_mean_m,
         );

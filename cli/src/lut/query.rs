@@ -211,6 +211,7 @@ fn shown(quantity: Quantity) -> (&'static str, f64, usize, &'static str) {
         Quantity::Mu => ("friction mu", 1e3, 4, "1e-3"),
         Quantity::MuPloughing => ("  of ploughing", 1e3, 4, "1e-3"),
         Quantity::MuViscous => ("  of the film", 1e3, 4, "1e-3"),
+        Quantity::MuBoundary => ("  of the boundary", 1e3, 4, "1e-3"),
         Quantity::GrooveDepth => ("groove", 1e6, 2, "µm deep"),
         Quantity::FilmMean => ("film, mean", 1e6, 4, "µm"),
     }
@@ -225,7 +226,7 @@ fn in_words(answer: &Map<String, Value>, table: &Table) -> String {
             None => String::new(),
         };
         let value = scale * answer[quantity.key()].as_f64().unwrap_or(f64::NAN);
-        text += &format!("{name:<15} {value:.digits$} {unit}{error}\n");
+        text += &format!("{name:<17} {value:.digits$} {unit}{error}\n");
     }
     let kept = |q: &&Quantity| table.solver_error_of(**q).is_some();
     let (with, without): (Vec<&Quantity>, Vec<&Quantity>) =

@@ -21,7 +21,7 @@ pub struct Args {
     /// Where the picture goes [default: the table's name with .png]
     #[arg(long, short, value_name = "PNG")]
     pub out: Option<PathBuf>,
-    /// What is drawn: p_max, p_mean, area, length, width, approach; of a runner that slides also mu, mu_ploughing, mu_viscous, groove_depth,
+    /// What is drawn: p_max, p_mean, area, length, width, approach; of a runner that slides also mu, mu_ploughing, mu_viscous, mu_boundary, groove_depth,
     /// film_mean [default: p_max, or mu of a runner that slides]
     #[arg(long)]
     pub quantity: Option<String>,

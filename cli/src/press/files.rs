@@ -188,19 +188,20 @@ fn write_sliding(
 fn write_film(mut file: impl Write, slid: &SolvedSliding) -> io::Result<()> {
     writeln!(
         file,
-        "x_m,width_m,pressure_pa,film_m,temperature_c,melt_mps,shear_pa"
+        "x_m,width_m,pressure_pa,film_m,temperature_c,melt_mps,shear_pa,boundary_share"
     )?;
     for station in &slid.film.film.stations {
         writeln!(
             file,
-            "{:.9e},{:.6e},{:.6e},{:.6e},{:.6},{:.6e},{:.6e}",
+            "{:.9e},{:.6e},{:.6e},{:.6e},{:.6},{:.6e},{:.6e},{:.6e}",
             slid.film.front - station.xi,
             station.width,
             station.pressure,
             station.thickness,
             station.temperature,
             station.melt_rate,
-            station.shear
+            station.shear,
+            station.boundary_share
         )?;
     }
     Ok(())

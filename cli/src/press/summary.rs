@@ -192,11 +192,23 @@ fn sliding(slid: &SolvedSliding) -> [(&'static str, String); 7] {
     };
     let film = &slid.film.film;
     let thickest = film.thickest().map_or(0.0, |station| station.thickness);
+    let rough = slid.sensitivity.boundary.map_or(String::new(), |by| {
+        let [roughness, shear] = by.map(|measure| measure.value);
+        format!(", {roughness:+.2} % for roughness, {shear:+.2} % for boundary shear")
+    });
+    let boundary = match slid.friction.boundary {
+        none if none.value == 0.0 => String::new(),
+        boundary => format!(
+            ", boundary {} on {:.1} % of the patch",
+            with(boundary, 1e3, 3),
+            1e2 * film.totals.boundary_share
+        ),
+    };
     [
         (
             "friction",
             format!(
-                "mu {}e-3: ploughing {}, film {}",
+                "mu {}e-3: ploughing {}, film {}{boundary}",
                 with(slid.friction.mu, 1e3, 3),
                 with(slid.friction.ploughing, 1e3, 3),
                 with(slid.friction.viscous, 1e3, 3),
@@ -205,7 +217,7 @@ fn sliding(slid: &SolvedSliding) -> [(&'static str, String); 7] {
         (
             "mu changes",
             format!(
-                "by {:+.2} % for 1 % more speed, {:+.2} % for hardness, {:+.2} % for viscosity; {:+.1} % on ice 1 K warmer",
+                "by {:+.2} % for 1 % more speed, {:+.2} % for hardness, {:+.2} % for viscosity{rough}; {:+.1} % on ice 1 K warmer",
                 slid.sensitivity.speed.value,
                 slid.sensitivity.hardness.value,
                 slid.sensitivity.viscosity.value,

@@ -121,7 +121,9 @@ impl Map {
             Quantity::Area => (1e6, "mm²"),
             Quantity::Length | Quantity::Width => (1e3, "mm"),
             Quantity::Approach | Quantity::GrooveDepth | Quantity::FilmMean => (1e6, "µm"),
-            Quantity::Mu | Quantity::MuPloughing | Quantity::MuViscous => (1e3, "1e-3"),
+            Quantity::Mu | Quantity::MuPloughing | Quantity::MuViscous | Quantity::MuBoundary => {
+                (1e3, "1e-3")
+            }
         };
         // One breakpoint has no extent: a little room around it keeps the axes drawable.
         let widened = |values: &[f64], room: f64| {

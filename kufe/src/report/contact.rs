@@ -102,7 +102,7 @@ pub struct SeriesPage {
     /// The varied keys.
     pub keys: Vec<&'static str>,
     /// The numbers that the page offers to draw.
-    pub quantities: [Description; 10],
+    pub quantities: [Description; 11],
     /// The contacts.
     pub rows: Vec<SeriesRow>,
 }

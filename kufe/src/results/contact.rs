@@ -232,21 +232,31 @@ pub struct MeshResult {
     pub accelerations: usize,
     /// Complementary energy [J].
     pub energy_j: f64,
+    /// The same after each step that was accepted: each is below the one before [J].
+    #[serde(default)]
+    pub energy_steps_j: Vec<f64>,
 }
 
-impl From<&Iterate> for MeshResult {
-    fn from(mesh: &Iterate) -> Self {
-        MeshResult {
-            level: mesh.level,
-            dofs: mesh.dofs,
-            contact_nodes: mesh.contact_nodes,
-            iterations: mesh.iterations,
-            residual: mesh.residual,
-            p_max_pa: mesh.p_max,
-            sweeps: mesh.sweeps,
-            accelerations: mesh.accelerations,
-            energy_j: mesh.energy,
-        }
+impl MeshResult {
+    /// The last state of a mesh, with the iterations, sweeps and accelerations of all its contact sets; `None` without any.
+    pub(crate) fn of(sets: &[Iterate]) -> Option<Self> {
+        let last = sets.last()?;
+        let sum = |count: fn(&Iterate) -> usize| sets.iter().map(count).sum();
+        let mut energies: Vec<f64> = sets.iter().map(|set| set.energy).collect();
+        // A set whose forces are not accepted leaves the energy as it was.
+        energies.dedup();
+        Some(MeshResult {
+            level: last.level,
+            dofs: last.dofs,
+            contact_nodes: last.contact_nodes,
+            iterations: sum(|s| s.iterations),
+            residual: last.residual,
+            p_max_pa: last.p_max,
+            sweeps: sum(|s| s.sweeps),
+            accelerations: sum(|s| s.accelerations),
+            energy_j: last.energy,
+            energy_steps_j: energies,
+        })
     }
 }
 
@@ -306,6 +316,12 @@ pub struct SlidingResult {
     /// Its part of the melt film.
     #[serde(flatten)]
     pub mu_viscous: Measured<MuViscous>,
+    /// Its part of boundary contact.
+    #[serde(flatten)]
+    pub mu_boundary: Measured<MuBoundary>,
+    /// Share of the patch where steel and ice touch through the film.
+    #[serde(flatten)]
+    pub boundary_share: Measured<BoundaryShare>,
     /// Depth of the groove.
     #[serde(flatten)]
     pub groove_depth: Measured<GrooveDepth>,
@@ -355,6 +371,12 @@ pub struct SensitivityResult {
     /// With viscosity.
     #[serde(flatten)]
     pub viscosity: Measured<ByViscosity>,
+    /// With roughness, where there is boundary contact.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub roughness: Option<Measured<ByRoughness>>,
+    /// With the shear stress of boundary contact, where there is some.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub boundary_shear: Option<Measured<ByBoundaryShear>>,
     /// With the temperature of the ice [1/K].
     #[serde(flatten)]
     pub temperature: Measured<ByTemperature>,

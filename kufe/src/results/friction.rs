@@ -27,6 +27,9 @@ pub struct FrictionRow {
     /// Its part of the melt film.
     #[serde(flatten)]
     pub mu_viscous: Measured<MuViscous>,
+    /// Its part of boundary contact.
+    #[serde(flatten)]
+    pub mu_boundary: Measured<MuBoundary>,
     /// Depth of the groove.
     #[serde(flatten)]
     pub groove_depth: Measured<GrooveDepth>,
@@ -77,6 +80,8 @@ pub struct FrictionOptimum {
     pub mu_ploughing: f64,
     /// Its part of the melt film.
     pub mu_viscous: f64,
+    /// Its part of boundary contact.
+    pub mu_boundary: f64,
     /// Relative scatter of the runners about the response.
     pub response_scatter: f64,
     /// Relative error of the response at the optimum.

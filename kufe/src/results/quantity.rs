@@ -216,6 +216,8 @@ quantities! {
     Mu: "mu", "mu_error", "coefficient of friction", THOUSANDTHS;
     MuPloughing: "mu_ploughing", "mu_ploughing_error", "friction of ploughing", THOUSANDTHS;
     MuViscous: "mu_viscous", "mu_viscous_error", "friction of the melt film", THOUSANDTHS;
+    MuBoundary: "mu_boundary", "mu_boundary_error", "friction of boundary contact", THOUSANDTHS;
+    BoundaryShare: "boundary_share", "boundary_share_error", "share of boundary contact", ("", 1.0, [4, 4]);
     GrooveDepth: "groove_depth_m", "groove_depth_error_m", "depth of the groove", ("µm", 1e6, [2, 2]);
     LoadAhead: "load_ahead_m", "load_ahead_error_m", "load ahead of the lowest point", ("mm", 1e3, [2, 2]);
     Front: "front_m", "front_error_m", "front end of the patch", ("mm", 1e3, [2, 2]);
@@ -227,6 +229,8 @@ quantities! {
     ByHardness: "dlnmu_dlnhardness", "dlnmu_dlnhardness_error", "d ln mu / d ln hardness", PURE;
     BySpeed: "dlnmu_dlnv", "dlnmu_dlnv_error", "d ln mu / d ln speed", PURE;
     ByViscosity: "dlnmu_dlnviscosity", "dlnmu_dlnviscosity_error", "d ln mu / d ln viscosity", PURE;
+    ByRoughness: "dlnmu_dlnroughness", "dlnmu_dlnroughness_error", "d ln mu / d ln roughness", PURE;
+    ByBoundaryShear: "dlnmu_dlnboundary_shear", "dlnmu_dlnboundary_shear_error", "d ln mu / d ln boundary shear", PURE;
     ByTemperature: "dlnmu_dice_c", "dlnmu_dice_c_error", "d ln mu / d temperature of the ice", ("1/K", 1.0, [2, 2]);
 }
 

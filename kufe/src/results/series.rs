@@ -162,6 +162,9 @@ pub struct SeriesResult {
     /// Friction of the melt film.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub mu_viscous: Option<Measured<MuViscous>>,
+    /// Friction of boundary contact.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub mu_boundary: Option<Measured<MuBoundary>>,
     /// Depth of the groove.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub groove_depth: Option<Measured<GrooveDepth>>,
@@ -172,7 +175,7 @@ pub struct SeriesResult {
 
 impl SeriesResult {
     /// The numbers that a page offers to draw.
-    pub const DRAWN: [Description; 10] = [
+    pub const DRAWN: [Description; 11] = [
         PeakPressure::DESCRIPTION,
         MeanPressure::DESCRIPTION,
         Area::DESCRIPTION,
@@ -182,6 +185,7 @@ impl SeriesResult {
         Mu::DESCRIPTION,
         MuPloughing::DESCRIPTION,
         MuViscous::DESCRIPTION,
+        MuBoundary::DESCRIPTION,
         GrooveDepth::DESCRIPTION,
     ];
 }
@@ -215,6 +219,7 @@ impl From<&ContactResult> for SeriesResult {
             mu: sliding.map(|s| s.mu),
             mu_ploughing: sliding.map(|s| s.mu_ploughing),
             mu_viscous: sliding.map(|s| s.mu_viscous),
+            mu_boundary: sliding.map(|s| s.mu_boundary),
             groove_depth: sliding.map(|s| s.groove_depth),
             film_mean: sliding.map(|s| s.film_mean),
         }

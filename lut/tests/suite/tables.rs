@@ -64,7 +64,8 @@ pub fn slid(point: &Point) -> Figures {
     let groove_depth = 2e-4 * (point.fz / hardness).sqrt() / (1.0 - 8.0 * point.curvature);
     let mu_ploughing = 12.0 * groove_depth;
     let mu_viscous = 1.1e-3 * (speed.sqrt() * 0.5 + cold / speed) * (point.fz / 1000.0).powf(-0.2);
-    let mu = mu_ploughing + mu_viscous;
+    let mu_boundary = 2e-3 * (-0.1 * speed).exp();
+    let mu = mu_ploughing + mu_viscous + mu_boundary;
     runner(point)
         .with(Quantity::PMax, hardness)
         .with_error(Quantity::PMax, 1e-3 * hardness)
@@ -72,6 +73,7 @@ pub fn slid(point: &Point) -> Figures {
         .with_error(Quantity::Mu, 1e-4 * mu)
         .with(Quantity::MuPloughing, mu_ploughing)
         .with(Quantity::MuViscous, mu_viscous)
+        .with(Quantity::MuBoundary, mu_boundary)
         .with(Quantity::GrooveDepth, groove_depth)
         .with(Quantity::FilmMean, 1e-7 * speed.sqrt())
 }

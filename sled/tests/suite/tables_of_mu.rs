@@ -37,7 +37,8 @@ pub fn write_table(path: &Path, fastest: f64, slides: bool) {
         rest.with(Quantity::Mu, mu)
             .with_error(Quantity::Mu, 0.0)
             .with(Quantity::MuPloughing, 0.2 * mu)
-            .with(Quantity::MuViscous, 0.8 * mu)
+            .with(Quantity::MuViscous, 0.7 * mu)
+            .with(Quantity::MuBoundary, 0.1 * mu)
             .with(Quantity::GrooveDepth, 3e-5)
             .with(Quantity::FilmMean, 5e-7)
     });

@@ -45,6 +45,7 @@ fn a_node_is_what_press_says_of_that_load_track_speed_and_ice() {
         "mu",
         "mu_ploughing",
         "mu_viscous",
+        "mu_boundary",
         "groove_depth_m",
         "film_mean_m",
         "p_max_pa",

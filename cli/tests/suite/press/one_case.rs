@@ -77,6 +77,13 @@ fn without_a_case_the_example_is_solved_and_its_files_written() {
     assert!((p_max / 138.52e6 - 1.0).abs() < 0.012, "{p_max}");
     assert!(number(&result, "p_max_error_pa") <= 0.01 * p_max);
     assert!((number(&result, "fz_n") / 1000.0 - 1.0).abs() < 1e-8);
+    // The energy falls from step to step of a mesh, to the one that the mesh states.
+    for mesh in result["history"].as_array().expect("a history") {
+        let steps = mesh["energy_steps_j"].as_array().expect("energies");
+        let steps: Vec<f64> = steps.iter().filter_map(Value::as_f64).collect();
+        assert!(steps.windows(2).all(|pair| pair[1] < pair[0]), "{steps:?}");
+        assert_eq!(steps.last(), mesh["energy_j"].as_f64().as_ref());
+    }
 }
 
 #[test]

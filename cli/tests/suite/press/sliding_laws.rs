@@ -135,6 +135,47 @@ fn friction_follows_as_differences_of_whole_runs_say() {
     }
 }
 
+/// Roughness and boundary shear: parts, shares, sensitivities, and a table's point with all of them.
+#[test]
+fn boundary_contact_adds_its_part_to_friction_and_its_share_to_the_film() {
+    let bench = Bench::new();
+    let rough =
+        |sigma: f64, shear: f64| format!("roughness_m = {sigma:e}\nboundary_shear_pa = {shear:e}");
+    let alone = pressed(&bench, case("", ""));
+    let smooth = pressed(&bench, case("", &rough(0.0, 60e3)));
+    for key in ["mu", "mu_viscous", "film_mean_m", "melt_rate_kgps"] {
+        assert_eq!(alone[key], smooth[key], "{key}");
+    }
+    assert_eq!(number(&smooth, "mu_boundary"), 0.0);
+    assert!(smooth["mu_sensitivity"].get("dlnmu_dlnroughness").is_none());
+
+    let both = pressed(&bench, case("", &rough(0.5e-6, 60e3)));
+    let part = |key: &str| number(&both, key);
+    let sum = part("mu_ploughing") + part("mu_viscous") + part("mu_boundary");
+    assert!((part("mu") / sum - 1.0).abs() < 1e-12);
+    assert_eq!(
+        number(&both, "mu_ploughing"),
+        number(&alone, "mu_ploughing")
+    );
+    assert!(part("mu_boundary") > 0.0 && part("mu_viscous") < number(&alone, "mu_viscous"));
+    assert!(part("film_mean_m") > number(&alone, "film_mean_m"));
+    // Every touching part of the patch drags with the same stress.
+    let drag = 60e3 * part("boundary_share") * part("area_m2");
+    let found = part("mu_boundary") * part("fz_n");
+    assert!((found / drag - 1.0).abs() < 0.05, "{found} {drag}");
+
+    let slope = |mu: [f64; 2]| (mu[0] / mu[1]).ln() / 1.25f64.powi(2).ln();
+    let at =
+        |sigma: f64, shear: f64| friction(&bench, case("", &rough(sigma, shear)), "20", "-5")[0];
+    let by = &both["mu_sensitivity"];
+    let roughness = slope([at(0.625e-6, 60e3), at(0.4e-6, 60e3)]);
+    let told = number(by, "dlnmu_dlnroughness");
+    assert!((roughness - told).abs() < 0.02, "{roughness} {told}");
+    let shear = slope([at(0.5e-6, 75e3), at(0.5e-6, 48e3)]);
+    let told = number(by, "dlnmu_dlnboundary_shear");
+    assert!((shear - told).abs() < 0.02, "{shear} {told}");
+}
+
 #[test]
 fn the_plastic_depth_in_the_vtu_file_is_the_groove() {
     let bench = Bench::new();

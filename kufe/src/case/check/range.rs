@@ -146,6 +146,8 @@ ranges! {
     "sliding.v_mps" "a speed in m/s" 0.01, 100.0;
     "sliding.ice_c" "a temperature in degrees Celsius below the melting point" -50.0, -0.1;
     "sliding.viscosity_factor" "a factor" 0.01, 1000.0;
+    "sliding.roughness_m" "a standard deviation in metres" 0.0, 1e-4;
+    "sliding.boundary_shear_pa" "a shear stress in pascals" 0.0, 1e7;
     "sliding.hardness.pressure_pa" "a pressure in pascals" 1e5, 1e9;
     "sliding.hardness.ice_c" "a temperature in degrees Celsius" -50.0, 0.0;
     "sliding.hardness.contact_time_s" "a time in seconds" 1e-6, 1e6;

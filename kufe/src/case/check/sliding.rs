@@ -13,6 +13,14 @@ pub(crate) fn check_sliding(case: &Case) -> Checked {
     if let Some(factor) = sliding.viscosity_factor {
         in_range("sliding.viscosity_factor", factor)?;
     }
+    for (key, value) in [
+        ("sliding.roughness_m", sliding.roughness_m),
+        ("sliding.boundary_shear_pa", sliding.boundary_shear_pa),
+    ] {
+        if let Some(value) = value {
+            in_range(key, value)?;
+        }
+    }
     if let Some(anchor) = &sliding.hardness {
         in_range("sliding.hardness.pressure_pa", anchor.pressure_pa)?;
         in_range("sliding.hardness.ice_c", anchor.ice_c)?;

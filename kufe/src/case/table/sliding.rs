@@ -20,6 +20,12 @@ pub struct SlidingTable {
     /// Factor on the viscosity of the film's water; 1 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub viscosity_factor: Option<f64>,
+    /// Standard deviation of the heights of steel and ice together; 0, the film alone, where absent [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub roughness_m: Option<f64>,
+    /// Shear stress where steel and ice touch through the film; 0 where absent [Pa].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub boundary_shear_pa: Option<f64>,
     /// Output folder of the runner that went before, whose groove this one meets, relative to the case's folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub previous: Option<PathBuf>,
@@ -48,6 +54,8 @@ impl SlidingTable {
             v_mps,
             ice_c,
             viscosity_factor: None,
+            roughness_m: None,
+            boundary_shear_pa: None,
             previous: None,
             hardness: None,
         }

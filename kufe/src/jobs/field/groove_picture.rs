@@ -100,7 +100,7 @@ fn along(slid: &SolvedSliding) -> Vec<Line> {
             (x + share * (to_x - x), square.sqrt())
         })
     });
-    vec![
+    let mut lines = vec![
         Line::between("film [0.1 µm]", dots(|s| 1e7 * s.thickness)),
         Line::between("pressure [MPa]", dots(|s| 1e-6 * s.pressure)),
         Line {
@@ -108,7 +108,12 @@ fn along(slid: &SolvedSliding) -> Vec<Line> {
             points: squares.collect(),
             dots: width,
         },
-    ]
+    ];
+    if slid.friction.boundary.value > 0.0 {
+        let share = dots(|s| 1e2 * s.boundary_share);
+        lines.push(Line::between("boundary contact [%]", share));
+    }
+    lines
 }
 
 struct Line {

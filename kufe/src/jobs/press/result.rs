@@ -1,6 +1,6 @@
 //! From a solved contact to its document.
 
-use kufe_contact::{Iterate, RunnerLoads};
+use kufe_contact::RunnerLoads;
 
 use crate::jobs::press::contact::SolvedContact;
 use crate::results::{
@@ -67,9 +67,10 @@ impl SolvedContact {
                 }
             }),
             warnings: self.warnings.clone(),
-            history: meshes(&solution.history)
-                .iter()
-                .map(MeshResult::from)
+            history: solution
+                .history
+                .chunk_by(|a, b| a.level == b.level)
+                .filter_map(MeshResult::of)
                 .collect(),
             case: CaseRecord::of(&self.loaded.case),
             sliding: self.sliding.as_ref().map(|sliding| sliding.result()),
@@ -91,22 +92,6 @@ impl From<&RunnerLoads> for RunnerResult {
             mounts: loads.mounts.iter().map(Into::into).collect(),
         }
     }
-}
-
-/// The last state of each mesh, with the iterations, sweeps and accelerations of all its contact sets.
-fn meshes(history: &[Iterate]) -> Vec<Iterate> {
-    history
-        .chunk_by(|a, b| a.level == b.level)
-        .map(|states| {
-            let sum = |count: fn(&Iterate) -> usize| states.iter().map(count).sum();
-            Iterate {
-                iterations: sum(|s| s.iterations),
-                sweeps: sum(|s| s.sweeps),
-                accelerations: sum(|s| s.accelerations),
-                ..states[states.len() - 1]
-            }
-        })
-        .collect()
 }
 
 /// Largest resident memory of this process so far, where the system reports it [bytes].

@@ -2,7 +2,9 @@
 
 use crate::case::SlidingTable;
 use kufe_contact::{Section, SlidingSolution};
-use kufe_sled::friction::film::{Film, FilmConditions, FilmOptions, Properties, Strip, film};
+use kufe_sled::friction::film::{
+    BoundaryContact, Film, FilmConditions, FilmOptions, FilmTotals, Properties, Strip, film,
+};
 
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
@@ -17,13 +19,8 @@ pub struct FilmAlong {
 }
 
 impl FilmAlong {
-    /// Error of the film's friction: of its integration and of its stations.
-    pub fn friction_error(&self) -> f64 {
-        self.error(|totals| totals.friction)
-    }
-
     /// Error of a total, of the integration and of the stations.
-    pub fn error(&self, of: impl Fn(&kufe_sled::friction::film::FilmTotals) -> f64) -> f64 {
+    pub fn error(&self, of: impl Fn(&FilmTotals) -> f64) -> f64 {
         of(&self.film.errors) + self.film.sampling.as_ref().map_or(0.0, of)
     }
 }
@@ -65,10 +62,14 @@ fn load(sections: &[Section]) -> f64 {
     sections.windows(2).map(between).sum()
 }
 
-/// Speed, temperature and viscosity of a case.
+/// Speed, temperature, viscosity and boundary contact of a case.
 pub(crate) fn conditions(sliding: &SlidingTable) -> FilmConditions {
     FilmConditions {
         viscosity_factor: sliding.viscosity_factor.unwrap_or(1.0),
+        boundary: BoundaryContact {
+            roughness: sliding.roughness_m.unwrap_or(0.0),
+            shear: sliding.boundary_shear_pa.unwrap_or(0.0),
+        },
         ..FilmConditions::new(sliding.v_mps, sliding.ice_c)
     }
 }

@@ -1,7 +1,7 @@
-//! How friction changes with hardness, speed, temperature and viscosity.
+//! How friction changes with hardness, speed, temperature, viscosity and boundary contact.
 
 use kufe_contact::{Measure, Options, SlidingSolution};
-use kufe_sled::friction::film::{FilmConditions, HARDNESS_EXPONENT};
+use kufe_sled::friction::film::{BoundaryContact, FilmConditions, HARDNESS_EXPONENT};
 
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::film::{FilmAlong, conditions, film_along, film_failure};
@@ -29,6 +29,8 @@ pub struct Sensitivity {
     pub speed: Measure,
     /// To the film's viscosity.
     pub viscosity: Measure,
+    /// To roughness and boundary shear, where the case has both.
+    pub boundary: Option<[Measure; 2]>,
     /// To the temperature of the ice [1/K].
     pub temperature: Measure,
 }
@@ -38,7 +40,7 @@ pub struct Sensitivity {
 const HARDNESS_STEP: f64 = 0.223;
 /// Least accuracy asked of the two grooves.
 const SIDE_ACCURACY: f64 = 0.03;
-/// Logarithm of the ratio of speeds and of viscosities.
+/// Logarithm of the ratio of speeds, of viscosities, of roughnesses and of shear stresses.
 const STEP: f64 = 0.01;
 /// Difference of temperatures [K].
 const TEMPERATURE_STEP: f64 = 0.05;
@@ -76,16 +78,23 @@ impl Sensitivity {
         };
         let stretch = (long / short).ln() / over;
         let film = |change: &dyn Fn(&mut FilmConditions, f64), step: f64| {
-            let side = |sign: f64| {
+            let side = |sign: f64| -> Result<f64, Failure> {
                 let mut conditions = own;
                 change(&mut conditions, sign * step);
                 let along = ploughing.film(&grooved.solution, &conditions)?;
-                Ok(Friction::of(&grooved.solution, &along).viscous.value)
+                Ok(along.film.totals.friction)
             };
             Ok((side(1.0)? - side(-1.0)?) / (2.0 * step * mu.value))
         };
         let speed = film(&|c, step| c.v *= step.exp(), STEP)?;
         let viscosity = film(&|c, step| c.viscosity_factor *= step.exp(), STEP)?;
+        let boundary = match own.boundary {
+            BoundaryContact { roughness, shear } if roughness > 0.0 && shear > 0.0 => Some([
+                film(&|c, step| c.boundary.roughness *= step.exp(), STEP)?,
+                film(&|c, step| c.boundary.shear *= step.exp(), STEP)?,
+            ]),
+            _ => None,
+        };
         let warmer = |c: &mut FilmConditions, step: f64| {
             c.ice_temperature += step;
             c.steel_temperature += step;
@@ -102,6 +111,7 @@ impl Sensitivity {
             hardness,
             speed: with(speed, by_speed),
             viscosity: with(viscosity, 0.0),
+            boundary: boundary.map(|both| both.map(|value| with(value, 0.0))),
             temperature: with(temperature, by_temperature),
         })
     }

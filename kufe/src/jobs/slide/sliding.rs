@@ -14,12 +14,14 @@ use crate::results::{Measured, Quantity, SensitivityResult, SlidingMeshResult, S
 /// The coefficient of friction and its parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
-    /// Both together.
+    /// All parts together.
     pub mu: Measure,
     /// Force that ploughs the groove over the load.
     pub ploughing: Measure,
     /// Drag of the melt film over the load.
     pub viscous: Measure,
+    /// Drag where steel and ice touch through the film over the load.
+    pub boundary: Measure,
 }
 
 impl Friction {
@@ -34,22 +36,26 @@ impl Friction {
         } else {
             solution.contact.p_max_error / solution.contact.p_max
         };
-        let totals = &along.film.totals;
-        let viscous = Measure {
-            value: totals.friction,
-            error: along.friction_error() + patch * totals.friction,
+        let of_film = |part: fn(&FilmTotals) -> f64| {
+            let value = part(&along.film.totals);
+            Measure {
+                value,
+                error: along.error(part) + patch * value,
+            }
         };
+        let film = of_film(|totals| totals.friction);
         let ploughing = Measure {
             value: solution.groove.ploughing.value / fz,
             error: solution.groove.ploughing.error / fz,
         };
         Friction {
             mu: Measure {
-                value: ploughing.value + viscous.value,
-                error: ploughing.error + viscous.error,
+                value: ploughing.value + film.value,
+                error: ploughing.error + film.error,
             },
             ploughing,
-            viscous,
+            viscous: of_film(|totals| totals.viscous_friction),
+            boundary: of_film(|totals| totals.boundary_friction),
         }
     }
 }
@@ -84,6 +90,8 @@ impl SolvedSliding {
             mu: friction.mu.into(),
             mu_ploughing: friction.ploughing.into(),
             mu_viscous: friction.viscous.into(),
+            mu_boundary: friction.boundary.into(),
+            boundary_share: self.of_film(|totals| totals.boundary_share),
             groove_depth: groove.deepest.into(),
             load_ahead: groove.load_ahead.into(),
             front: groove.front.into(),
@@ -98,6 +106,8 @@ impl SolvedSliding {
                 hardness: by.hardness.into(),
                 speed: by.speed.into(),
                 viscosity: by.viscosity.into(),
+                roughness: by.boundary.map(|[roughness, _]| roughness.into()),
+                boundary_shear: by.boundary.map(|[_, shear]| shear.into()),
                 temperature: by.temperature.into(),
             },
             groove_area_m2: groove.profile.area(),

@@ -84,6 +84,7 @@ impl Solver {
             .with_error(Quantity::Mu, friction.mu.error)
             .with(Quantity::MuPloughing, friction.ploughing.value)
             .with(Quantity::MuViscous, friction.viscous.value)
+            .with(Quantity::MuBoundary, friction.boundary.value)
             .with(Quantity::GrooveDepth, solution.groove.deepest.value)
             .with(Quantity::FilmMean, along.film.totals.mean_thickness))
     }

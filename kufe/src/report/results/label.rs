@@ -8,10 +8,11 @@ use crate::results::QUANTITIES;
 const THOUSANDTHS: &str = "1e-3";
 
 /// Keys of what is counted in them.
-const COUNTED: [&str; 5] = [
+const COUNTED: [&str; 6] = [
     "mu",
     "mu_ploughing",
     "mu_viscous",
+    "mu_boundary",
     "mu_se_lines",
     "mu_se_scatter",
 ];

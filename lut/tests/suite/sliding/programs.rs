@@ -202,7 +202,7 @@ fn the_fmu_is_valid_and_has_the_friction_of_speed_and_temperature() {
          t = np.linspace(0, 1, 41)\n\
          s = np.zeros(41, dtype=[(n, float) for n in ('time', 'fz', 'v', 'pitch_rate', 'curvature', 'ice_c')])\n\
          s['time'], s['fz'], s['v'], s['curvature'], s['ice_c'] = t, 300 + 9000 * t, 1 + 45 * t, 0.03 - 0.06 * t, -14 + 15 * t\n\
-         names = ('fz', 'v', 'curvature', 'ice_c', 'pressure', 'mu', 'mu_ploughing', 'mu_viscous', 'groove_depth', 'film_mean')\n\
+         names = ('fz', 'v', 'curvature', 'ice_c', 'pressure', 'mu', 'mu_ploughing', 'mu_viscous', 'mu_boundary', 'groove_depth', 'film_mean')\n\
          for kind in ('CoSimulation', 'ModelExchange'):\n\
          \x20 for smooth in (True, False):\n\
          \x20   r = fmpy.simulate_fmu('front.fmu', fmi_type=kind, step_size=0.025, output_interval=0.025, stop_time=1.0, input=s, solver='Euler',\n\
@@ -224,6 +224,7 @@ fn the_fmu_is_valid_and_has_the_friction_of_speed_and_temperature() {
             Quantity::Mu,
             Quantity::MuPloughing,
             Quantity::MuViscous,
+            Quantity::MuBoundary,
             Quantity::GrooveDepth,
             Quantity::FilmMean,
         ];

@@ -4,7 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::friction::error::Error;
 use crate::friction::film::properties::{
-    FilmConditions, FilmOptions, HeatIntoIce, Properties, Strip, between, steel_transfer,
+    BoundaryContact, FilmConditions, FilmOptions, HeatIntoIce, Properties, Strip, between,
+    steel_transfer,
 };
 
 /// Most steps of one integration.
@@ -18,14 +19,16 @@ const ROUNDS: usize = 6;
 /// With `xi` from the leading edge, thickness `h`, and the melting point of the pressure as the film's temperature:
 ///
 /// ```text
-/// rho_i L v_m = mu V^2/h - q_i - q_s                                 heat: friction melts what the walls do not take
+/// tau = mu V/h + tau_b phi(h/sigma)                                  shear: of the film, and where steel and ice touch
+/// rho_i L v_m = tau V - q_i - q_s                                    heat: friction melts what the walls do not take
 /// (V/2) dh/dxi = (rho_i/rho_w) v_m - p h^3/(mu w^2)                  water: carried along at half the speed, squeezed out sideways
-/// F_v = integral mu V/h w dxi                                        drag
+/// F_v = integral tau w dxi                                           drag
 /// ```
 ///
-/// [`HeatIntoIce`](crate::friction::film::HeatIntoIce) states `q_i`, [`squeeze_out_rate`](crate::friction::film::squeeze_out_rate) the last term. The film starts at
+/// [`BoundaryContact`] states the second term of the shear; both kinds of friction melt, so that the one thickens the film for the
+/// other. [`HeatIntoIce`](crate::friction::film::HeatIntoIce) states `q_i`, [`squeeze_out_rate`](crate::friction::film::squeeze_out_rate) the last term. The film starts at
 /// 0 as [`self_similar_start`](crate::friction::film::self_similar_start). It never ends: where the walls take more heat than friction gives
-/// (`melt_rate` negative) it freezes and thins until `mu V^2/h` is as much, so that thickness goes to nanometres and below for a
+/// (`melt_rate` negative) it freezes and thins until `tau V` is as much, so that thickness goes to nanometres and below for a
 /// slow runner on cold ice, but not to 0. What the model then says is the heat that the ice can take, not that there is a film:
 /// [`Film::thinnest`] belongs beside roughness and the size of a molecule.
 ///
@@ -217,8 +220,11 @@ fn sweep(track: &Track<'_>, steps: &[Step], parts: usize) -> Result<Sweep, Error
         ends[step.segment] = h;
         totals = totals.combined(&added, |a, b| a + b);
     }
-    totals.friction = totals.viscous_drag / totals.load;
+    totals.viscous_friction = totals.viscous_drag / totals.load;
+    totals.boundary_friction = totals.boundary_drag / totals.load;
+    totals.friction = totals.viscous_friction + totals.boundary_friction;
     totals.mean_thickness /= totals.area;
+    totals.boundary_share /= totals.area;
     Ok(Sweep { ends, totals })
 }
 
@@ -239,7 +245,7 @@ const NARROWEST: f64 = 1e-3;
 /// With `s = sqrt(xi)` instead of `xi` the thickness starts as `h = a s` and every term stays finite:
 ///
 /// ```text
-/// dh/ds = (4/V) [ mu V^2 s/(rho_w L h) - (q_i + q_s) s/(rho_w L) - s p h^3/(mu w^2) ]
+/// dh/ds = (4/V) [ (mu V^2/h + tau_b phi(h/sigma) V - q_i - q_s) s/(rho_w L) - s p h^3/(mu w^2) ]
 /// ```
 pub(crate) struct Track<'a> {
     strip: &'a Strip,
@@ -251,6 +257,7 @@ pub(crate) struct Track<'a> {
     steel_transfer: f64,
     steel_temperature: f64,
     viscosity: f64,
+    boundary: BoundaryContact,
     v: f64,
     properties: &'a Properties,
 }
@@ -271,6 +278,10 @@ impl<'a> Track<'a> {
             steel_transfer: steel_transfer(conditions, properties),
             steel_temperature: conditions.steel_temperature,
             viscosity: conditions.viscosity(properties),
+            boundary: match conditions.boundary {
+                rough if rough.roughness > 0.0 => rough,
+                _ => BoundaryContact::NONE,
+            },
             v: conditions.v,
             properties,
         }
@@ -319,6 +330,8 @@ impl<'a> Track<'a> {
             alpha: 4.0 * self.viscosity * self.v * s / heat,
             beta: 4.0 / self.v * lost / heat,
             gamma: 4.0 / self.v * s * self.squeeze(k, xi),
+            delta: 4.0 * self.boundary.shear * s / heat,
+            boundary: self.boundary,
         }
     }
 
@@ -327,16 +340,23 @@ impl<'a> Track<'a> {
         let xi = s * s;
         let width = self.width_squared(k, xi).sqrt();
         let area = 2.0 * s * width;
-        let drag = self.viscosity * self.v / h * area;
+        let viscous_drag = self.viscosity * self.v / h * area;
+        let touching = self.boundary.share(h) * area;
+        let boundary_drag = self.boundary.shear * touching;
+        let dissipated = (viscous_drag + boundary_drag) * self.v;
         let into_ice = 2.0 * width * self.heat_into_ice.scaled(xi);
         let into_steel = self.heat_into_steel(k, xi) * area;
-        let melting = (drag * self.v - into_ice - into_steel) / self.properties.latent_heat;
+        let melting = (dissipated - into_ice - into_steel) / self.properties.latent_heat;
         FilmTotals {
             load: self.pressure(k, xi) * area,
             area,
-            viscous_drag: drag,
+            viscous_drag,
+            boundary_drag,
             friction: 0.0,
-            dissipated: drag * self.v,
+            viscous_friction: 0.0,
+            boundary_friction: 0.0,
+            boundary_share: touching,
+            dissipated,
             into_ice,
             into_steel,
             melted: melting.max(0.0),
@@ -351,7 +371,8 @@ impl<'a> Track<'a> {
         let xi = self.strip.xi()[k];
         let heat_into_ice = self.heat_into_ice.scaled(xi) / xi.sqrt();
         let heat_into_steel = self.heat_into_steel(k - 1, xi);
-        let shear = self.viscosity * self.v / h;
+        let boundary_share = self.boundary.share(h);
+        let shear = self.viscosity * self.v / h + self.boundary.shear * boundary_share;
         let melting = shear * self.v - heat_into_ice - heat_into_steel;
         FilmStation {
             xi,
@@ -364,13 +385,14 @@ impl<'a> Track<'a> {
                 .melting_temperature(self.strip.pressure()[k]),
             melt_rate: melting / (self.properties.ice_density * self.properties.latent_heat),
             shear,
+            boundary_share,
             heat_into_ice,
             heat_into_steel,
         }
     }
 }
 
-/// The film's equation at one place: `dh/ds = alpha/h - beta - gamma h^3`.
+/// The film's equation at one place: `dh/ds = alpha/h - beta - gamma h^3 + delta phi(h/sigma)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rate {
     /// Friction heat that melts.
@@ -379,21 +401,28 @@ pub(crate) struct Rate {
     pub beta: f64,
     /// Squeeze-out.
     pub gamma: f64,
+    /// Heat of boundary friction.
+    pub delta: f64,
+    /// Where steel and ice touch.
+    pub boundary: BoundaryContact,
 }
 
 impl Rate {
     fn value(&self, h: f64) -> f64 {
-        self.alpha / h - self.beta - self.gamma * h.powi(3)
+        let film = self.alpha / h - self.beta - self.gamma * h.powi(3);
+        film + self.delta * self.boundary.share(h)
     }
 
     fn slope(&self, h: f64) -> f64 {
-        -self.alpha / (h * h) - 3.0 * self.gamma * h * h
+        let film = -self.alpha / (h * h) - 3.0 * self.gamma * h * h;
+        film + self.delta * self.boundary.share_slope(h)
     }
 
     /// Root of one implicit Euler step, by bisection to a few per cent: where Newton's method may start.
     fn implicit_euler(&self, before: f64, step: f64) -> f64 {
         let mut low = 0.0;
-        let mut high = before + (step * self.alpha).sqrt() + step * (-self.beta).max(0.0);
+        let mut high =
+            before + (step * self.alpha).sqrt() + step * ((-self.beta).max(0.0) + self.delta);
         for _ in 0..8 {
             let middle = 0.5 * (low + high);
             if middle - before - step * self.value(middle) < 0.0 {
@@ -481,8 +510,10 @@ pub struct FilmStation {
     pub temperature: f64,
     /// Ice that melts, as the depth that it loses, negative where the film freezes [m/s].
     pub melt_rate: f64,
-    /// Shear stress in the film [Pa].
+    /// Shear stress on the ice, of the film and where steel and ice touch [Pa].
     pub shear: f64,
+    /// Share of the area where steel and ice touch.
+    pub boundary_share: f64,
     /// Heat into the ice [W/m2].
     pub heat_into_ice: f64,
     /// Heat into the steel [W/m2].
@@ -498,9 +529,17 @@ pub struct FilmTotals {
     pub area: f64,
     /// Drag of the sheared film [N].
     pub viscous_drag: f64,
-    /// Drag over load, dimensionless.
+    /// Drag where steel and ice touch [N].
+    pub boundary_drag: f64,
+    /// Both drags over load, dimensionless.
     pub friction: f64,
-    /// Power that the film's shear takes: drag times speed [W].
+    /// Drag of the sheared film over load, dimensionless.
+    pub viscous_friction: f64,
+    /// Drag where steel and ice touch over load, dimensionless.
+    pub boundary_friction: f64,
+    /// Share of the area where steel and ice touch.
+    pub boundary_share: f64,
+    /// Power that friction takes: both drags times speed [W].
     pub dissipated: f64,
     /// Power that goes into the ice [W].
     pub into_ice: f64,
@@ -523,7 +562,11 @@ impl FilmTotals {
             load: f(self.load, other.load),
             area: f(self.area, other.area),
             viscous_drag: f(self.viscous_drag, other.viscous_drag),
+            boundary_drag: f(self.boundary_drag, other.boundary_drag),
             friction: f(self.friction, other.friction),
+            viscous_friction: f(self.viscous_friction, other.viscous_friction),
+            boundary_friction: f(self.boundary_friction, other.boundary_friction),
+            boundary_share: f(self.boundary_share, other.boundary_share),
             dissipated: f(self.dissipated, other.dissipated),
             into_ice: f(self.into_ice, other.into_ice),
             into_steel: f(self.into_steel, other.into_steel),
@@ -539,8 +582,9 @@ impl FilmTotals {
         self.combined(other, |a, b| (a - b).abs())
     }
 
-    /// The largest of these errors of `value`, relative to it; those of heat and water, which may be small differences, relative to
-    /// the power that is dissipated and to the water that it would melt, `heat_of_ice` [J/kg] and `heat_of_water` [J/m3].
+    /// The largest of these errors of `value`, relative to it; that of the boundary drag, which may be next to nothing, relative to both
+    /// drags; those of heat and water, which may be small differences, relative to the power that is dissipated and to the water
+    /// that it would melt, `heat_of_ice` [J/kg] and `heat_of_water` [J/m3].
     pub(crate) fn largest_share(&self, value: &Self, heat_of_ice: f64, heat_of_water: f64) -> f64 {
         let power = value.dissipated;
         // Ahead of the first pressure no load is carried, without an error.
@@ -549,6 +593,7 @@ impl FilmTotals {
             over(self.load, value.load),
             over(self.area, value.area),
             over(self.viscous_drag, value.viscous_drag),
+            over(self.boundary_drag, value.viscous_drag + value.boundary_drag),
             over(self.mean_thickness, value.mean_thickness),
             over(self.into_ice, power),
             over(self.into_steel, power),

@@ -2,7 +2,7 @@
 //!
 //! | item | purpose |
 //! |---|---|
-//! | [`Strip`], [`FilmConditions`], [`Properties`] | what the film is under, and of |
+//! | [`Strip`], [`FilmConditions`], [`BoundaryContact`], [`Properties`] | what the film is under, and of |
 //! | [`film`] | thickness, melt rate, shear, heat and drag along the strip |
 //! | [`PressureMap`], [`reynolds_film`] | the same with the two-dimensional Reynolds equation |
 //! | [`IceHardness`] | the pressure that the ice bears |
@@ -30,7 +30,7 @@ pub use closed_form::{
 pub use march::{Film, FilmStation, FilmTotals, film};
 pub use pressure_map::PressureMap;
 pub use properties::{
-    FilmConditions, FilmOptions, HARDNESS_EXPONENT, HeatIntoIce, IceHardness, Properties, Strip,
-    pressure_melting_bound,
+    BoundaryContact, FilmConditions, FilmOptions, HARDNESS_EXPONENT, HeatIntoIce, IceHardness,
+    Properties, Strip, pressure_melting_bound,
 };
 pub use reynolds::{ReynoldsFilm, reynolds_film};

@@ -1,6 +1,8 @@
 //! What a melt film is under and of: the strip of pressure, sliding conditions, water and ice, hardness, heat into the ice.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_2_SQRT_PI, PI, SQRT_2};
+
+use statrs::function::erf::erfc;
 
 use crate::friction::error::{Error, in_range};
 
@@ -107,6 +109,8 @@ pub struct FilmConditions {
     pub sliding_time: f64,
     /// Factor on the viscosity of water: what a slurry of ice and water would have more.
     pub viscosity_factor: f64,
+    /// Where steel and ice touch through the film.
+    pub boundary: BoundaryContact,
 }
 
 impl FilmConditions {
@@ -118,6 +122,7 @@ impl FilmConditions {
             steel_temperature: ice_temperature,
             sliding_time: 10.0,
             viscosity_factor: 1.0,
+            boundary: BoundaryContact::NONE,
         }
     }
 
@@ -150,7 +155,65 @@ impl FilmConditions {
             positive,
         )?;
         let factor = self.viscosity_factor;
-        in_range("viscosity_factor", factor, factor > 0.0, positive)
+        in_range("viscosity_factor", factor, factor > 0.0, positive)?;
+        let BoundaryContact { roughness, shear } = self.boundary;
+        in_range("roughness", roughness, roughness >= 0.0, "0 or more")?;
+        in_range("boundary_shear", shear, shear >= 0.0, "0 or more")
+    }
+}
+
+/// Asperities of steel and ice that touch through the film: mixed lubrication.
+///
+/// The heights of both surfaces together are Gaussian with the standard deviation `sigma`. Where the film is `h` thick, those that
+/// are higher touch, and each bears the same shear stress:
+///
+/// ```text
+/// tau = mu V/h + tau_b phi(h/sigma),    phi(z) = erfc(z/sqrt 2)
+/// ```
+///
+/// `phi` counts both tails, so that it is 1 where there is no film. Source of mixed lubrication: N. Patir, H.S. Cheng,
+/// J. Lubr. Technol. 100 (1978) 12-17; of the share of a Gaussian surface: J.A. Greenwood, J.B.P. Williamson, Proc. R. Soc. A 295
+/// (1966) 300-319.
+///
+/// ```
+/// use kufe_sled::friction::film::BoundaryContact;
+/// let rough = BoundaryContact { roughness: 0.5e-6, shear: 60e3 };
+/// assert_eq!(rough.share(0.0), 1.0);
+/// assert!((rough.share(0.5e-6) - 0.3173).abs() < 1e-4); // outside one standard deviation
+/// assert_eq!(BoundaryContact::NONE.share(1e-9), 0.0);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundaryContact {
+    /// Standard deviation of the heights of steel and ice together [m].
+    pub roughness: f64,
+    /// Shear stress where they touch [Pa].
+    pub shear: f64,
+}
+
+impl BoundaryContact {
+    /// The film alone.
+    pub const NONE: BoundaryContact = BoundaryContact {
+        roughness: 0.0,
+        shear: 0.0,
+    };
+
+    /// Share of the area that touches through a film `h` [m] thick; 0 of surfaces without roughness.
+    pub fn share(&self, h: f64) -> f64 {
+        if self.roughness > 0.0 {
+            erfc(h / (SQRT_2 * self.roughness))
+        } else {
+            0.0
+        }
+    }
+
+    /// Derivative of [`share`](Self::share) by the thickness [1/m].
+    pub(crate) fn share_slope(&self, h: f64) -> f64 {
+        if self.roughness > 0.0 {
+            let z = h / (SQRT_2 * self.roughness);
+            -FRAC_2_SQRT_PI * (-z * z).exp() / (SQRT_2 * self.roughness)
+        } else {
+            0.0
+        }
     }
 }
 

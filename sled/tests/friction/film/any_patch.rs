@@ -1,7 +1,7 @@
 //! Whatever patch and conditions: an answer within the accuracy, finite, in balance.
 
 use super::patches::{WATER, rounding, strip};
-use kufe_sled::friction::film::{FilmConditions, FilmOptions, Strip, film};
+use kufe_sled::friction::film::{BoundaryContact, FilmConditions, FilmOptions, Strip, film};
 use proptest::prelude::*;
 
 /// The shapes of patches: even, round at both ends, ice that yields up to a pointed end, pressure that falls in steps.
@@ -35,6 +35,9 @@ proptest! {
         steel in -40.0_f64..5.0,
         time in -1.0_f64..3.0,
         factor in 0.0_f64..2.0,
+        roughness in -8.0_f64..-5.0,
+        shear in 3.0_f64..6.0,
+        smooth in 0_usize..3,
         accuracy in -8.0_f64..-2.0,
     ) {
         let ten = |x: f64| 10.0_f64.powf(x);
@@ -44,6 +47,10 @@ proptest! {
             steel_temperature: steel,
             sliding_time: ten(time),
             viscosity_factor: ten(factor),
+            boundary: match smooth {
+                0 => BoundaryContact::NONE,
+                _ => BoundaryContact { roughness: ten(roughness), shear: ten(shear) },
+            },
         };
         let accuracy = ten(accuracy);
         let strip = patch(shape, ten(length), n, ten(width), ten(p));

@@ -5,7 +5,7 @@ use kufe_sled::friction::film::{FilmConditions, Strip};
 
 /// Ice that yields at `h` [Pa] in front of the lowest point and springs back behind it: a section of radius `r` as deep as the
 /// groove, its width that of the chord; behind, the full width under a pressure that falls as Hertz's.
-fn groove(front: f64, back: f64, depth: f64, r: f64, h: f64) -> Strip {
+pub fn groove(front: f64, back: f64, depth: f64, r: f64, h: f64) -> Strip {
     let n = 60;
     let widest = (8.0 * r * depth).sqrt();
     let ellipse = |share: f64| (1.0 - share * share).max(0.0).sqrt();

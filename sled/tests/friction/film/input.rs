@@ -3,7 +3,8 @@
 use super::patches::{WATER, strip};
 use kufe_sled::friction::Error;
 use kufe_sled::friction::film::{
-    FilmConditions, FilmOptions, PressureMap, Properties, Strip, film, reynolds_film,
+    BoundaryContact, FilmConditions, FilmOptions, PressureMap, Properties, Strip, film,
+    reynolds_film,
 };
 
 fn named<T: std::fmt::Debug>(result: Result<T, Error>) -> &'static str {
@@ -108,6 +109,15 @@ fn conditions_properties_and_accuracy_out_of_range_are_named() {
         ),
         "viscosity_factor"
     );
+    for (roughness, shear, name) in [
+        (-1e-9, 0.0, "roughness"),
+        (f64::NAN, 0.0, "roughness"),
+        (0.0, -1.0, "boundary_shear"),
+        (0.0, f64::INFINITY, "boundary_shear"),
+    ] {
+        let boundary = BoundaryContact { roughness, shear };
+        assert_eq!(on(FilmConditions { boundary, ..base }, WATER, 1e-6), name);
+    }
     assert_eq!(
         on(
             base,

@@ -2,6 +2,7 @@
 
 mod any_patch;
 mod balance;
+mod boundary;
 mod groove;
 mod hardness;
 mod input;
