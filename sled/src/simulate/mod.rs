@@ -5,3 +5,4 @@ pub(crate) mod driver;
 pub(crate) mod dynamics;
 pub mod sample_data;
 pub(crate) mod sensors;
+pub(crate) mod trial;
