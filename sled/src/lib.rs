@@ -114,7 +114,6 @@ pub use simulate::driver::Driver;
 pub use simulate::dynamics::{Instant, WallContact};
 pub use simulate::sample_data;
 pub use simulate::sensors::{record, simulated_entry};
-pub use simulate::trial::try_model;
 pub use track::spline::Spline;
 pub use track::table::IceAlong;
 pub use track::table::Track;

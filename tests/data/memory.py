@@ -111,12 +111,12 @@ def fit(size):
 def fmu(size):
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        with archive.open("modelDescription.xml", "w") as entry:
+        with archive.open("modelDescription.xml", "w", force_zip64=True) as entry:
             entry.write(b"<fmiModelDescription>")
-            for _ in range(min(size * 900, 3_000_000_000) // 1_000_000):
+            for _ in range(min(size * 250, 1_500_000_000) // 1_000_000):
                 entry.write(b"[0," * 333_333)
-        with archive.open("resources/table.lut", "w") as entry:
-            for _ in range(min(size * 900, 3_000_000_000) // 1_000_000):
+        with archive.open("resources/table.lut", "w", force_zip64=True) as entry:
+            for _ in range(min(size * 250, 1_500_000_000) // 1_000_000):
                 entry.write(b"[0," * 333_333)
     return packed.getvalue()
 
@@ -125,9 +125,9 @@ def fmu(size):
 def three_mf(size):
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        with archive.open("3D/3dmodel.model", "w") as entry:
+        with archive.open("3D/3dmodel.model", "w", force_zip64=True) as entry:
             entry.write(b'<model unit="millimeter"><resources><object id="1"><mesh><vertices>')
-            for _ in range(min(size * 500, 3_000_000_000) // 1_000_000):
+            for _ in range(min(size * 250, 1_500_000_000) // 1_000_000):
                 entry.write(b'<vertex x="0" y="0" z="0"/>' * 37_000)
     return packed.getvalue()
 

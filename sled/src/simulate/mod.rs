@@ -5,4 +5,3 @@ pub(crate) mod driver;
 pub(crate) mod dynamics;
 pub mod sample_data;
 pub(crate) mod sensors;
-pub(crate) mod trial;
