@@ -8,6 +8,8 @@ use crate::kufe::{Bench, errors, names};
 fn not_finite(folder: &Path) -> Option<String> {
     names(folder).into_iter().find_map(|name| {
         let text = std::fs::read_to_string(folder.join(&name)).ok()?;
+        // A replay that was not stopped.
+        let text = text.replace("\"stopped\": null", "");
         let is_word = |word: &str| {
             let word = word.trim().trim_start_matches('-').to_ascii_lowercase();
             ["inf", "null"].contains(&&*word)
@@ -19,23 +21,28 @@ fn not_finite(folder: &Path) -> Option<String> {
     })
 }
 
-/// A folder with a model, a track and two runs, simulated.
+/// A folder with a model, a track and the beginnings of two runs of the sample data.
 fn bench() -> Bench {
     let bench = Bench::new();
-    bench.succeeds(&["init", "model.toml", "--kind", "model", "-q"]);
-    let mut track = String::from("s_m,slope_rad,curvature_1pm,bank_rad\n");
-    for k in 0..60 {
-        let place = f64::from(k);
-        track += &format!(
-            "{},0.1,{},{}\n",
-            5 * k,
-            0.01 * place.sin(),
-            0.3 * place.cos()
-        );
+    bench.succeeds(&["simulate", "--sample-data", "sample", "-q"]);
+    let read = |name: &str| {
+        let text = std::fs::read_to_string(bench.path(&format!("sample/{name}")));
+        text.expect("a file of the sample data")
+    };
+    let first = |text: &str, lines: usize| -> String {
+        text.lines()
+            .take(lines)
+            .map(|line| format!("{line}\n"))
+            .collect()
+    };
+    std::fs::create_dir(bench.path("runs")).expect("a folder");
+    for (name, lines) in [("runs.csv", 3), ("A1-01.csv", 8000), ("A1-02.csv", 8000)] {
+        bench.write(&format!("runs/{name}"), first(&read(name), lines));
     }
-    bench.write("track_w.csv", track);
-    let words = "simulate model.toml track_w.csv -o runs --runs 2 --rate-hz 100 -q";
-    bench.succeeds(&words.split(' ').collect::<Vec<_>>());
+    for name in ["runs/track_east.csv", "track_east.csv"] {
+        bench.write(name, read("track_east.csv"));
+    }
+    bench.write("model.toml", read("model.toml"));
     bench
 }
 
@@ -76,13 +83,13 @@ fn finite_or_refused(bench: &Bench, words: &str, place: &str) -> bool {
 #[test]
 fn runs_with_numbers_that_no_sled_has_are_refused_with_their_place() {
     let bench = bench();
-    let whole = std::fs::read_to_string(bench.path("runs/run_001.csv")).expect("a run");
+    let whole = std::fs::read_to_string(bench.path("runs/A1-01.csv")).expect("a run");
     let commands = [
         "runs align runs/runs.csv --model model.toml -o aligned",
         "evaluate runs/runs.csv --model model.toml -o evaluated",
         "validate runs/runs.csv --model model.toml -o validated",
         "fit lateral runs/runs.csv --model model.toml -o fitted",
-        "simulate model.toml runs/track_w.csv --replay runs/runs.csv --run run_001 -o replayed",
+        "simulate model.toml runs/track_east.csv --replay runs/runs.csv --run A1-01 -o replayed",
     ];
     let columns = [
         "v_mps",
@@ -94,7 +101,7 @@ fn runs_with_numbers_that_no_sled_has_are_refused_with_their_place() {
     for column in columns.into_iter().chain(["s_m"]) {
         for (rows, value) in [(50..51, "1e308"), (100..200, "-1e154"), (30..31, "1e309")] {
             let text = changed(&whole, column, rows.clone(), value);
-            bench.write("runs/run_001.csv", text);
+            bench.write("runs/A1-01.csv", text);
             for words in commands {
                 let place = format!("row {}, column {column}", rows.start + 1);
                 assert!(
@@ -104,7 +111,7 @@ fn runs_with_numbers_that_no_sled_has_are_refused_with_their_place() {
             }
         }
     }
-    bench.write("runs/run_001.csv", &whole);
+    bench.write("runs/A1-01.csv", &whole);
     for words in commands {
         assert!(finite_or_refused(&bench, words, ""), "{words}");
     }
@@ -114,7 +121,7 @@ fn runs_with_numbers_that_no_sled_has_are_refused_with_their_place() {
 fn simulations_of_extreme_models_and_tracks_are_finite_or_refused() {
     let bench = bench();
     let model = std::fs::read_to_string(bench.path("model.toml")).expect("a model");
-    let track = std::fs::read_to_string(bench.path("track_w.csv")).expect("a track");
+    let track = std::fs::read_to_string(bench.path("track_east.csv")).expect("a track");
     let mut answered = 0;
     let mut simulated = |place: &str| {
         let words = "simulate odd.toml track_o.csv --most-s 5 --rate-hz 100 -o out";
@@ -180,18 +187,18 @@ fn units_that_overflow_are_refused_with_their_place() {
 #[test]
 fn a_recording_without_its_last_line_end_loses_its_last_row_and_says_so() {
     let bench = bench();
-    let whole = std::fs::read_to_string(bench.path("runs/run_001.csv")).expect("a run");
+    let whole = std::fs::read_to_string(bench.path("runs/A1-01.csv")).expect("a run");
     let rows = whole.lines().count() - 1;
     let align = "runs align runs/runs.csv --model model.toml -o aligned";
     let align: Vec<&str> = align.split(' ').collect();
     for cut in [1, 3, 30] {
-        bench.write("runs/run_001.csv", &whole[..whole.len() - cut]);
+        bench.write("runs/A1-01.csv", &whole[..whole.len() - cut]);
         let output = bench.kufe(&align);
         let told = errors(&output);
         assert!(output.status.success(), "{told}");
-        let said = "run_001.csv: the last line has no end and is left out";
+        let said = "A1-01.csv: the last line has no end and is left out";
         assert!(told.contains(said), "{cut}: {told}");
-        let written = std::fs::read_to_string(bench.path("aligned/run_001.csv")).expect("a run");
+        let written = std::fs::read_to_string(bench.path("aligned/A1-01.csv")).expect("a run");
         assert_eq!(written.lines().count() - 1, rows - 1, "{cut}");
     }
 }
@@ -233,19 +240,19 @@ fn no_table_has_a_column_twice() {
         bench.write(path, format!("{head},{column}\n{rows}"));
     };
     std::fs::create_dir(bench.path("words")).expect("a folder");
-    for name in ["runs.csv", "run_001.csv", "run_002.csv", "track_w.csv"] {
+    for name in ["runs.csv", "A1-01.csv", "A1-02.csv", "track_east.csv"] {
         std::fs::copy(
             bench.path("runs").join(name),
             bench.path("words").join(name),
         )
         .expect("a copy");
     }
-    twice("words/run_001.csv", "v_mps", "fast");
-    twice("runs/run_001.csv", "v_mps", "9.5");
+    twice("words/A1-01.csv", "v_mps", "fast");
+    twice("runs/A1-01.csv", "v_mps", "9.5");
     std::fs::create_dir(bench.path("index")).expect("a folder");
     std::fs::copy(bench.path("runs/runs.csv"), bench.path("index/runs.csv")).expect("a copy");
     twice("index/runs.csv", "session", "other");
-    std::fs::copy(bench.path("track_w.csv"), bench.path("track_t.csv")).expect("a copy");
+    std::fs::copy(bench.path("track_east.csv"), bench.path("track_t.csv")).expect("a copy");
     twice("track_t.csv", "slope_rad", "0.2");
     for words in [
         "evaluate runs/runs.csv --model model.toml -o out",
