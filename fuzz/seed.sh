@@ -2,7 +2,7 @@
 # Fills the corpora with small valid files made by the command itself.
 set -euo pipefail
 cd "$(dirname "$0")"
-mkdir -p corpus/{case,model,obj,gltf,stl,lut,run,track,experiments,glide,exr,msh,vtu,heights,recording,mdf4,matlab73}
+mkdir -p corpus/{case,model,obj,gltf,stl,lut,run,track,experiments,glide,exr,msh,vtu,heights,recording,mdf4,matlab73,fmu,three_mf,parquet,matlab,results}
 kufe() { cargo run --release --quiet --manifest-path ../Cargo.toml -p kufe-cli -- "$@"; }
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
@@ -10,6 +10,7 @@ kufe init "$scratch/case.toml" --quiet
 kufe init "$scratch/table.toml" --kind table --quiet
 kufe init "$scratch/model.toml" --kind model --quiet
 kufe init "$scratch/mapping.toml" --kind mapping --quiet
+printf 's_m,slope_rad,curvature_1pm,bank_rad\n0,0.1,0,0\n50,0.1,0,0\n100,0.1,0,0\n150,0.1,0,0\n' > "$scratch/track.csv"
 cp "$scratch/mapping.toml" corpus/recording/mapping
 cp "$scratch/case.toml" corpus/case/example
 cp "$scratch/model.toml" corpus/model/example
@@ -17,9 +18,13 @@ hull=(hull bob --length-m 0.05 --height-m 0.01 --edge-length-m 0.01 --quiet)
 kufe "${hull[@]}" -o corpus/obj/bob.obj
 kufe "${hull[@]}" -o corpus/gltf/bob.glb
 kufe "${hull[@]}" -o corpus/stl/bob.stl
-kufe lut "$scratch/table.toml" -o corpus/lut/example --quiet
+kufe lut "$scratch/table.toml" -o corpus/lut/example --fmu=corpus/fmu/example.fmu --mat=corpus/matlab/example.mat --quiet
 kufe press "$scratch/case.toml" -o "$scratch/out" --quiet
 cp "$scratch/out/pressure.exr" corpus/exr/example
+cp "$scratch/out/result.json" corpus/results/contact
+cp ../cli/tests/data/fit.json corpus/results/fit
+kufe simulate "$scratch/model.toml" "$scratch/track.csv" --most-s 1 --parquet -o "$scratch/runs" --quiet
+cp "$scratch/runs/"*.parquet corpus/parquet/
 kufe mesh "$scratch/case.toml" -o "$scratch/mesh" --quiet
 find "$scratch/mesh" -name '*.vtu' -size -200k -exec cp {} corpus/vtu/ \;
 printf '$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n0\n$EndNodes\n' > corpus/msh/empty

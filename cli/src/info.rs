@@ -18,7 +18,7 @@ use crate::output::say::say;
 use crate::report::read_json;
 
 /// Longest result [bytes].
-const LONGEST: u64 = 1 << 28;
+const LONGEST: u64 = 1 << 24;
 
 /// Arguments of `kufe info`.
 #[derive(clap::Args, Debug)]

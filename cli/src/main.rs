@@ -61,7 +61,9 @@ fn run(cli: Cli) -> Result<(), Failure> {
 }
 
 fn main() -> ExitCode {
-    let matches = examples::added(Cli::command()).get_matches();
+    let matches = examples::added(Cli::command())
+        .try_get_matches()
+        .unwrap_or_else(|error| lut::explained(error).exit());
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     match run(cli).and_then(|()| all_said()) {
         Ok(()) => ExitCode::SUCCESS,

@@ -17,6 +17,9 @@ use crate::resample::{Base, resample};
 use crate::text::TextOptions;
 use crate::unit::{column_unit, conversion};
 
+/// Largest number of a column in its unit: products of such are finite.
+const LARGEST: f64 = 1e30;
+
 /// Most rows of a run: a day at 100 Hz and more.
 const MOST_ROWS: f64 = 1e7;
 
@@ -224,11 +227,26 @@ impl Importer {
         time.iter_mut().for_each(|t| *t -= delay);
         let channel = &log.channels[log.find(&source.from, file)?];
         let recipe = recipe(column, source, channel, file)?;
-        let values = channel
+        let values: Vec<f64> = channel
             .values
             .iter()
             .map(|x| recipe.factor * x + recipe.offset)
             .collect();
+        let mut both = values.iter().zip(&channel.values);
+        let beyond = |value: f64| !value.is_finite() || value.abs() > LARGEST;
+        if let Some(row) = both.position(|(value, x)| x.is_finite() && beyond(*value)) {
+            return Err(Error::Channel {
+                file: file.to_string(),
+                channel: source.from.clone(),
+                found: format!(
+                    "{:e} {} in row {}",
+                    channel.values[row],
+                    recipe.unit,
+                    row as u64 + log.first_row.max(1)
+                ),
+                expected: format!("at most {LARGEST:e} {}", column_unit(column)),
+            });
+        }
         Ok((recipe, Series { time, values }, remark))
     }
 

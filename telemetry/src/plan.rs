@@ -309,7 +309,13 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
         .from_reader(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
     let header = reader.headers().map_err(failure)?.clone();
     let known = || INDEX_COLUMNS.iter().chain(&MORE_INDEX_COLUMNS);
-    for name in &header {
+    for (i, name) in header.iter().enumerate() {
+        if header.iter().take(i).any(|known| known == name) {
+            return Err(Error::file(
+                file,
+                format!("column {name:?} is given twice, expected once"),
+            ));
+        }
         let place = name.strip_prefix(ICE_AT);
         if place.is_some_and(|place| place_of(place).is_some()) {
             continue;

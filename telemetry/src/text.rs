@@ -92,7 +92,12 @@ impl Cell {
     fn of(cell: &str, decimal_comma: bool) -> Cell {
         let cell = cell.trim();
         if let Ok(value) = cell.parse::<f64>() {
-            return Cell::Number(if value.is_finite() { value } else { f64::NAN });
+            // `inf` says that there is no value; a number too large for its type is none.
+            return match value.is_finite() {
+                true => Cell::Number(value),
+                false if cell.contains(|c: char| c.is_ascii_digit()) => Cell::Text,
+                false => Cell::Number(f64::NAN),
+            };
         }
         if MISSING.contains(&cell.to_lowercase().as_str()) || cell.ends_with("1.#INF") {
             return Cell::Number(f64::NAN);
@@ -106,7 +111,8 @@ impl Cell {
             _ => cell.to_string(),
         };
         if comma.is_some()
-            && let Ok(value) = plain.parse()
+            && let Ok(value) = plain.parse::<f64>()
+            && value.is_finite()
         {
             return Cell::Number(value);
         }
@@ -565,7 +571,7 @@ fn is_units(cells: &[&str]) -> bool {
 
 /// Reads a text file; of the channels only those `wanted` by name, or all that hold numbers.
 ///
-/// A last line that is cut short is left out, with a remark: a logger that loses its power writes such. Times of the day
+/// A last line without its end is left out, with a remark: a logger that loses its power writes such. Times of the day
 /// continue after midnight.
 ///
 /// # Errors
@@ -602,9 +608,20 @@ pub fn read_text(
     let width = log.channels.len();
     let mut clocks = vec![false; width];
     let mut refused: Option<String> = None;
-    let mut short: Option<(u64, usize)> = None;
+    // A last line without its end may be cut within its last cell, which then still is a number.
+    let whole = text.rfind('\n').map_or(text.len(), |end| end + 1);
+    let (lines, cut) = text.split_at(whole);
+    if !cut
+        .trim_matches(['\0', '\u{1a}', ' ', '\t', '\r'])
+        .is_empty()
+    {
+        log.remarks.push(format!(
+            "{file}: row {}, the last, has no line end and is left out: it may be cut short",
+            lines.matches('\n').count() + 1
+        ));
+    }
     let rows = Rows {
-        text: &text,
+        text: lines,
         at: layout.start,
         line: layout.first_row,
         delimiter: layout.delimiter,
@@ -613,14 +630,7 @@ pub fn read_text(
         if layout.head.contains(&cells) || cells.len() != width && cells[0].starts_with('#') {
             continue;
         }
-        if let Some((row, cells)) = short.take() {
-            return Err(wrong_width(file, row, cells, width));
-        }
-        if cells.len() < width {
-            short = Some((line, cells.len()));
-            continue;
-        }
-        if cells[width..].iter().any(|cell| !cell.is_empty()) {
+        if cells.len() < width || cells[width..].iter().any(|cell| !cell.is_empty()) {
             return Err(wrong_width(file, line, cells.len(), width));
         }
         for (i, cell) in cells[..width].iter().enumerate() {
@@ -649,15 +659,6 @@ pub fn read_text(
                 }
             }
         }
-    }
-    if let Some((row, cells)) = short {
-        // A whole last line that is short is another file's, or edited.
-        if text.ends_with('\n') {
-            return Err(wrong_width(file, row, cells, width));
-        }
-        log.remarks.push(format!(
-            "{file}: row {row}, the last, is cut short and left out"
-        ));
     }
     for (channel, clock) in log.channels.iter_mut().zip(clocks) {
         let name = channel.name.to_lowercase();
@@ -768,6 +769,8 @@ mod tests {
             ("fast", false, None),
             ("1.2.3", false, None),
             ("2021-13-01 00:00:00", false, None),
+            ("1e309", false, None),
+            ("-1,5e400", true, None),
         ] {
             assert_eq!(number(cell, comma), value, "{cell}");
         }
@@ -855,12 +858,13 @@ mod tests {
 
     #[test]
     fn a_last_line_without_its_end_is_left_out_with_a_remark() {
-        let log = read("t,v,w\n0,1,2\n1,2,3\n2,3", Some(&["v"])).unwrap();
-        assert_eq!(log.channels[1].values, [1.0, 2.0]);
-        assert_eq!(
-            log.remarks,
-            ["a.csv: row 4, the last, is cut short and left out"]
-        );
+        for last in ["2,3", "2,3,4", "2,3,", "2,3,-"] {
+            let text = format!("t,v,w\n0,1,2\n1,2,3\n{last}");
+            let log = read(&text, Some(&["v", "w"])).unwrap();
+            assert_eq!(log.channels[1].values, [1.0, 2.0], "{last}");
+            assert_eq!(log.remarks.len(), 1, "{last}");
+            assert!(log.remarks[0].starts_with("a.csv: row 4, the last, has no line end"));
+        }
         assert!(read("t,v,w\n0,1,2\n1,2,3\n2,3\n", Some(&["v"])).is_err());
         assert!(read("t,v,w\n0,1,2\n1,2\n2,3,4\n", Some(&["v"])).is_err());
     }

@@ -1,5 +1,8 @@
 //! `kufe lut`: lookup tables of contact figures, made, read, exported, and made in pieces.
 
+use std::path::Path;
+
+use clap::error::ErrorKind;
 use kufe::jobs::Failure;
 
 use crate::lut::{export, fill, plan, query, show};
@@ -14,6 +17,9 @@ Examples:
   kufe lut plan bob-table.toml -o plan --shards 50     cut it into shards, then:
   kufe lut run plan --shard 7/50                       solve one of them
   kufe lut merge plan -o front.lut                     put them together";
+
+/// The subcommands.
+const SUBCOMMANDS: [&str; 6] = ["show", "query", "export", "plan", "run", "merge"];
 
 /// Arguments of `kufe lut`.
 #[derive(clap::Args, Debug)]
@@ -39,6 +45,31 @@ enum Command {
     Run(plan::RunArgs),
     /// Put a plan's results together
     Merge(plan::MergeArgs),
+}
+
+/// An error of the arguments; where a misspelt subcommand was taken for a table's file, one that says so.
+pub fn explained(error: clap::Error) -> clap::Error {
+    let words: Vec<String> = std::env::args().skip(1).take(2).collect();
+    let [command, word] = &words[..] else {
+        return error;
+    };
+    let likeness = |name: &str| strsim::jaro_winkler(word, name);
+    let is_file = Path::new(word).extension().is_some() || Path::new(word).exists();
+    let like = SUBCOMMANDS
+        .into_iter()
+        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
+        .filter(|name| likeness(name) > 0.7);
+    match like {
+        Some(name)
+            if command == "lut" && !is_file && error.kind() == ErrorKind::ArgumentConflict =>
+        {
+            let text = format!(
+                "unrecognized subcommand '{word}'\n\n  tip: a similar subcommand exists: '{name}'\n"
+            );
+            clap::Error::raw(ErrorKind::InvalidSubcommand, text)
+        }
+        _ => error,
+    }
 }
 
 /// Runs the subcommand, or fills the table.

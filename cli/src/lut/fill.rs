@@ -12,6 +12,7 @@ use crate::lut::export::{Forms, write_table};
 use crate::lut::finish::{Spent, finish};
 use crate::output::file::OutputFiles;
 use crate::output::global::Global;
+use crate::output::paths::resolved;
 use crate::output::watched::watched;
 
 /// Arguments of `kufe lut` without a subcommand.
@@ -46,7 +47,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let mut outputs = args.forms.paths(&out);
         outputs.push(out.clone());
         let files = OutputFiles::begin("lut", &solver.inputs(&spec)?, &outputs, global.force)?;
-        let filled = kufe::jobs::table::fill(&spec, &solver, &out, watch)?;
+        let filled = kufe::jobs::table::fill(&spec, &solver, &resolved(&out), watch)?;
         Ok::<_, Failure>((solver, filled, files))
     })?;
     write_table(&filled.swept.table, &out, &files)?;

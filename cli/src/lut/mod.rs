@@ -8,4 +8,4 @@ mod plan;
 mod query;
 mod show;
 
-pub use command::{Args, run};
+pub use command::{Args, explained, run};

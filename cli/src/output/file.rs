@@ -13,10 +13,8 @@ use crate::output::folder::FolderRecord;
 use crate::output::marks::is_marked;
 use crate::output::paths::{NewFolders, TEMPORARY, check_place, resolved, unwritable};
 
-/// Endings of files that state within themselves that kufe wrote them.
-const MARKED: [&str; 10] = [
-    "lut", "inp", "mtx", "html", "png", "h", "c", "m", "mat", "sh",
-];
+/// Endings of files that cannot state that kufe wrote them: they are compared once they are written.
+const UNMARKED: [&str; 6] = ["csv", "fmu", "json", "md", "parquet", "toml"];
 
 /// Files that a command writes at places of their own.
 ///
@@ -71,10 +69,10 @@ impl OutputFiles {
                 ));
             }
             let ending = named.extension().unwrap_or_default();
-            if MARKED.iter().any(|marked| ending == *marked) {
-                files.check(&output, None)?;
-            } else {
+            if UNMARKED.iter().any(|unmarked| ending == *unmarked) {
                 files.check_place(&output)?;
+            } else {
+                files.check(&output, None)?;
             }
             files.outputs.push(output);
         }

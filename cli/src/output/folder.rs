@@ -15,6 +15,8 @@ use crate::output::paths::{
 
 /// The file of an output folder that says which command wrote which files there.
 const RECORD: &str = ".kufe.json";
+/// How often a folder is made that other processes remove.
+const ATTEMPTS: usize = 20;
 /// The index of runs, which names other files of its folder.
 const INDEX: &str = "runs.csv";
 
@@ -168,23 +170,29 @@ impl OutputDir {
     ) -> Result<OutputDir, Failure> {
         let named = target.to_path_buf();
         let target = resolved(target);
-        let temporary = || {
-            tempfile::Builder::new()
+        let begin = || {
+            let made = NewFolders::make(&target)?;
+            let temporary = tempfile::Builder::new()
                 .prefix(TEMPORARY)
                 .tempdir_in(&target)
+                .map_err(|error| unwritable(&named, &error))?;
+            Ok::<_, Failure>((temporary, made))
         };
-        let mut made = NewFolders::make(&target)?;
-        // Another process that gives up may remove the folder meanwhile.
-        let hidden = temporary().or_else(|error| {
-            made = NewFolders::make(&target).map_err(|_| error)?;
-            temporary()
-        });
+        // Other processes that give up may remove the folder meanwhile.
+        let mut begun = begin();
+        for _ in 0..ATTEMPTS {
+            if begun.is_ok() {
+                break;
+            }
+            begun = begin();
+        }
+        let (temporary, made) = begun?;
         let output = OutputDir {
             command,
             inputs: inputs.to_vec(),
             force,
+            temporary,
             made,
-            temporary: hidden.map_err(|error| unwritable(&named, &error))?,
             named,
             target,
         };

@@ -37,6 +37,12 @@ pub fn same_file(a: &Path, b: &Path) -> bool {
     resolved(a) == resolved(b)
 }
 
+/// Whether a file is a link that leads out of its folder.
+pub fn leads_out(file: &Path) -> bool {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    file.is_symlink() && !resolved(file).starts_with(resolved(folder))
+}
+
 /// Checks that nothing but a regular file is at `path`, and that no input is there.
 ///
 /// # Errors

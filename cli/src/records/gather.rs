@@ -9,9 +9,9 @@ use serde_json::json;
 
 use crate::output::file::OutputFiles;
 use crate::output::global::Global;
-use crate::output::paths::{resolved, same_file};
+use crate::output::paths::{leads_out, resolved, same_file};
 use crate::output::say::{say, warn};
-use crate::records::gathered::{Gathered, UNNAMED, gathered};
+use crate::records::gathered::{Gathered, UNNAMED, gathered, is_run};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -78,6 +78,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let copies: Vec<String> = entries.iter().map(copied_as).collect();
     let mut paths: Vec<PathBuf> = tracks.keys().map(|name| folder.join(name)).collect();
     if args.copy {
+        entries.iter().try_for_each(may_be_copied)?;
         paths.extend(copies.iter().map(|name| folder.join(name)));
     }
     paths.push(args.out.clone());
@@ -101,6 +102,23 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     output.commit()?;
     tell(args, global, &entries, &renamed, &passed_over);
     Ok(())
+}
+
+/// Refuses to copy what a foreign index or folder names and is no run of its own.
+fn may_be_copied(entry: &Entry) -> Result<(), Failure> {
+    let refuse = |reason: &str| {
+        let file = entry.file.display();
+        Err(Failure::BadInput(format!(
+            "{file}: not copied: {reason}; expected a file of a run"
+        )))
+    };
+    if leads_out(&entry.file) {
+        return refuse("a link that leads out of its folder");
+    }
+    match is_run(&entry.file)? {
+        true => Ok(()),
+        false => refuse("it has no columns t_s and v_mps"),
+    }
 }
 
 /// Puts the folder's name before every run's whose name another folder's run has; the new names.

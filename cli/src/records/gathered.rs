@@ -145,6 +145,14 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
     })
 }
 
+/// Whether a file has the columns of a run.
+///
+/// # Errors
+/// [`Failure::BadInput`] where it cannot be read.
+pub fn is_run(path: &Path) -> Result<bool, Failure> {
+    Ok(matches!(kind(path)?, Kind::Run))
+}
+
 /// A run that no index states anything of; its file's name is its own.
 fn loose(file: &Path) -> Entry {
     let run = file.file_stem().unwrap_or_default().to_string_lossy();

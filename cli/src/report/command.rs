@@ -9,7 +9,7 @@ use crate::output::file::OutputFiles;
 use crate::output::folder::FolderRecord;
 use crate::output::folder::pretty;
 use crate::output::global::Global;
-use crate::output::paths::same_file;
+use crate::output::paths::{leads_out, same_file};
 use crate::output::say::say;
 use crate::report::{contact, evaluation, gathered, results, series, table};
 
@@ -110,6 +110,14 @@ fn html(result: &Path) -> Result<(&'static str, PathBuf, String), Failure> {
         return Err(told(
             "expected a folder that a command of kufe has written, or a .lut file",
         ));
+    }
+    let entries = std::fs::read_dir(result).into_iter().flatten().flatten();
+    let mut files = entries.map(|entry| entry.path());
+    if let Some(link) = files.find(|path| path.is_file() && leads_out(path)) {
+        return Err(Failure::BadInput(format!(
+            "{}: a link that leads out of the folder; expected a file in it",
+            link.display()
+        )));
     }
     let default = result.join(PAGE);
     if result.join("result.json").is_file() {

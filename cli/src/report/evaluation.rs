@@ -58,10 +58,15 @@ fn tables(folder: &Path) -> Result<Vec<TablePicture>, Failure> {
     let mut tables = Vec::new();
     for (name, runner) in TABLE_PICTURES.iter().zip(runners) {
         let path = folder.join(name);
-        if path.is_file() {
-            let picture = picture_url(&picture(&path)?);
-            tables.push(TablePicture { runner, picture });
-        }
+        let png = if path.is_file() {
+            picture(&path)?
+        } else {
+            None
+        };
+        tables.extend(png.map(|png| TablePicture {
+            runner,
+            picture: picture_url(&png),
+        }));
     }
     Ok(tables)
 }

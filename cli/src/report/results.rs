@@ -33,9 +33,10 @@ fn unreadable(path: &Path, error: std::io::Error) -> Failure {
     Failure::BadInput(format!("{}: cannot be read: {error}", path.display()))
 }
 
-/// A picture that a page holds.
-pub fn picture(path: &Path) -> Result<Vec<u8>, Failure> {
-    read_regular(path, LONGEST_PICTURE).map_err(|error| unreadable(path, error))
+/// The picture in a file; nothing where its first bytes are not those of a PNG.
+pub fn picture(path: &Path) -> Result<Option<Vec<u8>>, Failure> {
+    let bytes = read_regular(path, LONGEST_PICTURE).map_err(|error| unreadable(path, error))?;
+    Ok(Some(bytes).filter(|bytes| bytes.starts_with(b"\x89PNG\r\n\x1a\n")))
 }
 
 /// The page of a folder that holds one of [`DOCUMENTS`].
@@ -60,7 +61,9 @@ pub fn page(folder: &Path) -> Result<String, Failure> {
     paths.sort();
     let mut pictures = Vec::new();
     for path in paths.into_iter().take(MOST_PICTURES) {
-        let png = picture(&path)?;
+        let Some(png) = picture(&path)? else {
+            continue;
+        };
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         pictures.push(Picture {
             name: name.into_owned(),

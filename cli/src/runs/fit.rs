@@ -4,7 +4,7 @@ use kufe::charts::fit_picture;
 use kufe::jobs::{Failure, runs::Loaded, runs::failure};
 use kufe::results::{LateralFitDocument, RunsUsed};
 use kufe_sled::friction::{LateralFit, MagicFormula};
-use kufe_sled::{FitOptions, find_contacts, lateral_samples};
+use kufe_sled::{FitOptions, Model, Vehicle, find_contacts, lateral_samples};
 
 use crate::output::folder::OutputDir;
 use crate::output::global::Global;
@@ -83,7 +83,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ..
     } = loaded;
     let fitted = fit.applied_to(&model);
-    output.text("model.fit.toml", &fitted.to_toml())?;
+    let written = fitted.to_toml();
+    // What is handed out can be read.
+    Model::from_toml(&written, "model.fit.toml")
+        .and_then(|model| Vehicle::with_effects(&model))
+        .map_err(|error| failure(&error))?;
+    output.text("model.fit.toml", &written)?;
     let marked = if options.leave_out_contacts {
         find_contacts(
             &prepared,

@@ -152,7 +152,7 @@ fn read_fit(path: &Path) -> Result<Fit, Failure> {
             "{file}: {found}; expected what kufe fit lateral writes"
         ))
     };
-    let text = kufe_files::text_of_regular(path, 1 << 28).map_err(|error| bad(&error))?;
+    let text = kufe_files::text_of_regular(path, 1 << 24).map_err(|error| bad(&error))?;
     let document: LateralFitDocument = serde_json::from_str(&text).map_err(|error| bad(&error))?;
     let law = |name: &str, runner: &RunnerFitResult| {
         let law = runner.law();

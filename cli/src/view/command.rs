@@ -89,7 +89,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } else {
         say(&format!("{address}\n"));
     }
-    let listener = tiny_http::Server::from_listener(listener, None);
-    serve(&listener.map_err(Failure::bad_input)?, &server);
+    serve(&listener, &server);
     Ok(())
 }

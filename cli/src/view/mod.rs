@@ -2,6 +2,7 @@
 
 mod command;
 mod form;
+mod request;
 mod server;
 mod turn;
 

@@ -1,6 +1,6 @@
-//! The page and the solves that its form requests, a thread a request.
+//! The page and the solves that its form requests, a thread a connection.
 
-use std::io::Read;
+use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -8,21 +8,21 @@ use kufe::jobs::{Contact, Failure, case_file::LoadedCase};
 use kufe::report::ContactPage;
 use kufe_contact::{Options, pressure_maps};
 use serde::Serialize;
-use tiny_http::{Header, Method, Request, Response};
 
 use crate::bodies::placed_hull::placed_hull;
 use crate::view::form::Form;
+use crate::view::request::{Refusal, Request};
 use crate::view::turn::Turn;
 
 /// Points along and across of the map that a page is sent.
 const POINTS: [usize; 2] = [240, 150];
 /// Largest mesh: a larger one takes longer than a user waits for a slider.
 const MOST_DOFS: usize = 1_500_000;
-/// Requests that are answered at once.
-const MOST_ANSWERED: usize = 16;
+/// Connections at once: a browser opens several and leaves some of them idle.
+const MOST_CONNECTIONS: usize = 200;
 /// Longest body of a request [bytes].
 const LONGEST_BODY: usize = 4 << 10;
-/// Headers of every answer, with the page's content security policy.
+/// Headers of every answer beside its type and the page's content security policy.
 const HEADERS: [(&str, &str); 6] = [
     ("Cache-Control", "no-store"),
     ("X-Content-Type-Options", "nosniff"),
@@ -44,57 +44,54 @@ pub struct Server {
     pub turn: Turn,
 }
 
-/// An HTTP status that is no success, and the reason.
-type Refusal = (u16, String);
-
 /// Answers requests until the process ends.
-pub fn serve(listener: &tiny_http::Server, server: &Server) {
-    let answered = AtomicUsize::new(0);
+pub fn serve(listener: &TcpListener, server: &Server) {
+    let open = AtomicUsize::new(0);
     std::thread::scope(|scope| {
-        for mut request in listener.incoming_requests() {
-            let is_full = answered.fetch_add(1, Ordering::Relaxed) >= MOST_ANSWERED;
-            let answered = &answered;
-            scope.spawn(move || {
-                let answer = if is_full {
-                    Err((503, "too many requests at once".to_owned()))
-                } else {
-                    answer(server, &mut request)
+        for stream in listener.incoming().flatten() {
+            // One too many is closed.
+            if open.fetch_add(1, Ordering::Relaxed) < MOST_CONNECTIONS {
+                let open = &open;
+                let answer = move || {
+                    // A reader that has gone away needs no answer.
+                    let _ = converse(server, stream);
+                    open.fetch_sub(1, Ordering::Relaxed);
                 };
-                let (status, kind, body) = match answer {
-                    Ok((kind, body)) => (200, kind, body),
-                    Err((status, reason)) => {
-                        let body = serde_json::to_string(&Refused { error: reason });
-                        (status, "application/json", body.unwrap_or_default())
-                    }
-                };
-                // A reader that has gone away needs no answer.
-                let _ = request.respond(response(status, kind, body));
-                answered.fetch_sub(1, Ordering::Relaxed);
-            });
+                // The system may permit no further thread now.
+                if std::thread::Builder::new()
+                    .spawn_scoped(scope, answer)
+                    .is_ok()
+                {
+                    continue;
+                }
+            }
+            open.fetch_sub(1, Ordering::Relaxed);
         }
     });
 }
 
-fn response(status: u16, kind: &str, body: String) -> Response<std::io::Cursor<Vec<u8>>> {
+/// Reads one request and answers it.
+fn converse(server: &Server, stream: TcpStream) -> std::io::Result<()> {
+    let mut request = Request::read(stream)?;
+    let (status, kind, body) = match answer(server, &mut request) {
+        Ok((kind, body)) => (200, kind, body),
+        Err((status, error)) => {
+            let body = serde_json::to_string(&Refused { error })?;
+            (status, "application/json", body)
+        }
+    };
     let policy = kufe::report::Kind::View.policy() + "; frame-ancestors 'none'";
     let own = [("Content-Type", kind), ("Content-Security-Policy", &policy)];
-    let mut response = Response::from_data(body)
-        .with_status_code(status)
-        .with_chunked_threshold(usize::MAX);
-    for (name, value) in own.iter().chain(&HEADERS) {
-        let header = Header::from_bytes(*name, *value).expect("a name and a value of ASCII");
-        response.add_header(header);
-    }
-    response
+    request.answer(status, &[&own[..], &HEADERS].concat(), body.as_bytes())
 }
 
 /// The media type and the body of the answer.
 fn answer(server: &Server, request: &mut Request) -> Result<(&'static str, String), Refusal> {
-    check_origin(request.method(), server.port, |name| header(request, name))?;
-    match (request.method(), request.url()) {
-        (Method::Get, "/") => Ok(("text/html; charset=utf-8", server.first.clone())),
-        (Method::Post, "/solve") => {
-            let body = body(request)?;
+    check_origin(&request.method, server.port, |name| request.header(name))?;
+    match (&*request.method, &*request.target) {
+        ("GET", "/") => Ok(("text/html; charset=utf-8", server.first.clone())),
+        ("POST", "/solve") => {
+            let body = request.body(LONGEST_BODY)?;
             Ok(("application/json", solve_again(server, &body)?))
         }
         (_, "/" | "/solve") => Err((405, "expected GET / or POST /solve".into())),
@@ -118,43 +115,13 @@ pub struct Solved {
     pub case_text: String,
 }
 
-/// The value of the only header of this name; `None` where there is none or more than one.
-fn header<'a>(request: &'a Request, name: &str) -> Option<&'a str> {
-    let mut found = request.headers().iter().filter(|header| {
-        let known = header.field.as_str().as_str();
-        known.eq_ignore_ascii_case(name)
-    });
-    let first = found.next()?;
-    found.next().is_none().then_some(first.value.as_str())
-}
-
-fn body(request: &mut Request) -> Result<Vec<u8>, Refusal> {
-    let too_long = || {
-        (
-            413,
-            format!("expected a body of at most {LONGEST_BODY} bytes"),
-        )
-    };
-    match request.body_length() {
-        None => return Err((411, "expected a content-length".into())),
-        Some(length) if length > LONGEST_BODY => return Err(too_long()),
-        Some(_) => {}
-    }
-    let mut body = Vec::new();
-    let mut reader = request.as_reader().take(LONGEST_BODY as u64);
-    reader
-        .read_to_end(&mut body)
-        .map_err(|error| (408, error.to_string()))?;
-    Ok(body)
-}
-
 /// Refuses requests that a page of another site, or another name for this machine, could send.
 ///
 /// The host must be this machine's own name with the server's port, so that a name that is made to
 /// point here (DNS rebinding) gets no answer. A solve must be requested by a page of the same
 /// origin and as JSON, which no foreign form can send.
 fn check_origin<'a>(
-    method: &Method,
+    method: &str,
     port: u16,
     header: impl Fn(&str) -> Option<&'a str>,
 ) -> Result<(), Refusal> {
@@ -165,7 +132,7 @@ fn check_origin<'a>(
         return Err((403, format!("host {host:?}: expected {a} or {b}")));
     }
     let site = header("sec-fetch-site");
-    if *method == Method::Get {
+    if method == "GET" {
         // A link of another site may lead here; its scripts may not read the answer.
         let navigates = header("sec-fetch-mode") == Some("navigate");
         return match site {
@@ -223,18 +190,18 @@ pub fn solved(loaded: LoadedCase, stop: &Arc<AtomicBool>) -> Result<Solved, Fail
 mod tests {
     use super::*;
 
-    fn status(method: Method, headers: &[(&str, &'static str)]) -> u16 {
+    fn status(method: &str, headers: &[(&str, &'static str)]) -> u16 {
         let header = |name: &str| {
             let mut found = headers.iter().filter(|(known, _)| *known == name);
             let first = found.next()?.1;
             found.next().is_none().then_some(first)
         };
-        check_origin(&method, 4000, header).map_or_else(|refusal| refusal.0, |()| 200)
+        check_origin(method, 4000, header).map_or_else(|refusal| refusal.0, |()| 200)
     }
 
     #[test]
     fn only_this_servers_own_names_are_hosts() {
-        let of = |host| status(Method::Get, &[("host", host)]);
+        let of = |host| status("GET", &[("host", host)]);
         assert_eq!(of("127.0.0.1:4000"), 200);
         assert_eq!(of("localhost:4000"), 200);
         for host in [
@@ -246,9 +213,9 @@ mod tests {
         ] {
             assert_eq!(of(host), 403, "{host}");
         }
-        assert_eq!(status(Method::Get, &[]), 403);
+        assert_eq!(status("GET", &[]), 403);
         let twice = [("host", "127.0.0.1:4000"), ("host", "evil.example")];
-        assert_eq!(status(Method::Get, &twice), 403);
+        assert_eq!(status("GET", &twice), 403);
     }
 
     #[test]
@@ -257,7 +224,7 @@ mod tests {
         let json = ("content-type", "application/json");
         let own = ("origin", "http://127.0.0.1:4000");
         let foreign = ("sec-fetch-site", "cross-site");
-        let post = |headers: &[(&str, &'static str)]| status(Method::Post, headers);
+        let post = |headers: &[(&str, &'static str)]| status("POST", headers);
         assert_eq!(post(&[host, own, json]), 200);
         assert_eq!(
             post(&[host, own, json, ("sec-fetch-site", "same-origin")]),
@@ -269,8 +236,8 @@ mod tests {
         assert_eq!(post(&[host, json]), 403);
         assert_eq!(post(&[host, own, json, foreign]), 403);
         assert_eq!(post(&[host, own, ("content-type", "text/plain")]), 415);
-        assert_eq!(status(Method::Get, &[host, foreign]), 403);
+        assert_eq!(status("GET", &[host, foreign]), 403);
         let link = [host, foreign, ("sec-fetch-mode", "navigate")];
-        assert_eq!(status(Method::Get, &link), 200);
+        assert_eq!(status("GET", &link), 200);
     }
 }

@@ -2,6 +2,10 @@
 
 use std::ops::Range;
 
+use toml::de::{DeTable, DeValue};
+
+use crate::case::check::range::RANGES;
+
 /// Errors of a case file.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseError {
@@ -84,7 +88,13 @@ fn place(line: usize) -> String {
 impl CaseError {
     /// A reader's error as one line with its place.
     pub(super) fn from_toml(text: &str, error: &toml::de::Error) -> CaseError {
-        let line = line_at(text, error.span().unwrap_or(0..0));
+        let span = error.span().unwrap_or(0..0);
+        let root = DeTable::parse(text).ok();
+        let number = root.and_then(|root| text_for_number(root.get_ref(), "", &span));
+        if let Some(wrong) = number {
+            return wrong.locate(text);
+        }
+        let line = line_at(text, span);
         CaseError::Syntax {
             line,
             found: text
@@ -95,7 +105,14 @@ impl CaseError {
                 .chars()
                 .take(120)
                 .collect(),
-            message: error.message().lines().collect::<Vec<_>>().join("; "),
+            message: error
+                .message()
+                .lines()
+                .collect::<Vec<_>>()
+                .join("; ")
+                .replace("invalid type: string", "found")
+                .replace("invalid value: string", "found")
+                .replace("expected f64", "expected a number"),
         }
     }
 
@@ -118,6 +135,32 @@ impl CaseError {
     }
 }
 
+/// The first text within `span` in the place of a number that has a range.
+fn text_for_number(table: &DeTable, within: &str, span: &Range<usize>) -> Option<CaseError> {
+    table.iter().find_map(|(name, value)| {
+        let key = format!("{within}{}", name.get_ref());
+        let inside = span.start <= value.span().start && value.span().end <= span.end;
+        match value.get_ref() {
+            DeValue::String(text) if inside => {
+                let range = RANGES.iter().find(|range| range.key == key)?;
+                // A word may stand for a thickness.
+                (key != "ice.thickness_m").then(|| CaseError::OutOfRange {
+                    line: 0,
+                    key: range.key,
+                    value: format!("{text:?}"),
+                    expected: format!("{} from {}", range.what, range.words()),
+                })
+            }
+            DeValue::Table(inner) => text_for_number(inner, &format!("{key}."), span),
+            DeValue::Array(items) => items.iter().find_map(|item| match item.get_ref() {
+                DeValue::Table(inner) => text_for_number(inner, &format!("{key}."), span),
+                _ => None,
+            }),
+            _ => None,
+        }
+    })
+}
+
 fn line_at(text: &str, span: Range<usize>) -> usize {
     let end = span.start.min(text.len());
     1 + text.as_bytes()[..end]
@@ -128,7 +171,7 @@ fn line_at(text: &str, span: Range<usize>) -> usize {
 
 /// Line of a dotted key, or of its nearest table.
 fn line_of(text: &str, key: &str) -> Option<usize> {
-    let root = toml::de::DeTable::parse(text).ok()?;
+    let root = DeTable::parse(text).ok()?;
     let mut table = root.get_ref();
     let mut found = None;
     for part in key.split('.') {
@@ -137,7 +180,7 @@ fn line_of(text: &str, key: &str) -> Option<usize> {
         };
         found = Some(line_at(text, name.span()));
         match value.get_ref() {
-            toml::de::DeValue::Table(inner) => table = inner,
+            DeValue::Table(inner) => table = inner,
             _ => break,
         }
     }

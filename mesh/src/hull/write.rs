@@ -7,12 +7,16 @@ use serde::Serialize;
 
 use crate::hull::triangles::Hull;
 
+/// The mark of this program in a file that it writes.
+const MARK: &str = concat!("kufe ", env!("CARGO_PKG_VERSION"));
+
 /// Writes `hull` as OBJ, z up, coordinates in full precision.
 ///
 /// # Errors
 /// Those of the writer.
 pub fn write_obj(hull: &Hull, writer: impl Write) -> Result<()> {
     let mut out = BufWriter::new(writer);
+    writeln!(out, "# {MARK}")?;
     writeln!(out, "# metres, x forward, y left, z up")?;
     for [x, y, z] in &hull.positions {
         writeln!(out, "v {x} {y} {z}")?;
@@ -29,7 +33,9 @@ pub fn write_obj(hull: &Hull, writer: impl Write) -> Result<()> {
 /// Those of the writer.
 pub(crate) fn write_stl(hull: &Hull, writer: impl Write) -> Result<()> {
     let mut out = BufWriter::new(writer);
-    out.write_all(&[0; 80])?;
+    let mut header = [0; 80];
+    header[..MARK.len()].copy_from_slice(MARK.as_bytes());
+    out.write_all(&header)?;
     let count = u32::try_from(hull.triangles.len()).map_err(Error::other)?;
     out.write_all(&count.to_le_bytes())?;
     for t in &hull.triangles {
@@ -151,7 +157,7 @@ pub(crate) fn write_glb(hull: &Hull, writer: impl Write) -> Result<()> {
     let document = Document {
         asset: Asset {
             version: "2.0",
-            generator: "kufe",
+            generator: MARK,
         },
         scene: 0,
         scenes: [Scene { nodes: [0] }],

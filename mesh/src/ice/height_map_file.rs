@@ -35,6 +35,9 @@ impl HeightMap {
         for (place, name) in columns.iter_mut().zip(["x_m", "y_m", "z_m"]) {
             let found = headers.iter().position(|h| h == name);
             *place = found.ok_or_else(|| row_problem(1, name, "no such column".into()))?;
+            if headers.iter().filter(|h| *h == name).count() > 1 {
+                return Err(row_problem(1, name, "the column twice".into()));
+            }
         }
         let mut points: Vec<[f64; 3]> = Vec::new();
         for (i, record) in table.records().enumerate() {

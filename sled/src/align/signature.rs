@@ -56,7 +56,7 @@ impl TrackSignature {
             });
             for (i, state) in states.iter().enumerate() {
                 let place = (state.s_m - from_m).round();
-                if place < 0.0 {
+                if !(0.0..count as f64).contains(&place) {
                     continue;
                 }
                 let f = &run.motions[piece.start + i].accel_mps2;

@@ -5,6 +5,8 @@ mod mdf4;
 pub(crate) mod parquet;
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::columns::matlab::read_matlab_columns;
@@ -30,12 +32,7 @@ pub(crate) fn collect(
     let mut gathered = Columns::new();
     for (name, values) in columns {
         if gathered.contains_key(&name) {
-            return Err(Error::Column {
-                file: file.to_string(),
-                column: name,
-                what: "given twice",
-                expected: "each column once".to_string(),
-            });
+            return Err(given_twice(name, file));
         }
         gathered.insert(name, values);
     }
@@ -51,6 +48,15 @@ pub(crate) fn collect(
         ));
     }
     Ok(gathered)
+}
+
+fn given_twice(column: String, file: &str) -> Error {
+    Error::Column {
+        file: file.to_string(),
+        column,
+        what: "given twice",
+        expected: "each column once".to_string(),
+    }
 }
 
 /// Reads a CSV with one header line; see [`crate::read_columns`].
@@ -71,6 +77,10 @@ pub fn read_csv(
         .iter()
         .map(|name| name.trim().to_string())
         .collect();
+    let named = |i: &usize| !names[*i].is_empty() && names[..*i].contains(&names[*i]);
+    if let Some(twice) = (0..names.len()).find(named) {
+        return Err(given_twice(names[twice].clone(), file));
+    }
     // `None` once a column has turned out to hold text.
     let mut columns: Vec<Option<Vec<f64>>> = vec![Some(Vec::new()); names.len()];
     let mut record = csv::ByteRecord::new();
@@ -110,7 +120,10 @@ fn parse_number(cell: &[u8]) -> Option<f64> {
     if ["", "NA", "N/A", "null", "None"].contains(&text) {
         return Some(f64::NAN);
     }
-    text.parse().ok()
+    let value: f64 = text.parse().ok()?;
+    // A number too large for its type is none; `inf` is written so.
+    let overflows = value.is_infinite() && text.contains(|c: char| c.is_ascii_digit());
+    (!overflows).then_some(value)
 }
 
 /// Writes columns as CSV in the order given, each number in the shortest form that reads back to the same bits.
@@ -138,6 +151,7 @@ pub fn write_csv(
 /// Reads every numeric column of a file, its format told by the extension (CSV where unknown).
 ///
 /// Text in a column that is not `required` leaves the column out; empty cells and nulls become NaN.
+/// A last line of text without its end is not read: see [`is_cut_short`].
 ///
 /// # Errors
 /// [`Error::File`], [`Error::Cell`], [`Error::Column`] for a column given twice.
@@ -152,8 +166,47 @@ pub fn read_columns(path: &Path, required: &[&str]) -> Result<Columns, Error> {
         "parquet" => read_parquet(open(path)?, &file),
         "mat" => read_matlab_columns(&bytes_of(path)?, &file),
         "mf4" => read_mdf4(path),
-        _ => read_csv(open(path)?, required, &file),
+        _ => {
+            let mut text = open(path)?;
+            let whole = whole_lines(&mut text).map_err(|error| Error::file(&file, error))?;
+            read_csv(text.take(whole), required, &file)
+        }
     }
+}
+
+/// Whether a file of text ends within a line: a recorder that lost its power writes such, and its last cell may be cut.
+pub(crate) fn is_cut_short(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    if ["parquet", "mat", "mf4"]
+        .iter()
+        .any(|other| ending == *other)
+    {
+        return false;
+    }
+    let lengths = kufe_files::open_regular(path)
+        .and_then(|mut text| Ok((whole_lines(&mut text)?, text.metadata()?.len())));
+    lengths.is_ok_and(|(whole, length)| whole < length)
+}
+
+/// Length of a text up to the end of its last whole line, or of all of it where no line ends [bytes].
+fn whole_lines(text: &mut File) -> std::io::Result<u64> {
+    const BLOCK: u64 = 1 << 16;
+    let length = text.metadata()?.len();
+    let mut end = length;
+    let mut whole = length;
+    while end > 0 {
+        let start = end.saturating_sub(BLOCK);
+        let mut block = vec![0; (end - start) as usize];
+        text.seek(SeekFrom::Start(start))?;
+        text.read_exact(&mut block)?;
+        if let Some(last) = block.iter().rposition(|byte| *byte == b'\n') {
+            whole = start + last as u64 + 1;
+            break;
+        }
+        end = start;
+    }
+    text.seek(SeekFrom::Start(0))?;
+    Ok(whole)
 }
 
 /// Longest MATLAB file [bytes].
@@ -164,6 +217,6 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, Error> {
         .map_err(|error| Error::file(&path.display().to_string(), error))
 }
 
-fn open(path: &Path) -> Result<std::fs::File, Error> {
+fn open(path: &Path) -> Result<File, Error> {
     kufe_files::open_regular(path).map_err(|error| Error::file(&path.display().to_string(), error))
 }

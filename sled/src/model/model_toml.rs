@@ -88,7 +88,11 @@ impl Model {
     pub fn from_toml(text: &str, file: &str) -> Result<Model, Error> {
         let model: Model = toml::from_str(text).map_err(|error| Error::Keys {
             file: file.to_string(),
-            reason: error.to_string().trim_end().to_string(),
+            reason: error
+                .to_string()
+                .trim_end()
+                .replace("invalid type: string", "found")
+                .replace("expected f64", "expected a number"),
         })?;
         model.check(file)?;
         Ok(model)

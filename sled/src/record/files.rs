@@ -7,7 +7,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::columns::parquet::write_parquet;
-use crate::columns::{read_columns, write_csv};
+use crate::columns::{is_cut_short, read_columns, write_csv};
 use crate::error::Error;
 use crate::record::check::columns::check_columns;
 use crate::record::check::relations::judge::{check_relations, judge, remark};
@@ -114,6 +114,11 @@ pub fn read_run_of(
     let known: Vec<&str> = known.iter().chain(more).copied().collect();
     let mut columns = read_columns(&entry.file, &known)?;
     let mut remarks = Vec::new();
+    if is_cut_short(&entry.file) {
+        remarks.push(format!(
+            "{file}: the last line has no end and is left out: it may be cut short"
+        ));
+    }
     for name in known.iter().filter(|name| !required.contains(*name)) {
         let empty = |column: &Vec<f64>| column.iter().all(|x| !x.is_finite());
         if columns.get(*name).is_some_and(empty) {
@@ -224,12 +229,21 @@ impl RunFormat {
 /// Writes one run: time, the required columns in the format's order, then the others by name. The writer need not be buffered.
 ///
 /// # Errors
-/// [`Error::File`] from the writer.
+/// [`Error::File`] from the writer, and for an infinite value.
 pub fn write_run(
     run: &Run,
     writer: &mut (dyn Write + Send),
     format: RunFormat,
 ) -> Result<(), Error> {
+    for (column, values) in &run.columns {
+        if let Some(i) = values.iter().position(|value| value.is_infinite()) {
+            let reason = format!(
+                "run {}: {column} is {} in sample {i}; expected a finite number",
+                run.entry.run, values[i]
+            );
+            return Err(Error::file(&run.entry.file.display().to_string(), reason));
+        }
+    }
     let writer = BufWriter::with_capacity(1 << 18, writer);
     // Nine decimals are a nanosecond and far below any sensor's step; they keep text files short.
     let decimals = |value: f64| match format {

@@ -24,6 +24,9 @@ pub const INDEX_COLUMNS: [&str; 9] = [
 /// Columns that the index may have besides: for effects that ask for them, and the mass where it is not the model's.
 pub const MORE_INDEX_COLUMNS: [&str; 3] = ["humidity_pct", "distance_m", "mass_kg"];
 
+/// Most runs of an index: a campaign has hundreds.
+const MOST_RUNS: usize = 20_000;
+
 /// The indispensable ones among [`INDEX_COLUMNS`]; the others may be absent, and their cells empty.
 const ALWAYS: [&str; 2] = ["run", "file"];
 
@@ -66,7 +69,8 @@ impl Entry {
 /// Reads the index `runs.csv`; paths in it are relative to its folder, and so is `track_NAME.csv`, whose `ice_c` counts.
 ///
 /// # Errors
-/// [`Error::Column`], [`Error::MissingColumn`], [`Error::Cell`], [`Error::DuplicateRun`], those of [`Track::load`].
+/// [`Error::Column`], [`Error::MissingColumn`], [`Error::Cell`], [`Error::DuplicateRun`], [`Error::DuplicateContent`] for a
+/// file that two runs have, [`Error::File`] for too many runs, those of [`Track::load`].
 pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
     let file = index.display().to_string();
     let mut reader = csv::ReaderBuilder::new()
@@ -79,6 +83,7 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
     let (at, sensors) = place_columns(&header, &file)?;
     let folder = index.parent().unwrap_or(Path::new(""));
     let mut entries: Vec<Entry> = Vec::new();
+    let mut files: BTreeMap<PathBuf, String> = BTreeMap::new();
     let mut rows: BTreeMap<String, u64> = BTreeMap::new();
     let mut tracks: BTreeMap<String, IceAlong> = BTreeMap::new();
     for record in reader.records() {
@@ -113,6 +118,15 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
                 first,
             });
         }
+        if entries.len() == MOST_RUNS {
+            let reason = format!("row {row}: expected at most {MOST_RUNS} runs");
+            return Err(Error::file(&file, reason));
+        }
+        let path = folder.join(text("file")?);
+        if let Some(first) = files.insert(path.clone(), run.clone()) {
+            let second = run;
+            return Err(Error::DuplicateContent { first, second });
+        }
         let mut own = Vec::new();
         for (s_m, place) in &sensors {
             let name = format!("{ICE_AT}{s_m}");
@@ -121,12 +135,12 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
         }
         let track = text("track")?;
         if !tracks.contains_key(&track) {
-            let path = folder.join(track_file(&track));
-            tracks.insert(track.clone(), ice_of(&path)?);
+            let table = folder.join(track_file(&track));
+            tracks.insert(track.clone(), ice_of(&table)?);
         }
         entries.push(Entry {
             run,
-            file: folder.join(text("file")?),
+            file: path,
             ice_along: IceAlong::new(own),
             ice_of_track: tracks[&track].clone(),
             track,

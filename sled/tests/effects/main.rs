@@ -7,3 +7,4 @@ mod page;
 mod sensors;
 mod state;
 mod tables;
+mod written;

@@ -104,3 +104,20 @@ fn every_command_within_commands_has_a_manual_page_of_its_own() {
         "{said}"
     );
 }
+
+#[test]
+fn a_misspelt_subcommand_is_answered_with_its_like() {
+    let bench = Bench::new();
+    for (words, name) in [
+        (&["pres"][..], "press"),
+        (&["lut", "qeury", "t.lut"], "query"),
+        (&["lut", "shwo", "t.lut"], "show"),
+        (&["runs", "chekc", "runs.csv"], "check"),
+    ] {
+        let output = bench.kufe(words);
+        let told = errors(&output);
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {told}");
+        let tip = format!("a similar subcommand exists: '{name}'");
+        assert!(told.contains(&tip), "{words:?}: {told}");
+    }
+}

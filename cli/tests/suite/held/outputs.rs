@@ -406,3 +406,24 @@ fn bad_axes_leave_no_folder_of_points_and_are_named_with_their_line() {
         assert_eq!(bench.names(), before, "{to}");
     }
 }
+
+#[test]
+fn hulls_state_that_kufe_wrote_them() {
+    let bench = bench();
+    for ending in ["obj", "stl", "glb"] {
+        let name = format!("bob.{ending}");
+        let hull = ["hull", "bob", "-q", "-o", &name];
+        bench.succeeds(&hull);
+        bench.succeeds(&[&hull[..], &["--edge-length-m", "0.01"]].concat());
+        bench.succeeds(&["hull", "check", &name]);
+        let bytes = std::fs::read(bench.path(&name)).expect("a hull");
+        let mark = concat!("kufe ", env!("CARGO_PKG_VERSION")).as_bytes();
+        let at = bytes.windows(mark.len()).position(|part| part == mark);
+        let at = at.unwrap_or_else(|| panic!("no mark in {name}"));
+        // The same file of another program.
+        let mut foreign = bytes;
+        foreign[at..at + 4].copy_from_slice(b"scan");
+        bench.write(&name, &foreign);
+        is_refused(&bench, &hull, &[&name, "--force"]);
+    }
+}

@@ -285,3 +285,37 @@ fn wrong_arguments_leave_with_code_2() {
     }
     assert!(bench.names().is_empty());
 }
+
+#[test]
+fn a_text_in_a_numbers_place_is_refused_in_the_words_of_its_range() {
+    let bench = Bench::new();
+    for (from, to, expected) in [
+        (
+            "fz_n = 1000.0",
+            "fz_n = \"1 kN\"",
+            "line 10: load.fz_n = \"1 kN\": expected a force in newtons from 0.001",
+        ),
+        (
+            "length_m = 1.0",
+            "length_m = \"1 m\"",
+            "runner.shape.length_m = \"1 m\": expected a length in metres",
+        ),
+        (
+            "youngs_modulus_pa = 9.0e9",
+            "youngs_modulus_pa = \"9 GPa\"",
+            "ice.youngs_modulus_pa = \"9 GPa\": expected a modulus",
+        ),
+        (
+            "radius_m = inf",
+            "radius_m = \"flat\"",
+            "found \"flat\", expected a number",
+        ),
+        (
+            "thickness_m = 0.05",
+            "thickness_m = \"50 mm\"",
+            "expected a thickness in metres or \"half-space\"",
+        ),
+    ] {
+        refused(&bench, &changed(from, to), &[expected]);
+    }
+}

@@ -3,5 +3,6 @@
 mod bad_hulls;
 mod bad_input;
 mod damage;
+mod finite;
 mod mutated_data;
 mod mutated_input;

@@ -9,8 +9,9 @@ use exr::prelude::{
 };
 use kufe::jobs::table::TableSpec;
 use kufe::jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE};
+use kufe::results::LateralFitDocument;
 use kufe_discover::read_map_bytes;
-use kufe_lut::{Axes, Figures, Quantity, Table};
+use kufe_lut::{Axes, Figures, Quantity, Table, read_fmu};
 use kufe_mesh::{HeightMap, Interpolation, TensorGrid, read_gmsh, read_vtu, write_vtu};
 use kufe_sled::friction::{read_experiments, read_glide, read_glide_index};
 use kufe_sled::{COLUMNS, Model, Track, Vehicle, read_columns, read_csv, read_index};
@@ -47,6 +48,23 @@ fn damaged_tables_are_tables_or_errors() {
     let mut seed = Vec::new();
     table().write(&mut seed).expect("memory");
     rounds("lut", &[seed], |mut bytes| Table::read(&mut bytes).is_ok());
+}
+
+#[test]
+fn damaged_fmus_are_described_or_errors() {
+    let mut seed = Vec::new();
+    table().write_fmu("front", None, &mut seed).expect("memory");
+    rounds("fmu", &[seed], |bytes| {
+        read_fmu(std::io::Cursor::new(bytes)).is_ok()
+    });
+}
+
+#[test]
+fn damaged_fits_are_fits_or_errors() {
+    let fit = include_bytes!("../../data/fit.json");
+    rounds("fit.json", &[fit.to_vec()], |bytes| {
+        serde_json::from_slice::<LateralFitDocument>(bytes).is_ok()
+    });
 }
 
 #[test]

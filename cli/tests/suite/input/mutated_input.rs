@@ -3,8 +3,11 @@
 //! cases are here; `mutated_data.rs` has what the rest of the program reads.
 
 use kufe::case::Case;
+use std::io::Write;
+
 use kufe_mesh::{
-    BobRunner, HullFormat, HullOptions, check_hull, read_gltf, read_obj, read_stl, tessellate,
+    BobRunner, HullFormat, HullOptions, check_hull, read_3mf, read_gltf, read_obj, read_stl,
+    tessellate,
 };
 
 use crate::input::damage::rounds;
@@ -67,5 +70,32 @@ fn damaged_gltf_files_are_hulls_or_errors() {
     rounds("gltf", &[hull_seed(HullFormat::Gltf)], |bytes| {
         read_gltf(bytes, &HullOptions::default(), nothing)
             .is_ok_and(|hull| check_hull(&hull).is_ok())
+    });
+}
+
+#[test]
+fn damaged_3mf_files_are_hulls_or_errors() {
+    let text = "<?xml version=\"1.0\"?>\n<model unit=\"millimeter\" \
+                xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"><resources><object id=\"1\" type=\"model\">\
+                <mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"100\" y=\"0\" z=\"0\"/>\
+                <vertex x=\"0\" y=\"10\" z=\"0\"/><vertex x=\"0\" y=\"0\" z=\"10\"/></vertices><triangles>\
+                <triangle v1=\"0\" v2=\"2\" v3=\"1\"/><triangle v1=\"0\" v2=\"1\" v3=\"3\"/>\
+                <triangle v1=\"0\" v2=\"3\" v3=\"2\"/><triangle v1=\"1\" v2=\"2\" v3=\"3\"/></triangles></mesh></object>\
+                </resources><build><item objectid=\"1\"/></build></model>";
+    let seeds = [
+        zip::CompressionMethod::Stored,
+        zip::CompressionMethod::Deflated,
+    ]
+    .map(|method| {
+        let mut package = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+        let options = zip::write::SimpleFileOptions::default().compression_method(method);
+        package
+            .start_file("3D/3dmodel.model", options)
+            .expect("memory");
+        package.write_all(text.as_bytes()).expect("memory");
+        package.finish().expect("memory").into_inner()
+    });
+    rounds("3mf", &seeds, |bytes| {
+        read_3mf(bytes, &HullOptions::default()).is_ok()
     });
 }

@@ -2,6 +2,7 @@
 
 mod browser;
 mod finding;
+mod hostile;
 mod report;
 mod results;
 mod view;

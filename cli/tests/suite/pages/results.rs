@@ -125,3 +125,26 @@ fn constants_of_steel_are_told_of_runners_that_deform() {
     let page = std::fs::read_to_string(bench.path("out/report.html")).expect("a page");
     assert!(!page.contains("210000000000"));
 }
+
+#[cfg(unix)]
+#[test]
+fn a_page_holds_pictures_alone_and_nothing_from_outside_its_folder() {
+    use base64::Engine;
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("out")).expect("a folder");
+    bench.write("out/friction.json", "{ \"points\": [{ \"mu\": 0.0031 }] }");
+    bench.write("out/notes.png", "not a picture: a list of passwords");
+    bench.succeeds(&["report", "out"]);
+    let page = std::fs::read_to_string(bench.path("out/report.html")).expect("a page");
+    let packed = base64::engine::general_purpose::STANDARD.encode("not a picture");
+    assert!(!page.contains(&packed[..12]));
+    kufe::plot::png(&bench.path("private.png"), 60, 30, &|_| Ok(())).expect("a picture");
+    std::os::unix::fs::symlink("../private.png", bench.path("out/more.png")).expect("a link");
+    let refused = bench.kufe(&["report", "out", "--force"]);
+    assert_eq!(refused.status.code(), Some(3));
+    let told = crate::kufe::errors(&refused);
+    assert!(
+        told.contains("out/more.png: a link that leads out"),
+        "{told}"
+    );
+}

@@ -195,7 +195,7 @@ fn strangers_and_oversized_requests_are_refused() {
 fn spare_connections_of_a_browser_do_not_block_the_page() {
     let bench = Bench::new();
     let view = View::start(&bench, &[]);
-    let idle: Vec<TcpStream> = (0..3)
+    let idle: Vec<TcpStream> = (0..40)
         .map(|_| TcpStream::connect(("127.0.0.1", view.port)).expect("it listens"))
         .collect();
     for _ in 0..3 {

@@ -182,3 +182,21 @@ fn what_cannot_be_gathered_is_told_and_nothing_is_written() {
     let said = errors(&bench.kufe(&["runs", "gather", "raw/wednesday", "-o", "new.csv"]));
     assert!(said.contains("2 of 2 runs state no session"), "{said}");
 }
+
+#[cfg(unix)]
+#[test]
+fn only_runs_are_copied_and_no_links_out_of_their_folder() {
+    let bench = days();
+    bench.write("secret.csv", "user,password\nanna,1234\n");
+    bench.write("other.csv", run(30.0));
+    std::os::unix::fs::symlink("../other.csv", bench.path("tuesday/link.csv")).expect("a link");
+    for (file, part) in [
+        ("../secret.csv", "no columns t_s and v_mps"),
+        ("link.csv", "a link that leads out of its folder"),
+    ] {
+        bench.write("tuesday/runs.csv", format!("run,file\nA1,{file}\n"));
+        let words = ["runs", "gather", "tuesday", "-o", "all/runs.csv", "--copy"];
+        refused(bench.folder.path(), &words, 3, &[part]);
+        assert!(!bench.path("all").exists());
+    }
+}

@@ -7,13 +7,18 @@ use crate::columns::Columns;
 use crate::error::Error;
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps, Saturation};
 
+/// Largest number of a column that is used, and of a time [s]: no sled is further, faster or more turned, and squares of
+/// these are finite.
+const LARGEST: f64 = 1e6;
+const LATEST_S: f64 = 1e15;
+
 /// Fewest samples of a run that filters and derivatives can work on.
 pub const LEAST_SAMPLES: usize = 64;
 
 /// Checks the columns of one run, brings them to a uniform clock and says what takes part.
 ///
 /// `required` are the columns there must be besides `t_s`; `used` those of the file that must have a value where a sample
-/// takes part; `file` names the source in errors. In this order: missing columns, too few samples, time (backwards, jumps),
+/// takes part; `file` names the source in errors. In this order: missing columns, numbers that none can be, too few samples, time (backwards, jumps),
 /// values missing altogether. `t_s` is taken out of the columns. With [`OnGaps::Refuse`]
 /// irregular steps, missing values and standstill are errors. Sensors that stick at their extremes come beside.
 ///
@@ -35,6 +40,10 @@ pub fn check_columns(
                 needed_by: None,
             });
         }
+    }
+    refuse_too_large(&columns["t_s"], "t_s", LATEST_S, file)?;
+    for name in used {
+        refuse_too_large(&columns[*name], name, LARGEST, file)?;
     }
     let mut time = columns.remove("t_s").unwrap_or_default();
     if time.len() < LEAST_SAMPLES {
@@ -92,6 +101,20 @@ pub fn check_columns(
         .filter_map(|name| Some(((*name).to_string(), Saturation::of(&columns[*name])?)))
         .collect();
     Ok((clock, gaps, saturated))
+}
+
+fn refuse_too_large(values: &[f64], column: &str, most: f64, file: &str) -> Result<(), Error> {
+    let beyond = |value: &f64| value.is_finite() && value.abs() > most;
+    let Some(first) = values.iter().position(beyond) else {
+        return Ok(());
+    };
+    Err(Error::Cell {
+        file: file.to_string(),
+        row: first as u64 + 2,
+        column: column.to_string(),
+        found: format!("{:e}", values[first]),
+        expected: format!("a number between -{most:e} and {most:e}"),
+    })
 }
 
 /// Refuses what [`OnGaps::LeaveOut`] leaves out: values without a number, uneven time, standstill.

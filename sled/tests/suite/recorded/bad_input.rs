@@ -289,6 +289,18 @@ fn runs_named_twice_or_copied_are_refused_and_can_be_left_out() {
             .to_string(),
         &["row 3", "\"K1\"", "row 2"],
     );
+    let shared = index(folder.path(), &[("K1", "one.csv"), ("K2", "one.csv")]);
+    has(
+        &read_index(&shared).unwrap_err().to_string(),
+        &["\"K1\"", "\"K2\"", "same samples"],
+    );
+    let names: Vec<String> = (0..30_000).map(|k| k.to_string()).collect();
+    let many: Vec<(&str, &str)> = names.iter().map(|n| (n.as_str(), n.as_str())).collect();
+    let many = index(folder.path(), &many);
+    has(
+        &read_index(&many).unwrap_err().to_string(),
+        &["row 20002", "at most 20000 runs"],
+    );
     let copied = index(
         folder.path(),
         &[("K1", "one.csv"), ("K2", "other.csv"), ("K3", "copy.csv")],
