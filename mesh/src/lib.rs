@@ -30,7 +30,7 @@ mod scan;
 mod shapes;
 
 pub use error::MeshError;
-pub use fit::{Coarse, FitQuality, FittedUnderside, Scans};
+pub use fit::{Coarse, FitQuality, FittedUnderside, Scans, smaller_by};
 pub use hexahedra::{
     Filled, HexMesh, Quality, TensorGrid, VtuField, graded_levels, limit_slope, mapped_runner_mesh,
     mesh_over_heights, read_gmsh, read_vtu, write_pvd, write_vtp, write_vtu,
@@ -41,7 +41,10 @@ pub use hull::{
     tessellate_turning, write_obj,
 };
 pub use ice::{ExrImage, HeightMap, IceSurface, Interpolation, Waviness, load_height_map};
-pub use scan::{Noise, Sampling, ScanFrame, noise_of_faces, noise_of_hull};
+pub use scan::{
+    Estimate, Noise, Orientation, Sampling, ScanFrame, noise_of_faces, noise_of_hull,
+    strips_of_hull,
+};
 pub use shapes::{
     BobRunner, Ends, LugeSteel, Paraboloid, Profile, Rocker, Section, Swept, Underside, load_points,
 };

@@ -38,6 +38,7 @@ impl Hull {
             scale,
             up: up.map(axis).transpose()?,
             forward: axis(forward)?,
+            ..HullOptions::default()
         };
         let (hull, report) = py
             .detach(|| load_hull(&path, &options))

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use kufe::jobs::Failure;
 use kufe_contact::hertz;
 use kufe_mesh::{
-    Axis, Coarse, FittedUnderside, HullOptions, HullReport, Sampling, ScanFrame, load_hull,
+    Axis, Coarse, Estimate, FittedUnderside, HullOptions, HullReport, HullWarning, Orientation,
+    Sampling, ScanFrame, load_hull, noise_of_hull, smaller_by, strips_of_hull,
 };
 use serde_json::{Value, json};
 
@@ -22,10 +23,17 @@ pub struct Check {
     /// Normal force [N], one or several: what it is judged for
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_values_t = [250.0, 500.0, 1000.0, 2000.0, 4000.0])]
     fz_n: Vec<f64>,
+    /// Relative error of the peak pressure that it is judged for, and that the case requests [default: 0.05, and 0.01 in the case of a
+    /// hull without noise]
+    #[arg(long, value_name = "SHARE")]
+    p_max: Option<f64>,
     /// Write the case that reads it so
     #[arg(long, short, value_name = "CASE.toml")]
     out: Option<PathBuf>,
 }
+
+/// Relative error of the peak that a hull is judged for where none is requested.
+const JUDGED: f64 = 0.05;
 
 /// Plane-strain modulus of ice as cases have it by default, 9 GPa/(1 - 0.33^2) [Pa].
 const ICE: f64 = 9.0e9 / (1.0 - 0.33 * 0.33);
@@ -34,11 +42,17 @@ const ICE: f64 = 9.0e9 / (1.0 - 0.33 * 0.33);
 struct Judged {
     fz: f64,
     approach: f64,
+    /// Estimated error of the surface where it touches [m].
+    error: f64,
     coarse: Option<Coarse>,
 }
 
 struct Found {
     standing: ScanFrame,
+    /// How the scan is turned, where its underside could be fitted.
+    orientation: Option<Orientation>,
+    /// Length of its triangles where they are long strips [m].
+    strips: Option<f64>,
     report: HullReport,
     vertices: usize,
     triangles: usize,
@@ -60,10 +74,14 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
         let text = format!("--fz-n {fz}: expected positive forces [N]");
         return Err(Failure::Usage(text));
     }
+    if let Some(share) = check.p_max.filter(|share| !(1e-4..=0.5).contains(share)) {
+        let text = format!("--p-max {share}: expected a relative error from 1e-4 to 0.5");
+        return Err(Failure::Usage(text));
+    }
     let inputs = std::slice::from_ref(&check.file);
     let files = OutputFiles::begin("hull check", inputs, check.out.as_slice(), global.force)?;
     let told = |reason: &str| Failure::BadInput(format!("{path}: {reason}"));
-    let found = look(&check.file, &check.fz_n)?.ok_or_else(|| {
+    let found = look(check)?.ok_or_else(|| {
         told("no side of it is rounded along and across, as the underside of a runner is (rocker and section)")
     })?;
     if let Some(out) = &check.out {
@@ -79,16 +97,28 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
     Ok(())
 }
 
-fn look(path: &Path, forces: &[f64]) -> Result<Option<Found>, Failure> {
+fn look(check: &Check) -> Result<Option<Found>, Failure> {
+    let (path, forces) = (&check.file, &check.fz_n);
+    let share = check.p_max.unwrap_or(JUDGED);
     let as_it_is = HullOptions {
         up: Some(Axis::Z),
         ..HullOptions::default()
     };
     let (hull, _) = load_hull(path, &as_it_is).map_err(Failure::bad_input)?;
-    let Some(standing) = ScanFrame::of(&hull).map_err(Failure::bad_input)? else {
+    let Some(mut standing) = ScanFrame::of(&hull).map_err(Failure::bad_input)? else {
         return Ok(None);
     };
-    let (hull, report) = load_hull(path, &standing.options).map_err(Failure::bad_input)?;
+    let (mut hull, mut report) = load_hull(path, &standing.options).map_err(Failure::bad_input)?;
+    let noise = noise_of_hull(&hull).map_or(0.0, |noise| noise.found);
+    let orientation = Orientation::of(&hull, noise).ok();
+    standing.options.rotation = orientation.map_or([0.0; 3], |found| found.significant());
+    if standing.options.rotation != [0.0; 3] {
+        (hull, report) = load_hull(path, &standing.options).map_err(Failure::bad_input)?;
+        if let Some(turned) = ScanFrame::of(&hull).map_err(Failure::bad_input)? {
+            standing.rocker_radius = turned.rocker_radius;
+            standing.section_radius = turned.section_radius;
+        }
+    }
     let Some(sampling) = Sampling::of(&hull, standing.section_radius) else {
         return Ok(None);
     };
@@ -100,7 +130,8 @@ fn look(path: &Path, forces: &[f64]) -> Result<Option<Found>, Failure> {
             Ok(Judged {
                 fz,
                 approach: contact.approach,
-                coarse: underside.coarse_for(contact.approach),
+                error: underside.error_for(contact.approach),
+                coarse: underside.coarse_for(contact.approach, share),
             })
         });
         judged.collect::<Result<Vec<Judged>, String>>()
@@ -112,7 +143,9 @@ fn look(path: &Path, forces: &[f64]) -> Result<Option<Found>, Failure> {
             .map_err(|error| error.to_string())
             .and_then(judge),
         beyond: middle_if_beyond(hull.bounds()),
+        strips: strips_of_hull(&hull),
         standing,
+        orientation,
         report,
         sampling,
     }))
@@ -124,25 +157,28 @@ fn middle_if_beyond([low, high]: [[f64; 3]; 2]) -> Option<[f64; 2]> {
     beyond.then(|| [0, 1].map(|axis| 0.5 * (low[axis] + high[axis])))
 }
 
-/// The load of the case: of those that were judged, and are resolved where some are, the one nearest to 1 kN [N].
-fn load(check: &Check, found: &Found) -> f64 {
-    let resolved = found
-        .judged
-        .iter()
-        .flatten()
-        .filter(|one| one.coarse.is_none());
-    let resolved: Vec<f64> = resolved.map(|one| one.fz).collect();
-    let among = if resolved.is_empty() {
-        &check.fz_n
-    } else {
-        &resolved
-    };
+/// The load of the case: of those requested the one nearest to 1 kN [N].
+fn load(check: &Check) -> f64 {
     let far = |fz: &f64| (fz - 1000.0).abs();
-    let nearest = among
-        .iter()
-        .copied()
-        .min_by(|a, b| far(a).total_cmp(&far(b)));
-    nearest.unwrap_or(1000.0)
+    let nearest = check.fz_n.iter().copied();
+    nearest
+        .min_by(|a, b| far(a).total_cmp(&far(b)))
+        .unwrap_or(1000.0)
+}
+
+/// Degrees with as many digits as the uncertainty has.
+fn degrees(angle: Estimate) -> String {
+    let [value, error] = [angle.value, angle.error].map(f64::to_degrees);
+    let digits = (1.0 - error.log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{value:.digits$} +- {error:.digits$} degrees")
+}
+
+/// Where the load goes, along and across: over the middle of a hull that lies beyond its origin, and over the keel where that does not pass it [m].
+fn offset(found: &Found) -> [Option<f64>; 2] {
+    let middle = found.orientation.and_then(|found| found.middle[1]);
+    let keel = middle.filter(|y| y.significant()).map(|y| y.value);
+    let [x, y] = [0, 1].map(|axis| found.beyond.map(|beyond| beyond[axis]));
+    [x, keel.or(y)]
 }
 
 /// Noise of the vertices that shows [m].
@@ -156,19 +192,14 @@ fn unseen(sampling: &Sampling) -> f64 {
     sampling.noise.map_or(0.0, |noise| noise.unseen)
 }
 
-/// Noise at this spacing, and spacing at this noise, with which a load would do [m]. Without noise the error goes as the fourth power of the
-/// spacing.
+/// Noise at this spacing, and spacing at this noise, with which a load would do [m].
 fn would_do(coarse: &Coarse, sampling: &Sampling) -> (Option<f64>, f64) {
-    match stated(sampling) {
-        Some(noise) => {
-            let share = coarse.noise_share();
-            (Some(share * noise), share * sampling.spacing)
-        }
-        None => {
-            let share = (coarse.allowed / coarse.error).powf(0.25);
-            (None, share * sampling.spacing)
-        }
-    }
+    let noise = stated(sampling);
+    let smaller = smaller_by(coarse.error / coarse.allowed, noise.is_some());
+    (
+        noise.map(|noise| noise / smaller),
+        sampling.spacing / smaller,
+    )
 }
 
 fn backward(forward: Axis) -> Axis {
@@ -196,18 +227,30 @@ fn case(check: &Check, out: &Path, found: &Found) -> Result<String, Failure> {
         options.forward,
         backward(options.forward),
     );
-    if let Some(noise) = stated(&found.sampling) {
+    let [roll, pitch, yaw] = options.rotation;
+    for (key, angle) in [("yaw_rad", yaw), ("pitch_rad", pitch), ("roll_rad", roll)] {
+        if angle != 0.0 {
+            let _ = writeln!(text, "{key} = {angle:.6e}");
+        }
+    }
+    let noise = stated(&found.sampling);
+    if let Some(noise) = noise {
         let _ = writeln!(text, "noise_m = {noise:.2e}");
     }
     text += "\n[ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.05\n\n[track]\nradius_m = inf\n";
-    let _ = writeln!(text, "\n[load]\nfz_n = {:?}", load(check, found));
-    if let Some([x, y]) = found.beyond {
+    let _ = writeln!(text, "\n[load]\nfz_n = {:?}", load(check));
+    let [x, y] = offset(found);
+    if let Some(x) = x {
         let _ = writeln!(
             text,
-            "offset_x_m = {x:.4}   # over the hull's middle: the file's origin lies beyond it\noffset_y_m = {y:.4}"
+            "offset_x_m = {x:.4}   # over the hull's middle: the file's origin lies beyond it"
         );
     }
-    text += "\n[accuracy]\np_max = 0.01\n";
+    if let Some(y) = y {
+        let _ = writeln!(text, "offset_y_m = {y:.6}   # over the keel");
+    }
+    let p_max = check.p_max.unwrap_or(noise.map_or(0.01, |_| JUDGED));
+    let _ = writeln!(text, "\n[accuracy]\np_max = {p_max}");
     Ok(text)
 }
 
@@ -218,18 +261,24 @@ fn document(check: &Check, found: &Found) -> Value {
         let one = |j: &Judged| {
             json!({
                 "fz_n": j.fz, "approach_m": j.approach, "resolved": j.coarse.is_none(),
-                "error_m": j.coarse.map(|c| c.error), "allowed_m": j.coarse.map(|c| c.allowed),
+                "error_m": j.error, "allowed_m": j.coarse.map(|c| c.allowed),
                 "noise_that_would_do_m": j.coarse.map(|c| would_do(&c, &found.sampling).0),
                 "spacing_that_would_do_m": j.coarse.map(|c| would_do(&c, &found.sampling).1),
             })
         };
         judged.iter().map(one).collect::<Vec<Value>>()
     });
+    let estimate = |of: fn(Orientation) -> Option<Estimate>| {
+        let estimate = found.orientation.and_then(of);
+        estimate.map(|found| json!({ "value": found.value, "error": found.error }))
+    };
     json!({
         "file": check.file,
         "scale": options.scale,
         "up": options.up.unwrap_or(Axis::Z).to_string(),
         "forward": options.forward.to_string(),
+        "yaw_rad": estimate(|o| o.yaw), "pitch_rad": estimate(|o| o.pitch), "roll_rad": estimate(|o| o.roll),
+        "strips_m": found.strips,
         "length_m": length, "width_m": width, "height_m": height,
         "rocker_radius_m": found.standing.rocker_radius,
         "section_radius_m": found.standing.section_radius,
@@ -266,6 +315,22 @@ fn text(check: &Check, found: &Found) -> String {
         found.standing.rocker_radius,
         1e3 * found.standing.section_radius
     );
+    if let Some(orientation) = &found.orientation {
+        text += "  into runner axes by";
+        for (name, angle) in [
+            ("yaw", orientation.yaw),
+            ("pitch", orientation.pitch),
+            ("roll", orientation.roll),
+        ] {
+            let comma = if name == "yaw" { "" } else { "," };
+            let said = angle.map_or("not shown by its shape".to_owned(), degrees);
+            let _ = write!(text, "{comma} {name} {said}");
+        }
+        text += "\n";
+    }
+    if let Some(length) = found.strips {
+        let _ = writeln!(text, "  {}", HullWarning::Strips { length });
+    }
     let _ = writeln!(
         text,
         "  near the keel: triangles of {:.3} mm, noise {}",
@@ -277,6 +342,7 @@ fn text(check: &Check, found: &Found) -> String {
         }
     );
     if let Some([x, y]) = found.beyond {
+        let y = offset(found)[1].unwrap_or(y);
         let _ = writeln!(
             text,
             "  the file's origin lies beyond the hull; its middle: load.offset_x_m = {x:.4}, load.offset_y_m = {y:.4}"
@@ -304,7 +370,10 @@ fn text(check: &Check, found: &Found) -> String {
 fn verdict(judged: &Judged, sampling: &Sampling) -> String {
     let [fz, approach] = [judged.fz, 1e6 * judged.approach];
     match &judged.coarse {
-        None => format!("{fz} N: fine enough (approach {approach:.1} µm)"),
+        None => format!(
+            "{fz} N: fine enough (approach {approach:.1} µm, the surface is known to {:.2} µm)",
+            1e6 * judged.error
+        ),
         Some(coarse) => {
             let (noise, spacing) = would_do(coarse, sampling);
             let noise = noise.map_or(String::new(), |n| format!("noise of {:.2} µm or ", 1e6 * n));

@@ -1,6 +1,7 @@
 //! `kufe press`: one contact problem, from its case to its pressure map.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use kufe::jobs::{Contact, Failure, Watch, case_file::LoadedCase, with_progress};
 use kufe_contact::Options;
@@ -52,20 +53,27 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let output = OutputDir::begin("press", &inputs, &args.out, global.force)?;
     let bar = global.progress();
     let (shown, asked) = (bar.clone(), loaded.case.accuracy.p_max);
+    let stage = |text: &str| bar.set_message(text.to_owned());
     let watch = Watch {
+        progress: Some(&stage),
         warn: Some(&warn),
         ..Watch::default()
     };
     let options = with_progress(options, asked, move |line| shown.set_message(line));
     let pressed = Contact::from(loaded).options(options).best(&watch);
+    if pressed.is_ok() {
+        stage("writing the files");
+    }
     bar.finish_and_clear();
     let pressed = pressed?;
+    let started = Instant::now();
     let (result, json) = files::write(&output, &pressed, args.mat)?;
     output.commit()?;
+    let writing = started.elapsed().as_secs_f64();
     if global.json {
         say(&json);
     } else if !global.quiet {
-        say(&summary::text(&pressed, &result, &args.out));
+        say(&summary::text(&pressed, &result, &args.out, writing));
     }
     match &pressed.short {
         Some(short) => Err(short.clone()),

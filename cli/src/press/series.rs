@@ -368,7 +368,7 @@ impl FirstStep {
     ) -> Result<Arc<Prepared>, Failure> {
         let prepared = match &self.hull {
             Some(hull) => hull.clone(),
-            None => Arc::new(Prepared::of(loaded)?),
+            None => Arc::new(Prepared::of(loaded, &Watch::default())?),
         };
         let problem = prepared.problem(loaded)?;
         check_problem(&problem, options).map_err(|error| loaded.failure(&error))?;

@@ -22,7 +22,9 @@ pub fn title(solution: &Solution) -> String {
 }
 
 /// The readable summary: the peak with its whole error and the parts of that first, then all else.
-pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path) -> String {
+///
+/// `writing` is how long the files took [s].
+pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path, writing: f64) -> String {
     let mut rows = peak(result, pressed.solution.bound());
     let p_max_map = result.p_max_map_pa.unwrap_or(result.p_max_mesh_pa);
     rows.push(("on this mesh", on_mesh(result.p_max_mesh_pa, p_max_map)));
@@ -76,7 +78,12 @@ pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path) -> Stri
             result.seconds, result.dofs, result.iterations
         ),
     ));
-    rows.push(("written to", out.display().to_string()));
+    let hull = pressed.hull.as_ref().map(|hull| hull.seconds);
+    rows.extend(hull.map(|[reading, fitting]| {
+        let said = format!("{reading:.3} s, its surface fitted in {fitting:.3} s");
+        ("hull read in", said)
+    }));
+    rows.push(("written to", format!("{} in {writing:.3} s", out.display())));
     let mut text = format!("{}\n", pressed.loaded.name);
     for (name, value) in rows {
         text.push_str(&format!("  {name:<18} {value}\n"));

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 
 use kufe_mesh::{
     Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, HullWarning, MeshError, Noise,
-    load_hull, noise_of_hull,
+    ScanFrame, Underside, load_hull, noise_of_hull, strips_of_hull,
 };
 
 use crate::case::table::{FileAxis, RunnerTable};
@@ -19,6 +20,10 @@ pub struct FittedHull {
     pub report: HullReport,
     /// Standard deviation of its vertices that the fit was made with, found where none is stated, and what would not be found [m].
     pub noise: Noise,
+    /// Length of its triangles along the runner where they are long strips [m].
+    pub strips: Option<f64>,
+    /// Wall time of reading the file and of fitting the surface [s].
+    pub seconds: [f64; 2],
     /// Its triangles, where there is noise, or some would not show.
     pub scan: Option<Arc<Hull>>,
 }
@@ -32,10 +37,28 @@ pub(crate) fn fitted_hull(
         scale: runner.scale.unwrap_or(1.0),
         up: runner.up.map(FileAxis::axis),
         forward: runner.forward.map_or(Axis::X, FileAxis::axis),
+        rotation: [runner.roll_rad, runner.pitch_rad, runner.yaw_rad]
+            .map(|angle| angle.unwrap_or(0.0)),
     };
+    let started = Instant::now();
     let (hull, mut report) = load_hull(path, &options)?;
+    let reading = started.elapsed().as_secs_f64();
+    let strips = strips_of_hull(&hull);
+    let strips_warning = strips.map(|length| HullWarning::Strips { length });
+    report
+        .warnings
+        .extend(strips_warning.or(unlike_runner(&hull)?));
     let noise = runner.noise(&mut report, || noise_of_hull(&hull));
-    let underside = FittedUnderside::new(&hull, noise.found)?;
+    let mut underside = FittedUnderside::new(&hull, noise.found)?;
+    if runner.elastic && report.open_edges > 0 {
+        let whole = underside.extent();
+        underside = underside.within_outline();
+        let extent = underside.extent();
+        let [long, wide] = [0, 2].map(|k| (extent[k + 1] - extent[k]) / (whole[k + 1] - whole[k]));
+        if long * wide < 0.99 {
+            report.warnings.push(HullWarning::Trimmed { extent });
+        }
+    }
     let fill = || Filled::of(&hull, &report, &underside, runner.height_m);
     let filled = runner.elastic.then(fill).transpose();
     let filled = filled.map_err(|error| error.in_file(path))?;
@@ -43,9 +66,29 @@ pub(crate) fn fitted_hull(
         underside: Arc::new(underside),
         report,
         noise,
+        strips,
+        seconds: [reading, started.elapsed().as_secs_f64() - reading],
         scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(hull)),
     };
     Ok((fitted, filled))
+}
+
+/// Rockers have radii of metres and sections of millimetres; what is rounder along than so many times its section is another body.
+const ROCKER_OVER_SECTION: f64 = 10.0;
+
+/// Why a hull, x forward and z up, does not look like a runner, before time is spent on it.
+fn unlike_runner(hull: &Hull) -> Result<Option<HullWarning>, MeshError> {
+    let Some(found) = ScanFrame::of(hull)? else {
+        return Ok(Some(HullWarning::NotRounded { up: None }));
+    };
+    let up = found.options.up.filter(|up| *up != Axis::Z);
+    let radii = [found.rocker_radius, found.section_radius];
+    let round = radii[0] < ROCKER_OVER_SECTION * radii[1];
+    Ok(match up {
+        _ if round => Some(HullWarning::NoRunner { radii }),
+        Some(_) => Some(HullWarning::NotRounded { up }),
+        None => None,
+    })
 }
 
 impl RunnerTable {

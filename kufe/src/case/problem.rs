@@ -134,6 +134,8 @@ impl Case {
             underside: Arc::new(underside),
             report,
             noise,
+            strips: None,
+            seconds: [0.0; 2],
             scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(part)),
         };
         Ok((hull, elastic))

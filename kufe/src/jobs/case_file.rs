@@ -6,7 +6,7 @@ use crate::case::{Case, FittedHull, StatedProblem};
 use kufe_contact::{Error, NUMERICS, Solution, SurfaceField};
 use kufe_files::{read_regular, text_of_regular};
 use kufe_lut::sha256;
-use kufe_mesh::hull_files;
+use kufe_mesh::{hull_files, smaller_by};
 
 use crate::jobs::failure::Failure;
 
@@ -175,10 +175,10 @@ impl LoadedCase {
         }
     }
 
-    /// Refuses a hull whose fit is too uncertain for what was solved on it; a shape has no fit.
+    /// Refuses a hull whose fit is too uncertain for what was solved on it, where no error can say so; a shape has no fit.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] with the fit's error, the approach and what is allowed.
+    /// As [`fine_within`](Self::fine_within).
     pub fn fine_enough(
         &self,
         hull: Option<&FittedHull>,
@@ -190,37 +190,58 @@ impl LoadedCase {
         }
     }
 
-    /// As [`fine_enough`](Self::fine_enough) for ice that gives `depth` [m] under a patch `[x_min, x_max, y_min, y_max]` [m].
+    /// Refuses a hull whose fit is uncertain by more than 5 per cent of how deep the ice gives, `depth` [m], under a patch
+    /// `[x_min, x_max, y_min, y_max]` [m], or by more than the requested accuracy of the peak where that is larger.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with the fit's error, the approach and what is allowed.
     pub(crate) fn fine_within(
         &self,
         hull: Option<&FittedHull>,
         depth: f64,
         patch: [f64; 4],
     ) -> Result<(), Failure> {
+        self.known_within(hull, depth, self.case.accuracy.p_max.max(0.05), patch)
+    }
+
+    /// Refuses a hull whose fit is uncertain by more than `share` of `depth` [m] under a patch.
+    ///
+    /// # Errors
+    /// As [`fine_within`](Self::fine_within).
+    pub(crate) fn known_within(
+        &self,
+        hull: Option<&FittedHull>,
+        depth: f64,
+        share: f64,
+        patch: [f64; 4],
+    ) -> Result<(), Failure> {
         let Some(hull) = hull else { return Ok(()) };
-        match hull.underside.coarse_within(depth, patch) {
-            None => Ok(()),
-            Some(coarse) => {
-                let would_do = match hull.noise.found > 0.0 {
-                    true => format!(
-                        "noise of {:.3} µm where there is {:.3} µm, or vertices {:.1} times closer both ways, would do",
-                        1e6 * hull.noise.found * coarse.noise_share(),
-                        1e6 * hull.noise.found,
-                        1.0 / coarse.noise_share()
-                    ),
-                    false => "give it a finer surface".into(),
-                };
-                Err(Failure::BadInput(format!(
-                    "{}: {}: too coarse for its load: the surface through its vertices is uncertain by {:.3} µm, \
-                     the ice is pressed in by {:.3} µm; expected at most {:.3} µm: {would_do}",
-                    self.name,
-                    self.hull_key(),
-                    1e6 * coarse.error,
-                    1e6 * coarse.approach,
-                    1e6 * coarse.allowed
-                )))
-            }
-        }
+        let Some(coarse) = hull.underside.coarse_within(depth, share, patch) else {
+            return Ok(());
+        };
+        Err(Failure::BadInput(format!(
+            "{}: {}: too coarse for its load: the surface through its vertices is uncertain by {:.3} µm, \
+             the ice is pressed in by {:.3} µm; expected at most {:.3} µm: {}",
+            self.name,
+            self.hull_key(),
+            1e6 * coarse.error,
+            1e6 * depth,
+            1e6 * coarse.allowed,
+            finer(hull, coarse.error / coarse.allowed)
+        )))
+    }
+
+    /// That the hull's vertices leave the peak uncertain by more than the requested accuracy, `error` over it.
+    pub(crate) fn peak_uncertain(&self, hull: &FittedHull, error: f64) -> Failure {
+        let requested = self.case.accuracy.p_max;
+        Failure::NotConverged(format!(
+            "{}: {}: its vertices leave the peak uncertain by {:.1} %, where {:.1} % is requested: {}",
+            self.name,
+            self.hull_key(),
+            100.0 * error,
+            100.0 * requested,
+            finer(hull, error / requested)
+        ))
     }
 
     /// Why the error of a peak is not known: noise that nobody stated, whose effect could not be told.
@@ -250,6 +271,27 @@ impl LoadedCase {
             Error::Stopped => Failure::Partial(text),
             _ => Failure::BadInput(text),
         }
+    }
+}
+
+/// What would lower a hull's error by `factor`.
+fn finer(hull: &FittedHull, factor: f64) -> String {
+    let noise = hull.noise.found;
+    // Upwards, so that what is named is enough.
+    let closer = (10.0 * smaller_by(factor, noise > 0.0)).ceil() / 10.0;
+    if let Some(length) = hull.strips {
+        return format!(
+            "its triangles are strips of {:.0} mm along the runner: export it with shorter edges",
+            1e3 * length
+        );
+    }
+    match noise > 0.0 {
+        true => format!(
+            "noise of {:.2} µm in place of {:.2} µm, or vertices {closer:.1} times closer both ways, would do",
+            1e6 * noise / closer,
+            1e6 * noise
+        ),
+        false => format!("vertices {closer:.1} times closer would do"),
     }
 }
 

@@ -192,6 +192,56 @@ impl Outline {
         (sides[0] <= sides[1]).then_some(sides)
     }
 
+    /// The rectangle `[x_min, x_max, y_min, y_max]` [m] of the largest area within the outline, as long before as behind the middle
+    /// where `even`; `None` where there is none.
+    pub fn rectangle(&self, even: bool) -> Option<[f64; 4]> {
+        let step = (self.to - self.from) / STATIONS as f64;
+        let mut best: Option<([f64; 4], f64)> = None;
+        let mut consider = |first: usize, last: usize, [low, high]: [f64; 2]| {
+            let area = (last - first) as f64 * (high - low);
+            if best.is_none_or(|(_, most)| area > most) {
+                let [x0, x1] = [first, last].map(|i| self.from + step * i as f64);
+                best = Some(([x0, x1, low, high], area));
+            }
+        };
+        let narrower = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
+        let all = [f64::NEG_INFINITY, f64::INFINITY];
+        if even {
+            let mut within = self.sides[STATIONS / 2];
+            for out in 1..=STATIONS / 2 {
+                let (first, last) = (STATIONS / 2 - out, STATIONS / 2 + out);
+                within = narrower(narrower(within, self.sides[first]), self.sides[last]);
+                if within[0] >= within[1] {
+                    break;
+                }
+                consider(first, last, within);
+            }
+        } else {
+            for first in 0..STATIONS {
+                let mut within = all;
+                for last in first..=STATIONS {
+                    within = narrower(within, self.sides[last]);
+                    if within[0] >= within[1] {
+                        break;
+                    }
+                    if last > first {
+                        consider(first, last, within);
+                    }
+                }
+            }
+        }
+        best.map(|(rectangle, _)| rectangle)
+    }
+
+    /// The outline that is this rectangle.
+    pub fn of_rectangle([x0, x1, y0, y1]: [f64; 4]) -> Self {
+        Self {
+            from: x0,
+            to: x1,
+            sides: vec![[y0, y1]; STATIONS + 1],
+        }
+    }
+
     /// Mean of the outline and its mirror image in x, y or both.
     pub fn symmetrised(mut self, [in_x, in_y]: [bool; 2]) -> Self {
         if in_x {

@@ -37,6 +37,15 @@ impl FittedUnderside {
     /// [`MeshError::TooFewPoints`] where fewer than 16 vertices face down, [`MeshError::NoFit`]
     /// where they do not determine a surface.
     pub fn new(hull: &Hull, noise: f64) -> Result<Self, MeshError> {
+        Self::fitted(hull, noise, true)
+    }
+
+    /// As [`FittedUnderside::new`], never made even: for hulls that may be turned.
+    pub(crate) fn without_symmetry(hull: &Hull, noise: f64) -> Result<Self, MeshError> {
+        Self::fitted(hull, noise, false)
+    }
+
+    fn fitted(hull: &Hull, noise: f64, may_be_even: bool) -> Result<Self, MeshError> {
         if !(noise >= 0.0 && noise.is_finite()) {
             return Err(MeshError::Parameter {
                 name: "noise_m",
@@ -63,7 +72,8 @@ impl FittedUnderside {
             let gentle = part.gentle().map(|n| part.points[n][axis]);
             balanced_sides(gentle.collect())
         };
-        let mirrored = [centred(x0, x1) && alike(0), centred(y0, y1) && alike(1)];
+        let mirrored = [(0, x0, x1), (1, y0, y1)]
+            .map(|(axis, from, to)| may_be_even && centred(from, to) && alike(axis));
         let widest = |from: f64, to: f64, mirrored: bool| {
             let half = to.max(-from);
             if mirrored { [-half, half] } else { [from, to] }
@@ -159,22 +169,48 @@ impl FittedUnderside {
         self.surface.level
     }
 
+    /// The part over the largest rectangle within the outline, so that columns of a solid end in steel everywhere; holes within are spanned
+    /// by the fit, ragged rims are cut off.
+    #[must_use]
+    pub fn within_outline(self) -> Self {
+        let even = self.surface.symmetric[0];
+        let Some(extent) = self.surface.outline.rectangle(even) else {
+            return self;
+        };
+        let cut = |surface: &Surface| Surface {
+            outline: Outline::of_rectangle(extent),
+            extent,
+            ..surface.clone()
+        };
+        let surface = cut(&self.surface);
+        Self {
+            lows: surface.lows(),
+            coarser: self.coarser.map(|coarser| Arc::new(cut(&coarser))),
+            surface,
+            judgement: self.judgement,
+        }
+    }
+
     /// How well the surface follows the hull.
     pub fn quality(&self) -> FitQuality {
         self.judgement.quality
     }
 
-    /// Whether the hull is too coarse, or too noisy, to be pressed in by `approach` [m] on a flat
-    /// plane: the fit's estimated error where the height is below twice the approach exceeds a
-    /// twentieth of it.
-    pub fn coarse_for(&self, approach: f64) -> Option<Coarse> {
-        self.judgement.coarse_below(approach, 2.0 * approach)
+    /// Whether the hull is too coarse, or too noisy, to be pressed in by `approach` [m] on a flat plane:
+    /// the fit's estimated error where the height is below twice the approach exceeds `share` of it.
+    pub fn coarse_for(&self, approach: f64, share: f64) -> Option<Coarse> {
+        self.judgement
+            .coarse_below(share * approach, 2.0 * approach)
     }
 
-    /// As [`coarse_for`](Self::coarse_for) for a contact patch `[x_min, x_max, y_min, y_max]` [m]
-    /// anywhere on the hull.
-    pub fn coarse_within(&self, approach: f64, patch: [f64; 4]) -> Option<Coarse> {
-        self.judgement.coarse_within(approach, self.near(patch))
+    /// As [`coarse_for`](Self::coarse_for) for a contact patch `[x_min, x_max, y_min, y_max]` [m] anywhere on the hull.
+    pub fn coarse_within(&self, approach: f64, share: f64, patch: [f64; 4]) -> Option<Coarse> {
+        Coarse::over(self.error_within(patch), share * approach)
+    }
+
+    /// The fit's estimated error [m] where the height over the lowest point is at most twice the `approach` [m].
+    pub fn error_for(&self, approach: f64) -> f64 {
+        self.judgement.error_below(2.0 * approach)
     }
 
     /// The fit's estimated error [m] on a contact patch `[x_min, x_max, y_min, y_max]` [m].

@@ -7,8 +7,6 @@ use crate::shapes::underside::Underside;
 
 /// Heights over the keel within which the fit is judged [m].
 const JUDGED_HEIGHT: f64 = 50e-6;
-/// Largest error against the approach with which a hull is fine enough for its load.
-const LARGEST_ERROR: f64 = 0.05;
 
 /// How well a fitted underside follows its hull near the keel (up to 50 µm above it).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,21 +28,24 @@ pub struct FitQuality {
 pub struct Coarse {
     /// Estimated error of the fitted height where the hull touches [m].
     pub error: f64,
-    /// The approach that it was judged against [m].
-    pub approach: f64,
     /// Largest error allowed [m].
     pub allowed: f64,
 }
 
 impl Coarse {
-    /// By how much noise times spacing is to shrink where it is noise that leaves the error.
-    ///
-    /// The error of a smooth surface fitted to n vertices with noise goes as (noise /
-    /// sqrt(n))^(2p/(2p + d)), p = 4 for cubic splines, d = 2 (C.J. Stone, Ann. Statist. 10, 1040,
-    /// 1982), and n as one over the spacing squared: as (noise times spacing)^(4/5).
-    pub fn noise_share(&self) -> f64 {
-        (self.allowed / self.error).powf(1.25)
+    /// That `error` is more than `allowed` [m].
+    pub(crate) fn over(error: f64, allowed: f64) -> Option<Self> {
+        (error > allowed).then_some(Self { error, allowed })
     }
+}
+
+/// By how much noise times spacing, or without noise the spacing, is to shrink for a fit's error to shrink by `factor`.
+///
+/// The error of a smooth surface fitted to n vertices with noise goes as (noise / sqrt(n))^(2p/(2p + d)), p = 4 for cubic splines, d = 2
+/// (C.J. Stone, Ann. Statist. 10, 1040, 1982), and n as one over the spacing squared: as (noise times spacing)^(4/5). Without noise it goes as
+/// the fourth power of the spacing.
+pub fn smaller_by(factor: f64, noisy: bool) -> f64 {
+    factor.powf(if noisy { 1.25 } else { 0.25 })
 }
 
 /// The fit's estimated error at a place on the keel.
@@ -143,27 +144,21 @@ impl Judgement {
         let misfit = (quality.residual_rms.powi(2) - noise * noise)
             .max(0.0)
             .sqrt();
-        let scatter = standard_error.hypot(if noise > 0.0 {
-            misfit
-        } else {
-            quality.residual_max
-        });
+        let scatter = standard_error.hypot(misfit);
         checks
             .iter_mut()
             .for_each(|c| c.error = c.error.hypot(scatter));
         Self { quality, checks }
     }
 
-    /// Whether the fit is too coarse for `approach` [m] where the height is at most `height` [m].
-    pub fn coarse_below(&self, approach: f64, height: f64) -> Option<Coarse> {
-        self.worst(approach, |check| check.height <= height)
+    /// Whether the fit is uncertain by more than `allowed` [m] where the height is at most `height` [m].
+    pub fn coarse_below(&self, allowed: f64, height: f64) -> Option<Coarse> {
+        Coarse::over(self.error_below(height), allowed)
     }
 
-    /// Whether the fit is too coarse for `approach` [m] within `[x_min, x_max, y_min, y_max]` [m].
-    pub fn coarse_within(&self, approach: f64, [x0, x1, y0, y1]: [f64; 4]) -> Option<Coarse> {
-        self.worst(approach, |check| {
-            (x0..=x1).contains(&check.x) && (y0..=y1).contains(&check.y)
-        })
+    /// The fit's largest estimated error where the height is at most `height` [m].
+    pub fn error_below(&self, height: f64) -> f64 {
+        self.largest(|check| check.height <= height)
     }
 
     /// The fit's largest estimated error within `[x_min, x_max, y_min, y_max]` [m].
@@ -174,15 +169,5 @@ impl Judgement {
     fn largest(&self, counts: impl Fn(&Check) -> bool) -> f64 {
         let counted = self.checks.iter().filter(|c| counts(c));
         counted.map(|c| c.error).fold(0.0, f64::max)
-    }
-
-    fn worst(&self, approach: f64, counts: impl Fn(&Check) -> bool) -> Option<Coarse> {
-        let error = self.largest(counts);
-        let allowed = LARGEST_ERROR * approach;
-        (error > allowed).then_some(Coarse {
-            error,
-            approach,
-            allowed,
-        })
     }
 }

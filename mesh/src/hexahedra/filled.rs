@@ -34,9 +34,9 @@ impl Filled {
     /// and a top that is not flat part it from the space over the underside.
     ///
     /// # Errors
-    /// [`MeshError::TopNotKnown`] for an open hull without `top`; [`MeshError::NotFilled`] where
-    /// more than 2 per cent of the outline's rectangle lies outside the hull, or the steel and the
-    /// space part by more than that.
+    /// [`MeshError::TopNotKnown`] for an open hull without `top`; [`MeshError::NotFilled`] where more than 2 per cent of the outline's
+    /// rectangle lies outside the hull, or the steel of a closed hull and the space part by more than that. Of an open hull the steel is
+    /// not known.
     pub fn of(
         hull: &Hull,
         report: &HullReport,
@@ -90,8 +90,9 @@ impl Filled {
         } else {
             "more steel lies below that top: the hull is wider above than below"
         };
+        let closed = report.open_edges == 0;
         let refused = amiss("of the rectangle around its outline is empty", outline)
-            .or_else(|| amiss(parted, steel / space - 1.0));
+            .or_else(|| amiss(parted, steel / space - 1.0).filter(|_| closed));
         refused.map_or(Ok(filled), Err)
     }
 
@@ -173,6 +174,36 @@ mod tests {
         assert!(refusal.contains("height_m"), "{refusal}");
         assert_eq!(filled(&open, Some(0.030)).unwrap().top, 0.030);
         assert_eq!(filled(&open, Some(0.020)).unwrap().top, 0.020);
+    }
+
+    /// An underside alone, with a ragged side and a hole: the body ends where the scan does, and nothing is extrapolated.
+    #[test]
+    fn a_ragged_scan_with_a_hole_is_filled_within_its_rims() {
+        let mut scan = bob();
+        let positions = scan.positions.clone();
+        let corner = |c: u32| positions[c as usize];
+        scan.triangles.retain(|t| {
+            let side = t
+                .iter()
+                .all(|&c| corner(c)[1].abs() < 0.0042 && corner(c)[2] < 0.029);
+            let ragged = t
+                .iter()
+                .all(|&c| corner(c)[0] > 0.135 && corner(c)[1] > 0.003);
+            let hole = t
+                .iter()
+                .any(|&c| (corner(c)[0] - 0.05).hypot(corner(c)[1] - 0.002) < 0.001);
+            side && !ragged && !hole
+        });
+        let report = check_hull(&scan).unwrap();
+        assert!(report.open_edges > 0);
+        let whole = FittedUnderside::new(&scan, 0.0).unwrap();
+        assert!(Filled::of(&scan, &report, &whole, None).is_err());
+        let cut = whole.within_outline();
+        let [x0, x1, y0, y1] = cut.extent();
+        assert!(x0 >= -0.15 - 1e-9 && x1 <= 0.15 + 1e-9 && y0 >= -0.0043 && y1 <= 0.0043);
+        assert!((x1 - x0) * (y1 - y0) > 0.85 * 0.3 * 0.0084);
+        let filled = Filled::of(&scan, &report, &cut, Some(0.030)).unwrap();
+        assert!(filled.heights.iter().all(|z| (-1e-6..0.011).contains(z)));
     }
 
     #[test]

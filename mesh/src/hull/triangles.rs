@@ -4,6 +4,8 @@ use std::collections::HashMap;
 use std::fmt;
 use std::str::FromStr;
 
+use nalgebra::{Matrix3, Rotation3, RowVector3};
+
 use crate::error::MeshError;
 
 /// Positions and triangles, counter-clockwise seen from outside.
@@ -188,6 +190,8 @@ pub struct HullOptions {
     pub up: Option<Axis>,
     /// The file's axis that points forward.
     pub forward: Axis,
+    /// Roll, pitch and yaw [rad] that carry a scan, read with these axes, into runner axes: `R_z(yaw) R_y(pitch) R_x(roll)`.
+    pub rotation: [f64; 3],
 }
 
 impl Default for HullOptions {
@@ -196,6 +200,7 @@ impl Default for HullOptions {
             scale: 1.0,
             up: None,
             forward: Axis::X,
+            rotation: [0.0; 3],
         }
     }
 }
@@ -228,7 +233,13 @@ impl HullOptions {
             z[2] * x[0] - z[0] * x[2],
             z[0] * x[1] - z[1] * x[0],
         ];
-        Ok([x, y, z].map(|row| row.map(|v| v * self.scale)))
+        if self.rotation == [0.0; 3] {
+            return Ok([x, y, z].map(|row| row.map(|v| v * self.scale)));
+        }
+        let [roll, pitch, yaw] = self.rotation;
+        let axes = [x, y, z].map(|row| RowVector3::from(row));
+        let rows = Rotation3::from_euler_angles(roll, pitch, yaw) * Matrix3::from_rows(&axes);
+        Ok([0, 1, 2].map(|row| [0, 1, 2].map(|column| rows[(row, column)] * self.scale)))
     }
 }
 
@@ -285,6 +296,26 @@ pub enum HullWarning {
         /// Their standard deviation [m].
         noise: f64,
     },
+    /// The underside's triangles are long strips, between whose ends nothing is known.
+    Strips {
+        /// Their length along x [m].
+        length: f64,
+    },
+    /// No side is rounded along and across, or the rounded side does not face down.
+    NotRounded {
+        /// The file's axis that points away from the rounded side, where there is one.
+        up: Option<Axis>,
+    },
+    /// The lowest place is about as round along as across.
+    NoRunner {
+        /// Radii along and across [m].
+        radii: [f64; 2],
+    },
+    /// An open elastic hull is a solid over this rectangle only.
+    Trimmed {
+        /// `[x_min, x_max, y_min, y_max]` [m].
+        extent: [f64; 4],
+    },
     /// Neighbouring triangles disagree about the outside.
     Flipped {
         /// Edges where they do.
@@ -327,6 +358,37 @@ impl fmt::Display for HullWarning {
                 f,
                 "the underside's vertices scatter by {:.3} µm about a smooth surface: taken for noise and smoothed; noise_m states another",
                 1e6 * noise
+            ),
+            Self::Strips { length } => write!(
+                f,
+                "the underside's triangles are strips of {:.0} mm along the runner: export it with edges of a few millimetres along",
+                1e3 * length
+            ),
+            Self::NotRounded { up: None } => write!(
+                f,
+                "no side of the hull is rounded along and across as a runner's underside is: the answer is that of whatever lies lowest"
+            ),
+            Self::NotRounded { up: Some(up) } => write!(
+                f,
+                "the side that is rounded as a runner's underside does not face down: up = \"{up}\" would turn it so"
+            ),
+            Self::NoRunner {
+                radii: [along, across],
+            } => write!(
+                f,
+                "this does not look like a runner: radii of {:.1} mm along and {:.1} mm across at its lowest place",
+                1e3 * along,
+                1e3 * across
+            ),
+            Self::Trimmed {
+                extent: [x0, x1, y0, y1],
+            } => write!(
+                f,
+                "the elastic body fills x = {:.1} to {:.1} mm, y = {:.2} to {:.2} mm: the rims outside are ragged",
+                1e3 * x0,
+                1e3 * x1,
+                1e3 * y0,
+                1e3 * y1
             ),
             Self::Flipped { edges } => {
                 write!(
@@ -371,7 +433,9 @@ pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
     let [low, high] = hull.bounds();
     let extent = [high[0] - low[0], high[1] - low[1], high[2] - low[2]];
     let volume = hull.volume();
-    if open_edges == 0 && volume < 0.0 {
+    // Of a flat hull rounding leaves a volume of either sign.
+    let rounding = 1e-6 * extent.iter().product::<f64>();
+    if open_edges == 0 && volume < -rounding {
         return Err(MeshError::InvertedHull { volume });
     }
     let mut warnings = size_warnings(extent);
@@ -438,6 +502,7 @@ mod tests {
             scale: 0.001,
             up: Some("y".parse().unwrap()),
             forward: "-z".parse().unwrap(),
+            ..Default::default()
         };
         let rows = options.rows(Axis::Z).unwrap();
         let carry = |p: [f64; 3]| rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2]);
@@ -514,6 +579,26 @@ mod tests {
             message.contains("inwards") && message.contains("winding"),
             "{message}"
         );
+    }
+
+    /// A plate whose two sides are the same triangles encloses nothing: rounding leaves a volume of either sign.
+    #[test]
+    fn a_flat_closed_hull_is_not_inverted() {
+        for turn in [0.0f64, 0.3, 1.1, 2.9] {
+            let at = |x: f64, y: f64| {
+                let (sine, cosine) = turn.sin_cos();
+                [
+                    cosine * x - sine * y,
+                    sine * x + cosine * y,
+                    0.1 * x + 0.7 * y,
+                ]
+            };
+            let plate = Hull {
+                positions: vec![at(0.1, 0.0), at(0.9, 0.0), at(0.3, 0.03)],
+                triangles: vec![[0, 1, 2], [0, 2, 1]],
+            };
+            check_hull(&plate).unwrap();
+        }
     }
 
     #[test]

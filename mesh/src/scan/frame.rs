@@ -3,6 +3,7 @@
 use crate::error::MeshError;
 use crate::hull::{Axis, Hull, HullOptions};
 use crate::scan::noise::fit;
+use crate::scan::orientation::{Estimate, keel_yaw};
 
 /// Lengths that a runner may have [m].
 const LENGTHS: [f64; 2] = [0.2, 3.0];
@@ -64,6 +65,7 @@ impl ScanFrame {
                     index: forward,
                     negative: false,
                 },
+                ..HullOptions::default()
             };
             Some(Self {
                 options,
@@ -81,7 +83,7 @@ impl ScanFrame {
 fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<[f64; 2]> {
     let across = 3 - forward - up.index;
     let sign = if up.negative { -1.0 } else { 1.0 };
-    let points: Vec<[f64; 3]> = hull
+    let mut points: Vec<[f64; 3]> = hull
         .positions
         .iter()
         .map(|p| {
@@ -92,6 +94,13 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<[f64; 2]> 
             ]
         })
         .collect();
+    // A section across a keel that does not run along x would be wider than it is.
+    if let Some(yaw) = keel_yaw(&points).filter(Estimate::significant) {
+        let (sine, cosine) = yaw.value.sin_cos();
+        for p in &mut points {
+            (p[0], p[1]) = (cosine * p[0] + sine * p[1], cosine * p[1] - sine * p[0]);
+        }
+    }
     let [from, to] = [f64::min, f64::max].map(|end| {
         let xs = points.iter().map(|p| p[0]);
         xs.reduce(end).unwrap_or(0.0)

@@ -1,7 +1,9 @@
-//! Properties of a scanned hull: its unit and axes, the spacing and the noise of its vertices.
+//! Properties of a scanned hull: its unit and axes, its rotation, the spacing and the noise of its vertices.
 
 pub(crate) mod frame;
 pub(crate) mod noise;
+pub(crate) mod orientation;
 
 pub use frame::ScanFrame;
-pub use noise::{Noise, Sampling, noise_of_faces, noise_of_hull};
+pub use noise::{Noise, Sampling, noise_of_faces, noise_of_hull, strips_of_hull};
+pub use orientation::{Estimate, Orientation};

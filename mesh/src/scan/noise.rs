@@ -64,13 +64,14 @@ struct Node {
 
 /// Noise of the vertices of a hull's triangles that face down; see [`noise_of_faces`].
 pub fn noise_of_hull(hull: &Hull) -> Option<Noise> {
-    let faces_down = |t: &&[u32; 3]| {
-        let n = hull.normal(t);
-        -n[2] > DOWN * (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt()
-    };
-    let down = hull.triangles.iter().filter(faces_down);
+    let down = hull.triangles.iter().filter(|t| faces_down(hull, t));
     let faces: Vec<[usize; 3]> = down.map(|t| t.map(|corner| corner as usize)).collect();
     noise_of_faces(&hull.positions, &faces)
+}
+
+fn faces_down(hull: &Hull, t: &[u32; 3]) -> bool {
+    let n = hull.normal(t);
+    -n[2] > DOWN * (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt()
 }
 
 /// Noise of the heights of an underside's nodes; `None` if there are too few faces. `points` are x
@@ -275,6 +276,28 @@ pub fn fit(places: &[[f64; 2]], values: &[f64], powers: &[[i32; 2]]) -> Option<F
         errors: each(&|n| deviation * inverse[(n, n)].sqrt()),
         deviation,
     })
+}
+
+/// Length along x [m] of the underside's triangles where most are long strips, as a CAD program makes them of a surface that hardly bends
+/// along: a vertex at every twentieth of the hull or fewer, and twenty times as long as wide.
+pub fn strips_of_hull(hull: &Hull) -> Option<f64> {
+    const MANY: f64 = 20.0;
+    let [low, high] = hull.bounds();
+    let down = hull.triangles.iter().filter(|t| faces_down(hull, t));
+    let sizes: Vec<[f64; 2]> = down
+        .map(|t| {
+            [0, 1].map(|axis| {
+                let values = t.map(|i| hull.positions[i as usize][axis]);
+                let ends = [f64::max, f64::min].map(|end| values.into_iter().reduce(end));
+                ends[0]
+                    .zip(ends[1])
+                    .map_or(0.0, |(most, least)| most - least)
+            })
+        })
+        .collect();
+    let [long, wide] = [0, 1].map(|axis| median(sizes.iter().map(|size| size[axis]).collect()));
+    let (long, wide) = (long?, wide?);
+    (MANY * long > high[0] - low[0] && long > MANY * wide).then_some(long)
 }
 
 /// Places along the keel at which the vertices are examined.

@@ -72,6 +72,9 @@ impl RunnerTable {
         let only_a_hulls = [
             ("runner.up", self.up.is_some()),
             ("runner.forward", self.forward.is_some()),
+            ("runner.yaw_rad", self.yaw_rad.is_some()),
+            ("runner.pitch_rad", self.pitch_rad.is_some()),
+            ("runner.roll_rad", self.roll_rad.is_some()),
             ("runner.height_m", self.height_m.is_some()),
         ];
         match only_a_hulls.iter().find(|(_, given)| *given) {

@@ -19,8 +19,14 @@ pub(crate) fn check_runner(runner: &RunnerTable) -> Checked {
             if let Some(scale) = runner.scale {
                 in_range("runner.scale", scale)?;
             }
-            if let Some(noise) = runner.noise_m {
-                in_range("runner.noise_m", noise)?;
+            let stated = [
+                ("runner.yaw_rad", runner.yaw_rad),
+                ("runner.pitch_rad", runner.pitch_rad),
+                ("runner.roll_rad", runner.roll_rad),
+                ("runner.noise_m", runner.noise_m),
+            ];
+            for (key, value) in stated {
+                value.map_or(Ok(()), |value| in_range(key, value))?;
             }
             match runner.height_m {
                 Some(_) if !runner.elastic => Err(combination(
@@ -36,6 +42,9 @@ pub(crate) fn check_runner(runner: &RunnerTable) -> Checked {
                 ("runner.scale", runner.scale.is_some()),
                 ("runner.up", runner.up.is_some()),
                 ("runner.forward", runner.forward.is_some()),
+                ("runner.yaw_rad", runner.yaw_rad.is_some()),
+                ("runner.pitch_rad", runner.pitch_rad.is_some()),
+                ("runner.roll_rad", runner.roll_rad.is_some()),
                 ("runner.noise_m", runner.noise_m.is_some()),
                 ("runner.height_m", runner.height_m.is_some()),
             ];

@@ -27,6 +27,15 @@ pub struct RunnerTable {
     /// The hull's forward axis; x where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub forward: Option<FileAxis>,
+    /// Rotation about z, the last of the three, that carries a scanned hull into runner axes [rad].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yaw_rad: Option<f64>,
+    /// Rotation about y, the second [rad].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pitch_rad: Option<f64>,
+    /// Rotation about x, the first [rad].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub roll_rad: Option<f64>,
     /// Standard deviation of the vertices of a hull or a mesh; found where absent [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise_m: Option<f64>,
@@ -64,6 +73,9 @@ impl From<Shape> for RunnerTable {
             scale: None,
             up: None,
             forward: None,
+            yaw_rad: None,
+            pitch_rad: None,
+            roll_rad: None,
             noise_m: None,
             shape: Some(shape),
             section: None,

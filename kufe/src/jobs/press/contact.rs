@@ -135,7 +135,7 @@ impl Contact {
         let Contact { loaded, options } = self;
         let checked = loaded.case.check();
         checked.map_err(|error| Failure::BadInput(format!("{}: {error}", loaded.name)))?;
-        let prepared = Prepared::of(&loaded)?;
+        let prepared = Prepared::of(&loaded, watch)?;
         press_prepared(loaded, &prepared, watch, options)
     }
 }
@@ -188,8 +188,12 @@ impl Prepared {
     ///
     /// # Errors
     /// [`Failure::BadInput`] where the hull cannot be had, or the case is out of range.
-    pub fn of(loaded: &LoadedCase) -> Result<Self, Failure> {
+    pub fn of(loaded: &LoadedCase, watch: &Watch) -> Result<Self, Failure> {
         let content = loaded.content()?;
+        let of_files = loaded.case.runner.hull.is_some() || loaded.case.runner.mesh.is_some();
+        if of_files {
+            watch.progress("reading the hull and fitting its underside");
+        }
         let (runner, hull) = told(loaded, loaded.case.runner(&loaded.base))?;
         Ok(Prepared {
             content,
@@ -259,7 +263,14 @@ pub fn press_prepared(
         }
     };
     let seconds = started.elapsed().as_secs_f64();
-    loaded.fine_enough(hull.as_ref(), &solution)?;
+    match sliding {
+        // Its error does not hold what the hull leaves.
+        Some(_) => loaded.fine_enough(hull.as_ref(), &solution)?,
+        None => {
+            let patch = patch(&solution.surface);
+            loaded.known_within(hull.as_ref(), depth(&solution), 1.0, patch)?;
+        }
+    }
     let noisy = hull.as_ref().filter(|hull| hull.noise.found > 0.0);
     let told = noisy.or(hull.as_ref().filter(|hull| hull.noise.unseen > 0.0));
     let exact = hull.as_ref().filter(|hull| hull.noise.found == 0.0);
@@ -273,12 +284,17 @@ pub fn press_prepared(
     let unstated = noisy.is_some() && loaded.case.runner.noise_m.is_none();
     let untold = unstated && sliding.is_none() && moved_by.is_none();
     let short = short.or_else(|| untold.then(|| loaded.noise_untold()));
+    let of_hull = [moved_by, between].map(|by| by.map_or(0.0, |by| by.p_max));
+    let of_hull = of_hull[0].hypot(of_hull[1]);
+    let uncertain = resting.filter(|_| of_hull > loaded.case.accuracy.p_max);
+    let short = short.or_else(|| Some(loaded.peak_uncertain(uncertain?, of_hull)));
     // Not told now: the command ends with it.
     warnings.extend(
         short
             .as_ref()
             .map(|short| format!("the accuracy asked was not reached: {short}")),
     );
+    let scanned = hull.as_ref().filter(|_| loaded.case.runner.hull.is_some());
     let remarks = [
         beyond_ice(&problem, &solution),
         own_hexahedra(&loaded),
@@ -287,6 +303,7 @@ pub fn press_prepared(
         between
             .filter(|between| between.p_max > loaded.case.accuracy.p_max)
             .map(|between| far_apart(between, solution.approach)),
+        scanned.and_then(|hull| at_rim(hull, &solution)),
     ];
     for warning in remarks.into_iter().flatten() {
         watch.warn(&warning);
@@ -393,4 +410,29 @@ fn far_apart(between: HullError, approach: f64) -> String {
         100.0 * between.p_max,
         100.0 * between.approach / approach
     )
+}
+
+/// That the contact reaches the rim of an open hull: what lies farther out was not scanned.
+fn at_rim(hull: &FittedHull, solution: &Solution) -> Option<String> {
+    const MARGIN: f64 = 0.1;
+    if hull.report.open_edges == 0 {
+        return None;
+    }
+    let [x0, x1, y0, y1] = patch(&solution.surface);
+    let [along, across] = [MARGIN * (x1 - x0), MARGIN * (y1 - y0)];
+    let middle = [0.5 * (x0 + x1), 0.5 * (y0 + y1)];
+    let sides = [
+        ("rear", [x0 - along, middle[1]]),
+        ("front", [x1 + along, middle[1]]),
+        ("right", [middle[0], y0 - across]),
+        ("left", [middle[0], y1 + across]),
+    ];
+    let outside = |place: &[f64; 2]| hull.underside.height(place[0], place[1]).is_infinite();
+    let (side, [x, y]) = sides.into_iter().find(|(_, place)| outside(place))?;
+    Some(format!(
+        "the contact reaches the {side} rim of what was scanned, at x = {:.1} mm, y = {:.2} mm: its pressure there is that of the rim; scan \
+         farther, or correct yaw, pitch and roll (`kufe hull check`)",
+        1e3 * x,
+        1e3 * y
+    ))
 }

@@ -175,6 +175,8 @@ mod tests {
                     found: noise,
                     unseen: 0.0,
                 },
+                strips: None,
+                seconds: [0.0; 2],
                 scan: Some(Arc::new(scanned)),
             };
             let off = (peak(&pressed)? / truth - 1.0).abs();
