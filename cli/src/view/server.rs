@@ -4,13 +4,13 @@ use std::io::Read;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use kufe::jobs::field::placed_hull;
 use kufe::jobs::{Contact, Failure, case_file::LoadedCase};
 use kufe::report::ContactPage;
 use kufe_contact::{Options, pressure_maps};
 use serde::Serialize;
 use tiny_http::{Header, Method, Request, Response};
 
-use crate::bodies::placed_hull::placed_hull;
 use crate::view::form::Form;
 use crate::view::turn::Turn;
 
