@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use kufe::jobs::field::write_contact;
 use kufe::jobs::{Contact, Failure, Watch, case_file::LoadedCase, with_progress};
 use kufe_contact::Options;
 
@@ -11,7 +12,7 @@ use crate::output::global::Global;
 use crate::output::paths::case_inputs;
 use crate::output::say::{say, warn};
 use crate::press::series::Lists;
-use crate::press::{files, series, summary};
+use crate::press::{series, summary};
 
 /// Arguments of `kufe press`.
 #[derive(clap::Args, Debug)]
@@ -67,7 +68,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     bar.finish_and_clear();
     let pressed = pressed?;
     let started = Instant::now();
-    let (result, json) = files::write(&output, &pressed, args.mat)?;
+    let (result, json) = write_contact(output.files(), &pressed, args.mat)?;
     output.commit()?;
     let writing = started.elapsed().as_secs_f64();
     if global.json {

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use kufe_mesh::{
     Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, HullWarning, MeshError, Noise,
-    ScanFrame, Underside, load_hull, noise_of_hull, strips_of_hull,
+    ScanFrame, Underside, check_hull, load_hull, noise_of_hull, strips_of_hull,
 };
 
 use crate::case::table::{FileAxis, RunnerTable};
@@ -29,7 +29,7 @@ pub struct FittedHull {
 }
 
 /// Reads the runner's hull and fits its underside; with what fills it where the runner deforms.
-pub(crate) fn fitted_hull(
+pub(crate) fn read_hull(
     runner: &RunnerTable,
     path: &Path,
 ) -> Result<(FittedHull, Option<Filled>), MeshError> {
@@ -41,8 +41,28 @@ pub(crate) fn fitted_hull(
             .map(|angle| angle.unwrap_or(0.0)),
     };
     let started = Instant::now();
-    let (hull, mut report) = load_hull(path, &options)?;
-    let reading = started.elapsed().as_secs_f64();
+    let (hull, report) = load_hull(path, &options)?;
+    fit(runner, hull, report, path, started.elapsed().as_secs_f64())
+}
+
+/// As [`read_hull`], of a hull in runner axes; messages call it `name`.
+pub(crate) fn fitted_hull(
+    runner: &RunnerTable,
+    hull: Hull,
+    name: &Path,
+) -> Result<(FittedHull, Option<Filled>), MeshError> {
+    let report = check_hull(&hull).map_err(|error| error.in_file(name))?;
+    fit(runner, hull, report, name, 0.0)
+}
+
+fn fit(
+    runner: &RunnerTable,
+    hull: Hull,
+    mut report: HullReport,
+    name: &Path,
+    reading: f64,
+) -> Result<(FittedHull, Option<Filled>), MeshError> {
+    let started = Instant::now();
     let strips = strips_of_hull(&hull);
     let strips_warning = strips.map(|length| HullWarning::Strips { length });
     report
@@ -61,13 +81,13 @@ pub(crate) fn fitted_hull(
     }
     let fill = || Filled::of(&hull, &report, &underside, runner.height_m);
     let filled = runner.elastic.then(fill).transpose();
-    let filled = filled.map_err(|error| error.in_file(path))?;
+    let filled = filled.map_err(|error| error.in_file(name))?;
     let fitted = FittedHull {
         underside: Arc::new(underside),
         report,
         noise,
         strips,
-        seconds: [reading, started.elapsed().as_secs_f64() - reading],
+        seconds: [reading, started.elapsed().as_secs_f64()],
         scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(hull)),
     };
     Ok((fitted, filled))

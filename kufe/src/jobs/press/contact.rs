@@ -73,6 +73,7 @@ impl Contact {
             name: "the contact".into(),
             base: Path::new("").into(),
             case,
+            hull: None,
         })
     }
 
@@ -194,7 +195,8 @@ impl Prepared {
         if of_files {
             watch.progress("reading the hull and fitting its underside");
         }
-        let (runner, hull) = told(loaded, loaded.case.runner(&loaded.base))?;
+        let runner = loaded.case.runner(&loaded.base, loaded.hull.as_deref());
+        let (runner, hull) = told(loaded, runner)?;
         Ok(Prepared {
             content,
             runner,
