@@ -19,11 +19,11 @@ pub struct Hertz {
 
 /// Hertz contact for the undeformed gap x^2 / (2 `radius_x`) + y^2 / (2 `radius_y`).
 ///
-/// With k = b/a, e^2 = 1 - k^2 and the complete elliptic integrals K(e) and E(e):
-/// radius_x / radius_y = (E / k^2 - K) / (K - E); b^3 = 3 F k E / (pi E* (1/radius_x + 1/radius_y));
-/// p_max = 3 F / (2 pi a b); approach = p_max b K / E* (K. L. Johnson, Contact Mechanics, 1985,
-/// eqs. 4.26 to 4.28). `radius_x >= radius_y` [m], both positive; `contact_modulus` is E* with
-/// 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 [Pa]; `force` [N].
+/// With k = b/a, e^2 = 1 - k^2 and the complete elliptic integrals K(e) and E(e): radius_x /
+/// radius_y = (E / k^2 - K) / (K - E); b^3 = 3 F k E / (pi E* (1/radius_x + 1/radius_y)); p_max = 3
+/// F / (2 pi a b); approach = p_max b K / E* (K. L. Johnson, Contact Mechanics, 1985, eqs. 4.26 to
+/// 4.28). `radius_x >= radius_y` [m], both positive; `contact_modulus` is E* with 1/E* = (1 -
+/// nu1^2)/E1 + (1 - nu2^2)/E2 [Pa]; `force` [N].
 ///
 /// ```
 /// let ball = kufe_contact::hertz(0.01, 0.01, 9.0e9 / (1.0 - 0.33 * 0.33), 100.0)?;
@@ -33,8 +33,8 @@ pub struct Hertz {
 /// ```
 ///
 /// # Errors
-/// [`Error::OutOfRange`] where a radius, the modulus or the force is not positive and finite, `radius_x < radius_y`, or they are so far apart that
-/// no figure of the contact is a number.
+/// [`Error::OutOfRange`] where a radius, the modulus or the force is not positive and finite,
+/// `radius_x < radius_y`, or they are so far apart that no figure of the contact is a number.
 pub fn hertz(
     radius_x: f64,
     radius_y: f64,
@@ -74,7 +74,8 @@ pub fn hertz(
     }
     let k = (0.5 * (low + high)).exp();
     let (first, second) = elliptic_integrals(k);
-    // The sum of Johnson's two curvature equations is (1/radius_x + 1/radius_y) / 2 = (p_max / E*) E / b.
+    // The sum of Johnson's two curvature equations is (1/radius_x + 1/radius_y) / 2 = (p_max / E*)
+    // E / b.
     let curvature = 0.5 * (1.0 / radius_x + 1.0 / radius_y);
     let b = (3.0 * force * k * second / (2.0 * std::f64::consts::PI * contact_modulus * curvature))
         .cbrt();
@@ -134,15 +135,16 @@ fn elliptic_integrals(k: f64) -> (f64, f64) {
 
 /// A round runner that slides on rigid-plastic ice.
 ///
-/// With rocker radius R, section radius r, load F and hardness H the patch is the front half of the ellipse that the cut at depth D
-/// removes, under H everywhere:
+/// With rocker radius R, section radius r, load F and hardness H the patch is the front half of the
+/// ellipse that the cut at depth D removes, under H everywhere:
 ///
 /// ```text
 /// l = sqrt( 2 F sqrt(R/r) / (pi H) ),   D = l^2/(2 R),   width = 2 sqrt(2 r D),   mu = 4 l/(3 pi R)
 /// ```
 ///
-/// from F = H pi l width/4 and the ploughing force H (2/3) D width, the section times the hardness; the first assumption of
-/// the models of skates and runners after E. Lozowski and K. Szilder, Int. J. Offshore Polar Eng. 23 (2013).
+/// from F = H pi l width/4 and the ploughing force H (2/3) D width, the section times the hardness;
+/// the first assumption of the models of skates and runners after E. Lozowski and K. Szilder, Int.
+/// J. Offshore Polar Eng. 23 (2013).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidPlastic {
     /// Length of the patch, all of it ahead of the lowest point [m].
@@ -158,7 +160,8 @@ pub struct RigidPlastic {
 /// The closed form [`RigidPlastic`] of radii [m], load [N] and hardness [Pa].
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for a number that is not positive, and where they are so far apart that a figure is no number.
+/// [`Error::OutOfRange`] for a number that is not positive, and where they are so far apart that a
+/// figure is no number.
 ///
 /// ```
 /// let groove = kufe_contact::rigid_plastic(30.0, 0.004, 950.0, 17.7e6)?;

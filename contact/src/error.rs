@@ -31,7 +31,8 @@ fn percent(share: f64) -> String {
     }
 }
 
-/// The figure whose error a solve is judged by, and how much larger than the peak's that error may be.
+/// The figure whose error a solve is judged by, and how much larger than the peak's that error may
+/// be.
 fn watched(best: &Solution) -> (&'static str, f64) {
     match best.hardness {
         Some(hardness) if best.p_max >= hardness => (
@@ -44,20 +45,22 @@ fn watched(best: &Solution) -> (&'static str, f64) {
 
 /// The size of cells that cannot be.
 fn size(spacing: f64) -> String {
-    match spacing > 0.0 {
-        true => format!("{spacing:.3e} m or less"),
-        false => "no size".into(),
+    if spacing > 0.0 {
+        format!("{spacing:.3e} m or less")
+    } else {
+        "no size".into()
     }
 }
 
 /// Why the requested error is reached and the solution still refused.
 fn coarse(reached: bool, finest: f64) -> String {
-    match reached {
-        true => format!(
+    if reached {
+        format!(
             ", but the pressure asks somewhere for cells of {finest:.2} of those there, {COARSE} is the least that passes, and such have \
              too many unknowns or were requested too often"
-        ),
-        false => String::new(),
+        )
+    } else {
+        String::new()
     }
 }
 
@@ -131,11 +134,12 @@ pub enum Error {
         /// The mesher's own words, with their numbers.
         reason: String,
     },
-    /// The load exceeds what the hull bears: at rest its whole underside, sliding what lies ahead of its lowest point and a little behind.
+    /// The load exceeds what the hull bears: at rest its whole underside, sliding what lies ahead
+    /// of its lowest point and a little behind.
     #[error(
         "a load of {fz} N needs more than the {capacity} N that the hull bears on ice of this hardness"
     )]
-    BeyondHardness {
+    LoadExceedsHardness {
         /// Normal force [N].
         fz: f64,
         /// Most load that it bears [N].
@@ -167,7 +171,8 @@ pub enum Error {
         /// Most nodes.
         limit: usize,
     },
-    /// More nodes of the contact plane may touch under a sliding runner than the stored matrices of the plane with memory take.
+    /// More nodes of the contact plane may touch under a sliding runner than the stored matrices of
+    /// the plane with memory take.
     #[error(
         "{nodes} nodes of the contact plane may touch while the runner slides, {limit} are the most: expected a shorter contact, longer \
          waves, or less accuracy"
@@ -188,7 +193,8 @@ pub enum Error {
         /// What it must be.
         expected: &'static str,
     },
-    /// The solution of a mesh violates equilibrium or the contact conditions somewhere on the plane.
+    /// The solution of a mesh violates equilibrium or the contact conditions somewhere on the
+    /// plane.
     #[error(
         "equilibrium and contact conditions are violated by {residual:.2e} (relative; all nodes of the contact plane), {most:.1e} is the most"
     )]
@@ -203,7 +209,7 @@ pub enum Error {
         "the runner also touches the ice at x = {x} m, y = {y} m, by {depth:.2e} m, far from where contact was looked for or \
          between the nodes there: expected a hull that touches at fewer places, or is smoother"
     )]
-    TouchesElsewhere {
+    PenetrationOutsideMesh {
         /// Where, along the runner [m].
         x: f64,
         /// Where, across it [m].
@@ -226,7 +232,8 @@ pub enum Error {
         /// Requested residual.
         tolerance: f64,
     },
-    /// The half-space beyond the mesh and the force under a given approach do not settle together.
+    /// The far field of the half-space and the force under a given approach do not converge
+    /// together.
     #[error(
         "the force under the given approach still changes by {change:.2e} (relative) after {rounds} far fields"
     )]
@@ -278,7 +285,7 @@ pub enum Error {
     },
     /// The assembled stiffness does not fit into the memory that it may take.
     #[error(
-        "the assembled stiffness of a body of {dofs} displacements needs {:.2} GB, {:.2} GB are left of what it may take; expected \
+        "the assembled stiffness of a body of {dofs} displacements needs {:.2} GB, {:.2} GB remain of the limit; expected \
          a matrix-free one or a coarser mesh",
         *needed as f64 / 1e9,
         *limit as f64 / 1e9
@@ -288,7 +295,7 @@ pub enum Error {
         dofs: usize,
         /// Memory that its matrix needs while it is made [bytes].
         needed: u64,
-        /// Memory that the bodies before it left [bytes].
+        /// Memory that remains after the bodies before it [bytes].
         limit: u64,
     },
 }

@@ -31,15 +31,16 @@
 //! 11. `boundary_elements`: a second method, on the contact plane alone.
 //! 12. `groove`: steady sliding on ice that yields.
 //!
-//! The iteration minimises the complementary energy of the contact forces,
-//! D(f) = 1/2 f^T S f + g^T f, with S the response of the bodies and g the gap without forces, over
-//! forces between 0 and what the ice bears that balance the load and its moments. Its minimum is minus
-//! the total potential energy, including the work of the load. Sweeps are projected onto bounds and
-//! balance together (`balance`) and go as far as D falls. An acceleration is accepted where D falls;
-//! otherwise it ends where the first force meets its bound, or sweeps go on. On the contact plane no
-//! set's minimiser occurs twice, so the iteration ends from any start. On the bodies the same holds
-//! where the equations of each set are solved exactly; they are stopped as soon as signs contradict the
-//! set, with D known to the residual. [`Solution::history`] has sweeps, accelerations and energies.
+//! The iteration minimises the complementary energy of the contact forces, D(f) = 1/2 f^T S f + g^T
+//! f, with S the response of the bodies and g the gap without forces, over forces between 0 and
+//! what the ice bears that balance the load and its moments. Its minimum is minus the total
+//! potential energy, including the work of the load. Sweeps are projected onto bounds and balance
+//! together (`balance`) and go as far as D falls. An acceleration is accepted where D falls;
+//! otherwise it ends where the first force meets its bound, or sweeps go on. On the contact plane
+//! no set's minimiser occurs twice, so the iteration ends from any start. On the bodies the same
+//! holds where the equations of each set are solved exactly; they are stopped as soon as signs
+//! contradict the set, with D known to the residual. [`Solution::history`] has sweeps,
+//! accelerations and energies.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -79,7 +80,7 @@ pub use boundary_elements::check::{
     BoundaryElements, VerifiedBem, boundary_elements, boundary_elements_to,
     boundary_elements_to_compare,
 };
-pub use boundary_elements::window::NotChecked;
+pub use boundary_elements::window::CheckUnavailable;
 pub use closed_forms::{Hertz, RigidPlastic, hertz, rigid_plastic};
 pub use error::Error;
 pub use groove::sequence::slide;

@@ -3,7 +3,8 @@
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
-/// Approach, pitch and roll: which are free, what they start from, and the balance each free one answers to.
+/// Approach, pitch and roll: which are free, what they start from, and the balance each free one
+/// answers to.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     /// Whether approach, pitch and roll follow from balance.
@@ -14,8 +15,8 @@ pub(crate) struct Motion {
 
 /// The motion for which N^T f meets the balance, where f = (G^-1 N) q - G^-1 g.
 ///
-/// `solved` holds G^-1 g and G^-1 N, node by row. Motions that the contact set cannot feel (the roll of a
-/// single row of nodes) keep the value they have in `current`.
+/// `solved` holds G^-1 g and G^-1 N, node by row. Motions that the contact set cannot feel (the
+/// roll of a single row of nodes) keep the value they have in `current`.
 pub(crate) fn solve_motion(
     motion: &Motion,
     rows: &[[f64; 3]],
@@ -56,7 +57,8 @@ pub(crate) fn dot_rows(rows: &[[f64; 3]], a: usize, solved: &Mat<f64>, column: u
         .sum()
 }
 
-/// Solves a symmetric positive semidefinite 3 x 3 system in the least-norm sense, after scaling its diagonal to 1.
+/// Solves a symmetric positive semidefinite 3 x 3 system in the least-norm sense, after scaling its
+/// diagonal to 1.
 pub(crate) fn solve_semidefinite(matrix: Matrix3<f64>, side: Vector3<f64>) -> Vector3<f64> {
     let scale = Vector3::from_fn(|a, _| {
         let d: f64 = matrix[(a, a)];

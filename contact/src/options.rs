@@ -5,11 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::Iterate;
 
-/// Version of the numerics: it rises whenever the same problem and options give other figures, so that results kept on disk
-/// by an older version are not taken for this one's.
+/// Version of the numerics: it rises whenever the same problem and options give other figures, so
+/// that results kept on disk by an older version are not taken for this one's.
 pub const NUMERICS: u32 = 17;
 
-/// Weight of the relative error of the area where the ice's hardness fixes the peak and the area is what is refined.
+/// Weight of the relative error of the area where the ice's hardness fixes the peak and the area is
+/// what is refined.
 ///
 /// The area's error is of first order and scatters with the place of the rim between nodes.
 pub(crate) const AREA_WEIGHT: f64 = 0.25;
@@ -20,8 +21,8 @@ pub enum StiffnessForm {
     /// Applied cell by cell, without being stored.
     #[default]
     MatrixFree,
-    /// Assembled into faer's sparse matrices, one a body: some twenty times the memory and several times the time of a product,
-    /// the same answer to rounding. The preconditioners are the same.
+    /// Assembled into faer's sparse matrices, one a body: some twenty times the memory and several
+    /// times the time of a product, the same answer to rounding. The preconditioners are the same.
     Assembled,
 }
 
@@ -49,23 +50,28 @@ pub struct Options {
     pub p_max_tolerance: f64,
     /// Relative energy-norm residual of the equations on each mesh.
     pub residual: f64,
-    /// Largest number of unknowns that a mesh is expected to have when its resolution is chosen: 1.5^3 times those of the last
-    /// one. The mesh itself may have about a tenth more, and the coarsest one is solved whatever it has.
+    /// Largest number of unknowns that a mesh is expected to have when its resolution is chosen:
+    /// 1.5^3 times those of the last one. The mesh itself may have about a tenth more, and the
+    /// coarsest one is solved whatever it has.
     pub max_dofs: usize,
-    /// Where given, one mesh with this many cells over half the patch is solved instead of refining to
-    /// `p_max_tolerance`; the reported error is then infinite.
+    /// Where given, one mesh with this many cells over half the patch is solved instead of refining
+    /// to `p_max_tolerance`; the reported error is then infinite.
     pub cells: Option<usize>,
     /// The form of the stiffness.
     pub stiffness: StiffnessForm,
-    /// Memory that assembled stiffness may take while it is made, all bodies of a mesh together [bytes].
+    /// Memory that assembled stiffness may take while it is made, all bodies of a mesh together
+    /// [bytes].
     pub max_stiffness_bytes: u64,
-    /// Whether the shear under the peak pressure is followed over the meshes: [`Solution::under_peak`](crate::Solution::under_peak).
+    /// Whether the shear under the peak pressure is followed over the meshes:
+    /// [`Solution::under_peak`](crate::Solution::under_peak).
     pub subsurface: bool,
-    /// Called after every update of the contact set, as it happens and in order, with the values of that moment.
+    /// Called after every update of the contact set, as it happens and in order, with the values of
+    /// that moment.
     pub progress: Option<Watcher>,
     /// Called before each mesh is solved, which may take longer than all before it.
     pub next_mesh: Option<MeshWatcher>,
-    /// Once true, the solve ends with [`Error::Stopped`](crate::Error::Stopped), within about an iteration.
+    /// Once true, the solve ends with [`Error::Stopped`](crate::Error::Stopped), within about an
+    /// iteration.
     pub stop: Option<Arc<AtomicBool>>,
 }
 
@@ -79,8 +85,8 @@ impl Options {
 }
 
 impl Default for Options {
-    /// One per cent of peak pressure, residual 1e-9, at most 4 million unknowns, matrix-free, assembled
-    /// in at most 4 GB where requested, silent.
+    /// One per cent of peak pressure, residual 1e-9, at most 4 million unknowns, matrix-free,
+    /// assembled in at most 4 GB where requested, silent.
     fn default() -> Self {
         Options {
             p_max_tolerance: 0.01,

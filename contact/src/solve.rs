@@ -9,19 +9,21 @@ use crate::{Error, Load, Options, Problem, Solution};
 
 /// Solves a contact problem.
 ///
-/// Linear elasticity on trilinear hexahedra, frictionless unilateral contact; see the crate's page for the
-/// method. The mesh is refined until the estimated discretisation error of the peak pressure is below
-/// `options.p_max_tolerance`.
+/// Linear elasticity on trilinear hexahedra, frictionless unilateral contact; see the crate's page
+/// for the method. The mesh is refined until the estimated discretisation error of the peak
+/// pressure is below `options.p_max_tolerance`.
 ///
 /// # Errors
-/// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::TrackTooTight`] and [`Error::BeyondHardness`] for
-/// problems without an answer; [`Error::NotConverged`] where a mesh's equations are not solved, and
-/// [`Error::AccuracyNotReached`], with the best solution in it, where the largest mesh allowed does not do;
-/// [`Error::ConditionsViolated`] and [`Error::TouchesElsewhere`] where the solution of the last mesh violates the contact conditions;
-/// [`Error::TooFine`] and [`Error::MeshTooLarge`] where no mesh can be had, [`Error::NoAnswer`] where
-/// the meshes give no contact under the load.
+/// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::TrackTooTight`] and
+/// [`Error::BeyondHardness`] for problems without an answer; [`Error::NotConverged`] where a mesh's
+/// equations are not solved, and [`Error::AccuracyNotReached`], with the best solution in it, where
+/// the largest mesh allowed does not do; [`Error::ConditionsViolated`] and
+/// [`Error::TouchesElsewhere`] where the solution of the last mesh violates the contact conditions;
+/// [`Error::TooFine`] and [`Error::MeshTooLarge`] where no mesh can be had, [`Error::NoAnswer`]
+/// where the meshes give no contact under the load.
 pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
-    // Among the workers from the start: every parallel loop begun outside would wait for one to wake up.
+    // Among the workers from the start: every parallel loop begun outside would wait for one to
+    // wake up.
     rayon::scope(|_| refined(problem, options, Meshes::guess(problem, options)?))
 }
 
@@ -53,22 +55,24 @@ fn refined(problem: &Problem, options: &Options, mut meshes: Meshes) -> Result<S
 /// Checks a problem as far as that goes without solving it.
 ///
 /// # Errors
-/// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::LoadOnRim`], [`Error::TrackTooTight`],
-/// [`Error::BeyondHardness`], and those of what does not go together.
+/// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::LoadOnRim`],
+/// [`Error::TrackTooTight`], [`Error::BeyondHardness`], and those of what does not go together.
 pub fn check_problem(problem: &Problem, options: &Options) -> Result<(), Error> {
     check(problem, options)?;
     Gap::new(problem)?;
     capacity(problem)
 }
 
-/// Relative difference of the force carried from the requested one that a balanced contact may have.
+/// Relative difference of the force carried from the requested one that a balanced contact may
+/// have.
 const BALANCED: f64 = 1e-6;
 
-/// What equilibrium and contact conditions may be violated by at the end, relative: the sets' own slack where they went in circles.
+/// What equilibrium and contact conditions may be violated by at the end, relative: the sets' own
+/// slack where they went in circles.
 const LARGEST_VIOLATION: f64 = 2e-5;
 
-/// Passes a solution on that holds equilibrium and contact conditions on all nodes of the plane, or to ten times a residual that was
-/// requested looser.
+/// Passes a solution on that holds equilibrium and contact conditions on all nodes of the plane, or
+/// to ten times a residual that was requested looser.
 fn verified(solution: Solution, options: &Options) -> Result<Solution, Error> {
     let most = LARGEST_VIOLATION.max(10.0 * options.residual);
     if solution.kkt_residual <= most {
@@ -195,7 +199,7 @@ mod tests {
         else {
             return Err("meshes without a grading were taken for an answer".into());
         };
-        // The meshes agree to what was asked, and on a wrong peak.
+        // The meshes agree to the requested accuracy, and on a wrong peak.
         assert!(estimate <= options.p_max_tolerance, "{estimate}");
         assert!(finest < COARSE, "{finest}");
         let off = (best.p_max / graded.p_max - 1.0).abs();
@@ -257,7 +261,7 @@ mod tests {
             ..
         }) = solve(&paraboloid()?, &options)
         else {
-            return Err("more was reached than asked".into());
+            return Err("more was reached than requested".into());
         };
         // The limit is on what is expected of a mesh; the second one came out at 108 thousand.
         assert!(dofs <= 115_000 && dofs == best.dofs, "{dofs}");

@@ -44,10 +44,14 @@ impl Answer<'_> {
             .product::<f64>();
         let resultant = mesh.contact.resultant(&state);
         let fz = resultant[0] / share;
-        // A mirror plane holds the centre of pressure; otherwise it follows from the moments about the line of action.
-        let centre = |axis: usize, moment: f64| match mesh.symmetry[axis] {
-            true => 0.0,
-            false => gap.line_of_action[axis] + moment / resultant[0],
+        // A mirror plane holds the centre of pressure; otherwise it follows from the moments about
+        // the line of action.
+        let centre = |axis: usize, moment: f64| {
+            if mesh.symmetry[axis] {
+                0.0
+            } else {
+                gap.line_of_action[axis] + moment / resultant[0]
+            }
         };
         let centre_of_pressure = [centre(0, resultant[1]), centre(1, -resultant[2])];
         let [pitch, roll] = gap.tilt(state.motion[1], state.motion[2]);
@@ -127,7 +131,8 @@ fn by_node(u: &[f64]) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// Largest relative violation: equilibrium by the operator, balance, and tension and penetration over all nodes of the plane.
+/// Largest relative violation: equilibrium by the operator, balance, and tension and penetration
+/// over all nodes of the plane.
 fn kkt(contact: &ContactMesh, state: &State, depth: f64) -> f64 {
     let largest = state
         .force
@@ -158,9 +163,12 @@ fn kkt(contact: &ContactMesh, state: &State, depth: f64) -> f64 {
 
 /// The largest, at least 0; infinite where one is no number.
 fn worst(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |most, value| match value.is_nan() {
-        true => f64::INFINITY,
-        false => most.max(value),
+    values.fold(0.0, |most, value| {
+        if value.is_nan() {
+            f64::INFINITY
+        } else {
+            most.max(value)
+        }
     })
 }
 
@@ -195,9 +203,10 @@ fn unfold(x: &[f64], y: &[f64], symmetry: [bool; 2], fields: [Vec<f64>; 4]) -> S
 
 /// The error of a tilt by a relative one; of one mesh nothing is known, of a tilt of 0 neither.
 fn turned(tilt: f64, relative: f64) -> f64 {
-    match relative.is_finite() {
-        true => tilt.abs() * relative,
-        false => relative,
+    if relative.is_finite() {
+        tilt.abs() * relative
+    } else {
+        relative
     }
 }
 

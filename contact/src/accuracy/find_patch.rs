@@ -4,7 +4,7 @@ use kufe_fem::Material;
 
 use crate::accuracy::mesh_solve::Forces;
 use crate::active_set::plane_problem::PlaneState;
-use crate::green::matrix::Stored;
+use crate::green::matrix::StorageLimit;
 use crate::grid::first_guess::first_guess;
 use crate::grid::grading::Resolution;
 use crate::grid::patch::Patch;
@@ -23,7 +23,8 @@ const COARSE_MESH: Resolution = Resolution {
 /// Most times that the plane is solved.
 const ROUNDS: usize = 30;
 
-/// Finds the patch with contact problems on the plane alone, regrading until the grid fits what it finds.
+/// Finds the patch with contact problems on the plane alone, regrading until the grid fits what it
+/// finds.
 pub(crate) fn find_patch(
     problem: &Problem,
     gap: &Gap,
@@ -46,7 +47,7 @@ pub(crate) fn find_patch(
         }
         .mesh()?;
         let contact = &mesh.contact;
-        let [_, scaled] = contact.greens(Stored::USUAL);
+        let [_, scaled] = contact.greens(StorageLimit::USUAL);
         let none = vec![0.0; contact.candidates.len()];
         let start = PlaneState::new(none, [patch.motion, 0.0, 0.0]);
         let found = contact.plane_contact(&scaled, &contact.unpressed_gap(), start);
@@ -80,7 +81,7 @@ pub(crate) fn capacity(problem: &Problem) -> Result<(), Error> {
     let [x0, x1, y0, y1] = problem.runner.underside.extent();
     let capacity = hardness * (x1 - x0) * (y1 - y0);
     if capacity <= fz {
-        Err(Error::BeyondHardness { fz, capacity })
+        Err(Error::LoadExceedsHardness { fz, capacity })
     } else {
         Ok(())
     }

@@ -1,18 +1,19 @@
-//! What the order means beyond which values that a rim moves are taken to settle by accident.
+//! The largest order of convergence that is believed of values that a rim moves.
 
 use std::sync::Arc;
 
 use kufe_mesh::Paraboloid;
 
 use crate::accuracy::meshes::{Meshes, Verdict};
-use crate::accuracy::order::{HIGHEST, Limit, Raw};
+use crate::accuracy::order::{HIGHEST, Limit, MeshValue};
 use crate::{Error, Ice, Load, Options, Problem, Runner, Tilt};
 
 /// The order as it is, at half and at twice.
 const ORDERS: [f64; 3] = [0.5 * HIGHEST, HIGHEST, 2.0 * HIGHEST];
-const ASKED: [f64; 2] = [0.02, 0.005];
+const TOLERANCES: [f64; 2] = [0.02, 0.005];
 
-/// A contact on ice that yields, with the approach that rectangles give it and what they know it to.
+/// A contact on ice that yields, with the approach that rectangles give it and what they know it
+/// to.
 struct Row {
     problem: Problem,
     approach: f64,
@@ -50,10 +51,11 @@ fn rows() -> Vec<Row> {
     yields.map(row).collect()
 }
 
-/// The approach of a contact solved to an accuracy, by each of [`ORDERS`]: what decides when meshes do is the area, whatever these say.
-fn approaches(problem: &Problem, asked: f64) -> Result<[Limit; 3], Error> {
+/// The approach of a contact solved to an accuracy, by each of [`ORDERS`]: what decides when meshes
+/// do is the area, whatever these say.
+fn approaches(problem: &Problem, tolerance: f64) -> Result<[Limit; 3], Error> {
     let options = Options {
-        p_max_tolerance: asked,
+        p_max_tolerance: tolerance,
         ..Options::default()
     };
     let mut meshes = Meshes::guess(problem, &options)?;
@@ -69,7 +71,8 @@ fn approaches(problem: &Problem, asked: f64) -> Result<[Limit; 3], Error> {
     }
 }
 
-/// The share of limits that hold 1, known to so much, and the median of what they state over what they are off by.
+/// The share of limits that hold 1, known to so much, and the median of what they state over what
+/// they are off by.
 fn reported(limits: &mut [(Limit, f64)]) -> [f64; 2] {
     let off = |(limit, _): &(Limit, f64)| (limit.value - 1.0).abs();
     let covered = limits.iter().filter(|l| off(l) <= l.0.error + l.1).count();
@@ -96,9 +99,10 @@ impl Random {
     }
 }
 
-/// Three meshes of 3 to 8 cells and twice as many, with limit 1: a smooth error of an order of 0.5 to 3 and of 0.1 to 10 % on the coarsest, and
-/// one of the rim between nodes of 0.1 to 1 times that, which falls with the cells' size to the power 1.5.
-fn sequence(random: &mut Random) -> [Raw; 3] {
+/// Three meshes of 3 to 8 cells and twice as many, with limit 1: a smooth error of an order of 0.5
+/// to 3 and of 0.1 to 10 % on the coarsest, and one of the rim between nodes of 0.1 to 1 times
+/// that, which falls with the cells' size to the power 1.5.
+fn sequence(random: &mut Random) -> [MeshValue; 3] {
     let first = (5.5 + 2.5 * random.next()).floor();
     let (order, error) = (
         1.75 + 1.25 * random.next(),
@@ -108,30 +112,31 @@ fn sequence(random: &mut Random) -> [Raw; 3] {
     let second = (first * 2f64.sqrt()).round();
     [first, second, 2.0 * first].map(|cells| {
         let h = first / cells;
-        Raw {
+        MeshValue {
             cells,
             value: 1.0 - error * h.powf(order) + rim * h.powf(1.5) * random.next(),
         }
     })
 }
 
-/// `cargo test --release -p kufe-contact highest -- --ignored --nocapture`; with `KUFE_ROWS` another table's rows.
+/// `cargo test --release -p kufe-contact highest -- --ignored --nocapture`; with `KUFE_ROWS`
+/// another table's rows.
 #[test]
 #[ignore = "slow study: .ci/slow"]
 fn the_highest_order_holds_errors_at_half_and_twice_itself() {
     let mut random = Random(0x2545_f491_4f6c_dd1d);
-    let sequences: Vec<[Raw; 3]> = (0..20_000).map(|_| sequence(&mut random)).collect();
+    let sequences: Vec<[MeshValue; 3]> = (0..20_000).map(|_| sequence(&mut random)).collect();
     let rows = rows();
-    let solved: Vec<Vec<([Limit; 3], f64)>> = ASKED
+    let solved: Vec<Vec<([Limit; 3], f64)>> = TOLERANCES
         .iter()
-        .map(|&asked| {
+        .map(|&tolerance| {
             let of = |row: &Row| {
                 let part = |l: Limit| Limit {
                     value: l.value / row.approach,
                     error: l.error / row.approach,
                 };
                 (
-                    approaches(&row.problem, asked)
+                    approaches(&row.problem, tolerance)
                         .expect("a contact")
                         .map(part),
                     row.known_to,

@@ -6,7 +6,7 @@ use kufe_mesh::TensorGrid;
 use crate::active_set::contact_set::{Control, Counts, Progress, SetUpdate};
 use crate::active_set::plane_problem::PlaneState;
 use crate::bodies::far_field::{lumps, prescribe};
-use crate::green::matrix::{Green, Stored};
+use crate::green::matrix::{Green, StorageLimit};
 use crate::mesh::contact_mesh::State;
 use crate::mesh::discretise::Discretisation;
 use crate::precondition::planewise::Side;
@@ -39,7 +39,7 @@ pub(crate) struct MeshSolve<'a> {
     pub mesh: &'a Discretisation,
     pub options: &'a Options,
     /// Most candidates whose Green's matrix is stored.
-    pub stored: Stored,
+    pub stored: StorageLimit,
     /// Called at every update of the contact set, with the state as it is then.
     pub report: &'a dyn Fn(&SetUpdate, &State),
 }
@@ -52,7 +52,8 @@ const ROUNDS: usize = 20;
 const SETTLED: f64 = 1e-6;
 
 impl MeshSolve<'_> {
-    /// Solves, beginning with the contact on the plane alone at `motion`; the far field is that of `forces` at first.
+    /// Solves, beginning with the contact on the plane alone at `motion`; the far field is that of
+    /// `forces` at first.
     pub fn solve(&self, motion: f64, forces: &Forces) -> Result<(State, Progress), Error> {
         self.solve_within(ROUNDS, motion, forces)
     }
@@ -118,8 +119,9 @@ impl MeshSolve<'_> {
         (state, found.counts)
     }
 
-    /// [`ITERATIONS`], more where a material is nearly incompressible: K over its preconditioner, which couples no components, is
-    /// conditioned as (lambda + 2 mu) / mu, 4 at 1/3, and iterations go with its root.
+    /// [`ITERATIONS`], more where a material is nearly incompressible: K over its preconditioner,
+    /// which couples no components, is conditioned as (lambda + 2 mu) / mu, 4 at 1/3, and
+    /// iterations go with its root.
     fn most_iterations(&self) -> usize {
         let bodies = self.mesh.contact.bodies.iter();
         let stiffest = bodies.flat_map(|body| {
@@ -132,7 +134,8 @@ impl MeshSolve<'_> {
         (ITERATIONS as f64 * (condition / 4.0).sqrt()) as usize
     }
 
-    /// Fixes the displacements of the outer faces of a half-space to the far field of the contact forces.
+    /// Fixes the displacements of the outer faces of a half-space to the far field of the contact
+    /// forces.
     pub fn fix_outer_faces(&self, forces: &Forces, state: &mut State) {
         let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
         let (grid, symmetry) = (&self.mesh.grid, self.mesh.symmetry);
@@ -161,7 +164,8 @@ impl MeshSolve<'_> {
         }
     }
 
-    /// Solves the equations with the displacements of the outer faces fixed, from `state`, whose forces took `begun`.
+    /// Solves the equations with the displacements of the outer faces fixed, from `state`, whose
+    /// forces took `begun`.
     fn with_fixed_faces(&self, greens: &[Green; 2], state: &mut State, begun: Counts) -> Progress {
         let control = Control {
             tolerance: self.options.residual,
@@ -180,7 +184,7 @@ mod tests {
     use kufe_mesh::Paraboloid;
 
     use super::*;
-    use crate::accuracy::one_mesh::OneMesh;
+    use crate::accuracy::one_mesh::MeshProblem;
     use crate::{Ice, Runner};
 
     #[test]
@@ -193,14 +197,14 @@ mod tests {
             roll: 0.0,
         };
         let problem = Problem::new(runner, Ice::half_space(9e9, 0.33), load);
-        let one = OneMesh::new(problem, 4.0)?;
+        let one = MeshProblem::new(problem, 4.0)?;
         let options = Options::default();
         let solve = MeshSolve {
             problem: &one.problem,
             material: one.material,
             mesh: &one.mesh,
             options: &options,
-            stored: Stored::USUAL,
+            stored: StorageLimit::USUAL,
             report: &|_, _| {},
         };
         let within = |rounds| solve.solve_within(rounds, one.patch.motion, &one.forces);

@@ -15,7 +15,7 @@ use crate::accuracy::penetration_check::{Penetration, SolvedMesh};
 use crate::accuracy::watched::{ErrorFloor, FigureHistory, Limits, Place};
 use crate::active_set::contact_set::{Progress, SetUpdate};
 use crate::bodies::elastic_body::ElasticBody;
-use crate::green::matrix::Stored;
+use crate::green::matrix::StorageLimit;
 use crate::grid::grading::Resolution;
 use crate::grid::patch::{COARSE, Patch};
 use crate::mesh::assembled::assemble;
@@ -49,7 +49,8 @@ pub(crate) struct Meshes<'a> {
     /// Where contact is expected, and the forces found last.
     pub(super) patch: Patch,
     forces: Forces,
-    /// Cells over half the patch of the next mesh, and of the first one that it is similar to, before rounding.
+    /// Cells over half the patch of the next mesh, and of the first one that it is similar to,
+    /// before rounding.
     pub(super) cells: f64,
     pub(super) coarsest: f64,
     /// Cells over half the patch that a patch begins with.
@@ -111,7 +112,7 @@ impl<'a> Meshes<'a> {
             coarsest,
             own,
             number: 0,
-            solved: FigureHistory::new(problem.ice.hardness, left(own)),
+            solved: FigureHistory::new(problem.ice.hardness, error_floor(own)),
             graded_anew: false,
             regraded: 0,
             widened: Vec::new(),
@@ -166,7 +167,7 @@ impl<'a> Meshes<'a> {
             material: self.material,
             mesh: &mesh,
             options: self.options,
-            stored: Stored::USUAL,
+            stored: StorageLimit::USUAL,
             report: &report,
         }
         .solve(self.patch.motion, &self.forces)?;
@@ -202,7 +203,8 @@ impl<'a> Meshes<'a> {
         }
     }
 
-    /// The next mesh; the first one of a patch so that the limit of unknowns leaves room for two more, to estimate an error from.
+    /// The next mesh; the first one of a patch so that the limit of unknowns leaves room for two
+    /// more, to estimate an error from.
     fn next_mesh(&mut self) -> Result<Discretisation, Error> {
         loop {
             let mesh = MeshPlan {
@@ -242,14 +244,14 @@ impl<'a> Meshes<'a> {
     pub fn widen(&mut self, contact: &Contact, found: &[Penetration]) -> Result<(), Error> {
         let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
         if let Some(deepest) = deepest.filter(|_| self.widened.len() == WIDENINGS) {
-            return Err(Error::TouchesElsewhere {
+            return Err(Error::PenetrationOutsideMesh {
                 x: deepest.at[0],
                 y: deepest.at[1],
                 depth: deepest.depth,
             });
         }
         // Meshes without that place say nothing of this contact.
-        self.solved = FigureHistory::new(self.problem.ice.hardness, left(self.own));
+        self.solved = FigureHistory::new(self.problem.ice.hardness, error_floor(self.own));
         self.patch = self.on(contact).patch_with(found);
         self.widened.push(self.patch.clone());
         self.graded_anew = true;
@@ -272,11 +274,13 @@ impl<'a> Meshes<'a> {
         } else {
             self.patch = found.with_sizes_of(&self.patch);
         }
-        // Meshes for other rims say little of these: the coarsest of them are the cheapest to begin with.
+        // Meshes for other rims say little of these: the coarsest of them are the cheapest to begin
+        // with.
         let again = !plan.anew && !agrees && self.regraded < REGRADINGS;
-        self.cells = match again {
-            true => self.first.min(plan.cells),
-            false => plan.cells,
+        self.cells = if again {
+            self.first.min(plan.cells)
+        } else {
+            plan.cells
         };
         self.regraded += usize::from(again);
         if self.graded_anew {
@@ -286,7 +290,7 @@ impl<'a> Meshes<'a> {
 
     /// The solution that the last mesh and the limit of all make.
     pub fn solution(self, contact: Contact, limits: Limits) -> Solution {
-        let beside = self.solved.beside();
+        let other = self.solved.other_errors();
         let under_peak = self.solved.under_peak();
         let solution = Answer {
             problem: self.problem,
@@ -298,10 +302,10 @@ impl<'a> Meshes<'a> {
             dofs: contact.dofs,
         }
         .solution(limits, self.history);
-        let [pitch_error, roll_error] = beside.tilt_errors;
+        let [pitch_error, roll_error] = other.tilt_errors;
         Solution {
-            width_error: beside.width_error,
-            approach_error: beside.approach_error,
+            width_error: other.width_error,
+            approach_error: other.approach_error,
             pitch_error,
             roll_error,
             under_peak,
@@ -310,8 +314,8 @@ impl<'a> Meshes<'a> {
     }
 }
 
-fn left(own: Option<OwnCells>) -> ErrorFloor {
-    own.map_or_else(ErrorFloor::default, OwnCells::left)
+fn error_floor(own: Option<OwnCells>) -> ErrorFloor {
+    own.map_or_else(ErrorFloor::default, OwnCells::error_floor)
 }
 
 fn dofs(mesh: &Discretisation) -> usize {
@@ -320,8 +324,8 @@ fn dofs(mesh: &Discretisation) -> usize {
 
 // Whether the meshes solved so far are enough, and else what comes next.
 
-/// Share of the requested error that a first mesh's rims may take: where the patch was guessed worse, the contact's own is meshed before any
-/// other. The rest is for the cells.
+/// Share of the requested error that a first mesh's rims may take: where the patch was guessed
+/// worse, the contact's own is meshed before any other. The rest is for the cells.
 const BY_RIMS: f64 = 0.5;
 
 /// What is to be done after a mesh.
@@ -332,8 +336,8 @@ pub(crate) enum Verdict {
     Refine(Plan),
     /// The runner touches where contact was not looked for.
     Widen(Vec<Penetration>),
-    /// Another mesh is needed and would have too many unknowns, or finer cells than the runner's own; what the meshes tend to, where
-    /// that is known.
+    /// Another mesh is needed and would have too many unknowns, or finer cells than the runner's
+    /// own; what the meshes tend to, where that is known.
     OutOfReach(Option<Limits>),
 }
 
@@ -355,15 +359,17 @@ impl Meshes<'_> {
             return verdict;
         }
         let mut found = self.on(contact).penetrations();
-        // What was looked for late and stayed open is no place of contact, whatever a mesh says that no longer looks there.
+        // What was looked for late and stayed open is no place of contact, whatever a mesh says
+        // that no longer looks there.
         found.retain(|place| {
             let [x, y] = place.at;
             // Where contact is looked for it lies between the nodes.
             expected(&self.patch, x, y) || !self.widened.iter().any(|patch| expected(patch, x, y))
         });
-        match found.is_empty() {
-            true => verdict,
-            false => Verdict::Widen(found),
+        if found.is_empty() {
+            verdict
+        } else {
+            Verdict::Widen(found)
         }
     }
 
@@ -380,9 +386,10 @@ impl Meshes<'_> {
         let graded = !anew || self.graded_anew;
         if let Some(limits) = limits.filter(|l| graded && l.relative <= tolerance) {
             // Meshes that agree say nothing of what all of them are too coarse for.
-            return match coarse && !self.graded_anew {
-                true => Verdict::OutOfReach(Some(limits)),
-                false => Verdict::Reached(limits),
+            return if coarse && !self.graded_anew {
+                Verdict::OutOfReach(Some(limits))
+            } else {
+                Verdict::Reached(limits)
             };
         }
         let cells = match limits {
@@ -391,9 +398,10 @@ impl Meshes<'_> {
                 let room = (self.options.max_dofs as f64 / contact.dofs as f64).cbrt();
                 let wished = next_refinement(limits.relative / tolerance);
                 // Where that would have too many unknowns, what they allow.
-                let finer = match wished <= room {
-                    true => (self.cells * wished).round(),
-                    false => (self.cells * room.max(LEAST_REFINEMENT)).floor(),
+                let finer = if wished <= room {
+                    (self.cells * wished).round()
+                } else {
+                    (self.cells * room.max(LEAST_REFINEMENT)).floor()
                 };
                 finer.max(self.cells + 1.0)
             }

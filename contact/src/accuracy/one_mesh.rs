@@ -5,7 +5,7 @@ use kufe_fem::Material;
 use crate::accuracy::find_patch::find_patch;
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::active_set::contact_set::Progress;
-use crate::green::matrix::Stored;
+use crate::green::matrix::StorageLimit;
 use crate::grid::grading::Resolution;
 use crate::grid::patch::Patch;
 use crate::mesh::contact_mesh::State;
@@ -15,7 +15,7 @@ use crate::problem::gap::Gap;
 use crate::{Error, Options, Problem};
 
 /// A mesh of a problem's scouted patch, and what it is solved from.
-pub(crate) struct OneMesh {
+pub(crate) struct MeshProblem {
     pub problem: Problem,
     pub material: Material,
     pub patch: Patch,
@@ -23,7 +23,7 @@ pub(crate) struct OneMesh {
     pub mesh: Discretisation,
 }
 
-impl OneMesh {
+impl MeshProblem {
     /// With so many cells over half the patch.
     pub fn new(problem: Problem, cells: f64) -> Result<Self, Error> {
         let options = Options::default();
@@ -42,7 +42,7 @@ impl OneMesh {
             reach: Reach::Patch,
         }
         .mesh()?;
-        Ok(OneMesh {
+        Ok(MeshProblem {
             problem,
             material,
             patch,
@@ -52,7 +52,7 @@ impl OneMesh {
     }
 
     /// Solved with Green's matrices of so many nodes stored.
-    pub fn solve(&self, stored: Stored) -> Result<(State, Progress), Error> {
+    pub fn solve(&self, stored: StorageLimit) -> Result<(State, Progress), Error> {
         MeshSolve {
             problem: &self.problem,
             material: self.material,

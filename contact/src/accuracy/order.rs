@@ -1,8 +1,8 @@
 //! The order at which meshes approach their limit, measured on three of them.
 
-/// What one mesh says of a figure.
+/// A figure on one mesh.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Raw {
+pub(crate) struct MeshValue {
     /// Cells over half the patch; the size of a cell is its inverse.
     pub cells: f64,
     /// The figure, in its own unit.
@@ -16,27 +16,32 @@ pub(crate) struct Limit {
     pub error: f64,
 }
 
-/// Order of trilinear cells: what the meshes are expected to converge with, and the highest order that is believed.
+/// Order of trilinear cells: what the meshes are expected to converge with, and the highest order
+/// that is believed.
 const FORMAL: f64 = 2.0;
-/// Order beyond which values that a rim moves settle by accident: above those of smooth figures with a vanishing second-order part.
+/// Largest order that is believed of values that a rim moves. It is above the order of smooth
+/// figures whose second-order part vanishes.
 pub(crate) const HIGHEST: f64 = 3.0;
 /// Lowest order that is believed: below it a limit is far from every mesh there is.
 const LOWEST: f64 = 0.5;
-/// Factor of safety where the observed order is the formal one (T. Xing and F. Stern, J. Fluids Eng. 132, 061403, 2010).
+/// Factor of safety where the observed order is the formal one (T. Xing and F. Stern, J. Fluids
+/// Eng. 132, 061403, 2010).
 const SAFETY: f64 = 1.6;
-/// Factor of safety on the range of the values where they show no order (L. Eça and M. Hoekstra, J. Comput. Phys. 228, 2009).
+/// Factor of safety on the range of the values where they show no order (L. Eça and M. Hoekstra, J.
+/// Comput. Phys. 228, 2009).
 const UNKNOWN: f64 = 3.0;
 
 impl Limit {
     /// The limit of three similar meshes, from coarse to fine.
     ///
-    /// Errors c h^p make the order p known from the three values, and with it the limit f3 + d, d = (f3 - f2) h3^p / (h2^p - h3^p)
-    /// (P. J. Roache, Annu. Rev. Fluid Mech. 29, 1997). The error of that limit is (SAFETY - 1) |d|, and what the order is
-    /// uncertain by: the difference of what observed and formal order make of d. An order above the formal one is taken for the
-    /// formal one, and its d has to agree with what the coarser two meshes make of it. Meshes that show no order between
-    /// [`LOWEST`] and infinity (they go to and fro, or do not settle) have [`Limit::of_spread`], at least what the lowest order
-    /// leaves.
-    pub fn of_similar(meshes: [Raw; 3]) -> Self {
+    /// Errors c h^p make the order p known from the three values, and with it the limit f3 + d, d =
+    /// (f3 - f2) h3^p / (h2^p - h3^p) (P. J. Roache, Annu. Rev. Fluid Mech. 29, 1997). The error of
+    /// that limit is (SAFETY - 1) |d|, and what the order is uncertain by: the difference of what
+    /// observed and formal order make of d. An order above the formal one is taken for the formal
+    /// one, and its d has to agree with what the coarser two meshes make of it. Meshes that show no
+    /// order between [`LOWEST`] and infinity (they go to and fro, or do not settle) have
+    /// [`Limit::of_spread`], at least what the lowest order leaves.
+    pub fn of_similar(meshes: [MeshValue; 3]) -> Self {
         let [h1, h2, h3] = meshes.map(|mesh| 1.0 / mesh.cells);
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
         let rest = |order: f64| (f3 - f2) * h3.powf(order) / (h2.powf(order) - h3.powf(order));
@@ -52,9 +57,10 @@ impl Limit {
         let observed = steps[1] / steps[0];
         if observed.is_nan() || observed < 0.0 || observed > ratio(LOWEST) {
             let spread = Limit::of_spread(&[f1, f2, f3]);
-            let slow = match observed > 0.0 {
-                true => SAFETY * rest(LOWEST).abs(),
-                false => 0.0,
+            let slow = if observed > 0.0 {
+                SAFETY * rest(LOWEST).abs()
+            } else {
+                0.0
             };
             return Limit {
                 error: spread.error.max(slow),
@@ -75,14 +81,14 @@ impl Limit {
         }
     }
 
-    /// The same for a figure that a rim between nodes moves by as much as the cells do: values that settle faster than [`HIGHEST`] lets
-    /// them do so by accident, and have [`Limit::of_spread`].
-    pub fn of_rim(meshes: [Raw; 3]) -> Self {
+    /// The same for a figure that a rim between nodes moves by as much as the cells do: values that
+    /// settle faster than [`HIGHEST`] lets them do so by accident, and have [`Limit::of_spread`].
+    pub fn of_rim(meshes: [MeshValue; 3]) -> Self {
         Limit::of_rim_up_to(meshes, HIGHEST)
     }
 
-    /// The same with another order beyond which values settle by accident.
-    pub fn of_rim_up_to(meshes: [Raw; 3], highest: f64) -> Self {
+    /// The same with another largest order.
+    pub fn of_rim_up_to(meshes: [MeshValue; 3], highest: f64) -> Self {
         let [h1, h2, h3] = meshes.map(|mesh| mesh.cells.powf(-highest));
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
         let settled = (f3 - f2) * (h1 - h2) / ((f2 - f1) * (h2 - h3));
@@ -98,8 +104,10 @@ impl Limit {
     /// sizes h: the scatter of the last mesh is the largest |a - b| h_last / (h_a + h_b) of all
     /// pairs, half of their difference where cells are alike. First order is the slowest that was
     /// seen: a maximum at a rounded edge that lies anywhere between nodes.
-    pub fn of_scatter(meshes: &[Raw]) -> Self {
-        let apart = |a: &Raw, b: &Raw| (a.value - b.value).abs() / (1.0 / a.cells + 1.0 / b.cells);
+    pub fn of_scatter(meshes: &[MeshValue]) -> Self {
+        let apart = |a: &MeshValue, b: &MeshValue| {
+            (a.value - b.value).abs() / (1.0 / a.cells + 1.0 / b.cells)
+        };
         let pairs = meshes
             .iter()
             .flat_map(|a| meshes.iter().map(move |b| apart(a, b)));
@@ -110,7 +118,8 @@ impl Limit {
         }
     }
 
-    /// The last of some values, and as its error a multiple of their range; infinite for a single one.
+    /// The last of some values, and as its error a multiple of their range; infinite for a single
+    /// one.
     pub fn of_spread(values: &[f64]) -> Self {
         Limit {
             value: values.last().copied().unwrap_or(f64::NAN),
@@ -125,7 +134,7 @@ impl Limit {
 }
 
 /// What the step of the coarser two meshes leaves to the finest one at the formal order.
-fn expected(meshes: [Raw; 3]) -> f64 {
+fn expected(meshes: [MeshValue; 3]) -> f64 {
     let [a, b, c] = meshes.map(|mesh| mesh.cells.powf(-FORMAL));
     (meshes[1].value - meshes[0].value).abs() * c / (a - b)
 }
@@ -142,7 +151,8 @@ pub(crate) fn range(values: &[f64]) -> f64 {
     }
 }
 
-/// The order between [`LOWEST`] and [`FORMAL`] whose `ratio` of steps, which falls with it, is the observed one.
+/// The order between [`LOWEST`] and [`FORMAL`] whose `ratio` of steps, which falls with it, is the
+/// observed one.
 fn order_of(observed: f64, ratio: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (LOWEST, FORMAL);
     for _ in 0..50 {
@@ -161,7 +171,7 @@ fn order_of(observed: f64, ratio: impl Fn(f64) -> f64) -> f64 {
 /// What the meshes solved so far say of one figure.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sequence {
-    meshes: Vec<Raw>,
+    meshes: Vec<MeshValue>,
     /// How many of the last ones are similar: the same zones, all spacings in proportion.
     similar: usize,
     /// Whether no rim between nodes moves the figure, so that it may go to and fro by law.
@@ -178,7 +188,7 @@ impl Sequence {
     }
 
     /// Adds a mesh: finer and similar to the last one, or `graded_anew`.
-    pub fn push(&mut self, raw: Raw, graded_anew: bool) {
+    pub fn push(&mut self, raw: MeshValue, graded_anew: bool) {
         self.meshes.push(raw);
         self.similar = if graded_anew { 1 } else { self.similar + 1 };
     }
@@ -202,8 +212,8 @@ impl Sequence {
     ///
     /// Three similar meshes give it by their order. A figure that no rim moves and that goes to and
     /// fro over all similar meshes, however three of them look, has the last one's value with
-    /// [`Limit::of_scatter`]. Without three similar meshes it is the last one's value with the spread
-    /// of the last three and of those between them and the last coarser one.
+    /// [`Limit::of_scatter`]. Without three similar meshes it is the last one's value with the
+    /// spread of the last three and of those between them and the last coarser one.
     pub fn limit(&self) -> Option<Limit> {
         match self.three() {
             Some((_, used)) if self.alternating && !is_monotone(&used) => {
@@ -222,7 +232,7 @@ impl Sequence {
         }
     }
 
-    /// The same with another order beyond which values settle by accident.
+    /// The same with another largest order.
     #[cfg(test)]
     pub fn last_by_rim_up_to(&self, highest: f64) -> Limit {
         match self.three() {
@@ -232,16 +242,16 @@ impl Sequence {
     }
 
     /// Of the similar meshes those that show the order, and all from the first of them on.
-    fn three(&self) -> Option<([Raw; 3], Vec<Raw>)> {
+    fn three(&self) -> Option<([MeshValue; 3], Vec<MeshValue>)> {
         let &[.., third] = &self.meshes[..] else {
             return None;
         };
         if let [coarser @ .., before, _, _] = &self.meshes[self.meshes.len() - self.similar..] {
             // Far apart scatter counts least; not so far that the coarsest is in another range.
-            let near = |mesh: &&Raw| mesh.cells >= third.cells / WIDEST;
+            let near = |mesh: &&MeshValue| mesh.cells >= third.cells / WIDEST;
             let first = coarser.iter().find(near).unwrap_or(before);
             let middle = (first.cells * third.cells).sqrt();
-            let off = |mesh: &Raw| (mesh.cells / middle).ln().abs();
+            let off = |mesh: &MeshValue| (mesh.cells / middle).ln().abs();
             let similar = &self.meshes[self.meshes.len() - self.similar..];
             let between = similar
                 .iter()
@@ -253,7 +263,8 @@ impl Sequence {
         None
     }
 
-    /// The last mesh's value with the spread of the last three and of what lies between them and the last coarser one.
+    /// The last mesh's value with the spread of the last three and of what lies between them and
+    /// the last coarser one.
     fn spread(&self) -> Option<Limit> {
         let third = self.meshes.last()?;
         let third_last = self.meshes.len().checked_sub(3)?;
@@ -261,7 +272,8 @@ impl Sequence {
         Some(self.spread_from(coarser.min(third_last)))
     }
 
-    /// The same where nothing shows the limit: the last mesh's value with the spread of up to three.
+    /// The same where nothing shows the limit: the last mesh's value with the spread of up to
+    /// three.
     pub fn last(&self) -> Limit {
         self.limit()
             .unwrap_or_else(|| self.spread_from(self.meshes.len().saturating_sub(3)))
@@ -282,7 +294,7 @@ impl Sequence {
 }
 
 /// Whether values only rise or only fall.
-fn is_monotone(meshes: &[Raw]) -> bool {
+fn is_monotone(meshes: &[MeshValue]) -> bool {
     let values = meshes.iter().map(|mesh| mesh.value);
     values.clone().is_sorted() || values.rev().is_sorted()
 }
@@ -290,11 +302,13 @@ fn is_monotone(meshes: &[Raw]) -> bool {
 /// Most times finer that the last of three meshes is than the first.
 const WIDEST: f64 = 3.0;
 
-/// How much finer the second and third mesh of a sequence are than the one before: the third has twice the cells of the first.
+/// How much finer the second and third mesh of a sequence are than the one before: the third has
+/// twice the cells of the first.
 pub(crate) const REFINEMENT: f64 = std::f64::consts::SQRT_2;
 
-/// Cells of the first of three meshes that should meet the tolerance on a smooth contact; where the pressure peaks at the hull's
-/// ends, meshes of fewer than [`ENDS`] cells are not yet in the range in which their errors shrink steadily. [`MOST`] serves 0.01 %.
+/// Cells of the first of three meshes that should meet the tolerance on a smooth contact; where the
+/// pressure peaks at the hull's ends, meshes of fewer than [`ENDS`] cells are not yet in the range
+/// in which their errors shrink steadily. [`MOST`] serves 0.01 %.
 pub(crate) fn first_resolution(tolerance: f64, smooth: bool) -> f64 {
     const ENDS: f64 = 4.0;
     const MOST: f64 = 20.0;
@@ -305,8 +319,9 @@ pub(crate) fn first_resolution(tolerance: f64, smooth: bool) -> f64 {
 /// Least ratio of cells of a mesh and the one before that gives information.
 pub(crate) const LEAST_REFINEMENT: f64 = 1.25;
 
-/// How much finer than a mesh of so many times the tolerance's error the next one is to be: errors of second order, some room, and
-/// neither so near that it gives no information nor so far that it costs all.
+/// How much finer than a mesh of so many times the tolerance's error the next one is to be: errors
+/// of second order, some room, and neither so near that it gives no information nor so far that it
+/// costs all.
 pub(crate) fn next_refinement(excess: f64) -> f64 {
     (1.05 * excess.sqrt()).clamp(LEAST_REFINEMENT, 1.6)
 }
@@ -315,8 +330,8 @@ pub(crate) fn next_refinement(excess: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn meshes(cells: [f64; 3], value: impl Fn(f64) -> f64) -> [Raw; 3] {
-        cells.map(|cells| Raw {
+    fn meshes(cells: [f64; 3], value: impl Fn(f64) -> f64) -> [MeshValue; 3] {
+        cells.map(|cells| MeshValue {
             cells,
             value: value(1.0 / cells),
         })
@@ -337,7 +352,7 @@ mod tests {
     fn values_without_an_order_have_their_spread() {
         for values in [[1.0, 1.5, 0.5], [1.0, 1.1, 1.3], [1.0, 1.0, 1.1]] {
             let mut next = values.into_iter();
-            let raw = [4.0, 6.0, 8.0].map(|cells| Raw {
+            let raw = [4.0, 6.0, 8.0].map(|cells| MeshValue {
                 cells,
                 value: next.next().unwrap(),
             });
@@ -352,11 +367,12 @@ mod tests {
         );
     }
 
-    /// As a contact's approach on ice that yields goes, whose rims move it: -2.39, -1.65 and -1.61 % off on 4, 5 and 7 cells.
+    /// As a contact's approach on ice that yields goes, whose rims move it: -2.39, -1.65 and -1.61
+    /// % off on 4, 5 and 7 cells.
     #[test]
     fn values_that_a_rim_moves_and_that_settle_too_fast_have_their_spread() {
         let mut off = [-2.3891, -1.6501, -1.6104].into_iter();
-        let raw = [4.0, 5.0, 7.0].map(|cells| Raw {
+        let raw = [4.0, 5.0, 7.0].map(|cells| MeshValue {
             cells,
             value: 100.0 + off.next().unwrap(),
         });
@@ -385,7 +401,7 @@ mod tests {
     fn values_that_scatter_with_their_cells_have_it_as_error() {
         for (first, second, third) in [(-1.0, -0.9, 1.0), (0.5, -1.0, 1.0), (-0.2, -0.3, 0.5)] {
             let scattered = [(4.0, first), (6.0, second), (9.0, third)];
-            let limit = Limit::of_scatter(&scattered.map(|(cells, part)| Raw {
+            let limit = Limit::of_scatter(&scattered.map(|(cells, part)| MeshValue {
                 cells,
                 value: 5.0 + part / cells,
             }));
@@ -394,7 +410,8 @@ mod tests {
         }
     }
 
-    /// Peaks of a worn flat with rounded edges [MPa]: the first, third and fourth rise like an order.
+    /// Peaks of a worn flat with rounded edges [MPa]: the first, third and fourth rise like an
+    /// order.
     #[test]
     fn a_zigzag_between_meshes_that_tell_no_order_is_seen() {
         let peaks = [334.1, 336.5, 334.7, 336.3];
@@ -407,7 +424,7 @@ mod tests {
     fn sequence_of<const N: usize>(cells: [f64; N], values: &[f64; N]) -> Sequence {
         let mut sequence = Sequence::alternating();
         for (cells, value) in cells.into_iter().zip(*values) {
-            sequence.push(Raw { cells, value }, false);
+            sequence.push(MeshValue { cells, value }, false);
         }
         sequence
     }
@@ -428,10 +445,11 @@ mod tests {
         }
     }
 
-    /// Three meshes with limit 1, as contacts give them: an order of 0.5 to 3; errors of 0.1 to 20 % on the coarsest; a next
-    /// term of up to half the first one there; a scatter of the rim between nodes of 0.1 to 10 % of the first error that falls
-    /// with the square of the cells; noise of 1e-6 to 1e-4.
-    fn sequence(random: &mut Random) -> [Raw; 3] {
+    /// Three meshes with limit 1, as contacts give them: an order of 0.5 to 3; errors of 0.1 to 20
+    /// % on the coarsest; a next term of up to half the first one there; a scatter of the rim
+    /// between nodes of 0.1 to 10 % of the first error that falls with the square of the cells;
+    /// noise of 1e-6 to 1e-4.
+    fn sequence(random: &mut Random) -> [MeshValue; 3] {
         let first = random.between(3.0, 10.0).floor();
         let refinement = random.between(1.3, 1.6);
         let second = (first * refinement).round().max(first + 1.0);
@@ -445,7 +463,7 @@ mod tests {
             let h = first / cells;
             let smooth = error * h.powf(order) * (1.0 + next * h);
             let rough = scatter * h * h * random.between(-1.0, 1.0);
-            Raw {
+            MeshValue {
                 cells,
                 value: 1.0 + smooth + rough + noise * random.between(-1.7, 1.7),
             }

@@ -5,21 +5,23 @@ use crate::accuracy::watched::ErrorFloor;
 use crate::grid::patch::Patch;
 use crate::grid::stretch::Stretch;
 
-/// A runner's own hexahedra beside a patch.
+/// A runner's own hexahedra next to a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct OwnCells {
-    /// Over half the patch: along, across, or of half their height over half of its narrower side, whichever are fewest.
+    /// Over half the patch: along, across, or of half their height over half of its narrower side,
+    /// whichever are fewest.
     cells: f64,
     /// The runner's share of what gives: (1 - nu^2) / E over the sum of both.
     share: f64,
 }
 
-/// Error of a peak over w / (1 - w) / n^2. Of 25 contacts of a paraboloid whose truth is known by Hankel transforms (2 to 6 cells over
-/// half the patch, runners of 6 to 75 GPa on ice of 9, an edge or a face's middle at the lowest place) it is at most 0.95 at two cells, 0.7
-/// at three, 0.5 from four on.
+/// Error of a peak over w / (1 - w) / n^2. Of 25 contacts of a paraboloid whose truth is known by
+/// Hankel transforms (2 to 6 cells over half the patch, runners of 6 to 75 GPa on ice of 9, an edge
+/// or a face's middle at the lowest place) it is at most 0.95 at two cells, 0.7 at three, 0.5 from
+/// four on.
 const LARGEST: f64 = 1.0;
-/// What a cell's height counts beside its length and width: cells twice as high leave 2.5 times as much as cubes, three times as high ones
-/// four times.
+/// Weight of a cell's height against its length and width: cells twice as high leave 2.5 times as
+/// much as cubes, three times as high ones four times.
 const LOW: f64 = 0.5;
 /// Fewest cells of ice, so that three meshes from two cells on show an order.
 const FEWEST: f64 = 4.0;
@@ -42,20 +44,23 @@ impl OwnCells {
         Some(OwnCells { cells, share })
     }
 
-    /// Cells of ice over half the patch that leave as much error as the runner's own hexahedra do: with errors like 1 / cells^2 on
-    /// each side by its share w of what gives, the runner's is w / n^2, as that of n / sqrt(w) cells of ice. Finer ice gives no information on
-    /// what these miss, and shows the edges of their faces as ridges.
+    /// Cells of ice over half the patch that leave as much error as the runner's own hexahedra do:
+    /// with errors like 1 / cells^2 on each side by its share w of what gives, the runner's is w /
+    /// n^2, as that of n / sqrt(w) cells of ice. Finer ice gives no information on what these miss,
+    /// and shows the edges of their faces as ridges.
     pub fn ice_cells(self) -> f64 {
         (self.cells / self.share.sqrt()).max(FEWEST)
     }
 
-    /// What faces that cannot follow the runner's own give leave, relative: of a peak C w / (1 - w) / n^2.
+    /// What faces that cannot follow the runner's own give leave, relative: of a peak C w / (1 - w)
+    /// / n^2.
     ///
-    /// Of a contact's curvature 1 / R the runner takes the part w, and n cells over half the patch a miss it by w h^2 / (4 R), h = a / n. The ice alone
-    /// has to press that out, with E_i = E* / (1 - w): a wave as long as the patch, cos(2 x / a), takes pressures of E_i / a times its
-    /// height, pi / 8 w / (1 - w) / n^2 of the peak 2 E* a / (pi R). C, [`LARGEST`], holds the shorter waves too. The approach, which waves of either
-    /// sign do not move, has C w / n^2.
-    pub fn left(self) -> ErrorFloor {
+    /// Of a contact's curvature 1 / R the runner takes the part w, and n cells over half the patch
+    /// a miss it by w h^2 / (4 R), h = a / n. The ice alone has to press that out, with E_i = E* /
+    /// (1 - w): a wave as long as the patch, cos(2 x / a), takes pressures of E_i / a times its
+    /// height, pi / 8 w / (1 - w) / n^2 of the peak 2 E* a / (pi R). C, [`LARGEST`], holds the
+    /// shorter waves too. The approach, which waves of either sign do not move, has C w / n^2.
+    pub fn error_floor(self) -> ErrorFloor {
         let runner = LARGEST * self.share / (self.cells * self.cells);
         ErrorFloor {
             peak: runner / (1.0 - self.share),
@@ -111,8 +116,8 @@ mod tests {
             // As stiff as the ice: half of what gives.
             assert!((found.share - 0.5).abs() < 1e-12, "{found:?}");
             let error = LARGEST / (cells * cells);
-            assert!((found.left().peak / error - 1.0).abs() < 1e-9);
-            assert!((found.left().approach / error - 0.5).abs() < 1e-9);
+            assert!((found.error_floor().peak / error - 1.0).abs() < 1e-9);
+            assert!((found.error_floor().approach / error - 0.5).abs() < 1e-9);
         }
         // Three meshes of ice at the least, and more cells under steel.
         assert_eq!(of([3e-3, 2e-3, 1e-3], 9e9)?.ice_cells(), FEWEST);

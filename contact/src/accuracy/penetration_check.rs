@@ -3,7 +3,7 @@
 use kufe_fem::boussinesq;
 use rayon::prelude::*;
 
-use crate::bodies::far_field::{Lump, lumps};
+use crate::bodies::far_field::{PointForce, lumps};
 use crate::grid::patch::Patch;
 use crate::grid::stretch::Stretch;
 use crate::mesh::contact_mesh::State;
@@ -30,7 +30,8 @@ const STEPS: usize = 40;
 const LEAST: f64 = 1e-2;
 /// The same between nodes where contact is looked for: what noise of a scan leaves there is less.
 const BETWEEN: f64 = 0.2;
-/// A place of contact shorter than this part of a stretch's half has cells of its own: the stretch's may all miss it.
+/// A place of contact shorter than this part of a stretch's half has cells of its own: the
+/// stretch's may all miss it.
 const NARROW: f64 = 0.35;
 
 /// A solved mesh and what it was made for.
@@ -43,8 +44,9 @@ pub(crate) struct SolvedMesh<'a> {
 }
 
 impl SolvedMesh<'_> {
-    /// Places outside of where contact was looked for: on a hull with ends the deepest of each valley along it, in order, and where a measured
-    /// surface is low; there also between the nodes.
+    /// Places outside of where contact was looked for: on a hull with ends the deepest of each
+    /// valley along it, in order, and where a measured surface is low; there also between the
+    /// nodes.
     pub fn penetrations(&self) -> Vec<Penetration> {
         let extent = self.problem.runner.underside.extent();
         let bounded = extent.iter().all(|end| end.is_finite());
@@ -52,9 +54,10 @@ impl SolvedMesh<'_> {
             return Vec::new();
         }
         let surface = Surface::new(self);
-        let mut found = match bounded {
-            true => self.valleys(&surface, extent),
-            false => Vec::new(),
+        let mut found = if bounded {
+            self.valleys(&surface, extent)
+        } else {
+            Vec::new()
         };
         found.extend(self.gap.lows().filter_map(|at| self.deep(&surface, at)));
         found
@@ -62,9 +65,10 @@ impl SolvedMesh<'_> {
 
     /// A place where a surface is low, if it lies in the other one.
     fn deep(&self, surface: &Surface, [x, y]: [f64; 2]) -> Option<Penetration> {
-        let part = match expected(self.patch, x, y) {
-            true => BETWEEN,
-            false => LEAST,
+        let part = if expected(self.patch, x, y) {
+            BETWEEN
+        } else {
+            LEAST
         };
         let least = part * surface.depth;
         // The ice only sinks, and only elastic runners come nearer by themselves.
@@ -82,9 +86,12 @@ impl SolvedMesh<'_> {
             (high - low) / STATIONS as f64,
             (left - right) / POINTS as f64,
         );
-        let height = |x: f64, y: f64| match expected(self.patch, x, y) {
-            true => f64::INFINITY,
-            false => surface.gap(x, y),
+        let height = |x: f64, y: f64| {
+            if expected(self.patch, x, y) {
+                f64::INFINITY
+            } else {
+                surface.gap(x, y)
+            }
         };
         let place = |k: usize| right + dy * k as f64;
         let lowest = |x: f64| {
@@ -101,8 +108,8 @@ impl SolvedMesh<'_> {
             .collect();
         let valley = |i: &usize| {
             let next = [i.checked_sub(1), Some(i + 1)].into_iter().flatten();
-            let mut beside = next.filter_map(|k| line.get(k));
-            line[*i][1].is_finite() && beside.all(|other| other[1] >= line[*i][1])
+            let mut neighbours = next.filter_map(|k| line.get(k));
+            line[*i][1].is_finite() && neighbours.all(|other| other[1] >= line[*i][1])
         };
         let found = (0..=STATIONS).filter(valley).map(|i| {
             let mut at = [station(i), line[i][0]];
@@ -134,14 +141,20 @@ impl SolvedMesh<'_> {
     fn add(&self, found: &Penetration, surface: &Surface, patch: &mut Patch) {
         let mirrored = self.mesh.symmetry;
         // Of two places that a mirror plane makes one the positive one is meshed.
-        let [x, y] = [0, 1].map(|axis| match mirrored[axis] {
-            true => found.at[axis].abs(),
-            false => found.at[axis],
+        let [x, y] = [0, 1].map(|axis| {
+            if mirrored[axis] {
+                found.at[axis].abs()
+            } else {
+                found.at[axis]
+            }
         });
         let [low, high, right, left] = self.problem.runner.underside.extent();
-        let whole = |from: f64, to: f64| match (to - from).is_finite() {
-            true => to - from,
-            false => patch.y.half(),
+        let whole = |from: f64, to: f64| {
+            if (to - from).is_finite() {
+                to - from
+            } else {
+                patch.y.half()
+            }
         };
         let end = |along: bool, sign: f64, limit: f64| {
             let size = if along {
@@ -150,9 +163,12 @@ impl SolvedMesh<'_> {
                 whole(right, left)
             };
             let mut step = 1e-6 * size;
-            let gap = |step: f64| match along {
-                true => surface.gap(x + sign * step, y),
-                false => surface.gap(x, y + sign * step),
+            let gap = |step: f64| {
+                if along {
+                    surface.gap(x + sign * step, y)
+                } else {
+                    surface.gap(x, y + sign * step)
+                }
             };
             while gap(step) < 0.0 && step < limit {
                 step *= 1.3;
@@ -181,7 +197,8 @@ impl SolvedMesh<'_> {
     }
 }
 
-/// Makes a stretch reach to these ends; what it was before keeps its cells where it was much shorter.
+/// Makes a stretch reach to these ends; what it was before keeps its cells where it was much
+/// shorter.
 fn widen_to(stretch: &mut Stretch, [low, high]: [f64; 2]) {
     let before = stretch.clone();
     stretch.low = stretch.low.min(low);
@@ -199,7 +216,8 @@ fn resolve(stretch: &mut Stretch, part: &Stretch) {
     }
 }
 
-/// The place of the least value near `middle`, within `reach` of it and the ends, by golden sections (J. Kiefer, 1953).
+/// The place of the least value near `middle`, within `reach` of it and the ends, by golden
+/// sections (J. Kiefer, 1953).
 fn least(value: impl Fn(f64) -> f64, middle: f64, reach: f64, ends: [f64; 2]) -> f64 {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let (mut low, mut high) = ((middle - reach).max(ends[0]), (middle + reach).min(ends[1]));
@@ -220,7 +238,8 @@ fn least(value: impl Fn(f64) -> f64, middle: f64, reach: f64, ends: [f64; 2]) ->
     }
 }
 
-/// How far a curved surface may lie below what is interpolated between the corners of a cell, over the range of its values there.
+/// How far a curved surface may lie below what is interpolated between the corners of a cell, over
+/// the range of its values there.
 const CURVED: f64 = 0.5;
 
 /// The gap of a state anywhere on the plane.
@@ -230,8 +249,8 @@ struct Surface<'a> {
     depth: f64,
     /// What displacements close at the mesh's nodes [m].
     closing: Vec<f64>,
-    /// The forces on a half-space beyond the mesh.
-    lumps: Vec<Lump>,
+    /// The forces, on a half-space outside the mesh.
+    lumps: Vec<PointForce>,
 }
 
 impl<'a> Surface<'a> {
@@ -279,7 +298,7 @@ impl<'a> Surface<'a> {
             }
             _ => {
                 let material = mesh.contact.bodies[0].material;
-                let sunk = |lump: &Lump| {
+                let sunk = |lump: &PointForce| {
                     let point = [x - lump.at[0], y - lump.at[1], 0.0];
                     boussinesq(point, lump.force, material)[2]
                 };

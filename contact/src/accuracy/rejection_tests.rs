@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use kufe_mesh::Paraboloid;
 
-use crate::accuracy::one_mesh::OneMesh;
-use crate::active_set::constrained_cg::OneSet;
+use crate::accuracy::one_mesh::MeshProblem;
+use crate::active_set::constrained_cg::SetProblem;
 use crate::active_set::contact_set::{Control, Counts, SetUpdate};
 use crate::active_set::plane_problem::PlaneState;
-use crate::green::matrix::Stored;
+use crate::green::matrix::StorageLimit;
 use crate::mesh::contact_mesh::{Sets, State};
 use crate::{Foundation, Ice, Load, Options, Problem, Runner, Tilt};
 
@@ -26,10 +26,11 @@ fn an_acceleration_that_raises_the_energy_is_put_back_and_the_contact_found_all_
     };
     let problem = Problem::new(runner, ice, Load::central(1000.0, Tilt::Free));
     let options = Options::default();
-    let OneMesh { mesh, patch, .. } = OneMesh::new(problem, 5.0)?;
+    let MeshProblem { mesh, patch, .. } = MeshProblem::new(problem, 5.0)?;
     let contact = &mesh.contact;
-    let greens = contact.greens(Stored::USUAL);
-    // Energies and sweeps as they are told, after every update of the set; and those of the bad acceleration beside the one before it.
+    let greens = contact.greens(StorageLimit::USUAL);
+    // Energies and sweeps as the callback reports them after every update of the set; the bad
+    // acceleration is compared with the update before it.
     let solve = |disturbed: Option<usize>| {
         let none = vec![0.0; contact.candidates.len()];
         let start = PlaneState::new(none, [patch.motion, 0.0, 0.0]);
@@ -77,7 +78,7 @@ fn an_acceleration_that_raises_the_energy_is_put_back_and_the_contact_found_all_
                     full: Vec::new(),
                 };
                 let constraint = contact.constrain(&sets, &greens[0]).expect("independent");
-                let bad = OneSet {
+                let bad = SetProblem {
                     sets: &sets,
                     constraint: &constraint,
                     ..*set
@@ -101,7 +102,8 @@ fn an_acceleration_that_raises_the_energy_is_put_back_and_the_contact_found_all_
         reported.windows(2).all(|pair| pair[1].0 <= pair[0].0),
         "{reported:?}"
     );
-    // After what is accepted sweeps look for the next set; after what is not, the forces accepted last have it.
+    // After what is accepted sweeps look for the next set; after what is not, the forces accepted
+    // last have it.
     assert!(reported[1].1 > 0 && reported[2].1 == 0, "{reported:?}");
     let largest = expected.force.iter().copied().fold(0.0, f64::max);
     for (a, b) in state.force.iter().zip(&expected.force) {

@@ -1,40 +1,41 @@
 //! The figures that accuracy watches, mesh by mesh.
 
-use crate::accuracy::order::{Limit, Raw, Sequence};
+use crate::accuracy::order::{Limit, MeshValue, Sequence};
 use crate::options::AREA_WEIGHT;
 use crate::result::measure::Figures;
 use crate::{LargestShear, UnderPeak};
 
-/// What the meshes solved so far say of every figure.
+/// The history of every figure over the meshes solved so far.
 pub(crate) struct FigureHistory {
     peak: Sequence,
     approach: Sequence,
     area: Sequence,
-    /// What two ways to find rims make of each mesh's area, one less the other.
-    area_off: Vec<Raw>,
+    /// Difference of each mesh's area between two estimators of the rim.
+    area_off: Vec<MeshValue>,
     length: Sequence,
     width: Sequence,
     tilt: [Sequence; 2],
     under: ShearHistory,
     /// Of the last mesh.
     last: Option<Figures>,
-    /// What rims that it was not made for leave of its peak and approach, relative.
+    /// Relative error of peak and approach that comes from rims the mesh was not made for.
     missed: f64,
     /// Largest pressure that the ice bears [Pa].
     hardness: f64,
-    left: ErrorFloor,
+    floor: ErrorFloor,
 }
 
-/// Relative errors that stay on all meshes.
+/// Relative errors that refinement does not reduce.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ErrorFloor {
-    /// Of the peak, and of the area, which goes with the same power of what gives; half of it is of lengths.
+    /// Of the peak and of the area, which depend on the compliance by the same power. Lengths have
+    /// half of it.
     pub peak: f64,
     /// Of the approach.
     pub approach: f64,
 }
 
-/// Limits of fine meshes, and what is not known of them.
+/// Limits for fine meshes with their errors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
     /// Peak pressure [Pa].
@@ -45,22 +46,23 @@ pub(crate) struct Limits {
     pub area_error: f64,
     /// Error of the last mesh's length [m].
     pub length_error: f64,
-    /// Relative error of what is watched: the peak's, or where the ice's hardness fixes that, [`AREA_WEIGHT`] times the area's.
+    /// Relative error of what is watched: the peak's, or where the ice's hardness fixes that,
+    /// [`AREA_WEIGHT`] times the area's.
     pub relative: f64,
 }
 
-/// Where a mesh has the runner, and how it fits the contact.
+/// Position of the runner on a mesh, and how well the mesh fits the contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     /// From first touch [m].
     pub approach: f64,
     /// Pitch and roll [rad].
     pub tilt: [f64; 2],
-    /// What rims that the mesh was not made for leave of peak and approach, relative.
+    /// Relative error of peak and approach that comes from rims the mesh was not made for.
     pub missed: f64,
 }
 
-/// Errors of figures that nothing is judged by.
+/// Errors of the figures that do not decide on refinement.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OtherErrors {
     /// Error of the last mesh's width [m].
@@ -72,7 +74,7 @@ pub(crate) struct OtherErrors {
 }
 
 impl FigureHistory {
-    pub fn new(hardness: Option<f64>, left: ErrorFloor) -> Self {
+    pub fn new(hardness: Option<f64>, floor: ErrorFloor) -> Self {
         FigureHistory {
             peak: Sequence::alternating(),
             approach: Sequence::default(),
@@ -85,7 +87,7 @@ impl FigureHistory {
             last: None,
             missed: 0.0,
             hardness: hardness.unwrap_or(f64::INFINITY),
-            left,
+            floor,
         }
     }
 
@@ -101,10 +103,10 @@ impl FigureHistory {
             (pitch, place.tilt[0]),
             (roll, place.tilt[1]),
         ] {
-            sequence.push(Raw { cells, value }, graded_anew);
+            sequence.push(MeshValue { cells, value }, graded_anew);
         }
         let value = figures.off[0];
-        self.area_off.push(Raw { cells, value });
+        self.area_off.push(MeshValue { cells, value });
         self.last = Some(figures);
         self.missed = place.missed;
     }
@@ -114,9 +116,9 @@ impl FigureHistory {
         self.under.push(largest, cells, graded_anew);
     }
 
-    /// The largest shear under the peak; what stays of the peak's errors on all meshes stays of its.
+    /// The largest shear under the peak. It has the peak's error floor.
     pub fn under_peak(&self) -> Option<UnderPeak> {
-        self.under.under_peak(self.left.peak, self.missed)
+        self.under.under_peak(self.floor.peak, self.missed)
     }
 
     /// How many of the last meshes are similar.
@@ -124,7 +126,7 @@ impl FigureHistory {
         self.peak.similar()
     }
 
-    /// What rims that the last mesh was not made for leave of its peak and approach, relative.
+    /// Relative error of peak and approach that comes from rims the last mesh was not made for.
     pub fn missed(&self) -> f64 {
         self.missed
     }
@@ -134,44 +136,45 @@ impl FigureHistory {
         self.peak.limit().and_then(|peak| self.of(peak))
     }
 
-    /// The last mesh with what is known of its errors.
+    /// The last mesh with its error estimates.
     pub fn last(&self) -> Option<Limits> {
         self.of(self.peak.last())
     }
 
     /// The errors of width, approach and tilt; infinite after one mesh.
-    pub fn beside(&self) -> OtherErrors {
+    pub fn other_errors(&self) -> OtherErrors {
         let last = |figure: &Sequence| figure.last().error_of(figure.value());
         OtherErrors {
             tilt_errors: [last(&self.tilt[0]), last(&self.tilt[1])],
             width_error: self.extent_error(&self.width, self.off()[2]),
-            approach_error: with(
+            approach_error: root_sum_square(
                 self.approach().error,
-                self.left.approach * self.approach.value(),
+                self.floor.approach * self.approach.value(),
             ) + self.missed * self.approach.value(),
         }
     }
 
-    /// The approach with its error where ice yields, by another order beyond which values settle by accident.
+    /// The approach with its error where ice yields, by another largest order.
     #[cfg(test)]
     pub fn approach_by_rim_up_to(&self, highest: f64) -> Limit {
         let Limit { value, error } = self.approach.last_by_rim_up_to(highest);
         Limit {
             value,
-            error: with(error, self.left.approach * value) + self.missed * value,
+            error: root_sum_square(error, self.floor.approach * value) + self.missed * value,
         }
     }
 
-    /// What two ways to find the last mesh's rims make of area, length and width.
+    /// Differences of area, length and width between two estimators of the last mesh's rims.
     fn off(&self) -> [f64; 3] {
         self.last.map_or([f64::INFINITY; 3], |last| last.off)
     }
 
-    /// What two ways to find rims make of the last mesh's area. Beyond ice that yields they can agree by accident on one mesh: of three it is
-    /// the most, less by the cells that a rim is known to.
+    /// Difference of the last mesh's area between two estimators of the rim. Next to yielding ice
+    /// they can agree by accident on one mesh: of three it is the most, less by the cells that a
+    /// rim is known to.
     fn area_off(&self) -> f64 {
         let meshes = if self.is_fixed() { 3 } else { 1 };
-        let off = |mesh: &Raw| mesh.value * mesh.cells / self.area.cells();
+        let off = |mesh: &MeshValue| mesh.value * mesh.cells / self.area.cells();
         let last = self.area_off.iter().rev().take(meshes);
         last.map(off).fold(0.0, f64::max)
     }
@@ -182,39 +185,44 @@ impl FigureHistory {
             .is_some_and(|last| last.p_max >= self.hardness * (1.0 - 1e-9))
     }
 
-    /// The limit of the approach. Where the pressure ends at the hardness, it is as far from 0 at a rim as anywhere, and the rim's
-    /// place between nodes moves the approach by as much as the cells do.
+    /// The limit of the approach. Where the pressure ends at the hardness, it is as far from 0 at a
+    /// rim as anywhere, and the rim's place between nodes moves the approach by as much as the
+    /// cells do.
     fn approach(&self) -> Limit {
-        match self.is_fixed() {
-            true => self.approach.last_by_rim(),
-            false => self.approach.last(),
+        if self.is_fixed() {
+            self.approach.last_by_rim()
+        } else {
+            self.approach.last()
         }
     }
 
-    /// The error of the last mesh's length or width. A rim beyond ice that yields is known to a third of a cell, at either end, even
-    /// where meshes that were made for it agree, and to two thirds, wherever coarser meshes had it within theirs: the widths and lengths of 180
-    /// contacts were off by a third of that in the mean square, three of these 360 by more than it and the worst by 1.3 times it.
+    /// The error of the last mesh's length or width. A rim next to yielding ice is known to a third
+    /// of a cell, at either end, even where meshes that were made for it agree, and to two thirds,
+    /// wherever coarser meshes had it within theirs: the widths and lengths of 180 contacts were
+    /// off by a third of that in the mean square, three of these 360 by more than it and the worst
+    /// by 1.3 times it.
     fn extent_error(&self, extent: &Sequence, off: f64) -> f64 {
         let cell = 0.5 * extent.value() / extent.cells();
-        let found = match self.is_fixed() {
-            true => extent.range().max(off).clamp(cell / 1.5, cell / 0.75),
-            false => rims_error(extent, off),
+        let found = if self.is_fixed() {
+            extent.range().max(off).clamp(cell / 1.5, cell / 0.75)
+        } else {
+            rims_error(extent, off)
         };
-        with(found, 0.5 * self.left.peak * extent.value())
+        root_sum_square(found, 0.5 * self.floor.peak * extent.value())
     }
 
     fn of(&self, peak: Limit) -> Option<Limits> {
         let last = self.last?;
         let [_, length_off, _] = last.off;
         let area_error = rims_error(&self.area, self.area_off());
-        let area_error = with(area_error, self.left.peak * last.area);
+        let area_error = root_sum_square(area_error, self.floor.peak * last.area);
         let length_error = self.extent_error(&self.length, length_off);
         let (value, error, relative) = if self.is_fixed() {
             (self.hardness, 0.0, AREA_WEIGHT * area_error / last.area)
         } else {
             let value = peak.value.min(self.hardness);
             // Of one sign on all meshes, and seen by none: it is added.
-            let error = with(peak.error, self.left.peak * value) + self.missed * value;
+            let error = root_sum_square(peak.error, self.floor.peak * value) + self.missed * value;
             (value, error, error / value)
         };
         Some(Limits {
@@ -227,19 +235,21 @@ impl FigureHistory {
     }
 }
 
-/// An error estimated from meshes with one, independent of it, that stays on all of them.
-fn with(error: f64, left: f64) -> f64 {
-    error.hypot(left)
+/// Root sum square of an error estimated from meshes and an independent one that refinement does
+/// not reduce.
+fn root_sum_square(error: f64, floor: f64) -> f64 {
+    error.hypot(floor)
 }
 
-/// The error of the last mesh's area, length or width: by their limit, and at least their range and what two ways to find a rim
-/// between its nodes differ by, since rims of coarse meshes can look as if they converged.
+/// The error of the last mesh's area, length or width: by their limit, and at least their range and
+/// what two ways to find a rim between its nodes differ by, since rims of coarse meshes can look as
+/// if they converged.
 fn rims_error(figure: &Sequence, off: f64) -> f64 {
     let by_limit = figure.last().error_of(figure.value());
     by_limit.max(figure.range()).max(off)
 }
 
-// What meshes say of the largest shear under the peak pressure.
+// The largest shear under the peak pressure, from a sequence of meshes.
 
 /// The largest shear and its depth, mesh by mesh.
 pub(crate) struct ShearHistory {
@@ -255,32 +265,33 @@ impl ShearHistory {
         }
     }
 
-    /// Adds a mesh: finer and similar to the last one, or `graded_anew`. One whose shear is largest at an end of the line says nothing, and those
-    /// before it nothing of what follows.
+    /// Adds a mesh: finer and similar to the last one, or `graded_anew`. One whose shear is largest
+    /// at an end of the line says nothing, and those before it nothing of what follows.
     pub fn push(&mut self, largest: Option<LargestShear>, cells: f64, graded_anew: bool) {
         let Some(LargestShear { value, depth }) = largest else {
             *self = ShearHistory::new();
             return;
         };
-        self.shear.push(Raw { cells, value }, graded_anew);
+        self.shear.push(MeshValue { cells, value }, graded_anew);
         let value = depth;
-        self.depth.push(Raw { cells, value }, graded_anew);
+        self.depth.push(MeshValue { cells, value }, graded_anew);
     }
 
-    /// The limit of the shear, and the last mesh's depth, with their errors; both have besides what stays of these relative errors on all meshes,
-    /// independent of theirs and of one sign. `None` where the last mesh says nothing.
-    pub fn under_peak(&self, left: f64, missed: f64) -> Option<UnderPeak> {
+    /// The limit of the shear, and the last mesh's depth, with their errors; both have besides what
+    /// stays of these relative errors on all meshes, independent of theirs and of one sign. `None`
+    /// where the last mesh says nothing.
+    pub fn under_peak(&self, floor: f64, missed: f64) -> Option<UnderPeak> {
         let depth = self.depth.value();
         if depth.is_nan() {
             return None;
         }
         let shear = self.shear.last();
-        let with = |error: f64, value: f64| error.hypot(left * value) + missed * value;
+        let total = |error: f64, value: f64| error.hypot(floor * value) + missed * value;
         Some(UnderPeak {
             shear: shear.value,
-            shear_error: with(shear.error, shear.value),
+            shear_error: total(shear.error, shear.value),
             depth,
-            depth_error: with(self.depth.last().error_of(depth), depth),
+            depth_error: total(self.depth.last().error_of(depth), depth),
         })
     }
 }
@@ -295,7 +306,8 @@ mod tests {
         missed: 0.0,
     };
 
-    /// A mesh of so many cells whose figures have errors of second order, in parts of their limits 30e6 Pa, 1 m2 and 0.1 m.
+    /// A mesh of so many cells whose figures have errors of second order, in parts of their limits
+    /// 30e6 Pa, 1 m2 and 0.1 m.
     fn pushed(watched: &mut FigureHistory, cells: f64, parts: [f64; 3]) {
         let of = |limit: f64, part: f64| limit * (1.0 + part / (cells * cells));
         let figures = Figures {
@@ -318,7 +330,8 @@ mod tests {
         pushed(&mut watched, 6.0, [0.5, 0.5, -1.0]);
         let limits = watched.limits().expect("three meshes");
         assert_eq!((limits.peak.value, limits.peak.error), (20e6, 0.0));
-        // The length is off by 1/36 and the area by half of that: both are seen, and not stated many times too large.
+        // The length is off by 1/36 and the area by half of that: both are seen, and not stated
+        // many times too large.
         let (area, length) = (limits.area_error, limits.length_error / 0.1);
         assert!(length > 1.0 / 36.0 && length < 0.15, "{limits:?}");
         assert!(area > 0.5 / 36.0 && area < 0.07, "{limits:?}");
@@ -335,7 +348,8 @@ mod tests {
             let limits = watched.limits().expect("three meshes");
             limits.length_error / watched.length.value() * 2.0 * watched.length.cells()
         };
-        // Of these lengths: two thirds of a cell of the finest mesh at either end, and where nothing yields three times their range.
+        // Of these lengths: two thirds of a cell of the finest mesh at either end, and where
+        // nothing yields three times their range.
         assert!((of(20e6) - 4.0 / 3.0).abs() < 1e-12);
         assert!(of(1e9) > 20.0);
     }

@@ -6,10 +6,11 @@ use crate::motion::{Motion, dot, solve_semidefinite};
 
 /// The motion under which nodes, each on its own, carry the load.
 ///
-/// With the forces f_i(t) = clamp(f_i - s_i (gap_i - N_i t)) of nodes that `may` move, t is such that N^T f(t) = balance for
-/// the free motions: the minimiser of a convex function of three numbers at most, whose gradient is what is out of balance.
-/// f(t) is the projection of the step along the gaps, each over its stiffness 1/s_i, onto bounds and balance; from
-/// balanced forces it leads where their energy falls.
+/// With the forces f_i(t) = clamp(f_i - s_i (gap_i - N_i t)) of nodes that `may` move, t is such
+/// that N^T f(t) = balance for the free motions: the minimiser of a convex function of three
+/// numbers at most, whose gradient is what is out of balance. f(t) is the projection of the step
+/// along the gaps, each over its stiffness 1/s_i, onto bounds and balance; from balanced forces it
+/// leads where their energy falls.
 pub(crate) struct Balance<'a> {
     /// Forces to start from [N].
     pub force: &'a [f64],
@@ -25,7 +26,7 @@ pub(crate) struct Balance<'a> {
 }
 
 /// Balanced forces and the turn that goes with them.
-pub(crate) struct Answer {
+pub(crate) struct BalancedForces {
     pub force: Vec<f64>,
     pub turn: [f64; 3],
     /// Whether the load is balanced: what may move can bear it.
@@ -39,7 +40,7 @@ const SLACK: f64 = 1e-12;
 
 impl Balance<'_> {
     /// Newton's method, damped as K. Levenberg (1944) does.
-    pub fn solve(&self) -> Answer {
+    pub fn solve(&self) -> BalancedForces {
         let mut turn = Vector3::zeros();
         let mut at = self.at(turn);
         let whole = at.whole;
@@ -62,7 +63,7 @@ impl Balance<'_> {
         let force = (0..self.force.len())
             .map(|i| self.force_of(i, turn))
             .collect();
-        Answer {
+        BalancedForces {
             force,
             turn: turn.into(),
             met: self.small(&at, 1e3 * SLACK),

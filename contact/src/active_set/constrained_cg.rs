@@ -30,12 +30,12 @@ enum Closed<'a> {
 }
 
 /// A contact set to iterate on.
-pub(crate) struct OneSet<'a> {
+pub(crate) struct SetProblem<'a> {
     pub sets: &'a Sets,
     pub constraint: &'a Constraint<'a>,
     pub control: &'a Control<'a>,
-    /// Residual at which the signs are looked at first: once sets have changed often, they are only changed by what is well
-    /// known, since forces known to a hundredth can send a set in circles.
+    /// Residual at which the signs are looked at first: once sets have changed often, they are only
+    /// changed by what is well known, since forces known to a hundredth can send a set in circles.
     pub first_check: f64,
     /// How far a converged set's signs may be wrong.
     pub slack: f64,
@@ -97,12 +97,12 @@ impl ContactMesh {
     /// Returns whether the tolerance was reached and the signs confirm the set.
     pub fn iterate(
         &self,
-        set: &OneSet,
+        set: &SetProblem,
         state: &mut State,
         work: &mut Workspace,
         progress: &mut Progress,
     ) -> bool {
-        let OneSet {
+        let SetProblem {
             sets,
             constraint,
             control,
@@ -149,8 +149,8 @@ impl ContactMesh {
         }
     }
 
-    /// What is out of equilibrium in a state, in the energy norm of the preconditioner and over the state's energy: computed from
-    /// the operator, whatever an iteration made of it.
+    /// What is out of equilibrium in a state, in the energy norm of the preconditioner and over the
+    /// state's energy: computed from the operator, whatever an iteration made of it.
     pub fn out_of_equilibrium(&self, state: &State) -> f64 {
         let mut work = self.workspace();
         self.residual(state, &mut work.residual, &mut work.bodies);
@@ -163,7 +163,8 @@ impl ContactMesh {
         (vector::dot(&work.residual, &work.step).abs() / energy).sqrt()
     }
 
-    /// Enters the subspace: closes what is open inside, balances the load. Leaves the residual of the new state.
+    /// Enters the subspace: closes what is open inside, balances the load. Leaves the residual of
+    /// the new state.
     pub(crate) fn enter(&self, constraint: &Constraint, state: &mut State, work: &mut Workspace) {
         self.residual(state, &mut work.residual, &mut work.bodies);
         let closing = self.closing(&state.displacement);
@@ -191,7 +192,8 @@ impl ContactMesh {
 
     /// The next step of a state in the subspace; returns its turn and r . z.
     ///
-    /// The multipliers' increment goes into the forces, which leaves the residual what truly is out of equilibrium.
+    /// The multipliers' increment goes into the forces, which leaves the residual what truly is out
+    /// of equilibrium.
     pub(crate) fn equilibrate(
         &self,
         constraint: &Constraint,
@@ -210,11 +212,11 @@ impl ContactMesh {
         (turn, rho)
     }
 
-    /// Whether the tolerance is reached and the signs confirm the set, or contradict it; looked at whenever the residual
-    /// has fallen a hundredfold.
+    /// Whether the tolerance is reached and the signs confirm the set, or contradict it; looked at
+    /// whenever the residual has fallen a hundredfold.
     pub(crate) fn settled(
         &self,
-        set: &OneSet,
+        set: &SetProblem,
         state: &State,
         residual: f64,
         next_check: &mut f64,
@@ -239,8 +241,8 @@ impl ContactMesh {
         vector::add(&mut state.displacement, factor, step);
     }
 
-    /// Solves P z + B^T m = r, N^T m = `balance`, B z + N q = `defect` for the step z (into `work.step`),
-    /// the turn q and the multipliers m of the nodes inside.
+    /// Solves P z + B^T m = r, N^T m = `balance`, B z + N q = `defect` for the step z (into
+    /// `work.step`), the turn q and the multipliers m of the nodes inside.
     fn precondition(
         &self,
         constraint: &Constraint,
@@ -260,7 +262,8 @@ impl ContactMesh {
         (turn, multipliers)
     }
 
-    /// The turn and the multipliers that close `defect` beyond `closing` = B P^-1 r; not finite where an inner iteration fails.
+    /// The turn and the multipliers that close `defect` less `closing` = B P^-1 r; not finite where
+    /// an inner iteration fails.
     pub(crate) fn multipliers(
         &self,
         constraint: &Constraint,

@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 
 use crate::Options;
-use crate::active_set::constrained_cg::OneSet;
+use crate::active_set::constrained_cg::SetProblem;
 use crate::active_set::plane_problem::{PlaneProblem, PlaneState};
 use crate::green::matrix::Green;
 use crate::mesh::contact_mesh::{ContactMesh, Sets, State, clip};
@@ -13,17 +13,19 @@ use crate::motion::dot;
 const UPDATES: usize = 200;
 /// After so many sets each further lot is looked at ten times more closely.
 const UNHURRIED: usize = 10;
-/// Tension over the largest force, and penetration over the depth, that a converged set may have: rounding. After `PATIENT` lots of
-/// sets it is ten times more with each further lot, up to `MOST_SLACK` times: what then sends a set in circles is no contact.
+/// Tension over the largest force, and penetration over the depth, that a converged set may have:
+/// rounding. After `PATIENT` lots of sets it is ten times more with each further lot, up to
+/// `MOST_SLACK` times: what then sends a set in circles is no contact.
 const SLACK: f64 = 1e-10;
 const PATIENT: i32 = 2;
-/// After so many sets the plain active set takes over: no prediction, and forces only on the way to those of a set.
+/// After so many sets the plain active set takes over: no prediction, and forces only on the way to
+/// those of a set.
 const PLAIN: usize = 30;
 const MOST_SLACK: f64 = 1e5;
 
 impl ContactMesh {
-    /// Iterates from `state`, whose forces took `begun`, until the energy-norm residual is below the tolerance and the contact
-    /// set stays.
+    /// Iterates from `state`, whose forces took `begun`, until the energy-norm residual is below
+    /// the tolerance and the contact set stays.
     pub fn solve(
         &self,
         state: &mut State,
@@ -38,21 +40,23 @@ impl ContactMesh {
         progress
     }
 
-    /// As [`ContactMesh::solve`] with an iteration within one contact set, which returns whether tolerance and set were
-    /// reached.
+    /// As [`ContactMesh::solve`] with an iteration within one contact set, which returns whether
+    /// tolerance and set were reached.
     ///
-    /// The scheme is that of [`PlaneProblem::solve`] on the bodies' own stiffness: sweeps on the contact plane, corrected to
-    /// what the bodies answered last, find a set, and the iteration on that set is the acceleration. It is accepted where the
-    /// energy of the contact forces falls: that of the forces put back to their bounds, or that of the point on the way
-    /// where the first force meets its bound. Where it does not fall the next set is that of the forces accepted last with
-    /// the nodes whose gaps contradict it: its minimiser lies lower, since those forces are among its own.
+    /// The scheme is that of [`PlaneProblem::solve`] on the bodies' own stiffness: sweeps on the
+    /// contact plane, corrected to what the bodies answered last, find a set, and the iteration on
+    /// that set is the acceleration. It is accepted where the energy of the contact forces falls:
+    /// that of the forces put back to their bounds, or that of the point on the way where the first
+    /// force meets its bound. Where it does not fall the next set is that of the forces accepted
+    /// last with the nodes whose gaps contradict it: its minimiser lies lower, since those forces
+    /// are among its own.
     pub fn solve_by<E>(
         &self,
         state: &mut State,
         greens: &[Green; 2],
         begun: Counts,
         control: &Control,
-        mut iterate: impl FnMut(&OneSet, &mut State, &mut Progress) -> Result<bool, E>,
+        mut iterate: impl FnMut(&SetProblem, &mut State, &mut Progress) -> Result<bool, E>,
     ) -> Result<Progress, E> {
         let mut progress = Progress {
             iterations: 0,
@@ -71,7 +75,7 @@ impl ContactMesh {
                 break;
             };
             let before = progress.iterations;
-            let set = OneSet {
+            let set = SetProblem {
                 sets: &sets,
                 constraint: &constraint,
                 control,
@@ -84,7 +88,8 @@ impl ContactMesh {
             let confirmed = iterate(&set, state, &mut progress)?;
             counts.accelerations += 1;
             let trial = self.feasible(state, &greens[1], accepted.as_ref());
-            // Forces put back to their bounds leave gaps that are only predicted: not good enough where sets go in circles.
+            // Forces put back to their bounds leave gaps that are only predicted: not good enough
+            // where sets go in circles.
             let plain = update >= PLAIN;
             let exact = !plain || self.within_bounds(state);
             let falls = match &accepted {
@@ -175,7 +180,8 @@ impl ContactMesh {
 
     /// Solves the contact on the plane alone, with the scaled Green's matrix.
     ///
-    /// `base` is the gap of the candidates without motion and forces, `start` the forces and motion to begin with.
+    /// `base` is the gap of the candidates without motion and forces, `start` the forces and motion
+    /// to begin with.
     pub fn plane_contact(&self, scaled: &Green, base: &[f64], start: PlaneState) -> PlaneState {
         let rows: Vec<[f64; 3]> = self.candidates.iter().map(|&n| self.rows[n]).collect();
         let bound: Vec<f64> = self.candidates.iter().map(|&n| self.bound[n]).collect();
@@ -194,10 +200,12 @@ impl ContactMesh {
 
 /// Forces within their bounds, the gaps under them, and their energy.
 ///
-/// The energy is D(f) = 1/2 f^T S f + g^T f with S = B K^-1 B^T and g the gap without forces, the complementary one; at the
-/// solution it is minus the total potential energy, the load's work in it. Its gradient is the gap plus the motion's part, which
-/// does no work on balanced changes, so that between two states D changes by 1/2 (gap + gap') . (f' - f), exactly since S is
-/// linear: only nodes that enter or leave the set count, and the signs of their gaps and forces tell which way.
+/// The energy is D(f) = 1/2 f^T S f + g^T f with S = B K^-1 B^T and g the gap without forces, the
+/// complementary one; at the solution it is minus the total potential energy, the load's work in
+/// it. Its gradient is the gap plus the motion's part, which does no work on balanced changes, so
+/// that between two states D changes by 1/2 (gap + gap') . (f' - f), exactly since S is linear:
+/// only nodes that enter or leave the set count, and the signs of their gaps and forces tell which
+/// way.
 #[derive(Clone, Debug)]
 pub(crate) struct Feasible {
     /// Forces on the candidates [N].
@@ -233,7 +241,8 @@ impl Feasible {
         sets
     }
 
-    /// The set of these forces, with the one node let go whose gap contradicts it most: of several some may have to come back.
+    /// The set of these forces, with the one node let go whose gap contradicts it most: of several
+    /// some may have to come back.
     pub fn released_one(&self, bound: &[f64]) -> Sets {
         let mut sets = Sets::of(&self.force, bound);
         let wrong = |i: usize| match self.force[i] {
@@ -259,10 +268,12 @@ impl Feasible {
 }
 
 impl ContactMesh {
-    /// The forces of a state put back to their bounds, with gaps corrected for that on the contact plane.
+    /// The forces of a state put back to their bounds, with gaps corrected for that on the contact
+    /// plane.
     ///
-    /// Without a state before, energies count from no forces on the bodies as they lie under outer loads, and the work of a
-    /// load from first touch. Under a given approach no load works, and the energy is minus what the bodies have stored.
+    /// Without a state before, energies count from no forces on the bodies as they lie under outer
+    /// loads, and the work of a load from first touch. Under a given approach no load works, and
+    /// the energy is minus what the bodies have stored.
     pub fn feasible(&self, state: &State, scaled: &Green, last: Option<&Feasible>) -> Feasible {
         let gaps = self.gaps(state);
         let mut gap: Vec<f64> = self.candidates.iter().map(|&c| gaps[c]).collect();
@@ -278,15 +289,19 @@ impl ContactMesh {
             Some(last) => last.energy + last.change(&force, &gap),
             None => {
                 // Motions that are fixed belong to the gap without forces.
-                let moved = [0, 1, 2].map(|a| match self.motion.free[a] {
-                    true => state.motion[a],
-                    false => -state.motion[a],
+                let moved = [0, 1, 2].map(|a| {
+                    if self.motion.free[a] {
+                        state.motion[a]
+                    } else {
+                        -state.motion[a]
+                    }
                 });
                 let unpressed = self.unpressed_gap();
                 // A load is at no height of its own: its work counts from first touch.
-                let lowest = match self.motion.free[0] {
-                    true => unpressed.iter().copied().fold(f64::INFINITY, f64::min),
-                    false => 0.0,
+                let lowest = if self.motion.free[0] {
+                    unpressed.iter().copied().fold(f64::INFINITY, f64::min)
+                } else {
+                    0.0
                 };
                 let work = |i: usize| {
                     let row = self.rows[self.candidates[i]];
@@ -303,7 +318,8 @@ impl ContactMesh {
         }
     }
 
-    /// The forces on the way from accepted ones to those of a state where the first one meets its bound.
+    /// The forces on the way from accepted ones to those of a state where the first one meets its
+    /// bound.
     pub fn on_the_way(&self, last: &Feasible, state: &State) -> Feasible {
         let bound: Vec<f64> = self.candidates.iter().map(|&c| self.bound[c]).collect();
         let to: Vec<f64> = self.candidates.iter().map(|&c| state.force[c]).collect();

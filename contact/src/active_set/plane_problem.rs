@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use crate::active_set::balance::{Answer, Balance};
+use crate::active_set::balance::{Balance, BalancedForces};
 use crate::active_set::contact_set::Counts;
 use crate::green::closed_set::ClosedSet;
 use crate::green::matrix::Green;
@@ -12,9 +12,10 @@ use crate::precondition::dense::DenseCholesky;
 
 /// The contact problem on the contact plane alone.
 ///
-/// Minimise the complementary energy D(f) = 1/2 f^T G f + g^T f over 0 <= f_i <= bound_i and N^T f = balance (for the free
-/// columns of N). Then gap = g - N q + G f with q the multipliers of the balance, gap_i >= 0 where f_i = 0, gap_i = 0 inside
-/// the bounds and gap_i <= 0 at the upper one. At the solution D is minus the total potential energy, the load's work in it.
+/// Minimise the complementary energy D(f) = 1/2 f^T G f + g^T f over 0 <= f_i <= bound_i and N^T
+/// f = balance (for the free columns of N). Then gap = g - N q + G f with q the multipliers of the
+/// balance, gap_i >= 0 where f_i = 0, gap_i = 0 inside the bounds and gap_i <= 0 at the upper one.
+/// At the solution D is minus the total potential energy, the load's work in it.
 pub(crate) struct PlaneProblem<'a> {
     /// G, symmetric positive definite [m/N].
     pub green: &'a Green<'a>,
@@ -61,7 +62,8 @@ const RELAXATION: f64 = 1.4;
 /// Sweeps at the first motion.
 const FIRST_SWEEPS: usize = 3;
 
-/// Rounds in which sweeps go on between accelerations; later ones sweep only from the minimiser of a set.
+/// Rounds in which sweeps go on between accelerations; later ones sweep only from the minimiser of
+/// a set.
 const FREE_ROUNDS: usize = 60;
 
 /// Most rounds in all.
@@ -81,14 +83,16 @@ enum Acceleration {
 impl PlaneProblem<'_> {
     /// Sweeps and accelerations until the contact set confirms itself, from `state`.
     ///
-    /// After the first sweeps, which look for a beginning at the motion given, forces keep their bounds and the balance, and
-    /// every step is taken only where D falls. An acceleration goes to the minimiser of D on the set of the forces:
-    /// forces beyond their bounds are put back and the load is balanced anew where that lowers D, and otherwise the step
-    /// ends where the first force meets its bound, which lowers D since D is convex. From the minimiser of a set that gaps
-    /// contradict, a sweep lowers D: along the change of an SOR sweep at fixed motion, balanced anew, where D falls that
-    /// way, and else along the projected gradient, where it must. So no set's minimiser is met twice, and there are
-    /// finitely many: it ends, from wherever it begins (L. Banz and A. Schroeder, Comp. Appl. Math. 2024, doi
-    /// 10.1007/s40314-024-03066-x, for the scheme without the balance).
+    /// After the first sweeps, which look for a beginning at the motion given, forces keep their
+    /// bounds and the balance, and every step is taken only where D falls. An acceleration goes to
+    /// the minimiser of D on the set of the forces: forces outside their bounds are put back and
+    /// the load is balanced anew where that lowers D, and otherwise the step ends where the first
+    /// force meets its bound, which lowers D since D is convex. From the minimiser of a set that
+    /// gaps contradict, a sweep lowers D: along the change of an SOR sweep at fixed motion,
+    /// balanced anew, where D falls that way, and else along the projected gradient, where it must.
+    /// So no set's minimiser is met twice, and there are finitely many: it ends, from wherever it
+    /// begins (L. Banz and A. Schroeder, Comp. Appl. Math. 2024, doi 10.1007/s40314-024-03066-x,
+    /// for the scheme without the balance).
     pub fn solve(&self, mut state: PlaneState) -> PlaneState {
         let mut deflection = self.deflection(&state.force);
         for _ in 0..FIRST_SWEEPS {
@@ -96,7 +100,11 @@ impl PlaneProblem<'_> {
         }
         let everyone = vec![true; self.gap.len()];
         let precision = self.green.precision();
-        let begun = self.balanced(&state.force, &self.left(&state, &deflection), &everyone);
+        let begun = self.balanced(
+            &state.force,
+            &self.open_gaps(&state, &deflection),
+            &everyone,
+        );
         let feasible = begun.met;
         self.take(&mut state, begun);
         deflection = self.deflection(&state.force);
@@ -142,8 +150,8 @@ impl PlaneProblem<'_> {
         let mut swept_deflection = deflection.clone();
         self.sweep(&mut swept, &mut swept_deflection);
         state.counts = swept.counts;
-        let left = self.left(&swept, &swept_deflection);
-        let along_sweep = self.balanced(&swept.force, &left, &everyone);
+        let gaps = self.open_gaps(&swept, &swept_deflection);
+        let along_sweep = self.balanced(&swept.force, &gaps, &everyone);
         if along_sweep.met && self.descend(state, deflection, along_sweep) {
             return true;
         }
@@ -153,7 +161,12 @@ impl PlaneProblem<'_> {
     }
 
     /// Goes to the least D on the way to `answer`, or all of it; returns whether D fell.
-    fn descend(&self, state: &mut PlaneState, deflection: &mut Vec<f64>, answer: Answer) -> bool {
+    fn descend(
+        &self,
+        state: &mut PlaneState,
+        deflection: &mut Vec<f64>,
+        answer: BalancedForces,
+    ) -> bool {
         let change: Vec<f64> = answer
             .force
             .iter()
@@ -192,8 +205,8 @@ impl PlaneProblem<'_> {
             .collect()
     }
 
-    /// The gaps that a sweep has left for the balance: none where it set a force, those that are open elsewhere.
-    fn left(&self, state: &PlaneState, deflection: &[f64]) -> Vec<f64> {
+    /// The gaps after a sweep: 0 at nodes where it set a force, the positive gaps elsewhere.
+    fn open_gaps(&self, state: &PlaneState, deflection: &[f64]) -> Vec<f64> {
         let gaps = self.gaps(state, deflection).into_iter().zip(&state.force);
         gaps.zip(self.bound)
             .map(|((gap, &f), &bound)| match f {
@@ -204,8 +217,9 @@ impl PlaneProblem<'_> {
             .collect()
     }
 
-    /// What the nodes that `may` answer to the motion that balances the load, each on its own stiffness.
-    fn balanced(&self, force: &[f64], gaps: &[f64], may: &[bool]) -> Answer {
+    /// What the nodes that `may` answer to the motion that balances the load, each on its own
+    /// stiffness.
+    fn balanced(&self, force: &[f64], gaps: &[f64], may: &[bool]) -> BalancedForces {
         let softness: Vec<f64> = (0..gaps.len())
             .map(|i| RELAXATION / self.green.own(i))
             .collect();
@@ -221,16 +235,19 @@ impl PlaneProblem<'_> {
         .solve()
     }
 
-    fn take(&self, state: &mut PlaneState, answer: Answer) {
+    fn take(&self, state: &mut PlaneState, answer: BalancedForces) {
         state.force = answer.force;
         state.motion = [0, 1, 2].map(|a| state.motion[a] + answer.turn[a]);
     }
 
     /// D of forces that keep the balance; motions that are fixed belong to the gap.
     fn energy(&self, state: &PlaneState, deflection: &[f64]) -> f64 {
-        let fixed = [0, 1, 2].map(|a| match self.motion.free[a] {
-            true => 0.0,
-            false => state.motion[a],
+        let fixed = [0, 1, 2].map(|a| {
+            if self.motion.free[a] {
+                0.0
+            } else {
+                state.motion[a]
+            }
         });
         (0..self.gap.len())
             .map(|i| {
@@ -256,10 +273,10 @@ impl PlaneProblem<'_> {
         state.counts.accelerations += 1;
         let largest = force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
         let slack = self.green.precision();
-        let beyond =
+        let out_of_bounds =
             |i: &usize| force[*i] < -slack * largest || force[*i] > self.bound[*i] * (1.0 + slack);
         let before = (state.force.clone(), state.motion);
-        if !set.inside.iter().any(beyond) {
+        if !set.inside.iter().any(out_of_bounds) {
             // D is no higher there: the forces before are of this set.
             let clamped = force.iter().zip(self.bound).map(|(f, b)| f.clamp(0.0, *b));
             state.force = clamped.collect();
@@ -319,7 +336,8 @@ impl PlaneProblem<'_> {
         }
     }
 
-    /// Exact forces and motion for a fixed set: the gap is 0 inside, the force at its bound where full.
+    /// Exact forces and motion for a fixed set: the gap is 0 inside, the force at its bound where
+    /// full.
     fn minimiser(&self, set: &Sets, state: &PlaneState) -> Option<(Vec<f64>, [f64; 3])> {
         let mut force = vec![0.0; self.gap.len()];
         for &i in &set.full {
@@ -365,7 +383,8 @@ impl PlaneProblem<'_> {
         Some((force, motion))
     }
 
-    /// Whether gaps are open where forces are 0 and pressed in where they are at their bound, to `slack` of the depth.
+    /// Whether gaps are open where forces are 0 and pressed in where they are at their bound, to
+    /// `slack` of the depth.
     fn confirmed(&self, state: &PlaneState, deflection: &[f64], slack: f64) -> bool {
         let gaps = self.gaps(state, deflection);
         let depth = (0..self.gap.len())

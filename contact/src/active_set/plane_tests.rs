@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use super::*;
 
-/// Nodes on a square under a round bottom: point loads on a half-space, and a stiff spring under each.
+/// Nodes on a square under a round bottom: point loads on a half-space, and a stiff spring under
+/// each.
 struct Square {
     green: Mat<f64>,
     gap: Vec<f64>,

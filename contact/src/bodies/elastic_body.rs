@@ -1,4 +1,5 @@
-//! An elastic body under or over the contact plane: what it weighs against displacements, and what it answers to forces.
+//! An elastic body under or over the contact plane: forces from displacements, and displacements
+//! from forces.
 
 use std::sync::Arc;
 
@@ -15,10 +16,11 @@ use crate::precondition::inverse::Inverse;
 use crate::precondition::mounted::MountedInverse;
 use crate::precondition::planewise::{Columns, InverseWork, PlanewiseInverse, Side};
 
-/// A body with its stiffness K, a preconditioner M of it, and the trace B with which it meets the contact plane.
+/// A body with its stiffness K, a preconditioner M of it, and the trace B with which it meets the
+/// contact plane.
 ///
-/// Plane values have one number for each node of the contact plane, x fastest; displacement vectors hold component after
-/// component.
+/// Plane values have one number for each node of the contact plane, x fastest; displacement vectors
+/// hold component after component.
 pub(crate) struct ElasticBody {
     pub stiffness: Stiffness,
     /// K of all displacements assembled: what is multiplied with where it is there.
@@ -27,7 +29,7 @@ pub(crate) struct ElasticBody {
     pub trace: Trace,
     /// Young's modulus and Poisson's ratio; of the ice where a bed lies under it.
     pub material: Material,
-    /// Entries fixed beside what the stiffness holds: those of the preconditioner's clamps.
+    /// Displacements that the preconditioner's clamps fix, in addition to those of the stiffness.
     pub fixed: Vec<usize>,
     /// Forces from outside on the body [N]; none where empty.
     pub load: Vec<f64>,
@@ -40,7 +42,7 @@ pub(crate) struct BodyWork {
 }
 
 impl ElasticBody {
-    /// A body on a tensor grid that nothing but faces of its operator hold.
+    /// A body on a tensor grid, fixed at faces of its operator only.
     pub fn on_grid(
         operator: TensorOperator,
         material: Material,
@@ -63,8 +65,8 @@ impl ElasticBody {
         }
     }
 
-    /// A body above the plane with a preconditioner that knows its mount: entries that its clamps hold, and forces from
-    /// outside (none where empty) [N].
+    /// A body above the plane with a preconditioner that knows its mount: entries that its clamps
+    /// hold, and forces from outside (none where empty) [N].
     pub fn mounted(
         operator: TensorOperator,
         inverse: MountedInverse,
@@ -97,7 +99,7 @@ impl ElasticBody {
         self.stiffness.len()
     }
 
-    /// Unknowns that nothing holds.
+    /// Number of free displacements.
     pub fn free_dofs(&self) -> usize {
         self.stiffness.free_dofs() - self.fixed.len()
     }
@@ -135,7 +137,8 @@ impl ElasticBody {
         self.inverse.begin(residual, closing, &mut work.inverse);
     }
 
-    /// `step` = M^-1 (residual - B^T m) for the residual that `work` was last begun with and the forces m on nodes.
+    /// `step` = M^-1 (residual - B^T m) for the residual that `work` was last begun with and the
+    /// forces m on nodes.
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut BodyWork) {
         self.inverse.finish(multipliers, step, &mut work.inverse);
         self.fixed.iter().for_each(|&entry| step[entry] = 0.0);
@@ -146,12 +149,13 @@ impl ElasticBody {
         self.inverse.respond(forces, closing, &mut work.inverse);
     }
 
-    /// B M^-1 B^T between plane nodes, and the estimate of B K^-1 B^T that contact sets are predicted with [m/N].
+    /// B M^-1 B^T between plane nodes, and the estimate of B K^-1 B^T that contact sets are
+    /// predicted with [m/N].
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         self.inverse.green(nodes)
     }
 
-    /// Entries that faces, clamps or the mount hold, ascending.
+    /// Displacements that faces, clamps or the mount fix, ascending.
     pub fn fixed_dofs(&self) -> Vec<usize> {
         let mut ones = vec![1.0; self.len()];
         self.stiffness.mask(&mut ones);
@@ -162,7 +166,8 @@ impl ElasticBody {
     }
 }
 
-/// The vertical displacements of a grid's highest nodes for a body below, of its lowest for one above.
+/// The vertical displacements of a grid's highest nodes for a body below, of its lowest for one
+/// above.
 fn trace_on_grid(operator: &TensorOperator, side: Side, columns: Columns) -> Trace {
     let [nx, ny, nz] = operator.shape();
     let plane = match side {
@@ -182,7 +187,8 @@ fn trace_on_grid(operator: &TensorOperator, side: Side, columns: Columns) -> Tra
 pub(crate) enum Stiffness {
     /// Hexahedra of a tensor grid.
     Tensor(TensorOperator),
-    /// Hexahedra in the columns and layers of a tensor grid, but of other heights; the grid says what its faces hold.
+    /// Hexahedra in the columns and layers of a tensor grid, but of other heights; the grid says
+    /// what its faces hold.
     Mapped {
         grid: TensorOperator,
         hexahedra: MatrixFree,
@@ -191,7 +197,8 @@ pub(crate) enum Stiffness {
     Solid(Arc<RunnerSolid>),
 }
 
-/// Vectors that products with a stiffness reuse: two node by node, and the forces of cells on their corners.
+/// Vectors that products with a stiffness reuse: two node by node, and the forces of cells on their
+/// corners.
 #[derive(Default)]
 pub(crate) struct StiffnessWork {
     displacement: Vec<f64>,
@@ -208,7 +215,7 @@ impl Stiffness {
         }
     }
 
-    /// Unknowns that neither faces nor a solid's own clamps hold.
+    /// Number of displacements that neither faces nor a solid's own clamps fix.
     pub fn free_dofs(&self) -> usize {
         match self {
             Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. } => grid.free_dofs(),
@@ -237,7 +244,7 @@ impl Stiffness {
         }
     }
 
-    /// Sets the entries that faces or a solid's own clamps hold to 0.
+    /// Sets the displacements that faces or a solid's own clamps fix to 0.
     pub fn mask(&self, u: &mut [f64]) {
         match self {
             Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. } => grid.mask(u),
@@ -256,7 +263,7 @@ impl Stiffness {
         }
     }
 
-    /// `out` = K `u`, with 0 on entries that faces or a solid's own clamps hold.
+    /// `out` = K `u`, with 0 on entries that faces or a solid's own clamps fix.
     pub fn apply(&self, u: &[f64], out: &mut [f64], work: &mut StiffnessWork) {
         match self {
             Stiffness::Tensor(grid) => grid.apply(u, out),
@@ -280,8 +287,8 @@ impl Stiffness {
 
 // How a body's displacements close the gap over the nodes of the contact plane.
 
-/// B: from displacements, component after component, to the closing of the gap on the plane's nodes, x fastest. It has the
-/// vertical displacements with the sign of the body's side.
+/// B: from displacements, component after component, to the closing of the gap on the plane's
+/// nodes, x fastest. It has the vertical displacements with the sign of the body's side.
 pub(crate) enum Trace {
     /// Nodes of the body that are nodes of the plane.
     Nodes {
@@ -336,7 +343,8 @@ impl Trace {
 
 // The hexahedra of a body on a tensor grid, as they are assembled.
 
-/// The body that a tensor operator stands for; `material` is that of its cells, but of its lower layer's.
+/// The body that a tensor operator describes; `material` is that of its cells, except of its lower
+/// layer's.
 ///
 /// # Errors
 /// Those of [`Body::new`] and [`Material::new`].

@@ -1,4 +1,4 @@
-//! What the half-space beyond the mesh does to its faces.
+//! Displacements of the mesh's outer faces, from the half-space outside.
 
 use kufe_fem::{Material, boussinesq};
 use kufe_mesh::TensorGrid;
@@ -8,7 +8,7 @@ use crate::precondition::planewise::Side;
 
 /// A vertical force on the surface.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lump {
+pub(crate) struct PointForce {
     /// Where it acts [m].
     pub at: [f64; 2],
     /// Its size, downwards positive [N].
@@ -18,9 +18,10 @@ pub(crate) struct Lump {
 /// Lumps along the longer side of the contact, or of the quarter or half of it that is solved for.
 const LUMPS: f64 = 8.0;
 
-/// Gathers nodal forces into lumps at their centres of force, mirrored where symmetry was used: 8 along the longer side,
-/// fewer along the shorter in proportion, since a lump's error falls with the square of its size over the distance.
-pub(crate) fn lumps(x: &[f64], y: &[f64], force: &[f64], symmetry: [bool; 2]) -> Vec<Lump> {
+/// Gathers nodal forces into lumps at their centres of force, mirrored where symmetry was used: 8
+/// along the longer side, fewer along the shorter in proportion, since a lump's error falls with
+/// the square of its size over the distance.
+pub(crate) fn lumps(x: &[f64], y: &[f64], force: &[f64], symmetry: [bool; 2]) -> Vec<PointForce> {
     let touched = |i: usize, j: usize| force[j * x.len() + i] > 0.0;
     let columns: Vec<usize> = (0..x.len())
         .filter(|&i| (0..y.len()).any(|j| touched(i, j)))
@@ -55,7 +56,7 @@ pub(crate) fn lumps(x: &[f64], y: &[f64], force: &[f64], symmetry: [bool; 2]) ->
             let (cx, cy) = (sums[1] / sums[0], sums[2] / sums[0]);
             for sx in mirror(symmetry[0]) {
                 for sy in mirror(symmetry[1]) {
-                    lumps.push(Lump {
+                    lumps.push(PointForce {
                         at: [sx * cx, sy * cy],
                         force: sums[0],
                     });
@@ -72,13 +73,14 @@ fn mirror(symmetric: bool) -> impl Iterator<Item = f64> + Clone {
 
 /// Writes the half-space's displacements under `lumps` onto the outer faces of the grid.
 ///
-/// Outer faces: the end of z away from the contact, and the ends of x and y that are no mirror planes.
-/// `displacement` holds component after component. A half-space above the plane is the mirror image of one below.
+/// Outer faces: the end of z away from the contact, and the ends of x and y that are no mirror
+/// planes. `displacement` holds component after component. A half-space above the plane is the
+/// mirror image of one below.
 pub(crate) fn prescribe(
     grid: &TensorGrid,
     symmetry: [bool; 2],
     material: Material,
-    lumps: &[Lump],
+    lumps: &[PointForce],
     side: Side,
     displacement: &mut [f64],
 ) {

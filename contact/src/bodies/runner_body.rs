@@ -13,10 +13,11 @@ use crate::precondition::planewise::{Columns, Side};
 use crate::problem::mount::{LoadedPlace, spread_along};
 use crate::{ElasticRunner, Error, Load, Mount, Problem};
 
-/// Cells in the runner are this much larger than in the ice under them: steel's share of the approach is small.
+/// Cells in the runner are this much larger than in the ice under them: steel's share of the
+/// approach is small.
 const COARSER: f64 = 2.0;
-/// In a runner that bends layers grow up to this part of its height. Without end, its approach on two bridges is 3 % less with 3 cells over
-/// half the patch, 1.6 % with 6.
+/// In a runner that bends layers grow up to this part of its height. Without end, its approach on
+/// two bridges is 3 % less with 3 cells over half the patch, 1.6 % with 6.
 const GROWING: f64 = 3.0;
 /// Fewest and most knots of a whole runner's beam motions.
 const KNOTS: [f64; 2] = [25.0, 61.0];
@@ -40,8 +41,8 @@ pub(crate) struct RunnerPlan<'a> {
 impl RunnerPlan<'_> {
     /// The runner as a body of the contact problem, with its mesh.
     ///
-    /// An unbounded hull is a half-space above the plane, on the ice's grid mirrored. A bounded one has the columns
-    /// under it; its ends and sides are free and its mount holds its top.
+    /// An unbounded hull is a half-space above the plane, on the ice's grid mirrored. A bounded one
+    /// has the columns under it; its ends and sides are free and its mount holds its top.
     pub fn body(&self) -> Result<(ElasticBody, HexMesh), Error> {
         let elastic = self.elastic;
         let material = Material::new(elastic.youngs_modulus, elastic.poissons_ratio);
@@ -144,7 +145,8 @@ impl RunnerPlan<'_> {
         let extent = self.problem.runner.underside.extent();
         let length = extent[1] - extent[0];
         let mut operator = self.operator(grid, material, fixed_faces(symmetry, false, false));
-        // No face holds the body: its rigid motions get a little stiffness in P, and the mount is a constraint.
+        // No face holds the body: its rigid motions get a little stiffness in P, and the mount is a
+        // constraint.
         let axis = &mut operator.axes[0];
         for (k, m) in axis.stiffness.iter_mut().zip(&axis.mass) {
             for d in 0..3 {
@@ -186,7 +188,8 @@ impl RunnerPlan<'_> {
     }
 }
 
-/// The solid's hexahedra over the columns of `grid`, and the box of as many layers that represents it.
+/// The solid's hexahedra over the columns of `grid`, and the box of as many layers that represents
+/// it.
 fn mapped(
     problem: &Problem,
     elastic: &ElasticRunner,
@@ -245,7 +248,8 @@ fn solid(mesh: &HexMesh, material: Material, kind: ElementKind) -> Result<Solid,
     })
 }
 
-/// Mirror planes fixed in their normal component, ends and sides where `all_round`, the top where `top`.
+/// Mirror planes fixed in their normal component, ends and sides where `all_round`, the top where
+/// `top`.
 fn fixed_faces(symmetry: [bool; 2], all_round: bool, top: bool) -> FixedFaces {
     std::array::from_fn(|c| {
         let ends = |axis: usize| {
@@ -261,8 +265,8 @@ fn fixed_faces(symmetry: [bool; 2], all_round: bool, top: bool) -> FixedFaces {
 
 /// The beam motions of a body of `length` and `height` [m] whose rigid motions nothing holds.
 ///
-/// Rigid motions get a hundredth of the stiffness of the first bending mode of a free beam, E H^2 / 12 (4.73 / L)^4 a
-/// volume: enough to be told from rounding, and the mount says what they are.
+/// Rigid motions get a hundredth of the stiffness of the first bending mode of a free beam, E H^2 /
+/// 12 (4.73 / L)^4 a volume: well above rounding; the mount says what they are.
 fn beam_space(
     solid: &Solid,
     operator: &TensorOperator,
@@ -321,7 +325,8 @@ fn beam_space(
 
 // What a mount holds of a meshed runner's top, and what loads it there.
 
-/// The nodes (i, j) of the top that the mount holds, by component; mirror planes hold theirs already.
+/// The nodes (i, j) of the top that the mount holds, by component; mirror planes hold theirs
+/// already.
 ///
 /// A runner that nothing holds gets three points without reaction, which fix its six rigid motions.
 pub(crate) fn fixed_nodes(
@@ -369,7 +374,7 @@ pub(crate) fn load_of(
     let Load::Force { fz, offset_y, .. } = problem.load else {
         return forces;
     };
-    // Between the two rows of nodes beside the line of action; half of it on a mirror plane.
+    // Between the two rows of nodes next to the line of action; half of it on a mirror plane.
     let row = grid.y.partition_point(|&y| y <= offset_y).clamp(1, ny - 1) - 1;
     let part = ((offset_y - grid.y[row]) / (grid.y[row + 1] - grid.y[row])).clamp(0.0, 1.0);
     let half = if symmetry[1] { 0.5 } else { 1.0 };

@@ -9,7 +9,8 @@ use crate::bodies::elastic_body::{ElasticBody, Stiffness, Trace};
 use crate::precondition::factored::{FactoredInverse, Mortar, mortar_rows};
 use crate::precondition::inverse::Inverse;
 
-/// A solid with its factor as preconditioner, exact, over the plane of the ice's `grid` by a mortar.
+/// A solid with its factor as preconditioner, exact, over the plane of the ice's `grid` by a
+/// mortar.
 pub(crate) fn solid_body(solid: &Arc<RunnerSolid>, grid: &TensorGrid) -> ElasticBody {
     let place = |node: usize| solid.surface.partition_point(|&s| s < node);
     let faces: Vec<_> = solid
@@ -46,7 +47,8 @@ mod tests {
     const YOUNGS: f64 = 210e9;
     const PRESSURE: f64 = 5e6;
 
-    /// A block of 7 x 5 x 3 cells, without Poisson's effect, its top fixed: uneven ones with rectangular faces, and `skewed` by a part.
+    /// A block of 7 x 5 x 3 cells, without Poisson's effect, its top fixed: uneven ones with
+    /// rectangular faces, and `skewed` by a part.
     fn uneven(skewed: f64) -> Arc<RunnerSolid> {
         let even = |half: f64, n: i32| -> Vec<f64> {
             let place = |i: i32| half * (2.0 * f64::from(i) / f64::from(n) - 1.0);
@@ -68,7 +70,8 @@ mod tests {
         Arc::new(RunnerSolid::new(mesh, YOUNGS, 0.0, fixed).expect("a block"))
     }
 
-    /// How the gap closes at the nodes of an ice plane whose forces are those of one pressure, for lines that match no face of the block.
+    /// How the gap closes at the nodes of an ice plane whose forces are those of one pressure, for
+    /// lines that match no face of the block.
     fn closing(reach: f64, skewed: f64) -> (Vec<f64>, Vec<f64>) {
         let line = |half: f64, places: &[f64]| -> Vec<f64> {
             let whole = places.iter().map(|t| half * t);
@@ -99,8 +102,9 @@ mod tests {
         (closed, load)
     }
 
-    /// The mortar's patch test: the block is compressed by p H / E at every node of the plane, to rounding where faces are parallelograms and
-    /// to what the rule on triangles is off by where the faces' functions are no polynomials.
+    /// The mortar's patch test: the block is compressed by p H / E at every node of the plane, to
+    /// rounding where faces are parallelograms and to what the rule on triangles is off by where
+    /// the faces' functions are no polynomials.
     #[test]
     fn a_constant_pressure_compresses_a_block_evenly_through_a_mesh_that_does_not_match() {
         let expected = -PRESSURE * HEIGHT / YOUNGS;
@@ -118,8 +122,9 @@ mod tests {
         }
     }
 
-    /// Its defect: nodes whose functions reach past the block have forces for all of their functions, which stand on the part that is
-    /// covered: with lines a tenth beyond its sides the block bears that tenth at its rims, and not a pressure that is the same everywhere.
+    /// Its defect: nodes whose functions reach past the block have forces for all of their
+    /// functions, which stand on the part that is covered: with lines a tenth outside its sides the
+    /// block bears that tenth at its rims, and not a pressure that is the same everywhere.
     #[test]
     fn a_pressure_on_functions_that_reach_past_the_block_stands_on_its_rims() {
         let (closed, load) = closing(1.1, 0.0);

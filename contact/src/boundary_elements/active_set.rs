@@ -1,9 +1,10 @@
-//! Which cells are pressed, and how hard: sets of open, pressed and yielding cells, each solved by projected conjugate gradients.
+//! Pressures on cells: sets of open, pressed and yielding cells, each solved by projected conjugate
+//! gradients.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::boundary_elements::operator::Operator;
-use crate::boundary_elements::window::{NotChecked, Window};
+use crate::boundary_elements::window::{CheckUnavailable, Window};
 use crate::problem::gap::Gap;
 use crate::{Load, Problem};
 
@@ -18,11 +19,11 @@ enum Cell {
 
 /// Pressures on the cells of a plane.
 #[derive(Clone, Debug)]
-pub(super) struct Pressed {
+pub(super) struct PressureState {
     /// Pressures [Pa].
     pub pressure: Vec<f64>,
-    /// Gap of the deformed surface, negative in what yields [m].
-    pub left: Vec<f64>,
+    /// Gap of the deformed surface, negative where the ice yields [m].
+    pub opening: Vec<f64>,
     /// The free motions, in the order of [`Plane::motions`].
     pub motion: Vec<f64>,
 }
@@ -44,14 +45,16 @@ const FIRST: f64 = 0.3;
 
 /// Solves for pressures that balance the load, 0 where the gap is open and at most the hardness.
 ///
-/// They make 1/2 p^T K p + g^T p least over 0 <= p <= hardness with N^T p as the load asks. On a set, conjugate gradients keep the balance by
-/// projecting residuals; motions are what the projection takes out (after I. A. Polonsky and L. M. Keer, Wear 231, 1999). Cells change where
-/// their sign is wrong (primal-dual active set; M. Hintermueller, K. Ito and K. Kunisch, SIAM J. Optim. 13, 2002).
+/// They make 1/2 p^T K p + g^T p least over 0 <= p <= hardness with N^T p as the load requires. On
+/// a set, conjugate gradients keep the balance by projecting residuals; motions are what the
+/// projection takes out (after I. A. Polonsky and L. M. Keer, Wear 231, 1999). Cells change where
+/// their sign is wrong (primal-dual active set; M. Hintermueller, K. Ito and K. Kunisch, SIAM J.
+/// Optim. 13, 2002).
 pub(super) fn press(
     plane: &Plane,
     operator: &mut Operator,
     start: Option<Vec<f64>>,
-) -> Result<Pressed, NotChecked> {
+) -> Result<PressureState, CheckUnavailable> {
     let mut solve = Solve::new(plane, operator, start);
     let mut tolerance = ROUGH;
     for set in 0..MOST_SETS {
@@ -68,14 +71,14 @@ pub(super) fn press(
             tolerance = (tolerance * FINER).max(FINAL);
         }
     }
-    Err(NotChecked::NotSettled)
+    Err(CheckUnavailable::NotSettled)
 }
 
 struct Solve<'a> {
     plane: &'a Plane,
     operator: &'a mut Operator,
     cells: Vec<Cell>,
-    now: Pressed,
+    now: PressureState,
     direction: Vec<f64>,
     product: Vec<f64>,
 }
@@ -106,9 +109,9 @@ impl<'a> Solve<'a> {
             cells: pressure.iter().map(state).collect(),
             plane,
             operator,
-            now: Pressed {
+            now: PressureState {
                 pressure,
-                left: vec![0.0; count],
+                opening: vec![0.0; count],
                 motion: Vec::new(),
             },
             direction: vec![0.0; count],
@@ -117,7 +120,7 @@ impl<'a> Solve<'a> {
     }
 
     /// Pressures of the set as it is, to a residual over the approach.
-    fn on_set(&mut self, tolerance: f64) -> Result<(), NotChecked> {
+    fn on_set(&mut self, tolerance: f64) -> Result<(), CheckUnavailable> {
         let count = self.cells.len();
         let pressed: Vec<usize> = (0..count)
             .filter(|&c| self.cells[c] == Cell::Pressed)
@@ -143,13 +146,13 @@ impl<'a> Solve<'a> {
         for _ in 0..MOST_STEPS {
             self.now.motion = balance.take_out(self.plane, &pressed, &residual);
             self.plane
-                .opened(&residual, &self.now.motion, &mut self.now.left);
-            let left = &self.now.left;
-            // How deep the hull's lowest place goes: closing - gap = residual - gap - left.
+                .opened(&residual, &self.now.motion, &mut self.now.opening);
+            let opening = &self.now.opening;
+            // How deep the hull's lowest place goes: closing - gap = residual - gap - opening.
             let (mut square, mut depth) = (0.0, f64::MIN_POSITIVE);
             for &c in &pressed {
-                square += left[c] * left[c];
-                depth = f64::max(depth, residual[c] - self.plane.gap[c] - left[c]);
+                square += opening[c] * opening[c];
+                depth = f64::max(depth, residual[c] - self.plane.gap[c] - opening[c]);
             }
             if square.sqrt() <= tolerance * depth * (pressed.len() as f64).sqrt() {
                 return Ok(());
@@ -157,13 +160,13 @@ impl<'a> Solve<'a> {
             let turn = square / before;
             before = square;
             for &c in &pressed {
-                self.direction[c] = turn * self.direction[c] - left[c];
+                self.direction[c] = turn * self.direction[c] - opening[c];
             }
             self.operator.apply(&self.direction, &mut self.product);
             let along = pressed.iter().map(|&c| self.direction[c] * self.product[c]);
             let curvature: f64 = along.sum();
             if curvature.is_nan() || curvature <= 0.0 {
-                return Err(NotChecked::NotSettled);
+                return Err(CheckUnavailable::NotSettled);
             }
             let step = square / curvature;
             for &c in &pressed {
@@ -173,11 +176,11 @@ impl<'a> Solve<'a> {
                 *r += step * k;
             }
         }
-        Err(NotChecked::NotSettled)
+        Err(CheckUnavailable::NotSettled)
     }
 
-    /// The pressure from which cells yield next: the hardness, but for half of the overloaded ones where these are most of the set, which would
-    /// carry nothing without them [Pa].
+    /// The pressure from which cells yield next: the hardness, but for half of the overloaded ones
+    /// where these are most of the set, which would carry nothing without them [Pa].
     fn yields(&self) -> f64 {
         let hardness = self.plane.hardness;
         let pressed = || {
@@ -197,14 +200,14 @@ impl<'a> Solve<'a> {
 
     /// Opens, closes and yields where signs are wrong; whether any cell was.
     fn change_set(&mut self) -> bool {
-        let Pressed {
+        let PressureState {
             pressure,
-            left,
+            opening,
             motion,
             ..
         } = &self.now;
         let top = pressure.iter().copied().fold(0.0, f64::max);
-        let depth = (0..left.len())
+        let depth = (0..opening.len())
             .map(|c| self.plane.closing(c, motion) - self.plane.gap[c])
             .fold(0.0, f64::max);
         let yields = self.yields();
@@ -213,8 +216,8 @@ impl<'a> Solve<'a> {
             let next = match *cell {
                 Cell::Pressed if pressure[c] < -SLACK * top => Cell::Open,
                 Cell::Pressed if pressure[c] >= yields => Cell::Yielding,
-                Cell::Open if left[c] < -SLACK * depth => Cell::Pressed,
-                Cell::Yielding if left[c] > SLACK * depth => Cell::Pressed,
+                Cell::Open if opening[c] < -SLACK * depth => Cell::Pressed,
+                Cell::Yielding if opening[c] > SLACK * depth => Cell::Pressed,
                 same => same,
             };
             changed |= next != *cell;
@@ -231,7 +234,7 @@ struct Balance {
 }
 
 impl Balance {
-    fn new(plane: &Plane, pressed: &[usize]) -> Result<Self, NotChecked> {
+    fn new(plane: &Plane, pressed: &[usize]) -> Result<Self, CheckUnavailable> {
         let count = plane.motions.len();
         let sum = |a: usize, b: usize| -> f64 {
             let (a, b) = (&plane.motions[a], &plane.motions[b]);
@@ -243,11 +246,11 @@ impl Balance {
             .filter(|i| i.iter().all(|v| v.is_finite()));
         match inverse {
             Some(inverse) if !pressed.is_empty() => Ok(Balance { inverse }),
-            _ => Err(NotChecked::NotSettled),
+            _ => Err(CheckUnavailable::NotSettled),
         }
     }
 
-    /// The motions that a residual on the set holds.
+    /// The motions that a residual on the set contains.
     fn take_out(&self, plane: &Plane, pressed: &[usize], residual: &[f64]) -> Vec<f64> {
         let sums = plane
             .motions
@@ -263,9 +266,9 @@ impl Balance {
             .motions
             .iter()
             .zip(&plane.balance)
-            .map(|(row, asked)| {
+            .map(|(row, required)| {
                 let finite = row.iter().zip(pressure.iter());
-                asked - finite.map(|(n, p)| n * p).sum::<f64>()
+                required - finite.map(|(n, p)| n * p).sum::<f64>()
             });
         let short = DVector::from_iterator(plane.motions.len(), short);
         let by = &self.inverse * short;
@@ -281,7 +284,8 @@ impl Balance {
 pub(super) struct Plane {
     /// Cells along x that are solved for.
     pub width: usize,
-    /// Undeformed gap at the centres less the motion that is fixed; infinite where there is no hull [m].
+    /// Undeformed gap at the centres less the motion that is fixed; infinite where there is no hull
+    /// [m].
     pub gap: Vec<f64>,
     /// How the motions that follow from balance close the gap, one list a motion.
     pub motions: Vec<Vec<f64>>,
@@ -342,12 +346,12 @@ impl Plane {
         }
     }
 
-    /// `left` = `residual` less what motions close, cell by cell [m].
-    pub fn opened(&self, residual: &[f64], motion: &[f64], left: &mut [f64]) {
-        left.copy_from_slice(residual);
+    /// `opening` = `residual` less the closing by motions, cell by cell [m].
+    pub fn opened(&self, residual: &[f64], motion: &[f64], opening: &mut [f64]) {
+        opening.copy_from_slice(residual);
         for (row, q) in self.motions.iter().zip(motion) {
-            for (left, n) in left.iter_mut().zip(row) {
-                *left -= n * q;
+            for (opening, n) in opening.iter_mut().zip(row) {
+                *opening -= n * q;
             }
         }
     }

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::boundary_elements::active_set::{Plane, Pressed, press};
+use crate::boundary_elements::active_set::{Plane, PressureState, press};
 use crate::boundary_elements::operator::Operator;
-use crate::boundary_elements::window::{NotChecked, Surface, Window};
+use crate::boundary_elements::window::{CheckUnavailable, Surface, Window};
 use crate::problem::check::check;
 use crate::problem::gap::Gap;
 use crate::result::measure::PressureField;
@@ -44,20 +44,26 @@ const GRIDS: [usize; 7] = [20, 24, 32, 40, 48, 64, 80];
 const TOLD_BY: usize = 3;
 /// Windows that are tried.
 const MOST_WINDOWS: usize = 24;
-/// Factor of safety on the range of values that go to and fro (L. Eça and M. Hoekstra, J. Comput. Phys. 228, 2009).
+/// Factor of safety on the range of values that go to and fro (L. Eça and M. Hoekstra, J. Comput.
+/// Phys. 228, 2009).
 const SAFETY: f64 = 3.0;
-/// Part of a cell that a rim is read to: of a Hertz contact 0.22 of one at most, over 64 contacts on grids of 32 to 80 cells.
+/// Part of a cell that a rim is read to: of a Hertz contact 0.22 of one at most, over 64 contacts
+/// on grids of 32 to 80 cells.
 const READ: f64 = 0.25;
-/// Most that the square of a pressure beside the rim may be of the peak's: in a Hertz contact it is 0.2 on the finest grid.
+/// Largest value that the square of a pressure next to the rim may have, of the peak's: in a Hertz
+/// contact it is 0.2 on the finest grid.
 const STEEP: f64 = 0.4;
 
-/// Solves a contact by boundary elements on its plane: cells of uniform pressure, pressed on a half-space or on bonded layers.
+/// Solves a contact by boundary elements on its plane: cells of uniform pressure, pressed on a
+/// half-space or on bonded layers.
 ///
-/// u = K p with K from A. E. H. Love's rectangles and, for layers, the inverse Hankel transform of what their compliance differs from the
-/// half-space's; products by Fourier's functions of a grid padded to twice its size (S. Liu, Q. Wang and G. Liu, Wear 243, 2000). The
-/// window of cells is fitted to the contact. Of the method of [`solve`](crate::solve) it uses nothing but the problem's gap. The rim falls
-/// between cells, so that figures go to and fro as cells get smaller: the finest grid's are given, and as their error three times
-/// the range over three grids, of 20, 24 and 32 cells each way.
+/// u = K p with K from A. E. H. Love's rectangles and, for layers, the inverse Hankel transform of
+/// what their compliance differs from the half-space's; products by Fourier's functions of a grid
+/// padded to twice its size (S. Liu, Q. Wang and G. Liu, Wear 243, 2000). The window of cells is
+/// fitted to the contact. Of the method of [`solve`](crate::solve) it uses nothing but the
+/// problem's gap. The rim falls between cells, so that figures go to and fro as cells get smaller:
+/// the finest grid's are given, and as their error three times the range over three grids, of 20,
+/// 24 and 32 cells each way.
 ///
 /// # Errors
 /// Why this contact is none for this method, or was not resolved by it.
@@ -75,11 +81,12 @@ const STEEP: f64 = 0.4;
 /// assert!((found.p_max - exact.p_max).abs() < found.p_max_error);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn boundary_elements(problem: &Problem) -> Result<BoundaryElements, NotChecked> {
+pub fn boundary_elements(problem: &Problem) -> Result<BoundaryElements, CheckUnavailable> {
     boundary_elements_to(problem, f64::INFINITY)
 }
 
-/// As [`boundary_elements`], with grids of 40 to 80 cells too until the estimated error of the peak pressure is `tolerance` of it or less.
+/// As [`boundary_elements`], with grids of 40 to 80 cells too until the estimated error of the peak
+/// pressure is `tolerance` of it or less.
 ///
 /// Where these do not reach it either, the answer has the error that it has.
 ///
@@ -88,29 +95,32 @@ pub fn boundary_elements(problem: &Problem) -> Result<BoundaryElements, NotCheck
 pub fn boundary_elements_to(
     problem: &Problem,
     tolerance: f64,
-) -> Result<BoundaryElements, NotChecked> {
+) -> Result<BoundaryElements, CheckUnavailable> {
     match solved(problem, tolerance)? {
-        (_, at_rim) if at_rim > STEEP => Err(NotChecked::NarrowPeak),
+        (_, at_rim) if at_rim > STEEP => Err(CheckUnavailable::NarrowPeak),
         (found, _) => Ok(found),
     }
 }
 
-/// As [`boundary_elements`], of peaks that are narrower than the cells too: no answer there, but what two hulls that differ a little differ by.
+/// As [`boundary_elements`], of peaks that are narrower than the cells too: no answer there, but
+/// what two hulls that differ a little differ by.
 ///
 /// # Errors
 /// As [`boundary_elements`] for all else.
-pub fn boundary_elements_to_compare(problem: &Problem) -> Result<BoundaryElements, NotChecked> {
+pub fn boundary_elements_to_compare(
+    problem: &Problem,
+) -> Result<BoundaryElements, CheckUnavailable> {
     solved(problem, f64::INFINITY).map(|(found, _)| found)
 }
 
-/// Depth of a place beyond the window over the approach that counts as contact: with forces that go with its power 3/2, of a thousandth of
-/// the load under radii alike.
+/// Depth of a place outside the window over the approach that counts as contact: with forces that
+/// go with its power 3/2, of a thousandth of the load under radii alike.
 const DEEP: f64 = 0.01;
 
-/// The figures, and how steep the pressure is at its rim: [`OnWindow::at_rim`].
-fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), NotChecked> {
-    check(problem, &Options::default()).map_err(|_| NotChecked::NotSettled)?;
-    let gap = Gap::new(problem).map_err(|_| NotChecked::NotSettled)?;
+/// The figures, and how steep the pressure is at its rim: [`WindowContact::at_rim`].
+fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), CheckUnavailable> {
+    check(problem, &Options::default()).map_err(|_| CheckUnavailable::NotSettled)?;
+    let gap = Gap::new(problem).map_err(|_| CheckUnavailable::NotSettled)?;
     let surface = Surface::of(problem)?;
     let search = Search {
         problem,
@@ -130,7 +140,7 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
     }
     let [p_max, approach, area, length, width] = found[found.len() - 1];
     if last.elsewhere(&gap, surface.compliance) > DEEP * approach {
-        return Err(NotChecked::Elsewhere);
+        return Err(CheckUnavailable::Elsewhere);
     }
     // Whatever grids say of them, rims are read to a part of a cell.
     let [along, across] = last.window.size().map(|size| 2.0 * READ * size);
@@ -160,10 +170,10 @@ fn error(found: &[[f64; 5]], figure: usize) -> f64 {
 }
 
 /// A contact on one window's cells.
-struct OnWindow {
+struct WindowContact {
     window: Window,
     plane: Plane,
-    pressed: Pressed,
+    pressed: PressureState,
 }
 
 /// What the grids of a problem share.
@@ -175,10 +185,10 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// The contact on the coarsest cells of a window that fits it.
-    fn window(&self) -> Result<OnWindow, NotChecked> {
+    fn window(&self) -> Result<WindowContact, CheckUnavailable> {
         let modulus = 1.0 / self.surface.compliance;
         let mut window = Window::first(self.problem, self.gap, modulus, GRIDS[0])
-            .ok_or(NotChecked::NotSettled)?;
+            .ok_or(CheckUnavailable::NotSettled)?;
         for _ in 0..MOST_WINDOWS {
             let found = self.solved(window, None)?;
             match window.fitted(found.touched()) {
@@ -186,14 +196,18 @@ impl Search<'_> {
                 None => return Ok(found),
             }
         }
-        Err(NotChecked::NotSettled)
+        Err(CheckUnavailable::NotSettled)
     }
 
-    fn solved(&self, window: Window, start: Option<Vec<f64>>) -> Result<OnWindow, NotChecked> {
+    fn solved(
+        &self,
+        window: Window,
+        start: Option<Vec<f64>>,
+    ) -> Result<WindowContact, CheckUnavailable> {
         let plane = Plane::new(self.problem, self.gap, &window);
         let mut operator = Operator::new(&window, self.surface)?;
         let pressed = press(&plane, &mut operator, start)?;
-        Ok(OnWindow {
+        Ok(WindowContact {
             window,
             plane,
             pressed,
@@ -201,7 +215,7 @@ impl Search<'_> {
     }
 }
 
-impl OnWindow {
+impl WindowContact {
     /// Peak pressure [Pa], approach [m], area [m2], length and width [m].
     fn figures(&self) -> [f64; 5] {
         let top = |values: &[f64]| peak(values, self.plane.width, self.window.mirrored);
@@ -213,7 +227,8 @@ impl OnWindow {
         [p_max, top(&closing), area, length, width]
     }
 
-    /// How deep the hull lies in the ice beyond the window, which the pressures lower there as on a half-space: by p dA / (pi E* r) [m].
+    /// How deep the hull lies in the ice outside the window, which the pressures lower there as on
+    /// a half-space: by p dA / (pi E* r) [m].
     fn elsewhere(&self, gap: &Gap, compliance: f64) -> f64 {
         let (window, plane) = (&self.window, &self.plane);
         let [dx, dy] = window.size();
@@ -240,7 +255,7 @@ impl OnWindow {
             _ => 0.0,
         };
         let lows = gap.lows().filter(|place| !window.holds(*place));
-        window.beyond().chain(lows).map(deep).fold(0.0, f64::max)
+        window.outside().chain(lows).map(deep).fold(0.0, f64::max)
     }
 
     /// Area, length and width, from where p^2 reaches zero along the cells' lines.
@@ -279,7 +294,8 @@ impl OnWindow {
         self.pressed.pressure.iter().map(|p| p * p).collect()
     }
 
-    /// Largest square of a pressure beside an open cell or the window's border, over that of the peak; 0 where hardness cuts the peak off.
+    /// Largest square of a pressure next to an open cell or the window's border, over that of the
+    /// peak; 0 where hardness cuts the peak off.
     fn at_rim(&self) -> f64 {
         let squares = self.squares();
         let peak = squares.iter().copied().fold(0.0, f64::max);
@@ -288,14 +304,14 @@ impl OnWindow {
         }
         let [nx, ny] = self.window.solved();
         let open = |i: usize, j: usize| i >= nx || j >= ny || squares[j * nx + i] <= 0.0;
-        let beside = |at: usize, axis: usize| match at {
+        let previous = |at: usize, axis: usize| match at {
             0 if self.window.mirrored[axis] => 0,
             _ => at.wrapping_sub(1),
         };
         let rim = (0..squares.len()).filter(|c| {
             let (i, j) = (c % nx, c / nx);
-            let across = open(i, j + 1) || open(i, beside(j, 1));
-            across || open(i + 1, j) || open(beside(i, 0), j)
+            let across = open(i, j + 1) || open(i, previous(j, 1));
+            across || open(i + 1, j) || open(previous(i, 0), j)
         });
         rim.map(|c| squares[c] / peak).fold(0.0, f64::max)
     }
@@ -305,9 +321,10 @@ impl OnWindow {
         let ends = self.touched();
         let [[left, right], [low, high]] = [0, 1].map(|axis| {
             let [first, last] = ends[axis].map(|cell| self.window.centre(axis, cell));
-            match self.window.mirrored[axis] {
-                true => [-last, last],
-                false => [first, last],
+            if self.window.mirrored[axis] {
+                [-last, last]
+            } else {
+                [first, last]
             }
         });
         [left, right, low, high]
@@ -338,7 +355,8 @@ fn carried(pressure: &[f64], from: &Window, to: &Window) -> Vec<f64> {
         .collect()
 }
 
-/// The largest value on a grid of cells, raised by the vertex of the parabola through its neighbours on each axis.
+/// The largest value on a grid of cells, raised by the vertex of the parabola through its
+/// neighbours on each axis.
 fn peak(values: &[f64], width: usize, mirrored: [bool; 2]) -> f64 {
     let Some(top) = (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])) else {
         return 0.0;
@@ -360,9 +378,10 @@ fn peak(values: &[f64], width: usize, mirrored: [bool; 2]) -> f64 {
         }
         let above = values[top + stride];
         let (slope, curvature) = (0.5 * (above - below), above - 2.0 * cell + below);
-        match curvature < 0.0 && below > 0.0 && above > 0.0 {
-            true => -0.5 * slope * slope / curvature,
-            false => 0.0,
+        if curvature < 0.0 && below > 0.0 && above > 0.0 {
+            -0.5 * slope * slope / curvature
+        } else {
+            0.0
         }
     };
     cell + rise(0) + rise(1)
@@ -370,11 +389,13 @@ fn peak(values: &[f64], width: usize, mirrored: [bool; 2]) -> f64 {
 
 // Boundary elements for a family of contacts, where finite elements have said the same at its ends.
 
-/// What boundary elements may be trusted with: contacts between *anchors*, contacts of their kind that finite elements have solved too.
+/// What boundary elements may be trusted with: contacts between *anchors*, contacts of their kind
+/// that finite elements have solved too.
 ///
-/// One runner on one ice under several loads, tracks and rocker radii is a family. At its ends both methods answer. Where each pair of
-/// answers lies within both stated errors, boundary elements answer what lies between, and their error is what three grids say,
-/// more by the largest difference at an anchor.
+/// One runner on one ice under several loads, tracks and rocker radii is a family. At its ends both
+/// methods answer. Where each pair of answers lies within both stated errors, boundary elements
+/// answer what lies between, and their error is what three grids say, more by the largest
+/// difference at an anchor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VerifiedBem {
     /// Largest difference of the two peak pressures at an anchor, relative.
@@ -383,25 +404,29 @@ pub struct VerifiedBem {
     tolerance: f64,
 }
 
-/// Part of the tolerance that the grids at an anchor may leave: what they leave counts as a difference.
+/// Part of the tolerance that the grids at an anchor may leave: what they leave counts as a
+/// difference.
 const AT_ANCHORS: f64 = 0.5;
-/// Largest relative error of an area, as finite elements have it at 0.5 % of the peak: beyond it finite elements are used.
+/// Largest relative error of an area, as finite elements have it at 0.5 % of the peak: above it
+/// finite elements are used.
 const AREA: f64 = 0.05;
 
 impl VerifiedBem {
-    /// Boundary elements beside the finite elements' solutions of the same problems; `None` where they are no method for one of them, where
-    /// a figure parts by more than both errors, and where nothing is left of `tolerance`.
+    /// Compares boundary elements with the finite elements' solutions of the same problems; `None`
+    /// where they are no method for one of them, where a figure parts by more than both errors, and
+    /// where the difference uses up `tolerance`.
     ///
-    /// Neither ice that yields nor uneven ice is anchored: what contacts between two of them do may be like neither.
+    /// Neither ice that yields nor uneven ice is anchored: what contacts between two of them do may
+    /// be like neither.
     pub fn at(anchors: &[(Problem, Solution)], tolerance: f64) -> Option<Self> {
-        let beside = |(problem, first): &(Problem, Solution)| {
+        let difference = |(problem, first): &(Problem, Solution)| {
             if problem.ice.hardness.is_some() || problem.ice_surface.is_some() {
                 return None;
             }
             let second = boundary_elements_to(problem, AT_ANCHORS * tolerance).ok()?;
             agree(first, &second).then(|| (second.p_max / first.p_max - 1.0).abs())
         };
-        let all: Option<Vec<f64>> = anchors.par_iter().map(beside).collect();
+        let all: Option<Vec<f64>> = anchors.par_iter().map(difference).collect();
         let apart = all?.into_iter().fold(0.0, f64::max);
         (!anchors.is_empty() && apart < tolerance).then_some(VerifiedBem { apart, tolerance })
     }
@@ -411,8 +436,9 @@ impl VerifiedBem {
         self.apart
     }
 
-    /// The contact by boundary elements, the difference at the anchors in its peak's error; `None` where that is not within the tolerance, the
-    /// area is not known to a twentieth or they have no answer, and finite elements are needed.
+    /// The contact by boundary elements, the difference at the anchors in its peak's error; `None`
+    /// where that is not within the tolerance, the area is not known to a twentieth or they have no
+    /// answer, and finite elements are needed.
     pub fn answer(&self, problem: &Problem) -> Option<BoundaryElements> {
         let mut found = boundary_elements_to(problem, self.tolerance - self.apart).ok()?;
         found.p_max_error += self.apart * found.p_max;

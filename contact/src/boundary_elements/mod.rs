@@ -1,4 +1,5 @@
-//! The contact on its plane alone: boundary elements, a second method that shares the problem's gap with the first, how rims are read, and nothing else.
+//! The contact on its plane alone: boundary elements, a second method that shares the problem's gap
+//! with the first, how rims are read, and nothing else.
 
 pub(crate) mod active_set;
 pub(crate) mod check;

@@ -1,4 +1,5 @@
-//! Pressures on cells to displacements at their centres: a convolution, by Fourier's functions of a padded grid.
+//! Pressures on cells to displacements at their centres: a convolution, by Fourier's functions of a
+//! padded grid.
 
 use std::f64::consts::PI;
 
@@ -6,12 +7,13 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use nalgebra::{Matrix2, Matrix4};
 
-use crate::boundary_elements::window::{NotChecked, Surface, Window};
+use crate::boundary_elements::window::{CheckUnavailable, Surface, Window};
 
 /// Most cells' sizes over the upper layer's thickness.
 const COARSEST: f64 = 12.0;
 
-/// Fourier's functions of one axis at its cells: columns are modes of the ring of twice as many cells, orthonormal on it.
+/// Fourier's functions of one axis at its cells: columns are modes of the ring of twice as many
+/// cells, orthonormal on it.
 struct Modes {
     values: Mat<f64>,
     /// The wave of each column.
@@ -19,12 +21,15 @@ struct Modes {
 }
 
 impl Modes {
-    /// For `cells` cells, of which a mirror plane leaves half: even functions are all that is needed then. `cosines` are those of the ring's
-    /// quarter cells.
+    /// For `cells` cells, of which a mirror plane leaves half: even functions are all that is
+    /// needed then. `cosines` are those of the ring's quarter cells.
     fn new(cells: usize, mirrored: bool, cosines: &[f64]) -> Self {
-        let norm = |k: usize| match k == 0 || k == cells {
-            true => (0.5 / cells as f64).sqrt(),
-            false => (1.0 / cells as f64).sqrt(),
+        let norm = |k: usize| {
+            if k == 0 || k == cells {
+                (0.5 / cells as f64).sqrt()
+            } else {
+                (1.0 / cells as f64).sqrt()
+            }
         };
         // The cosine of wave k, `halves` half cells along the ring.
         let cosine = |k: usize, halves: usize| cosines[k * halves % (4 * cells)];
@@ -38,9 +43,10 @@ impl Modes {
         let at = |i: usize, column: usize| {
             let k = wave[column];
             // sin t = cos(t - pi / 2), a quarter of the ring's 4 n half cells.
-            let of = match column <= cells {
-                true => cosine(k, 2 * i),
-                false => cosines[(2 * k * i + 3 * cells) % (4 * cells)],
+            let of = if column <= cells {
+                cosine(k, 2 * i)
+            } else {
+                cosines[(2 * k * i + 3 * cells) % (4 * cells)]
             };
             norm(k) * of
         };
@@ -59,7 +65,7 @@ pub(super) struct Operator {
 
 impl Operator {
     /// For the cells of a window.
-    pub fn new(window: &Window, surface: &Surface) -> Result<Self, NotChecked> {
+    pub fn new(window: &Window, surface: &Surface) -> Result<Self, CheckUnavailable> {
         let cells = window.cells;
         let [nx, ny] = cells;
         let table = kernel(cells, window.size(), surface)?;
@@ -115,8 +121,13 @@ impl Operator {
     }
 }
 
-/// Displacement of the cell i steps along x and j along y away under unit pressure on the first one, x fastest [m/Pa].
-fn kernel(cells: [usize; 2], size: [f64; 2], surface: &Surface) -> Result<Vec<f64>, NotChecked> {
+/// Displacement of the cell i steps along x and j along y away under unit pressure on the first
+/// one, x fastest [m/Pa].
+fn kernel(
+    cells: [usize; 2],
+    size: [f64; 2],
+    surface: &Surface,
+) -> Result<Vec<f64>, CheckUnavailable> {
     let mut table = rectangles(cells, size);
     let factor = surface.compliance / PI;
     table.iter_mut().for_each(|value| *value *= factor);
@@ -124,11 +135,12 @@ fn kernel(cells: [usize; 2], size: [f64; 2], surface: &Surface) -> Result<Vec<f6
         return Ok(table);
     };
     if size[0].max(size[1]) > COARSEST * upper.thickness {
-        return Err(NotChecked::ThinLayer);
+        return Err(CheckUnavailable::ThinLayer);
     }
     let reach = [0, 1].map(|axis| (cells[axis] as f64 + 1.0) * size[axis]);
     let radial = Radial::new(&surface.layers, reach[0].hypot(reach[1]));
-    // Points of a cell that a smooth function over a layer's thickness is averaged on, as offsets from its middle, with weights.
+    // Points of a cell that a smooth function over a layer's thickness is averaged on, as offsets
+    // from its middle, with weights.
     let points = size.map(|size| mean(size, upper.thickness));
     for j in 0..=cells[1] {
         for i in 0..=cells[0] {
@@ -166,11 +178,12 @@ fn mean(size: f64, scale: f64) -> Vec<[f64; 2]> {
 
 // A half-space under a rectangle of uniform pressure.
 
-/// Displacements at the centres of a grid's cells under unit pressure on the first one, times pi E*: entry (i, j) is that of the cell i
-/// steps along x and j along y away, row by row of x, 0..=`cells` each way [m].
+/// Displacements at the centres of a grid's cells under unit pressure on the first one, times pi
+/// E*: entry (i, j) is that of the cell i steps along x and j along y away, row by row of x,
+/// 0..=`cells` each way [m].
 ///
-/// Each is a sum over the rectangle's corners of x asinh(y/x) + y asinh(x/y) = x ln((y + r)/x) + y ln((x + r)/y), which is odd in
-/// x and y (A. E. H. Love, Phil. Trans. R. Soc. A 228, 1929).
+/// Each is a sum over the rectangle's corners of x asinh(y/x) + y asinh(x/y) = x ln((y + r)/x) + y
+/// ln((x + r)/y), which is odd in x and y (A. E. H. Love, Phil. Trans. R. Soc. A 228, 1929).
 pub(super) fn rectangles(cells: [usize; 2], size: [f64; 2]) -> Vec<f64> {
     let [nx, ny] = cells.map(|n| n + 1);
     let corner = |i: usize, j: usize| {
@@ -192,16 +205,19 @@ pub(super) fn rectangles(cells: [usize; 2], size: [f64; 2]) -> Vec<f64> {
 
 // What layers change of a half-space's displacement, over the distance from a point force.
 
-/// Largest wave number times the upper layer's thickness that is kept: beyond, layers and half-space differ by e^-20.
+/// Largest wave number times the upper layer's thickness that is computed: above it, layers and
+/// half-space differ by e^-20.
 const LARGEST: f64 = 10.0;
-/// Distance over the layers' whole thickness from which nothing moves: displacements over a rigid bed fall exponentially.
+/// Distance over the layers' whole thickness from which nothing moves: displacements over a rigid
+/// bed fall exponentially.
 const FARTHEST: f64 = 15.0;
 /// Places of the table over the upper layer's thickness.
 const PLACES: f64 = 8.0;
 /// Most that k r may grow over one panel of the quadrature.
 const PANEL: f64 = 4.0;
 
-/// Abscissae and weights of Gauss-Legendre quadrature on [-1, 1] (M. Abramowitz and I. A. Stegun, Handbook, 1964, table 25.4).
+/// Abscissae and weights of Gauss-Legendre quadrature on [-1, 1] (M. Abramowitz and I. A. Stegun,
+/// Handbook, 1964, table 25.4).
 const GAUSS: [[f64; 2]; 4] = [
     [0.183_434_642_495_649_8, 0.362_683_783_378_362],
     [0.525_532_409_916_329, 0.313_706_645_877_887_29],
@@ -209,9 +225,11 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.960_289_856_497_536_2, 0.101_228_536_290_376_26],
 ];
 
-/// D(r): displacement at distance r of a unit force on layers less that on a half-space of the upper layer's material [m/N].
+/// D(r): displacement at distance r of a unit force on layers less that on a half-space of the
+/// upper layer's material [m/N].
 ///
-/// D(r) = 1/(2 pi) int (k C(k) - c) J0(k r) dk with the layers' compliance C and c = k times the half-space's.
+/// D(r) = 1/(2 pi) int (k C(k) - c) J0(k r) dk with the layers' compliance C and c = k times the
+/// half-space's.
 pub(super) struct Radial {
     /// Values at even steps from r = 0.
     values: Vec<f64>,
@@ -292,22 +310,22 @@ pub(super) struct Layer {
 
 /// Largest wave number times thickness that one step in depth takes: its exponentials stay near 1.
 const STEP: f64 = 2.0;
-/// Thickness times k beyond which nothing of what lies below is felt: e^-80 of it.
+/// Thickness times k above which the layers below have no influence: e^-80.
 const DEEP: f64 = 40.0;
 
 impl Layer {
-    /// k times the displacement of a half-space of this material under a pressure of amplitude 1 and any wave number k:
-    /// 2 (1 - nu^2) / E [1/Pa].
+    /// k times the displacement of a half-space of this material under a pressure of amplitude 1
+    /// and any wave number k: 2 (1 - nu^2) / E [1/Pa].
     pub fn half_space(&self) -> f64 {
         2.0 * (1.0 - self.poissons_ratio.powi(2)) / self.youngs_modulus
     }
 
-    /// Takes the compliance of the plane below this layer (displacements u_r, u_z under tractions tau, sigma of wave number `k`) to
-    /// that of its upper plane.
+    /// Takes the compliance of the plane below this layer (displacements u_r, u_z under tractions
+    /// tau, sigma of wave number `k`) to that of its upper plane.
     ///
-    /// In depth d/dz (U, W, T, S) = A (U, W, T, S) for u_r = U J1(k r), u_z = W J0(k r). A has the eigenvalues k and -k twice each, so
-    /// that N = A^2 - k^2 has N^2 = 0 and
-    /// e^(A t) = cosh kt + A sinh(kt)/k + N t sinh(kt)/(2k) + A N (kt cosh kt - sinh kt)/(2 k^3).
+    /// In depth d/dz (U, W, T, S) = A (U, W, T, S) for u_r = U J1(k r), u_z = W J0(k r). A has the
+    /// eigenvalues k and -k twice each, so that N = A^2 - k^2 has N^2 = 0 and e^(A t) = cosh kt + A
+    /// sinh(kt)/k + N t sinh(kt)/(2k) + A N (kt cosh kt - sinh kt)/(2 k^3).
     fn raise(&self, k: f64, below: Matrix2<f64>) -> Matrix2<f64> {
         let (e, nu) = (self.youngs_modulus, self.poissons_ratio);
         let (lambda, mu) = (
@@ -348,15 +366,17 @@ impl Layer {
         let mut c = below * (k * mu);
         for _ in 0..steps as usize {
             let (moved, loaded) = (part(0, 0) * c + part(0, 2), part(2, 0) * c + part(2, 2));
-            // The traction of a finite layer's plane follows from any displacement: the matrix is regular.
+            // The traction of a finite layer's plane follows from any displacement: the matrix is
+            // regular.
             c = moved * loaded.try_inverse().unwrap_or_else(Matrix2::zeros);
         }
         c / (k * mu)
     }
 }
 
-/// Downward displacement of the surface of `layers` (from the top one down, the last bonded to a rigid bed) under a pressure of amplitude
-/// 1 and wave number `k` [1/m], in m/Pa (I. N. Sneddon, Fourier Transforms, 1951, chapter 10).
+/// Downward displacement of the surface of `layers` (from the top one down, the last bonded to a
+/// rigid bed) under a pressure of amplitude 1 and wave number `k` [1/m], in m/Pa (I. N. Sneddon,
+/// Fourier Transforms, 1951, chapter 10).
 pub(super) fn compliance(layers: &[Layer], k: f64) -> f64 {
     let bed = Matrix2::zeros();
     layers.iter().rev().fold(bed, |c, layer| layer.raise(k, c))[(1, 1)]
@@ -388,7 +408,8 @@ mod layers_tests {
 
     #[test]
     fn a_layer_on_a_rigid_bed_gives_as_the_closed_form_says() {
-        // K. L. Johnson, Contact Mechanics, 1985, section 5.8; in this form for axial symmetry as for a plane.
+        // K. L. Johnson, Contact Mechanics, 1985, section 5.8; in this form for axial symmetry as
+        // for a plane.
         for kh in [1e-3, 0.1, 1.0, 3.0, 9.0] {
             let nu = ICE.poissons_ratio;
             let (twice, kappa) = (2.0 * kh, 3.0 - 4.0 * nu);

@@ -16,7 +16,7 @@ const AROUND: f64 = 1.5;
 const GROWTH: f64 = 1.6;
 /// Least part of a window along an axis that contact is to fill.
 const FILLED: f64 = 0.7;
-/// Cells left beyond the contact in a window that is made anew.
+/// Open cells around the contact in a regenerated window.
 const MARGIN: f64 = 1.0;
 
 /// A rectangle around the contact, in even cells.
@@ -26,7 +26,7 @@ pub(super) struct Window {
     pub low: [f64; 2],
     /// Largest x and y [m].
     pub high: [f64; 2],
-    /// Cells along x and y, those beyond a mirror plane among them.
+    /// Cells along x and y, those across a mirror plane included.
     pub cells: [usize; 2],
     /// Whether x = 0 and y = 0 are mirror planes, in the middle of the window.
     pub mirrored: [bool; 2],
@@ -37,8 +37,8 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// Around the part of the hull that a cut removes which is so deep (`depth` in E* depth (length width)^(1/2)) that it bears the load;
-    /// `None` where no hull is above the line of action.
+    /// Around the part of the hull that a cut removes which is so deep (`depth` in E* depth (length
+    /// width)^(1/2)) that it bears the load; `None` where no hull is above the line of action.
     pub fn first(problem: &Problem, gap: &Gap, modulus: f64, cells: usize) -> Option<Self> {
         let extent = problem.runner.underside.extent();
         let line = Line::new(gap, extent)?;
@@ -50,9 +50,10 @@ impl Window {
                     let middle = 0.5 * (low + high);
                     let [from, to, right, left] = line.cut(gap, middle.exp());
                     let bears = modulus * middle.exp() * ((to - from) * (left - right)).sqrt();
-                    match bears < fz {
-                        true => low = middle,
-                        false => high = middle,
+                    if bears < fz {
+                        low = middle
+                    } else {
+                        high = middle
                     }
                 }
                 line.cut(gap, high.exp())
@@ -84,17 +85,21 @@ impl Window {
 
     /// Cells that are solved for along x and y.
     pub fn solved(&self) -> [usize; 2] {
-        [0, 1].map(|axis| match self.mirrored[axis] {
-            true => self.cells[axis] / 2,
-            false => self.cells[axis],
+        [0, 1].map(|axis| {
+            if self.mirrored[axis] {
+                self.cells[axis] / 2
+            } else {
+                self.cells[axis]
+            }
         })
     }
 
     /// Centre of a solved cell along an axis [m].
     pub fn centre(&self, axis: usize, cell: usize) -> f64 {
-        let from = match self.mirrored[axis] {
-            true => 0.0,
-            false => self.low[axis],
+        let from = if self.mirrored[axis] {
+            0.0
+        } else {
+            self.low[axis]
         };
         from + (cell as f64 + 0.5) * self.size()[axis]
     }
@@ -103,13 +108,14 @@ impl Window {
     pub fn holds(&self, place: [f64; 2]) -> bool {
         (0..2).all(|axis| {
             let [low, high] = [self.low[axis], self.high[axis]];
-            let beside = 0.5 * (high - low);
-            (low - beside..=high + beside).contains(&place[axis])
+            let margin = 0.5 * (high - low);
+            (low - margin..=high + margin).contains(&place[axis])
         })
     }
 
-    /// Places along the hull, on the lines through this window's middle and sides, that are half its size and more away from it.
-    pub fn beyond(&self) -> impl Iterator<Item = [f64; 2]> {
+    /// Places along the hull, on the lines through this window's middle and sides, that are half
+    /// its size and more away from it.
+    pub fn outside(&self) -> impl Iterator<Item = [f64; 2]> {
         let middle = [0, 1].map(|axis| 0.5 * (self.low[axis] + self.high[axis]));
         let lines = [self.low[1], middle[1], self.high[1]];
         let around = self.high[0] - self.low[0];
@@ -121,7 +127,8 @@ impl Window {
         along.flat_map(move |x| lines.map(|y| [x, y]))
     }
 
-    /// The window that fits contact from the first to the last cell of each axis; `None` where this one does.
+    /// The window that fits contact from the first to the last cell of each axis; `None` where this
+    /// one does.
     pub fn fitted(&self, contact: [[usize; 2]; 2]) -> Option<Self> {
         let mut next = *self;
         let mut changed = false;
@@ -138,9 +145,10 @@ impl Window {
             if touches_high {
                 next.high[axis] += (GROWTH - 1.0) * whole;
             }
-            let filled = match self.mirrored[axis] {
-                true => last + 1,
-                false => last + 1 - first,
+            let filled = if self.mirrored[axis] {
+                last + 1
+            } else {
+                last + 1 - first
             };
             if touches_low || touches_high {
                 changed = true;
@@ -159,13 +167,15 @@ impl Window {
     fn scaled(self, by: f64) -> Self {
         let mut next = self;
         for axis in 0..2 {
-            let middle = match self.mirrored[axis] {
-                true => 0.0,
-                false => 0.5 * (self.low[axis] + self.high[axis]),
+            let middle = if self.mirrored[axis] {
+                0.0
+            } else {
+                0.5 * (self.low[axis] + self.high[axis])
             };
-            let half = match self.mirrored[axis] {
-                true => self.high[axis].max(-self.low[axis]),
-                false => 0.5 * (self.high[axis] - self.low[axis]),
+            let half = if self.mirrored[axis] {
+                self.high[axis].max(-self.low[axis])
+            } else {
+                0.5 * (self.high[axis] - self.low[axis])
             };
             next.low[axis] = middle - by * half;
             next.high[axis] = middle + by * half;
@@ -196,9 +206,12 @@ struct Line {
 impl Line {
     fn new(gap: &Gap, extent: [f64; 4]) -> Option<Self> {
         let [x0, y] = gap.line_of_action;
-        let end = |end: f64, from: f64| match end.is_finite() {
-            true => end,
-            false => from + end.signum() * REACH,
+        let end = |end: f64, from: f64| {
+            if end.is_finite() {
+                end
+            } else {
+                from + end.signum() * REACH
+            }
         };
         let mut xs = vec![x0];
         for to in [end(extent[0], x0) - x0, end(extent[1], x0) - x0] {
@@ -228,9 +241,9 @@ impl Line {
         let inside = |place: &[f64; 2]| place[1] < depth;
         let first = self.places.iter().position(inside).unwrap_or(0);
         let last = self.places.iter().rposition(inside).unwrap_or(0);
-        let crossing = |within: usize, beyond: Option<usize>| {
+        let crossing = |within: usize, next: Option<usize>| {
             let [x, g] = self.places[within];
-            match beyond.and_then(|k| self.places.get(k)) {
+            match next.and_then(|k| self.places.get(k)) {
                 Some([to, over]) if *over > g => x + (to - x) * (depth - g) / (over - g),
                 _ => x,
             }
@@ -245,9 +258,10 @@ impl Line {
             let (mut low, mut high) = (1e-9f64.min((end - self.y).abs()), (end - self.y).abs());
             for _ in 0..HALVINGS {
                 let middle = (low * high).sqrt();
-                match below(self.y + (end - self.y).signum() * middle) {
-                    true => low = middle,
-                    false => high = middle,
+                if below(self.y + (end - self.y).signum() * middle) {
+                    low = middle
+                } else {
+                    high = middle
                 }
             }
             self.y + (end - self.y).signum() * high
@@ -261,7 +275,7 @@ impl Line {
 /// Why the contact plane alone has no answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum NotChecked {
+pub enum CheckUnavailable {
     /// A bounded elastic runner: its bending is no half-space's.
     #[error("the runner is elastic and has ends")]
     ElasticRunner,
@@ -271,7 +285,7 @@ pub enum NotChecked {
     /// A peak of pressure no wider than a few cells, as at the ends of a runner.
     #[error("the pressure's peak is narrower than the cells")]
     NarrowPeak,
-    /// The hull lies in the ice beyond the cells, too: a second patch, or an end that touches.
+    /// The hull lies in the ice outside the cells, too: a second patch, or an end that touches.
     #[error("the runner touches elsewhere too")]
     Elsewhere,
     /// The patch or its set does not settle.
@@ -290,12 +304,12 @@ pub(super) struct Surface {
 
 impl Surface {
     /// The surface that the problem states.
-    pub fn of(problem: &Problem) -> Result<Self, NotChecked> {
+    pub fn of(problem: &Problem) -> Result<Self, CheckUnavailable> {
         let ice = &problem.ice;
         if let Some(elastic) = &problem.runner.elastic {
             let unbounded = problem.runner.underside.extent();
             if elastic.solid.is_some() || unbounded.iter().any(|end| end.is_finite()) {
-                return Err(NotChecked::ElasticRunner);
+                return Err(CheckUnavailable::ElasticRunner);
             }
         }
         let top = |thickness: f64| Layer {

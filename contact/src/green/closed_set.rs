@@ -1,4 +1,5 @@
-//! Forces that keep a set of nodes closed, by conjugate gradients on a Green's matrix that is not stored.
+//! Forces that keep a set of nodes closed, by conjugate gradients on a Green's matrix that is not
+//! stored.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -13,9 +14,10 @@ const ITERATIONS: usize = 300;
 
 /// G f = N q - g on a set A of candidates, with N^T f = balance for the free motions.
 ///
-/// Conjugate gradients in the subspace of balanced forces, with residuals freed of N q before each step (N. I. M. Gould, M. E.
-/// Hribar and J. Nocedal, SIAM J. Sci. Comput. 23 (2001), 1376-1395). They are preconditioned by the block of A in the plane's
-/// G^-1: an operator of the opposite order on the same nodes, so that iterations hardly grow with the mesh.
+/// Conjugate gradients in the subspace of balanced forces, with residuals freed of N q before each
+/// step (N. I. M. Gould, M. E. Hribar and J. Nocedal, SIAM J. Sci. Comput. 23 (2001), 1376-1395).
+/// They are preconditioned by the block of A in the plane's G^-1: an operator of the opposite order
+/// on the same nodes, so that iterations hardly grow with the mesh.
 pub(crate) struct ClosedSet<'a> {
     green: &'a ModalGreen<'a>,
     /// The set, as numbers of candidates.
@@ -48,19 +50,22 @@ impl<'a> ClosedSet<'a> {
             let column: Vec<f64> = rows.iter().map(|row| row[a]).collect();
             set.precondition(&column)
         });
-        set.gram = Matrix3::from_fn(|a, b| match free[a] && free[b] {
-            true => rows
-                .iter()
-                .zip(&set.columns[b])
-                .map(|(r, c)| r[a] * c)
-                .sum(),
-            false => 0.0,
+        set.gram = Matrix3::from_fn(|a, b| {
+            if free[a] && free[b] {
+                rows.iter()
+                    .zip(&set.columns[b])
+                    .map(|(r, c)| r[a] * c)
+                    .sum()
+            } else {
+                0.0
+            }
         });
         set
     }
 
-    /// The forces and the motion for gaps g without either, from forces near them; fixed motions, and those that the set does not
-    /// feel, stay as in `current`. None where the iteration does not end.
+    /// The forces and the motion for gaps g without either, from forces near them; fixed motions,
+    /// and those that the set does not feel, stay as in `current`. None where the iteration does
+    /// not end.
     pub fn solve(
         &self,
         gap: &[f64],
@@ -79,11 +84,14 @@ impl<'a> ClosedSet<'a> {
         near: &[f64],
     ) -> Option<(Vec<f64>, [f64; 3])> {
         let mut force = near.to_vec();
-        let left = Vector3::from_fn(|a, _| match self.free[a] {
-            true => balance[a] - sum(self.rows.iter().zip(&force).map(|(r, f)| r[a] * f)),
-            false => 0.0,
+        let imbalance = Vector3::from_fn(|a, _| {
+            if self.free[a] {
+                balance[a] - sum(self.rows.iter().zip(&force).map(|(r, f)| r[a] * f))
+            } else {
+                0.0
+            }
         });
-        self.add_columns(solve_semidefinite(self.gram, left), &mut force);
+        self.add_columns(solve_semidefinite(self.gram, imbalance), &mut force);
         let mut image = self.times(&force);
         let mut motion = current;
         let mut residual: Vec<f64> = (0..force.len())
@@ -93,9 +101,12 @@ impl<'a> ClosedSet<'a> {
         let mut before = 0.0;
         for _ in 0..most {
             let mut step = self.precondition(&residual);
-            let felt = Vector3::from_fn(|a, _| match self.free[a] {
-                true => sum(self.rows.iter().zip(&step).map(|(r, z)| r[a] * z)),
-                false => 0.0,
+            let felt = Vector3::from_fn(|a, _| {
+                if self.free[a] {
+                    sum(self.rows.iter().zip(&step).map(|(r, z)| r[a] * z))
+                } else {
+                    0.0
+                }
             });
             let turn = solve_semidefinite(self.gram, felt);
             self.add_columns(-turn, &mut step);

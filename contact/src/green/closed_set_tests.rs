@@ -1,12 +1,13 @@
-//! Claims on the equations of a closed set: they are met, in iterations that hardly grow with the mesh.
+//! Claims on the equations of a closed set: they are met, in iterations that hardly grow with the
+//! mesh.
 
 use std::sync::Arc;
 
 use super::*;
 use kufe_mesh::Paraboloid;
 
-use crate::accuracy::one_mesh::OneMesh;
-use crate::green::matrix::{Green, Stored};
+use crate::accuracy::one_mesh::MeshProblem;
+use crate::green::matrix::{Green, StorageLimit};
 use crate::{Ice, Load, Problem, Runner, Tilt};
 
 /// Four times the nodes and four times again: the same few dozen iterations are enough.
@@ -17,13 +18,13 @@ fn sets_are_closed_in_iterations_that_hardly_grow_with_the_mesh()
     let load = Load::central(1000.0, Tilt::Free);
     let problem = Problem::new(runner, Ice::half_space(9e9, 0.33), load);
     for cells in [5.0, 10.0, 20.0] {
-        let OneMesh { mesh, patch, .. } = OneMesh::new(problem.clone(), cells)?;
+        let MeshProblem { mesh, patch, .. } = MeshProblem::new(problem.clone(), cells)?;
         let contact = &mesh.contact;
-        let [Green::Modal(green), _] = contact.greens(Stored {
+        let [Green::Modal(green), _] = contact.greens(StorageLimit {
             faces: 0,
             mounted: 0,
         }) else {
-            return Err("a stored matrix beyond the most".into());
+            return Err("a stored matrix above the limit".into());
         };
         let near = |&i: &usize| contact.gap[contact.candidates[i]] < patch.motion;
         let inside: Vec<usize> = (0..contact.candidates.len()).filter(near).collect();

@@ -10,17 +10,19 @@ use crate::green::modal::ModalGreen;
 
 /// Most candidates whose matrix is stored.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stored {
+pub(crate) struct StorageLimit {
     /// Where faces of their grids alone hold the bodies.
     pub faces: usize,
     /// Where a mount holds one, or one has hexahedra of its own.
     pub mounted: usize,
 }
 
-impl Stored {
-    /// Products are as fast as what is stored from some 300 nodes that touch on, a thousand that may, and at 2,700 that touch on a bed take a third of
-    /// the time and a sixth of the memory. Beside a mount's they are as fast at best, and the matrices' memory is the limit, 0.8 GB each.
-    pub const USUAL: Stored = Stored {
+impl StorageLimit {
+    /// Products are as fast as what is stored from some 300 nodes that touch on, a thousand that
+    /// may, and at 2,700 that touch on a bed take a third of the time and a sixth of the memory.
+    /// Together with a mount's matrix they are as fast at best, and the matrices' memory is the
+    /// limit, 0.8 GB each.
+    pub const USUAL: StorageLimit = StorageLimit {
         faces: 2_500,
         mounted: 10_000,
     };
@@ -35,7 +37,8 @@ pub(crate) enum Green<'a> {
 }
 
 impl Green<'_> {
-    /// What a force moves at its own node, without what a mount or a solid adds where the matrix is not stored.
+    /// Displacement that a unit force causes at its own node, without what a mount or a solid adds
+    /// where the matrix is not stored.
     pub fn own(&self, i: usize) -> f64 {
         match self {
             Green::Dense(matrix) => matrix[(i, i)],
@@ -61,7 +64,8 @@ impl Green<'_> {
         }
     }
 
-    /// Sets forces one after another to what `wanted` says for a node, its force and its deflection; `deflection` = G f follows.
+    /// Sets forces one after another to what `wanted` says for a node, its force and its
+    /// deflection; `deflection` = G f follows.
     pub fn sweep(
         &self,
         force: &mut [f64],
@@ -85,7 +89,8 @@ impl Green<'_> {
         }
     }
 
-    /// How far rounding and inner iterations leave forces and gaps from those of a set, over the largest.
+    /// How far rounding and inner iterations leave forces and gaps from those of a set, over the
+    /// largest.
     pub fn precision(&self) -> f64 {
         match self {
             Green::Dense(_) => 1e-12,
@@ -116,9 +121,10 @@ impl Window {
             let places = || candidates.iter().map(|node| at(node)[axis]);
             places().min().unwrap_or(0)..places().max().map_or(0, |last| last + 1)
         });
-        let axes = match along[0].len() >= along[1].len() {
-            true => [0, 1],
-            false => [1, 0],
+        let axes = if along[0].len() >= along[1].len() {
+            [0, 1]
+        } else {
+            [1, 0]
         };
         let places: Vec<[usize; 2]> = candidates
             .iter()
@@ -159,8 +165,9 @@ impl Window {
     }
 }
 
-/// A quadratic form in the modes of both axes: values on the window, modal form, a factor for each pair of modes, and back.
-pub(crate) struct Form {
+/// A quadratic form in the modes of both axes: values on the window, modal form, a factor for each
+/// pair of modes, and back.
+pub(crate) struct QuadraticForm {
     /// Modes by nodes of the longer side.
     pub long: Mat<f64>,
     /// Nodes of the shorter side by modes.
@@ -169,7 +176,7 @@ pub(crate) struct Form {
     pub table: Mat<f64>,
 }
 
-impl Form {
+impl QuadraticForm {
     /// X (T o (X^T F Y)) Y^T.
     pub fn times(&self, field: &Mat<f64>) -> Mat<f64> {
         let mut modal = self.to_modes(field);
@@ -215,19 +222,20 @@ pub(crate) fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64>
 
 /// One pass over lines of the window.
 ///
-/// The forces stand in the modes of the plane, L = Qx^T F Qy. The deflection of one line, and what the line's own forces change on it, are
-/// sums over the modes of the other axis; the line's change of L is a product of a column and a row. So a pass costs as much as a product,
-/// and every node meets the forces as they are then.
+/// The forces are in the modes of the plane, L = Qx^T F Qy. The deflection of one line, and what
+/// the line's own forces change on it, are sums over the modes of the other axis; the line's change
+/// of L is a product of a column and a row. So a pass costs as much as a product, and every node
+/// meets the forces as they are then.
 pub(crate) struct LineSweep<'a> {
     window: &'a Window,
-    forms: &'a [Form],
+    forms: &'a [QuadraticForm],
     /// L for each form.
     loads: Vec<Mat<f64>>,
 }
 
 impl<'a> LineSweep<'a> {
     /// From these forces of the candidates.
-    pub fn new(window: &'a Window, forms: &'a [Form], force: &[f64]) -> Self {
+    pub fn new(window: &'a Window, forms: &'a [QuadraticForm], force: &[f64]) -> Self {
         let field = window.spread(force.iter().copied().enumerate());
         let loads = forms.iter().map(|form| form.to_modes(&field));
         LineSweep {
@@ -237,7 +245,8 @@ impl<'a> LineSweep<'a> {
         }
     }
 
-    /// Sets forces as `wanted` says for a node, its force and its deflection, of which `others` is the part that is not of the modes.
+    /// Sets forces as `wanted` says for a node, its force and its deflection, of which `others` is
+    /// the part that is not of the modes.
     pub fn run(
         mut self,
         others: &[f64],

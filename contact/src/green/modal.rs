@@ -6,21 +6,22 @@ use faer::{Mat, MatRef};
 use kufe_fem::Tridiagonal;
 
 use crate::bodies::elastic_body::{BodyWork, ElasticBody, Stiffness};
-use crate::green::matrix::{Form, LineSweep, Window};
+use crate::green::matrix::{LineSweep, QuadraticForm, Window};
 use crate::precondition::inverse::Inverse;
 
 /// G = B M^-1 B^T of all bodies, as a product.
 ///
-/// A body that faces of its grid alone hold answers through the modes of x and y of the contact plane,
-/// G f = Qx (T o (Qx^T F Qy)) Qy^T: four products of matrices as wide as the plane. The others answer through
-/// their own preconditioner. Near G^-1 is the same form with the inverse of T and the dual modes M Q, since Q^-1 = Q^T M on the
-/// nodes that nothing holds; of the ice alone it is what conjugate gradients on a part of the nodes are preconditioned with.
+/// A body that faces of its grid alone hold answers through the modes of x and y of the contact
+/// plane, G f = Qx (T o (Qx^T F Qy)) Qy^T: four products of matrices as wide as the plane. The
+/// others answer through their own preconditioner. Near G^-1 is the same form with the inverse of T
+/// and the dual modes M Q, since Q^-1 = Q^T M on the nodes that nothing holds; of the ice alone it
+/// is what conjugate gradients on a part of the nodes are preconditioned with.
 pub(crate) struct ModalGreen<'a> {
     pub window: Window,
     /// G of the bodies that faces alone hold.
-    pub forms: Vec<Form>,
+    pub forms: Vec<QuadraticForm>,
     /// G^-1 of the ice over the whole plane, on the window.
-    pub stiffness: Form,
+    pub stiffness: QuadraticForm,
     /// Diagonal of the forms together, by candidate.
     pub own: Vec<f64>,
     candidates: &'a [usize],
@@ -30,8 +31,9 @@ pub(crate) struct ModalGreen<'a> {
 }
 
 impl<'a> ModalGreen<'a> {
-    /// Between `candidates` of a plane of `plane` nodes, on and under these bodies; with `scaled` the responses of those that faces
-    /// alone hold are elasticity's, not their preconditioner's. None where the first body is fixed by more than faces.
+    /// Between `candidates` of a plane of `plane` nodes, on and under these bodies; with `scaled`
+    /// the responses of those that faces alone hold are elasticity's, not their preconditioner's.
+    /// None where the first body is fixed by more than faces.
     pub fn new(
         bodies: &'a [ElasticBody],
         candidates: &'a [usize],
@@ -119,7 +121,8 @@ impl<'a> ModalGreen<'a> {
         self.candidates.iter().map(|&node| closing[node]).collect()
     }
 
-    /// One pass of [`crate::green::matrix::Green::sweep`], line by line across the window's longer side.
+    /// One pass of [`crate::green::matrix::Green::sweep`], line by line across the window's longer
+    /// side.
     ///
     /// What other bodies answer stays as it was before the pass.
     pub fn sweep(
@@ -135,12 +138,12 @@ impl<'a> ModalGreen<'a> {
 }
 
 /// Modes along x and y on the window, and their table, in the window's order of axes.
-fn form(window: &Window, [x, y]: [Mat<f64>; 2], table: Mat<f64>) -> Form {
+fn form(window: &Window, [x, y]: [Mat<f64>; 2], table: Mat<f64>) -> QuadraticForm {
     let (long, short, table) = match window.axes {
         [0, _] => (x, y, table),
         _ => (y, x, table.transpose().to_owned()),
     };
-    Form {
+    QuadraticForm {
         long: long.transpose().to_owned(),
         short,
         table,

@@ -1,19 +1,20 @@
-//! Claims on Green's matrices that are not stored: they are the stored ones, and contacts come out the same.
+//! Claims on Green's matrices that are not stored: they are the stored ones, and contacts come out
+//! the same.
 
 use std::sync::Arc;
 
 use faer::Mat;
 use kufe_mesh::{BobRunner, HexMesh, Paraboloid, graded_levels, mapped_runner_mesh};
 
-use crate::accuracy::one_mesh::OneMesh;
-use crate::green::matrix::{Green, Stored};
+use crate::accuracy::one_mesh::MeshProblem;
+use crate::green::matrix::{Green, StorageLimit};
 use crate::{
     ElasticRunner, Foundation, Ice, Load, LoadedPlace, Mount, Place, Problem, Runner, RunnerSolid,
     Tilt,
 };
 
 /// No matrix is stored.
-const NONE: Stored = Stored {
+const NONE: StorageLimit = StorageLimit {
     faces: 0,
     mounted: 0,
 };
@@ -49,7 +50,7 @@ fn bob(mount: Mount, solid: Option<HexMesh>) -> Result<Runner, Failure> {
 }
 
 /// Contacts of every kind of body, of hardness, and of motions that are free or fixed.
-fn contacts() -> Result<Vec<(&'static str, OneMesh)>, Failure> {
+fn contacts() -> Result<Vec<(&'static str, MeshProblem)>, Failure> {
     let central = Load::central(1000.0, Tilt::Free);
     let offset = Load::Force {
         fz: 1000.0,
@@ -106,7 +107,10 @@ fn contacts() -> Result<Vec<(&'static str, OneMesh)>, Failure> {
     cases
         .into_iter()
         .map(|(name, runner, ice, load)| {
-            Ok((name, OneMesh::new(Problem::new(runner, ice, load), 5.0)?))
+            Ok((
+                name,
+                MeshProblem::new(Problem::new(runner, ice, load), 5.0)?,
+            ))
         })
         .collect()
 }
@@ -115,7 +119,7 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, v| most.max(v.abs()))
 }
 
-/// Products and diagonals beside the stored matrices, on bodies of every kind.
+/// Products and diagonals compared with the stored matrices, on bodies of every kind.
 #[test]
 fn products_are_those_of_the_stored_matrices() -> Result<(), Failure> {
     for (name, meshed) in contacts()? {
@@ -127,7 +131,7 @@ fn products_are_those_of_the_stored_matrices() -> Result<(), Failure> {
         let stored = [stored, scaled];
         for (kind, (green, stored)) in greens.iter().zip(&stored).enumerate() {
             let Green::Modal(green) = green else {
-                return Err("a stored matrix beyond the most".into());
+                return Err("a stored matrix above the limit".into());
             };
             let plane = green.others.is_empty();
             if !plane && kind == 1 {
@@ -156,7 +160,7 @@ fn passes_over_lines_are_passes_over_nodes() -> Result<(), Failure> {
         let contact = &meshed.mesh.contact;
         let [_, stored] = contact.dense_greens();
         let [_, Green::Modal(green)] = contact.greens(NONE) else {
-            return Err("a stored matrix beyond the most".into());
+            return Err("a stored matrix above the limit".into());
         };
         if !green.others.is_empty() {
             continue;
@@ -189,7 +193,7 @@ fn passes_over_lines_are_passes_over_nodes() -> Result<(), Failure> {
 #[test]
 fn contacts_are_the_same_without_a_stored_matrix() -> Result<(), Failure> {
     for (name, meshed) in contacts()? {
-        let (expected, straight) = meshed.solve(Stored::USUAL)?;
+        let (expected, straight) = meshed.solve(StorageLimit::USUAL)?;
         let (found, inner) = meshed.solve(NONE)?;
         let [straight, iterations] = [straight, inner].map(|progress| progress.iterations);
         let size = largest(&expected.force);

@@ -7,13 +7,15 @@ use crate::grid::stretch::Stretch;
 use crate::problem::gap::Gap;
 use crate::{Load, Problem};
 
-/// Guesses the patch: the part of the hull that a rigid cut at depth d removes, with d such that
-/// E* d (length width)^(1/2) carries the load, which is a Hertz contact's load to within a factor of 2.
+/// Guesses the patch: the part of the hull that a rigid cut at depth d removes, with d such that E*
+/// d (length width)^(1/2) carries the load, which is a Hertz contact's load to within a factor
+/// of 2.
 pub(crate) fn first_guess(problem: &Problem, gap: &Gap) -> Patch {
     guess(problem, gap, &|_, _| f64::INFINITY)
 }
 
-/// Guesses the patch as [`first_guess`] does where a cut of some length and width [m] bears at `most` so much [N].
+/// Guesses the patch as [`first_guess`] does where a cut of some length and width [m] bears at
+/// `most` so much [N].
 pub(crate) fn guess(problem: &Problem, gap: &Gap, most: &dyn Fn(f64, f64) -> f64) -> Patch {
     let contact_modulus = problem.ice.youngs_modulus / (1.0 - problem.ice.poissons_ratio.powi(2));
     let underside = problem.runner.underside.as_ref();
@@ -41,7 +43,8 @@ pub(crate) fn guess(problem: &Problem, gap: &Gap, most: &dyn Fn(f64, f64) -> f64
     let y = gap.line_of_action[1];
     let corners = match &problem.ice_surface {
         None => corners(|x, y| underside.height(x, y), underside.extent(), y),
-        // The ice may have corners too, and under an unbounded hull nothing else says where to look.
+        // The ice may have corners too, and under an unbounded hull nothing else says where to
+        // look.
         Some(_) => corners(|x, y| gap.at(x, y), within(&guess, underside.extent()), y),
     };
     Patch { corners, ..guess }.refined_at_corners()
@@ -195,7 +198,8 @@ impl Stations {
     }
 }
 
-/// Gap at (`x`, `y0`); where no hull is above it, the lowest of 39 points on the line across over `range` [m].
+/// Gap at (`x`, `y0`); where no hull is above it, the lowest of 39 points on the line across over
+/// `range` [m].
 fn lowest_across(gap: &Gap, x: f64, y0: f64, range: [f64; 2]) -> f64 {
     let here = gap.at(x, y0);
     if here.is_finite() {
@@ -208,24 +212,25 @@ fn lowest_across(gap: &Gap, x: f64, y0: f64, range: [f64; 2]) -> f64 {
 
 // Where a sliding runner touches: a first guess, and the meshes for what was found.
 
-/// Wanted spacing along the runner over the even one: the front, where the ice begins to yield, needs finer cells than a smooth
-/// contact.
+/// Wanted spacing along the runner over the even one: the front, where the ice begins to yield,
+/// needs finer cells than a smooth contact.
 const ALONG: f64 = 0.5;
 
-/// How far beyond the back rim the patch is taken to end, over its length: of two nodes as far before and behind the lowest point the
-/// one behind is not to be deepened, where ice hardly springs back.
+/// How far behind the back rim the patch is taken to end, over its length: of two nodes as far
+/// before and behind the lowest point the one behind is not to be deepened, where ice hardly
+/// springs back.
 const BEHIND: f64 = 2e-3;
 
-/// Guesses the patch: as for elastic ice, but no deeper cut bears more than the hardness over half its ellipse, that ahead of the
-/// lowest point.
+/// Guesses the patch: as for elastic ice, but no deeper cut bears more than the hardness over half
+/// its ellipse, that ahead of the lowest point.
 pub(crate) fn sliding_guess(problem: &Problem, gap: &Gap) -> Patch {
     let hardness = problem.ice.hardness.unwrap_or(f64::INFINITY);
     let most = |length: f64, width: f64| hardness * std::f64::consts::PI / 8.0 * length * width;
     regular(guess(problem, gap, &most))
 }
 
-/// The patch whose rims are these [x low, x high, y low, y high]; zones of cells end half a cell beyond them, so that the nodes' shares
-/// of the plane end where the ice yields.
+/// The patch whose rims are these [x low, x high, y low, y high]; zones of cells end half a cell
+/// outside them, so that the nodes' shares of the plane end where the ice yields.
 pub(crate) fn fitted(mut patch: Patch, [low, high, right, left]: [f64; 4]) -> Patch {
     if let Some(first) = patch.x.first_mut() {
         first.low = (low - BEHIND * (high - low)).min(first.high);
@@ -237,7 +242,8 @@ pub(crate) fn fitted(mut patch: Patch, [low, high, right, left]: [f64; 4]) -> Pa
     regular(patch)
 }
 
-/// The same patch with even cells, finer along than across, and finer still where the keel's curvature jumps.
+/// The same patch with even cells, finer along than across, and finer still where the keel's
+/// curvature jumps.
 fn regular(mut patch: Patch) -> Patch {
     for stretch in &mut patch.x {
         stretch.sizes = vec![[0.0, ALONG], [1.0, ALONG]];

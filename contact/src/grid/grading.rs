@@ -41,20 +41,21 @@ impl Zone {
 pub(crate) enum Start {
     /// Exactly here: a mirror plane [m].
     At(f64),
-    /// At or beyond this place [m].
-    Beyond(f64),
+    /// At or below this place [m].
+    AtOrBelow(f64),
 }
 
-/// Nodes over the zones and beyond them to `start` and to at least `high`.
+/// Nodes over the zones and further out to `start` and to at least `high`.
 ///
-/// Every zone is divided by its own rule, so that meshes of different fineness are images of each other and
-/// their errors can be compared. Outside, the spacing grows by `growth` times the distance from the zone, and the
-/// last node falls where the growth puts it, at or beyond the requested end. Between two zones the nodes stand at
-/// even steps of the integral of dx / h(x), h being the smaller of the two zones' wishes. Zones are in order
-/// and apart.
+/// Every zone is divided by its own rule, so that meshes of different fineness are images of each
+/// other and their errors can be compared. Outside, the spacing grows by `growth` times the
+/// distance from the zone, and the last node falls where the growth puts it, at or past the
+/// requested end. Between two zones the nodes are at even steps of the integral of dx / h(x), h
+/// being the smaller of the two zones' wishes. Zones are in order and apart.
 ///
 /// # Errors
-/// [`Error::TooFine`] where the zones ask for more nodes than a line may have, or for some that rounding cannot tell apart.
+/// [`Error::TooFine`] where the zones ask for more nodes than a line may have, or for some that
+/// rounding cannot tell apart.
 pub(crate) fn graded_axis(
     start: Start,
     high: f64,
@@ -65,7 +66,7 @@ pub(crate) fn graded_axis(
     let (begin, end) = (first.stretch.low, last.stretch.high);
     let (reach, exact) = match start {
         Start::At(x) => (begin - x, true),
-        Start::Beyond(x) => (begin - x, false),
+        Start::AtOrBelow(x) => (begin - x, false),
     };
     let mut before = outward(first.spacing_at(begin), reach, growth)?;
     if exact && let Some(&farthest) = before.last() {
@@ -91,7 +92,7 @@ fn too_fine(from: f64, to: f64, spacing: f64) -> Error {
     Error::TooFine { from, to, spacing }
 }
 
-/// Distances of the nodes beyond a zone's end, up to the first at or beyond `reach`.
+/// Distances of the nodes outside a zone from its end, up to the first one of at least `reach`.
 fn outward(spacing: f64, reach: f64, growth: f64) -> Result<Vec<f64>, Error> {
     let mut distances = Vec::new();
     let mut distance = 0.0;
@@ -118,8 +119,8 @@ fn between(left: &Zone, right: &Zone, growth: f64) -> Result<Vec<f64>, Error> {
     )
 }
 
-/// Nodes strictly between `low` and `high` at even steps of the integral of dx / `spacing`, the number of
-/// steps rounded by `round`.
+/// Nodes strictly between `low` and `high` at even steps of the integral of dx / `spacing`, the
+/// number of steps rounded by `round`.
 pub(crate) fn even_steps(
     low: f64,
     high: f64,
@@ -208,7 +209,8 @@ pub(crate) struct Resolution {
 }
 
 impl Resolution {
-    /// Cells that half the patch really gets with these mirror planes, the mean of both axes: see [`widened`].
+    /// Cells that half the patch really gets with these mirror planes, the mean of both axes: see
+    /// [`widened`].
     pub fn real_cells(self, symmetry: [bool; 2]) -> f64 {
         self.cells
             + symmetry
@@ -225,13 +227,14 @@ pub(crate) fn below(z: &[f64], thickness: f64, growth: f64) -> Result<Vec<f64>, 
         stretch: Stretch::even(-cell, 0.0),
         spacing: cell,
     };
-    let mut nodes = graded_axis(Start::Beyond(-thickness), 0.0, &[zone], growth)?;
+    let mut nodes = graded_axis(Start::AtOrBelow(-thickness), 0.0, &[zone], growth)?;
     nodes.pop();
     let scale = thickness / -nodes[0];
     Ok(nodes.iter().map(|n| z[0] + n * scale).collect())
 }
 
-/// Moves the node nearest to `place` there where it is close, or adds one; nothing outside the axis.
+/// Moves the node nearest to `place` there where it is close, or adds one; nothing outside the
+/// axis.
 pub(crate) fn put_node(nodes: &mut Vec<f64>, place: f64) {
     let next = nodes.partition_point(|&v| v < place);
     if next == 0 || next == nodes.len() {
@@ -247,11 +250,13 @@ pub(crate) fn put_node(nodes: &mut Vec<f64>, place: f64) {
     }
 }
 
-/// The zone of a stretch: half a cell longer at its rims, so that all meshes cut them in the middle of a cell,
-/// and only its upper half where a mirror plane cuts it. Nothing of a stretch below a mirror plane.
+/// The zone of a stretch: half a cell longer at its rims, so that all meshes cut them in the middle
+/// of a cell, and only its upper half where a mirror plane cuts it. Nothing of a stretch below a
+/// mirror plane.
 ///
-/// Half an even stretch, from a node on the mirror plane to the middle of a cell, is an odd number of half cells: half a
-/// cell more than requested. A zone of no whole number of cells would leave their number to rounding errors.
+/// Half an even stretch, from a node on the mirror plane to the middle of a cell, is an odd number
+/// of half cells: half a cell more than requested. A zone of no whole number of cells would leave
+/// their number to rounding errors.
 pub(crate) fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution) -> Option<Zone> {
     let halved = symmetric && stretch.low == -stretch.high && stretch.finest() == 1.0;
     let spacing = stretch.half() / (resolution.cells + if halved { 0.5 } else { 0.0 });
@@ -327,10 +332,10 @@ mod tests {
                 let (low, high) = (zone.stretch.low, zone.stretch.high);
                 zone.spacing + 0.4 * (low - middle).max(middle - high).max(0.0)
             };
-            let asked = zones.iter().map(wish).fold(f64::INFINITY, f64::min);
+            let expected = zones.iter().map(wish).fold(f64::INFINITY, f64::min);
             assert!(
-                step > 0.0 && step < 1.3 * asked,
-                "{step} at {middle}, asked {asked}"
+                step > 0.0 && step < 1.3 * expected,
+                "{step} at {middle}, expected {expected}"
             );
         }
         assert_eq!(

@@ -9,22 +9,24 @@ pub(crate) struct Patch {
     pub x: Vec<Stretch>,
     /// Stretch across the runner.
     pub y: Stretch,
-    /// The runner's motion towards the track at which the patch is expected: approach plus the lowest gap [m].
+    /// The runner's motion towards the track at which the patch is expected: approach plus the
+    /// lowest gap [m].
     pub motion: f64,
     /// Where the keel's curvature jumps.
     pub corners: Vec<Corner>,
 }
 
-/// Wanted spacing at a corner of the keel, at one cell over half the patch, over the contact's half-width: the tip of a
-/// pressure's peak there is as wide as the contact.
+/// Wanted spacing at a corner of the keel, at one cell over half the patch, over the contact's
+/// half-width: the tip of a pressure's peak there is as wide as the contact.
 const AT_CORNERS: f64 = 2.0;
 
-/// A mesh whose own pressure needs cells somewhere below this part of those there is graded anew: two meshes that both miss the
-/// peaks at a runner's ends would agree on a wrong pressure.
+/// A mesh whose own pressure needs cells somewhere below this part of those there is graded anew:
+/// two meshes that both miss the peaks at a runner's ends would agree on a wrong pressure.
 pub(crate) const COARSE: f64 = 0.6;
 
 impl Patch {
-    /// This patch, resolved like `other` where both have the same stretches: their meshes are similar.
+    /// This patch, resolved like `other` where both have the same stretches: their meshes are
+    /// similar.
     pub fn with_sizes_of(mut self, other: &Patch) -> Self {
         if self.x.len() == other.x.len() {
             for (mine, theirs) in self.x.iter_mut().zip(&other.x) {
@@ -35,7 +37,8 @@ impl Patch {
         self
     }
 
-    /// Whether this patch's rims are those of `other` to a `part` of their stretches' halves, as fine as cells are there.
+    /// Whether this patch's rims are those of `other` to a `part` of their stretches' halves, as
+    /// fine as cells are there.
     pub fn agrees_with(&self, other: &Patch, part: f64) -> bool {
         let agree = |mine: &Stretch, theirs: &Stretch| {
             let near = |a: f64, b: f64| (a - b).abs() <= part * mine.half() * mine.size(a);
@@ -48,14 +51,17 @@ impl Patch {
                 .all(|(mine, theirs)| agree(mine, theirs))
     }
 
-    /// What peak and approach of a mesh with so many cells over half the patch are off by, relative, since the contact has the rims of `found`
-    /// and the mesh was made for these.
+    /// What peak and approach of a mesh with so many cells over half the patch are off by,
+    /// relative, since the contact has the rims of `found` and the mesh was made for these.
     ///
-    /// Nodes carry forces up to the middle of a cell, so that a rim is missed by d: its distance from the one expected; where that is most of
-    /// a cell the lines of nodes miss it by anything up to half of one, in the mean of squares by 1 / sqrt(12). The right rim makes the energy least, so that d counts squared: under a force F a paraboloid of radius R that touches within c
-    /// has the approach F / (2 E* c) + c^2 / (3 R) (I. N. Sneddon, Int. J. Eng. Sci. 3, 1965), at c = a + d (d / a)^2 of a^2 / R more than
-    /// at a; and in its middle the pressure 2 E* c / (pi R) + (F - F_c) / (2 pi c^2), F_c = 4 E* c^3 / (3 R), (d / a)^2 more too. Here the means
-    /// over both ends, and along and across.
+    /// Nodes carry forces up to the middle of a cell, so that a rim is missed by d: its distance
+    /// from the one expected; where that is most of a cell the lines of nodes miss it by anything
+    /// up to half of one, in the mean of squares by 1 / sqrt(12). The right rim makes the energy
+    /// least, so that d counts squared: under a force F a paraboloid of radius R that touches
+    /// within c has the approach F / (2 E* c) + c^2 / (3 R) (I. N. Sneddon, Int. J. Eng. Sci. 3,
+    /// 1965), at c = a + d (d / a)^2 of a^2 / R more than at a; and in its middle the pressure 2 E*
+    /// c / (pi R) + (F - F_c) / (2 pi c^2), F_c = 4 E* c^3 / (3 R), (d / a)^2 more too. Here the
+    /// means over both ends, and along and across.
     pub fn missed(&self, found: &Patch, cells: f64) -> f64 {
         let missed = |mine: &Stretch, theirs: &Stretch| {
             let at = |here: f64, there: f64| {
@@ -71,8 +77,8 @@ impl Patch {
         0.5 * (along.fold(0.0, f64::max) + missed(&self.y, &found.y))
     }
 
-    /// This patch, refined where the keel's curvature jumps: the peaks there are too narrow for a mesh that does not
-    /// know of them, whatever it says of the pressure.
+    /// This patch, refined where the keel's curvature jumps: the peaks there are too narrow for a
+    /// mesh that does not know of them, whatever it says of the pressure.
     pub fn refined_at_corners(mut self) -> Self {
         let width = self.y.half();
         for stretch in &mut self.x {
@@ -84,7 +90,8 @@ impl Patch {
         self
     }
 
-    /// Smallest spacing that this patch asks for over the one that `other` has there; 1 where it asks for none.
+    /// Smallest spacing that this patch asks for over the one that `other` has there; 1 where it
+    /// asks for none.
     pub fn finest_over(&self, other: &Patch) -> f64 {
         let over = |mine: &Stretch, theirs: &Stretch| {
             mine.spacings()
@@ -120,11 +127,12 @@ impl Patch {
 
 // Places along a runner where its keel's curvature jumps.
 
-/// A place where the keel's curvature changes at once, as where a rocker goes over into an end's radius.
+/// A place where the keel's curvature changes at once, as where a rocker goes over into an end's
+/// radius.
 ///
-/// A pressure has a peak there with a tip of logarithms: its slope grows like ln(distance) down to a distance
-/// of the contact's half-width, however long the contact is. A mesh with cells longer than that does not see it, and
-/// two such meshes agree.
+/// A pressure has a peak there with a tip of logarithms: its slope grows like ln(distance) down to
+/// a distance of the contact's half-width, however long the contact is. A mesh with cells longer
+/// than that does not see it, and two such meshes agree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Corner {
     /// Where [m].
@@ -135,15 +143,16 @@ pub(crate) struct Corner {
 
 /// Intervals in which the keel is looked at first.
 const INTERVALS: usize = 1000;
-/// Smallest change of the curvature that counts, over the curvature across: it moves a pressure by a few times as much.
+/// Smallest change of the curvature that counts, over the curvature across: it moves a pressure by
+/// a few times as much.
 const LEAST: f64 = 2e-3;
 /// As many corners as are heeded, the largest changes first: a rough hull may have one everywhere.
 const MOST: usize = 12;
 /// A jump is looked for down to this step [m]: shorter ones drown in the rounding of heights.
 const SHORTEST: f64 = 1e-5;
 
-/// The corners of heights (x, y) -> z on their line along x at `y`, in order, within the extent [x low, x high, y low, y
-/// high]; none where that is unbounded along x.
+/// The corners of heights (x, y) -> z on their line along x at `y`, in order, within the extent [x
+/// low, x high, y low, y high]; none where that is unbounded along x.
 pub(crate) fn corners(heights: impl Fn(f64, f64) -> f64, extent: [f64; 4], y: f64) -> Vec<Corner> {
     let [low, high, right, left] = extent;
     let step = (high - low) / INTERVALS as f64;
@@ -155,7 +164,7 @@ pub(crate) fn corners(heights: impl Fn(f64, f64) -> f64, extent: [f64; 4], y: f6
         |x: f64, step: f64| (bend(keel, x + step, step) - bend(keel, x - step, step)).abs();
     let place = |i: usize| low + step * i as f64;
     let changes: Vec<f64> = (0..=INTERVALS).map(|i| change(place(i), step)).collect();
-    // Beside a place that the hull does not reach nothing is known to be a corner.
+    // Next to a place that the hull does not reach no corner can be recognised.
     let inside = |i: usize| changes[i - 1..=i + 1].iter().all(|size| size.is_finite());
     // Flat sections count as round ones of their width.
     let flattest = 2.0 / (left - right);
@@ -181,7 +190,8 @@ fn bend(line: impl Fn(f64) -> f64, x: f64, step: f64) -> f64 {
     (line(x - step) - 2.0 * line(x) + line(x + step)) / (step * step)
 }
 
-/// Follows a change of curvature near `at` to shorter steps for as long as it stays as large: only a jump does.
+/// Follows a change of curvature near `at` to shorter steps for as long as it stays as large: only
+/// a jump does.
 fn narrowed(change: &impl Fn(f64, f64) -> f64, mut at: f64, mut step: f64) -> Corner {
     let change = |x: f64, step: f64| {
         let size = change(x, step);

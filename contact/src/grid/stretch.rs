@@ -7,8 +7,8 @@ pub(crate) struct Stretch {
     pub low: f64,
     /// Its end [m].
     pub high: f64,
-    /// Wanted spacing over the even one at places of the stretch (0 at its start, 1 at its end), in order;
-    /// linear in between, constant beyond the first and last; empty for 1 everywhere.
+    /// Wanted spacing over the even one at places of the stretch (0 at its start, 1 at its end), in
+    /// order; linear in between, constant outside the first and last; empty for 1 everywhere.
     pub sizes: Vec<[f64; 2]>,
 }
 
@@ -66,12 +66,14 @@ impl Stretch {
         self.sizes.iter().map(|s| s[1]).fold(1.0, f64::min)
     }
 
-    /// Sets the wanted sizes from the pressure along the axis: `pressures[i]` is the largest at `nodes[i]`.
+    /// Sets the wanted sizes from the pressure along the axis: `pressures[i]` is the largest at
+    /// `nodes[i]`.
     ///
-    /// The square of a Hertz pressure is a parabola, which even nodes resolve equally well everywhere. So the
-    /// measure is the curvature of p^2 against that parabola's, 2 p_max^2 / half^2: where it is larger, as at
-    /// the ends of a conformal contact or at a worn edge, the spacing falls with its root. Beside pressures at their `bound` it is
-    /// infinite on every mesh, and gives no information.
+    /// The square of a Hertz pressure is a parabola, which even nodes resolve equally well
+    /// everywhere. So the measure is the curvature of p^2 against that parabola's, 2 p_max^2 /
+    /// half^2: where it is larger, as at the ends of a conformal contact or at a worn edge, the
+    /// spacing falls with its root. Next to pressures at their `bound` it is infinite on every
+    /// mesh, and gives no information.
     pub fn adapt(&mut self, nodes: &[f64], pressures: &[f64], bound: f64) {
         let inside: Vec<usize> = (0..nodes.len())
             .filter(|&i| nodes[i] >= self.low && nodes[i] <= self.high && pressures[i] > 0.0)
@@ -106,14 +108,16 @@ impl Stretch {
             .collect();
     }
 
-    /// Lowers the wanted sizes to at most `size` at `x` [m], rising from there at the largest gradient.
+    /// Lowers the wanted sizes to at most `size` at `x` [m], rising from there at the largest
+    /// gradient.
     pub fn refine_at(&mut self, x: f64, size: f64) {
         let slope = self.gradient();
         let wanted = |x_near: f64| size + slope * (x_near - x).abs();
         if wanted(x.clamp(self.low, self.high)) >= 1.0 {
             return;
         }
-        // Places that the lowered sizes need between the known ones: a ladder from the corner outwards.
+        // Places that the lowered sizes need between the known ones: a ladder from the corner
+        // outwards.
         let mut places: Vec<f64> = vec![self.low, self.high, x];
         let mut distance = size / slope;
         while size + slope * distance < 2.0 {

@@ -1,6 +1,6 @@
 //! What a sliding contact's mesh says: groove, ploughing, and the patch from its front to its back.
 
-use crate::groove::on_mesh::{OnMesh, SlidingState};
+use crate::groove::on_mesh::{MeshContact, SlidingState};
 use crate::groove::plastic_contact::Kind;
 use crate::groove::solution::{GrooveProfile, Section};
 use crate::mesh::discretise::Discretisation;
@@ -13,9 +13,10 @@ use crate::result::rim::{RimEstimator, rim_by_overlap};
 pub(crate) struct Measures {
     /// Peak pressure [Pa].
     pub p_max: f64,
-    /// Largest depth of the groove that is left [m].
+    /// Largest depth of the remaining groove [m].
     pub depth: f64,
-    /// Force that ploughs: of a rigid runner the mean of the next two, whose errors differ, else the first [N].
+    /// Force that ploughs: of a rigid runner the mean of the next two, whose errors differ, else
+    /// the first [N].
     pub ploughing: f64,
     /// The same from the plastic work over the way [N].
     pub plastic_work: f64,
@@ -35,16 +36,16 @@ pub(crate) struct Measures {
 }
 
 /// A mesh and its solution.
-pub(crate) struct Reading<'a> {
-    on: &'a OnMesh<'a>,
+pub(crate) struct GrooveReading<'a> {
+    on: &'a MeshContact<'a>,
     gap: &'a Gap<'a>,
     slid: &'a SlidingState,
     rims: Rims<'a>,
 }
 
-impl<'a> Reading<'a> {
-    pub fn new(on: &'a OnMesh<'a>, gap: &'a Gap<'a>, slid: &'a SlidingState) -> Self {
-        Reading {
+impl<'a> GrooveReading<'a> {
+    pub fn new(on: &'a MeshContact<'a>, gap: &'a Gap<'a>, slid: &'a SlidingState) -> Self {
+        GrooveReading {
             on,
             gap,
             slid,
@@ -69,7 +70,7 @@ impl<'a> Reading<'a> {
             },
             depth: self.profile().deepest(),
             ploughing: match self.on.problem.runner.elastic {
-                // Nothing yields: what is left of pressures on slopes is the mesh's error.
+                // Nothing yields: the remaining moment of pressures on slopes is the mesh's error.
                 _ if plastic_work == 0.0 => 0.0,
                 None => 0.5 * (plastic_work + by_slope),
                 Some(_) => plastic_work,
@@ -85,7 +86,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// The section that is left, over the whole width.
+    /// The section of the remaining groove, over the whole width.
     pub fn profile(&self) -> GrooveProfile {
         let [nx, _] = self.shape();
         let ys = &self.on.mesh.grid.y;
@@ -147,7 +148,8 @@ impl<'a> Reading<'a> {
         with_ends(sections, [back, front])
     }
 
-    /// Where the runner, as it is turned, is lowest over the track along x; the middle of where it is level.
+    /// Where the runner, as it is turned, is lowest over the track along x; the middle of where it
+    /// is level.
     fn lowest(&self) -> f64 {
         let [nx, ny] = self.shape();
         let contact = &self.on.mesh.contact;
@@ -265,10 +267,12 @@ impl<'a> Rims<'a> {
         [back, front, right, left]
     }
 
-    /// The area that yields, up to its rims below the cell, over that of the full nodes' parts of the plane: 1 where none is full.
+    /// The area that yields, up to its rims below the cell, over that of the full nodes' parts of
+    /// the plane: 1 where none is full.
     ///
-    /// Rims are looked for across, where the patch is narrow and runs along the lines of nodes. Between columns, and from the last one to
-    /// the front, the squared width is taken to be linear: it is where a round runner's patch ends, and a sum over columns would leave a part
+    /// Rims are looked for across, where the patch is narrow and runs along the lines of nodes.
+    /// Between columns, and from the last one to the front, the squared width is taken to be
+    /// linear: it is where a round runner's patch ends, and a sum over columns would leave a part
     /// of it open that depends on where the front lies between nodes.
     pub fn full_area(&self) -> f64 {
         let [nx, ny] = self.shape();
@@ -280,13 +284,13 @@ impl<'a> Rims<'a> {
                 .filter(|j| self.full[j * nx + i])
                 .map(|j| across[j])
                 .sum();
-            let sides = [false, true].map(|upper| self.beyond(i, upper));
-            let beyond: f64 = sides.iter().flatten().sum();
+            let sides = [false, true].map(|upper| self.outside_node(i, upper));
+            let outside: f64 = sides.iter().flatten().sum();
             nodes += length * part;
-            missing += length * beyond;
+            missing += length * outside;
             // On a mirrored plane the lower side is the mirror.
             let [lower, upper] = sides.map(|side| side.is_some());
-            let width = (upper && (lower || self.mesh.symmetry[1])).then_some(part + beyond);
+            let width = (upper && (lower || self.mesh.symmetry[1])).then_some(part + outside);
             if let (Some(before), Some(width)) = (before, width) {
                 missing += self.between_columns(i, [before, width]);
             }
@@ -299,8 +303,9 @@ impl<'a> Rims<'a> {
         }
     }
 
-    /// How far the ice yields beyond the outermost node's part of the plane at a side of column `i`, negative where it ends within [m].
-    fn beyond(&self, i: usize, upper: bool) -> Option<f64> {
+    /// How far the ice yields outside the outermost node's part of the plane at a side of column
+    /// `i`, negative where it ends within [m].
+    fn outside_node(&self, i: usize, upper: bool) -> Option<f64> {
         let y = &self.mesh.grid.y;
         let ([j, k], side) = self.yielding_side(i, upper)?;
         Some((side - 0.5 * (y[j] + y[k])) * (y[k] - y[j]).signum())
@@ -308,23 +313,28 @@ impl<'a> Rims<'a> {
 
     /// Mean pressure over the `width` of column `i`, `hardness` where all of it yields [Pa].
     ///
-    /// Forces stand for the nodes' parts of the plane, and the width ends below the cell: a full node bears the hardness on its part, whatever its
-    /// force is fitted to, and so does what lies between there and the rim.
+    /// Forces stand for the nodes' parts of the plane, and the width ends below the cell: a full
+    /// node bears the hardness on its part, whatever its force is fitted to, and so does what lies
+    /// between there and the rim.
     pub fn mean_pressure(&self, i: usize, width: f64, hardness: f64) -> f64 {
         let [nx, ny] = self.shape();
         let [along, across] = &self.mesh.contact.lumped;
-        let borne = (0..ny).map(|j| match self.full[j * nx + i] {
-            true => hardness * across[j],
-            false => self.slid.state.force[j * nx + i] / along[i],
+        let borne = (0..ny).map(|j| {
+            if self.full[j * nx + i] {
+                hardness * across[j]
+            } else {
+                self.slid.state.force[j * nx + i] / along[i]
+            }
         });
-        let beyond = [false, true].into_iter();
-        let beyond = beyond.filter_map(|upper| self.beyond(i, upper));
-        let beyond: f64 = beyond.map(|length| hardness * length).sum();
-        ((borne.sum::<f64>() + beyond) / width).min(hardness)
+        let outside = [false, true].into_iter();
+        let outside = outside.filter_map(|upper| self.outside_node(i, upper));
+        let outside: f64 = outside.map(|length| hardness * length).sum();
+        ((borne.sum::<f64>() + outside) / width).min(hardness)
     }
 
-    /// What a sum over columns of these widths of column `i` and the one behind it leaves out of the area under squared widths that are
-    /// linear between them, and on to the front where nothing touches ahead.
+    /// What a sum over columns of these widths of column `i` and the one behind it leaves out of
+    /// the area under squared widths that are linear between them, and on to the front where
+    /// nothing touches ahead.
     fn between_columns(&self, i: usize, [before, width]: [f64; 2]) -> f64 {
         let x = &self.mesh.grid.x;
         // 2/3 (a^2 + a b + b^2) / (a + b), the mean of sqrt(linear from a^2 to b^2).
@@ -348,15 +358,17 @@ impl<'a> Rims<'a> {
         (0..ny).all(|j| self.slid.state.force[j * nx + i] <= 0.0)
     }
 
-    /// The foremost place where the ice begins to yield in the rows that touch in column `i`, before the open one ahead [m].
+    /// The foremost place where the ice begins to yield in the rows that touch in column `i`,
+    /// before the open one ahead [m].
     fn foremost(&self, i: usize) -> Option<f64> {
         let [nx, ny] = self.shape();
         let rows = (0..ny).filter(|j| self.full[j * nx + i]);
         rows.filter_map(|j| self.front(j)).reduce(f64::max)
     }
 
-    /// Where the ice begins to yield at a side of column `i`, between the outermost node, if it is full, and the open one beyond it: where
-    /// the parabola of growth and gap through these and the next node within is zero.
+    /// Where the ice begins to yield at a side of column `i`, between the outermost node, if it is
+    /// full, and the open one next to it: where the parabola of growth and gap through these and
+    /// the next node within is zero.
     fn yielding_side(&self, i: usize, upper: bool) -> Option<([usize; 2], f64)> {
         let [nx, _] = self.shape();
         let [j, k] = self.outermost(i, upper)?;
@@ -367,7 +379,7 @@ impl<'a> Rims<'a> {
             return None;
         }
         let within = match (upper, j) {
-            // Beyond the mirror plane lies the open node's image.
+            // Across the mirror plane lies the open node's image.
             (true, 0) => self.mesh.symmetry[1].then_some((-y[k], -outside)),
             (true, _) => Some((y[j - 1], self.grown(i, j - 1))),
             (false, _) => (j + 1 < y.len()).then(|| (y[j + 1], self.grown(i, j + 1))),
@@ -376,7 +388,7 @@ impl<'a> Rims<'a> {
         Some(([j, k], side))
     }
 
-    /// The outermost node in contact at a side of column `i` and the one beyond it.
+    /// The outermost node in contact at a side of column `i` and the next one outwards.
     fn outermost(&self, i: usize, upper: bool) -> Option<[usize; 2]> {
         let [nx, ny] = self.shape();
         let touching = |j: &usize| self.slid.state.force[j * nx + i] > 0.0;
@@ -389,7 +401,7 @@ impl<'a> Rims<'a> {
         }
     }
 
-    /// Depth at a node beyond that in which the ice came [m].
+    /// Depth at a node below the groove in which the ice came [m].
     fn grown(&self, i: usize, j: usize) -> f64 {
         let [nx, _] = self.shape();
         self.slid.depth[j * nx + i] - self.slid.depth[j * nx + nx - 1]
@@ -412,8 +424,9 @@ impl<'a> Rims<'a> {
         sides
     }
 
-    /// The contact's side at column `i`: where the groove begins if the outermost node yields, where it began before if that lies in
-    /// it, and else that of the pressure. `known` holds the last and what it was ahead.
+    /// The contact's side at column `i`: where the groove begins if the outermost node yields,
+    /// where it began before if that lies in it, and else that of the pressure. `known` holds the
+    /// last and what it was ahead.
     fn side(&self, i: usize, known: [f64; 2], upper: bool) -> f64 {
         let [nx, _] = self.shape();
         let Some([j, k]) = self.outermost(i, upper) else {
@@ -437,14 +450,16 @@ impl<'a> Rims<'a> {
         }
     }
 
-    /// The rim by the share of a node's part of the plane that yields, where it is the last one and the next one within yields.
-    fn partly(&self, node: usize, at: f64, [within, beyond]: [f64; 2]) -> f64 {
+    /// The rim by the share of a node's part of the plane that yields, where it is the last one and
+    /// the next one within yields.
+    fn partly(&self, node: usize, at: f64, [within, outside]: [f64; 2]) -> f64 {
         let share = self.slid.state.force[node] / self.mesh.contact.bound[node];
-        let (from, to) = (0.5 * (at + within), 0.5 * (at + beyond));
+        let (from, to) = (0.5 * (at + within), 0.5 * (at + outside));
         from + share * (to - from)
     }
 
-    /// Back and front ends of the patch [m]; the front where the ice begins to yield, below the cell.
+    /// Back and front ends of the patch [m]; the front where the ice begins to yield, below the
+    /// cell.
     pub fn ends(&self, chords: &[Vec<[f64; 2]>]) -> [f64; 2] {
         let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
         for (j, chords) in chords.iter().enumerate() {
@@ -472,8 +487,8 @@ impl<'a> Rims<'a> {
         self.full[node(i - 1)].then(|| self.partly(node(i), x[i], [x[i - 1], x[i + 1]]))
     }
 
-    /// The back of row `j` where the ice yields up to there: where the groove no longer deepens, which it does ever less towards
-    /// the runner's lowest point.
+    /// The back of row `j` where the ice yields up to there: where the groove no longer deepens,
+    /// which it does ever less towards the runner's lowest point.
     fn back(&self, j: usize) -> Option<f64> {
         let [nx, _] = self.shape();
         let x = &self.mesh.grid.x;

@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::active_set::plane_problem::PlaneState;
-use crate::green::matrix::{Green, Stored};
+use crate::green::matrix::{Green, StorageLimit};
 use crate::groove::measures::Rims;
 use crate::groove::plastic_contact::{Kind, MemoryState, PlasticContact, respond};
 use crate::groove::solution::GrooveProfile;
@@ -18,7 +18,7 @@ use crate::motion::{Motion, dot};
 use crate::{Error, Load, Options, Problem};
 
 /// One mesh of a sliding contact.
-pub(crate) struct OnMesh<'a> {
+pub(crate) struct MeshContact<'a> {
     pub problem: &'a Problem,
     pub material: Material,
     pub mesh: &'a Discretisation,
@@ -30,7 +30,8 @@ pub(crate) struct OnMesh<'a> {
 const CORRECTIONS: usize = 60;
 /// Change of the forces, over their sum, at which corrections end.
 const SETTLED: f64 = 1e-6;
-/// Corrections with which the nodes' shares of the plane are fitted to the area that yields; then they stay, so that the forces do.
+/// Corrections with which the nodes' shares of the plane are fitted to the area that yields; then
+/// they stay, so that the forces do.
 const FITTINGS: usize = 4;
 /// Most iterations of one response.
 const ITERATIONS: usize = 400;
@@ -43,7 +44,7 @@ struct Lines {
     before: Vec<f64>,
 }
 
-impl OnMesh<'_> {
+impl MeshContact<'_> {
     /// Solves on the contact plane alone.
     pub fn on_plane(&self, start: &Start) -> Result<SlidingState, Error> {
         let contact = &self.mesh.contact;
@@ -53,10 +54,11 @@ impl OnMesh<'_> {
 
     /// Solves with the bodies' own response, from the far field of `forces`.
     ///
-    /// The plane's response G is corrected by what the bodies answer to the forces found last, S f - G f, until the forces
-    /// stay. Then they are those of S, whatever G: it only says how fast. Full nodes' parts of the plane add up to the area that
-    /// yields below the cell, [`Rims::full_area`], so that the load does not depend on where nodes lie beside the rim. Beside the solution
-    /// stands what it would be without that.
+    /// The plane's response G is corrected by what the bodies answer to the forces found last, S
+    /// f - G f, until the forces stay. Then they are those of S, whatever G: it only says how fast.
+    /// Full nodes' parts of the plane add up to the area that yields below the cell,
+    /// [`Rims::full_area`], so that the load does not depend on where nodes lie next to the rim.
+    /// Returns the solution and the residual without that correction.
     pub fn solve(&self, start: &Start, forces: &Forces) -> Result<[SlidingState; 2], Error> {
         let contact = &self.mesh.contact;
         let green = self.green()?;
@@ -67,7 +69,7 @@ impl OnMesh<'_> {
             material: self.material,
             mesh: self.mesh,
             options: self.options,
-            stored: Stored::USUAL,
+            stored: StorageLimit::USUAL,
             report: &|_, _| {},
         };
         outer.fix_outer_faces(forces, &mut slid.state);
@@ -77,8 +79,8 @@ impl OnMesh<'_> {
             if slid.corrections > 0 {
                 outer.fix_outer_faces(&Forces::of(self.mesh, &slid.state), &mut slid.state);
             }
-            let asked = (1e-2 * slid.residual).clamp(self.options.residual, 1e-3);
-            slid.iterations += respond(contact, &mut slid.state, asked, ITERATIONS)
+            let tolerance = (1e-2 * slid.residual).clamp(self.options.residual, 1e-3);
+            slid.iterations += respond(contact, &mut slid.state, tolerance, ITERATIONS)
                 .ok_or_else(|| not_converged(&slid))?;
             if self.options.stopped() {
                 return Err(Error::Stopped);
@@ -102,7 +104,7 @@ impl OnMesh<'_> {
     fn green(&self) -> Result<Mat<f64>, Error> {
         let contact = &self.mesh.contact;
         let nodes = contact.candidates.len();
-        let limit = Stored::USUAL.mounted;
+        let limit = StorageLimit::USUAL.mounted;
         if nodes > limit {
             return Err(Error::TooManyTouch { nodes, limit });
         }
@@ -139,19 +141,22 @@ impl OnMesh<'_> {
         })
     }
 
-    /// Why no motion carries the load: more than the runner bears however deep it sinks, or the search failed.
+    /// Why no motion carries the load: more than the runner bears however deep it sinks, or the
+    /// search failed.
     fn no_balance(&self, memory: &PlasticContact<'_>, gap: &[f64]) -> Error {
         let highest = gap.iter().filter(|gap| gap.is_finite());
         let sunk = 2.0 * highest.fold(0.0, |most: f64, gap| most.max(*gap));
         let bears = memory
             .at([sunk, 0.0, 0.0], &vec![Kind::Full; gap.len()])
             .map(|state| memory.resultant(&state.force)[0]);
-        let asked = self.mesh.contact.motion.balance[0];
+        let required = self.mesh.contact.motion.balance[0];
         match (self.problem.load, bears) {
-            (Load::Force { fz, .. }, Some(bears)) if bears < asked => Error::BeyondHardness {
-                fz,
-                capacity: bears / asked * fz,
-            },
+            (Load::Force { fz, .. }, Some(bears)) if bears < required => {
+                Error::LoadExceedsHardness {
+                    fz,
+                    capacity: bears / required * fz,
+                }
+            }
             _ => Error::NotConverged {
                 iterations: 0,
                 residual: 1.0,
@@ -277,9 +282,10 @@ fn not_converged(slid: &SlidingState) -> Error {
 
 /// A plane with memory and what the runner's motion has to answer to.
 ///
-/// Force and moments rise with approach and turn, in steps: a node at the front goes from open to full within the little that its
-/// own response gives. Newton's steps lead near the balance where they can; from there each motion is bracketed (bisection with the secant of Illinois: M. Dowell, P. Jarratt, BIT 11 (1971)
-/// 168-174), the approach within the pitch and the pitch within the roll.
+/// Force and moments rise with approach and turn, in steps: a node at the front goes from open to
+/// full within the little that its own response gives. Newton's steps lead near the balance where
+/// they can; from there each motion is bracketed (bisection with the secant of Illinois: M. Dowell,
+/// P. Jarratt, BIT 11 (1971) 168-174), the approach within the pitch and the pitch within the roll.
 pub(crate) struct LoadBalance<'a> {
     pub memory: &'a PlasticContact<'a>,
     /// The free motions and the balance they answer to.
@@ -293,7 +299,8 @@ const SLACK: f64 = 1e-10;
 const TRIALS: usize = 120;
 /// First step of a motion over the depth of the contact.
 const FIRST: f64 = 0.02;
-/// Most steps of all motions at once, and the largest that is trusted, over the depth of the contact.
+/// Most steps of all motions at once, and the largest that is trusted, over the depth of the
+/// contact.
 const NEWTON_STEPS: usize = 12;
 const LARGEST: f64 = 0.5;
 
@@ -306,7 +313,8 @@ impl LoadBalance<'_> {
         self.balanced(near, &free)
     }
 
-    /// Towards the balance of all motions at once, by Newton's method on the sets as they are, for as long as that leads there.
+    /// Towards the balance of all motions at once, by Newton's method on the sets as they are, for
+    /// as long as that leads there.
     fn near(&self, start: MemoryState, free: &[usize]) -> MemoryState {
         let mut at = start;
         for _ in 0..NEWTON_STEPS {
@@ -317,13 +325,19 @@ impl LoadBalance<'_> {
             let slopes = self.memory.slopes(&at.kinds);
             let identity = |a: usize, b: usize| if a == b { 1.0 } else { 0.0 };
             let is_free = |a: usize| free.contains(&a);
-            let matrix = Matrix3::from_fn(|a, b| match is_free(a) && is_free(b) {
-                true => slopes[a][b] / self.size(a) * self.unit(b, &at),
-                false => identity(a, b),
+            let matrix = Matrix3::from_fn(|a, b| {
+                if is_free(a) && is_free(b) {
+                    slopes[a][b] / self.size(a) * self.unit(b, &at)
+                } else {
+                    identity(a, b)
+                }
             });
-            let out = Vector3::from_fn(|a, _| match is_free(a) {
-                true => self.out(&at, a) / self.size(a),
-                false => 0.0,
+            let out = Vector3::from_fn(|a, _| {
+                if is_free(a) {
+                    self.out(&at, a) / self.size(a)
+                } else {
+                    0.0
+                }
             });
             let Some(inverse) = matrix.try_inverse() else {
                 break;
@@ -368,7 +382,8 @@ impl LoadBalance<'_> {
         let mut at = self.balanced(start, inner)?;
         let mut out = self.out(&at, axis);
         let mut step = FIRST * self.deep(&at) / scale * if out > 0.0 { -1.0 } else { 1.0 };
-        // A state on the other side of the balance, once there is one, with the weight that the secant gives it.
+        // A state on the other side of the balance, once there is one, with the weight that the
+        // secant gives it.
         let mut other: Option<(f64, f64)> = None;
         for _ in 0..TRIALS {
             if self.options.stopped() {
@@ -380,8 +395,8 @@ impl LoadBalance<'_> {
             let here = at.motion[axis];
             let next = match other {
                 None => here + step,
-                Some((there, beyond)) => {
-                    let share = (out / (out - beyond)).clamp(0.05, 0.95);
+                Some((there, there_out)) => {
+                    let share = (out / (out - there_out)).clamp(0.05, 0.95);
                     here + share * (there - here)
                 }
             };
@@ -395,7 +410,7 @@ impl LoadBalance<'_> {
             if now * out <= 0.0 {
                 other = Some((here, out));
             } else {
-                other = other.map(|(there, beyond)| (there, 0.5 * beyond));
+                other = other.map(|(there, there_out)| (there, 0.5 * there_out));
                 step *= 2.0;
             }
             (at, out) = (moved, now);
@@ -452,18 +467,18 @@ pub(crate) enum Start {
     /// At the indentation at rest, looked for near this motion [m].
     AtRest(f64),
     /// At what another mesh found.
-    From(Known),
+    From(WarmStart),
 }
 
 /// What nodes do, and the motion, as another mesh found them.
-pub(crate) struct Known {
+pub(crate) struct WarmStart {
     x: Vec<f64>,
     y: Vec<f64>,
     kinds: Vec<Kind>,
     pub motion: [f64; 3],
 }
 
-impl Known {
+impl WarmStart {
     /// The states of a mesh.
     pub fn of(mesh: &Discretisation, slid: &SlidingState) -> Self {
         let (x, y) = (mesh.grid.x.clone(), mesh.grid.y.clone());
@@ -472,7 +487,7 @@ impl Known {
             kinds[node] = kind;
         }
         let motion = slid.grooved.motion;
-        Known {
+        WarmStart {
             x,
             y,
             kinds,

@@ -7,19 +7,21 @@ use crate::motion::dot;
 use crate::precondition::dense::DenseLu;
 use crate::vector;
 
-/// Contact forces f and the ice's plastic depth u on the contact plane, as one complementarity problem.
+/// Contact forces f and the ice's plastic depth u on the contact plane, as one complementarity
+/// problem.
 ///
-/// Nodes are rows of one y, x ascending; the ice reaches the last node of a row first. With the rise r of the depth at a node
-/// over that at the next one ahead,
+/// Nodes are rows of one y, x ascending; the ice reaches the last node of a row first. With the
+/// rise r of the depth at a node over that at the next one ahead,
 ///
 /// ```text
 /// gap = g - N q + G f + u,   u_i = before + sum over i and all ahead of r
 /// 0 <= f  _|_  gap >= 0,     0 <= r  _|_  f <= bound
 /// ```
 ///
-/// It is no minimum problem (r couples to the nodes behind alone), and is solved, at a given motion q, by Newton's method on the
-/// sets of nodes that are open (f = 0, r = 0), closed (gap = 0, r = 0) or full (gap = 0, f = bound): M. Hintermüller, K. Ito, K. Kunisch, SIAM J.
-/// Optim. 13 (2003) 865-888. Where the sets come back to earlier ones, sweeps from the front to the back lead on.
+/// It is no minimum problem (r couples to the nodes behind alone), and is solved, at a given motion
+/// q, by Newton's method on the sets of nodes that are open (f = 0, r = 0), closed (gap = 0, r = 0)
+/// or full (gap = 0, f = bound): M. Hintermüller, K. Ito, K. Kunisch, SIAM J. Optim. 13 (2003)
+/// 865-888. Where the sets come back to earlier ones, sweeps from the front to the back lead on.
 pub(crate) struct PlasticContact<'a> {
     /// G, the response of the gap to forces [m/N].
     pub green: &'a Mat<f64>,
@@ -69,7 +71,8 @@ const SWEEPS: usize = 12;
 const SLACK: f64 = 1e-11;
 
 impl PlasticContact<'_> {
-    /// Solves at a given motion, from sets that may be wrong; `None` where no sets confirm themselves.
+    /// Solves at a given motion, from sets that may be wrong; `None` where no sets confirm
+    /// themselves.
     pub fn at(&self, motion: [f64; 3], kinds: &[Kind]) -> Option<MemoryState> {
         let mut kinds = kinds.to_vec();
         let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
@@ -136,7 +139,8 @@ impl PlasticContact<'_> {
         finite.then(|| self.state(kinds, force, motion))
     }
 
-    /// Change of N^T f with the motion while the sets hold: row by row the resultant's parts, column by column the motion's.
+    /// Change of N^T f with the motion while the sets hold: row by row the resultant's parts,
+    /// column by column the motion's.
     pub fn slopes(&self, kinds: &[Kind]) -> [[f64; 3]; 3] {
         let closed = self.closed(kinds);
         let mut slopes = [[0.0; 3]; 3];
@@ -241,7 +245,8 @@ impl PlasticContact<'_> {
         (next, changes)
     }
 
-    /// Projected sweeps at fixed motion, each row from its front to its back with the groove that it leaves on the way.
+    /// Projected sweeps at fixed motion, each row from its front to its back with the groove that
+    /// it leaves on the way.
     fn sweep(&self, force: &mut [f64], motion: [f64; 3]) {
         let mut deflection = self.deflection(force);
         for _ in 0..SWEEPS {
@@ -279,8 +284,8 @@ impl PlasticContact<'_> {
 
 // What the bodies answer to forces on the contact plane.
 
-/// Solves K u = load - B^T f for the displacements of a state, from those it has, by preconditioned conjugate gradients; returns
-/// the iterations, `None` where `most` do not do.
+/// Solves K u = load - B^T f for the displacements of a state, from those it has, by preconditioned
+/// conjugate gradients; returns the iterations, `None` where `most` do not do.
 ///
 /// It ends where the residual in the energy norm is below `tolerance` of the forces' own energy.
 pub(crate) fn respond(
@@ -329,13 +334,15 @@ mod tests {
 
     const N: usize = 13;
 
-    /// Nodes under a round bottom, five rows of thirteen: point loads on a half-space, and a stiff spring under each.
+    /// Nodes under a round bottom, five rows of thirteen: point loads on a half-space, and a stiff
+    /// spring under each.
     fn place(i: usize) -> [f64; 2] {
         let at = |k: usize| k as f64 / 6.0 - 1.0;
         [at(i % N), 0.5 * at(3 * (i / N))]
     }
 
-    /// Hundreds of plain sweeps from the front to the back at the same motion come to the same forces and the same groove.
+    /// Hundreds of plain sweeps from the front to the back at the same motion come to the same
+    /// forces and the same groove.
     #[test]
     fn the_sets_found_are_those_of_plain_sweeps() {
         let n = 5 * N;

@@ -12,8 +12,8 @@ use crate::bodies::elastic_body::ElasticBody;
 use crate::grid::first_guess::{fitted, sliding_guess};
 use crate::grid::grading::Resolution;
 use crate::grid::patch::Patch;
-use crate::groove::measures::{Measures, Reading, Rims};
-use crate::groove::on_mesh::{Known, OnMesh, SlidingState, Start};
+use crate::groove::measures::{GrooveReading, Measures, Rims};
+use crate::groove::on_mesh::{MeshContact, SlidingState, Start, WarmStart};
 use crate::groove::plastic_contact::Kind;
 use crate::groove::solution::{Groove, GrooveProfile, Measure, SlidingMesh, SlidingSolution};
 use crate::mesh::discretise::{Discretisation, MeshPlan, Reach};
@@ -30,7 +30,8 @@ const SCOUTING: Resolution = Resolution {
 };
 /// Meshes on the contact plane alone until one fits the patch found on it.
 const SCOUTS: usize = 30;
-/// Ratio of the resolutions of successive meshes, and the least where the largest mesh allowed leaves no more.
+/// Ratio of the resolutions of successive meshes, and the least where the largest mesh allowed
+/// leaves no more.
 const REFINEMENT: f64 = 1.5;
 const LEAST_REFINEMENT: f64 = 1.1;
 
@@ -73,7 +74,7 @@ impl<'a> SlidingMeshes<'a> {
                 reach: Reach::WholeHull,
             };
             let mesh = plan.mesh()?;
-            let on = OnMesh {
+            let on = MeshContact {
                 problem,
                 material,
                 mesh: &mesh,
@@ -84,7 +85,7 @@ impl<'a> SlidingMeshes<'a> {
             let field = Field::new(&mesh, problem, &patch);
             let rims = Rims::new(&mesh, &slid).rims(&field.pressure_field(&slid.state));
             let found = fitted(field.of(&slid.state).patch, rims);
-            start = Start::From(Known::of(&mesh, &slid));
+            start = Start::From(WarmStart::of(&mesh, &slid));
             let settled = similar(&patch, &found);
             patch = found;
             if settled {
@@ -142,7 +143,8 @@ impl<'a> SlidingMeshes<'a> {
         }
     }
 
-    /// Fits the patch to the rims that the first mesh finds on the contact plane alone, so that it is one of those that follow.
+    /// Fits the patch to the rims that the first mesh finds on the contact plane alone, so that it
+    /// is one of those that follow.
     fn fit(&mut self, cells: f64) -> Result<(), Error> {
         let mesh = self.mesh(cells)?;
         let slid = self.on(&mesh).on_plane(&self.start)?;
@@ -150,8 +152,8 @@ impl<'a> SlidingMeshes<'a> {
         Ok(())
     }
 
-    fn on<'b>(&'b self, mesh: &'b Discretisation) -> OnMesh<'b> {
-        OnMesh {
+    fn on<'b>(&'b self, mesh: &'b Discretisation) -> MeshContact<'b> {
+        MeshContact {
             problem: self.problem,
             material: self.material,
             mesh,
@@ -180,14 +182,14 @@ impl<'a> SlidingMeshes<'a> {
         let field = Field::new(mesh, self.problem, &self.patch);
         let rims = Rims::new(mesh, slid).rims(&field.pressure_field(&slid.state));
         self.patch = fitted(field.of(&slid.state).patch, rims);
-        self.start = Start::From(Known::of(mesh, slid));
+        self.start = Start::From(WarmStart::of(mesh, slid));
     }
 
     /// The figures of a state.
     fn measures(&self, mesh: &Discretisation, slid: &SlidingState) -> Measures {
         let field = Field::new(mesh, self.problem, &self.patch);
         let on = self.on(mesh);
-        Reading::new(&on, &self.gap, slid).measures(&field.pressure_field(&slid.state))
+        GrooveReading::new(&on, &self.gap, slid).measures(&field.pressure_field(&slid.state))
     }
 
     /// Keeps what a mesh says.
@@ -234,7 +236,7 @@ impl SlidingMeshes<'_> {
     ) -> SlidingSolution {
         let on = self.on(&mesh);
         let field = Field::new(&mesh, self.problem, &self.patch);
-        let reading = Reading::new(&on, &self.gap, &slid);
+        let reading = GrooveReading::new(&on, &self.gap, &slid);
         let (profile, sections) = (
             reading.profile(),
             reading.sections(&field.pressure_field(&slid.state)),
@@ -329,23 +331,26 @@ fn dofs(mesh: &Discretisation) -> usize {
 
 // From a problem to steady sliding.
 
-/// Solves the steady sliding of a runner towards +x, on ice that yields at `problem.ice.hardness` H and keeps its plastic depth.
+/// Solves the steady sliding of a runner towards +x, on ice that yields at `problem.ice.hardness` H
+/// and keeps its plastic depth.
 ///
 /// ```text
 /// 0 <= p <= H,   gap = h - N q + u_e(p) + u_p >= 0,   p gap = 0,   sum of p dA = F_z
 /// u_p never falls towards the back, and p = H where it grows;   ploughing force = H times the section that is added
 /// ```
 ///
-/// `before` is the groove in which the ice comes, one that an earlier runner left. Meshes are refined until the estimated errors of
-/// peak pressure, groove depth and ploughing force are below `options.p_max_tolerance`; `options.progress` is not called. The
-/// load's line of action stays where it is: a runner that is free to tilt turns until the pressure is under it, and the drag's
+/// `before` is the groove in which the ice comes, that of an earlier runner. Meshes are refined
+/// until the estimated errors of peak pressure, groove depth and ploughing force are below
+/// `options.p_max_tolerance`; `options.progress` is not called. The load's line of action stays
+/// where it is: a runner that is free to tilt turns until the pressure is under it, and the drag's
 /// own moment is not in the balance. What the runner's sides push up is not in it either.
 ///
 /// # Errors
-/// [`Error::NotSliding`] for ice without a hardness or of varying height, a checking method; those of
-/// [`solve`](crate::solve()) for problems without an answer and answers that are none: [`Error::BeyondHardness`] too where the hull
-/// bears the load at rest but not sliding; [`Error::NotConverged`], [`Error::NoPatch`], and
-/// [`Error::SlidingAccuracyNotReached`] where the largest mesh allowed does not do.
+/// [`Error::NotSliding`] for ice without a hardness or of varying height, a checking method; those
+/// of [`solve`](crate::solve()) for problems without an answer and answers that are none:
+/// [`Error::BeyondHardness`] too where the hull bears the load at rest but not sliding;
+/// [`Error::NotConverged`], [`Error::NoPatch`], and [`Error::SlidingAccuracyNotReached`] where the
+/// largest mesh allowed does not do.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -420,11 +425,13 @@ const LEAST_PLOUGHING: f64 = 1e-4;
 const LEAST_DEPTH: f64 = 0.05;
 
 impl Errors {
-    /// The grid convergence index of the last two meshes, the last one `refined` times as fine as the one before, and what the area between
-    /// nodes and rims changes on the last one: `plain` is that mesh's answer without it. The two add up as independent errors do. Infinite
-    /// for one mesh.
+    /// The grid convergence index of the last two meshes, the last one `refined` times as fine as
+    /// the one before, and what the area between nodes and rims changes on the last one: `plain` is
+    /// that mesh's answer without it. The two add up as independent errors do. Infinite for one
+    /// mesh.
     ///
-    /// The index alone does not do: where nodes lie beside rims is chance, and two meshes may agree by it.
+    /// The index alone does not do: where nodes lie next to rims is chance, and two meshes may
+    /// agree by it.
     pub fn of(measures: &[Measures], plain: &Measures, refined: f64) -> Self {
         let [.., before, last] = measures else {
             let none = f64::INFINITY;

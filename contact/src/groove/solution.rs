@@ -31,13 +31,15 @@ pub struct SlidingSolution {
     pub groove: Groove,
 }
 
-/// The groove of a runner that slides: what is left in the ice, the force that it takes, and the patch in it.
+/// The groove of a runner that slides: the section that remains in the ice, the ploughing force,
+/// and the patch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Groove {
     /// Largest plastic depth that the runner leaves, with what was there before [m].
     pub deepest: Measure,
-    /// Force against the motion that deepens the groove, F = H A with the area A of the section added, or the sum of pressure times
-    /// the runner's slope: the mean of both for a rigid runner, the first for one that bends [N].
+    /// Force against the motion that deepens the groove, F = H A with the area A of the section
+    /// added, or the sum of pressure times the runner's slope: the mean of both for a rigid runner,
+    /// the first for one that bends [N].
     pub ploughing: Measure,
     /// Front end of the patch ahead of the lowest point [m].
     pub front: Measure,
@@ -47,7 +49,7 @@ pub struct Groove {
     pub load_ahead: Measure,
     /// The lowest point of the runner as it is turned, along x [m].
     pub lowest: f64,
-    /// Section that is left.
+    /// Section that remains.
     pub profile: GrooveProfile,
     /// Plastic depth at the nodes of the contact's surface [m].
     pub depth: Vec<f64>,
@@ -74,15 +76,16 @@ pub struct SlidingMesh {
     pub groove_depth: f64,
     /// Ploughing force on this mesh alone, from the plastic work over the way [N].
     pub plastic_work: f64,
-    /// Ploughing force on this mesh alone from pressures and the slope of the undeformed runner [N].
+    /// Ploughing force on this mesh alone from pressures and the slope of the undeformed runner
+    /// [N].
     pub ploughing_by_slope: f64,
 }
 
-// The section of a groove that a runner left in the ice.
+// The section of the groove of an earlier runner.
 
 /// Depth of a groove over its section across the sliding direction.
 ///
-/// Linear between the places, 0 beyond the first and the last.
+/// Linear between the places, 0 outside the first and the last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GrooveProfile {
     y: Vec<f64>,
@@ -93,7 +96,8 @@ impl GrooveProfile {
     /// Depths [m] at ascending places `y` [m], two or more.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for places that do not ascend, a depth that is negative or not finite, or too few of them.
+    /// [`Error::OutOfRange`] for places that do not ascend, a depth that is negative or not finite,
+    /// or too few of them.
     pub fn new(y: Vec<f64>, depth: Vec<f64>) -> Result<Self, Error> {
         let bad = |name, value, expected| Error::OutOfRange {
             name,

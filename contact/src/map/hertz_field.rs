@@ -2,7 +2,7 @@
 
 use crate::result::solution::SurfaceField;
 
-/// Hertz's ellipse of pressure on a graded grid, its gap infinite beyond `|y| = 2 b`.
+/// Hertz's ellipse of pressure on a graded grid, its gap infinite outside `|y| = 2 b`.
 pub fn ellipse(a: f64, b: f64, peak: f64) -> SurfaceField {
     let graded = |half: f64| -> Vec<f64> {
         let mut side: Vec<f64> = (1..=40).map(|k| half * 1.05 * k as f64 / 40.0).collect();

@@ -15,7 +15,8 @@ const MARGIN: f64 = 0.25;
 
 /// Pressure, gap and displacement on the pixels of a regular grid.
 ///
-/// Arrays are `ny` rows of `nx`; column `i` is at `x0 + i dx`, row `j` at `y0 + j dy` (pixel centres).
+/// Arrays are `ny` rows of `nx`; column `i` is at `x0 + i dx`, row `j` at `y0 + j dy` (pixel
+/// centres).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureMap {
     /// Centre of the first pixel along the runner [m].
@@ -44,14 +45,14 @@ impl PressureMap {
         PressureMap::new(&solution.surface, solution.fz, solution.bound())
     }
 
-    /// The fields in a window around the contact; the pressure carries the force `fz` [N] and is nowhere above `bound`, what the
-    /// ice bears [Pa]; infinite for ice that bears all.
+    /// The fields in a window around the contact; the pressure carries the force `fz` [N] and is
+    /// nowhere above `bound`, what the ice bears [Pa]; infinite for ice that bears all.
     ///
-    /// It is the pressure of the mesh, whose peak is [`Solution::p_max_mesh`]: [`Solution::p_max`] is the limit of finer and finer
-    /// meshes, of which there is no map.
+    /// It is the pressure of the mesh, whose peak is [`Solution::p_max_mesh`]: [`Solution::p_max`]
+    /// is the limit of finer and finer meshes, of which there is no map.
     ///
-    /// Gap and displacement are averages of the bilinear fields over the pixels; see [`pressure`] for the pressure.
-    /// Where nothing touches, the window is the whole field.
+    /// Gap and displacement are averages of the bilinear fields over the pixels; see [`pressure`]
+    /// for the pressure. Where nothing touches, the window is the whole field.
     pub fn new(field: &SurfaceField, fz: f64, bound: f64) -> PressureMap {
         let columns = field.x.len();
         let touches = |i: usize, j: usize| field.pressure[j * columns + i] > 0.0;
@@ -64,7 +65,7 @@ impl PressureMap {
         let along = Axis::around(&field.x, &touched_x);
         let across = Axis::around(&field.y, &touched_y);
         let average = |values: &[f64]| average(values, columns, &along, &across);
-        // What touches has no gap, whatever the solver's tolerance left of it.
+        // Nodes in contact have no gap; the solver's tolerance may leave a small one.
         let gap: Vec<f64> = field
             .pressure
             .iter()
@@ -102,7 +103,8 @@ impl PressureMap {
             + t * ((1.0 - s) * p(i, j + 1) + s * p(i + 1, j + 1))
     }
 
-    /// Position of the highest pressure [m]; on a plateau, the place nearest to the load's line of action.
+    /// Position of the highest pressure [m]; on a plateau, the place nearest to the load's line of
+    /// action.
     pub fn peak(&self) -> (f64, f64) {
         let highest = self.pressure.iter().copied().fold(0.0, f64::max);
         let place = |k: usize| {
@@ -216,7 +218,8 @@ fn average(values: &[f64], columns: usize, along: &Axis, across: &Axis) -> Vec<f
 /// Pressure at the pixels' centres.
 ///
 /// p^2 is interpolated by cubics along x and then along y, and ends at its rim below the cell (see
-/// [`squared_pressure`]); then `sum p dx dy` is made the force by [`carry`], and nothing exceeds what the ice bears.
+/// [`squared_pressure`]); then `sum p dx dy` is made the force by [`carry`], and nothing exceeds
+/// what the ice bears.
 fn pressure(field: &SurfaceField, fz: f64, bound: f64, along: &Axis, across: &Axis) -> Vec<f64> {
     let (nodes, columns) = (field.y.len(), along.count);
     let squared = squared_pressure(field, bound);
@@ -250,8 +253,8 @@ fn pressure(field: &SurfaceField, fz: f64, bound: f64, along: &Axis, across: &Ax
 
 /// Makes the pressures' sum the requested one, p <- p (1 + c (1 - (p / p_top)^2)).
 ///
-/// What interpolation misses lies near the rim; the peak and a plateau at the ice's hardness stay. The factor is
-/// kept within a tenth.
+/// What interpolation misses lies near the rim; the peak and a plateau at the ice's hardness stay.
+/// The factor is kept within a tenth.
 fn carry(pressure: &mut [f64], sum: f64) {
     let top = pressure.iter().copied().fold(0.0, f64::max);
     let share = |p: f64| 1.0 - (p / top).powi(2);
@@ -267,10 +270,10 @@ fn carry(pressure: &mut [f64], sum: f64) {
 
 /// A piecewise cubic through values on increasing nodes; NaN marks nodes without a value.
 ///
-/// Slopes come from the parabola through a node and its neighbours (one-sided beside a gap), so parabolas are
-/// reproduced exactly. Cells that lack an end are gaps. Between two values that are not positive nothing is; between two
-/// positive ones nothing is lower than both, and from a positive one to the other kind it falls all the way, however steep
-/// the cells beside are.
+/// Slopes come from the parabola through a node and its neighbours (one-sided next to a gap), so
+/// parabolas are reproduced exactly. Cells that lack an end are gaps. Between two values that are
+/// not positive nothing is; between two positive ones nothing is lower than both, and from a
+/// positive one to the other kind it falls all the way, however steep the adjacent cells are.
 pub struct Hermite<'a> {
     nodes: &'a [f64],
     values: &'a [f64],
@@ -288,7 +291,7 @@ impl<'a> Hermite<'a> {
         }
     }
 
-    /// The value at `x`; NaN in a gap and beyond the ends.
+    /// The value at `x`; NaN in a gap and outside the ends.
     pub fn at(&self, x: f64) -> f64 {
         let above = self.nodes.partition_point(|&node| node <= x);
         if above == 0 || above == self.nodes.len() {
@@ -307,10 +310,12 @@ impl<'a> Hermite<'a> {
             [from, to] =
                 [from, to].map(|slope| slope.clamp(rise.min(0.0) * 3.0, rise.max(0.0) * 3.0));
         }
-        // h(t) = v + t (m0 + t (3 d - 2 m0 - m1 + t (m0 + m1 - 2 d))), d the rise, m the slopes over the cell
+        // h(t) = v + t (m0 + t (3 d - 2 m0 - m1 + t (m0 + m1 - 2 d))), d the rise, m the slopes
+        // over the cell
         let value = self.values[left]
             + t * (from + t * (3.0 * rise - 2.0 * from - to + t * (from + to - 2.0 * rise)));
-        // A cubic may swing over zero between two values that are not positive: no contact is there.
+        // A cubic may swing over zero between two values that are not positive: no contact is
+        // there.
         match (low > 0.0, high > 0.0) {
             (false, false) => value.min(0.0),
             (true, true) => value.max(low.min(high)),
@@ -346,12 +351,15 @@ fn slope(nodes: &[f64], values: &[f64], k: usize) -> f64 {
     }
 }
 
-// Maps of contacts that are far apart along the runner, as those of a runner that rests on its two ends.
+// Maps of contacts that are far apart along the runner, as those of a runner that rests on its two
+// ends.
 
-/// Contacts are shown apart where the empty stretch between them is this many times as long as they are.
+/// Contacts are shown apart where the empty stretch between them is this many times as long as they
+/// are.
 const APART: f64 = 5.0;
 
-/// One map for the whole contact, or two where it consists of two parts that are far apart along the runner.
+/// One map for the whole contact, or two where it consists of two parts that are far apart along
+/// the runner.
 pub fn pressure_maps(solution: &Solution) -> Vec<PressureMap> {
     let field = &solution.surface;
     let Some(parts) = split(field) else {
@@ -366,7 +374,8 @@ pub fn pressure_maps(solution: &Solution) -> Vec<PressureMap> {
     vec![part(0), part(1)]
 }
 
-/// A map cut in two where it shows two parts that are far apart, each with a margin around its contact.
+/// A map cut in two where it shows two parts that are far apart, each with a margin around its
+/// contact.
 pub fn parted(map: PressureMap) -> Vec<PressureMap> {
     let x: Vec<f64> = (0..map.nx).map(|i| map.x0 + i as f64 * map.dx).collect();
     match split_columns(&x, &map.pressure) {

@@ -6,26 +6,30 @@ use rayon::prelude::*;
 use crate::result::measure::ROUNDED;
 use crate::result::solution::SurfaceField;
 
-/// Nodes on each side of a node that its surface is fitted to, and where their weights are 1 / e, in nodes.
+/// Nodes on each side of a node that its surface is fitted to, and where their weights are 1 / e,
+/// in nodes.
 const REACH: usize = 4;
 const SPREAD: f64 = 2.0;
-/// Weight of nodes beside the rim, whose pressures are means, beside those within.
+/// Weight of nodes next to the rim, whose pressures are means, against those within.
 const RIM_WEIGHT: f64 = 0.1;
 /// How much steeper than one cell the pressure of ice that yields falls to zero at its rim.
 const STEEP: f64 = 10.0;
-/// Least overlap beside the mean gap of the open nodes for the rim to lie where it is zero.
+/// Least overlap over the mean gap of the open nodes for the rim to lie where it is zero.
 const LEAST: f64 = 0.1;
 
-/// The square of the pressure at the nodes, continued to negative values just outside the contact; NaN farther out.
+/// The square of the pressure at the nodes, continued to negative values just outside the contact;
+/// NaN farther out.
 ///
-/// The square of a smooth contact's pressure is smooth through the rim, where it passes zero (it is a paraboloid in Hertz's
-/// contact): the root of its positive part ends where the contact does, not at a node. A node beside the rim carries a mean over
-/// its hat function, which reaches out of the contact. So nodes with an open one among their eight neighbours, and the open ones
-/// beside them, take the value of a paraboloid (weighted least squares) through the nodes around, which those within decide. Where
-/// that does not fall outwards (an edge of the hull) or has too few nodes, the rim lies half-way between nodes. AtRim nodes that
-/// bear all they can, `bound` [Pa], it lies where the ice begins to yield: where the overlap with the elastic surface is zero, or, of a
-/// runner that slides, where its groove begins. A node there that bears a part of it, in ice that has not yielded, is one over which
-/// the rim goes, half of whose hat function presses where it bears half.
+/// The square of a smooth contact's pressure is smooth through the rim, where it passes zero (it is
+/// a paraboloid in Hertz's contact): the root of its positive part ends where the contact does, not
+/// at a node. A node next to the rim carries a mean over its hat function, which reaches out of the
+/// contact. So nodes with an open one among their eight neighbours, and the open ones next to them,
+/// take the value of a paraboloid (weighted least squares) through the nodes around, which those
+/// within decide. Where that does not fall outwards (an edge of the hull) or has too few nodes, the
+/// rim lies half-way between nodes. AtRim nodes that bear all they can, `bound` [Pa], it lies where
+/// the ice begins to yield: where the overlap with the elastic surface is zero, or, of a runner
+/// that slides, where its groove begins. A node there that bears a part of it, in ice that has not
+/// yielded, is one over which the rim goes, half of whose hat function presses where it bears half.
 pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
     let square: Vec<f64> = field.pressure.iter().map(|p| p * p).collect();
     let nodes = Nodes::new(field, &square);
@@ -39,17 +43,19 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
         .collect();
     let full = |n: usize| field.pressure[n] >= ROUNDED * bound;
     let yields = |n: usize| nodes.block(n, 1).any(full);
-    // Beyond nodes that yield, or that bear a part beside such.
+    // Next to nodes that yield, or to nodes that carry a part next to these.
     let jumps = |n: usize| yields(n) || nodes.facing(n).all(yields);
     let closest = closest(field);
     // Behind where it yields the ice presses elastically on the runner that rises.
     let recovers = |n: usize| square[n] > 0.0 && !full(n) && field.yielded[n] > 0.0;
-    // Ice that stands beside such a part of the groove: the rim is the groove's wall, as it was made ahead.
+    // Ice next to such a part of the groove: the rim is the groove's wall, as it was made ahead.
     let walled = |n: usize| field.yielded[n] <= 0.0 && nodes.facing(n).any(recovers);
     let wall = |n: usize| {
-        let beside = || nodes.facing(n).filter(|&k| recovers(k));
-        let falls = beside().map(|k| square[k] / field.yielded[k]).sum::<f64>();
-        -closest[n] * falls / beside().count() as f64
+        let recovering = || nodes.facing(n).filter(|&k| recovers(k));
+        let falls = recovering()
+            .map(|k| square[k] / field.yielded[k])
+            .sum::<f64>();
+        -closest[n] * falls / recovering().count() as f64
     };
     let touching = |n: usize| nodes.block(n, 1).filter(|&k| square[k] > 0.0);
     let mean = |n: usize| touching(n).map(|k| square[k]).sum::<f64>() / touching(n).count() as f64;
@@ -57,7 +63,7 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
     let ended = |n: usize| {
         nodes.place[n] == Place::Open && fitted[n] < 0.5 * mean(n) && !jumps(n) && !walled(n)
     };
-    // The gap over the ice as it came; over a groove that is left behind the rim is no beginning of one.
+    // The gap over the ice as it came; a groove behind the runner is not the beginning of a rim.
     let before = |n: usize| match field.gap[n] - field.yielded[n] {
         gap if gap >= 0.0 => gap,
         _ => f64::NAN,
@@ -95,7 +101,7 @@ fn closest(field: &SurfaceField) -> Vec<f64> {
     closest
 }
 
-/// How far the ice has yielded beside the rim, on average [m]; infinite where it has not.
+/// How far the ice has yielded next to the rim, on average [m]; infinite where it has not.
 fn overlap(field: &SurfaceField, place: &[Place], bound: f64) -> f64 {
     let yields = |n: &usize| place[*n] == Place::AtRim && field.pressure[*n] >= ROUNDED * bound;
     let overlaps = (0..place.len()).filter(yields).map(|n| field.yielded[n]);
@@ -159,7 +165,8 @@ impl Nodes<'_> {
         near(j, rows - 1).flat_map(move |j| near(i, columns - 1).map(move |i| j * columns + i))
     }
 
-    /// The touching ones of the four nodes beside a node; of its eight neighbours where none of those touches.
+    /// The touching ones of the four neighbours of a node; of its eight neighbours where none of
+    /// those touches.
     fn facing(&self, node: usize) -> impl Iterator<Item = usize> + use<'_> {
         let columns = self.x.len();
         let straight =
@@ -170,7 +177,8 @@ impl Nodes<'_> {
         near.filter(move |&k| !any || straight(k))
     }
 
-    /// The paraboloid through the touching nodes around a node, at that node; NaN where they do not determine one.
+    /// The paraboloid through the touching nodes around a node, at that node; NaN where they do not
+    /// determine one.
     fn fitted(&self, node: usize) -> f64 {
         let columns = self.x.len();
         let [i, j] = [node % columns, node / columns];
@@ -234,7 +242,8 @@ mod tests {
         assert!(continued > 100, "{continued}");
     }
 
-    /// A unit disk on a square grid of `cells` cells over its radius; pressures and gaps from the distance to the middle.
+    /// A unit disk on a square grid of `cells` cells over its radius; pressures and gaps from the
+    /// distance to the middle.
     fn disk(cells: f64, of: impl Fn(f64, f64) -> (f64, f64)) -> SurfaceField {
         let last = cells.ceil() as i32 + 3;
         let nodes: Vec<f64> = (-last..=last).map(|k| f64::from(k) / cells).collect();
@@ -306,7 +315,8 @@ mod tests {
         }
     }
 
-    /// A disk whose ice bears 1 all over: nodes on the rim bear what part of their hat functions presses.
+    /// A disk whose ice bears 1 all over: nodes on the rim bear what part of their hat functions
+    /// presses.
     #[test]
     fn ice_that_yields_has_a_map_with_its_force_and_without_holes() {
         for cells in [5.3, 6.5, 8.8, 17.2] {

@@ -14,7 +14,8 @@ use crate::mesh::discretise::Discretisation;
 pub struct AssembledBody {
     /// `"ice"` or `"runner"`.
     pub name: &'static str,
-    /// K of all displacements of the body, component after component, nodes as in [`VolumeField`](crate::VolumeField) or [`RunnerField`](crate::RunnerField) [N/m].
+    /// K of all displacements of the body, component after component, nodes as in
+    /// [`VolumeField`](crate::VolumeField) or [`RunnerField`](crate::RunnerField) [N/m].
     pub stiffness: Arc<SparseStiffness>,
     /// Displacements that mirror planes, outer faces or a mount hold, ascending.
     pub fixed: Vec<usize>,
@@ -25,16 +26,17 @@ pub struct AssembledBody {
 /// `element` is that of a runner whose hexahedra are none of tensor shape.
 ///
 /// # Errors
-/// [`Error::StiffnessTooLarge`] where the bodies together would need more than `limit` bytes, [`Error::RunnerMesh`].
+/// [`Error::StiffnessTooLarge`] where the bodies together would need more than `limit` bytes,
+/// [`Error::RunnerMesh`].
 pub(crate) fn assemble(
     mesh: &mut Discretisation,
     element: Option<ElementKind>,
     limit: u64,
 ) -> Result<(), Error> {
-    let mut left = limit;
+    let mut remaining = limit;
     let mut of = |body: &Body| {
-        let made = SparseStiffness::assemble(body, left).map_err(named)?;
-        left = left.saturating_sub(made.bytes() as u64);
+        let made = SparseStiffness::assemble(body, remaining).map_err(named)?;
+        remaining = remaining.saturating_sub(made.bytes() as u64);
         Ok::<_, Error>(Some(Arc::new(made)))
     };
     for body in &mut mesh.contact.bodies {
@@ -70,7 +72,7 @@ fn named(error: kufe_fem::Error) -> Error {
     }
 }
 
-/// The assembled bodies with what is fixed of them; none where nothing was assembled.
+/// The assembled bodies with their fixed displacements; none where nothing was assembled.
 pub(crate) fn assembled_bodies(contact: &ContactMesh) -> Vec<AssembledBody> {
     let bodies = ["ice", "runner"].into_iter().zip(&contact.bodies);
     let assembled = bodies.filter_map(|(name, body)| {

@@ -7,7 +7,7 @@ use faer::Mat;
 use rayon::prelude::*;
 
 use crate::bodies::elastic_body::{BodyWork, ElasticBody};
-use crate::green::matrix::{Green, Stored};
+use crate::green::matrix::{Green, StorageLimit};
 use crate::green::modal::ModalGreen;
 use crate::motion::{Motion, dot, dot_rows};
 use crate::precondition::inverse::Inverse;
@@ -15,9 +15,11 @@ use crate::vector;
 
 /// A mesh with everything the iteration needs; plane arrays have x fastest.
 pub(crate) struct ContactMesh {
-    /// The elastic bodies, in the order of their parts of a displacement vector: the ice, then an elastic runner.
+    /// The elastic bodies, in the order of their parts of a displacement vector: the ice, then an
+    /// elastic runner.
     pub bodies: Vec<ElasticBody>,
-    /// Area of the plane that belongs to each line of nodes, along x and along y: node (i, j) has their product [m].
+    /// Area of the plane that belongs to each line of nodes, along x and along y: node (i, j) has
+    /// their product [m].
     pub lumped: [Vec<f64>; 2],
     /// Undeformed gap; infinite where there is no hull [m].
     pub gap: Vec<f64>,
@@ -62,17 +64,18 @@ impl ContactMesh {
         self.bodies.iter().map(ElasticBody::len).sum()
     }
 
-    /// The Green's matrix of the candidates: that of the preconditioner, and that closer to elasticity's. Stored where there are
-    /// at `most` so many candidates.
-    pub fn greens(&self, most: Stored) -> [Green<'_>; 2] {
+    /// The Green's matrix of the candidates: that of the preconditioner, and that closer to
+    /// elasticity's. Stored where there are at `most` so many candidates.
+    pub fn greens(&self, most: StorageLimit) -> [Green<'_>; 2] {
         let modal = |scaled: bool| {
             let (bodies, plane) = (&self.bodies, self.gap.len());
             ModalGreen::new(bodies, &self.candidates, plane, scaled)
         };
         let on_faces = |body: &ElasticBody| matches!(body.inverse, Inverse::Planewise(_));
-        let most = match self.bodies.iter().all(on_faces) {
-            true => most.faces,
-            false => most.mounted,
+        let most = if self.bodies.iter().all(on_faces) {
+            most.faces
+        } else {
+            most.mounted
         };
         if self.candidates.len() > most
             && let (Some(own), Some(scaled)) = (modal(false), modal(true))
@@ -117,7 +120,8 @@ impl ContactMesh {
         closing
     }
 
-    /// Gap of the candidates without motion and contact forces: the undeformed one less what loads on the runner close.
+    /// Gap of the candidates without motion and contact forces: the undeformed gap less the closing
+    /// by loads on the runner.
     pub fn unpressed_gap(&self) -> Vec<f64> {
         let mut closing = vec![0.0; self.gap.len()];
         for body in self.bodies.iter().filter(|b| !b.load.is_empty()) {
@@ -146,8 +150,9 @@ impl ContactMesh {
             .collect()
     }
 
-    /// What penetration is compared with [m]: the deepest interpenetration of the undeformed shapes, or how deep the ice sinks
-    /// where a carried runner bends away from its own shape by more than it presses in.
+    /// What penetration is compared with [m]: the deepest interpenetration of the undeformed
+    /// shapes, or how deep the ice sinks where a carried runner bends away from its own shape by
+    /// more than it presses in.
     pub fn depth(&self, state: &State) -> f64 {
         let undeformed = (0..self.gap.len()).map(|i| dot(self.rows[i], state.motion) - self.gap[i]);
         let deepest = undeformed.fold(f64::MIN_POSITIVE, f64::max);
@@ -251,17 +256,18 @@ impl Sets {
 
     /// Lets one node between its bounds where none is and what is full does not bear the load.
     ///
-    /// Full nodes alone tell no motion, and their forces sum to what they sum to. Where load is left the open node that is
-    /// nearest to touching takes it, where they bear too much the full one that is pressed in least gives way.
+    /// Full nodes alone determine no motion, and their forces sum to what they sum to. Where load
+    /// remains the open node that is nearest to touching takes it, where they bear too much the
+    /// full one that is pressed in least gives way.
     pub fn free_one(&mut self, motion: &Motion, bound: &[f64], gap: impl Fn(usize) -> f64) {
         if !self.inside.is_empty() || self.full.is_empty() || !motion.free[0] {
             return;
         }
-        let left = motion.balance[0] - self.full.iter().map(|&i| bound[i]).sum::<f64>();
-        if left.abs() <= 1e-12 * motion.balance[0] {
+        let unbalanced = motion.balance[0] - self.full.iter().map(|&i| bound[i]).sum::<f64>();
+        if unbalanced.abs() <= 1e-12 * motion.balance[0] {
             return;
         }
-        if left > 0.0 {
+        if unbalanced > 0.0 {
             let open = (0..bound.len()).filter(|i| self.full.binary_search(i).is_err());
             self.inside
                 .extend(open.min_by(|&i, &j| gap(i).total_cmp(&gap(j))));
@@ -277,8 +283,8 @@ impl Sets {
     }
 }
 
-/// From forces within their bounds towards others, up to where the first one meets its bound: the part of the way and the
-/// forces there.
+/// From forces within their bounds towards others, up to where the first one meets its bound: the
+/// part of the way and the forces there.
 pub(crate) fn clip(from: &[f64], to: &[f64], bound: &[f64]) -> (f64, Vec<f64>) {
     let end = |(f, (t, b)): (&f64, (&f64, &f64))| match t - f {
         down if down < 0.0 && *t < 0.0 => f / -down,

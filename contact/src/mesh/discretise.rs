@@ -22,8 +22,8 @@ use crate::{Bed, Error, Foundation, Load, Problem};
 pub(crate) enum Reach {
     /// What the patch needs; nodes on and near it.
     Patch,
-    /// Under the whole hull where that is bounded; every node under the hull. Contact far from where it is expected
-    /// is seen, if coarsely.
+    /// Under the whole hull where that is bounded; every node under the hull. Contact far from
+    /// where it is expected is seen, if coarsely.
     WholeHull,
 }
 
@@ -48,12 +48,14 @@ impl Discretisation {
     }
 }
 
-/// Distance from the patch to the outer faces over the patch's largest half-length, on a half-space.
+/// Distance from the patch to the outer faces over the patch's largest half-length, on a
+/// half-space.
 ///
-/// The faces carry the half-space's own displacements under the contact forces, so this only has to be
-/// far enough for the forces to be gathered into a few lumps.
+/// The faces carry the half-space's own displacements under the contact forces, so this only has to
+/// be far enough for the forces to be gathered into a few lumps.
 const HALF_SPACE_REACH: f64 = 3.0;
-/// Distance from the patch to the sides over the thickness of what lies on the rigid bed: exp(-pi 6 / 2) < 1e-4.
+/// Distance from the patch to the sides over the thickness of what lies on the rigid bed: exp(-pi 6
+/// / 2) < 1e-4.
 const LAYER_REACH: f64 = 6.0;
 
 /// Depth of even layers over the patch's smaller half-width: the stresses vary most there.
@@ -174,14 +176,14 @@ impl MeshPlan<'_> {
         let hull = [extent[2 * axis], extent[2 * axis + 1]];
         let bounded = hull.iter().all(|end| end.is_finite());
         if (meshed || self.reach == Reach::WholeHull) && bounded {
-            let beyond = 0.05 * (hull[1] - hull[0]);
-            low = low.min(hull[0] - beyond);
-            high = high.max(hull[1] + beyond);
+            let margin = 0.05 * (hull[1] - hull[0]);
+            low = low.min(hull[0] - margin);
+            high = high.max(hull[1] + margin);
         }
         let start = if symmetric {
             Start::At(0.0)
         } else {
-            Start::Beyond(low)
+            Start::AtOrBelow(low)
         };
         let mut nodes = graded_axis(start, high, &zones, self.resolution.growth)?;
         // Contact up to a runner's own ends needs nodes there.
@@ -201,7 +203,8 @@ impl MeshPlan<'_> {
     /// Nodes of the ice and of an elastic bed under it along z, and that bed.
     fn layers(&self) -> Result<(Vec<f64>, Option<LowerLayer>), Error> {
         let (narrowest, depth) = (self.narrowest(), self.depth());
-        // Under a contact that is wider than the ice is thick layers refine with the cells: four of the coarsest mesh.
+        // Under a contact that is wider than the ice is thick layers refine with the cells: four of
+        // the coarsest mesh.
         let spacing = narrowest.min(0.75 * depth) / self.resolution.cells;
         let even_depth = spacing * (EVEN_DEPTH * narrowest / spacing - 1e-6).ceil();
         let mut layers = Stretch::even(-even_depth.min(depth), 0.0);
@@ -212,7 +215,7 @@ impl MeshPlan<'_> {
             spacing,
         };
         let growth = self.resolution.growth;
-        let mut z = graded_axis(Start::Beyond(-depth), 0.0, &[zone], growth)?;
+        let mut z = graded_axis(Start::AtOrBelow(-depth), 0.0, &[zone], growth)?;
         if self.problem.ice.foundation != Foundation::HalfSpace {
             let scale = -depth / z[0];
             z.iter_mut().for_each(|z| *z *= scale);
@@ -240,7 +243,8 @@ impl MeshPlan<'_> {
         let mut bound = Vec::with_capacity(nx * ny);
         let mut candidates = Vec::new();
         let hardness = problem.ice.hardness.unwrap_or(f64::INFINITY);
-        // A wide plane is scouted where contact is expected: the rest would cost more than it is worth.
+        // A wide plane is scouted where contact is expected: the rest would cost more than it is
+        // worth.
         let everywhere = self.reach == Reach::WholeHull && nx * ny <= 1500;
         for j in 0..ny {
             for i in 0..nx {

@@ -14,7 +14,8 @@ pub(crate) struct DenseCholesky(Llt<f64>);
 impl DenseCholesky {
     /// Factorises a symmetric matrix by its lower half; `None` where it is not positive definite.
     ///
-    /// On all threads: they share the factor's blocks among them, and each block is summed by one of them.
+    /// On all threads: they share the factor's blocks among them, and each block is summed by one
+    /// of them.
     pub fn new(matrix: &Mat<f64>) -> Option<Self> {
         Llt::new(matrix.as_ref(), Side::Lower)
             .ok()
@@ -110,8 +111,8 @@ mod tests {
                         "{n} x {n}, {columns} sides, {threads} threads"
                     );
                 }
-                let left = &a * &one.1 - &sides;
-                assert!(left.norm_max() < 1e-12);
+                let residual = &a * &one.1 - &sides;
+                assert!(residual.norm_max() < 1e-12);
             }
         }
         assert!(

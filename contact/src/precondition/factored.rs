@@ -108,17 +108,18 @@ impl FactoredInverse {
 /// W_ij = integral of phi_i psi_j / integral of phi_i,
 /// ```
 ///
-/// both over the part of the plane that lies under the runner's faces. Rows sum to 1, so rigid motions pass; and the forces
-/// p * integral of phi_i of a constant pressure become p * integral of psi_j on the runner, its own consistent forces: the
-/// patch test of constant pressure holds. Faces are cut by the ice's lines, and each piece is integrated exactly where
-/// the faces are parallelograms.
+/// both over the part of the plane that lies under the runner's faces. Rows sum to 1, so rigid
+/// motions pass; and the forces p * integral of phi_i of a constant pressure become p * integral of
+/// psi_j on the runner, its own consistent forces: the patch test of constant pressure holds. Faces
+/// are cut by the ice's lines, and each piece is integrated exactly where the faces are
+/// parallelograms.
 pub(crate) type Rows = Vec<Vec<(usize, f64)>>;
 
 /// W as a body's way to the contact plane.
 pub(crate) struct Mortar {
     /// For each plane node the weights of nodes of the runner's underside.
     pub rows: Rows,
-    /// Where the vertical displacement of each node of the underside stands in the body's vector.
+    /// Where the vertical displacement of each node of the underside is in the body's vector.
     pub entries: Vec<usize>,
 }
 
@@ -143,7 +144,8 @@ impl Mortar {
     }
 }
 
-/// The rows of W for the nodes of the plane of `grid`, x fastest; empty where a node's function meets no face.
+/// The rows of W for the nodes of the plane of `grid`, x fastest; empty where a node's function
+/// meets no face.
 ///
 /// `faces` are four positions each with their nodes' numbers.
 pub(crate) fn mortar_rows(grid: &TensorGrid, faces: &[([usize; 4], [[f64; 2]; 4])]) -> Rows {
@@ -200,8 +202,8 @@ pub(crate) fn mortar_rows(grid: &TensorGrid, faces: &[([usize; 4], [[f64; 2]; 4]
         .collect()
 }
 
-/// Weights and area coordinates of the rule of degree 4 on a triangle (D. A. Dunavant, Int. J. Numer. Meth. Engng 21 (1985),
-/// 1129-1148).
+/// Weights and area coordinates of the rule of degree 4 on a triangle (D. A. Dunavant, Int. J.
+/// Numer. Meth. Engng 21 (1985), 1129-1148).
 const TRIANGLE: [(f64, [f64; 3]); 6] = {
     const P: (f64, f64, f64) = (0.223381589678011, 0.108103018168070, 0.445948490915965);
     const Q: (f64, f64, f64) = (0.109951743655322, 0.816847572980459, 0.091576213509771);
@@ -241,7 +243,8 @@ fn clip(mut polygon: Vec<[f64; 2]>, cell: [f64; 4]) -> Vec<[f64; 2]> {
     polygon
 }
 
-/// The four bilinear functions of a convex quadrilateral at a point in it; none where the map has no inverse there.
+/// The four bilinear functions of a convex quadrilateral at a point in it; none where the map has
+/// no inverse there.
 fn face_functions(corners: &[[f64; 2]; 4], at: [f64; 2]) -> Option<[f64; 4]> {
     const NATURAL: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let functions = |s: f64, t: f64| NATURAL.map(|n| 0.25 * (1.0 + n[0] * s) * (1.0 + n[1] * t));
@@ -284,7 +287,7 @@ mod tests {
         }
     }
 
-    /// A square of 3 x 3 sheared faces over the whole grid, and beyond it.
+    /// A square of 3 x 3 sheared faces over the whole grid, and outside it.
     fn faces() -> Vec<([usize; 4], [[f64; 2]; 4])> {
         let at = |i: usize, j: usize| {
             let (u, v) = (-1.5 + i as f64, -1.5 + j as f64);
@@ -310,7 +313,8 @@ mod tests {
         for (node, row) in rows.iter().enumerate() {
             let sum: f64 = row.iter().map(|(_, w)| w).sum();
             assert!((sum - 1.0).abs() < 1e-12);
-            // The weighted mean of a linear height is its value at the centroid of the node's function.
+            // The weighted mean of a linear height is its value at the centroid of the node's
+            // function.
             let [i, j] = [node % 7, node / 7];
             let centroid = |n: &[f64], k: usize| {
                 let (mut m, mut mx) = (0.0, 0.0);
@@ -340,8 +344,8 @@ mod tests {
         }
     }
 
-    /// What arrives at the runner's nodes is the pressure times their own functions' integrals: whatever the ice's lines, the
-    /// same forces, with the pressure's resultant and moments.
+    /// What arrives at the runner's nodes is the pressure times their own functions' integrals:
+    /// whatever the ice's lines, the same forces, with the pressure's resultant and moments.
     #[test]
     fn a_constant_pressure_arrives_as_the_same_forces_from_any_grid() {
         let hat = |n: &[f64], k: usize| {

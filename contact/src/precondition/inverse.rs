@@ -8,8 +8,8 @@ use crate::precondition::planewise::{InverseWork, PlanewiseInverse};
 
 /// M^-1, spectrally equivalent to the inverse of the stiffness.
 ///
-/// A beginning tells how a residual would close the gap; then the forces on the contact plane that answer to it are known,
-/// and the finish takes them into the step. So one application serves both.
+/// A beginning tells how a residual would close the gap; then the forces on the contact plane that
+/// answer to it are known, and the finish takes them into the step. So one application serves both.
 pub(crate) enum Inverse {
     /// Of a body that nothing but faces of its tensor grid hold.
     Planewise(Box<PlanewiseInverse>),
@@ -56,7 +56,8 @@ impl Inverse {
         }
     }
 
-    /// B M^-1 B^T between plane nodes, and that with the fast-diagonalisation part scaled to elasticity's response.
+    /// B M^-1 B^T between plane nodes, and that with the fast-diagonalisation part scaled to
+    /// elasticity's response.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         match self {
             Inverse::Planewise(inverse) => inverse.green(nodes),

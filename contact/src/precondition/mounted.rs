@@ -9,8 +9,8 @@ use crate::precondition::planewise::{Columns, InverseWork, PlaneBasis, surface_r
 
 /// M^-1 = P^-1 + Z C^-1 Z^T, in the subspace where the clamps hold.
 ///
-/// P is fast diagonalisation, Z the motions of a beam where the body is slender ([`BeamSpace`]), and the clamps
-/// ([`Clamps`]) are places on the body's top that no face of P holds.
+/// P is fast diagonalisation, Z the motions of a beam where the body is slender ([`BeamSpace`]),
+/// and the clamps ([`Clamps`]) are places on the body's top that no face of P holds.
 pub(crate) struct MountedInverse {
     fast: FastDiagonal,
     contact: PlaneModes,
@@ -23,7 +23,8 @@ pub(crate) struct MountedInverse {
 }
 
 impl MountedInverse {
-    /// Without beam and clamps; `first` is the x axis of component x where it is not the operator's own.
+    /// Without beam and clamps; `first` is the x axis of component x where it is not the operator's
+    /// own.
     pub fn new(
         operator: &TensorOperator,
         first: Option<&Axis>,
@@ -51,7 +52,8 @@ impl MountedInverse {
         self.beam = Some(beam);
     }
 
-    /// Fixes entries (component, node (i, j)) of plane `plane`; fails where they are no independent constraint.
+    /// Fixes entries (component, node (i, j)) of plane `plane`; fails where they are no independent
+    /// constraint.
     pub fn clamp(&mut self, plane: usize, fixed: [Vec<[usize; 2]>; 3]) -> Option<()> {
         let factors = [1.0, self.response];
         self.clamps = Some(Clamps::new(
@@ -163,7 +165,8 @@ impl MountedInverse {
         }
     }
 
-    /// See [`crate::precondition::inverse::Inverse::green`]; the second one scales P's part to elasticity's response.
+    /// See [`crate::precondition::inverse::Inverse::green`]; the second one scales P's part to
+    /// elasticity's response.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         let n = nodes.len();
         let local: Vec<[usize; 2]> = nodes
@@ -192,9 +195,9 @@ impl MountedInverse {
 
 /// Fixed displacements of one horizontal plane.
 ///
-/// With D picking them, the preconditioner in the subspace D z = 0 is
-/// M^-1 r = Q^-1 (r - D^T m), G m = D Q^-1 r, G = D Q^-1 D^T, where Q^-1 = P^-1 + Z C^-1 Z^T knows no clamps.
-/// Restricting stiffness and preconditioner to one subspace keeps their spectral bounds.
+/// With D picking them, the preconditioner in the subspace D z = 0 is M^-1 r = Q^-1 (r - D^T m), G
+/// m = D Q^-1 r, G = D Q^-1 D^T, where Q^-1 = P^-1 + Z C^-1 Z^T knows no clamps. Restricting
+/// stiffness and preconditioner to one subspace keeps their spectral bounds.
 pub(crate) struct Clamps {
     /// The plane's modes by component.
     modes: [PlaneModes; 3],
@@ -209,7 +212,8 @@ pub(crate) struct Clamps {
 }
 
 impl Clamps {
-    /// LineValue `fixed`, nodes (i, j) of plane `plane` by component, with P's part of G scaled by each of `scales`.
+    /// Clamps `fixed`, nodes (i, j) of plane `plane` by component, with P's part of G scaled by
+    /// each of `scales`.
     ///
     /// None where G is not definite.
     pub fn new(
@@ -258,7 +262,8 @@ impl Clamps {
         })
     }
 
-    /// Takes from Q^-1 r, given by its modal values and by Z^T r, what moves the fixed displacements.
+    /// Takes from Q^-1 r, given by its modal values and by Z^T r, the part that moves the fixed
+    /// displacements.
     pub fn hold(
         &self,
         fast: &FastDiagonal,
@@ -301,7 +306,8 @@ impl Clamps {
         }
     }
 
-    /// What the clamps take from the Green's matrix of contact nodes: X G^-1 X^T, X between those and the fixed ones.
+    /// The clamps' reduction of the Green's matrix of contact nodes: X G^-1 X^T, X between those
+    /// and the fixed ones.
     ///
     /// `kind` says which of the scales, `scale` its value.
     pub fn share(
@@ -330,7 +336,8 @@ impl Clamps {
                 cross[(vertical + i, j)] += scale * direct[(j, i)];
             }
         }
-        // Half of the factor on either side, so that the share is symmetric: Y = L^-1 X^T, share = Y^T Y.
+        // Half of the factor on either side, so that the share is symmetric: Y = L^-1 X^T, share =
+        // Y^T Y.
         let mut half = cross;
         faer::linalg::triangular_solve::solve_lower_triangular_in_place(
             self.factors[kind].lower(),
@@ -343,7 +350,8 @@ impl Clamps {
 
 // The modes of one displacement component on one horizontal plane of a body.
 
-/// The modes of one displacement component on one horizontal plane of a body, under the fast-diagonalisation operator P.
+/// The modes of one displacement component on one horizontal plane of a body, under the
+/// fast-diagonalisation operator P.
 pub(crate) struct PlaneModes {
     /// The displacement component.
     component: usize,
@@ -426,7 +434,8 @@ impl PlaneModes {
     }
 }
 
-// The motions of a beam in a body's preconditioner, where they meet the contact plane and the mount.
+// The motions of a beam in a body's preconditioner, where they meet the contact plane and the
+// mount.
 
 /// Entries (motion, value) of a row of Z.
 type Row = Vec<(usize, f64)>;

@@ -93,7 +93,8 @@ impl PlanewiseInverse {
         gathered -= faer::Scale(self.sign) * load;
     }
 
-    /// See [`crate::precondition::inverse::Inverse::green`]; the second one is scaled to elasticity's response.
+    /// See [`crate::precondition::inverse::Inverse::green`]; the second one is scaled to
+    /// elasticity's response.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         let n = nodes.len();
         let local: Vec<[usize; 2]> = nodes
@@ -150,8 +151,9 @@ impl PlaneBasis {
 
     /// G between the nodes (i, j) of `from` and of `to`.
     ///
-    /// The sum over the modes of y is done once for each pair of rows of nodes, the sum over the modes of x as one product for
-    /// that pair: X_p diag(sum over b of Qy[p,b] Qy[q,b] T_ab) X_q^T. Nodes that share their y should follow each other.
+    /// The sum over the modes of y is done once for each pair of rows of nodes, the sum over the
+    /// modes of x as one product for that pair: X_p diag(sum over b of Qy[p,b] Qy[q,b] T_ab) X_q^T.
+    /// Nodes that share their y should follow each other.
     pub fn green_between(
         &self,
         table: MatRef<'_, f64>,
@@ -272,7 +274,8 @@ fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
 
 /// Factor by which the true surface response exceeds that of P on a half-space.
 ///
-/// Both are 1 / |k| in the wave number: (1 - nu) / mu for elasticity, 1 / sqrt(mu (lambda + 2 mu)) for P.
+/// Both are 1 / |k| in the wave number: (1 - nu) / mu for elasticity, 1 / sqrt(mu (lambda + 2 mu))
+/// for P.
 pub(crate) fn surface_response(operator: &TensorOperator, material: Material) -> f64 {
     let stiffness_ratio = (operator.lambda + 2.0 * operator.mu) / operator.mu;
     (1.0 - material.poissons_ratio()) * stiffness_ratio.sqrt()
@@ -283,9 +286,9 @@ pub(crate) fn surface_response(operator: &TensorOperator, material: Material) ->
 /// Vectors that applications reuse.
 #[derive(Default)]
 pub(crate) struct InverseWork {
-    /// What a beginning leaves for its finish: modal values, or the residual itself.
+    /// State between the first and the second pass: modal values, or the residual itself.
     pub kept: Vec<f64>,
-    /// What a beginning leaves for its finish of the motions of a beam.
+    /// State between the first and the second pass of the motions of a beam.
     pub motion: Vec<f64>,
     pub scratch: Vec<f64>,
     /// A vector node by node.
@@ -345,7 +348,7 @@ mod tests {
     use super::*;
     use kufe_fem::Axis;
 
-    /// Beside the sum as it is written, for nodes in rows, alone, and twice in one row.
+    /// Compared with the sum as it is written, for nodes in rows, alone, and twice in one row.
     #[test]
     fn green_is_the_sum_over_both_axes_modes() {
         let [x, y] = [7, 5].map(|n: usize| {

@@ -55,10 +55,11 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
     })
 }
 
-/// Largest tilt [rad]. Tilts are taken as small: a round section's curvature is off by 1.5 times the square of the roll.
+/// Largest tilt [rad]. Tilts are taken as small: a round section's curvature is off by 1.5 times
+/// the square of the roll.
 pub(crate) const MOST_TILT: f64 = 0.12;
 
-/// Offsets and tilts are numbers, tilts those of a runner that stands on its underside.
+/// Offsets and tilts are numbers, tilts those of a runner on its underside.
 fn check_load(load: &Load) -> Result<(), Error> {
     let (offsets, tilts) = match *load {
         Load::Force {

@@ -34,7 +34,8 @@ impl Problem {
         }
     }
 
-    /// How both bodies give as half-spaces, 1 / E* = (1 - nu^2) / E of the ice and, where it is elastic, of the runner [1/Pa].
+    /// How both bodies give as half-spaces, 1 / E* = (1 - nu^2) / E of the ice and, where it is
+    /// elastic, of the runner [1/Pa].
     pub fn compliance(&self) -> f64 {
         let runner = self.runner.elastic.as_ref();
         self.ice.compliance() + runner.map_or(0.0, ElasticRunner::compliance)
@@ -125,24 +126,27 @@ impl Runner {
 
 /// The elasticity of a runner, its solid and what holds it.
 ///
-/// A bounded hull is meshed between its underside and its flat top on the ice's columns, unless it brings a `solid`. An
-/// unbounded one (the paraboloid) is a half-space above the contact plane.
+/// A bounded hull is meshed between its underside and its flat top on the ice's columns, unless it
+/// brings a `solid`. An unbounded one (the paraboloid) is a half-space above the contact plane.
 #[derive(Clone, Debug)]
 pub struct ElasticRunner {
     /// Young's modulus [Pa].
     pub youngs_modulus: f64,
     /// Poisson's ratio.
     pub poissons_ratio: f64,
-    /// Height of the flat top over the contact plane [m]; not used by an unbounded hull, nor by a solid.
+    /// Height of the flat top over the contact plane [m]; not used by an unbounded hull, nor by a
+    /// solid.
     pub top: f64,
     /// What holds the meshed runner.
     pub mount: Mount,
-    /// Steepest slope of the meshed solid's underside, where its mount's own ([`Mount::flank`]) is not to be taken.
+    /// Steepest slope of the meshed solid's underside, where its mount's own ([`Mount::flank`]) is
+    /// not to be taken.
     ///
-    /// Where the hull is steeper the solid goes on straight at this slope: it gains steel beside the contact, the gap does
-    /// not change.
+    /// Where the hull is steeper the solid goes on straight at this slope: it gains steel next to
+    /// the contact, the gap does not change.
     pub flank: Option<f64>,
-    /// The element of the hexahedra on the ice's columns, where its mount's own ([`Mount::element`]) is not to be taken.
+    /// The element of the hexahedra on the ice's columns, where its mount's own
+    /// ([`Mount::element`]) is not to be taken.
     pub element: Option<ElementKind>,
     /// A runner on hexahedra of its own.
     pub solid: Option<Arc<RunnerSolid>>,

@@ -2,12 +2,13 @@
 
 use crate::{Error, Load, Problem, Tilt};
 
-/// Undeformed gap g(x, y) = height of the underside - height of the track - height of the ice on it, with the
-/// fixed part of the tilt in it, and how the runner's rigid motion changes it.
+/// Undeformed gap g(x, y) = height of the underside - height of the track - height of the ice on
+/// it, with the fixed part of the tilt in it, and how the runner's rigid motion changes it.
 ///
-/// gap(q) = g - N q with q = (approach, pitch, roll) and the row N = (1, x - x0, -(y - y0)): pressing in
-/// lowers the runner, positive pitch lowers its nose, positive roll lifts its left side. (x0, y0) is the
-/// line of action, so that the moments of the pressure about it balance to zero.
+/// gap(q) = g - N q with q = (approach, pitch, roll) and the row N = (1, x - x0, -(y - y0)):
+/// pressing in lowers the runner, positive pitch lowers its nose, positive roll lifts its left
+/// side. (x0, y0) is the line of action, so that the moments of the pressure about it balance to
+/// zero.
 pub(crate) struct Gap<'a> {
     problem: &'a Problem,
     /// Line of action [m].
@@ -16,9 +17,11 @@ pub(crate) struct Gap<'a> {
     fixed_tilt: [f64; 2],
     /// Which of approach, pitch and roll follow from balance.
     pub free_motion: [bool; 3],
-    /// A rotation taken out of g when pitch and roll are free, so that g is level at the line of action [rad].
+    /// A rotation taken out of g when pitch and roll are free, so that g is level at the line of
+    /// action [rad].
     pub levelling: [f64; 2],
-    /// The mirror planes x = 0 and y = 0 that nothing but hull, ice, track and load keeps from being used.
+    /// The mirror planes x = 0 and y = 0 that nothing but hull, ice, track and load keeps from
+    /// being used.
     mirrored: [bool; 2],
 }
 
@@ -104,7 +107,8 @@ impl<'a> Gap<'a> {
             + roll * (y - y0)
     }
 
-    /// Places where measured surfaces of runner and ice come nearer to one another than beside them [m].
+    /// Places where measured surfaces of runner and ice come nearer to one another than in their
+    /// surroundings [m].
     pub fn lows(&self) -> impl Iterator<Item = [f64; 2]> {
         let highs = self.problem.ice_surface.iter().flat_map(|ice| ice.highs());
         let lows = self.problem.runner.underside.lows().iter();
@@ -151,8 +155,8 @@ impl<'a> Gap<'a> {
         ]
     }
 
-    /// The rotation (pitch, roll) that levels a smooth hull at the line of action; 0 where the hull has a
-    /// mirror plane there.
+    /// The rotation (pitch, roll) that levels a smooth hull at the line of action; 0 where the hull
+    /// has a mirror plane there.
     fn slope(&self) -> [f64; 2] {
         let [x0, y0] = self.line_of_action;
         let extent = self.problem.runner.underside.extent();

@@ -51,7 +51,8 @@ pub enum Foundation {
         /// Thickness of the layer [m].
         thickness: f64,
     },
-    /// A layer bonded to an elastic one, which is bonded to a rigid bed: ice on the concrete of a track.
+    /// A layer bonded to an elastic one, which is bonded to a rigid bed: ice on the concrete of a
+    /// track.
     ElasticBed {
         /// Thickness of the ice [m].
         thickness: f64,
@@ -73,8 +74,9 @@ pub struct Bed {
 
 // What the temperature makes of ice.
 
-/// Poisson's ratio of polycrystalline ice (P. H. Gammon, H. Kiefte, M. J. Clouter and W. W. Denner, J. Glaciol. 29
-/// (1983) 433-460, doi 10.1017/s0022143000030355); all elastic constants change alike with the temperature.
+/// Poisson's ratio of polycrystalline ice (P. H. Gammon, H. Kiefte, M. J. Clouter and W. W. Denner,
+/// J. Glaciol. 29 (1983) 433-460, doi 10.1017/s0022143000030355); all elastic constants change
+/// alike with the temperature.
 pub const ICE_POISSONS_RATIO: f64 = 0.325;
 
 /// Temperatures for which [`ice_youngs_modulus`] and [`ice_hardness`] are stated [C].
@@ -82,9 +84,10 @@ pub const ICE_TEMPERATURES: std::ops::RangeInclusive<f64> = -50.0..=0.0;
 
 /// Young's modulus of polycrystalline ice at `temperature` [C], in [Pa].
 ///
-/// E = 9.33 GPa (1 - 1.42e-3 (T + 16)): the isotropic average of the single crystal's constants, measured by Brillouin
-/// spectroscopy at -16 C, and their common change with temperature (Gammon, Kiefte, Clouter and Denner 1983,
-/// doi 10.1017/s0022143000030355). It is the modulus of fast loading, without creep.
+/// E = 9.33 GPa (1 - 1.42e-3 (T + 16)): the isotropic average of the single crystal's constants,
+/// measured by Brillouin spectroscopy at -16 C, and their common change with temperature (Gammon,
+/// Kiefte, Clouter and Denner 1983, doi 10.1017/s0022143000030355). It is the modulus of fast
+/// loading, without creep.
 ///
 /// ```
 /// assert!((kufe_contact::ice_youngs_modulus(-5.0) / 9.18e9 - 1.0).abs() < 1e-3);
@@ -93,12 +96,15 @@ pub fn ice_youngs_modulus(temperature: f64) -> f64 {
     9.33e9 * (1.0 - 1.42e-3 * (temperature + 16.0))
 }
 
-/// Indentation hardness of the ice of bobsled tracks and speed-skating ovals at `temperature` [C], in [Pa].
+/// Indentation hardness of the ice of bobsled tracks and speed-skating ovals at `temperature` [C],
+/// in [Pa].
 ///
-/// H = (14.7 - 0.6 T) MPa, from balls dropped on such ice (L. Poirier, E. P. Lozowski and R. I. Thompson, Ice hardness
-/// in winter sports, Cold Reg. Sci. Technol. 67 (2011) 129-134). Their constants are uncertain by 2.1 MPa and 0.4 MPa/K. That
-/// paper is behind a paywall; J. H. Lever and others, J. Glaciol. 68 (2022) 337-356, doi 10.1017/jog.2021.97, which is open,
-/// quotes 17.4 MPa at -4.5 C and 17.7 MPa at -5 C from the same group (as a summary of it tells), and the line passes through both.
+/// H = (14.7 - 0.6 T) MPa, from balls dropped on such ice (L. Poirier, E. P. Lozowski and R. I.
+/// Thompson, Ice hardness in winter sports, Cold Reg. Sci. Technol. 67 (2011) 129-134). Their
+/// constants are uncertain by 2.1 MPa and 0.4 MPa/K. That paper is behind a paywall; J. H. Lever
+/// and others, J. Glaciol. 68 (2022) 337-356, doi 10.1017/jog.2021.97, which is open, quotes 17.4
+/// MPa at -4.5 C and 17.7 MPa at -5 C from the same group (as a summary of it tells), and the line
+/// passes through both.
 ///
 /// ```
 /// assert!((kufe_contact::ice_hardness(-5.0) / 17.7e6 - 1.0).abs() < 1e-12);
@@ -109,7 +115,8 @@ pub fn ice_hardness(temperature: f64) -> f64 {
 
 /// Pressure that melts ice of `temperature` [C], below which no contact lasts, in [Pa].
 ///
-/// p = -T/(0.074 K/MPa): 13.5 MPa a kelvin below 0 C (V. F. Petrenko and R. W. Whitworth, Physics of Ice, Oxford 1999).
+/// p = -T/(0.074 K/MPa): 13.5 MPa a kelvin below 0 C (V. F. Petrenko and R. W. Whitworth, Physics
+/// of Ice, Oxford 1999).
 ///
 /// ```
 /// assert!((kufe_contact::ice_melting_pressure(-1.0) / 13.5e6 - 1.0).abs() < 2e-3);
@@ -122,8 +129,9 @@ pub fn ice_melting_pressure(temperature: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Young's modulus and Poisson's ratio of an isotropic polycrystal from the five constants of hexagonal crystals,
-    /// c11, c12, c13, c33, c44: the mean of Voigt's and Reuss's averages (R. Hill, Proc. Phys. Soc. A 65 (1952) 349).
+    /// Young's modulus and Poisson's ratio of an isotropic polycrystal from the five constants of
+    /// hexagonal crystals, c11, c12, c13, c33, c44: the mean of Voigt's and Reuss's averages (R.
+    /// Hill, Proc. Phys. Soc. A 65 (1952) 349).
     fn polycrystal([c11, c12, c13, c33, c44]: [f64; 5]) -> [f64; 2] {
         let c66 = 0.5 * (c11 - c12);
         let bulk_voigt = (2.0 * (c11 + c12) + 4.0 * c13 + c33) / 9.0;
@@ -141,8 +149,8 @@ mod tests {
         ]
     }
 
-    /// The single crystal's constants are in the abstracts of the paper, at -16 C, and of an earlier one by three of its
-    /// authors, at -3 C (J. Glaciol. 25 (1980) 159-167).
+    /// The single crystal's constants are in the abstracts of the paper, at -16 C, and of an
+    /// earlier one by three of its authors, at -3 C (J. Glaciol. 25 (1980) 159-167).
     #[test]
     fn the_modulus_is_within_two_per_cent_of_a_polycrystal_of_the_measured_crystals() {
         let cold = [13.929e9, 7.082e9, 5.765e9, 15.010e9, 3.014e9];
@@ -156,7 +164,8 @@ mod tests {
             );
             assert!((ICE_POISSONS_RATIO - ratio).abs() < 0.005, "{ratio}");
         }
-        // The change between the two temperatures is 1.5 to 2 %: the papers differ by a tenth of it.
+        // The change between the two temperatures is 1.5 to 2 %: the papers differ by a tenth of
+        // it.
         let measured = polycrystal(warm)[0] / polycrystal(cold)[0];
         let stated = ice_youngs_modulus(-3.0) / ice_youngs_modulus(-16.0);
         assert!((measured - stated).abs() < 0.003, "{measured} {stated}");

@@ -32,15 +32,17 @@ pub enum Mount {
     /// The whole flat top.
     #[default]
     Top,
-    /// The top's full width at some places along it, as a luge steel on its bridges or a runner in its carriers.
+    /// The top's full width at some places along it, as a luge steel on its bridges or a runner in
+    /// its carriers.
     Places(Vec<Place>),
-    /// Nothing: places along the top carry the load down, spread evenly along each place on the line of action. The shares
-    /// sum to 1, and their line of action is the load's, so that the body is in balance whatever it is fixed by.
+    /// Nothing: places along the top carry the load down, spread evenly along each place on the
+    /// line of action. The shares sum to 1, and their line of action is the load's, so that the
+    /// body is in balance for any support.
     Loads(Vec<LoadedPlace>),
 }
 
-/// A mounted runner has at least this many cells along it for each over half the patch, so that its bending is followed, and converges with
-/// the contact.
+/// A mounted runner has at least this many cells along it for each over half the patch, so that its
+/// bending is followed, and converges with the contact.
 const CELLS_ALONG: f64 = 10.0;
 /// Cells over a place for each over half the patch.
 const CELLS_A_PLACE: f64 = 1.0;
@@ -48,9 +50,10 @@ const CELLS_A_PLACE: f64 = 1.0;
 impl Mount {
     /// The steepest slope of the meshed underside that serves this mount.
     ///
-    /// What is fixed all over its top does not bend, and a gentle flank costs nothing; where it bends, the steel that the
-    /// limit adds counts: 0.35 adds 4.1 per cent to the bending stiffness of a runner with a half circle for its section,
-    /// 10 mm x 30 mm, and 0.5 takes up to a fifth more iterations.
+    /// A runner fixed all over its top does not bend, and a gentle flank costs nothing; where it
+    /// bends, the steel that the limit adds counts: 0.35 adds 4.1 per cent to the bending stiffness
+    /// of a runner with a half circle for its section, 10 mm x 30 mm, and 0.5 takes up to a fifth
+    /// more iterations.
     pub fn flank(&self) -> f64 {
         match self {
             Mount::Top => 0.25,
@@ -58,8 +61,8 @@ impl Mount {
         }
     }
 
-    /// The element of a runner on the ice's columns: what is fixed all over its top cannot bend, and what serves a
-    /// block serves it.
+    /// The element of a runner on the ice's columns: a runner fixed all over its top cannot bend,
+    /// and what serves a block serves it.
     pub fn element(&self, poissons_ratio: f64) -> ElementKind {
         match self {
             Mount::Top => ElementKind::of_block(poissons_ratio),
@@ -91,8 +94,8 @@ impl Mount {
         }
     }
 
-    /// Puts nodes at the places' ends and divides cells that are too long for bending, from `low` to `high` of the hull, in a mesh of
-    /// `cells` over half the patch.
+    /// Puts nodes at the places' ends and divides cells that are too long for bending, from `low`
+    /// to `high` of the hull, in a mesh of `cells` over half the patch.
     pub(crate) fn refine(&self, nodes: &mut Vec<f64>, [low, high]: [f64; 2], cells: f64) {
         let places = self.places();
         if places.is_empty() {
@@ -122,7 +125,8 @@ impl Mount {
             let of_place = over.map(|(place, _)| place.length / (CELLS_A_PLACE * cells));
             of_place.fold((high - low) / (CELLS_ALONG * cells), f64::min)
         };
-        // Neighbours that are too long are divided as one, so that cells of finer meshes are smaller by as much as their number says.
+        // Neighbours that are too long are divided as one, so that cells of finer meshes are
+        // smaller by as much as their number says.
         let limit = |pair: &[f64]| {
             let middle = 0.5 * (pair[0] + pair[1]);
             let on_runner = (low..=high).contains(&middle);
@@ -159,7 +163,8 @@ impl Mount {
     }
 }
 
-/// Integrals of the hat functions of `nodes` over a stretch, per its length: they sum to the part of it that the nodes span.
+/// Integrals of the hat functions of `nodes` over a stretch, per its length: they sum to the part
+/// of it that the nodes span.
 pub(crate) fn spread_along(nodes: &[f64], place: &Place) -> Vec<f64> {
     let [low, high] = place.ends();
     let mut share = vec![0.0; nodes.len()];

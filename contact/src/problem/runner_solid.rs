@@ -11,9 +11,11 @@ use kufe_mesh::{HexMesh, Hull, Noise, noise_of_faces};
 
 use crate::Error;
 
-/// The stiffness of a runner of unstructured hexahedra, factorised, and the faces that may touch the ice.
+/// The stiffness of a runner of unstructured hexahedra, factorised, and the faces that may touch
+/// the ice.
 ///
-/// Cells have incompatible modes, so that thin steel bends. The factor is made once and serves every mesh of the ice.
+/// Cells have incompatible modes, so that thin steel bends. The factor is made once and serves
+/// every mesh of the ice.
 pub struct RunnerSolid {
     body: Body,
     pub(crate) stiffness: BlockMatrix,
@@ -25,7 +27,8 @@ pub struct RunnerSolid {
     heights: Vec<f64>,
     /// Nodes of the underside.
     pub(crate) surface: Vec<usize>,
-    /// Vertical displacements of the underside's nodes under 1 N on one of them, as they were requested [m/N].
+    /// Vertical displacements of the underside's nodes under 1 N on one of them, as they were
+    /// requested [m/N].
     responses: Mutex<HashMap<usize, Vec<f64>>>,
 }
 
@@ -50,8 +53,8 @@ impl RunnerSolid {
     /// The underside is what faces down and hangs together with the lowest face.
     ///
     /// # Errors
-    /// [`Error::RunnerMesh`] where a cell is inside out, nothing is fixed, what is fixed leaves a mechanism, or nothing faces
-    /// down.
+    /// [`Error::RunnerMesh`] where a cell is inside out, no node is fixed, the fixed nodes leave a
+    /// mechanism, or nothing faces down.
     pub fn new(
         mesh: HexMesh,
         youngs_modulus: f64,
@@ -140,8 +143,8 @@ impl RunnerSolid {
         noise_of_faces(&self.mesh().points, &self.faces)
     }
 
-    /// Largest extents along x, y and z of the hexahedra on the underside's faces with their middle between these ends of x and y [m];
-    /// zero where there are none.
+    /// Largest extents along x, y and z of the hexahedra on the underside's faces with their middle
+    /// between these ends of x and y [m]; zero where there are none.
     pub(crate) fn largest_cell(&self, x: [f64; 2], y: [f64; 2]) -> [f64; 3] {
         let mut largest = [0.0f64; 3];
         for (face, &height) in self.faces.iter().zip(&self.heights) {
@@ -163,7 +166,8 @@ impl RunnerSolid {
         largest
     }
 
-    /// Vertical displacements of the underside's nodes, in the order of `surface`, under 1 N upwards on each of `nodes` [m/N].
+    /// Vertical displacements of the underside's nodes, in the order of `surface`, under 1 N
+    /// upwards on each of `nodes` [m/N].
     pub(crate) fn responses(&self, nodes: &[usize]) -> Vec<Vec<f64>> {
         let mut known = self
             .responses
@@ -255,7 +259,8 @@ fn underside(mesh: &HexMesh) -> Vec<[usize; 4]> {
         .collect()
 }
 
-/// Heights of the hexahedra on these faces, in the mean of their four edges that leave the face [m].
+/// Heights of the hexahedra on these faces, in the mean of their four edges that leave the face
+/// [m].
 fn heights(mesh: &HexMesh, faces: &[[usize; 4]]) -> Vec<f64> {
     let cells = NodeCells::new(mesh);
     let height = |face: &[usize; 4]| {

@@ -46,15 +46,18 @@ impl CentreLine {
         self.stress.iter().map(|&s| maximum_shear(s)).collect()
     }
 
-    /// The largest maximum shear stress and its depth: stresses are cubic between depths. `None` where it is largest at an end of the line.
+    /// The largest maximum shear stress and its depth: stresses are cubic between depths. `None`
+    /// where it is largest at an end of the line.
     ///
-    /// Under a circular Hertz contact of radius a it is 0.310 p_max at 0.481 a, under a line contact of half-width b
-    /// 0.300 p_max at 0.786 b, for a Poisson's ratio of 0.3 (K. L. Johnson, Contact Mechanics, sections 4.1 and 3.4).
+    /// Under a circular Hertz contact of radius a it is 0.310 p_max at 0.481 a, under a line
+    /// contact of half-width b 0.300 p_max at 0.786 b, for a Poisson's ratio of 0.3 (K. L. Johnson,
+    /// Contact Mechanics, sections 4.1 and 3.4).
     pub fn largest_shear(&self) -> Option<LargestShear> {
         let shear = self.shear();
         let top = (0..shear.len()).max_by(|&a, &b| shear[a].total_cmp(&shear[b]))?;
         let last = shear.len() - 1;
-        // Principal stresses change places where two are equal: shear has a kink there, stresses have none.
+        // Principal stresses change places where two are equal: shear has a kink there, stresses
+        // have none.
         let between = (top.saturating_sub(1)..last.min(top + 1)).flat_map(|k| {
             let (from, to) = (self.depth[k], self.depth[k + 1]);
             (0..=STEPS).map(move |step| from + (to - from) * f64::from(step) / f64::from(STEPS))
@@ -84,7 +87,8 @@ impl CentreLine {
     }
 }
 
-/// Steps between two depths in which the largest shear is looked for: it is off by the square of one at the most.
+/// Steps between two depths in which the largest shear is looked for: it is off by the square of
+/// one at the most.
 const STEPS: u32 = 200;
 
 /// The polynomial through all nodes that is 1 at node `k` and 0 at the others, at `x`.
@@ -97,12 +101,15 @@ pub(crate) fn lagrange(nodes: &[f64], k: usize, x: f64) -> f64 {
 
 // Stresses of a mesh's displacements on the line under the highest pressure.
 
-/// Stresses in the ice on the vertical line under the highest pressure, down to the end of the mesh or the bed.
+/// Stresses in the ice on the vertical line under the highest pressure, down to the end of the mesh
+/// or the bed.
 ///
-/// The line is where the parabolas through the highest node and its neighbours have their vertex. sigma = lambda tr(epsilon) I + 2 mu epsilon with
-/// the strains of the nodal displacements by central differences: along x and y through the neighbouring columns (mirrored at a plane of
-/// symmetry), along z over each layer of cells; between columns stresses are parabolas. Second order in the spacing: about 1 % of p_max on
-/// the last mesh of the default accuracy. [`UnderPeak`](crate::UnderPeak) says what finer meshes tend to.
+/// The line is where the parabolas through the highest node and its neighbours have their vertex.
+/// sigma = lambda tr(epsilon) I + 2 mu epsilon with the strains of the nodal displacements by
+/// central differences: along x and y through the neighbouring columns (mirrored at a plane of
+/// symmetry), along z over each layer of cells; between columns stresses are parabolas. Second
+/// order in the spacing: about 1 % of p_max on the last mesh of the default accuracy.
+/// [`UnderPeak`](crate::UnderPeak) gives the limit of finer meshes.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] where the ice's elastic constants are none.
@@ -120,7 +127,7 @@ pub fn centre_line(solution: &Solution) -> Result<CentreLine, Error> {
     let (all, rows) = (surface.x.len(), surface.y.len());
     let part = surface.pressure.chunks_exact(all).skip(rows - ny);
     let pressure: Vec<f64> = part.flat_map(|row| &row[all - nx..]).copied().collect();
-    let under = Under {
+    let under = SubsurfaceField {
         grid: &volume.grid,
         symmetry: solution.symmetry,
         material,
@@ -131,7 +138,7 @@ pub fn centre_line(solution: &Solution) -> Result<CentreLine, Error> {
 }
 
 /// Displacements under a contact plane: those of the part of it that was solved.
-pub(crate) struct Under<'a> {
+pub(crate) struct SubsurfaceField<'a> {
     pub grid: &'a TensorGrid,
     /// Mirror planes x = 0 and y = 0.
     pub symmetry: [bool; 2],
@@ -152,7 +159,7 @@ impl Discretisation {
         state: &State,
     ) -> Option<LargestShear> {
         let nodes = self.grid.node_count();
-        let under = Under {
+        let under = SubsurfaceField {
             grid: &self.grid,
             symmetry: self.symmetry,
             material,
@@ -166,7 +173,7 @@ impl Discretisation {
 /// Pressures are equally high but for rounding from this part of the highest on.
 const HIGHEST: f64 = 1.0 - 1e-9;
 
-impl Under<'_> {
+impl SubsurfaceField<'_> {
     /// Stresses under the highest of these pressures at the nodes of the plane.
     pub fn line(&self, pressure: &[f64]) -> CentreLine {
         let (x, y) = (&self.grid.x, &self.grid.y);
@@ -198,7 +205,8 @@ impl Under<'_> {
         }
     }
 
-    /// The node of the highest pressure; of several that bear it, as where ice yields, the one nearest to the middle of them.
+    /// The node of the highest pressure; of several that bear it, as where ice yields, the one
+    /// nearest to the middle of them.
     fn highest(&self, pressure: &[f64]) -> [usize; 2] {
         let nx = self.grid.x.len();
         let highest = HIGHEST * pressure.iter().copied().fold(0.0, f64::max);
@@ -206,9 +214,12 @@ impl Under<'_> {
             .filter(|&n| pressure[n] >= highest)
             .collect();
         let place = |n: usize| [self.grid.x[n % nx], self.grid.y[n / nx]];
-        let middle = [0, 1].map(|axis| match self.symmetry[axis] {
-            true => 0.0,
-            false => all.iter().map(|&n| place(n)[axis]).sum::<f64>() / all.len() as f64,
+        let middle = [0, 1].map(|axis| {
+            if self.symmetry[axis] {
+                0.0
+            } else {
+                all.iter().map(|&n| place(n)[axis]).sum::<f64>() / all.len() as f64
+            }
         });
         let off = |n: usize| {
             let [x, y] = place(n);
@@ -218,7 +229,8 @@ impl Under<'_> {
         nearest.map_or([0, 0], |&n| [n % nx, n / nx])
     }
 
-    /// Where the parabola through a node's pressure and its neighbours' is highest; the node where these are no contact or all as high.
+    /// Where the parabola through a node's pressure and its neighbours' is highest; the node where
+    /// these are no contact or all as high.
     fn vertex(&self, nodes: &[f64], k: usize, axis: usize, pressure: impl Fn(usize) -> f64) -> f64 {
         let inside = k > 0 && k + 1 < nodes.len();
         if !inside || (self.symmetry[axis] && nodes[k] == 0.0) {
@@ -267,7 +279,8 @@ fn weights(nodes: &[f64], k: usize, at: f64) -> Vec<(usize, f64)> {
     (0..3).map(|n| (k - 1 + n, lagrange(near, n, at))).collect()
 }
 
-/// Central difference of a vector field at node `at` of an axis; one-sided at an end that is no mirror plane.
+/// Central difference of a vector field at node `at` of an axis; one-sided at an end that is no
+/// mirror plane.
 ///
 /// A mirror plane turns the component along the axis round and keeps the others.
 fn slope(

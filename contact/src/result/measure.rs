@@ -2,7 +2,8 @@
 
 use crate::result::rim::{RimEstimator, chords};
 
-/// A pressure field on the graded nodes of the contact plane, x fastest, with the mirror planes it ends at.
+/// A pressure field on the graded nodes of the contact plane, x fastest, with the mirror planes it
+/// ends at.
 pub(crate) struct PressureField<'a> {
     /// Nodes along x [m].
     pub x: &'a [f64],
@@ -33,9 +34,9 @@ pub(crate) struct Figures {
     pub area: f64,
     pub length: f64,
     pub width: f64,
-    /// Uncertainty of area, length and width by the two ways to find a rim: what they differ by, half
-    /// of it for the area. Where the ice yields, all of it, and at least what the load takes off (half
-    /// of it for an area within rims below the cell).
+    /// Uncertainty of area, length and width: the difference of the two estimators of a rim, half
+    /// of it for the area. Where the ice yields, all of it, and at least what the load takes off
+    /// (half of it for an area within rims below the cell).
     pub off: [f64; 3],
 }
 
@@ -47,9 +48,9 @@ impl PressureField<'_> {
 
     /// Nodal pressures [Pa].
     ///
-    /// A node's force over the integral of its hat function is a weighted mean of the pressure:
-    /// p + m1 p' + m2 p'' / 2 with the hat's first two moments. Where both neighbours along an axis are in
-    /// contact the moments' share is taken out with the differences of the means themselves.
+    /// A node's force over the integral of its hat function is a weighted mean of the pressure: p +
+    /// m1 p' + m2 p'' / 2 with the hat's first two moments. Where both neighbours along an axis are
+    /// in contact the moments' share is taken out with the differences of the means themselves.
     pub fn pressures(&self) -> Vec<f64> {
         let (nx, ny) = (self.x.len(), self.y.len());
         let mean: Vec<f64> = (0..nx * ny)
@@ -73,8 +74,8 @@ impl PressureField<'_> {
     /// Peak, area, length and width of the contact.
     ///
     /// Rims by shape lie inside the contact's and rims by load outside, by about as much: of an
-    /// elastic contact the means of both are given. Over 110 random Hertz contacts the area is 0.1 % high in
-    /// the median; by shape alone it is 1.3 % low.
+    /// elastic contact the means of both are given. Over 110 random Hertz contacts the area is 0.1
+    /// % high in the median; by shape alone it is 1.3 % low.
     pub fn figures(&self, pressure: &[f64]) -> Figures {
         let lines = self.lines(pressure, RimEstimator::Shape);
         let [area, length, width] = self.extents_of(&lines);
@@ -94,25 +95,27 @@ impl PressureField<'_> {
                 ],
             };
         }
-        let beyond = self.beyond(pressure, &lines);
-        // Rims below the cell leave less of it: the areas of 180 contacts were off by up to 0.86 of what is stated by half of it.
-        let left = if self.gap.is_some() { 0.5 } else { 1.0 };
-        let part = if area > 0.0 { beyond / area } else { 0.0 };
+        let excess = self.excess_area(pressure, &lines);
+        // Rims below the cell reduce the error: the areas of 180 contacts had errors of up to 0.86
+        // times half of it.
+        let share = if self.gap.is_some() { 0.5 } else { 1.0 };
+        let part = if area > 0.0 { excess / area } else { 0.0 };
         let [too_long, too_wide] = [0, 1].map(|axis| self.too_far(axis, pressure, &lines, part));
         Figures {
             p_max: self.peak(pressure),
-            area: area - beyond,
+            area: area - excess,
             length: length - too_long,
             width: width - too_wide,
             off: [
-                off(area, by_load[0]).max(left * beyond.abs()),
+                off(area, by_load[0]).max(share * excess.abs()),
                 off(length, by_load[1]).max(too_long.abs()),
                 off(width, by_load[2]).max(too_wide.abs()),
             ],
         }
     }
 
-    /// What lines, each by its chords, make over the contact: the mean of columns (`of` first) and rows.
+    /// What lines, each by its chords, make over the contact: the mean of columns (`of` first) and
+    /// rows.
     pub(super) fn integral(
         &self,
         columns: &[Vec<[f64; 2]>],
@@ -167,7 +170,8 @@ impl PressureField<'_> {
             .collect()
     }
 
-    /// The largest pressure: at a node, raised by the vertex of the parabola through its neighbours on each axis.
+    /// The largest pressure: at a node, raised by the vertex of the parabola through its neighbours
+    /// on each axis.
     pub fn peak(&self, pressure: &[f64]) -> f64 {
         let nx = self.x.len();
         let Some(top) = (0..pressure.len()).max_by(|&a, &b| pressure[a].total_cmp(&pressure[b]))
@@ -208,7 +212,8 @@ fn differences([[h0, p0], [h1, p1]]: [[f64; 2]; 2], here: f64) -> (f64, f64) {
     )
 }
 
-/// m1 p' + m2 p'' / 2 of the hat function at node `k`; 0 at the rim, where the pressure is not smooth.
+/// m1 p' + m2 p'' / 2 of the hat function at node `k`; 0 at the rim, where the pressure is not
+/// smooth.
 fn moment_share(nodes: &[f64], k: usize, symmetric: bool, value: impl Fn(usize) -> f64) -> f64 {
     match neighbours(nodes, k, symmetric, &value) {
         Some(sides) if sides[0][1] > 0.0 && sides[1][1] > 0.0 => {
@@ -237,8 +242,9 @@ fn vertex_rise(nodes: &[f64], k: usize, symmetric: bool, value: impl Fn(usize) -
     }
 }
 
-/// The integral of what lines of one axis hold (their chords' lengths, of which it makes the area), with its square linear
-/// between lines (that of a chord is a parabola in an ellipse) and down to 0 at the contact's end.
+/// The integral of what lines of one axis hold (their chords' lengths, of which it makes the area),
+/// with its square linear between lines (that of a chord is a parabola in an ellipse) and down to 0
+/// at the contact's end.
 fn area(nodes: &[f64], lines: &[f64], crossing: &[Vec<[f64; 2]>]) -> f64 {
     let mut sum = 0.0;
     for i in 0..nodes.len() {
@@ -265,7 +271,8 @@ fn area(nodes: &[f64], lines: &[f64], crossing: &[Vec<[f64; 2]>]) -> f64 {
     sum
 }
 
-/// The farthest end of a crossing line's contact between the last line in contact and the first one out of it.
+/// The farthest end of a crossing line's contact between the last line in contact and the first one
+/// out of it.
 fn tip(last: f64, outside: f64, crossing: &[Vec<[f64; 2]>]) -> f64 {
     let (low, high) = (last.min(outside), last.max(outside));
     let ends = crossing
@@ -282,7 +289,8 @@ fn tip(last: f64, outside: f64, crossing: &[Vec<[f64; 2]>]) -> f64 {
     last + reach * (outside - last).signum()
 }
 
-// How far a contact reaches: area, length and width, and what its load says of them where the ice yields up to its rim.
+// How far a contact reaches: area, length and width, and what its load says of them where the ice
+// yields up to its rim.
 
 /// Contact intervals of all lines of nodes.
 pub(crate) struct Lines {
@@ -305,9 +313,10 @@ impl Lines {
     fn outermost(&self, axis: usize, last: bool) -> Option<(usize, [f64; 2])> {
         let lines = self.along(axis).iter().enumerate();
         let chords = lines.flat_map(|(line, chords)| chords.iter().map(move |c| (line, *c)));
-        match last {
-            false => chords.min_by(|a, b| a.1[0].total_cmp(&b.1[0])),
-            true => chords.max_by(|a, b| a.1[1].total_cmp(&b.1[1])),
+        if last {
+            chords.max_by(|a, b| a.1[1].total_cmp(&b.1[1]))
+        } else {
+            chords.min_by(|a, b| a.1[0].total_cmp(&b.1[0]))
         }
     }
 }
@@ -341,11 +350,12 @@ impl PressureField<'_> {
         [area, extent(0), extent(1)]
     }
 
-    /// What the area within the rims is too large by where the ice yields beside them [m2].
+    /// Excess of the area within the rims where the ice yields next to them [m2].
     ///
-    /// A pressure that falls from the hardness H to 0 within a cell leaves its rim known to a part of that cell. But what the pressures up to
-    /// these rims would bear, Q, is more than the force F by H for each area too much, and by nothing where pressures go to 0 at a rim: (Q - F) / H.
-    pub(super) fn beyond(&self, pressure: &[f64], lines: &Lines) -> f64 {
+    /// A pressure that falls from the hardness H to 0 within a cell leaves its rim known to a part
+    /// of that cell. But what the pressures up to these rims would bear, Q, is more than the force
+    /// F by H for each area too much, and by nothing where pressures go to 0 at a rim: (Q - F) / H.
+    pub(super) fn excess_area(&self, pressure: &[f64], lines: &Lines) -> f64 {
         let nx = self.x.len();
         let (bound, yielding) = (self.bound(), &self.yielding_to_the_rim(pressure));
         let across = |i: usize, chords: &[[f64; 2]]| {
@@ -361,8 +371,9 @@ impl PressureField<'_> {
         (within - self.copies() * self.force.iter().sum::<f64>()) / self.hardness
     }
 
-    /// What the length or the width is too large by where the area is by `part` of itself: half of that part of the stretch at either end, if
-    /// the ice yields there; ends where the pressure goes to 0 stay [m].
+    /// What the length or the width is too large by where the area is by `part` of itself: half of
+    /// that part of the stretch at either end, if the ice yields there; ends where the pressure
+    /// goes to 0 stay [m].
     pub(super) fn too_far(&self, axis: usize, pressure: &[f64], lines: &Lines, part: f64) -> f64 {
         let mirrored = self.symmetry[axis];
         let end = |last: bool| {
@@ -371,14 +382,16 @@ impl PressureField<'_> {
             };
             let cut = mirrored && low <= [self.x, self.y][axis][0];
             let stretch = if cut { 2.0 * high } else { high - low };
-            match self.yields_at(axis, pressure, line, ([low, high], last)) {
-                true => 0.25 * part * stretch,
-                false => 0.0,
+            if self.yields_at(axis, pressure, line, ([low, high], last)) {
+                0.25 * part * stretch
+            } else {
+                0.0
             }
         };
-        match mirrored {
-            true => 2.0 * end(true),
-            false => end(false) + end(true),
+        if mirrored {
+            2.0 * end(true)
+        } else {
+            end(false) + end(true)
         }
     }
 
@@ -417,17 +430,18 @@ impl PressureField<'_> {
             let (i, j) = (n % nx, n / nx);
             let along = ends(i, nx, &|k| pressure[j * nx + k]);
             let across = ends(j, ny, &|k| pressure[k * nx + i]);
-            match pressure[n] > 0.0 && (along || across) {
-                true => self.hardness,
-                false => pressure[n],
+            if pressure[n] > 0.0 && (along || across) {
+                self.hardness
+            } else {
+                pressure[n]
             }
         };
         (0..nx * ny).map(of).collect()
     }
 }
 
-/// What a line's pressure bears over one of its chords [N/m]: linear between nodes, the hardness up to a rim that yields, and else to
-/// 0 like the root of the distance.
+/// What a line's pressure bears over one of its chords [N/m]: linear between nodes, the hardness up
+/// to a rim that yields, and else to 0 like the root of the distance.
 fn borne(nodes: &[f64], pressure: impl Fn(usize) -> f64, [low, high]: [f64; 2], bound: f64) -> f64 {
     let inside: Vec<usize> = (0..nodes.len())
         .filter(|&k| (low..=high).contains(&nodes[k]))
@@ -438,9 +452,12 @@ fn borne(nodes: &[f64], pressure: impl Fn(usize) -> f64, [low, high]: [f64; 2], 
     let between: f64 = (first..last)
         .map(|k| 0.5 * (pressure(k) + pressure(k + 1)) * (nodes[k + 1] - nodes[k]))
         .sum();
-    let end = |p: f64, length: f64| match p >= bound {
-        true => p * length,
-        false => 2.0 / 3.0 * p * length,
+    let end = |p: f64, length: f64| {
+        if p >= bound {
+            p * length
+        } else {
+            2.0 / 3.0 * p * length
+        }
     };
     between + end(pressure(first), nodes[first] - low) + end(pressure(last), high - nodes[last])
 }
@@ -455,7 +472,8 @@ mod tests {
         for cells in [3.3, 4.6, 6.5, 9.2] {
             let size = 1.0 / cells;
             let nodes: Vec<f64> = (-12..=12).map(|k| size * f64::from(k)).collect();
-            // Nodes bear the hardness up to half a cell inside the rim, and nothing from half a cell outside on.
+            // Nodes bear the hardness up to half a cell inside the rim, and nothing from half a
+            // cell outside on.
             let bears = |x: f64, y: f64| {
                 let part = ((1.0 - x.hypot(y)) / size + 0.5).clamp(0.0, 1.0);
                 hardness * size * size * part

@@ -53,9 +53,10 @@ impl<'a> Field<'a> {
 
     /// Gaps at the nodes, negative where the runner overlaps with the ice's elastic surface [m].
     ///
-    /// A node that bears a part s of what it can has none. Beside a pressure that jumps it gives by what it bears, so that as it is held
-    /// up by half of that, as at a rim through it, the gap is (1/2 - s) H w, w being what a pressure of 1 on its own part of the plane makes of a
-    /// half-space ([`love_depth`]).
+    /// A node that bears a part s of what it can has none. Next to a pressure that jumps its
+    /// surface sinks by its own load, so that as it is lifted up by half of that, as at a rim
+    /// through it, the gap is (1/2 - s) H w, w being what a pressure of 1 on its own part of the
+    /// plane makes of a half-space ([`love_depth`]).
     fn gaps(&self, state: &State) -> Vec<f64> {
         let contact = &self.mesh.contact;
         let mut gaps = contact.gaps(state);
@@ -113,8 +114,9 @@ impl<'a> Field<'a> {
 
 /// The patch that a pressure field covers, and how fine it wants to be resolved.
 ///
-/// Sizes start from those of `before`, the patch that the mesh was made for. Where the contact ends at the hull's
-/// own sharp `edge` the pressure is singular, no mesh resolves it, and the sizes stay as they are.
+/// Sizes start from those of `before`, the patch that the mesh was made for. Where the contact ends
+/// at the hull's own sharp `edge` the pressure is singular, no mesh resolves it, and the sizes stay
+/// as they are.
 fn found_patch(
     field: &PressureField,
     pressure: &[f64],
@@ -172,7 +174,8 @@ fn highest<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
 
 /// The union of the stretches on all lines; whole where a mirror plane cuts one.
 ///
-/// Stretches closer together than a fifth of the longer one count as one: their grids would merge anyway.
+/// Stretches closer together than a fifth of the longer one count as one: their grids would merge
+/// anyway.
 fn merged(chords: Vec<Vec<[f64; 2]>>, symmetric: bool) -> Vec<Stretch> {
     let mut all: Vec<[f64; 2]> = chords.into_iter().flatten().collect();
     all.sort_by(|a, b| a[0].total_cmp(&b[0]));

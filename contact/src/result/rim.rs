@@ -5,17 +5,19 @@
 pub(crate) enum RimEstimator {
     /// The pressures inside, which Hertz' contact continues exactly: [`rim_by_shape`].
     Shape,
-    /// What the outermost node bears, which hardly depends on the pressure's shape: [`rim_by_load`].
+    /// What the outermost node bears, which hardly depends on the pressure's shape:
+    /// [`rim_by_load`].
     Load,
-    /// The same where the pressure goes to zero, and half-way to the next node where it jumps: ends that stay on all meshes that are made for them,
-    /// which those below the cell would not.
+    /// The same where the pressure goes to zero, and half-way to the next node where it jumps: ends
+    /// that stay on all meshes that are made for them, which those below the cell would not.
     Cells,
 }
 
 /// Stretches of positive pressure along a line, resolved below the cell.
 ///
-/// Where ends are not found `by` that estimator finds none, they are by [`rim_by_gap`] or where the ice ceases to yield, if that is farther out,
-/// and where neither finds one, half-way; a mirror plane at the first node is the start of a stretch that touches it.
+/// Where ends are not found `by` that estimator finds none, they are by [`rim_by_gap`] or where the
+/// ice ceases to yield, if that is farther out, and where neither finds one, half-way; a mirror
+/// plane at the first node is the start of a stretch that touches it.
 pub(crate) fn chords(
     nodes: &[f64],
     pressure: &[f64],
@@ -52,7 +54,7 @@ pub(crate) fn chords(
             bound,
             symmetric,
         };
-        let beyond = |inside: [usize; 2], open: [Option<(f64, f64)>; 2], outwards: isize| {
+        let outside_of = |inside: [usize; 2], open: [Option<(f64, f64)>; 2], outwards: isize| {
             let full = inside.map(|k| pressure[k] >= bound);
             if by == RimEstimator::Cells && full[0] {
                 return None;
@@ -74,7 +76,7 @@ pub(crate) fn chords(
                 }
                 RimEstimator::Load | RimEstimator::Cells => None,
             };
-            end.or_else(|| beyond([first, (first + 1).min(last)], below, -1))
+            end.or_else(|| outside_of([first, (first + 1).min(last)], below, -1))
                 .unwrap_or(half_way[0])
         };
         let other = |x: f64| if cut { 2.0 * nodes[0] - x } else { half_way[0] };
@@ -87,7 +89,7 @@ pub(crate) fn chords(
         };
         let next = last.saturating_sub(1).max(first);
         let high = end
-            .or_else(|| beyond([last, next], above, 1))
+            .or_else(|| outside_of([last, next], above, 1))
             .unwrap_or(half_way[1]);
         found.push([low, high]);
         i += 1;
@@ -95,10 +97,12 @@ pub(crate) fn chords(
     found
 }
 
-/// Where p^2 reaches zero beyond the outermost node in contact; `None` where it is no parabola there, or a rising one.
+/// Where p^2 reaches zero outside the outermost node in contact; `None` where it is no parabola
+/// there, or a rising one.
 ///
-/// p^2 of a Hertz contact is a parabola along every line. The outermost node's own mean is too large (its hat reaches out of
-/// the contact), so the parabola goes through the next three inside; they have to be there, and below the bound of pressures.
+/// p^2 of a Hertz contact is a parabola along every line. The outermost node's own mean is too
+/// large (its hat reaches out of the contact), so the parabola goes through the next three inside;
+/// they have to be there, and below the bound of pressures.
 fn rim_by_shape(inside: &[(f64, f64)], outside: f64, bound: f64) -> Option<f64> {
     let outermost = inside[0].0;
     let [_, a, b, c, ..] = inside else {
@@ -126,12 +130,13 @@ fn rim_by_shape(inside: &[(f64, f64)], outside: f64, bound: f64) -> Option<f64> 
     Some((a.0 + t).clamp(low.min(high), low.max(high)))
 }
 
-/// Where a pressure ends beyond the outermost node in contact, by the last three nodes, from outside inwards; `None` where it does
-/// not end before the next node, `outside`.
+/// Where a pressure ends outside the outermost node in contact, by the last three nodes, from
+/// outside inwards; `None` where it does not end before the next node, `outside`.
 ///
-/// Along a line from X' to X a contact's pressure is p = sqrt(u) (c0 + c1 u + ...) with u = (X - x) (x - X'): c0 alone in
-/// Hertz' contact, while c1 grows on layers (`tests/data/layered.py`). c0 and c1 follow from the two inner nodes, X from what the
-/// outermost one bears: its `value` is the mean of p over its hat function, which reaches out of the contact. `other` says X' for X.
+/// Along a line from X' to X a contact's pressure is p = sqrt(u) (c0 + c1 u + ...) with u = (X - x)
+/// (x - X'): c0 alone in Hertz' contact, while c1 grows on layers (`tests/data/layered.py`). c0 and
+/// c1 follow from the two inner nodes, X from what the outermost one bears: its `value` is the mean
+/// of p over its hat function, which reaches out of the contact. `other` says X' for X.
 fn rim_by_load(
     inside: &[(f64, f64)],
     outside: f64,
@@ -144,18 +149,25 @@ fn rim_by_load(
     if [value, a.1, b.1].iter().any(|&p| p >= bound) {
         return None;
     }
-    let hat = |x: f64| match (x - outermost) * (outside - outermost) > 0.0 {
-        true => (outside - x) / (outside - outermost),
-        false => (x - a.0) / (outermost - a.0),
+    let hat = |x: f64| {
+        if (x - outermost) * (outside - outermost) > 0.0 {
+            (outside - x) / (outside - outermost)
+        } else {
+            (x - a.0) / (outermost - a.0)
+        }
     };
     // What the outermost node would bear more than it does if the pressure ended at `end`.
     let excess = |end: f64| {
         let u = |x: f64| (end - x) * (x - other(end));
         let [ua, ub] = [u(a.0), u(b.0)];
         let [qa, qb] = [a.1 / ua.sqrt(), b.1 / ub.sqrt()];
-        // Beyond the middle the second node gives no information on c1.
-        let beyond = (b.0 - 0.5 * (end + other(end))) * (outside - outermost) < 0.0;
-        let c1 = if beyond { 0.0 } else { (qb - qa) / (ub - ua) };
+        // Past the middle the second node gives no information on c1.
+        let past_middle = (b.0 - 0.5 * (end + other(end))) * (outside - outermost) < 0.0;
+        let c1 = if past_middle {
+            0.0
+        } else {
+            (qb - qa) / (ub - ua)
+        };
         let pressure = |x: f64| u(x).max(0.0).sqrt() * (qa + c1 * (u(x) - ua));
         let piece = |from: f64, to: f64| -> f64 {
             // In w = sqrt(|end - x|) the integrand is smooth.
@@ -170,9 +182,10 @@ fn rim_by_load(
                 .sum()
         };
         let ends_beyond = (end - outermost) * (outside - outermost) > 0.0;
-        let borne = match ends_beyond {
-            true => piece(a.0, outermost) + piece(outermost, end),
-            false => piece(a.0, end),
+        let borne = if ends_beyond {
+            piece(a.0, outermost) + piece(outermost, end)
+        } else {
+            piece(a.0, end)
         };
         borne / (0.5 * (outside - a.0).abs()) - value
     };
@@ -200,7 +213,8 @@ fn rim_by_load(
     Some(high.0)
 }
 
-/// Most steps to an end, and the part of the outermost pressure that its hat function's mean may be off by.
+/// Most steps to an end, and the part of the outermost pressure that its hat function's mean may be
+/// off by.
 const STEPS: usize = 30;
 const ENOUGH: f64 = 1e-7;
 
@@ -213,12 +227,13 @@ const GAUSS: [(f64, f64); 5] = [
     (0.236_926_885_056_189, 0.906_179_845_938_664),
 ];
 
-/// Where the gap closes between the outermost node in contact, `inside` with the next one (place, pressure), and the two open ones
-/// (place, gap) beyond it.
+/// Where the gap closes between the outermost node in contact, `inside` with the next one (place,
+/// pressure), and the two open ones (place, gap) outside it.
 ///
-/// Beside a smooth contact the gap grows with the distance to the power 3/2 (K. L. Johnson, Contact Mechanics, 1985, section 5.1),
-/// so that its power 2/3 is a line. What the outermost node bears needs some of its part at the `bound` at least. Where the pressure
-/// jumps beside it, which no bound tells, it says how much the ice gives instead ([`Line::rim_of_yielding`]).
+/// Next to a smooth contact the gap grows with the distance to the power 3/2 (K. L. Johnson,
+/// Contact Mechanics, 1985, section 5.1), so that its power 2/3 is a line. What the outermost node
+/// bears needs some of its part at the `bound` at least. Where the pressure jumps next to it, which
+/// no bound shows, it determines the compliance of the ice instead ([`Line::rim_of_yielding`]).
 fn rim_by_gap(
     inside: [(f64, f64); 2],
     open: [Option<(f64, f64)>; 2],
@@ -246,11 +261,12 @@ struct Line<'a> {
 }
 
 impl Line<'_> {
-    /// Where the ice ceases to yield beyond `end`, the outermost node in contact; `None` where neither it nor the next one within bears
-    /// all it can.
+    /// Where the ice ceases to yield outside `end`, the outermost node in contact; `None` where
+    /// neither it nor the next one within bears all it can.
     ///
-    /// The ice bears the hardness wherever the runner overlaps with its elastic surface. The overlap goes through zero steeply at a rim;
-    /// the pressure says no more than which nodes it lies between.
+    /// The ice bears the hardness wherever the runner overlaps with its elastic surface. The
+    /// overlap goes through zero steeply at a rim; the pressure says no more than which nodes it
+    /// lies between.
     fn rim_of_yielding(&self, end: usize, outwards: isize) -> Option<f64> {
         let end = end as isize;
         let node = |k: isize| match k < 0 && !self.symmetric {
@@ -266,9 +282,10 @@ impl Line<'_> {
             let (x, gap) = (*self.nodes.get(node(k)?)?, *self.gap.get(node(k)?)?);
             Some((if k < 0 { 2.0 * self.nodes[0] - x } else { x }, -gap))
         };
-        let last = match full(end) || (full(end - outwards) && overlap(end)?.1 > 0.0) {
-            true => end,
-            false => full(end - outwards).then(|| end - outwards)?,
+        let last = if full(end) || (full(end - outwards) && overlap(end)?.1 > 0.0) {
+            end
+        } else {
+            full(end - outwards).then(|| end - outwards)?
         };
         rim_by_overlap(
             overlap(last - outwards),
@@ -278,36 +295,39 @@ impl Line<'_> {
     }
 }
 
-/// Where the overlap with the ice's elastic surface ends between the outermost node, which yields, and the open one `beyond`: where the
-/// parabola through these and the next node `within` is zero, or the line where that one's is unknown (place, overlap); `None` where
-/// there is no gap or, beyond the hull's edge, an infinite one.
+/// Where the overlap with the ice's elastic surface ends between the outermost node, which yields,
+/// and the `open` one: where the parabola through these and the next node `within` is zero, or the
+/// line where that one's is unknown (place, overlap); `None` where there is no gap or, outside the
+/// hull's edge, an infinite one.
 pub(crate) fn rim_by_overlap(
     within: Option<(f64, f64)>,
     outermost: (f64, f64),
-    beyond: (f64, f64),
+    open: (f64, f64),
 ) -> Option<f64> {
-    let (inside, outside) = (outermost.1.max(0.0), -beyond.1);
+    let (inside, outside) = (outermost.1.max(0.0), -open.1);
     if !(outside > 0.0 && outside.is_finite()) {
         return None;
     }
-    let step = beyond.0 - outermost.0;
+    let step = open.0 - outermost.0;
     let within = within.filter(|w| w.1.is_finite());
     let bend = within.map_or(0.0, |(at, value)| {
         let (before, after) = (
             (inside - value) / (outermost.0 - at),
             (-outside - inside) / step,
         );
-        (after - before) / (beyond.0 - at)
+        (after - before) / (open.0 - at)
     });
     Some(outermost.0 + step * crossing(inside, outside, bend * step * step))
 }
 
-/// Where between 0 and 1 the parabola that is `inside` >= 0 at 0 and `-outside` < 0 at 1, bent by `bend`, is zero.
+/// Where between 0 and 1 the parabola that is `inside` >= 0 at 0 and `-outside` < 0 at 1, bent by
+/// `bend`, is zero.
 fn crossing(inside: f64, outside: f64, bend: f64) -> f64 {
     if inside <= 0.0 {
         return 0.0;
     }
-    // inside + t (slope + bend t) with slope = -outside - inside - bend; the root with the sign that falls.
+    // inside + t (slope + bend t) with slope = -outside - inside - bend; the root with the sign
+    // that falls.
     let slope = -outside - inside - bend;
     let root = (slope * slope - 4.0 * bend * inside).max(0.0).sqrt();
     (2.0 * inside / (root - slope)).clamp(0.0, 1.0)
@@ -317,7 +337,8 @@ fn crossing(inside: f64, outside: f64, bend: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Pressures (1 - x^2)^m at even nodes of spacing 1 / `cells`, the outermost one's as the mean over its hat function.
+    /// Pressures (1 - x^2)^m at even nodes of spacing 1 / `cells`, the outermost one's as the mean
+    /// over its hat function.
     fn sampled(m: f64, cells: f64) -> (Vec<f64>, Vec<f64>) {
         let h = 1.0 / cells;
         let pressure = |x: f64| (1.0 - x * x).max(0.0).powf(m);
@@ -332,8 +353,8 @@ mod tests {
             (0..steps).map(part).sum::<f64>() * 2.0 / f64::from(steps)
         };
         let value = |x: &f64| match 1.0 - x.abs() {
-            left if left <= 0.0 => 0.0,
-            left if left < h => mean(*x),
+            remaining if remaining <= 0.0 => 0.0,
+            remaining if remaining < h => mean(*x),
             _ => pressure(*x),
         };
         let values = nodes.iter().map(value).collect();

@@ -1,4 +1,4 @@
-//! What an elastic runner bears: its largest stress, and what it pushes each part of its mount with.
+//! Loads of an elastic runner: its largest stress, and its forces on each part of the mount.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,8 @@ use crate::{ElasticRunner, Error, Mount, Problem, RunnerField, Solution};
 pub struct RunnerLoads {
     /// Largest von Mises stress at a node [Pa].
     pub von_mises: f64,
-    /// Where that is, undeformed, as in [`RunnerField::mesh`] [m]; where mirror planes were used its images bear the same.
+    /// Where that is, undeformed, as in [`RunnerField::mesh`] [m]; where mirror planes were used
+    /// its images bear the same.
     pub at: [f64; 3],
     /// Von Mises stress at the nodes of [`RunnerField::mesh`] [Pa].
     pub von_mises_at_nodes: Vec<f64>,
@@ -23,7 +24,7 @@ pub struct RunnerLoads {
 /// What the runner pushes one part of its mount with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MountForce {
-    /// Middle of what is fixed or loaded [m].
+    /// Centre of the fixed or loaded part [m].
     pub at: [f64; 3],
     /// Force on the mount; what carries a load has that load, upwards [N].
     pub force: [f64; 3],
@@ -33,15 +34,16 @@ pub struct MountForce {
     pub von_mises: f64,
 }
 
-/// The runner's largest von Mises stress and what it pushes its mount with; `None` where it is rigid.
+/// The runner's largest von Mises stress and its forces on the mount; `None` where it is rigid.
 ///
-/// The steel's nodal forces f = K u are those that act on it from outside. On the nodes of a part of the mount they are the mount's,
+/// The steel's nodal forces f = K u are those that act on it from outside. On the nodes of a part
+/// of the mount they are the mount's,
 ///
 /// F = -sum f,  M = -sum (r - r0) x f,
 ///
-/// with r0 the middle of the part: parts are what hangs together over faces that are fixed. They sum to the contact's force and to its
-/// moments as far as equilibrium is reached. Stresses are [`nodal_stresses`]; at the rim of what is fixed elasticity has no limit of them,
-/// so that they grow there with finer meshes.
+/// with r0 the middle of the part: a part is connected over fixed faces. They sum to the contact's
+/// force and to its moments as far as equilibrium is reached. Stresses are [`nodal_stresses`]; at
+/// the rim of a fixed part they are singular, so that they grow there with finer meshes.
 ///
 /// # Errors
 /// [`Error::RunnerMesh`] where the solution's mesh is no body.
@@ -106,7 +108,8 @@ fn on_mount(elastic: &ElasticRunner, field: &RunnerField) -> Vec<bool> {
     points.iter().map(fixed).collect()
 }
 
-/// Nodes that hang together over faces of which all corners are `on`; what is left over, within cells.
+/// Nodes that hang together over faces of which all corners are `on`; the remaining nodes, within
+/// cells.
 fn parts(mesh: &HexMesh, on: &[bool]) -> Vec<Vec<usize>> {
     let mut above: Vec<usize> = (0..on.len()).collect();
     let mut join = |nodes: &[usize]| {
@@ -114,21 +117,21 @@ fn parts(mesh: &HexMesh, on: &[bool]) -> Vec<Vec<usize>> {
         let first = roots.iter().copied().min().unwrap_or(0);
         roots.into_iter().for_each(|root| above[root] = first);
     };
-    let mut left = on.to_vec();
+    let mut unassigned = on.to_vec();
     for cell in mesh.cells.iter().filter(|cell| cell.iter().any(|&n| on[n])) {
         for face in FACES.map(|face| face.map(|corner| cell[corner])) {
             if face.iter().all(|&n| on[n]) {
                 join(&face);
-                face.iter().for_each(|&n| left[n] = false);
+                face.iter().for_each(|&n| unassigned[n] = false);
             }
         }
     }
     for cell in mesh
         .cells
         .iter()
-        .filter(|cell| cell.iter().any(|&n| left[n]))
+        .filter(|cell| cell.iter().any(|&n| unassigned[n]))
     {
-        let nodes: Vec<usize> = cell.iter().copied().filter(|&n| left[n]).collect();
+        let nodes: Vec<usize> = cell.iter().copied().filter(|&n| unassigned[n]).collect();
         join(&nodes);
     }
     let mut parts: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -158,13 +161,14 @@ struct Part<'a> {
 }
 
 impl Part<'_> {
-    /// The part with its mirror images: one with it where it meets the plane, beside it where it does not.
+    /// The part with its mirror images: one with it where it meets the plane, separate from it
+    /// where it does not.
     fn unfolded(&self, symmetry: [bool; 2]) -> Vec<MountForce> {
         let meets = [0, 1].map(|axis| {
             let on_plane = |&n: &usize| self.mesh.points[n][axis] == 0.0;
             symmetry[axis] && self.nodes.iter().any(on_plane)
         });
-        let beside = [0, 1].map(|axis| symmetry[axis] && !meets[axis]);
+        let separate = [0, 1].map(|axis| symmetry[axis] && !meets[axis]);
         let whole = signs(meets);
         let image = |sign: [f64; 2]| -> MountForce {
             let turned: Vec<[f64; 2]> = whole
@@ -173,7 +177,7 @@ impl Part<'_> {
                 .collect();
             self.force(&turned)
         };
-        signs(beside).into_iter().map(image).collect()
+        signs(separate).into_iter().map(image).collect()
     }
 
     /// What acts on the images of the part by these signs of x and y, together.

@@ -1,4 +1,4 @@
-//! Claims on what a runner bears: balance with the contact, and the stress of a beam.
+//! Loads of a runner: balance with the contact, and the stress of a beam.
 
 use std::sync::Arc;
 
@@ -177,8 +177,9 @@ fn hexahedra_from_elsewhere_bear_on_each_place_that_holds_them() {
     in_balance(&solution, &loads, "a block");
 }
 
-/// A bar that is pressed in its middle and carried at two places: by statics the bending moment in the middle is half of each load's
-/// less that of the pressure on its side, and a beam's stress there is 6 M / (b h^2).
+/// A bar that is pressed in its middle and carried at two places: by statics the bending moment in
+/// the middle is half of each load's less that of the pressure on its side, and a beam's stress
+/// there is 6 M / (b h^2).
 #[test]
 fn a_bar_carried_at_two_places_has_a_beams_stress_in_its_middle() {
     struct Bar;
@@ -189,7 +190,8 @@ fn a_bar_carried_at_two_places_has_a_beams_stress_in_its_middle() {
             if x.abs() > 0.15 || y.abs() > 0.5 * WIDTH {
                 return f64::INFINITY;
             }
-            // A radius of 1 m in the middle that levels off at 2 mm, so that the ends stay off the ice.
+            // A radius of 1 m in the middle that levels off at 2 mm, so that the ends stay off the
+            // ice.
             let rise = 2e-3;
             rise * (1.0 - 1.0 / (1.0 + x * x / (2.0 * rise)))
         }
@@ -230,10 +232,10 @@ fn a_bar_carried_at_two_places_has_a_beams_stress_in_its_middle() {
     let moment = 0.5 * fz * arm - pressed[1];
     let beam = 6.0 * moment / (WIDTH * HEIGHT * HEIGHT);
     println!(
-        "{:.5e} Pa at {:?} beside a beam's {beam:.5e}, {pressed:?}",
+        "{:.5e} Pa at {:?} against a beam's {beam:.5e}, {pressed:?}",
         loads.von_mises, loads.at
     );
-    // The trapezoids end a cell beyond the patch.
+    // The trapezoids end a cell outside the patch.
     assert!((pressed[0] / fz - 1.0).abs() < 0.02, "{pressed:?}");
     assert!(
         (loads.von_mises / beam - 1.0).abs() < 0.03,

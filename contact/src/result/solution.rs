@@ -23,7 +23,8 @@ pub struct Solution {
     pub p_mean_error: f64,
     /// Contact area, resolved below the cell [m2].
     pub area: f64,
-    /// Estimated error of the area of this mesh, by the order that the last three show; infinite after one mesh [m2].
+    /// Estimated error of the area of this mesh, by the order that the last three show; infinite
+    /// after one mesh [m2].
     pub area_error: f64,
     /// Extent of the contact along x, from its first to its last point [m].
     pub length: f64,
@@ -45,7 +46,8 @@ pub struct Solution {
     pub roll: f64,
     /// Estimated error of the roll; 0 where it is fixed [rad].
     pub roll_error: f64,
-    /// The largest shear in the ice under the peak pressure, where it was requested and lies under the surface.
+    /// The largest shear in the ice under the peak pressure, where it was requested and lies under
+    /// the surface.
     pub under_peak: Option<UnderPeak>,
     /// Integrated normal force [N].
     pub fz: f64,
@@ -59,15 +61,18 @@ pub struct Solution {
     pub iterations: usize,
     /// What happened, solve by solve and set by set.
     pub history: Vec<Iterate>,
-    /// Pressure, gap and displacement on the contact plane, over the whole patch (symmetry unfolded).
+    /// Pressure, gap and displacement on the contact plane, over the whole patch (symmetry
+    /// unfolded).
     pub surface: SurfaceField,
-    /// Displacements in the ice on the grid that was solved (one part of it where symmetry was used).
+    /// Displacements in the ice on the grid that was solved (one part of it where symmetry was
+    /// used).
     pub volume: VolumeField,
     /// Displacements in an elastic runner.
     pub runner_volume: Option<RunnerField>,
     /// The mirror planes that were used, x = 0 and y = 0.
     pub symmetry: [bool; 2],
-    /// The stiffness that the finest mesh was solved with, where it was assembled: first the ice, then a runner that bends.
+    /// The stiffness that the finest mesh was solved with, where it was assembled: first the ice,
+    /// then a runner that bends.
     pub assembled: Vec<AssembledBody>,
 }
 
@@ -85,8 +90,8 @@ pub struct Iterate {
     pub level: usize,
     /// Unknowns of that mesh.
     pub dofs: usize,
-    /// Relative error of the peak that the meshes before this one leave, of the area where the ice's hardness fixes the peak; nothing before
-    /// there are enough to estimate it.
+    /// Relative error of the peak that the meshes before this one leave, of the area where the
+    /// ice's hardness fixes the peak; nothing before there are enough to estimate it.
     pub error_before: Option<f64>,
     /// Nodes in the contact set.
     pub contact_nodes: usize,
@@ -100,8 +105,9 @@ pub struct Iterate {
     pub sweeps: usize,
     /// Accelerations since the last update: on the contact plane, and the iterations on this set.
     pub accelerations: usize,
-    /// Complementary energy of the contact forces accepted so far, which falls from update to update of a mesh: at the
-    /// solution minus the total potential energy, with the load's work from first touch in it [J].
+    /// Complementary energy of the contact forces accepted so far, which falls from update to
+    /// update of a mesh: at the solution minus the total potential energy, with the load's work
+    /// from first touch in it [J].
     pub energy: f64,
 }
 
@@ -116,7 +122,8 @@ pub struct SurfaceField {
     pub pressure: Vec<f64>,
     /// Gap at the nodes, 0 in contact; infinite where there is no hull [m].
     pub gap: Vec<f64>,
-    /// How far the ice has yielded under the runner at the nodes, beyond the groove in which it came; 0 where it has not [m].
+    /// How far the ice has yielded under the runner at the nodes, below the groove in which it
+    /// came; 0 where it has not [m].
     pub yielded: Vec<f64>,
     /// Vertical displacement of the ice surface, upwards positive [m].
     pub uz: Vec<f64>,
@@ -132,9 +139,9 @@ impl SurfaceField {
     /// Nodal pressures that integrate to `fz` [N], bilinear between nodes [Pa].
     ///
     /// The pressure of a node inside the contact is the one at its place. That of a node at the rim
-    /// is a mean over its hat function, which reaches out of the contact. Together they integrate to
-    /// some 1 % more than the load. The difference is taken from the nodes with an open neighbour;
-    /// the others, the peak and nodes at the ice's hardness stay as they are.
+    /// is a mean over its hat function, which reaches out of the contact. Together they integrate
+    /// to some 1 % more than the load. The difference is taken from the nodes with an open
+    /// neighbour; the others, the peak and nodes at the ice's hardness stay as they are.
     pub fn balanced_pressure(&self, fz: f64) -> Vec<f64> {
         let nx = self.x.len();
         let top = self.pressure.iter().copied().fold(0.0, f64::max);

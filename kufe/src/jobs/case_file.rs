@@ -282,7 +282,7 @@ impl LoadedCase {
             | Error::FarField { .. }
             | Error::NoAnswer { .. }
             | Error::ConditionsViolated { .. }
-            | Error::TouchesElsewhere { .. }
+            | Error::PenetrationOutsideMesh { .. }
             | Error::SlidingAccuracyNotReached { .. } => Failure::NotConverged(text),
             Error::Stopped => Failure::Partial(text),
             _ => Failure::BadInput(text),

@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use kufe_contact::{
-    BoundaryElements, Load, NotChecked, Options, Problem, Solution, Tilt, boundary_elements, hertz,
-    solve,
+    BoundaryElements, CheckUnavailable, Load, Options, Problem, Solution, Tilt, boundary_elements,
+    hertz, solve,
 };
 use kufe_mesh::{
     FittedUnderside, HeightMap, Hull, Interpolation, Paraboloid, Rocker, Section, Swept, Underside,
@@ -65,7 +65,7 @@ fn level(underside: impl Underside + 'static) -> Problem {
     problem
 }
 
-fn solved(problem: &Problem) -> (Solution, Result<BoundaryElements, NotChecked>) {
+fn solved(problem: &Problem) -> (Solution, Result<BoundaryElements, CheckUnavailable>) {
     let options = Options {
         p_max_tolerance: 0.02,
         ..Options::default()
@@ -132,7 +132,7 @@ fn a_wart_beside_the_keel_bears_its_share() {
         s.approach
     );
     // Beyond its own cells the second method sees it, too.
-    assert_eq!(second, Err(NotChecked::Elsewhere));
+    assert_eq!(second, Err(CheckUnavailable::Elsewhere));
 }
 
 /// The same on ice: a grain of 0.6 mm of a height map.
@@ -174,7 +174,7 @@ fn a_grain_on_measured_ice_bears_its_share() {
         "{:e} {peak:e}",
         s.p_max
     );
-    assert_eq!(second, Err(NotChecked::Elsewhere));
+    assert_eq!(second, Err(CheckUnavailable::Elsewhere));
     // Under a hull without ends there are no lines to look at, and it is found all the same.
     problem.runner = level(Paraboloid::new(ROCKER, SECTION).unwrap()).runner;
     let (unbounded, _) = solved(&problem);
@@ -216,5 +216,5 @@ fn a_burr_along_a_measured_section_is_touched() {
         s.p_max
     );
     assert!(s.width > 2.5e-3, "{}", s.width);
-    assert_eq!(second, Err(NotChecked::Elsewhere));
+    assert_eq!(second, Err(CheckUnavailable::Elsewhere));
 }

@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
-use kufe_contact::{BoundaryElements, NotChecked, Problem, Solution, boundary_elements};
+use kufe_contact::{BoundaryElements, CheckUnavailable, Problem, Solution, boundary_elements};
 
 /// What boundary elements say of a contact.
 pub struct Check {
     /// Their figures, or why there are none.
-    pub found: Result<BoundaryElements, NotChecked>,
+    pub found: Result<BoundaryElements, CheckUnavailable>,
     /// Wall time [s].
     pub seconds: f64,
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::case::FittedHull;
-use kufe_contact::{BoundaryElements, NotChecked, Problem, Runner};
+use kufe_contact::{BoundaryElements, CheckUnavailable, Problem, Runner};
 use kufe_contact::{boundary_elements, boundary_elements_to_compare};
 use kufe_mesh::{Noise, Underside};
 use rayon::prelude::*;
@@ -106,7 +106,7 @@ fn rigid(problem: &Problem) -> Problem {
 fn pressed(
     problem: &Problem,
     underside: Arc<dyn Underside>,
-    solved: impl Fn(&Problem) -> Result<BoundaryElements, NotChecked>,
+    solved: impl Fn(&Problem) -> Result<BoundaryElements, CheckUnavailable>,
 ) -> Option<[f64; 2]> {
     let runner = Runner {
         underside,

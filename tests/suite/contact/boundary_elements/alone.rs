@@ -1,7 +1,7 @@
 //! The contact on its plane alone, beside closed forms, Hankel transforms and the finite elements.
 
 use kufe_contact::{
-    Foundation, Ice, Load, NotChecked, Options, Problem, Tilt, boundary_elements,
+    CheckUnavailable, Foundation, Ice, Load, Options, Problem, Tilt, boundary_elements,
     boundary_elements_to, hertz, solve,
 };
 use kufe_mesh::{BobRunner, Paraboloid};
@@ -55,7 +55,7 @@ fn stated_errors_hold_in_95_of_100_random_contacts() {
     for row in rows() {
         let found = match boundary_elements(&row.problem()) {
             Ok(found) => found,
-            Err(NotChecked::NarrowPeak) => continue,
+            Err(CheckUnavailable::NarrowPeak) => continue,
             Err(error) => panic!("{}: {error}", row.text),
         };
         let figures = [
@@ -152,11 +152,14 @@ fn what_cells_cannot_resolve_or_is_no_half_space_has_no_second_answer() {
         track_curvature: 0.04,
         ..on_half_space(BobRunner::default().swept().unwrap(), 1000.0)
     };
-    assert_eq!(boundary_elements(&ends), Err(NotChecked::NarrowPeak));
+    assert_eq!(boundary_elements(&ends), Err(CheckUnavailable::NarrowPeak));
     let mut elastic = on_half_space(BobRunner::default().swept().unwrap(), 1000.0);
     let steel = kufe_contact::ElasticRunner::fixed_at_top(210e9, 0.3, 0.03);
     elastic.runner.elastic = Some(steel);
-    assert_eq!(boundary_elements(&elastic), Err(NotChecked::ElasticRunner));
+    assert_eq!(
+        boundary_elements(&elastic),
+        Err(CheckUnavailable::ElasticRunner)
+    );
 }
 
 /// Most of the patch yields: finite elements and boundary elements agree on how deep the runner
@@ -184,7 +187,7 @@ fn a_second_patch_beyond_the_cells_leaves_no_second_answer() {
     assert!((apart.p_max - truth).abs() < apart.p_max_error);
     assert_eq!(
         boundary_elements(&with_bump(8e-6)),
-        Err(NotChecked::Elsewhere)
+        Err(CheckUnavailable::Elsewhere)
     );
 }
 
