@@ -26,91 +26,175 @@ class InputError(Error):
 class NotConvergedError(Error):
     """An iteration stopped short of the requested accuracy."""
 
+    best: Contact | None
+    """The best solution with its errors; None where there is none."""
+
 @final
 class Case:
     """One contact problem: runner, ice, track and load."""
 
-    def __new__(cls, text: str, folder: _Path = "") -> Case: ...
+    def __new__(
+        cls, text: str, folder: _Path = "", *, name: str = "the case", hull: Hull | None = None
+    ) -> Case: ...
     @staticmethod
-    def read(path: _Path) -> Case: ...
+    def of(
+        hull: Hull, values: Mapping[str, float | int | bool | str] | None = None
+    ) -> Case:
+        """
+        A hull on the ice of the example under 1 kN, with other values by dotted key: `Case.of(hull,
+        {"load.fz_n": 2000.0})`.
+        """
     @staticmethod
-    def example() -> Case: ...
-    def replace(self, values: Mapping[str, float | int | bool | str]) -> Case: ...
-    def to_toml(self) -> str: ...
+    def read(path: _Path) -> Case:
+        """A case from its file."""
+    @staticmethod
+    def example() -> Case:
+        """
+        The case that the command solves where none is given: a bobsled runner on flat ice under 1
+        kN.
+        """
+    def replace(self, values: Mapping[str, float | int | bool | str]) -> Case:
+        """The case with other values, by dotted key: `case.replace({"load.fz_n": 2000.0})`."""
+    def to_toml(self) -> str:
+        """The case as TOML."""
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """What messages call it: its file."""
 
 @final
 class Contact:
     """A solved case."""
 
     @property
-    def p_max_pa(self) -> float: ...
+    def p_max_pa(self) -> float:
+        """Peak pressure [Pa]."""
     @property
-    def p_max_error_pa(self) -> float: ...
+    def p_max_error_pa(self) -> float:
+        """Estimated discretisation error of the peak pressure [Pa]."""
     @property
-    def p_mean_pa(self) -> float: ...
+    def p_mean_pa(self) -> float:
+        """Force over contact area [Pa]."""
     @property
-    def p_mean_error_pa(self) -> float: ...
+    def p_mean_error_pa(self) -> float:
+        """Error of the mean pressure [Pa]."""
     @property
-    def area_m2(self) -> float: ...
+    def area_m2(self) -> float:
+        """Contact area [m2]."""
     @property
-    def area_error_m2(self) -> float: ...
+    def area_error_m2(self) -> float:
+        """Error of the area [m2]."""
     @property
-    def length_m(self) -> float: ...
+    def length_m(self) -> float:
+        """Extent of the contact along the runner [m]."""
     @property
-    def length_error_m(self) -> float: ...
+    def length_error_m(self) -> float:
+        """Error of the length [m]."""
     @property
-    def width_m(self) -> float: ...
+    def width_m(self) -> float:
+        """Extent of the contact across the runner [m]."""
     @property
-    def width_error_m(self) -> float: ...
+    def width_error_m(self) -> float:
+        """Error of the width [m]."""
     @property
-    def approach_m(self) -> float: ...
+    def approach_m(self) -> float:
+        """Rigid approach at the origin, from first touch [m]."""
     @property
-    def approach_error_m(self) -> float: ...
+    def approach_error_m(self) -> float:
+        """Error of the approach [m]."""
     @property
-    def pitch_rad(self) -> float: ...
+    def pitch_rad(self) -> float:
+        """Pitch about y, positive lowers the nose [rad]."""
     @property
-    def pitch_error_rad(self) -> float: ...
+    def pitch_error_rad(self) -> float:
+        """Error of the pitch [rad]."""
     @property
-    def roll_rad(self) -> float: ...
+    def roll_rad(self) -> float:
+        """Roll about x [rad]."""
     @property
-    def roll_error_rad(self) -> float: ...
+    def roll_error_rad(self) -> float:
+        """Error of the roll [rad]."""
     @property
-    def fz_n(self) -> float: ...
+    def fz_n(self) -> float:
+        """Integrated normal force [N]."""
     @property
-    def max_shear_pa(self) -> float | None: ...
+    def max_shear_pa(self) -> float | None:
+        """
+        Largest shear stress in the ice under the peak; None where it was not asked for or does not
+        lie under the surface [Pa].
+        """
     @property
-    def max_shear_error_pa(self) -> float | None: ...
+    def max_shear_error_pa(self) -> float | None:
+        """Error of the largest shear stress [Pa]."""
     @property
-    def max_shear_depth_m(self) -> float | None: ...
+    def max_shear_depth_m(self) -> float | None:
+        """Depth of the largest shear stress [m]."""
     @property
-    def max_shear_depth_error_m(self) -> float | None: ...
+    def max_shear_depth_error_m(self) -> float | None:
+        """Error of the depth of the largest shear stress [m]."""
     @property
-    def x_m(self) -> NDArray[np.float64]: ...
+    def x_m(self) -> NDArray[np.float64]:
+        """Node coordinates along the runner, increasing [m]."""
     @property
-    def y_m(self) -> NDArray[np.float64]: ...
+    def y_m(self) -> NDArray[np.float64]:
+        """Node coordinates across the runner, increasing [m]."""
     @property
-    def pressure_pa(self) -> NDArray[np.float64]: ...
+    def pressure_pa(self) -> NDArray[np.float64]:
+        """Contact pressure at the nodes, `len(y_m)` rows of `len(x_m)` [Pa]."""
     @property
-    def gap_m(self) -> NDArray[np.float64]: ...
+    def gap_m(self) -> NDArray[np.float64]:
+        """Gap at the nodes, 0 in contact, infinite where there is no hull [m]."""
     @property
-    def uz_m(self) -> NDArray[np.float64]: ...
+    def uz_m(self) -> NDArray[np.float64]:
+        """Vertical displacement of the ice's surface at the nodes, upwards positive [m]."""
     @property
-    def groove_m(self) -> NDArray[np.float64] | None: ...
+    def groove_m(self) -> NDArray[np.float64] | None:
+        """Plastic depth of the ice at the nodes, None for a runner at rest [m]."""
     @property
-    def warnings(self) -> list[str]: ...
+    def warnings(self) -> list[str]:
+        """What the reader of the result should know."""
     @property
-    def result(self) -> dict[str, Any]: ...
+    def result(self) -> dict[str, Any]:
+        """What the command writes to `result.json`, the case and the history included."""
+    def write(self, folder: _Path, *, mat: bool = False) -> None:
+        """
+        Writes what `kufe press` writes into `folder`, which must be new or empty; all files or
+        none. `mat` adds `result.mat`.
+        """
+    def plot(self, ax: Any = None) -> Any:
+        """
+        Draws the pressure over the contact plane with matplotlib, on `ax` or new axes; returns the
+        axes.
+        """
+    def to_xarray(self) -> Any:
+        """
+        The fields as an `xarray.Dataset` over `y_m` and `x_m`, units in the attributes; needs
+        xarray.
+        """
+    def to_dataframe(self) -> Any:
+        """The fields as a `pandas.DataFrame`, one row a node; needs pandas."""
 
 @final
 class Hull:
     """Triangles of a runner, x forward and z up."""
 
+    def __new__(cls, vertices_m: ArrayLike, triangles: ArrayLike) -> Hull: ...
+    @staticmethod
+    def from_heights(
+        x_m: ArrayLike, y_m: ArrayLike, heights_m: NDArray[np.float64]
+    ) -> Hull:
+        """
+        The underside of a measured height map: `heights_m` has `len(y_m)` rows of `len(x_m)`, z up;
+        NaN where nothing was measured.
+        """
     @staticmethod
     def read(
         path: _Path, *, scale: float = 1.0, up: str | None = None, forward: str = "x"
-    ) -> Hull: ...
+    ) -> Hull:
+        """
+        Reads and checks an OBJ, glTF, STL or 3MF file; `scale` is metres a unit of the file (0.001
+        for millimetres), `up` and `forward` its axes (`"z"`, `"-x"`; up is y in glTF and z
+        elsewhere where absent).
+        """
     @staticmethod
     def bob(
         *,
@@ -132,26 +216,38 @@ class Hull:
         height_m: float = 0.008,
         edge_length_m: float = 0.0005,
     ) -> Hull: ...
-    def write(self, path: _Path) -> None: ...
+    def write(self, path: _Path) -> None:
+        """Writes the hull as .obj, .glb or .stl, in metres; a file is whole or absent."""
     @property
-    def vertices_m(self) -> NDArray[np.float64]: ...
+    def vertices_m(self) -> NDArray[np.float64]:
+        """Vertex positions, one row a vertex [m]."""
     @property
-    def triangles(self) -> NDArray[np.uint32]: ...
+    def triangles(self) -> NDArray[np.uint32]:
+        """Corners of each triangle, counter-clockwise seen from outside."""
     @property
-    def extent_m(self) -> tuple[float, float, float]: ...
+    def extent_m(self) -> tuple[float, float, float]:
+        """Size along x, y and z [m]."""
     @property
-    def volume_m3(self) -> float: ...
+    def volume_m3(self) -> float:
+        """Volume inside; of an open hull it means little [m3]."""
     @property
-    def warnings(self) -> list[str]: ...
+    def warnings(self) -> list[str]:
+        """What is odd about the hull."""
 
 @final
 class Table:
     """Contact figures over normal force and track curvature."""
 
     @staticmethod
-    def read(path: _Path) -> Table: ...
-    def write(self, path: _Path) -> None: ...
-    def values(self, quantity: _Quantity = "p_max") -> NDArray[np.float64]: ...
+    def read(path: _Path) -> Table:
+        """Reads a `.lut` file."""
+    def write(self, path: _Path) -> None:
+        """Writes the `.lut` file; it is whole or absent."""
+    def values(self, quantity: _Quantity = "p_max") -> NDArray[np.float64]:
+        """
+        Figures at the nodes: an array over force, curvature and, where the table has those axes,
+        rocker radius, speed and temperature of the ice.
+        """
     def lookup(
         self,
         fz_n: ArrayLike,
@@ -162,58 +258,109 @@ class Table:
         ice_c: ArrayLike | None = None,
         mode: _Mode = "smooth",
         rocker_radius_m: float | None = None,
-    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]: ...
+    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        """
+        One quantity at forces [N], curvatures [1/m] and, where the table has those axes, speeds
+        [m/s] and temperatures of the ice [C], which are broadcast, and where an input was outside
+        the table and clipped to it; NaN gives NaN and the flag.
+        """
     def interpolation_error(
         self, quantity: _Quantity = "p_max", *, mode: _Mode = "smooth"
-    ) -> float | None: ...
+    ) -> float | None:
+        """
+        Largest relative interpolation error measured between the nodes; None where none was
+        measured.
+        """
     @property
-    def fz_n(self) -> NDArray[np.float64]: ...
+    def fz_n(self) -> NDArray[np.float64]:
+        """Breakpoints of the normal force [N]."""
     @property
-    def curvature_1pm(self) -> NDArray[np.float64]: ...
+    def curvature_1pm(self) -> NDArray[np.float64]:
+        """Breakpoints of the track's curvature, positive in a valley [1/m]."""
     @property
-    def rocker_radius_m(self) -> NDArray[np.float64] | None: ...
+    def rocker_radius_m(self) -> NDArray[np.float64] | None:
+        """Breakpoints of the rocker radius, where the table has that axis [m]."""
     @property
-    def v_mps(self) -> NDArray[np.float64] | None: ...
+    def v_mps(self) -> NDArray[np.float64] | None:
+        """Breakpoints of the speed, where the table has that axis [m/s]."""
     @property
-    def ice_c(self) -> NDArray[np.float64] | None: ...
+    def ice_c(self) -> NDArray[np.float64] | None:
+        """Breakpoints of the temperature of the ice, where the table has that axis [C]."""
     @property
-    def solver_error(self) -> float: ...
+    def solver_error(self) -> float:
+        """
+        Largest estimated solver error over the nodes, relative: of the peak pressure, or of mu
+        where the runner slides.
+        """
     @property
-    def shortfall(self) -> str | None: ...
+    def shortfall(self) -> str | None:
+        """
+        Where the interpolation is less accurate than the table file asked; None where it is not,
+        and for a table that was read.
+        """
+    @property
+    def quantities(self) -> list[str]:
+        """Names of the quantities that the table holds."""
+    def to_xarray(self, quantity: _Quantity = "p_max") -> Any:
+        """
+        One quantity at the nodes as an `xarray.DataArray` over the table's axes; needs xarray.
+        """
+    def to_dataframe(self) -> Any:
+        """Every quantity as a `pandas.DataFrame`, one row a node; needs pandas."""
 
 @final
 class Evaluation:
     """What drivers lose compared with a straight glide."""
 
     @property
-    def runs(self) -> list[dict[str, Any]]: ...
+    def runs(self) -> list[dict[str, Any]]:
+        """One dictionary a run, as in `evaluation.json`."""
     @property
-    def groups(self) -> list[dict[str, Any]]: ...
+    def groups(self) -> list[dict[str, Any]]:
+        """
+        Means by driver and by track, each with its 95 % interval over runs, as in
+        `evaluation.json`.
+        """
     @property
-    def left_out(self) -> list[str]: ...
+    def left_out(self) -> list[str]:
+        """Runs left out, and why."""
     @property
-    def remarks(self) -> list[str]: ...
-    def series(self, run: str) -> dict[str, NDArray[np.float64]]: ...
+    def remarks(self) -> list[str]:
+        """What the reader of the runs should know."""
+    def series(self, run: str) -> dict[str, NDArray[np.float64]]:
+        """
+        One run's samples as arrays: time, place, force along the motion as driven and of a straight
+        glide, angles.
+        """
 
 @final
 class Discovery:
     """Effects that the model does not have, by data."""
 
     @property
-    def verdict(self) -> str: ...
+    def verdict(self) -> str:
+        """The outcome in one word: named, one-of, depends-on, located, none or not-identifiable."""
     @property
-    def sentence(self) -> str: ...
+    def sentence(self) -> str:
+        """The outcome in a sentence."""
     @property
-    def report(self) -> dict[str, Any]: ...
+    def report(self) -> dict[str, Any]:
+        """What the command writes to `report.json`."""
     @property
-    def next_model(self) -> str: ...
+    def next_model(self) -> str:
+        """The model with what was found: TOML that every command accepts."""
     @property
-    def next_case(self) -> str | None: ...
+    def next_case(self) -> str | None:
+        """
+        The next case, as its file's text, where pressures stand beside other data of a campaign;
+        else None.
+        """
     @property
-    def html(self) -> str: ...
+    def html(self) -> str:
+        """The report as a page."""
 
 def press(
-    case: Case | _Path,
+    case: Case | Hull | _Path,
     *,
     accuracy: float | None = None,
     subsurface: bool = False,
@@ -222,7 +369,7 @@ def press(
     """Solve one contact problem."""
 
 def slide(
-    case: Case | _Path,
+    case: Case | Hull | _Path,
     v_mps: float,
     ice_c: float,
     *,

@@ -2,13 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::{SolvedContact, case_file::LoadedCase, with_progress};
+use kufe::jobs::field::{NewFiles, write_contact};
+use kufe::jobs::{Failure, SolvedContact, case_file::LoadedCase, with_progress};
 use kufe_contact::Options;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt};
 
 use crate::error::{InputError, bad_input, raised};
+use crate::hull::Hull;
 use crate::json::to_python;
 use crate::work::work;
 
@@ -20,11 +22,37 @@ pub struct Case {
 
 #[pymethods]
 impl Case {
-    /// A case from TOML; a hull's path starts from `folder`.
+    /// A case from TOML; a hull's path starts from `folder`. `hull` stands for the file that
+    /// `runner.hull` names, and `name`
+    /// for the case in messages.
     #[new]
-    #[pyo3(signature = (text, folder = PathBuf::new()))]
-    fn new(text: &str, folder: PathBuf) -> PyResult<Case> {
-        parse("the case", &folder, text)
+    #[pyo3(signature = (text, folder = PathBuf::new(), *, name = "the case", hull = None))]
+    fn new(
+        text: &str,
+        folder: PathBuf,
+        name: &str,
+        hull: Option<&Bound<'_, Hull>>,
+    ) -> PyResult<Case> {
+        let mut loaded = LoadedCase::parse(name, &folder, text).map_err(raised)?;
+        loaded.hull = hull.map(|hull| hull.get().shared());
+        Ok(Case { loaded })
+    }
+
+    /// A hull on the ice of the example under 1 kN, with other values by dotted key:
+    /// `Case.of(hull, {"load.fz_n": 2000.0})`.
+    #[staticmethod]
+    #[pyo3(signature = (hull, values = None))]
+    fn of(hull: &Bound<'_, Hull>, values: Option<&Bound<'_, PyDict>>) -> PyResult<Case> {
+        let mut loaded = LoadedCase::example().map_err(raised)?;
+        "the hull".clone_into(&mut loaded.name);
+        loaded.case.runner.shape = None;
+        loaded.case.runner.hull = Some("an array".into());
+        loaded.hull = Some(hull.get().shared());
+        let case = Case { loaded };
+        match values {
+            Some(values) => case.replace(values),
+            None => Ok(case),
+        }
     }
 
     /// A case from its file.
@@ -49,8 +77,9 @@ impl Case {
             let key: String = key.extract()?;
             set(&mut table, &key, toml_value(&key, &value)?)?;
         }
-        let text = toml::to_string(&table).map_err(bad_input)?;
-        parse(&self.loaded.name, &self.loaded.base, &text)
+        Ok(Case {
+            loaded: parsed(&self.loaded, &table)?,
+        })
     }
 
     /// The case as TOML.
@@ -64,14 +93,29 @@ impl Case {
         &self.loaded.name
     }
 
+    fn __getnewargs_ex__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<((String, PathBuf), Bound<'py, PyDict>)> {
+        let keywords = PyDict::new(py);
+        keywords.set_item("name", self.name())?;
+        let hull = self.loaded.hull.as_deref().cloned();
+        let hull = hull.map(Hull::checked).transpose().map_err(bad_input)?;
+        keywords.set_item("hull", hull)?;
+        Ok(((self.to_toml()?, self.loaded.base.clone()), keywords))
+    }
+
     fn __repr__(&self) -> String {
         format!("<kufe.Case {}>", self.loaded.name)
     }
 }
 
-fn parse(name: &str, folder: &Path, text: &str) -> PyResult<Case> {
-    let loaded = LoadedCase::parse(name, folder, text).map_err(raised)?;
-    Ok(Case { loaded })
+/// The same case with this content.
+fn parsed(loaded: &LoadedCase, table: &toml::Table) -> PyResult<LoadedCase> {
+    let text = toml::to_string(table).map_err(bad_input)?;
+    let mut other = LoadedCase::parse(&loaded.name, &loaded.base, &text).map_err(raised)?;
+    other.hull.clone_from(&loaded.hull);
+    Ok(other)
 }
 
 fn toml_value(key: &str, value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
@@ -115,9 +159,10 @@ pub struct Contact {
 
 /// Solves one contact problem.
 ///
-/// `case` is a `Case` or the path of one; `accuracy` replaces its `accuracy.p_max`, the relative
-/// discretisation requested error of the peak pressure; `subsurface` follows the shear under the
-/// peak; `progress` is called with a text on every update of the contact set.
+/// `case` is a `Case`, the path of one, or a `Hull`, which is pressed on the ice of the example
+/// under 1 kN; `accuracy` replaces its `accuracy.p_max`, the requested relative discretisation
+/// error of the peak pressure; `subsurface` follows the shear under the peak; `progress` is called
+/// with a text on every update of the contact set.
 #[pyfunction]
 #[pyo3(signature = (case, *, accuracy = None, subsurface = false, progress = None))]
 pub fn press(
@@ -165,9 +210,12 @@ fn accuracy_key(accuracy: f64) -> (&'static str, toml::Value) {
 
 /// A case, or that at a path, with these keys replaced.
 fn replaced(case: &Bound<'_, PyAny>, keys: &[(&str, toml::Value)]) -> PyResult<LoadedCase> {
-    let loaded = match case.cast::<Case>() {
-        Ok(case) => case.get().loaded.clone(),
-        Err(_) => LoadedCase::read(&case.extract::<PathBuf>()?).map_err(raised)?,
+    let loaded = if let Ok(case) = case.cast::<Case>() {
+        case.get().loaded.clone()
+    } else if let Ok(hull) = case.cast::<Hull>() {
+        Case::of(hull, None)?.loaded
+    } else {
+        LoadedCase::read(&case.extract::<PathBuf>()?).map_err(raised)?
     };
     if keys.is_empty() {
         return Ok(loaded);
@@ -176,8 +224,7 @@ fn replaced(case: &Bound<'_, PyAny>, keys: &[(&str, toml::Value)]) -> PyResult<L
     for (key, value) in keys {
         set(&mut table, key, value.clone())?;
     }
-    let text = toml::to_string(&table).map_err(bad_input)?;
-    LoadedCase::parse(&loaded.name, &loaded.base, &text).map_err(raised)
+    parsed(&loaded, &table)
 }
 
 fn solved(
@@ -187,20 +234,28 @@ fn solved(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Contact> {
     let (watched, accuracy) = (progress.is_some(), loaded.case.accuracy.p_max);
-    let worked = work(py, progress, |watch, teller| {
-        let options = if watched {
-            with_progress(options, accuracy, move |line| teller.progress(line))
-        } else {
-            options
+    let worked = work(py, progress, move |watch, teller| {
+        let options = Options {
+            stop: Some(teller.stop.clone()),
+            ..options
         };
-        let solved = kufe::Contact::from(loaded).options(options).best(watch)?;
-        match solved.short {
-            Some(failure) => Err(failure),
-            None => Ok(solved),
-        }
+        let options = match watched {
+            true => with_progress(options, accuracy, move |line| teller.progress(line)),
+            false => options,
+        };
+        kufe::Contact::from(loaded).options(options).best(watch)
     })?;
     let pressed = worked.value.map_err(raised)?;
-    Ok(Contact { pressed })
+    let short = pressed.short.clone();
+    let contact = Contact { pressed };
+    match short {
+        None => Ok(contact),
+        Some(failure) => {
+            let error = raised(failure);
+            error.value(py).setattr("best", contact)?;
+            Err(error)
+        }
+    }
 }
 
 #[pymethods]
@@ -376,6 +431,39 @@ impl Contact {
         self.pressed.warnings.clone()
     }
 
+    /// Writes what `kufe press` writes into `folder`, which must be new or empty; all files or
+    /// none. `mat` adds `result.mat`.
+    #[pyo3(signature = (folder, *, mat = false))]
+    fn write(&self, py: Python<'_>, folder: PathBuf, mat: bool) -> PyResult<()> {
+        py.detach(|| write_folder(&self.pressed, &folder, mat))
+            .map_err(bad_input)
+    }
+
+    /// Draws the pressure over the contact plane with matplotlib, on `ax` or new axes; returns the
+    /// axes.
+    #[pyo3(signature = (ax = None))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        view(slf.py(), "plot_contact", (slf, ax))
+    }
+
+    /// The fields as an `xarray.Dataset` over `y_m` and `x_m`, units in the attributes; needs
+    /// xarray.
+    fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        view(slf.py(), "contact_to_xarray", (slf,))
+    }
+
+    /// The fields as a `pandas.DataFrame`, one row a node; needs pandas.
+    fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        view(slf.py(), "contact_to_dataframe", (slf,))
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        view(slf.py(), "contact_to_html", (slf,))
+    }
+
     /// What the command writes to `result.json`, the case and the history included.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -392,6 +480,39 @@ impl Contact {
             solution.width * 1e3
         )
     }
+}
+
+/// Calls a function of `kufe/_views.py`.
+fn view<'py>(
+    py: Python<'py>,
+    name: &str,
+    arguments: impl pyo3::call::PyCallArgs<'py>,
+) -> PyResult<Bound<'py, PyAny>> {
+    py.import("kufe._views")?.call_method1(name, arguments)
+}
+
+/// Writes the files of a contact into a hidden folder beside `folder` and moves it there.
+fn write_folder(pressed: &SolvedContact, folder: &Path, mat: bool) -> Result<(), Failure> {
+    let failed = |error: std::io::Error| {
+        Failure::BadInput(format!("{}: cannot be written: {error}", folder.display()))
+    };
+    let whole = std::path::absolute(folder).map_err(failed)?;
+    let above = whole.parent().unwrap_or(&whole);
+    std::fs::create_dir_all(above).map_err(failed)?;
+    let hidden = tempfile::Builder::new().prefix(".kufe-").tempdir_in(above);
+    let hidden = hidden.map_err(failed)?;
+    let files = NewFiles {
+        hidden: hidden.path(),
+        named: folder,
+    };
+    write_contact(files, pressed, mat)?;
+    // The system refuses to replace a folder that holds files.
+    std::fs::create_dir_all(&whole).map_err(failed)?;
+    if std::fs::read_dir(&whole).map_err(failed)?.next().is_some() {
+        let text = "it is not empty; expected a new or an empty folder";
+        return Err(Failure::BadInput(format!("{}: {text}", folder.display())));
+    }
+    std::fs::rename(hidden.keep(), &whole).map_err(failed)
 }
 
 impl Contact {

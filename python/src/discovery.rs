@@ -55,7 +55,7 @@ pub fn discover(
         only,
         ..Options::default()
     };
-    let worked = work(py, progress, |watch, _| {
+    let worked = work(py, progress, move |watch, _| {
         kufe_discover::discover(&data, model.as_deref(), &options, &|text| {
             watch.progress(text)
         })

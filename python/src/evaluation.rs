@@ -57,7 +57,7 @@ pub fn evaluate(
         strict,
         cutoff_hz,
     };
-    let worked = work(py, progress, |watch, _| {
+    let worked = work(py, progress, move |watch, _| {
         let loaded = selection.load(watch, |_| true)?;
         let runs = kufe_sled::evaluate(&loaded.prepared, &loaded.vehicle);
         let groups = groups(&runs, seed);

@@ -1,29 +1,86 @@
 //! Hulls.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use kufe::jobs::write_whole;
 use kufe_mesh::{
     Axis, BobRunner, HullFormat, HullOptions, HullReport, LugeSteel, MeshError, Swept, check_hull,
     load_hull, tessellate,
 };
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{
+    PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 
-use crate::error::{bad_input, raised};
+use crate::error::{InputError, bad_input, raised};
 
 /// Triangles of a runner, x forward and z up.
 #[pyclass(frozen, module = "kufe")]
 pub struct Hull {
-    hull: kufe_mesh::Hull,
+    hull: Arc<kufe_mesh::Hull>,
     report: HullReport,
 }
 
 #[pymethods]
 impl Hull {
+    /// A hull of arrays: one row a vertex [m], one row of three vertices a triangle,
+    /// counter-clockwise seen from outside.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        vertices_m: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+    ) -> PyResult<Hull> {
+        let positions = array_of_rows::<f64>(vertices_m, "vertices_m", "float64")?;
+        let triangles = array_of_rows::<i64>(triangles, "triangles", "int64")?;
+        let index = |k: i64| match usize::try_from(k) {
+            Ok(number) if number < positions.len() => Ok(number as u32),
+            _ => Err(InputError::new_err(format!(
+                "triangles: found the vertex {k}, expected 0 to {}",
+                positions.len().saturating_sub(1)
+            ))),
+        };
+        let corners = |row: &[i64; 3]| Ok([index(row[0])?, index(row[1])?, index(row[2])?]);
+        let triangles: PyResult<Vec<[u32; 3]>> = triangles.iter().map(corners).collect();
+        let hull = kufe_mesh::Hull {
+            positions,
+            triangles: triangles?,
+        };
+        py.detach(|| Hull::checked(hull)).map_err(bad_input)
+    }
+
+    /// The underside of a measured height map: `heights_m` has `len(y_m)` rows of `len(x_m)`, z up;
+    /// NaN where nothing
+    /// was measured.
+    #[staticmethod]
+    fn from_heights(
+        py: Python<'_>,
+        x_m: Vec<f64>,
+        y_m: Vec<f64>,
+        heights_m: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<Hull> {
+        let found = [heights_m.shape()[0], heights_m.shape()[1]];
+        if found != [y_m.len(), x_m.len()] {
+            return Err(InputError::new_err(format!(
+                "heights_m: found {found:?}, expected {:?}",
+                [y_m.len(), x_m.len()]
+            )));
+        }
+        for (name, axis) in [("x_m", &x_m), ("y_m", &y_m)] {
+            if !axis.is_sorted_by(|a, b| a < b) {
+                let text = format!("{name}: expected numbers that increase");
+                return Err(InputError::new_err(text));
+            }
+        }
+        let heights: Vec<f64> = heights_m.as_array().iter().copied().collect();
+        py.detach(|| Hull::checked(kufe_mesh::Hull::underside_of(&x_m, &y_m, &heights)))
+            .map_err(bad_input)
+    }
+
     /// Reads and checks an OBJ, glTF, STL or 3MF file; `scale` is metres a unit of the file (0.001
-    /// for millimetres), `up` and `forward` its axes (`"z"`, `"-x"`; up is y in glTF and z
-    /// elsewhere where absent).
+    /// for millimetres),
+    /// `up` and `forward` its axes (`"z"`, `"-x"`; up is y in glTF and z elsewhere where absent).
     #[staticmethod]
     #[pyo3(signature = (path, *, scale = 1.0, up = None, forward = "x"))]
     fn read(
@@ -42,6 +99,7 @@ impl Hull {
         let (hull, report) = py
             .detach(|| load_hull(&path, &options))
             .map_err(bad_input)?;
+        let hull = Arc::new(hull);
         Ok(Hull { hull, report })
     }
 
@@ -156,6 +214,13 @@ impl Hull {
             .collect()
     }
 
+    fn __getnewargs__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>)> {
+        Ok((self.vertices_m(py)?, self.triangles(py)?))
+    }
+
     fn __repr__(&self) -> String {
         let (vertices, triangles) = (self.hull.positions.len(), self.hull.triangles.len());
         format!("<kufe.Hull {vertices} vertices, {triangles} triangles>")
@@ -163,9 +228,42 @@ impl Hull {
 }
 
 fn tessellated(swept: Result<Swept, MeshError>, edge_length: f64) -> Result<Hull, MeshError> {
-    let hull = tessellate(&swept?, edge_length)?;
-    let report = check_hull(&hull)?;
-    Ok(Hull { hull, report })
+    Hull::checked(tessellate(&swept?, edge_length)?)
+}
+
+impl Hull {
+    /// A hull with what is odd about it.
+    pub fn checked(hull: kufe_mesh::Hull) -> Result<Hull, MeshError> {
+        let report = check_hull(&hull)?;
+        let hull = Arc::new(hull);
+        Ok(Hull { hull, report })
+    }
+
+    /// The triangles.
+    pub fn shared(&self) -> Arc<kufe_mesh::Hull> {
+        self.hull.clone()
+    }
+}
+
+/// Rows of three numbers of an array of this type.
+fn array_of_rows<T: numpy::Element + Copy>(
+    given: &Bound<'_, PyAny>,
+    name: &str,
+    kind: &str,
+) -> PyResult<Vec<[T; 3]>> {
+    let numpy = given.py().import("numpy")?;
+    let array = numpy.call_method1("array", (given, kind))?;
+    let array: PyReadonlyArrayDyn<'_, T> = array.extract()?;
+    let &[rows, 3] = array.shape() else {
+        return Err(InputError::new_err(format!(
+            "{name}: found an array of shape {:?}, expected rows of three",
+            array.shape()
+        )));
+    };
+    let numbers: Vec<T> = array.as_array().iter().copied().collect();
+    let (all, _) = numbers.as_chunks::<3>();
+    assert_eq!(all.len(), rows);
+    Ok(all.to_vec())
 }
 
 fn rows<'py, T: numpy::Element + Copy>(

@@ -39,6 +39,8 @@ mod _kufe {
 
     #[pymodule_init]
     fn version(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let best = module.py().get_type::<NotConvergedError>();
+        best.setattr("best", module.py().None())?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

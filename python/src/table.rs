@@ -9,7 +9,7 @@ use numpy::{
     IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyTuple};
+use pyo3::types::{IntoPyDict, PyBytes, PyTuple};
 
 use crate::error::{InputError, bad_input, raised};
 use crate::work::work;
@@ -24,6 +24,9 @@ pub struct Table {
 
 /// An interpolated array with its out-of-range flags.
 type Answer<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<bool>>);
+
+/// A function and its arguments, which make the object again.
+type Pickled<'py> = (Bound<'py, PyAny>, (Bound<'py, PyBytes>, Option<String>));
 
 #[pymethods]
 impl Table {
@@ -167,6 +170,41 @@ impl Table {
         self.shortfall.as_deref()
     }
 
+    /// One quantity at the nodes as an `xarray.DataArray` over the table's axes; needs xarray.
+    #[pyo3(signature = (quantity = "p_max"))]
+    fn to_xarray<'py>(slf: &Bound<'py, Self>, quantity: &str) -> PyResult<Bound<'py, PyAny>> {
+        let views = slf.py().import("kufe._views")?;
+        views.call_method1("table_to_xarray", (slf, quantity))
+    }
+
+    /// Every quantity as a `pandas.DataFrame`, one row a node; needs pandas.
+    fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let views = slf.py().import("kufe._views")?;
+        views.call_method1("table_to_dataframe", (slf,))
+    }
+
+    /// Names of the quantities that the table holds.
+    #[getter]
+    fn quantities(&self) -> Vec<&'static str> {
+        let quantities = self.table.quantities().iter();
+        quantities.map(|quantity| quantity.name()).collect()
+    }
+
+    /// The table that a pickle holds: a `.lut` file's content.
+    #[staticmethod]
+    fn _of_bytes(mut bytes: &[u8], shortfall: Option<String>) -> PyResult<Table> {
+        let table = kufe_lut::Table::read(&mut bytes).map_err(bad_input)?;
+        Ok(Table { table, shortfall })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
+        let mut bytes = Vec::new();
+        slf.get().table.write(&mut bytes).map_err(bad_input)?;
+        let of_bytes = slf.py().import("kufe._views")?.getattr("table_of_bytes")?;
+        let content = PyBytes::new(slf.py(), &bytes);
+        Ok((of_bytes, (content, slf.get().shortfall.clone())))
+    }
+
     fn __repr__(&self) -> String {
         let axes = self.table.axes();
         let further = [
@@ -211,10 +249,11 @@ pub fn fill_table(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Table> {
     let out = out.unwrap_or_else(|| table.with_extension("lut"));
-    let worked = work(py, progress, |watch, _| {
+    let path = out.clone();
+    let worked = work(py, progress, move |watch, _| {
         let spec = TableSpec::read(&table)?;
         let solver = Solver::new(&spec, watch)?;
-        fill(&spec, &solver, &out, watch)
+        fill(&spec, &solver, &path, watch)
     })?;
     let filled = worked.value.map_err(raised)?;
     py.detach(|| write(&filled.swept.table, &out))?;

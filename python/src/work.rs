@@ -1,8 +1,8 @@
 //! Jobs without the interpreter's lock.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc;
-use std::time::Duration;
+use std::sync::{Arc, mpsc};
+use std::time::{Duration, Instant};
 
 use kufe::jobs::Watch;
 use pyo3::prelude::*;
@@ -15,59 +15,73 @@ pub struct Worked<T> {
     pub warnings: Vec<String>,
 }
 
+/// How long an interrupted job may take to end.
+const PATIENCE: Duration = Duration::from_secs(1);
+
 /// Runs `job` on a thread of its own, without the interpreter's lock.
 ///
-/// The calling thread hands `progress` its messages and looks for Ctrl-C ten times a second: then
-/// the job is requested to stop, finishes what it has in hand, and the interrupt is raised. An
-/// exception of `progress` stops it likewise.
-pub fn work<T: Send>(
+/// The calling thread passes messages to `progress` and checks for Ctrl-C ten times a second. Then
+/// it asks the job to
+/// stop, waits a second for its end, and raises the interrupt. A job that does not stop by then
+/// ends in the background,
+/// and its result is dropped. An exception of `progress` stops the job likewise.
+pub fn work<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
-    job: impl FnOnce(&Watch, Teller) -> T + Send,
+    job: impl FnOnce(&Watch, Teller) -> T + Send + 'static,
 ) -> PyResult<Worked<T>> {
-    let stop = AtomicBool::new(false);
+    let stop = Arc::new(AtomicBool::new(false));
     let (sender, mut messages) = mpsc::channel::<Message>();
-    let (value, warnings, raised) = std::thread::scope(|scope| {
-        let stop = &stop;
-        let worker = scope.spawn(move || {
-            let watch = Watch {
-                progress: Some(&|text| tell(&sender, Message::Progress(text.to_owned()))),
-                warn: Some(&|text| tell(&sender, Message::Warning(text.to_owned()))),
-                stop: Some(stop),
-            };
-            job(&watch, Teller(sender.clone()))
-        });
-        let mut warnings = Vec::new();
-        let mut raised = None;
-        // The channel closes when the job has ended and dropped its end.
-        loop {
-            let messages = &mut messages;
-            match py.detach(move || messages.recv_timeout(Duration::from_millis(100))) {
-                Ok(Message::Warning(text)) => warnings.push(text),
-                Ok(Message::Progress(text)) => {
-                    let call = || progress.map(|call| call.call1((text,))).transpose();
-                    if raised.is_none() {
-                        raised = call().err();
-                    }
-                }
-                Err(mpsc::RecvTimeoutError::Timeout) => {
-                    if raised.is_none() {
-                        raised = py.check_signals().err();
-                    }
-                }
-                Err(mpsc::RecvTimeoutError::Disconnected) => break,
-            }
-            if raised.is_some() {
-                stop.store(true, Ordering::Relaxed);
-            }
-        }
-        let value = py.detach(|| worker.join());
-        (value, warnings, raised)
+    let stopping = stop.clone();
+    let worker = std::thread::spawn(move || {
+        let watch = Watch {
+            progress: Some(&|text| tell(&sender, Message::Progress(text.to_owned()))),
+            warn: Some(&|text| tell(&sender, Message::Warning(text.to_owned()))),
+            stop: Some(&stopping),
+        };
+        let sender = sender.clone();
+        let stop = stopping.clone();
+        job(&watch, Teller { sender, stop })
     });
-    if let Some(error) = raised {
+    let mut warnings = Vec::new();
+    let mut raised: Option<(PyErr, Instant)> = None;
+    let mut checked = Instant::now();
+    // The channel closes when the job has ended and dropped its end.
+    loop {
+        let messages = &mut messages;
+        let message = py.detach(move || messages.recv_timeout(Duration::from_millis(100)));
+        let error = match message {
+            Err(mpsc::RecvTimeoutError::Disconnected) => break,
+            Ok(Message::Progress(text)) if raised.is_none() => {
+                progress.and_then(|call| call.call1((text,)).err())
+            }
+            Ok(Message::Warning(text)) => {
+                warnings.push(text);
+                None
+            }
+            Ok(Message::Progress(_)) | Err(mpsc::RecvTimeoutError::Timeout) => None,
+        };
+        // Messages may come faster than the time-out.
+        let due = checked.elapsed() > Duration::from_millis(100);
+        let error = error.or_else(|| due.then(|| py.check_signals().err()).flatten());
+        if due {
+            checked = Instant::now();
+        }
+        if let (Some(error), None) = (error, &raised) {
+            stop.store(true, Ordering::Relaxed);
+            raised = Some((error, Instant::now()));
+        }
+        if raised
+            .as_ref()
+            .is_some_and(|(_, at)| at.elapsed() > PATIENCE)
+        {
+            break;
+        }
+    }
+    if let Some((error, _)) = raised {
         return Err(error);
     }
-    match value {
+    match py.detach(|| worker.join()) {
         Ok(value) => Ok(Worked { value, warnings }),
         Err(panic) => std::panic::resume_unwind(panic),
     }
@@ -78,13 +92,17 @@ enum Message {
     Warning(String),
 }
 
-/// Tells progress from where a borrowed [`Watch`] cannot go.
-pub struct Teller(mpsc::Sender<Message>);
+/// What a borrowed [`Watch`] offers, for closures that outlive it.
+pub struct Teller {
+    sender: mpsc::Sender<Message>,
+    /// Once true, the job is to stop.
+    pub stop: Arc<AtomicBool>,
+}
 
 impl Teller {
     /// Tells how far the job is.
     pub fn progress(&self, text: String) {
-        tell(&self.0, Message::Progress(text));
+        tell(&self.sender, Message::Progress(text));
     }
 }
 

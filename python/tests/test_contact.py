@@ -1,5 +1,9 @@
 """Cases and their solutions."""
 
+import json
+import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -7,6 +11,7 @@ import numpy as np
 import pytest
 
 import kufe
+from test_runs import MODEL
 
 PARABOLOID = """
 [runner]
@@ -164,3 +169,74 @@ def test_a_sliding_runner_has_its_groove_and_its_friction():
     assert kufe.press(case).groove_m is None
     with pytest.raises(kufe.InputError, match="ice_c"):
         kufe.slide(case, 20.0, 1.0)
+
+
+def test_a_contact_is_written_as_the_command_writes_it(tmp_path):
+    contact = kufe.press(kufe.Case(PARABOLOID), accuracy=0.05)
+    contact.write(tmp_path / "new" / "out", mat=True)
+    names = {path.name for path in (tmp_path / "new" / "out").iterdir()}
+    assert names == {"result.json", "result.mat", "pressure.exr", "pressure.png", "field.vtu", "contact.vtp"}
+    written = json.loads((tmp_path / "new" / "out" / "result.json").read_text())
+    assert written["p_max_pa"] == contact.p_max_pa
+    assert written["p_max_map_pa"] == pytest.approx(contact.pressure_pa.max(), rel=0.01)
+    with pytest.raises(kufe.InputError, match="not empty"):
+        contact.write(tmp_path / "new" / "out")
+    assert [path.name for path in (tmp_path / "new").iterdir()] == ["out"]
+
+
+def test_a_contact_is_shown_and_tabled():
+    contact = kufe.press(kufe.Case(PARABOLOID), accuracy=0.05)
+    axes = contact.plot()
+    shown = axes.collections[0].get_array()
+    assert np.nanmax(shown) == pytest.approx(1e-6 * contact.pressure_pa.max())
+    assert f"{contact.p_max_pa / 1e6:.5g}" in contact._repr_html_()
+    pandas = pytest.importorskip("pandas")
+    frame = contact.to_dataframe()
+    assert isinstance(frame, pandas.DataFrame) and len(frame) == contact.pressure_pa.size
+    highest = frame.loc[frame.pressure_pa.idxmax()]
+    j, i = np.unravel_index(contact.pressure_pa.argmax(), contact.pressure_pa.shape)
+    assert (highest.x_m, highest.y_m) == (contact.x_m[i], contact.y_m[j])
+
+
+def test_a_contact_becomes_a_dataset():
+    pytest.importorskip("xarray")
+    contact = kufe.press(kufe.Case(PARABOLOID), accuracy=0.05)
+    data = contact.to_xarray()
+    assert data.pressure_pa.dims == ("y_m", "x_m") and data.pressure_pa.units == "Pa"
+    assert data.attrs["p_max_error_pa"] == contact.p_max_error_pa
+
+
+def test_the_best_solution_comes_with_the_error():
+    # Its rounded ends and its bed cost more than the paraboloid: the mesh's limit comes first.
+    case = kufe.Case.example()
+    with pytest.raises(kufe.NotConvergedError, match="requested 0.0100 %") as caught:
+        kufe.press(case, accuracy=1e-4)
+    best = caught.value.best
+    assert best.p_max_pa == pytest.approx(138.7e6, rel=0.002)
+    assert 1e-4 * best.p_max_pa < best.p_max_error_pa < 1e-3 * best.p_max_pa
+    assert kufe.NotConvergedError("text").best is None
+
+
+@pytest.mark.parametrize("work", ["press", "slide", "discover"])
+def test_ctrl_c_ends_within_two_seconds(work, tmp_path):
+    jobs = {
+        "press": "kufe.press(kufe.Case.example(), accuracy=1e-4)",
+        "slide": "kufe.slide(kufe.Case.example(), 20.0, -5.0, accuracy=0.001)",
+        "discover": "kufe.discover('experiments.csv', 'model.toml', twins=1000)",
+    }
+    if work == "discover":
+        rng = np.random.default_rng(1)
+        pressures = enumerate(rng.uniform(5e7, 1e8, 200))
+        rows = [f"s{k},{p:.4e},1e5,{4e-3 + 1e-4 * rng.normal():.6f},1e-4" for k, p in pressures]
+        header = "specimen,p_max_pa,p_max_sd_pa,mu,mu_sd"
+        (tmp_path / "experiments.csv").write_text("\n".join([header, *rows]))
+        (tmp_path / "model.toml").write_text(MODEL)
+    code = f"import kufe\nprint('begun', flush=True)\ntry:\n    {jobs[work]}\nexcept KeyboardInterrupt:\n    print('interrupted', flush=True)\n"
+    process = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "begun\n"
+    time.sleep(0.5)
+    since = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    said, _ = process.communicate(timeout=60)
+    assert said == "interrupted\n"
+    assert time.monotonic() - since < 2.0

@@ -1,5 +1,7 @@
 """Hulls."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -52,3 +54,52 @@ def test_bad_hulls_are_told(tmp_path):
         kufe.Hull.read("bob.obj", forward="sideways")
     with pytest.raises(kufe.InputError, match="xyz"):
         small().write(tmp_path / "bob.xyz")
+
+
+def paraboloid_heights():
+    """A paraboloid of the radii 30 m and 5 mm, sampled over what it touches the ice with."""
+    x, y = np.linspace(-0.06, 0.06, 121), np.linspace(-0.002, 0.002, 41)
+    return x, y, x**2 / 60.0 + y[:, None] ** 2 / 0.01
+
+
+# Hertz for these radii, E/(1 - nu^2) and 1000 N: the peak that the Rust documentation states.
+HERTZ_PA = 138.52e6
+HALF_SPACE = {"ice.thickness_m": "half-space", "ice.youngs_modulus_pa": 9e9, "ice.poissons_ratio": 0.33}
+
+
+def test_a_height_map_presses_as_hertz_says():
+    hull = kufe.Hull.from_heights(*paraboloid_heights())
+    contact = kufe.press(kufe.Case.of(hull, {**HALF_SPACE, "load.fz_n": 1000.0}))
+    assert contact.p_max_pa == pytest.approx(HERTZ_PA, rel=0.02)
+
+
+def test_arrays_of_another_hull_press_as_its_file_does(tmp_path):
+    hull = kufe.Hull.bob(length_m=0.2, edge_length_m=0.0015)
+    arrays = kufe.Hull(hull.vertices_m, hull.triangles)
+    assert arrays.volume_m3 == hull.volume_m3
+    hull.write(tmp_path / "bob.obj")
+    of_array = kufe.Case.of(arrays, {"accuracy.p_max": 0.05})
+    text = of_array.to_toml().replace("an array", "bob.obj")
+    of_file = kufe.press(kufe.Case(text, tmp_path))
+    assert kufe.press(of_array).p_max_pa == pytest.approx(of_file.p_max_pa, rel=1e-9)
+
+
+def test_arrays_that_are_no_hull_are_told():
+    hull = small()
+    with pytest.raises(kufe.InputError, match="vertices_m: .*rows of three"):
+        kufe.Hull(hull.vertices_m[:, :2], hull.triangles)
+    with pytest.raises(kufe.InputError, match="triangles: found the vertex -1"):
+        kufe.Hull(hull.vertices_m, [[0, 1, -1]])
+    with pytest.raises(kufe.InputError, match="x_m: expected numbers that increase"):
+        kufe.Hull.from_heights([1.0, 0.0], [0.0, 1.0], np.zeros((2, 2)))
+    with pytest.raises(kufe.InputError, match="heights_m"):
+        kufe.Hull.from_heights([0.0, 1.0, 2.0], [0.0, 1.0], np.zeros((3, 2)))
+
+
+def test_a_hull_and_its_case_are_pickled():
+    hull = small()
+    again = pickle.loads(pickle.dumps(hull))
+    assert (again.vertices_m == hull.vertices_m).all() and (again.triangles == hull.triangles).all()
+    case = kufe.Case.of(hull, {"load.fz_n": 700.0})
+    other = pickle.loads(pickle.dumps(case))
+    assert other.to_toml() == case.to_toml() and other.name == case.name

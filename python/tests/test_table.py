@@ -1,5 +1,6 @@
 """Lookup tables."""
 
+import pickle
 import re
 
 import numpy as np
@@ -120,3 +121,15 @@ def test_a_table_that_slides_is_what_slide_says(tmp_path):
     assert outside.tolist() == [False, False, True]
     with pytest.raises(kufe.InputError, match="v_mps"):
         table.lookup(1000.0, 0.0, "mu", ice_c=-4.0)
+
+
+def test_a_table_is_pickled_and_tabled(table):
+    again = pickle.loads(pickle.dumps(table))
+    assert again.quantities == table.quantities
+    for quantity in table.quantities:
+        assert (again.values(quantity) == table.values(quantity)).all()
+    pytest.importorskip("pandas")
+    frame = table.to_dataframe()
+    row = frame.iloc[-1]
+    assert (row.fz_n, row.curvature_1pm) == (table.fz_n[-1], table.curvature_1pm[-1])
+    assert row.p_max == table.values("p_max")[-1, -1]

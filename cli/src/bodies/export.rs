@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kufe::case::StatedProblem;
+use kufe::jobs::field::pretty;
 use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe::results::RunnerResult;
 use kufe_contact::{Foundation, Load, Mount, Options, Problem, Tilt, runner_loads, solve};
@@ -11,7 +12,6 @@ use serde::Serialize;
 use crate::bodies::calculix::{Deck, write_deck};
 use crate::bodies::stiffness::write_stiffness;
 use crate::output::file::OutputFiles;
-use crate::output::folder::pretty;
 use crate::output::global::Global;
 use crate::output::paths::case_inputs;
 use crate::output::say::say;

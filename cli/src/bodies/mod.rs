@@ -4,6 +4,5 @@ mod calculix;
 pub mod export;
 pub mod hull;
 pub mod mesh;
-pub mod placed_hull;
 mod scan;
 pub mod stiffness;

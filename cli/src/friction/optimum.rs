@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use kufe::jobs::Failure;
 use kufe::jobs::case_file::LoadedCase;
+use kufe::jobs::field::pretty;
 use kufe::jobs::slide::{Optimum, Parameter, optimise};
 use kufe::results::FrictionOptimum;
 use kufe_contact::Options;
@@ -11,7 +12,6 @@ use kufe_sled::friction::Span;
 
 use crate::friction::asked::{Asked, begin};
 use crate::friction::optimum_picture;
-use crate::output::folder::pretty;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::watched::watched;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use kufe::case::StatedProblem;
+use kufe::jobs::field::pretty;
 use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe::results::{FrictionByLaw, Measured};
 use kufe_contact::solve;
@@ -13,7 +14,6 @@ use kufe_sled::effects::{Effects, Kind};
 use kufe_sled::friction::{Longitudinal, air_density, longitudinal_force};
 
 use crate::friction::asked::Asked;
-use crate::output::folder::pretty;
 use crate::output::global::Global;
 use crate::output::say::{say, warn};
 

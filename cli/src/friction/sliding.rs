@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
 use kufe::jobs::case_file::LoadedCase;
+use kufe::jobs::field::pretty;
 use kufe::jobs::slide::{FrictionPoint, fastest, friction_table};
 use kufe::results::{CaseRecord, FastestRunners, FrictionRow, FrictionTable, write_csv};
 use kufe_contact::Options;
 
 use crate::friction::asked::{Asked, Runner, begin};
 use crate::friction::sliding_picture;
-use crate::output::folder::pretty;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::watched::watched;

@@ -50,6 +50,9 @@ pub struct Args {
     /// How values between the nodes are found
     #[arg(long, value_enum, default_value = "smooth")]
     pub mode: ModeWord,
+    /// Refuse a place outside the table instead of taking the nearest within
+    #[arg(long)]
+    pub strict: bool,
 }
 
 /// A mode on the command line.
@@ -125,6 +128,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             )));
         }
     }
+    if args.strict {
+        within(args, &table, curvature)?;
+    }
     let [v, ice_c] = [args.v_mps, args.ice_c].map(|value| value.unwrap_or(f64::NAN));
     let mut answer = Map::new();
     let mut out_of_range = false;
@@ -163,6 +169,37 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         say(&format!("{:#}\n", Value::Object(answer)));
     } else {
         say(&in_words(&answer, &table));
+    }
+    Ok(())
+}
+
+/// Refuses a place outside the table.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the input, its value and the table's range.
+fn within(args: &Args, table: &Table, curvature: f64) -> Result<(), Failure> {
+    let axes = table.axes();
+    let ends = |axis: &[f64]| [axis[0], axis[axis.len() - 1]];
+    let [low, high] = ends(axes.fz());
+    let inputs = [
+        ("fz_n", Some(args.fz_n), Some([low, high])),
+        (
+            "curvature_1pm",
+            Some(curvature),
+            Some(axes.curvature_range(args.fz_n.clamp(low, high))),
+        ),
+        ("v_mps", args.v_mps, axes.speed().map(ends)),
+        ("ice_c", args.ice_c, axes.ice_c().map(ends)),
+    ];
+    for (name, value, range) in inputs {
+        if let (Some(value), Some([low, high])) = (value, range)
+            && !(low..=high).contains(&value)
+        {
+            return Err(Failure::BadInput(format!(
+                "{}: {name} = {value}: outside the table, expected {low} to {high}",
+                args.table.display()
+            )));
+        }
     }
     Ok(())
 }

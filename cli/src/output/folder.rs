@@ -6,12 +6,11 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
+use kufe::jobs::field::NewFiles;
 use serde::{Deserialize, Serialize};
 use tempfile::TempDir;
 
-use crate::output::paths::{
-    NewFolders, TEMPORARY, check_name, check_place, resolved, same_file, unwritable,
-};
+use crate::output::paths::{NewFolders, TEMPORARY, check_place, resolved, same_file, unwritable};
 
 /// The file of an output folder that says which command wrote which files there.
 const RECORD: &str = ".kufe.json";
@@ -281,11 +280,7 @@ impl OutputDir {
         name: &str,
         write: impl FnOnce(&File) -> Result<(), E>,
     ) -> Result<(), Failure> {
-        let failure = |error: &dyn Display| unwritable(&self.named.join(name), error);
-        check_name(name).map_err(|error| failure(&error))?;
-        let file = File::create_new(self.temporary.path().join(name)).map_err(|e| failure(&e))?;
-        write(&file).map_err(|error| failure(&error))?;
-        file.sync_all().map_err(|error| failure(&error))
+        self.files().write(name, write)
     }
 
     /// As [`OutputDir::write`], with a function that takes the path to write to.
@@ -297,9 +292,15 @@ impl OutputDir {
         name: &str,
         draw: impl FnOnce(&Path) -> Result<(), E>,
     ) -> Result<(), Failure> {
-        self.write(name, |_| Ok::<_, E>(()))?;
-        draw(&self.temporary.path().join(name))
-            .map_err(|error| unwritable(&self.named.join(name), &error))
+        self.files().draw(name, draw)
+    }
+
+    /// The files before they are moved, for a library to write.
+    pub fn files(&self) -> NewFiles<'_> {
+        NewFiles {
+            hidden: self.temporary.path(),
+            named: &self.named,
+        }
     }
 
     /// Writes one file of text.
@@ -317,9 +318,7 @@ impl OutputDir {
     /// # Errors
     /// As [`OutputDir::write`].
     pub fn json(&self, name: &str, result: &impl Serialize) -> Result<String, Failure> {
-        let text = pretty(result)?;
-        self.text(name, &text)?;
-        Ok(text)
+        self.files().json(name, result)
     }
 
     /// Moves every file into the output folder and removes those of an earlier run of the command.
@@ -372,15 +371,6 @@ impl OutputDir {
         }
         record.write(&self.target).map_err(failure)
     }
-}
-
-/// A result as JSON that people can read.
-///
-/// # Errors
-/// [`Failure::BadInput`] for a result that JSON cannot state.
-pub fn pretty(result: &impl Serialize) -> Result<String, Failure> {
-    let text = serde_json::to_string_pretty(result).map_err(Failure::bad_input)?;
-    Ok(text + "\n")
 }
 
 /// Removes the files that kufe wrote into `folder` and that nobody changed, and then the folder,

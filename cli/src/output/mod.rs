@@ -6,8 +6,6 @@ pub mod file;
 pub mod folder;
 pub mod global;
 pub mod marks;
-pub mod mat;
-
 pub mod paths;
 mod progress;
 pub mod say;

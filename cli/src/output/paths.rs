@@ -1,6 +1,5 @@
 //! Where a command may write: never over what it reads, never through a link.
 
-use std::io::{Error, ErrorKind, Result};
 use std::path::{Component, Path, PathBuf};
 
 use kufe::jobs::{Failure, case_file::LoadedCase};
@@ -47,7 +46,7 @@ pub fn leads_out(file: &Path) -> bool {
 ///
 /// # Errors
 /// Why the output cannot be at `path`: an input, a folder, a link, a device, a pipe or a socket.
-pub fn check_place(path: &Path, inputs: &[PathBuf]) -> std::result::Result<(), &'static str> {
+pub fn check_place(path: &Path, inputs: &[PathBuf]) -> Result<(), &'static str> {
     if inputs.iter().any(|input| same_file(input, path)) {
         return Err("this command reads it; expected another place");
     }
@@ -73,7 +72,7 @@ impl NewFolders {
     ///
     /// # Errors
     /// [`Failure::BadInput`] with the folder that cannot be made.
-    pub fn make(folder: &Path) -> std::result::Result<NewFolders, Failure> {
+    pub fn make(folder: &Path) -> Result<NewFolders, Failure> {
         let mut made = NewFolders(Vec::new());
         let missing: Vec<&Path> = folder
             .ancestors()
@@ -99,28 +98,11 @@ impl Drop for NewFolders {
     }
 }
 
-/// Checks that `name` is one plain component of a path.
-///
-/// # Errors
-/// [`ErrorKind::InvalidInput`] for a name that leads to another folder, is hidden, or holds signs
-/// that some file systems refuse.
-pub fn check_name(name: &str) -> Result<()> {
-    let refused = |c: char| c.is_control() || "/\\:".contains(c);
-    if name.is_empty() || name.starts_with('.') || name.contains(refused) {
-        let text = format!("{name:?} is not the plain name of a file");
-        return Err(Error::new(ErrorKind::InvalidInput, text));
-    }
-    Ok(())
-}
-
 /// The files that a command reads that solves a case: the case, and all that it names.
 ///
 /// # Errors
 /// As [`LoadedCase::files`].
-pub fn case_inputs(
-    case: Option<&Path>,
-    loaded: &LoadedCase,
-) -> std::result::Result<Vec<PathBuf>, Failure> {
+pub fn case_inputs(case: Option<&Path>, loaded: &LoadedCase) -> Result<Vec<PathBuf>, Failure> {
     let files = loaded.files()?;
     let mut inputs: Vec<PathBuf> = files.into_iter().map(|(_, path)| path).collect();
     inputs.extend(case.map(Path::to_path_buf));

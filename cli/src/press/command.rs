@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use kufe::jobs::field::write_contact;
 use kufe::jobs::{Contact, Failure, Watch, case_file::LoadedCase, with_progress};
 use kufe_contact::Options;
 
@@ -10,7 +11,7 @@ use crate::output::global::Global;
 use crate::output::paths::case_inputs;
 use crate::output::say::{say, warn};
 use crate::press::series::Lists;
-use crate::press::{files, series, summary};
+use crate::press::{series, summary};
 
 /// Arguments of `kufe press`.
 #[derive(clap::Args, Debug)]
@@ -60,7 +61,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let pressed = Contact::from(loaded).options(options).best(&watch);
     bar.finish_and_clear();
     let pressed = pressed?;
-    let (result, json) = files::write(&output, &pressed, args.mat)?;
+    let (result, json) = write_contact(output.files(), &pressed, args.mat)?;
     output.commit()?;
     if global.json {
         say(&json);

@@ -1,7 +1,6 @@
 //! `kufe press`: one contact problem or a series of them, from its case to its pressure map.
 
 mod command;
-mod files;
 mod series;
 mod summary;
 

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use kufe::case::TiltWord;
+use kufe::jobs::field::{pretty, write_contact};
 use kufe::jobs::{
     Failure, Prepared, SolvedContact, Watch, case_file::LoadedCase, press_prepared, time_left,
 };
@@ -14,13 +15,13 @@ use kufe::results::{CaseRecord, ContactResult, SeriesRow, VariedKeys, write_csv}
 use kufe_contact::{Options, check_problem};
 use kufe_mesh::write_pvd;
 
-use crate::output::folder::{OutputDir, pretty, remove_outputs};
+use crate::output::folder::{OutputDir, remove_outputs};
 use crate::output::global::Global;
 use crate::output::paths::case_inputs;
 use crate::output::say::say;
 use crate::output::watched::watched;
 use crate::press::command::Args;
-use crate::press::{files, summary};
+use crate::press::summary;
 use crate::report::read_json;
 
 /// One step of a series.
@@ -320,7 +321,7 @@ fn write_step(
     pressed: &SolvedContact,
     mat: bool,
 ) -> Result<ContactResult, Failure> {
-    let (result, _) = files::write(&output, pressed, mat)?;
+    let (result, _) = write_contact(output.files(), pressed, mat)?;
     output.commit()?;
     Ok(result)
 }

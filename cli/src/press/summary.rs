@@ -3,23 +3,11 @@
 use std::path::Path;
 
 use kufe::jobs::slide::SolvedSliding;
-use kufe::jobs::{SolvedContact, percent};
+use kufe::jobs::{SolvedContact, newtons, percent};
 use kufe::results::{
     ContactResult, Length, Measured, PeakPressure, Quantity, RunnerResult, SeriesRow,
 };
-use kufe_contact::{Measure, Solution};
-
-/// The picture's title.
-pub fn title(solution: &Solution) -> String {
-    format!(
-        "p_max {:.2} MPa ({:.2} on this mesh)   Fz {}   contact {} x {}",
-        solution.p_max / 1e6,
-        solution.p_max_mesh / 1e6,
-        force(solution.fz),
-        length(solution.length),
-        length(solution.width),
-    )
-}
+use kufe_contact::Measure;
 
 /// The readable summary: the peak with its whole error and the parts of that first, then all else.
 pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path) -> String {
@@ -49,7 +37,7 @@ pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path) -> Stri
                 angle(result.roll.error)
             ),
         ),
-        ("normal force", force(result.fz_n)),
+        ("normal force", newtons(result.fz_n)),
     ]);
     if let Some(fit) = &result.hull_fit {
         let said = format!(
@@ -305,15 +293,6 @@ fn angle(radians: f64) -> String {
 
 fn length(metres: f64) -> String {
     Length::DESCRIPTION.amount(metres)
-}
-
-fn force(newtons: f64) -> String {
-    // 1 kN less a rounding error is 1 kN too.
-    if newtons >= 999.95 {
-        format!("{:.3} kN", newtons / 1e3)
-    } else {
-        format!("{newtons:.1} N")
-    }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
+use kufe::jobs::field::pretty;
 use kufe_sled::{RunFormat, file_stem, run_file, write_run};
 use kufe_telemetry::{
     ExcludedRun, Importer, Note, Plan, PlannedRun, RunFormatWord, index_csv, model_fragment, plan,
@@ -12,7 +13,7 @@ use kufe_telemetry::{
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::output::folder::{OutputDir, pretty};
+use crate::output::folder::OutputDir;
 use crate::output::global::Global;
 use crate::output::say::{note, say};
 

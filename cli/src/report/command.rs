@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
+use kufe::jobs::field::pretty;
 use serde::Serialize;
 
 use crate::output::file::OutputFiles;
 use crate::output::folder::FolderRecord;
-use crate::output::folder::pretty;
 use crate::output::global::Global;
 use crate::output::paths::{leads_out, same_file};
 use crate::output::say::say;

@@ -2,13 +2,12 @@
 
 use std::io::BufWriter;
 
-use kufe::jobs::Failure;
+use kufe::jobs::{Failure, write_document_mat};
 use kufe_lut::MatValue;
 use kufe_sled::{LateralForce, Run, RunValidation};
 use serde::Serialize;
 
 use crate::output::folder::OutputDir;
-use crate::output::mat;
 
 /// Writes validation.mat: the document's keys, and the forces of every run.
 ///
@@ -41,7 +40,7 @@ fn write(
     series: (String, MatValue),
 ) -> Result<(), Failure> {
     output.write(name, |file| {
-        mat::write(&mut BufWriter::new(file), document, vec![series])
+        write_document_mat(&mut BufWriter::new(file), document, vec![series])
     })
 }
 

@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use kufe::jobs::field::pretty;
 use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe::report::{Kind, page};
 use serde::Serialize;
 
-use crate::output::folder::pretty;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::view::form::Form;

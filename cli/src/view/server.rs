@@ -4,12 +4,12 @@ use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use kufe::jobs::field::placed_hull;
 use kufe::jobs::{Contact, Failure, case_file::LoadedCase};
 use kufe::report::ContactPage;
 use kufe_contact::{Options, pressure_maps};
 use serde::Serialize;
 
-use crate::bodies::placed_hull::placed_hull;
 use crate::view::form::Form;
 use crate::view::request::{Refusal, Request};
 use crate::view::turn::Turn;

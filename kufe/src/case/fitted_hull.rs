@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use kufe_mesh::{
     Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, HullWarning, MeshError, Noise,
-    load_hull, noise_of_hull,
+    check_hull, load_hull, noise_of_hull,
 };
 
 use crate::case::table::{FileAxis, RunnerTable};
@@ -24,7 +24,7 @@ pub struct FittedHull {
 }
 
 /// Reads the runner's hull and fits its underside; with what fills it where the runner deforms.
-pub(crate) fn fitted_hull(
+pub(crate) fn read_hull(
     runner: &RunnerTable,
     path: &Path,
 ) -> Result<(FittedHull, Option<Filled>), MeshError> {
@@ -33,12 +33,31 @@ pub(crate) fn fitted_hull(
         up: runner.up.map(FileAxis::axis),
         forward: runner.forward.map_or(Axis::X, FileAxis::axis),
     };
-    let (hull, mut report) = load_hull(path, &options)?;
+    let (hull, report) = load_hull(path, &options)?;
+    fit(runner, hull, report, path)
+}
+
+/// As [`read_hull`], of a hull in runner axes; messages call it `name`.
+pub(crate) fn fitted_hull(
+    runner: &RunnerTable,
+    hull: Hull,
+    name: &Path,
+) -> Result<(FittedHull, Option<Filled>), MeshError> {
+    let report = check_hull(&hull).map_err(|error| error.in_file(name))?;
+    fit(runner, hull, report, name)
+}
+
+fn fit(
+    runner: &RunnerTable,
+    hull: Hull,
+    mut report: HullReport,
+    name: &Path,
+) -> Result<(FittedHull, Option<Filled>), MeshError> {
     let noise = runner.noise(&mut report, || noise_of_hull(&hull));
     let underside = FittedUnderside::new(&hull, noise.found)?;
     let fill = || Filled::of(&hull, &report, &underside, runner.height_m);
     let filled = runner.elastic.then(fill).transpose();
-    let filled = filled.map_err(|error| error.in_file(path))?;
+    let filled = filled.map_err(|error| error.in_file(name))?;
     let fitted = FittedHull {
         underside: Arc::new(underside),
         report,

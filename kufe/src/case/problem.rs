@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use kufe_files::read_regular;
 use kufe_mesh::{
-    BobRunner, Filled, FittedUnderside, LugeSteel, Paraboloid, Rocker, Section, Underside,
+    BobRunner, Filled, FittedUnderside, Hull, LugeSteel, Paraboloid, Rocker, Section, Underside,
     check_hull, read_gmsh, read_vtu, size_warnings,
 };
 
 use crate::case::check::range::combination;
-use crate::case::fitted_hull::{FittedHull, fitted_hull};
+use crate::case::fitted_hull::{FittedHull, fitted_hull, read_hull};
 use crate::case::table::{RunnerTable, SectionTable, Shape, mesh_error};
 use crate::case::{Case, CaseError};
 use kufe_contact::{ElasticRunner, Problem, Runner, RunnerSolid};
@@ -38,24 +38,31 @@ impl Case {
     /// # Errors
     /// [`CaseError`] where the case is out of range or the hull cannot be had.
     pub fn problem(&self, base: &Path) -> Result<Problem, CaseError> {
-        Ok(self.stated(base)?.problem)
+        Ok(self.stated(base, None)?.problem)
     }
 
-    /// As [`problem`](Self::problem), with the hull, so that its warnings and its fit can be told.
+    /// As [`problem`](Self::problem), with the hull, so that its warnings and its fit can be told;
+    /// `hull` as in [`runner`](Self::runner).
     ///
     /// # Errors
     /// As [`problem`](Self::problem).
-    pub fn stated(&self, base: &Path) -> Result<StatedProblem, CaseError> {
-        let (runner, hull) = self.runner(base)?;
+    pub fn stated(&self, base: &Path, hull: Option<&Hull>) -> Result<StatedProblem, CaseError> {
+        let (runner, hull) = self.runner(base, hull)?;
         let problem = self.problem_of(runner, base)?;
         Ok(StatedProblem { problem, hull })
     }
 
     /// The runner alone, and its hull where the case names one; a hull's path is taken from `base`.
     ///
+    /// `hull` [m] is the one that `runner.hull` names, where it is in memory: no file is read then.
+    ///
     /// # Errors
     /// As [`problem`](Self::problem).
-    pub fn runner(&self, base: &Path) -> Result<(Runner, Option<FittedHull>), CaseError> {
+    pub fn runner(
+        &self,
+        base: &Path,
+        hull: Option<&Hull>,
+    ) -> Result<(Runner, Option<FittedHull>), CaseError> {
         self.check()?;
         let (underside, hull, elastic) = match &self.runner.mesh {
             Some(path) => {
@@ -64,7 +71,7 @@ impl Case {
                 (underside, Some(hull), Some(elastic))
             }
             None => {
-                let (underside, hull, filled) = underside(&self.runner, base)?;
+                let (underside, hull, filled) = underside(&self.runner, base, hull)?;
                 let elastic = self.runner.elastic.then(|| self.elastic_runner(filled));
                 (underside, hull, elastic.transpose()?)
             }
@@ -177,14 +184,18 @@ fn extent(points: &[[f64; 3]]) -> [f64; 3] {
 
 type Surface = (Arc<dyn Underside>, Option<FittedHull>, Option<Filled>);
 
-fn underside(runner: &RunnerTable, base: &Path) -> Result<Surface, CaseError> {
+fn underside(runner: &RunnerTable, base: &Path, hull: Option<&Hull>) -> Result<Surface, CaseError> {
     match (&runner.shape, &runner.hull) {
         (Some(shape), _) => {
             let section = runner.section.clone().unwrap_or_default();
             Ok((shape_underside(shape, &section, base)?, None, None))
         }
         (None, Some(path)) => {
-            let (hull, filled) = fitted_hull(runner, &base.join(path)).map_err(CaseError::Hull)?;
+            let fitted = match hull {
+                Some(hull) => fitted_hull(runner, hull.clone(), path),
+                None => read_hull(runner, &base.join(path)),
+            };
+            let (hull, filled) = fitted.map_err(CaseError::Hull)?;
             Ok((hull.underside.clone(), Some(hull), filled))
         }
         (None, None) => Err(combination("runner", "expected a hull or a shape")),
@@ -323,7 +334,7 @@ mod tests {
         case.runner.scale = Some(0.001);
         case.runner.up = Some(FileAxis::Y);
         case.runner.forward = Some(FileAxis::Z);
-        let stated = case.stated(folder.path())?;
+        let stated = case.stated(folder.path(), None)?;
         let fitted = stated.problem.runner.underside;
         for (x, y) in [(0.0, 0.0), (0.05, 0.0), (0.02, 0.0007), (-0.03, -0.001)] {
             let error = fitted.height(x, y) - runner.height(x, y);

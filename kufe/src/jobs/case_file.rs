@@ -1,12 +1,13 @@
 //! A case and the file that it came from.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::case::{Case, FittedHull, StatedProblem};
 use kufe_contact::{Error, NUMERICS, Solution, SurfaceField};
 use kufe_files::{read_regular, text_of_regular};
 use kufe_lut::sha256;
-use kufe_mesh::hull_files;
+use kufe_mesh::{Hull, hull_files};
 
 use crate::jobs::failure::Failure;
 
@@ -27,6 +28,8 @@ pub struct LoadedCase {
     pub base: PathBuf,
     /// The case.
     pub case: Case,
+    /// The hull that `runner.hull` names, in runner axes, where it is in memory and no file is read.
+    pub hull: Option<Arc<Hull>>,
 }
 
 impl LoadedCase {
@@ -62,6 +65,7 @@ impl LoadedCase {
             name: name.to_string(),
             base: base.to_path_buf(),
             case,
+            hull: None,
         })
     }
 
@@ -74,6 +78,9 @@ impl LoadedCase {
         let told = |error| Failure::BadInput(format!("{}: runner.hull: {error}", self.name));
         let mut files = Vec::new();
         for (key, file) in self.case.files() {
+            if key == "runner.hull" && self.hull.is_some() {
+                continue;
+            }
             let path = self.base.join(file);
             if key == "runner.hull" {
                 let parts = hull_files(&path).map_err(told)?;
@@ -92,6 +99,14 @@ impl LoadedCase {
     /// [`Failure::BadInput`] where a file cannot be read.
     pub fn content(&self) -> Result<String, Failure> {
         let mut digests = format!("numerics {NUMERICS}");
+        if let Some(hull) = &self.hull {
+            let numbers = hull.positions.as_flattened().iter();
+            let mut bytes: Vec<u8> = numbers.flat_map(|v| v.to_le_bytes()).collect();
+            let corners = hull.triangles.as_flattened().iter();
+            bytes.extend(corners.flat_map(|k| k.to_le_bytes()));
+            digests += "\n";
+            digests += &sha256(&bytes);
+        }
         for (key, file) in self.files()? {
             let bytes = read_regular(&file, LARGEST).map_err(|error| {
                 let (case, file) = (&self.name, file.display());
@@ -123,7 +138,7 @@ impl LoadedCase {
     /// As [`stated`](Self::stated).
     pub fn stated_sliding(&self) -> Result<StatedProblem, Failure> {
         self.case
-            .stated(&self.base)
+            .stated(&self.base, self.hull.as_deref())
             .map_err(|error| Failure::BadInput(format!("{}: {error}", self.name)))
     }
 
@@ -156,6 +171,7 @@ impl LoadedCase {
             name: format!("{} with {key} = {value}", self.name),
             base: self.base.clone(),
             case,
+            hull: self.hull.clone(),
         })
     }
 

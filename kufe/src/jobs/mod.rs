@@ -22,6 +22,7 @@
 
 pub mod case_file;
 mod case_json;
+mod document_mat;
 pub mod failure;
 pub mod field;
 mod press;
@@ -32,9 +33,10 @@ mod watch;
 mod write_whole;
 
 pub use case_json::{case_json, json_number, toml_json};
+pub use document_mat::write_document_mat;
 pub use failure::Failure;
 pub use press::{
-    Contact, Prepared, SolvedContact, percent, press_prepared, time_left, with_progress,
+    Contact, Prepared, SolvedContact, newtons, percent, press_prepared, time_left, with_progress,
 };
 pub use watch::Watch;
 pub use write_whole::write_whole;

@@ -16,6 +16,34 @@ pub struct Hull {
 }
 
 impl Hull {
+    /// The underside of a height map: vertices at every `x` and `y` with the `heights` [m],
+    /// `y.len()` rows of `x.len()`, and
+    /// two triangles a cell whose outside is below. Heights that are no numbers leave holes.
+    ///
+    /// # Panics
+    /// Where there is not one height a vertex.
+    pub fn underside_of(x: &[f64], y: &[f64], heights: &[f64]) -> Hull {
+        assert_eq!(heights.len(), x.len() * y.len(), "one height a vertex");
+        let mut hull = Hull::default();
+        let mut number = vec![None; heights.len()];
+        for (k, &z) in heights.iter().enumerate() {
+            if z.is_finite() {
+                number[k] = Some(hull.positions.len() as u32);
+                hull.positions.push([x[k % x.len()], y[k / x.len()], z]);
+            }
+        }
+        for j in 1..y.len() {
+            for i in 1..x.len() {
+                let k = j * x.len() + i;
+                let corners = [k - x.len() - 1, k - x.len(), k, k - 1].map(|k| number[k]);
+                if let [Some(a), Some(b), Some(c), Some(d)] = corners {
+                    hull.triangles.extend([[a, c, b], [a, d, c]]);
+                }
+            }
+        }
+        hull
+    }
+
     /// The hull with equal positions made one vertex and collapsed triangles removed, its
     /// coordinates carried over by `rows`.
     ///

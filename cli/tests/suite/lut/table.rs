@@ -111,6 +111,20 @@ fn a_table_of_a_paraboloid_is_that_of_hertz() {
         "lut query front.lut --fz-n 9000 --curvature-1pm 0 --mode bilinear",
     ));
     assert!(said.contains("outside the table ("), "{said}");
+    for (inputs, found) in [
+        ("--fz-n 9000 --curvature-1pm 0", "fz_n = 9000: "),
+        ("--fz-n 1000 --curvature-1pm 0.5", "curvature_1pm = 0.5: "),
+    ] {
+        let strict = format!("lut query front.lut --strict {inputs}");
+        let (code, said) = fails(&bench, &words(&strict));
+        assert!(
+            code == 3 && said.contains(found) && said.contains("expected"),
+            "{said}"
+        );
+    }
+    bench.succeeds(&words(
+        "lut query front.lut --strict --fz-n 1000 --radius-m inf",
+    ));
     let said = bench.succeeds(&[
         "lut",
         "show",

@@ -73,6 +73,7 @@ impl Contact {
             name: "the contact".into(),
             base: Path::new("").into(),
             case,
+            hull: None,
         })
     }
 
@@ -190,7 +191,10 @@ impl Prepared {
     /// [`Failure::BadInput`] where the hull cannot be had, or the case is out of range.
     pub fn of(loaded: &LoadedCase) -> Result<Self, Failure> {
         let content = loaded.content()?;
-        let (runner, hull) = told(loaded, loaded.case.runner(&loaded.base))?;
+        let (runner, hull) = told(
+            loaded,
+            loaded.case.runner(&loaded.base, loaded.hull.as_deref()),
+        )?;
         Ok(Prepared {
             content,
             runner,

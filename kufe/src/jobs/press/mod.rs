@@ -7,4 +7,4 @@ mod progress;
 mod result;
 
 pub use contact::{Contact, Prepared, SolvedContact, press_prepared};
-pub use progress::{percent, time_left, with_progress};
+pub use progress::{newtons, percent, time_left, with_progress};

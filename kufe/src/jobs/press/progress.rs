@@ -50,6 +50,16 @@ pub fn with_progress(
     }
 }
 
+/// A force as people read it, in kN from one on [N].
+pub fn newtons(force: f64) -> String {
+    // 1 kN less a rounding error is 1 kN too.
+    if force >= 999.95 {
+        format!("{:.3} kN", force / 1e3)
+    } else {
+        format!("{force:.1} N")
+    }
+}
+
 /// A share in per cent, small ones with more digits.
 pub fn percent(share: f64) -> String {
     let percent = 1e2 * share;

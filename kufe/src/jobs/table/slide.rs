@@ -48,7 +48,7 @@ impl Solver {
         let case = self.case_at(point)?;
         let runner = match point.rocker_radius {
             None => self.runner.clone(),
-            Some(_) => case.case.runner(&case.base)?.0,
+            Some(_) => case.case.runner(&case.base, case.hull.as_deref())?.0,
         };
         let problem = case.case.problem_of(runner, &case.base)?;
         let ploughing = Ploughing::new(&case, sliding(&case), &problem)?;

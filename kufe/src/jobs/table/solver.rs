@@ -75,7 +75,8 @@ impl Solver {
         check_axes(spec, &loaded)?;
         let content = loaded.content()?;
         let named = |error: CaseError| Failure::BadInput(format!("{}: {error}", loaded.name));
-        let (runner, hull) = loaded.case.runner(&loaded.base).map_err(named)?;
+        let found = loaded.case.runner(&loaded.base, loaded.hull.as_deref());
+        let (runner, hull) = found.map_err(named)?;
         let base = loaded.case.problem_of(runner.clone(), &loaded.base);
         let base = base.map_err(named)?;
         for warning in loaded.hull_warnings(hull.as_ref()) {

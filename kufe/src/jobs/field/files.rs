@@ -1,31 +1,113 @@
 //! What one solved case is written to.
 
+use std::fmt::Display;
+use std::fs::File;
 use std::io::{self, BufWriter, Write};
+use std::path::Path;
 
-use kufe::jobs::field::{
-    contact_vtp, groove_map, groove_picture, map_picture, stress_picture, subsurface, volume_vtu,
-    write_exr,
-};
-use kufe::jobs::slide::SolvedSliding;
-use kufe::jobs::{Failure, SolvedContact};
-use kufe::results::ContactResult;
 use kufe_contact::{PressureMap, Solution, pressure_maps};
 use kufe_lut::MatValue;
 use kufe_mesh::HullFormat;
+use serde::Serialize;
 
-use crate::bodies::placed_hull::placed_hull;
-use crate::output::folder::OutputDir;
-use crate::output::mat;
-use crate::press::summary;
+use crate::jobs::document_mat::write_document_mat;
+use crate::jobs::failure::Failure;
+use crate::jobs::field::placed_hull::placed_hull;
+use crate::jobs::field::{
+    contact_vtp, groove_map, groove_picture, map_picture, stress_picture, subsurface, volume_vtu,
+    write_exr,
+};
+use crate::jobs::press::{SolvedContact, newtons};
+use crate::jobs::slide::SolvedSliding;
+use crate::results::{ContactResult, Length, Quantity};
 
+/// Files of a result in a folder that nobody sees yet; the caller moves them to their place.
+#[derive(Clone, Copy)]
+pub struct NewFiles<'a> {
+    /// The folder.
+    pub hidden: &'a Path,
+    /// What messages call it: the folder that the files are for.
+    pub named: &'a Path,
+}
+
+impl NewFiles<'_> {
+    /// Writes the file `name` with a function that takes the file.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with the path where the file cannot be written, its name is not plain,
+    /// or it was written before.
+    pub fn write<E: Display>(
+        &self,
+        name: &str,
+        write: impl FnOnce(&File) -> Result<(), E>,
+    ) -> Result<(), Failure> {
+        let refused = |c: char| c.is_control() || "/\\:".contains(c);
+        if name.is_empty() || name.starts_with('.') || name.contains(refused) {
+            return Err(self.failure(name, &"it is not the plain name of a file"));
+        }
+        let failure = |error: &dyn Display| self.failure(name, error);
+        let file = File::create_new(self.hidden.join(name)).map_err(|e| failure(&e))?;
+        write(&file).map_err(|error| failure(&error))?;
+        file.sync_all().map_err(|error| failure(&error))
+    }
+
+    /// As [`write`](Self::write), with a function that takes the path to write to.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn draw<E: Display>(
+        &self,
+        name: &str,
+        draw: impl FnOnce(&Path) -> Result<(), E>,
+    ) -> Result<(), Failure> {
+        self.write(name, |_| Ok::<_, E>(()))?;
+        draw(&self.hidden.join(name)).map_err(|error| self.failure(name, &error))
+    }
+
+    /// Writes a result as JSON that people can read; returns the text.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn json(&self, name: &str, result: &impl Serialize) -> Result<String, Failure> {
+        let text = pretty(result)?;
+        self.write(name, |mut file| file.write_all(text.as_bytes()))?;
+        Ok(text)
+    }
+
+    fn failure(&self, name: &str, reason: &dyn Display) -> Failure {
+        let path = self.named.join(name);
+        Failure::BadInput(format!("{}: cannot be written: {reason}", path.display()))
+    }
+}
+
+/// A result as JSON that people can read.
+///
+/// # Errors
+/// [`Failure::BadInput`] for a result that JSON cannot state.
+pub fn pretty(result: &impl Serialize) -> Result<String, Failure> {
+    let text = serde_json::to_string_pretty(result).map_err(Failure::bad_input)?;
+    Ok(text + "\n")
+}
+
+/// The picture's title.
+fn title(solution: &Solution) -> String {
+    format!(
+        "p_max {:.2} MPa ({:.2} on this mesh)   Fz {}   contact {} x {}",
+        solution.p_max / 1e6,
+        solution.p_max_mesh / 1e6,
+        newtons(solution.fz),
+        Length::DESCRIPTION.amount(solution.length),
+        Length::DESCRIPTION.amount(solution.width),
+    )
+}
 /// Writes result.json, pressure.exr, pressure.png, field.vtu, contact.vtp, hull.glb where the shape has ends, and runner.vtu and stress.png where the runner deforms; where it
 /// slides groove.exr, groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files;
 /// with `mat` result.mat. Returns the document and its text.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the file that cannot be written.
-pub fn write(
-    output: &OutputDir,
+pub fn write_contact(
+    output: NewFiles,
     pressed: &SolvedContact,
     mat: bool,
 ) -> Result<(ContactResult, String), Failure> {
@@ -50,7 +132,7 @@ pub fn write(
 
 /// Writes maps, fields and the surfaces, side by side; returns the largest pressure of the map and the largest compressive stress of the
 /// field [Pa].
-fn fields(output: &OutputDir, pressed: &SolvedContact) -> Result<(f64, f64), Failure> {
+fn fields(output: NewFiles, pressed: &SolvedContact) -> Result<(f64, f64), Failure> {
     let bodies = || rayon::join(|| volumes(output, pressed), || surfaces(output, pressed));
     let (maps, (volumes, surfaces)) = rayon::join(|| maps(output, pressed), bodies);
     surfaces?;
@@ -58,7 +140,7 @@ fn fields(output: &OutputDir, pressed: &SolvedContact) -> Result<(f64, f64), Fai
 }
 
 /// Writes what is a picture of the contact plane; returns the largest pressure [Pa].
-fn maps(output: &OutputDir, pressed: &SolvedContact) -> Result<f64, Failure> {
+fn maps(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
     let solution = &pressed.solution;
     let parts = pressure_maps(solution);
     let whole = (parts.len() > 1).then(|| PressureMap::of(solution));
@@ -78,7 +160,7 @@ fn maps(output: &OutputDir, pressed: &SolvedContact) -> Result<f64, Failure> {
         })
     };
     let picture = || {
-        let title = summary::title(solution);
+        let title = title(solution);
         output.draw("pressure.png", |path| {
             map_picture::write(path, &parts, &title)
         })
@@ -92,7 +174,7 @@ fn maps(output: &OutputDir, pressed: &SolvedContact) -> Result<f64, Failure> {
 }
 
 /// Writes the hexahedra of ice and runner; returns the largest compressive stress across the ice's surface [Pa].
-fn volumes(output: &OutputDir, pressed: &SolvedContact) -> Result<f64, Failure> {
+fn volumes(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
     let shear = pressed.line.is_some();
     let solution = &pressed.solution;
     let mut stress_max = 0.0;
@@ -111,7 +193,7 @@ fn volumes(output: &OutputDir, pressed: &SolvedContact) -> Result<f64, Failure> 
 }
 
 /// Writes the patch, the sections of a runner that deforms, and the hull where it stands.
-fn surfaces(output: &OutputDir, pressed: &SolvedContact) -> Result<(), Failure> {
+fn surfaces(output: NewFiles, pressed: &SolvedContact) -> Result<(), Failure> {
     let solution = &pressed.solution;
     output.write("contact.vtp", |mut file| {
         contact_vtp::write(&mut file, &solution.surface, solution.fz)
@@ -154,7 +236,7 @@ fn write_mat(
         ("map_uz_m", over_plane(&map.uz)),
     ];
     let fields = fields.map(|(name, value)| (name.to_owned(), value));
-    mat::write(writer, result, fields.into())
+    write_document_mat(writer, result, fields.into())
 }
 
 const COMMENTS: &str = "depth: plastic depth of the ice [m]. Column i, row j of the pixels is centred at x = origin_x_m + i pixel_x_m \
@@ -165,7 +247,7 @@ const COMMENTS: &str = "depth: plastic depth of the ice [m]. Column i, row j of 
 /// # Errors
 /// [`Failure::BadInput`] with the file that cannot be written.
 fn write_sliding(
-    output: &OutputDir,
+    output: NewFiles,
     pressed: &SolvedContact,
     map: &PressureMap,
     slid: &SolvedSliding,

@@ -44,29 +44,11 @@ pub fn placed_hull(problem: &Problem, solution: &Solution) -> Option<Hull> {
     let node = |k: usize, count: usize, low: f64, high: f64| {
         low + (high - low) * k as f64 / (count - 1) as f64
     };
-    let mut hull = Hull::default();
-    let mut number = vec![None; nx * ny];
-    for j in 0..ny {
-        for i in 0..nx {
-            let (x, y) = (node(i, nx, x_min, x_max), node(j, ny, y_min, y_max));
-            let z = above(x, y) - down;
-            if z.is_finite() {
-                number[j * nx + i] = Some(hull.positions.len() as u32);
-                hull.positions.push([x, y, z]);
-            }
-        }
-    }
-    for j in 0..ny - 1 {
-        for i in 0..nx - 1 {
-            let k = j * nx + i;
-            let corners = [k, k + 1, k + 1 + nx, k + nx].map(|k| number[k]);
-            if let [Some(a), Some(b), Some(c), Some(d)] = corners {
-                // Seen from below, the outside of an underside.
-                hull.triangles.extend([[a, c, b], [a, d, c]]);
-            }
-        }
-    }
-    Some(hull)
+    let along: Vec<f64> = (0..nx).map(|i| node(i, nx, x_min, x_max)).collect();
+    let across: Vec<f64> = (0..ny).map(|j| node(j, ny, y_min, y_max)).collect();
+    let at = |k: usize| above(along[k % nx], across[k / nx]) - down;
+    let heights: Vec<f64> = (0..nx * ny).map(at).collect();
+    Some(Hull::underside_of(&along, &across, &heights))
 }
 
 #[cfg(test)]

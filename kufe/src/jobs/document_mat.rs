@@ -2,15 +2,16 @@
 
 use std::io::Write;
 
-use kufe::jobs::Failure;
 use kufe_lut::{MatValue, write_mat_file};
 use serde::Serialize;
+
+use crate::jobs::failure::Failure;
 
 /// Writes every key of `document` and `more` as variables.
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write(
+pub fn write_document_mat(
     writer: &mut dyn Write,
     document: &impl Serialize,
     more: Vec<(String, MatValue)>,
