@@ -4,9 +4,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Crates whose folders still import one another in circles.
-const WITH_CIRCLES: [&str; 2] = ["cli", "sled"];
-
 type Graph = BTreeMap<String, BTreeSet<String>>;
 
 fn root() -> PathBuf {
@@ -129,9 +126,6 @@ fn folders_of_a_crate_import_one_another_in_one_direction() {
     let mut checked = 0;
     for folder in crates.filter(|path| path.join("Cargo.toml").exists()) {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
-        if WITH_CIRCLES.contains(&name.as_ref()) {
-            continue;
-        }
         let graph = imports(&folder.join("src"));
         let circle = in_circles(&graph);
         assert!(circle.is_empty(), "{name}: {circle:?} in {graph:#?}");

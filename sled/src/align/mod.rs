@@ -38,6 +38,7 @@ pub struct AlignedRun {
     /// Largest standard error of the place along the run [m].
     pub sd_m: f64,
     /// Share of the track's variance that is left, curvature and bank together, at the search's straight line.
+    #[serde(rename = "left")]
     pub misfit: f64,
     /// The same at the best place more than 15 m away; none where no other was tried.
     pub left_elsewhere: Option<f64>,
