@@ -265,7 +265,7 @@ impl HullOptions {
             return Ok([x, y, z].map(|row| row.map(|v| v * self.scale)));
         }
         let [roll, pitch, yaw] = self.rotation;
-        let axes = [x, y, z].map(|row| RowVector3::from(row));
+        let axes = [x, y, z].map(RowVector3::from);
         let rows = Rotation3::from_euler_angles(roll, pitch, yaw) * Matrix3::from_rows(&axes);
         Ok([0, 1, 2].map(|row| [0, 1, 2].map(|column| rows[(row, column)] * self.scale)))
     }

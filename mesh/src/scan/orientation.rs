@@ -91,10 +91,10 @@ impl Orientation {
         let keel = keel_yaw(&hull.positions);
         let start = -keel.map_or(0.0, |keel| keel.value);
         let mut rotation = Rotation3::from_euler_angles(0.0, 0.0, start);
-        let mut found = Registered::default();
+        let mut found = Registration::default();
         for _ in 0..ROUNDS {
             let turned = hull.turned(rotation.matrix());
-            found = Registered::of(&turned, noise)?;
+            found = Registration::of(&turned, noise)?;
             let of = |unknown: usize| {
                 let known = found.errors[unknown].is_some_and(|error| error < UNKNOWN);
                 if known { found.values[unknown] } else { 0.0 }
@@ -173,7 +173,7 @@ pub(crate) fn keel_yaw(points: &[[f64; 3]]) -> Option<Estimate> {
 
 /// What the registration of a hull with its mirror images gives.
 #[derive(Clone, Copy, Debug, Default)]
-struct Registered {
+struct Registration {
     /// Of the unknowns [rad] and [m].
     values: [f64; UNKNOWNS],
     /// Their errors (95 %); `None` for what is not shown.
@@ -199,7 +199,7 @@ struct Ends {
     error: f64,
 }
 
-impl Registered {
+impl Registration {
     fn of(hull: &Hull, noise: f64) -> Result<Self, MeshError> {
         let surface = FittedUnderside::without_symmetry(hull, noise)?;
         let part = Downward::of(hull)?;
@@ -224,7 +224,7 @@ impl Registered {
             return Ok(Self::default());
         };
         let noise = noise.hypot(surface.quality().residual_rms);
-        let both = Self::registered(&surface, &vertices, &ends, [true; 2]);
+        let both = Self::of_images(&surface, &vertices, &ends, [true; 2]);
         let alike = both.map_or([false; 2], |(_, scatter)| {
             [0, 1].map(|axis| scatter[axis] <= allowed(&vertices, axis, noise))
         });
@@ -234,14 +234,14 @@ impl Registered {
         // An image that differs spoils the yaw of the other.
         let alone = |axis: usize| {
             let images = [axis == 0, axis == 1];
-            let (found, scatter) = Self::registered(&surface, &vertices, &ends, images)?;
+            let (found, scatter) = Self::of_images(&surface, &vertices, &ends, images)?;
             (scatter[axis] <= allowed(&vertices, axis, noise)).then_some(found)
         };
         Ok(alone(0).or_else(|| alone(1)).unwrap_or_default())
     }
 
     /// Least squares over the chosen images; with the typical distance to each.
-    fn registered(
+    fn of_images(
         surface: &FittedUnderside,
         vertices: &[Vertex],
         ends: &Ends,
