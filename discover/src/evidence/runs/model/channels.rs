@@ -92,10 +92,9 @@ impl<'a> Channels<'a> {
             to.iter_mut().zip(other).for_each(|(to, x)| *to -= by * x);
         };
         take_off(to_value.to_mut(), &value);
-        match (to_slope, slope) {
-            (Some(to), Some(slope)) => take_off(to.to_mut(), &slope),
-            // An accelerometer has no derivative here; what a gyroscope picks up of it changes slowly.
-            _ => {}
+        // An accelerometer has no derivative here; what a gyroscope picks up of it changes slowly.
+        if let (Some(to), Some(slope)) = (to_slope, slope) {
+            take_off(to.to_mut(), &slope);
         }
     }
 
