@@ -215,10 +215,7 @@ impl Hull {
             .collect()
     }
 
-    fn __getnewargs__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>)> {
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Arrays<'py>> {
         Ok((self.vertices_m(py)?, self.triangles(py)?))
     }
 
@@ -227,6 +224,9 @@ impl Hull {
         format!("<kufe.Hull {vertices} vertices, {triangles} triangles>")
     }
 }
+
+/// Vertices [m] and triangles.
+type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
 
 fn tessellated(swept: Result<Swept, MeshError>, edge_length: f64) -> Result<Hull, MeshError> {
     Hull::checked(tessellate(&swept?, edge_length)?)

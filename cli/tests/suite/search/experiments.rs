@@ -286,14 +286,15 @@ fn only_what_is_asked_for_is_looked_for() -> Outcome {
     Ok(())
 }
 
+/// A factor on mu over the temperature of the ice [C] and the speed [m/s].
+type Law = fn(f64, f64) -> f64;
+
 /// A hump of 18 % over speed, and a parabola of temperature: neither is a line, and each is found as what it is.
 #[test]
 fn laws_that_are_not_monotonic_are_found_as_parabolas() -> Outcome {
     let hump = |_: f64, v: f64| 1.0 + 0.18 * (-((v - 15.0) / 4.0).powi(2)).exp();
     let parabola = |ice: f64, _: f64| 1.0 + 0.01 * (ice + 6.5).powi(2);
-    let laws: [(&str, Box<dyn Fn(f64, f64) -> f64>); 2] =
-        [("v_mps", Box::new(hump)), ("ice_c", Box::new(parabola))];
-    for (column, law) in laws {
+    for (column, law) in [("v_mps", hump as Law), ("ice_c", parabola as Law)] {
         let folder = tempfile::tempdir()?;
         let at = folder.path();
         std::fs::write(at.join("experiments.csv"), table(law))?;
