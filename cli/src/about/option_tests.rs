@@ -24,11 +24,11 @@ const ENDS: [(&str, &str); 12] = [
 ];
 
 /// Numbers without a unit.
-const PURE: [&str; 5] = ["confidence", "e", "mu-cap", "skill", "zeta"];
+const PURE: [&str; 6] = ["confidence", "e", "mu-cap", "p-max", "skill", "zeta"];
 
 /// What each command says in words of its own: what it writes, and which runs it takes or makes.
-const OWN: [&str; 8] = [
-    "driver", "mat", "out", "run", "runs", "seed", "session", "track",
+const OWN: [&str; 9] = [
+    "driver", "mat", "out", "run", "runs", "seed", "session", "strict", "track",
 ];
 
 /// The options of all commands that are not every command's, each with the words of its command.

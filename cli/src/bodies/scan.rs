@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use kufe::jobs::Failure;
 use kufe_contact::hertz;
 use kufe_mesh::{
-    Axis, Coarse, Estimate, FittedUnderside, HullOptions, HullReport, HullWarning, Orientation,
-    Sampling, ScanFrame, load_hull, noise_of_hull, smaller_by, strips_of_hull,
+    Axis, Coarse, Estimate, FittedUnderside, Hull, HullOptions, HullReport, HullWarning,
+    Orientation, Sampling, ScanFrame, load_hull, noise_of_hull, smaller_by, strips_of_hull,
 };
 use serde_json::{Value, json};
 
@@ -69,7 +69,6 @@ struct Found {
 /// [`Failure::BadInput`] for a hull that cannot be read or has no rounded underside, a force that is not positive, and a case that exists
 /// or cannot be written.
 pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
-    let path = check.file.display();
     if let Some(fz) = check.fz_n.iter().find(|fz| !(**fz > 0.0 && fz.is_finite())) {
         let text = format!("--fz-n {fz}: expected positive forces [N]");
         return Err(Failure::Usage(text));
@@ -80,10 +79,7 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
     }
     let inputs = std::slice::from_ref(&check.file);
     let files = OutputFiles::begin("hull check", inputs, check.out.as_slice(), global.force)?;
-    let told = |reason: &str| Failure::BadInput(format!("{path}: {reason}"));
-    let found = look(check)?.ok_or_else(|| {
-        told("no side of it is rounded along and across, as the underside of a runner is (rocker and section)")
-    })?;
+    let found = look(check)?;
     if let Some(out) = &check.out {
         let text = case(check, out, &found)?;
         files.write(out, |writer| writer.write_all(text.as_bytes()))?;
@@ -97,7 +93,19 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
     Ok(())
 }
 
-fn look(check: &Check) -> Result<Option<Found>, Failure> {
+/// No side was found that is rounded as a runner's underside is; long strips may be why.
+fn not_rounded(file: &Path, hull: &Hull) -> Failure {
+    let reason = strips_of_hull(hull).map_or_else(
+        || {
+            "no side of it is rounded along and across, as the underside of a runner is (rocker and section)"
+                .to_owned()
+        },
+        |length| HullWarning::Strips { length }.to_string(),
+    );
+    Failure::BadInput(format!("{}: {reason}", file.display()))
+}
+
+fn look(check: &Check) -> Result<Found, Failure> {
     let (path, forces) = (&check.file, &check.fz_n);
     let share = check.p_max.unwrap_or(JUDGED);
     let as_it_is = HullOptions {
@@ -106,7 +114,7 @@ fn look(check: &Check) -> Result<Option<Found>, Failure> {
     };
     let (hull, _) = load_hull(path, &as_it_is).map_err(Failure::bad_input)?;
     let Some(mut standing) = ScanFrame::of(&hull).map_err(Failure::bad_input)? else {
-        return Ok(None);
+        return Err(not_rounded(path, &hull));
     };
     let (mut hull, mut report) = load_hull(path, &standing.options).map_err(Failure::bad_input)?;
     let noise = noise_of_hull(&hull).map_or(0.0, |noise| noise.found);
@@ -120,7 +128,7 @@ fn look(check: &Check) -> Result<Option<Found>, Failure> {
         }
     }
     let Some(sampling) = Sampling::of(&hull, standing.section_radius) else {
-        return Ok(None);
+        return Err(not_rounded(path, &hull));
     };
     let noise = stated(&sampling).unwrap_or(0.0);
     let judge = |underside: FittedUnderside| {
@@ -136,7 +144,7 @@ fn look(check: &Check) -> Result<Option<Found>, Failure> {
         });
         judged.collect::<Result<Vec<Judged>, String>>()
     };
-    Ok(Some(Found {
+    Ok(Found {
         vertices: hull.positions.len(),
         triangles: hull.triangles.len(),
         judged: FittedUnderside::new(&hull, noise)
@@ -148,7 +156,7 @@ fn look(check: &Check) -> Result<Option<Found>, Failure> {
         orientation,
         report,
         sampling,
-    }))
+    })
 }
 
 /// The middle of a hull, along and across, that does not reach over or under its origin [m].

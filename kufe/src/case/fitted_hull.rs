@@ -99,15 +99,14 @@ const ROCKER_OVER_SECTION: f64 = 10.0;
 /// Why a hull, x forward and z up, does not look like a runner, before time is spent on it.
 fn unlike_runner(hull: &Hull) -> Result<Option<HullWarning>, MeshError> {
     let Some(found) = ScanFrame::of(hull)? else {
-        return Ok(Some(HullWarning::NotRounded { up: None }));
+        return Ok(None);
     };
     let up = found.options.up.filter(|up| *up != Axis::Z);
     let radii = [found.rocker_radius, found.section_radius];
     let round = radii[0] < ROCKER_OVER_SECTION * radii[1];
     Ok(match up {
         _ if round => Some(HullWarning::NoRunner { radii }),
-        Some(_) => Some(HullWarning::NotRounded { up }),
-        None => None,
+        up => up.map(|up| HullWarning::NotRounded { up }),
     })
 }
 

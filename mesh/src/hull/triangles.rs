@@ -329,10 +329,10 @@ pub enum HullWarning {
         /// Their length along x [m].
         length: f64,
     },
-    /// No side is rounded along and across, or the rounded side does not face down.
+    /// The side that is rounded along and across does not face down.
     NotRounded {
-        /// The file's axis that points away from the rounded side, where there is one.
-        up: Option<Axis>,
+        /// The file's axis that points away from the rounded side.
+        up: Axis,
     },
     /// The lowest place is about as round along as across.
     NoRunner {
@@ -392,11 +392,7 @@ impl fmt::Display for HullWarning {
                 "the underside's triangles are strips of {:.0} mm along the runner: export it with edges of a few millimetres along",
                 1e3 * length
             ),
-            Self::NotRounded { up: None } => write!(
-                f,
-                "no side of the hull is rounded along and across as a runner's underside is: the answer is that of whatever lies lowest"
-            ),
-            Self::NotRounded { up: Some(up) } => write!(
+            Self::NotRounded { up } => write!(
                 f,
                 "the side that is rounded as a runner's underside does not face down: up = \"{up}\" would turn it so"
             ),

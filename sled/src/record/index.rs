@@ -124,8 +124,10 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
         }
         let path = folder.join(text("file")?);
         if let Some(first) = files.insert(path.clone(), run.clone()) {
-            let second = run;
-            return Err(Error::DuplicateContent { first, second });
+            let reason = format!(
+                "row {row}: run {run:?} has the same file as run {first:?}, expected each run once"
+            );
+            return Err(Error::file(&file, reason));
         }
         let mut own = Vec::new();
         for (s_m, place) in &sensors {

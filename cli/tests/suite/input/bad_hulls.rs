@@ -43,8 +43,10 @@ fn refused(bench: &Bench, hull: &str, expected: &[&str]) {
     );
 }
 
+/// The peak, also where the vertices leave it less certain than the case requests.
 fn p_max(output: &Output) -> f64 {
-    assert!(output.status.success(), "{}", errors(output));
+    let code = output.status.code();
+    assert!(matches!(code, Some(0 | 4)), "{}", errors(output));
     let result: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     result["p_max_pa"].as_f64().expect("a peak")
 }

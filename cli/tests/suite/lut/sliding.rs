@@ -57,7 +57,7 @@ fn a_node_is_what_press_says_of_that_load_track_speed_and_ice() {
             looked[key].as_f64().unwrap(),
             pressed[key].as_f64().unwrap(),
         );
-        assert!((a / b - 1.0).abs() < 1e-9, "{key}: {a} {b}");
+        assert!((a - b).abs() <= 1e-9 * b.abs(), "{key}: {a} {b}");
     }
     assert_eq!(looked["out_of_range"], false);
     let outside = bench.succeeds(&[

@@ -410,6 +410,8 @@ fn strips_along_a_runner_are_recognised() {
         }
     }
     bench.write("strips.obj", obj);
-    let text = bench.succeeds(&["hull", "check", "strips.obj"]);
+    let output = bench.kufe(&["hull", "check", "strips.obj"]);
+    let text = [output.stdout, output.stderr].concat();
+    let text = String::from_utf8_lossy(&text);
     assert!(text.contains("strips of 43 mm along the runner"), "{text}");
 }

@@ -116,7 +116,7 @@ p_max = 0.01
             (
                 "thickness_m = 0.05",
                 "thickness_m = \"half\"",
-                "line 6: `thickness_m = \"half\"`: invalid value: string \"half\", expected a thickness in metres or \"half-space\"",
+                "line 6: `thickness_m = \"half\"`: found \"half\", expected a thickness in metres or \"half-space\"",
             ),
             (
                 "rocker_radius_m = 30.0",
