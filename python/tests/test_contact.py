@@ -236,7 +236,9 @@ def test_ctrl_c_ends_within_two_seconds(work, tmp_path):
         header = "specimen,p_max_pa,p_max_sd_pa,mu,mu_sd"
         (tmp_path / "experiments.csv").write_text("\n".join([header, *rows]))
         (tmp_path / "model.toml").write_text(MODEL)
-    code = f"import kufe\nprint('begun', flush=True)\ntry:\n    {jobs[work]}\nexcept KeyboardInterrupt:\n    print('interrupted', flush=True)\n"
+    # A shell without job control starts programs that ignore the signal.
+    handler = "signal.signal(signal.SIGINT, signal.default_int_handler)"
+    code = f"import kufe, signal\n{handler}\nprint('begun', flush=True)\ntry:\n    {jobs[work]}\nexcept KeyboardInterrupt:\n    print('interrupted', flush=True)\n"
     process = subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, text=True)
     assert process.stdout.readline() == "begun\n"
     time.sleep(0.5)

@@ -198,6 +198,7 @@ fn a_slip_sensor_that_warms_up_is_no_offset() {
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn a_gyro_late_by_far_more_than_its_tolerance_is_named_and_no_inertia_in_its_place() {
     let hidden = 0.037;
     let report = searched(&format!("[effects.yaw-rate-lag]\ntime_s = {hidden}"), 8, 16);
@@ -207,6 +208,7 @@ fn a_gyro_late_by_far_more_than_its_tolerance_is_named_and_no_inertia_in_its_pla
 }
 
 #[test]
+#[ignore = "slow study: .ci/slow"]
 fn a_mass_is_named_and_not_the_drag_and_the_inertia_that_it_seems_to_lack() {
     let hidden = 80.0;
     let report = searched(&format!("[effects.mass]\nexcess_kg = {hidden}"), 3, 16);

@@ -83,7 +83,7 @@ fn a_good_file_is_accepted_and_extra_columns_are_kept() {
             }
         })
         .collect();
-    std::fs::write(&path, with.join("\n")).unwrap();
+    std::fs::write(&path, with.join("\n") + "\n").unwrap();
     let runs = read_runs(
         &index(folder.path(), &[("K1", "good.csv")]),
         &Needs::FORCES,

@@ -39,7 +39,7 @@ fn said(run: &Run, lines: impl Fn(Vec<String>) -> Vec<String>) -> Examination {
     write_run(run, &mut file, RunFormat::Csv).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     let lines = lines(text.lines().map(str::to_owned).collect());
-    std::fs::write(&path, lines.join("\n")).unwrap();
+    std::fs::write(&path, lines.join("\n") + "\n").unwrap();
     one(folder.path())
 }
 

@@ -51,7 +51,7 @@ fn damaged(
     let lines: Vec<&str> = kept.map(|(_, line)| line).collect();
     let mut entry = run.entry.clone();
     entry.file = folder.path().join("run.csv");
-    std::fs::write(&entry.file, lines.join("\n")).unwrap();
+    std::fs::write(&entry.file, lines.join("\n") + "\n").unwrap();
     read_run(entry, &kufe_sled::COLUMNS, OnGaps::LeaveOut).unwrap()
 }
 
