@@ -151,7 +151,7 @@ p_max = 0.01
             (
                 "fz_n = 1000.0",
                 "fz_n = \"1 kN\"",
-                "line 10: `fz_n = \"1 kN\"`: invalid type: string \"1 kN\", expected f64",
+                "line 10: load.fz_n = \"1 kN\": expected a force in newtons from 0.001 to 1e7",
             ),
             (
                 "fz_n = 1000.0",
