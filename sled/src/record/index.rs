@@ -124,9 +124,8 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
         }
         let path = folder.join(text("file")?);
         if let Some(first) = files.insert(path.clone(), run.clone()) {
-            let reason = format!(
-                "row {row}: run {run:?} has the same file as run {first:?}, expected each run once"
-            );
+            let same = Error::DuplicateContent { first, second: run };
+            let reason = format!("row {row}: {same}");
             return Err(Error::file(&file, reason));
         }
         let mut own = Vec::new();
