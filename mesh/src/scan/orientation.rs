@@ -19,7 +19,7 @@ const MOST: usize = 30_000;
 const ROUNDS: usize = 3;
 /// Gauss-Newton steps of one registration.
 const STEPS: usize = 5;
-/// Steps beyond this do not come from a small rotation [rad].
+/// Larger steps do not come from a small rotation [rad].
 const LARGEST_STEP: f64 = 0.3;
 /// Residuals farther out than this many times the median are outliers.
 const OUTLIER: f64 = 6.0;
@@ -83,7 +83,8 @@ impl Orientation {
     /// is registered with both images of the vertices by least squares of the distance along the normal; the middle between the hull's ends
     /// is one more equation, since a rocker of constant radius looks the same at every pitch. Where an image differs by more than
     /// 2 per cent of the heights' standard deviation it shows nothing; yaw then follows from the lowest line. Errors are those of a jackknife over
-    /// ten parts of the length (B. Efron, The Jackknife, 1982), times Student's t.
+    /// ten parts of the length (B. Efron, The Jackknife, 1982), times Student's t; where the shape
+    /// does not show roll, those of yaw and pitch contain that an unknown roll turns one into the other.
     ///
     /// # Errors
     /// As [`FittedUnderside::new`].
@@ -107,14 +108,26 @@ impl Orientation {
             let error = found.errors[unknown]?.hypot(ROUNDING);
             (error < UNKNOWN).then_some(Estimate { value, error })
         };
+        let roll = angle(ROLL, roll);
+        // A roll that is not shown turns yaw and pitch into each other.
+        let turned_by_roll = |found: Option<Estimate>, other: f64| {
+            found.map(|found| Estimate {
+                error: if roll.is_some() {
+                    found.error
+                } else {
+                    found.error.hypot(UNKNOWN * other)
+                },
+                ..found
+            })
+        };
         let along_keel = keel.map(|keel| Estimate {
             value: -keel.value,
             ..keel
         });
         Ok(Self {
-            yaw: angle(YAW, yaw).or(along_keel),
-            pitch: angle(PITCH, pitch),
-            roll: angle(ROLL, roll),
+            yaw: turned_by_roll(angle(YAW, yaw), pitch).or(along_keel),
+            pitch: turned_by_roll(angle(PITCH, pitch), yaw),
+            roll,
             middle: [X, Y].map(|unknown| {
                 let error = found.errors[unknown]?.hypot(ROUNDING);
                 Some(Estimate {
@@ -446,17 +459,17 @@ impl Equations {
         sums
     }
 
-    /// All of them, one left out.
+    /// All of them without one.
     fn sum(parts: &[Self], without: Option<usize>) -> Self {
-        let kept = parts.iter().enumerate();
-        let mut kept = kept.filter(|(part, _)| Some(*part) != without);
+        let parts_but_one = parts.iter().enumerate();
+        let parts_but_one = parts_but_one.filter(|(part, _)| Some(*part) != without);
         let size = parts[0].right.len();
         let none = Self {
             normal: DMatrix::zeros(size, size),
             right: DVector::zeros(size),
             right_unit: DVector::zeros(size),
         };
-        kept.by_ref().fold(none, |sum, (_, part)| Self {
+        parts_but_one.fold(none, |sum, (_, part)| Self {
             normal: sum.normal + &part.normal,
             right: sum.right + &part.right,
             right_unit: sum.right_unit + &part.right_unit,
