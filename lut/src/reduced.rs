@@ -89,7 +89,7 @@ impl CurvatureScaling {
         })
     }
 
-    /// CurvatureScaling curvature, scale, and the curvatures at 0 and 1: the four numbers, in the order of
+    /// The curvature at which the runner lies flush, the scale, and the curvatures at 0 and 1: the four numbers, in the order of
     /// [`CurvatureScaling::new`].
     pub fn numbers(&self) -> [f64; 4] {
         [self.curvature, self.scale, self.from, self.to]

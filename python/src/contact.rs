@@ -491,7 +491,7 @@ fn view<'py>(
     py.import("kufe._views")?.call_method1(name, arguments)
 }
 
-/// Writes the files of a contact into a hidden folder beside `folder` and moves it there.
+/// Writes the files of a contact into a hidden folder next to `folder` and moves it there.
 fn write_folder(pressed: &SolvedContact, folder: &Path, mat: bool) -> Result<(), Failure> {
     let failed = |error: std::io::Error| {
         Failure::BadInput(format!("{}: cannot be written: {error}", folder.display()))

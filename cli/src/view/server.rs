@@ -22,7 +22,7 @@ const MOST_DOFS: usize = 1_500_000;
 const MOST_CONNECTIONS: usize = 200;
 /// Longest body of a request [bytes].
 const LONGEST_BODY: usize = 4 << 10;
-/// Headers of every answer beside its type and the page's content security policy.
+/// Headers of every answer in addition to its type and the page's content security policy.
 const HEADERS: [(&str, &str); 6] = [
     ("Cache-Control", "no-store"),
     ("X-Content-Type-Options", "nosniff"),

@@ -19,7 +19,7 @@ pub enum Verdict {
     DependsOn,
     /// A place or a bin, no name.
     Located,
-    /// A misfit that repeats from run to run, without a name or a bin that stands out.
+    /// A misfit that repeats from run to run, without a name or a significant bin.
     Inadequate,
     /// Nothing stands out.
     None,
@@ -302,7 +302,7 @@ pub struct Baseline {
 pub struct Withheld {
     /// Which one.
     pub model: ModelKind,
-    /// The effects that it has beyond the model as given.
+    /// The effects that it has and the model as given has not.
     pub effects: Vec<String>,
     /// Why it is not written.
     pub reason: String,
@@ -388,7 +388,7 @@ pub struct Report {
     /// What share of the repeatable misfit the answer explains, what remains and where; empty where the data are no runs.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub explained: String,
-    /// Whether nothing that repeats from run to run remains beyond a small share in any channel.
+    /// Whether nothing that repeats from run to run remains above a small share in any channel.
     pub adequate: bool,
     /// What remains of it by channel; empty where the data are no runs.
     #[serde(skip_serializing_if = "Vec::is_empty")]

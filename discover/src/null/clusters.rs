@@ -53,9 +53,12 @@ pub fn by_sessions(
         own += u.column(run);
     }
     let variance: Vec<f64> = common.row_iter().map(|row| row.norm_squared()).collect();
-    let t = |sum: f64, squares: f64| match squares > 0.0 {
-        true => (sum / squares.sqrt()).abs(),
-        false => 0.0,
+    let t = |sum: f64, squares: f64| {
+        if squares > 0.0 {
+            (sum / squares.sqrt()).abs()
+        } else {
+            0.0
+        }
     };
     let webb = [-1.5_f64, -1.0, -0.5, 0.5, 1.0, 1.5].map(|w| w.signum() * w.abs().sqrt());
     let mut maxima: Vec<f64> = (0..draws)

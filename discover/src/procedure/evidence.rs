@@ -177,12 +177,12 @@ impl Account {
     pub fn are_withheld(&mut self, reason: &str) {
         let gone = std::mem::take(&mut self.steps);
         let names: Vec<&str> = gone.iter().map(|step| step.effect.as_str()).collect();
-        let told = format!(
+        let withheld = format!(
             "{} fits the runs it was learned from (p = {:.1e}), but the model with it is worse than the model as given on the runs put aside ({reason}): neither named nor written",
             names.join(" with "),
             gone.first().map_or(1.0, |step| step.p_value)
         );
-        self.is_left_without(vec![told]);
+        self.is_left_without(vec![withheld]);
     }
 
     /// A step is taken back that stands out at more places than it can be bound to.

@@ -127,7 +127,7 @@ pub fn adequacy(steps: &[Step], remaining: &[Remaining]) -> String {
             worst.channel
         ),
         false => format!(
-            "{} of the mean square {} misfit still repeats from run to run, most at {}: the model lacks something that is not explained.",
+            "{} of the mean square {} misfit still repeats from run to run, most at {}: an effect that is not identified is missing from the model.",
             share(&worst.of_misfit),
             worst.channel,
             worst.places.join("; ")

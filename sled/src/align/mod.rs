@@ -59,7 +59,7 @@ pub struct Aligned {
 /// Brings runs of one track to one distance: that of the survey where there is one, else that of the runs in the mean, the
 /// earliest start at 0.
 ///
-/// Curvature and bank are felt ([`TrackSignature::of`]), the place searched and then refined landmark by landmark ([`refine`]).
+/// Curvature and bank are measured ([`TrackSignature::of`]), the place searched and then refined landmark by landmark ([`refine`]).
 ///
 /// # Errors
 /// [`Error::Unplaced`] for a run that does not look like its track, or like two places of it.

@@ -66,7 +66,7 @@ fn finite_or_refused(bench: &Bench, words: &str, place: &str) -> bool {
     let words: Vec<&str> = words.split(' ').collect();
     let out = bench.path(words[words.len() - 1]);
     let output = bench.kufe(&words);
-    let told = errors(&output);
+    let message = errors(&output);
     match output.status.code() {
         Some(0) => {
             assert_eq!(not_finite(&out), None, "{words:?}");
@@ -74,11 +74,11 @@ fn finite_or_refused(bench: &Bench, words: &str, place: &str) -> bool {
             true
         }
         Some(3) => {
-            assert!(told.contains(place), "{words:?}: {told}");
+            assert!(message.contains(place), "{words:?}: {message}");
             assert!(!out.exists(), "{words:?}");
             false
         }
-        code => panic!("{words:?}: {code:?}: {told}"),
+        code => panic!("{words:?}: {code:?}: {message}"),
     }
 }
 
@@ -177,9 +177,9 @@ fn units_that_overflow_are_refused_with_their_place() {
             ),
         );
         let output = bench.kufe(&["runs", "import", "mapping.toml", "-o", "out"]);
-        let told = errors(&output);
-        assert_eq!(output.status.code(), Some(3), "{value} {unit}: {told}");
-        assert!(told.contains("row 202"), "{value} {unit}: {told}");
+        let message = errors(&output);
+        assert_eq!(output.status.code(), Some(3), "{value} {unit}: {message}");
+        assert!(message.contains("row 202"), "{value} {unit}: {message}");
     }
 }
 
@@ -193,10 +193,10 @@ fn a_recording_without_its_last_line_end_loses_its_last_row_and_says_so() {
     for cut in [1, 3, 30] {
         bench.write("runs/A1-01.csv", &whole[..whole.len() - cut]);
         let output = bench.kufe(&align);
-        let told = errors(&output);
-        assert!(output.status.success(), "{told}");
+        let message = errors(&output);
+        assert!(output.status.success(), "{message}");
         let said = "A1-01.csv: the last line has no end and is left out";
-        assert!(told.contains(said), "{cut}: {told}");
+        assert!(message.contains(said), "{cut}: {message}");
         let written = std::fs::read_to_string(bench.path("aligned/A1-01.csv")).expect("a run");
         assert_eq!(written.lines().count() - 1, rows - 1, "{cut}");
     }
@@ -266,11 +266,11 @@ fn no_table_has_a_column_twice() {
         "discover experiments.csv --model model.toml -o out",
     ] {
         let output = bench.kufe(&words.split(' ').collect::<Vec<_>>());
-        let told = errors(&output);
-        assert_eq!(output.status.code(), Some(3), "{words}: {told}");
+        let message = errors(&output);
+        assert_eq!(output.status.code(), Some(3), "{words}: {message}");
         assert!(
-            told.contains("twice") || told.contains("second time"),
-            "{words}: {told}"
+            message.contains("twice") || message.contains("second time"),
+            "{words}: {message}"
         );
     }
 }

@@ -194,7 +194,7 @@ impl Evidence for Experiments<'_> {
         }
         if self.setting.between > 0.0 {
             account.remarks.push(format!(
-                "specimens differ by a standard deviation of {} in mu beyond the deviations of their rows",
+                "specimens differ by a standard deviation of {} in mu in addition to the deviations of their rows",
                 number4(self.setting.between)
             ));
         }

@@ -21,7 +21,7 @@ pub struct Setting {
     pub known: Known,
     /// Coefficients of the base: 3 (p^2, p, 1) or 1.
     pub base: usize,
-    /// Standard deviation of mu from specimen to specimen, beyond that of the rows.
+    /// Standard deviation of mu between specimens, in addition to that of the rows.
     pub between: f64,
 }
 
@@ -236,7 +236,7 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
     fit.expect("at least one round")
 }
 
-/// The standard deviation of mu from specimen to specimen of largest restricted likelihood beside the base; 0 where fewer than three
+/// The standard deviation of mu from specimen to specimen of largest restricted likelihood given the base; 0 where fewer than three
 /// specimens were measured or hardly any of them again.
 pub fn between_specimens(setting: &Setting, rows: &[Row]) -> f64 {
     /// Deviations that are tried, in units of the rows' own, and how many.

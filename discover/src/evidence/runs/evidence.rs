@@ -17,8 +17,7 @@ use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::fit::gauss_newton::{Effort, free_base, residuals};
 use crate::evidence::runs::fit::row_noise::beyond_noise;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::model::installation::Installation;
-use crate::evidence::runs::model::residual_model::{BALANCES, CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::model::residual_model::{BASE, CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::bins::stand_out;
 use crate::evidence::runs::outcome::by_run::by_run;
@@ -55,16 +54,7 @@ impl<'a> Campaign<'a> {
                 &format!("run {}", frame.name),
             )?;
         }
-        let mut given = ResidualModel {
-            vehicle: Vehicle::new(model)?,
-            base: [1.0; 5],
-            effects: own,
-            along_path: false,
-            installation: Installation::default(),
-            contacts: None,
-            beyond_noise: [0.0; BALANCES],
-            frozen: Vec::new(),
-        };
+        let mut given = ResidualModel::new(Vehicle::new(model)?, [1.0; BASE], own);
         for frame in &data.frames {
             let stated = !frame.stated_nowhere().contains(&"ice_c");
             given

@@ -52,7 +52,7 @@ pub struct SearchRules {
     pub adequate: f64,
     /// Share by which a root mean square on locked-away data may grow against the model as given. Chosen: less is seen by no one who drives.
     pub worse: f64,
-    /// Factor between a base parameter and its given value beyond which it is implausible. Chosen: coefficients of steel on ice that
+    /// Factor between a base parameter and its given value above which it is implausible. Chosen: coefficients of steel on ice that
     /// are published for bobsleds differ by less.
     pub plausible: f64,
     /// Share of the gap that repeats from run to run, on locked-away data and with nothing named, that a step must close to be worth saying. Chosen.

@@ -19,7 +19,7 @@ pub struct Truth {
     pub rate_slope: [f64; 3],
     /// Speed [m/s].
     pub v: f64,
-    /// ReferenceProfile against the sled's axis [rad].
+    /// Course against the sled's axis [rad].
     pub beta: f64,
     /// Steering [rad].
     pub steer: f64,

@@ -68,7 +68,7 @@ impl Sled {
 pub struct Now {
     /// Speed [m/s].
     pub v: f64,
-    /// ReferenceProfile against the sled's axis, left positive [rad].
+    /// Course against the sled's axis, left positive [rad].
     pub beta: f64,
     /// Slip of both runners [rad], as their forces follow it.
     pub slip: [f64; 2],

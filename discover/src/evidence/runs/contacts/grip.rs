@@ -68,7 +68,6 @@ mod tests {
     use kufe_sled::{Model, Vehicle};
 
     use super::*;
-    use crate::evidence::runs::model::installation::Installation;
     use crate::evidence::runs::recordings::prepare::prepare;
     use crate::procedure::rules::Rules;
 
@@ -86,15 +85,9 @@ mod tests {
         let rules = Rules::default();
         let data = prepare(&recorded, &base, &BTreeMap::new(), &rules).expect("frames");
         let frames = &data.frames;
-        let of_base = |base_multipliers| ResidualModel {
-            vehicle: Vehicle::new(&base).expect("the published model"),
-            base: base_multipliers,
-            effects: Effects::default(),
-            along_path: false,
-            installation: Installation::default(),
-            contacts: None,
-            beyond_noise: [0.0; 3],
-            frozen: Vec::new(),
+        let of_base = |base_multipliers| {
+            let vehicle = Vehicle::new(&base).expect("the published model");
+            ResidualModel::new(vehicle, base_multipliers, Effects::default())
         };
         let as_driven = left_without(&of_base([1.0; BASE]), frames);
         // What is there beside the sensors' noise.

@@ -80,7 +80,7 @@ impl Campaign<'_> {
         Ok(Some((plain, stated, products)))
     }
 
-    /// Products beside a fit with an installation of which the forces have told nothing.
+    /// Products for a fit whose installation the forces do not determine.
     fn part_products(&self, plain: &RunFit) -> PartProducts {
         let model = plain.residual_model.hold(false);
         let design = self.fit_design(&model, &plain.whitener);

@@ -58,6 +58,20 @@ pub struct ResidualModel {
 pub type ChannelRows = [Vec<f64>; CHANNELS];
 
 impl ResidualModel {
+    /// A model with nothing wrong with its installation and no contacts with walls.
+    pub fn new(vehicle: Vehicle, base: [f64; BASE], effects: Effects) -> Self {
+        Self {
+            vehicle,
+            base,
+            effects,
+            along_path: false,
+            installation: Installation::default(),
+            contacts: None,
+            beyond_noise: [0.0; BALANCES],
+            frozen: Vec::new(),
+        }
+    }
+
     /// Whether a base parameter stands between its bounds.
     pub fn within(&self, parameter: usize) -> bool {
         !BOUNDS.contains(&self.base[parameter])

@@ -69,9 +69,10 @@ impl<'a> Means<'a> {
             (sum, squares) = (sum + mean, squares + mean * mean);
             (n, values) = (n + 1.0, values + count);
         }
-        match n > 1.0 {
-            true => [(sum * sum - squares) / (n * (n - 1.0)), values],
-            false => [0.0, 0.0],
+        if n > 1.0 {
+            [(sum * sum - squares) / (n * (n - 1.0)), values]
+        } else {
+            [0.0, 0.0]
         }
     }
 
@@ -105,7 +106,7 @@ impl<'a> Means<'a> {
 }
 
 impl Campaign<'_> {
-    /// What remains of the repeatable misfit of each balance beside a fit and what its installation is off by, against that of the
+    /// What remains of the repeatable misfit of each balance given a fit with its installation errors, against that of the
     /// refitted base; nothing where a track has a single run.
     pub fn remaining(&self, base: &RunFit, last: &RunFit) -> Vec<Remaining> {
         let frames: Vec<Frame> = self.whole().iter().chain(&self.held).cloned().collect();
@@ -159,9 +160,10 @@ impl Campaign<'_> {
                 repeatable: value.max(0.0).sqrt(),
                 share: share(first),
                 is_small: of_misfit.low <= self.options.rules.search.adequate,
-                places: match of_misfit.low > 0.0 {
-                    true => own.places(width),
-                    false => Vec::new(),
+                places: if of_misfit.low > 0.0 {
+                    own.places(width)
+                } else {
+                    Vec::new()
                 },
                 of_misfit,
             })

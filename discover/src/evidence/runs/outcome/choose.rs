@@ -6,7 +6,7 @@
 //! - the replay: the model driven from each run's start with its steering, and the differences of
 //!   time, speed and yaw rate over distance.
 //!
-//! A quantity is worse where its mean square grows beyond its scatter over the pieces or runs, by more
+//! A quantity is worse where its mean square grows by more than its scatter over the pieces or runs, by more
 //! than a stated share, and for a replay by more than the variance of the sensor's noise. The first model with nothing worse is written, of: base and effects, the
 //! refitted base, the model as given.
 
@@ -95,7 +95,7 @@ fn worse<'a>(
     after.zip(before).filter_map(of).collect()
 }
 
-/// Whether the mean square of `after` exceeds that of `before` beyond scatter, and by more than noise and the stated share.
+/// Whether the mean square of `after` exceeds that of `before` by more than scatter, noise and the stated share.
 ///
 /// Of fewer than three pieces the scatter is unknown: then a sum of n squares of a normal variable is
 /// taken, whose standard deviation is its mean times the root of `2 / n`.
@@ -393,9 +393,10 @@ impl Campaign<'_> {
                 / each.len().max(1) as f64,
             pieces: each.iter().map(|(squares, _)| [squares[k], 1.0]).collect(),
         };
-        let columns = match each.is_empty() {
-            true => Vec::new(),
-            false => REPLAYED.iter().enumerate().map(of_column).collect(),
+        let columns = if each.is_empty() {
+            Vec::new()
+        } else {
+            REPLAYED.iter().enumerate().map(of_column).collect()
         };
         Ok((replayed, columns))
     }

@@ -56,21 +56,15 @@ mod tests {
     use kufe_sled::effects::{CATALOGUE, Effects, Kind};
 
     use super::*;
-    use crate::evidence::runs::model::installation::Installation;
 
     #[test]
     fn a_model_with_any_effect_of_the_catalogue_is_read_back_as_it_was_written() {
         let model = Model::published();
-        let bare = ResidualModel {
-            vehicle: Vehicle::new(&model).unwrap(),
-            base: [1.3, 0.7, 1.1, 0.9, 1.2],
-            effects: Effects::default(),
-            along_path: false,
-            installation: Installation::default(),
-            contacts: None,
-            beyond_noise: [0.0; 3],
-            frozen: Vec::new(),
-        };
+        let bare = ResidualModel::new(
+            Vehicle::new(&model).unwrap(),
+            [1.3, 0.7, 1.1, 0.9, 1.2],
+            Effects::default(),
+        );
         for effect in CATALOGUE {
             for share in [0.0, 0.137, 1.0] {
                 let parameters = effect.info.parameters.iter();

@@ -23,7 +23,7 @@ const RATE_HZ: f64 = 200.0;
 const STEPS: usize = 2;
 /// Relative error of a share that is let pass.
 const WITHIN: f64 = 0.05;
-/// ReferenceProfile against the sled's axis from which on it slides away [rad].
+/// Course against the sled's axis from which on it slides away [rad].
 const SLIDES_RAD: f64 = 0.25;
 
 /// A run as it is drawn, before it is ridden.

@@ -73,13 +73,13 @@ impl Campaign<'_> {
 
     /// Whether a tilt of the accelerometer is larger than the tolerances allow: friction follows it, so that it comes before the forces.
     pub fn is_tilted(&self, model: &ResidualModel, track: &Surveyed) -> bool {
-        let stands = |(c, candidate): (usize, &Candidate<Amplitude>)| {
+        let is_significant = |(c, candidate): (usize, &Candidate<Amplitude>)| {
             let seen = track.channel.judge(c, track.sd);
             let tolerance = self.tolerance(model, candidate);
             let slopes = ["rad", "m/s2"].contains(&candidate.unit.as_str());
             slopes && seen.size.abs() > self.rules().belief * tolerance
         };
-        track.list.iter().enumerate().any(stands)
+        track.list.iter().enumerate().any(is_significant)
     }
 
     /// The channel, unless there is none, its runs disagree, or a slope fitted in it has already taken what it says.
@@ -99,7 +99,7 @@ impl Campaign<'_> {
             .collect();
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
         let sd = stated.unwrap_or(self.rules().slope_sd_rad);
-        // A tilt that the channel itself has told of would hide what it says.
+        // A tilt that the channel itself has identified would hide what it shows.
         let residual_model = &ResidualModel {
             installation: residual_model.installation.without_tilt(),
             ..residual_model.clone()
