@@ -4,6 +4,9 @@ use std::path::Path;
 
 use crate::error::Error;
 
+/// Largest table [bytes]: some 500,000 rows.
+const MOST_BYTES: u64 = 1 << 25;
+
 /// A CSV table as text, with its file's name.
 #[derive(Clone, Debug)]
 pub struct Table {
@@ -26,10 +29,11 @@ impl Table {
             file: file.clone(),
             reason,
         };
-        let open = kufe_files::open_regular(path).map_err(|error| told(error.to_string()))?;
+        let text = kufe_files::text_of_regular(path, MOST_BYTES);
+        let text = text.map_err(|error| told(error.to_string()))?;
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
-            .from_reader(open);
+            .from_reader(text.as_bytes());
         let header: Vec<String> = reader
             .headers()
             .map_err(|error| told(error.to_string()))?

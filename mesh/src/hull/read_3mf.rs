@@ -11,8 +11,9 @@ use zip::ZipArchive;
 use crate::error::MeshError;
 use crate::hull::triangles::{Axis, Hull, HullOptions};
 
-/// Most bytes of all parts of a file together once they are unpacked.
-const MOST_BYTES: u64 = 1 << 31;
+/// Most bytes of all parts of a file together once they are unpacked: some three million triangles,
+/// which take half a gigabyte of memory.
+const MOST_BYTES: u64 = 1 << 28;
 /// Most triangles, and most vertices, read from one file; objects may be used many times.
 const MOST_TRIANGLES: usize = 50_000_000;
 /// Most uses of objects in one file, those within components counted.
@@ -27,7 +28,7 @@ const USUAL_MODEL: &str = "3D/3dmodel.model";
 ///
 /// # Errors
 /// [`MeshError::ThreeMf`] with the part of the package, [`MeshError::TooMany`] if it unpacks to
-/// more than 2 GiB or 50 million triangles, and those of a hull without triangles or with positions
+/// more than 256 MiB or 50 million triangles, and those of a hull without triangles or with positions
 /// that are not finite.
 pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> {
     let rows = options.rows(Axis::Z)?;
