@@ -1,6 +1,6 @@
 //! Contact and linear solves: time, memory, unknowns and iterations, as Markdown tables.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::Instant;
 
 use kufe_benches::{ICE, again, best_of, needle_block, on_half_space, peak_bytes};
@@ -18,7 +18,6 @@ fn main() {
             direct_case(number(cells) as usize).unwrap_or_else(|error| panic!("{error}"));
         }
         ["runner", radius, dofs] => runner_case(number(radius), number(dofs)),
-        ["meshes", tolerance] => meshes_case(number(tolerance)),
         ["aspect", rocker, cells] => aspect_case(number(rocker), number(cells) as usize),
         _ => tables(),
     }
@@ -36,7 +35,7 @@ fn tables() {
     );
     println!("|---|---|---|---|---|---|---|");
     for tolerance in ["0.005", "0.001", "0.0003"] {
-        let begun = std::time::Instant::now();
+        let begun = Instant::now();
         let w = again(&["hertz", tolerance]);
         let whole = begun.elapsed().as_secs_f64();
         println!(
@@ -51,31 +50,6 @@ fn tables() {
         );
     }
     println!("\nThe whole process solves five times; the solve is the best of them.\n");
-    println!("What each of the three meshes of that contact takes:\n");
-    println!(
-        "| requested accuracy | patch found | coarsest | middle | finest | the coarsest, of time | of unknowns |"
-    );
-    println!("|---|---|---|---|---|---|---|");
-    for tolerance in ["0.01", "0.005", "0.001"] {
-        let w: Vec<f64> = again(&["meshes", tolerance])
-            .iter()
-            .map(|w| number(w))
-            .collect();
-        let whole: f64 = w[..4].iter().sum();
-        println!(
-            "| {} % | {:.2} ms | {:.2} ms | {:.2} ms | {:.2} ms | {:.0} % | {:.0} % |",
-            100.0 * number(tolerance),
-            1e3 * w[0],
-            1e3 * w[1],
-            1e3 * w[2],
-            1e3 * w[3],
-            100.0 * w[1] / whole,
-            100.0 * w[4]
-        );
-    }
-    println!(
-        "\nEach the best of forty; the patch alone is what a mesh of one cell over its half takes.\n"
-    );
     println!("### One linear solve, residual 1e-8, aspect ratio over 100\n");
     println!("| unknowns | iterations | set-up | iterations' time | peak memory |");
     println!("|---|---|---|---|---|");
@@ -154,46 +128,6 @@ fn hertz_case(tolerance: f64) {
         s.dofs,
         s.iterations
     );
-}
-
-/// How often a contact of milliseconds is solved.
-const OFTEN: usize = 40;
-
-/// Times until the patch is found and of each of three meshes, and the coarsest's part of their
-/// unknowns.
-fn meshes_case(tolerance: f64) {
-    let problem = on_half_space(rigid(paraboloid(30.0, 0.005)), 0.0, 1000.0);
-    let one_cell = Options {
-        cells: Some(1),
-        ..Options::default()
-    };
-    let (found, _) = best_of(OFTEN, || solved(&problem, &one_cell));
-    let mut least = [f64::INFINITY; 3];
-    let mut unknowns = [0; 3];
-    for _ in 0..OFTEN {
-        let ends = Arc::new(Mutex::new([0.0; 3]));
-        let begun = Instant::now();
-        let (start, mine) = (begun, ends.clone());
-        let options = Options {
-            p_max_tolerance: tolerance,
-            progress: Some(Arc::new(move |update| {
-                let mut ends = mine.lock().unwrap_or_else(PoisonError::into_inner);
-                ends[update.level.min(2)] = start.elapsed().as_secs_f64();
-            })),
-            ..Options::default()
-        };
-        let s = solved(&problem, &options);
-        let whole = begun.elapsed().as_secs_f64();
-        let ends = *ends.lock().unwrap_or_else(PoisonError::into_inner);
-        let each = [ends[0] - found, ends[1] - ends[0], whole - ends[1]];
-        least = [0, 1, 2].map(|k| least[k].min(each[k]));
-        for update in &s.history {
-            assert!(update.level < 3, "more than three meshes");
-            unknowns[update.level] = update.dofs;
-        }
-    }
-    let share = unknowns[0] as f64 / unknowns.iter().sum::<usize>() as f64;
-    println!("{found} {} {} {} {share}", least[0], least[1], least[2]);
 }
 
 /// A quarter of a needle-shaped patch under its Hertz pressure, on a graded grid of `cells`^3
