@@ -25,6 +25,7 @@ mod fit;
 mod hexahedra;
 mod hull;
 mod ice;
+mod input;
 mod parameter;
 mod scan;
 mod shapes;

@@ -2,30 +2,24 @@
 
 use crate::error::MeshError;
 
-/// `value` where it is positive (infinity allowed).
-pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, MeshError> {
-    if value > 0.0 {
-        Ok(value)
+/// Refuses `value` of the parameter `name` unless it is as `expected`.
+pub(crate) fn expect(holds: bool, name: &str, value: f64, expected: &str) -> Result<(), MeshError> {
+    if holds {
+        Ok(())
     } else {
-        Err(MeshError::Parameter {
-            name,
-            value,
-            expected: "a positive number",
-        })
+        Err(MeshError::value(name, value, expected))
     }
 }
 
+/// `value` where it is positive (infinity allowed).
+pub(crate) fn positive(name: &str, value: f64) -> Result<f64, MeshError> {
+    expect(value > 0.0, name, value, "a positive number").map(|()| value)
+}
+
 /// `value` where it is positive and finite.
-pub(crate) fn positive_finite(name: &'static str, value: f64) -> Result<f64, MeshError> {
-    if value > 0.0 && value.is_finite() {
-        Ok(value)
-    } else {
-        Err(MeshError::Parameter {
-            name,
-            value,
-            expected: "a positive, finite number",
-        })
-    }
+pub(crate) fn positive_finite(name: &str, value: f64) -> Result<f64, MeshError> {
+    let holds = value > 0.0 && value.is_finite();
+    expect(holds, name, value, "a positive, finite number").map(|()| value)
 }
 
 /// `count` equal intervals from `from` to `to`; the last value is exactly `to`, which rounding of

@@ -30,8 +30,8 @@ impl Downward {
     /// Finds the part of `hull`.
     ///
     /// # Errors
-    /// [`MeshError::NothingFacesDown`] where no facet does, [`MeshError::StrayVertex`] where the
-    /// hull's lowest vertex is none of theirs.
+    /// [`MeshError::Invalid`] where no facet does, or where the hull's lowest vertex is none of
+    /// theirs.
     pub fn of(hull: &Hull) -> Result<Self, MeshError> {
         let downward: Vec<(&[u32; 3], [f64; 3])> = hull
             .triangles
@@ -46,9 +46,11 @@ impl Downward {
         };
         let by_height =
             |a: &usize, b: &usize| height(downward[*a].0).total_cmp(&height(downward[*b].0));
-        let lowest = (0..downward.len())
-            .min_by(by_height)
-            .ok_or(MeshError::NothingFacesDown)?;
+        let lowest = (0..downward.len()).min_by(by_height).ok_or_else(|| {
+            let problem = "no triangle of the hull faces down; check `up`, and that the \
+                               triangles face outwards";
+            MeshError::Invalid(problem.into())
+        })?;
 
         let mut at_vertex: HashMap<u32, Vec<usize>> = HashMap::new();
         for (facet, (corners, _)) in downward.iter().enumerate() {
@@ -110,10 +112,11 @@ impl Downward {
         let corners = hull.triangles.iter().flatten();
         let corners = corners.map(|corner| hull.positions[*corner as usize]);
         match corners.min_by(|a, b| a[2].total_cmp(&b[2])) {
-            Some(at) if at[2] < lowest => Err(MeshError::StrayVertex {
-                at,
-                by: lowest - at[2],
-            }),
+            Some([x, y, z]) if z < lowest => Err(MeshError::Invalid(format!(
+                "the hull's lowest vertex, at x = {x:.6}, y = {y:.6}, z = {z:.6} m, lies {} m \
+                 below the surface that faces down: a stray vertex?",
+                lowest - z
+            ))),
             _ => Ok(()),
         }
     }

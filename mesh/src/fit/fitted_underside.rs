@@ -9,6 +9,7 @@ use crate::fit::knots::{balanced_sides, break_places, refined_fit};
 use crate::fit::scans::{Scans, moves, projected_height};
 use crate::fit::spline::{Bicubic, Sample, fit};
 use crate::hull::triangles::Hull;
+use crate::parameter::expect;
 use crate::shapes::profile::Profile;
 use crate::shapes::underside::{Underside, lows};
 
@@ -33,9 +34,8 @@ impl FittedUnderside {
     /// (0 for a hull made by a computer).
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] for a negative noise, [`MeshError::NothingFacesDown`],
-    /// [`MeshError::TooFewPoints`] where fewer than 16 vertices face down, [`MeshError::NoFit`]
-    /// where they do not determine a surface.
+    /// [`MeshError::Value`] for a negative noise or where fewer than 16 vertices face down,
+    /// [`MeshError::Invalid`] where none does or they do not determine a surface.
     pub fn new(hull: &Hull, noise: f64) -> Result<Self, MeshError> {
         Self::fitted(hull, noise, true)
     }
@@ -46,26 +46,21 @@ impl FittedUnderside {
     }
 
     fn fitted(hull: &Hull, noise: f64, may_be_even: bool) -> Result<Self, MeshError> {
-        if !(noise >= 0.0 && noise.is_finite()) {
-            return Err(MeshError::Parameter {
-                name: "noise_m",
-                value: noise,
-                expected: "0 or a positive number",
-            });
-        }
+        let usual = noise >= 0.0 && noise.is_finite();
+        expect(usual, "noise_m", noise, "0 or a positive number")?;
         let part = Downward::of(hull)?;
         let usable = part.gentle().count();
         if usable < 16 {
-            let name = "vertices of the hull's underside";
-            return Err(MeshError::TooFewPoints {
-                name,
-                found: usable,
-                needed: 16,
-            });
+            let found = format!("{usable} vertices");
+            return Err(MeshError::value(
+                "the hull's underside",
+                found,
+                "at least 16",
+            ));
         }
         let [[x0, x1], [y0, y1], [z0, z1]] = [0, 1, 2].map(|axis| part.range(axis));
         if !(x1 > x0 && y1 > y0) {
-            return Err(MeshError::NoFit);
+            return Err(MeshError::no_fit());
         }
         let centred = |from: f64, to: f64| (from + to).abs() <= 1e-4 * (to - from) + 6.0 * noise;
         let alike = |axis: usize| {
@@ -93,7 +88,7 @@ impl FittedUnderside {
         let candidates = break_places(&part, &samples, ends, mirrored, at);
         let floor = rounding(z1 - z0);
         let mut surface = refined_fit(&samples, &candidates, noise.max(floor), mirrored)
-            .ok_or(MeshError::NoFit)?;
+            .ok_or_else(MeshError::no_fit)?;
         let halved = |odd: usize| {
             [0, 1].map(|axis| {
                 let breaks = surface.axes[axis].breaks();
@@ -106,7 +101,7 @@ impl FittedUnderside {
             })
         };
         let [Some(coarser), Some(others)] = [0, 1].map(|odd| fit(&samples, &halved(odd))) else {
-            return Err(MeshError::NoFit);
+            return Err(MeshError::no_fit());
         };
 
         // What the fit misses, or the noise, may differ from one side to the other.

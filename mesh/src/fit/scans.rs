@@ -45,7 +45,7 @@ impl<'a> Scans<'a> {
         let axes = surface.spline.axes.clone();
         Ok(Scans {
             surface,
-            factored: FactoredFit::new(&samples, axes).ok_or(MeshError::NoFit)?,
+            factored: FactoredFit::new(&samples, axes).ok_or_else(MeshError::no_fit)?,
             samples,
             vertices,
             noise,
@@ -55,7 +55,7 @@ impl<'a> Scans<'a> {
     /// The fit of the scan with this seed, of the hull's outline and symmetry.
     ///
     /// # Errors
-    /// [`MeshError::NoFit`] where it is no surface.
+    /// [`MeshError::Invalid`] where it is no surface.
     pub fn fit(&self, seed: u64) -> Result<Arc<dyn Underside>, MeshError> {
         let last = self.vertices.iter().copied().max().unwrap_or(0) as usize;
         let moves: Vec<f64> = moves(self.noise, seed).take(last + 1).collect();
@@ -64,7 +64,7 @@ impl<'a> Scans<'a> {
             height: sample.height + moves[vertex as usize],
             ..*sample
         });
-        let mut spline = self.factored.fit(moved).ok_or(MeshError::NoFit)?;
+        let mut spline = self.factored.fit(moved).ok_or_else(MeshError::no_fit)?;
         for axis in 0..2 {
             if self.surface.symmetric[axis] {
                 spline.symmetrise(axis);

@@ -34,9 +34,9 @@ impl Filled {
     /// and a top that is not flat part it from the space over the underside.
     ///
     /// # Errors
-    /// [`MeshError::TopNotKnown`] for an open hull without `top`; [`MeshError::NotFilled`] where more than 2 per cent of the outline's
-    /// rectangle lies outside the hull, or the steel of a closed hull and the space part by more than that. Of an open hull the steel is
-    /// not known.
+    /// [`MeshError::Invalid`] for an open hull without `top`, where more than 2 per cent of the
+    /// outline's rectangle lies outside the hull, or where the steel of a closed hull and the space
+    /// differ by more than that. Of an open hull the steel is not known.
     pub fn of(
         hull: &Hull,
         report: &HullReport,
@@ -48,10 +48,12 @@ impl Filled {
             Some(top) => top,
             None if report.open_edges == 0 => highest,
             None => {
-                return Err(MeshError::TopNotKnown {
-                    edges: report.open_edges,
-                    highest,
-                });
+                return Err(MeshError::Invalid(format!(
+                    "the hull is open ({} edges belong to one triangle only), and an elastic runner \
+                     is filled up to its top: expected runner.height_m, from its lowest point to its \
+                     flat top (its highest vertex is at {highest:.4} m)",
+                    report.open_edges
+                )));
             }
         };
         let [x0, x1, y0, y1] = underside.extent();
@@ -74,12 +76,15 @@ impl Filled {
             middles,
             heights: heights.into_iter().map(|z| z.min(top)).collect(),
         };
-        let amiss = |found: &'static str, share: f64| {
-            (share.abs() > MOST_DIFFERENCE).then_some(MeshError::NotFilled {
-                found,
-                share,
-                allowed: MOST_DIFFERENCE,
-                top,
+        let misfit = |found: &str, share: f64| {
+            (share.abs() > MOST_DIFFERENCE).then(|| {
+                MeshError::Invalid(format!(
+                    "the hull cannot be filled with columns from its underside to its top at \
+                     {top:.4} m: {:.1} % {found}; expected at most {:.0} %: another \
+                     runner.height_m, or hexahedra of its own (runner.mesh)",
+                    100.0 * share.abs(),
+                    100.0 * MOST_DIFFERENCE
+                ))
             })
         };
         let outline = outside as f64 / filled.heights.len() as f64;
@@ -91,8 +96,8 @@ impl Filled {
             "more steel lies below that top: the hull is wider above than below"
         };
         let closed = report.open_edges == 0;
-        let refused = amiss("of the rectangle around its outline is empty", outline)
-            .or_else(|| amiss(parted, steel / space - 1.0).filter(|_| closed));
+        let refused = misfit("of the rectangle around its outline is empty", outline)
+            .or_else(|| misfit(parted, steel / space - 1.0).filter(|_| closed));
         refused.map_or(Ok(filled), Err)
     }
 

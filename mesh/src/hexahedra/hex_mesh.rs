@@ -1,7 +1,9 @@
 //! Hexahedral meshes: tensor grids, runners between underside and mount, meshes from files.
 
+use std::fmt::Display;
+
 use crate::error::MeshError;
-use crate::parameter::positive_finite;
+use crate::parameter::{expect, positive_finite};
 use crate::shapes::underside::Underside;
 
 /// Points and eight-node hexahedra.
@@ -73,18 +75,20 @@ impl TensorGrid {
     }
 }
 
+/// The error of cell `cell`, from 0, that is no hexahedron but of this `kind` of a file format.
+pub(crate) fn cell_type(cell: usize, format: &str, kind: impl Display) -> MeshError {
+    MeshError::Invalid(format!(
+        "cell {} has {format} type {kind}; expected eight-node hexahedra only",
+        cell + 1
+    ))
+}
+
 /// Levels 0 to 1 in `layers` steps, each `growth` times as high as the one below.
 ///
 /// # Errors
-/// [`MeshError::Parameter`] without layers, or where the growth is not positive.
+/// [`MeshError::Value`] without layers, or where the growth is not positive.
 pub fn graded_levels(layers: usize, growth: f64) -> Result<Vec<f64>, MeshError> {
-    if layers == 0 {
-        return Err(MeshError::Parameter {
-            name: "layers",
-            value: 0.0,
-            expected: "at least 1",
-        });
-    }
+    expect(layers > 0, "layers", 0.0, "at least 1")?;
     positive_finite("growth", growth)?;
     let mut levels = vec![0.0];
     let mut step = 1.0;
@@ -104,8 +108,8 @@ pub fn graded_levels(layers: usize, growth: f64) -> Result<Vec<f64>, MeshError> 
 /// nodes lie over the nodes of an ice grid with the same columns.
 ///
 /// # Errors
-/// [`MeshError::NotIncreasing`] where coordinates do not increase, [`MeshError::OutsideHull`] where
-/// a column has no hull over it or reaches the top.
+/// [`MeshError::Invalid`] where coordinates do not increase, or where a column has no hull over it
+/// or reaches the top.
 pub fn mapped_runner_mesh(
     x: &[f64],
     y: &[f64],
@@ -118,11 +122,12 @@ pub fn mapped_runner_mesh(
             .windows(2)
             .position(|pair| pair[1].is_nan() || pair[1] <= pair[0]);
         if values.len() < 2 || bad.is_some() || !values[0].is_finite() {
-            return Err(MeshError::NotIncreasing {
-                name,
-                index: bad.map_or(0, |i| i + 1),
-                count: values.len(),
-            });
+            return Err(MeshError::Invalid(format!(
+                "{name}: {} values, the one at index {} out of order; expected two or more \
+                 increasing numbers",
+                values.len(),
+                bad.map_or(0, |i| i + 1)
+            )));
         }
     }
     let heights: Vec<f64> = y
@@ -148,12 +153,13 @@ pub fn mesh_over_heights(
 ) -> Result<HexMesh, MeshError> {
     assert_eq!(heights.len(), x.len() * y.len());
     if let Some(at) = heights.iter().position(|h| h.is_nan() || *h >= top) {
-        return Err(MeshError::OutsideHull {
-            x: x[at % x.len()],
-            y: y[at / x.len()],
-            height: heights[at],
-            top,
-        });
+        return Err(MeshError::Invalid(format!(
+            "the column at x = {} m, y = {} m has the underside at {} m; expected a height below \
+             the top at {top} m",
+            x[at % x.len()],
+            y[at / x.len()],
+            heights[at]
+        )));
     }
     let grid = TensorGrid {
         x: x.to_vec(),

@@ -149,11 +149,11 @@ impl HexMesh {
     /// that are inside out (upper and lower face exchanged) turned right.
     ///
     /// # Errors
-    /// [`MeshError::NoCells`], [`MeshError::CellNode`] where a corner has no point,
-    /// [`MeshError::NotFinite`] where a point that a cell uses is no number.
+    /// [`MeshError::Invalid`] where there is no cell, a corner has no point, or a point that a cell
+    /// uses is not finite.
     pub fn checked(points: &[[f64; 3]], cells: &[[usize; 8]]) -> Result<Self, MeshError> {
         if cells.is_empty() {
-            return Err(MeshError::NoCells);
+            return Err(MeshError::Invalid("the mesh has no hexahedra".into()));
         }
         let mut number = vec![usize::MAX; points.len()];
         let mut mesh = Self {
@@ -163,19 +163,17 @@ impl HexMesh {
         for (index, cell) in cells.iter().enumerate() {
             let mut corners = [0; 8];
             for (corner, &node) in corners.iter_mut().zip(cell) {
-                let unknown = MeshError::CellNode {
-                    cell: index + 1,
-                    node,
-                    points: points.len(),
-                };
-                let place = number.get_mut(node).ok_or(unknown)?;
+                let place = number.get_mut(node).ok_or_else(|| {
+                    MeshError::Invalid(format!(
+                        "cell {} refers to node {node}, counted from 0; the mesh has {} nodes",
+                        index + 1,
+                        points.len()
+                    ))
+                })?;
                 if *place == usize::MAX {
                     let position = points[node];
                     if position.iter().any(|v| !v.is_finite()) {
-                        return Err(MeshError::NotFinite {
-                            vertex: node + 1,
-                            position,
-                        });
+                        return Err(MeshError::not_finite(node + 1, position));
                     }
                     *place = mesh.points.len();
                     mesh.points.push(position);

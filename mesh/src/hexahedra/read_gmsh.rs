@@ -1,9 +1,11 @@
 //! Hexahedral meshes from Gmsh files.
 
 use std::collections::HashMap;
+use std::fmt::Display;
 
 use crate::error::MeshError;
-use crate::hexahedra::hex_mesh::HexMesh;
+use crate::hexahedra::hex_mesh::{HexMesh, cell_type};
+use crate::hull::text::unreadable;
 
 /// Gmsh's number for an eight-node hexahedron.
 const HEXAHEDRON: u64 = 5;
@@ -24,20 +26,20 @@ const LOWER_DIMENSIONS: [(u64, usize); 8] = [
 /// are passed over.
 ///
 /// # Errors
-/// [`MeshError::Syntax`] with the line and what was expected, [`MeshError::CellType`] for other
-/// solid elements, and those of [`HexMesh::checked`].
+/// [`MeshError::Value`] with the line and what was expected, [`MeshError::Invalid`] for other solid
+/// elements, and those of [`HexMesh::checked`].
 pub fn read_gmsh(bytes: &[u8]) -> Result<HexMesh, MeshError> {
     let mut words = Words::of(bytes)?;
     words.section("$MeshFormat")?;
     let version: f64 = words.next("the format's version")?;
     let binary: u64 = words.next("the file type")?;
     if binary != 0 {
-        return Err(words.problem("1 for a binary file".into(), "0, a file saved as text"));
+        return Err(words.problem("1 for a binary file", "0, a file saved as text"));
     }
     let new = match version {
         2.2 => false,
         4.1 => true,
-        _ => return Err(words.problem(version.to_string(), "version 2.2 or 4.1")),
+        _ => return Err(words.problem(version, "version 2.2 or 4.1")),
     };
     words.section("$Nodes")?;
     let (points, number) = if new {
@@ -74,7 +76,7 @@ fn nodes_4(words: &mut Words) -> Result<Nodes, MeshError> {
         words.skip(2)?;
         let parametric: u64 = words.next("0 or 1")?;
         if parametric != 0 {
-            return Err(words.problem("1".into(), "0, nodes without parametric coordinates"));
+            return Err(words.problem("1", "0, nodes without parametric coordinates"));
         }
         let count: usize = words.next("the number of nodes")?;
         for i in 0..count {
@@ -124,6 +126,10 @@ fn elements_4(
     Ok(cells)
 }
 
+fn gmsh_error(line: usize, found: impl Display, expected: &str) -> MeshError {
+    unreadable("Gmsh", format!("line {line}"), found, expected)
+}
+
 /// The words of a text with their lines.
 struct Words<'a> {
     words: Box<dyn Iterator<Item = (usize, &'a str)> + 'a>,
@@ -132,16 +138,12 @@ struct Words<'a> {
 
 impl<'a> Words<'a> {
     fn of(bytes: &'a [u8]) -> Result<Self, MeshError> {
-        let fail = |e: std::str::Utf8Error| MeshError::Syntax {
-            format: "Gmsh",
-            line: 1 + bytes[..e.valid_up_to()]
-                .iter()
-                .filter(|&&b| b == b'\n')
-                .count(),
-            found: "bytes that are no text".into(),
-            expected: "a Gmsh file saved as text",
-        };
-        let text = str::from_utf8(bytes).map_err(fail)?;
+        let text = str::from_utf8(bytes).map_err(|error| {
+            let before = &bytes[..error.valid_up_to()];
+            let line = 1 + before.iter().filter(|&&b| b == b'\n').count();
+            let expected = "a Gmsh file saved as text";
+            gmsh_error(line, "bytes that are no text", expected)
+        })?;
         let lines = text.lines().enumerate();
         let words = Box::new(
             lines.flat_map(|(i, line)| line.split_whitespace().map(move |word| (i + 1, word))),
@@ -149,28 +151,23 @@ impl<'a> Words<'a> {
         Ok(Self { words, line: 1 })
     }
 
-    fn problem(&self, found: String, expected: &'static str) -> MeshError {
-        MeshError::Syntax {
-            format: "Gmsh",
-            line: self.line,
-            found,
-            expected,
-        }
+    fn problem(&self, found: impl Display, expected: &str) -> MeshError {
+        gmsh_error(self.line, found, expected)
     }
 
-    fn word(&mut self, expected: &'static str) -> Result<&'a str, MeshError> {
+    fn word(&mut self, expected: &str) -> Result<&'a str, MeshError> {
         let (line, word) = self
             .words
             .next()
-            .ok_or_else(|| self.problem("the end of the file".into(), expected))?;
+            .ok_or_else(|| self.problem("the end of the file", expected))?;
         self.line = line;
         Ok(word)
     }
 
-    fn next<T: std::str::FromStr>(&mut self, expected: &'static str) -> Result<T, MeshError> {
+    fn next<T: std::str::FromStr>(&mut self, expected: &str) -> Result<T, MeshError> {
         let word = self.word(expected)?;
         word.parse()
-            .map_err(|_| self.problem(word.chars().take(40).collect(), expected))
+            .map_err(|_| self.problem(word.chars().take(40).collect::<String>(), expected))
     }
 
     fn skip(&mut self, count: usize) -> Result<(), MeshError> {
@@ -186,7 +183,7 @@ impl<'a> Words<'a> {
     }
 
     /// Goes on to just behind the word `name`.
-    fn section(&mut self, name: &'static str) -> Result<(), MeshError> {
+    fn section(&mut self, name: &str) -> Result<(), MeshError> {
         while self.word(name)? != name {}
         Ok(())
     }
@@ -202,17 +199,14 @@ impl<'a> Words<'a> {
             return self.skip(*nodes);
         }
         if kind != HEXAHEDRON {
-            return Err(MeshError::CellType {
-                cell: element + 1,
-                found: format!("Gmsh type {kind}"),
-            });
+            return Err(cell_type(element, "Gmsh", kind));
         }
         let mut cell = [0; 8];
         for corner in &mut cell {
             let node: u64 = self.next("a node's number")?;
             *corner = *number
                 .get(&node)
-                .ok_or_else(|| self.problem(node.to_string(), "the number of a node in $Nodes"))?;
+                .ok_or_else(|| self.problem(node, "the number of a node in $Nodes"))?;
         }
         cells.push(cell);
         Ok(())

@@ -10,13 +10,13 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
 use crate::error::MeshError;
-use crate::hexahedra::hex_mesh::HexMesh;
+use crate::hexahedra::hex_mesh::{HexMesh, cell_type};
 
 /// Reads the hexahedra of a VTU file: text, base64 or raw, appended or not, zlib or uncompressed.
 ///
 /// # Errors
-/// [`MeshError::VtuRead`] with what is wrong and where, [`MeshError::CellType`] for other cells
-/// than hexahedra, and those of [`HexMesh::checked`].
+/// [`MeshError::Invalid`] with what is wrong and where, also for other cells than hexahedra, and
+/// those of [`HexMesh::checked`].
 pub fn read_vtu(bytes: &[u8]) -> Result<HexMesh, MeshError> {
     let file = VtuFile::parse(bytes)?;
     let points = file.array("Points")?;
@@ -24,10 +24,7 @@ pub fn read_vtu(bytes: &[u8]) -> Result<HexMesh, MeshError> {
     let offsets = file.array("offsets")?;
     let types = file.array("types")?;
     if let Some(cell) = types.iter().position(|&t| t != f64::from(HEXAHEDRON)) {
-        return Err(MeshError::CellType {
-            cell: cell + 1,
-            found: format!("VTK type {}", types[cell]),
-        });
+        return Err(cell_type(cell, "VTK", types[cell]));
     }
     if points.len() % 3 != 0 {
         return Err(problem("Points", "its length is no multiple of three"));
@@ -265,11 +262,8 @@ pub(crate) struct Encoding {
 }
 
 /// What is wrong with an array.
-pub(crate) fn problem(array: &str, problem: &'static str) -> MeshError {
-    MeshError::VtuRead {
-        array: array.into(),
-        problem,
-    }
+pub(crate) fn problem(array: &str, problem: &str) -> MeshError {
+    MeshError::Invalid(format!("not a readable VTU file: {array}: {problem}"))
 }
 
 /// The bytes of the array `name` that begins at the start of `data`, raw or base64.

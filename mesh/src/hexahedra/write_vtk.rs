@@ -45,8 +45,7 @@ pub struct VtuField<'a> {
 /// `field_data` is numbers of the whole file by name, to which `kufe_version` is added: 0, 1, 0.
 ///
 /// # Errors
-/// [`MeshError::FieldLength`] where an array does not fit the mesh, [`MeshError::Vtu`] where it
-/// cannot be written.
+/// [`MeshError::Invalid`] where an array does not fit the mesh, or where it cannot be written.
 pub fn write_vtu(
     mesh: &HexMesh,
     point_data: &[VtuField],
@@ -63,7 +62,7 @@ pub fn write_vtu(
     let mut out = std::io::BufWriter::with_capacity(1 << 20, writer);
     write_file(mesh, point_data, cell_data, field_data, &mut out)
         .and_then(|()| out.flush())
-        .map_err(|e| MeshError::Vtu(e.to_string()))
+        .map_err(unwritten)
 }
 
 /// Checks that every field has its numbers for each of `count` points or cells.
@@ -71,12 +70,17 @@ pub(super) fn fits(fields: &[VtuField], count: usize) -> std::result::Result<(),
     let wrong = |f: &&VtuField| f.components == 0 || f.values.len() != f.components * count;
     match fields.iter().find(wrong) {
         None => Ok(()),
-        Some(field) => Err(MeshError::FieldLength {
-            name: field.name.to_string(),
-            found: field.values.len(),
-            expected: field.components * count,
-        }),
+        Some(field) => Err(MeshError::Invalid(format!(
+            "field {:?} has {} numbers; expected {}",
+            field.name,
+            field.values.len(),
+            field.components * count
+        ))),
     }
+}
+
+fn unwritten(error: std::io::Error) -> MeshError {
+    MeshError::Invalid(format!("the VTU file cannot be written: {error}"))
 }
 
 fn write_file(
@@ -236,8 +240,7 @@ fn write_array<T: Copy + Sync, const N: usize>(
 /// file's data.
 ///
 /// # Errors
-/// [`MeshError::FieldLength`] where an array does not fit the points, [`MeshError::Vtu`] where it
-/// cannot be written.
+/// [`MeshError::Invalid`] where an array does not fit the points, or where it cannot be written.
 pub fn write_vtp(
     points: &[[f64; 3]],
     quadrilaterals: &[[usize; 4]],
@@ -248,7 +251,7 @@ pub fn write_vtp(
     let mut out = BufWriter::new(writer);
     write_surface(points, quadrilaterals, point_data, &mut out)
         .and_then(|()| out.flush())
-        .map_err(|error| MeshError::Vtu(error.to_string()))
+        .map_err(unwritten)
 }
 
 fn write_surface(

@@ -10,10 +10,9 @@ use crate::hull::read_3mf::read_3mf;
 use crate::hull::read_gltf::{outer_buffers, read_gltf};
 use crate::hull::read_obj::read_obj;
 use crate::hull::read_stl::read_stl;
-use crate::hull::triangles::Hull;
-use crate::hull::triangles::HullOptions;
-use crate::hull::triangles::{HullReport, check_hull};
+use crate::hull::triangles::{Hull, HullOptions, HullReport, check_hull};
 use crate::hull::write::{write_glb, write_obj, write_stl};
+use crate::input::{ending, read_file};
 
 /// Most bytes of a file that belongs to a hull.
 const MOST_BYTES: u64 = 1 << 31;
@@ -33,14 +32,16 @@ impl HullFormat {
     /// The format that the ending of `path` names.
     ///
     /// # Errors
-    /// [`MeshError::HullFormat`] for an unknown ending.
+    /// [`MeshError::Invalid`] for an unknown ending.
     pub fn of(path: &Path) -> Result<Self, MeshError> {
-        let ending = ending(path);
-        match ending.as_str() {
+        match ending(path).as_str() {
             "obj" => Ok(Self::Obj),
             "gltf" | "glb" => Ok(Self::Gltf),
             "stl" => Ok(Self::Stl),
-            _ => Err(MeshError::HullFormat { found: ending }),
+            found => Err(MeshError::Invalid(format!(
+                "the ending {found:?} names no hull format; expected obj, gltf, glb or stl, or 3mf \
+                 to read"
+            ))),
         }
     }
 
@@ -57,20 +58,18 @@ impl HullFormat {
     }
 }
 
-fn ending(path: &Path) -> String {
-    let ending = path.extension().unwrap_or_default();
-    ending.to_string_lossy().to_lowercase()
-}
-
 /// Refuses STEP and IGES with the command that makes triangles of them.
 fn refuse_exact_shapes(path: &Path) -> Result<(), MeshError> {
     if !["step", "stp", "iges", "igs"].contains(&ending(path).as_str()) {
         return Ok(());
     }
-    Err(MeshError::ExactShapes {
-        path: path.display().to_string(),
-        stl: path.with_extension("stl").display().to_string(),
-    })
+    Err(MeshError::Invalid(format!(
+        "the file holds exact shapes, and hulls are read as triangles: expected obj, gltf, glb, stl \
+         or 3mf; `gmsh {} -2 -clmax 0.5 -format stl -bin -o {}` makes triangles of 0.5 mm of it, in \
+         millimetres (scale = 0.001)",
+        path.display(),
+        path.with_extension("stl").display()
+    )))
 }
 
 /// Reads the hull file `path` and checks it.
@@ -84,10 +83,7 @@ pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport
         "3mf" => None,
         _ => Some(HullFormat::of(path).map_err(in_file)?),
     };
-    let bytes = read_regular(path, MOST_BYTES).map_err(|source| MeshError::Io {
-        path: path.display().to_string(),
-        source,
-    })?;
+    let bytes = read_file(path, MOST_BYTES)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let hull = match format {
         None => read_3mf(&bytes, options),
@@ -109,10 +105,7 @@ pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport
 pub fn hull_files(path: &Path) -> Result<Vec<PathBuf>, MeshError> {
     let mut files = vec![path.to_path_buf()];
     if HullFormat::of(path).is_ok_and(|format| format == HullFormat::Gltf) {
-        let bytes = read_regular(path, MOST_BYTES).map_err(|source| MeshError::Io {
-            path: path.display().to_string(),
-            source,
-        })?;
+        let bytes = read_file(path, MOST_BYTES)?;
         let buffers = outer_buffers(&bytes).map_err(|error| error.in_file(path))?;
         let folder = path.parent().unwrap_or(Path::new("."));
         files.extend(buffers.iter().map(|uri| folder.join(uri)));

@@ -1,21 +1,21 @@
 //! Hulls from 3MF files.
 
 use std::collections::HashMap;
+use std::fmt::Display;
 use std::io::{Cursor, Read};
 
-use nalgebra::{Matrix4, Point3};
+use nalgebra::Matrix4;
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use zip::ZipArchive;
 
 use crate::error::MeshError;
-use crate::hull::triangles::{Axis, Hull, HullOptions};
+use crate::hull::text::unreadable;
+use crate::hull::triangles::{Axis, Hull, HullOptions, PlacedMeshes};
 
 /// Most bytes of all parts of a file together once they are unpacked: some three million triangles,
 /// which take half a gigabyte of memory.
 const MOST_BYTES: u64 = 1 << 28;
-/// Most triangles, and most vertices, read from one file; objects may be used many times.
-const MOST_TRIANGLES: usize = 50_000_000;
 /// Most uses of objects in one file, those within components counted.
 const MOST_USES: usize = 100_000;
 /// The part that holds the model where the package's relationships name none.
@@ -27,16 +27,14 @@ const USUAL_MODEL: &str = "3D/3dmodel.model";
 /// state another axis.
 ///
 /// # Errors
-/// [`MeshError::ThreeMf`] with the part of the package, [`MeshError::TooMany`] if it unpacks to
-/// more than 256 MiB or 50 million triangles, and those of a hull without triangles or with positions
+/// [`MeshError::Value`] with the part of the package, [`MeshError::Invalid`] if it unpacks to more than 256 MiB or 50 million triangles, and those of a hull without triangles or with positions
 /// that are not finite.
 pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> {
     let rows = options.rows(Axis::Z)?;
     let mut package = Package::open(bytes)?;
     let root = package.root_model()?;
     let unit = package.model(&root)?.unit;
-    let mut positions = Vec::new();
-    let mut triangles = Vec::new();
+    let mut placed = PlacedMeshes::default();
     let items = package.model(&root)?.items.clone();
     let mut waiting: Vec<(Use, Matrix4<f64>)> = items
         .into_iter()
@@ -53,38 +51,11 @@ pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> 
         let part = found.part.as_deref().unwrap_or(&root).to_owned();
         let object = package.model(&part)?.objects.get(&found.object);
         let object = object.ok_or_else(|| {
-            error(
-                &part,
-                &format!("object {}", found.object),
-                "an object of the model",
-            )
+            let found = format!("object {}", found.object);
+            error(&part, found, "an object of the model")
         })?;
-        limit(
-            "vertices",
-            positions.len() + object.vertices.len(),
-            MOST_TRIANGLES,
-        )?;
-        limit(
-            "triangles",
-            triangles.len() + object.triangles.len(),
-            MOST_TRIANGLES,
-        )?;
-        let first = positions.len();
-        let place = |p: &[f64; 3]| <[f64; 3]>::from(transform.transform_point(&Point3::from(*p)));
-        positions.extend(object.vertices.iter().map(place));
-        // A transform that mirrors reverses the winding.
-        let mirrored = transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
-        for &[a, b, c] in &object.triangles {
-            let corners = if mirrored { [a, c, b] } else { [a, b, c] };
-            if let Some(&index) = corners.iter().find(|&&i| i >= object.vertices.len()) {
-                return Err(MeshError::VertexIndex {
-                    triangle: triangles.len() + 1,
-                    index,
-                    vertices: object.vertices.len(),
-                });
-            }
-            triangles.push(corners.map(|i| first + i));
-        }
+        let triangles = object.triangles.iter().copied();
+        placed.add(&object.vertices, triangles, &transform)?;
         // Components without a part of their own are in the part of their object.
         waiting.extend(object.components.iter().rev().map(|component| {
             let mut component = component.clone();
@@ -93,7 +64,7 @@ pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> 
             (component, transform)
         }));
     }
-    Hull::welded(&positions, triangles.into_iter(), rows)
+    placed.welded(rows)
 }
 
 /// An object used by a build item or as a component.
@@ -132,7 +103,7 @@ struct Package<'a> {
 impl<'a> Package<'a> {
     fn open(bytes: &'a [u8]) -> Result<Self, MeshError> {
         let archive = ZipArchive::new(Cursor::new(bytes))
-            .map_err(|source| error("the file", &source.to_string(), "a zip archive"))?;
+            .map_err(|source| error("the file", source, "a zip archive"))?;
         Ok(Self {
             archive,
             budget: MOST_BYTES,
@@ -149,13 +120,12 @@ impl<'a> Package<'a> {
             return Ok(None);
         };
         drop(names);
-        let broken = |source: String| error(part, &source, "a part that unpacks");
+        let broken = |source: std::io::Error| error(part, source, "a part that unpacks");
         let mut bytes = Vec::new();
         let file = self.archive.by_name(&name);
-        let file = file.map_err(|source| broken(source.to_string()))?;
+        let file = file.map_err(|source| error(part, source, "a part that unpacks"))?;
         let mut file = file.take(self.budget + 1);
-        file.read_to_end(&mut bytes)
-            .map_err(|source| broken(source.to_string()))?;
+        file.read_to_end(&mut bytes).map_err(broken)?;
         limit("unpacked bytes", bytes.len(), self.budget as usize)?;
         self.budget -= bytes.len() as u64;
         Ok(Some(bytes))
@@ -198,11 +168,7 @@ impl Model {
         elements(part, bytes, |tag, line| {
             let refuse = |name: &str, expected| {
                 let found = attribute(tag, name).unwrap_or_default();
-                error(
-                    part,
-                    &format!("{name}={found:?} near byte {line}"),
-                    expected,
-                )
+                error(part, format!("{name}={found:?} near byte {line}"), expected)
             };
             match tag.local_name().as_ref() {
                 b"model" => {
@@ -277,7 +243,7 @@ fn elements(
             Ok(_) => {}
             Err(source) => {
                 let found = format!("{source} near byte {}", reader.error_position());
-                return Err(error(part, &found, "well-formed XML"));
+                return Err(error(part, found, "well-formed XML"));
             }
         }
     }
@@ -318,17 +284,13 @@ fn transform(text: &str) -> Option<Matrix4<f64>> {
     })
 }
 
-fn error(part: &str, found: &str, expected: &'static str) -> MeshError {
-    MeshError::ThreeMf {
-        part: part.into(),
-        found: found.into(),
-        expected,
-    }
+fn error(part: &str, found: impl Display, expected: &str) -> MeshError {
+    unreadable("3MF", part, found, expected)
 }
 
-fn limit(what: &'static str, found: usize, limit: usize) -> Result<(), MeshError> {
+fn limit(what: &str, found: usize, limit: usize) -> Result<(), MeshError> {
     if found > limit {
-        return Err(MeshError::TooMany { what, limit });
+        return Err(MeshError::too_many(what, limit));
     }
     Ok(())
 }

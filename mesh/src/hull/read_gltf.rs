@@ -9,14 +9,10 @@ use gltf::{
     buffer::Source,
     mesh::Mode,
 };
-use nalgebra::{Matrix4, Point3};
+use nalgebra::Matrix4;
 
 use crate::error::MeshError;
-use crate::hull::triangles::Hull;
-use crate::hull::triangles::{Axis, HullOptions};
-
-/// Most triangles, and most vertices, read from one file; nodes may use one mesh many times.
-const MOST_TRIANGLES: usize = 50_000_000;
+use crate::hull::triangles::{Axis, Hull, HullOptions, PlacedMeshes};
 
 /// Extensions that a file may require although they do not change its triangles, by their
 /// beginning.
@@ -40,10 +36,9 @@ const COMPRESSIONS: [[&str; 2]; 3] = [
 /// address in the glTF file. The file's up is y unless `options` state another axis.
 ///
 /// # Errors
-/// [`MeshError::GltfCompressed`] if the triangles are compressed; [`MeshError::Gltf`] if the file
-/// cannot be parsed; [`MeshError::GltfBuffer`], [`MeshError::GltfAccessor`] and
-/// [`MeshError::GltfNode`] if it refers to data that do not exist; and those of a hull without
-/// triangles or with positions that are not finite.
+/// [`MeshError::Invalid`] if the triangles are compressed, if the file cannot be parsed or refers to
+/// data that do not exist; and those of a hull without triangles or with positions that are not
+/// finite.
 pub fn read_gltf(
     bytes: &[u8],
     options: &HullOptions,
@@ -58,26 +53,24 @@ pub fn read_gltf(
             Source::Bin => blob.take().unwrap_or_default(),
             Source::Uri(uri) => match embedded_text(uri) {
                 Some(text) => STANDARD.decode(text).unwrap_or_default(),
-                None => open(uri).map_err(|source| MeshError::GltfFile {
-                    uri: uri.into(),
-                    source,
+                None => open(uri).map_err(|error| {
+                    MeshError::Invalid(format!("glTF buffer file {uri:?}: {error}"))
                 })?,
             },
         };
         if data.len() < buffer.length() {
-            let (index, announced, found) = (buffer.index(), buffer.length(), data.len());
-            return Err(MeshError::GltfBuffer {
-                index,
-                announced,
-                found,
-            });
+            return Err(MeshError::Invalid(format!(
+                "glTF buffer {} announces {} bytes; it has {}",
+                buffer.index(),
+                buffer.length(),
+                data.len()
+            )));
         }
         buffers.push(data);
     }
     let mut reader = Reader {
         buffers,
-        positions: Vec::new(),
-        triangles: Vec::new(),
+        placed: PlacedMeshes::default(),
         seen: HashSet::new(),
     };
     let scene = document
@@ -93,7 +86,7 @@ pub fn read_gltf(
             }
         }
     }
-    Hull::welded(&reader.positions, reader.triangles.into_iter(), rows)
+    reader.placed.welded(rows)
 }
 
 /// The addresses of the buffers of a glTF file in files of their own.
@@ -125,10 +118,11 @@ fn check_length(bytes: &[u8]) -> Result<(), MeshError> {
             .get(8..12)
             .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
         if length.is_none_or(|length| length < 20 || length > bytes.len()) {
-            return Err(MeshError::GlbLength {
-                announced: length.unwrap_or(0),
-                found: bytes.len(),
-            });
+            return Err(MeshError::Invalid(format!(
+                "the GLB header announces {} bytes; the file has {}",
+                length.unwrap_or(0),
+                bytes.len()
+            )));
         }
     }
     Ok(())
@@ -139,7 +133,8 @@ fn check_length(bytes: &[u8]) -> Result<(), MeshError> {
 /// The library's own validation indexes accessors before it has checked them, so that comes first
 /// here.
 fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), MeshError> {
-    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes)?;
+    let unparsed = |error| MeshError::Invalid(format!("not a readable glTF file: {error}"));
+    let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(unparsed)?;
     let mut root = document.into_json();
     for [extension, method] in COMPRESSIONS {
         if root
@@ -147,7 +142,10 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), MeshError> {
             .iter()
             .any(|name| name == extension)
         {
-            return Err(MeshError::GltfCompressed { method });
+            return Err(MeshError::Invalid(format!(
+                "the glTF file is compressed by {method}, which is not read; export it without \
+                 compression (in Blender: import it, export glTF with Compression off)"
+            )));
         }
     }
     root.extensions_required.retain(|name| {
@@ -160,18 +158,19 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), MeshError> {
         .map(|index| index.value())
         .find(|&index| index >= root.accessors.len())
     {
-        return Err(MeshError::GltfAccessor {
-            index: missing,
-            problem: "a mesh refers to it; there is none of that number",
-        });
+        let problem = "a mesh refers to it; there is none of that number";
+        return Err(accessor_error(missing, problem));
     }
-    Ok((Document::from_json(root)?, blob))
+    Ok((Document::from_json(root).map_err(unparsed)?, blob))
+}
+
+fn accessor_error(index: usize, problem: &str) -> MeshError {
+    MeshError::Invalid(format!("glTF accessor {index}: {problem}"))
 }
 
 struct Reader {
     buffers: Vec<Vec<u8>>,
-    positions: Vec<[f64; 3]>,
-    triangles: Vec<[usize; 3]>,
+    placed: PlacedMeshes,
     seen: HashSet<usize>,
 }
 
@@ -181,9 +180,10 @@ impl Reader {
         let mut waiting = vec![(root.clone(), *transform)];
         while let Some((node, above)) = waiting.pop() {
             if !self.seen.insert(node.index()) {
-                return Err(MeshError::GltfNode {
-                    index: node.index(),
-                });
+                return Err(MeshError::Invalid(format!(
+                    "glTF node {} is reached twice; expected a tree",
+                    node.index()
+                )));
             }
             let own = node.transform().matrix();
             let transform = above * Matrix4::from_fn(|row, column| f64::from(own[column][row]));
@@ -196,8 +196,6 @@ impl Reader {
     }
 
     fn mesh(&mut self, mesh: &gltf::Mesh, transform: &Matrix4<f64>) -> Result<(), MeshError> {
-        // A transform that mirrors turns outside in.
-        let mirrored = transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
         for primitive in mesh.primitives() {
             let corners_of: fn(usize) -> [usize; 3] = match primitive.mode() {
                 Mode::Triangles => |t| [3 * t, 3 * t + 1, 3 * t + 2],
@@ -208,52 +206,26 @@ impl Reader {
             let Some(accessor) = primitive.get(&gltf::Semantic::Positions) else {
                 continue;
             };
-            let first = self.positions.len();
-            let local = self.positions_of(&accessor)?;
+            let vertices = self.positions_of(&accessor)?;
             let indices = match primitive.indices() {
                 Some(indices) => self.indices_of(&indices)?,
-                None => (0..local.len()).collect(),
+                None => (0..vertices.len()).collect(),
             };
             let count = if primitive.mode() == Mode::Triangles {
                 indices.len() / 3
             } else {
                 indices.len().saturating_sub(2)
             };
-            if self.triangles.len() + count > MOST_TRIANGLES || first + local.len() > MOST_TRIANGLES
-            {
-                return Err(MeshError::TooMany {
-                    what: "triangles",
-                    limit: MOST_TRIANGLES,
-                });
-            }
-            for t in 0..count {
-                let mut corners = corners_of(t).map(|i| indices[i]);
-                if let Some(&index) = corners.iter().find(|&&i| i >= local.len()) {
-                    let (triangle, vertices) = (self.triangles.len() + 1, local.len());
-                    return Err(MeshError::VertexIndex {
-                        triangle,
-                        index,
-                        vertices,
-                    });
-                }
-                if mirrored {
-                    corners.swap(1, 2);
-                }
-                self.triangles.push(corners.map(|i| first + i));
-            }
-            let place =
-                |p: &[f64; 3]| -> [f64; 3] { transform.transform_point(&Point3::from(*p)).into() };
-            self.positions.extend(local.iter().map(place));
+            let triangles = (0..count).map(|t| corners_of(t).map(|i| indices[i]));
+            self.placed.add(&vertices, triangles, transform)?;
         }
         Ok(())
     }
 
     fn positions_of(&self, accessor: &Accessor) -> Result<Vec<[f64; 3]>, MeshError> {
         if accessor.dimensions() != Dimensions::Vec3 {
-            return Err(MeshError::GltfAccessor {
-                index: accessor.index(),
-                problem: "positions must have three components",
-            });
+            let problem = "positions must have three components";
+            return Err(accessor_error(accessor.index(), problem));
         }
         let data_type = accessor.data_type();
         let size = data_type.size();
@@ -289,10 +261,8 @@ impl Reader {
         let data_type = accessor.data_type();
         let unsigned = matches!(data_type, DataType::U8 | DataType::U16 | DataType::U32);
         if !unsigned || accessor.dimensions() != Dimensions::Scalar {
-            return Err(MeshError::GltfAccessor {
-                index: accessor.index(),
-                problem: "indices must be unsigned integers",
-            });
+            let problem = "indices must be unsigned integers";
+            return Err(accessor_error(accessor.index(), problem));
         }
         let index = |b: &[u8]| {
             b.iter()
@@ -307,10 +277,7 @@ impl Reader {
         &'a self,
         accessor: &Accessor,
     ) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, MeshError> {
-        let fail = |problem| MeshError::GltfAccessor {
-            index: accessor.index(),
-            problem,
-        };
+        let fail = |problem| accessor_error(accessor.index(), problem);
         if accessor.sparse().is_some() {
             return Err(fail("sparse accessors are not supported"));
         }

@@ -11,7 +11,7 @@ use crate::hull::triangles::{Axis, Hull, HullOptions};
 /// split into triangles from their first corner.
 ///
 /// # Errors
-/// [`MeshError::Syntax`] with the line, and those of a hull without triangles or with positions
+/// [`MeshError::Value`] with the line, and those of a hull without triangles or with positions
 /// that are not finite.
 pub fn read_obj(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> {
     let rows = options.rows(Axis::Z)?;

@@ -1,7 +1,7 @@
 //! Hulls from STL files.
 
 use crate::error::MeshError;
-use crate::hull::text::{decode, lines, point, syntax};
+use crate::hull::text::{decode, lines, point, syntax, unreadable};
 use crate::hull::triangles::{Axis, Hull, HullOptions};
 
 /// Bytes of a binary STL's header with its number of facets.
@@ -16,7 +16,7 @@ const FACET: usize = 50;
 /// word `solid` in any case.
 ///
 /// # Errors
-/// [`MeshError::Syntax`] with the line of a text file, [`MeshError::StlLength`] if a binary file is
+/// [`MeshError::Value`] with the line of a text file, [`MeshError::Invalid`] if a binary file is
 /// shorter than its number of facets needs, and those of a hull without triangles or with positions
 /// that are not finite.
 pub fn read_stl(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> {
@@ -30,12 +30,10 @@ pub fn read_stl(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> 
             } else if is_text(bytes) {
                 text_corners(bytes)?
             } else {
-                let found = bytes.len();
-                return Err(MeshError::StlLength {
-                    facets,
-                    needed,
-                    found,
-                });
+                return Err(MeshError::Invalid(format!(
+                    "the STL file announces {facets} facets, which need {needed} bytes; it has {}",
+                    bytes.len()
+                )));
             }
         }
         None => text_corners(bytes)?,
@@ -101,13 +99,8 @@ fn text_corners(bytes: &[u8]) -> Result<Vec<[f64; 3]>, MeshError> {
     }
     if in_solid || text.trim_ascii().is_empty() {
         let expected = if in_solid { "endsolid" } else { "solid" };
-        let found = "the end of the file".into();
-        return Err(MeshError::Syntax {
-            format: "STL",
-            line: last,
-            found,
-            expected,
-        });
+        let place = format!("line {last}");
+        return Err(unreadable("STL", place, "the end of the file", expected));
     }
     Ok(positions)
 }

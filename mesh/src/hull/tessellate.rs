@@ -24,8 +24,8 @@ const MOST_VERTICES: f64 = 2e7;
 /// more than 0.25 rad in one edge length. The top is flat, sides and ends are upright.
 ///
 /// # Errors
-/// [`MeshError::Parameter`] where the edge length is not positive, [`MeshError::TooMany`] where it
-/// is so small that the hull has more than 20 million vertices.
+/// [`MeshError::Value`] where the edge length is not positive, [`MeshError::Invalid`] where it is so
+/// small that the hull has more than 20 million vertices.
 pub fn tessellate(runner: &Swept, edge_length: f64) -> Result<Hull, MeshError> {
     tessellate_turning(runner, edge_length, LARGEST_TURN)
 }
@@ -34,7 +34,7 @@ pub fn tessellate(runner: &Swept, edge_length: f64) -> Result<Hull, MeshError> {
 /// edge so sharp that its radius is of the size of the contact.
 ///
 /// # Errors
-/// As [`tessellate`], and [`MeshError::Parameter`] where the turn is not positive.
+/// As [`tessellate`], and [`MeshError::Value`] where the turn is not positive.
 pub fn tessellate_turning(
     runner: &Swept,
     edge_length: f64,
@@ -46,10 +46,7 @@ pub fn tessellate_turning(
     let ys = across(runner, edge_length, largest_turn)?;
     let steps = ((x1 - x0) / edge_length).ceil().max(2.0);
     if steps * ys.len() as f64 > MOST_VERTICES {
-        return Err(MeshError::TooMany {
-            what: "vertices",
-            limit: MOST_VERTICES as usize,
-        });
+        return Err(MeshError::too_many("vertices", MOST_VERTICES as usize));
     }
     // Even in number, so that the middle is a column of vertices and the halves mirror each other.
     let half = (0.5 * steps).ceil() as i64;
@@ -131,10 +128,7 @@ fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64
     }
     let total = measure[SAMPLES];
     if total > MOST_VERTICES {
-        return Err(MeshError::TooMany {
-            what: "vertices",
-            limit: MOST_VERTICES as usize,
-        });
+        return Err(MeshError::too_many("vertices", MOST_VERTICES as usize));
     }
     let count = 2 * (0.5 * total - 1e-9).ceil().max(1.0) as usize;
     let mut ys: Vec<f64> = (0..=count)

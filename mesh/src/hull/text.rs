@@ -1,6 +1,7 @@
 //! Lines, words and numbers of hulls in text files.
 
 use std::borrow::Cow;
+use std::fmt::Display;
 
 use crate::error::MeshError;
 
@@ -22,29 +23,30 @@ pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
         .map(|(i, line)| (i + 1, line.trim_ascii()))
 }
 
-/// The error of a word that does not fit.
-pub(crate) fn syntax(
-    format: &'static str,
-    line: usize,
-    found: &str,
-    expected: &'static str,
+/// The error of what was found at a place of a file.
+pub(crate) fn unreadable(
+    format: &str,
+    place: impl Display,
+    found: impl Display,
+    expected: impl Display,
 ) -> MeshError {
+    let place = format!("not a readable {format} file: {place}");
+    MeshError::value(place, found, expected)
+}
+
+/// The error of a word that does not fit.
+pub(crate) fn syntax(format: &str, line: usize, found: &str, expected: &str) -> MeshError {
     let found = match found.char_indices().nth(LONGEST_WORD) {
         _ if found.is_empty() => "the end of the line".into(),
         None => format!("{found:?}"),
         Some((end, _)) => format!("{:?}...", &found[..end]),
     };
-    MeshError::Syntax {
-        format,
-        line,
-        found,
-        expected,
-    }
+    unreadable(format, format!("line {line}"), found, expected)
 }
 
 /// The next three words as numbers.
 pub(crate) fn point<'a>(
-    format: &'static str,
+    format: &str,
     line: usize,
     mut words: impl Iterator<Item = &'a str>,
 ) -> Result<[f64; 3], MeshError> {

@@ -4,9 +4,10 @@ use std::collections::HashMap;
 use std::fmt;
 use std::str::FromStr;
 
-use nalgebra::{Matrix3, Rotation3, RowVector3};
+use nalgebra::{Matrix3, Matrix4, Point3, Rotation3, RowVector3};
 
 use crate::error::MeshError;
+use crate::parameter::expect;
 
 /// Positions and triangles, counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,8 +51,8 @@ impl Hull {
     /// coordinates carried over by `rows`.
     ///
     /// # Errors
-    /// [`MeshError::NoTriangles`], [`MeshError::VertexIndex`] where a corner has no position,
-    /// [`MeshError::NotFinite`] where a position that a triangle uses is no number.
+    /// [`MeshError::Invalid`] where no triangle remains, a corner has no position, or a position
+    /// that a triangle uses is not finite.
     pub(crate) fn welded(
         positions: &[[f64; 3]],
         triangles: impl Iterator<Item = [usize; 3]>,
@@ -62,17 +63,11 @@ impl Hull {
         for (number, corners) in triangles.enumerate() {
             let mut welded = [0; 3];
             for (corner, &index) in welded.iter_mut().zip(&corners) {
-                let found = positions.get(index);
-                let position = found.ok_or(MeshError::VertexIndex {
-                    triangle: number + 1,
-                    index,
-                    vertices: positions.len(),
-                })?;
+                let position = positions
+                    .get(index)
+                    .ok_or_else(|| MeshError::vertex_index(number + 1, index, positions.len()))?;
                 if position.iter().any(|v| !v.is_finite()) {
-                    return Err(MeshError::NotFinite {
-                        vertex: index + 1,
-                        position: *position,
-                    });
+                    return Err(MeshError::not_finite(index + 1, *position));
                 }
                 // Adding zero makes -0 and 0 the same bits.
                 let key = position.map(|v| (v + 0.0).to_bits());
@@ -89,17 +84,14 @@ impl Hull {
             }
         }
         if hull.triangles.is_empty() {
-            return Err(MeshError::NoTriangles);
+            return Err(MeshError::no_triangles());
         }
         if let Some(vertex) = hull
             .positions
             .iter()
             .position(|p| p.iter().any(|v| !v.is_finite()))
         {
-            return Err(MeshError::NotFinite {
-                vertex: vertex + 1,
-                position: hull.positions[vertex],
-            });
+            return Err(MeshError::not_finite(vertex + 1, hull.positions[vertex]));
         }
         Ok(hull)
     }
@@ -150,6 +142,54 @@ impl Hull {
     }
 }
 
+/// Most triangles, and most vertices, read from one file that may use one mesh many times.
+const MOST_TRIANGLES: usize = 50_000_000;
+
+/// Meshes read from one file, each placed by its transform.
+#[derive(Default)]
+pub(crate) struct PlacedMeshes {
+    pub(crate) positions: Vec<[f64; 3]>,
+    pub(crate) triangles: Vec<[usize; 3]>,
+}
+
+impl PlacedMeshes {
+    /// Adds a mesh of these vertices and triangles, carried over by `transform`.
+    pub(crate) fn add(
+        &mut self,
+        vertices: &[[f64; 3]],
+        triangles: impl ExactSizeIterator<Item = [usize; 3]>,
+        transform: &Matrix4<f64>,
+    ) -> Result<(), MeshError> {
+        let first = self.positions.len();
+        if first + vertices.len() > MOST_TRIANGLES {
+            return Err(MeshError::too_many("vertices", MOST_TRIANGLES));
+        }
+        if self.triangles.len() + triangles.len() > MOST_TRIANGLES {
+            return Err(MeshError::too_many("triangles", MOST_TRIANGLES));
+        }
+        // A transform that mirrors reverses the winding.
+        let mirrored = transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
+        for mut corners in triangles {
+            if let Some(&index) = corners.iter().find(|&&i| i >= vertices.len()) {
+                let number = self.triangles.len() + 1;
+                return Err(MeshError::vertex_index(number, index, vertices.len()));
+            }
+            if mirrored {
+                corners.swap(1, 2);
+            }
+            self.triangles.push(corners.map(|i| first + i));
+        }
+        let placed = |p: &[f64; 3]| <[f64; 3]>::from(transform.transform_point(&Point3::from(*p)));
+        self.positions.extend(vertices.iter().map(placed));
+        Ok(())
+    }
+
+    /// The hull of all of them, its coordinates carried over by `rows`.
+    pub(crate) fn welded(self, rows: [[f64; 3]; 3]) -> Result<Hull, MeshError> {
+        Hull::welded(&self.positions, self.triangles.into_iter(), rows)
+    }
+}
+
 /// An axis of a file, with its sense.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axis {
@@ -193,7 +233,9 @@ impl FromStr for Axis {
             None => (false, text.strip_prefix('+').unwrap_or(text)),
         };
         let index = ["x", "y", "z"].iter().position(|&l| l == letter);
-        let index = index.ok_or_else(|| MeshError::AxisName { found: text.into() })?;
+        let expected = "x, y, z, -x, -y or -z";
+        let index = index
+            .ok_or_else(|| MeshError::Invalid(format!("axis {text:?}; expected {expected}")))?;
         Ok(Self { index, negative })
     }
 }
@@ -237,23 +279,18 @@ impl HullOptions {
     /// The rows of the matrix that carries file coordinates to metres, x forward, y left, z up.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where the scale is not positive, [`MeshError::Axes`] where the axes
+    /// [`MeshError::Value`] where the scale is not positive, [`MeshError::Invalid`] where the axes
     /// are parallel.
     pub(crate) fn rows(&self, usual_up: Axis) -> Result<[[f64; 3]; 3], MeshError> {
-        if !(self.scale > 0.0 && self.scale.is_finite()) {
-            let expected = "a positive number of metres in one unit of the file";
-            return Err(MeshError::Parameter {
-                name: "scale",
-                value: self.scale,
-                expected,
-            });
-        }
+        let expected = "a positive number of metres in one unit of the file";
+        let positive = self.scale > 0.0 && self.scale.is_finite();
+        expect(positive, "scale", self.scale, expected)?;
         let up = self.up.unwrap_or(usual_up);
         if up.index == self.forward.index {
-            return Err(MeshError::Axes {
-                up: up.to_string(),
-                forward: self.forward.to_string(),
-            });
+            return Err(MeshError::Invalid(format!(
+                "up = {up} and forward = {} are parallel; expected two different axes",
+                self.forward
+            )));
         }
         let (z, x) = (up.vector(), self.forward.vector());
         let y = [
@@ -439,7 +476,7 @@ pub fn size_warnings(extent: [f64; 3]) -> Vec<HullWarning> {
 /// Checks a hull and says what it is like.
 ///
 /// # Errors
-/// [`MeshError::InvertedHull`] where a closed hull's triangles face inwards.
+/// [`MeshError::Invalid`] where a closed hull's triangles face inwards.
 pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
     // Times each edge is walked upwards and downwards in index.
     let mut edges: HashMap<[u32; 2], [u32; 2]> =
@@ -460,7 +497,10 @@ pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
     // Of a flat hull rounding leaves a volume of either sign.
     let rounding = 1e-6 * extent.iter().product::<f64>();
     if open_edges == 0 && volume < -rounding {
-        return Err(MeshError::InvertedHull { volume });
+        return Err(MeshError::Invalid(format!(
+            "the hull's triangles face inwards (signed volume {volume:.3e} m^3); reverse their \
+             winding (flip normals)"
+        )));
     }
     let mut warnings = size_warnings(extent);
     if open_edges > 0 {

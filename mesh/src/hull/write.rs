@@ -3,8 +3,6 @@
 use std::borrow::Cow;
 use std::io::{BufWriter, Error, Result, Write};
 
-use serde::Serialize;
-
 use crate::hull::triangles::Hull;
 
 /// The mark of this program in a file that it writes.
@@ -51,85 +49,6 @@ pub(crate) fn write_stl(hull: &Hull, writer: impl Write) -> Result<()> {
     out.flush()
 }
 
-/// The JSON of a glTF file with one mesh of one primitive.
-#[derive(Serialize)]
-#[serde(rename_all = "camelCase")]
-struct Document {
-    asset: Asset,
-    scene: u32,
-    scenes: [Scene; 1],
-    nodes: [Node; 1],
-    meshes: [Mesh; 1],
-    buffers: [Buffer; 1],
-    buffer_views: [BufferView; 2],
-    accessors: [Accessor; 2],
-}
-
-#[derive(Serialize)]
-struct Asset {
-    version: &'static str,
-    generator: &'static str,
-}
-
-#[derive(Serialize)]
-struct Scene {
-    nodes: [u32; 1],
-}
-
-#[derive(Serialize)]
-struct Node {
-    mesh: u32,
-    name: &'static str,
-}
-
-#[derive(Serialize)]
-struct Mesh {
-    primitives: [Primitive; 1],
-}
-
-#[derive(Serialize)]
-struct Primitive {
-    attributes: Attributes,
-    indices: u32,
-}
-
-#[derive(Serialize)]
-#[serde(rename_all = "UPPERCASE")]
-struct Attributes {
-    position: u32,
-}
-
-#[derive(Serialize)]
-#[serde(rename_all = "camelCase")]
-struct Buffer {
-    byte_length: usize,
-}
-
-#[derive(Serialize)]
-#[serde(rename_all = "camelCase")]
-struct BufferView {
-    buffer: u32,
-    byte_offset: usize,
-    byte_length: usize,
-    /// 34962 for vertices, 34963 for indices.
-    target: u32,
-}
-
-#[derive(Serialize)]
-#[serde(rename_all = "camelCase")]
-struct Accessor {
-    buffer_view: u32,
-    /// 5126 for 32-bit floats, 5125 for 32-bit unsigned integers.
-    component_type: u32,
-    count: usize,
-    #[serde(rename = "type")]
-    kind: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    min: Option<[f32; 3]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    max: Option<[f32; 3]>,
-}
-
 /// Writes `hull` as GLB with one node, y up as glTF requires, in single precision.
 ///
 /// # Errors
@@ -148,62 +67,37 @@ pub(crate) fn write_glb(hull: &Hull, writer: impl Write) -> Result<()> {
     let first_index = data.len();
     let indices = hull.triangles.iter().flatten();
     data.extend(indices.flat_map(|i| i.to_le_bytes()));
-    let view = |byte_offset, byte_length, target| BufferView {
-        buffer: 0,
-        byte_offset,
-        byte_length,
-        target,
-    };
-    let document = Document {
-        asset: Asset {
-            version: "2.0",
-            generator: MARK,
-        },
-        scene: 0,
-        scenes: [Scene { nodes: [0] }],
-        nodes: [Node {
-            mesh: 0,
-            name: "runner",
-        }],
-        meshes: [Mesh {
-            primitives: [Primitive {
-                attributes: Attributes { position: 0 },
-                indices: 1,
-            }],
-        }],
-        buffers: [Buffer {
-            byte_length: data.len(),
-        }],
-        buffer_views: [
-            view(0, first_index, 34962),
-            view(first_index, data.len() - first_index, 34963),
-        ],
-        accessors: [
-            Accessor {
-                buffer_view: 0,
-                component_type: 5126,
-                count: points,
-                kind: "VEC3",
-                min: Some(low),
-                max: Some(high),
-            },
-            Accessor {
-                buffer_view: 1,
-                component_type: 5125,
-                count: 3 * triangles,
-                kind: "SCALAR",
-                min: None,
-                max: None,
-            },
-        ],
-    };
+    let [low, high] = [serde_json::to_string(&low)?, serde_json::to_string(&high)?];
+    // Component types 5126 and 5125 are 32-bit floats and 32-bit unsigned integers; targets 34962
+    // and 34963 are vertices and indices.
+    let json = format!(
+        concat!(
+            r#"{{"asset":{{"version":"2.0","generator":"{mark}"}},"scene":0,"scenes":[{{"nodes":[0]}}],"#,
+            r#""nodes":[{{"mesh":0,"name":"runner"}}],"#,
+            r#""meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],"#,
+            r#""buffers":[{{"byteLength":{bytes}}}],"#,
+            r#""bufferViews":[{{"buffer":0,"byteOffset":0,"byteLength":{first},"target":34962}},"#,
+            r#"{{"buffer":0,"byteOffset":{first},"byteLength":{rest},"target":34963}}],"#,
+            r#""accessors":[{{"bufferView":0,"componentType":5126,"count":{points},"type":"VEC3","#,
+            r#""min":{low},"max":{high}}},"#,
+            r#"{{"bufferView":1,"componentType":5125,"count":{corners},"type":"SCALAR"}}]}}"#
+        ),
+        mark = MARK,
+        bytes = data.len(),
+        first = first_index,
+        rest = data.len() - first_index,
+        points = points,
+        low = low,
+        high = high,
+        corners = 3 * triangles,
+    );
     let glb = gltf::binary::Glb {
         header: gltf::binary::Header {
             magic: *b"glTF",
             version: 2,
             length: 0,
         },
-        json: Cow::Owned(serde_json::to_vec(&document)?),
+        json: Cow::Owned(json.into_bytes()),
         bin: Some(Cow::Owned(data)),
     };
     let mut out = BufWriter::new(writer);

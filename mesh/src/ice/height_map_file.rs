@@ -1,31 +1,30 @@
 //! Height maps from CSV tables and EXR images.
 
+use std::fmt::Display;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::prelude::{ReadChannels, ReadLayers, read};
-use kufe_files::read_regular;
 
 use crate::error::MeshError;
 use crate::ice::surface::{HeightMap, Interpolation};
+use crate::input::{ending, read_file};
 
 impl HeightMap {
     /// Reads columns `x_m`, `y_m`, `z_m` of a CSV table whose points, in any order, fill a regular
     /// grid.
     ///
     /// # Errors
-    /// [`MeshError::MapRow`] with the row and column, [`MeshError::MapGrid`] where the points fill
-    /// no regular grid.
+    /// [`MeshError::Value`] with the row and column, or where the points fill no regular grid.
     pub fn from_csv(reader: impl Read, interpolation: Interpolation) -> Result<Self, MeshError> {
         let mut table = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_reader(reader);
-        let row_problem = |row: usize, column: &'static str, found: String| MeshError::MapRow {
-            row,
-            column,
-            found,
+        let row_problem = |row: usize, column: &str, found: String| {
+            let place = format!("height map, row {row}, column {column}");
+            MeshError::value(place, found, "a number in [m]")
         };
         let headers = table
             .headers()
@@ -59,12 +58,16 @@ impl HeightMap {
             values
         });
         let shape = [xs.len(), ys.len()];
+        let grid_problem = |problem: &str| {
+            MeshError::Invalid(format!(
+                "height map: {} points at {} different x and {} different y: {problem}",
+                points.len(),
+                shape[0],
+                shape[1]
+            ))
+        };
         if shape.iter().any(|&n| n < 2) || shape[0].checked_mul(shape[1]) != Some(points.len()) {
-            return Err(MeshError::MapGrid {
-                shape,
-                points: points.len(),
-                problem: "expected one row a grid point",
-            });
+            return Err(grid_problem("expected one row a grid point"));
         }
         let spacing = [&xs, &ys].map(|v| (v[v.len() - 1] - v[0]) / (v.len() - 1) as f64);
         let even = |v: &[f64], step: f64| {
@@ -72,11 +75,7 @@ impl HeightMap {
                 .all(|p| (p[1] - p[0] - step).abs() <= 1e-3 * step)
         };
         if !even(&xs, spacing[0]) || !even(&ys, spacing[1]) {
-            return Err(MeshError::MapGrid {
-                shape,
-                points: points.len(),
-                problem: "the points are not evenly spaced",
-            });
+            return Err(grid_problem("the points are not evenly spaced"));
         }
         let mut heights = vec![f64::NAN; points.len()];
         for [x, y, z] in &points {
@@ -84,11 +83,7 @@ impl HeightMap {
             let j = ((y - ys[0]) / spacing[1]).round() as usize;
             let place = &mut heights[j.min(shape[1] - 1) * shape[0] + i.min(shape[0] - 1)];
             if !place.is_nan() {
-                return Err(MeshError::MapGrid {
-                    shape,
-                    points: points.len(),
-                    problem: "a point occurs twice",
-                });
+                return Err(grid_problem("a point occurs twice"));
             }
             *place = *z;
         }
@@ -114,37 +109,31 @@ pub struct ExrImage {
     channels: Vec<(String, Vec<f64>)>,
 }
 
+fn exr_error(problem: impl Display) -> MeshError {
+    MeshError::Invalid(format!("EXR image: {problem}"))
+}
+
 impl ExrImage {
     /// Reads a file.
     ///
     /// # Errors
     /// [`MeshError::Io`] where it cannot be read, [`MeshError::File`] with what is wrong in it.
     pub fn load(path: &Path) -> Result<Self, MeshError> {
-        let name = path.display().to_string();
-        let io = |source| MeshError::Io {
-            path: name.clone(),
-            source,
-        };
-        let bytes = read_regular(path, MOST_BYTES).map_err(io)?;
-        Self::read(&bytes).map_err(|source| MeshError::File {
-            path: name.clone(),
-            source: Box::new(source),
-        })
+        let bytes = read_file(path, MOST_BYTES)?;
+        Self::read(&bytes).map_err(|error| error.in_file(path))
     }
 
     /// Reads the bytes of a file.
     ///
     /// # Errors
-    /// [`MeshError::Exr`] where they are no EXR image, where a header announces more values than
+    /// [`MeshError::Invalid`] where they are no EXR image, where a header announces more values than
     /// are read, or where an attribute is missing or no place.
     pub fn read(bytes: &[u8]) -> Result<Self, MeshError> {
-        let exr_error = |problem: String| MeshError::Exr { problem };
         if bytes.len() as u64 > MOST_BYTES {
             return Err(exr_error(format!("more than {MOST_BYTES} bytes")));
         }
         // The reader allocates what the headers announce, so all headers are checked first.
-        let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
-            .map_err(|error| exr_error(error.to_string()))?;
+        let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(exr_error)?;
         for header in &meta.headers {
             let (width, height) = (header.layer_size.width(), header.layer_size.height());
             let count = header.channels.list.len();
@@ -164,7 +153,7 @@ impl ExrImage {
             .first_valid_layer()
             .all_attributes()
             .from_buffered(Cursor::new(bytes))
-            .map_err(|error| exr_error(error.to_string()))?;
+            .map_err(exr_error)?;
         let layer = &image.layer_data;
         let number = |name: &str, positive: bool| {
             let value = match layer.attributes.other.get(&Text::from(name)) {
@@ -203,9 +192,8 @@ impl ExrImage {
     /// A channel's values, row by row.
     ///
     /// # Errors
-    /// [`MeshError::Exr`] where there is no such channel, or a value of it is not a number.
+    /// [`MeshError::Invalid`] where there is no such channel, or a value of it is not a number.
     pub fn channel(&self, name: &str) -> Result<&[f64], MeshError> {
-        let exr_error = |problem: String| MeshError::Exr { problem };
         let Some((_, values)) = self.channels.iter().find(|(known, _)| known == name) else {
             let found: Vec<&str> = self
                 .channels
@@ -236,27 +224,15 @@ impl ExrImage {
 /// # Errors
 /// [`MeshError::Io`] where the file cannot be read, [`MeshError::File`] with what is wrong in it.
 pub fn load_height_map(path: &Path) -> Result<HeightMap, MeshError> {
-    let name = path.display().to_string();
-    let in_file = |source: MeshError| MeshError::File {
-        path: name.clone(),
-        source: Box::new(source),
+    let read: fn(&[u8]) -> Result<HeightMap, MeshError> = match ending(path).as_str() {
+        "csv" => |bytes| HeightMap::from_csv(bytes, Interpolation::Bicubic),
+        "exr" => |bytes| HeightMap::from_exr(bytes, Interpolation::Bicubic),
+        found => {
+            let found = format!("the ending {found:?}");
+            return Err(MeshError::value("height map", found, "csv or exr").in_file(path));
+        }
     };
-    let ending = path
-        .extension()
-        .map(|e| e.to_string_lossy().to_lowercase())
-        .unwrap_or_default();
-    if !["csv", "exr"].contains(&ending.as_str()) {
-        return Err(in_file(MeshError::MapFormat { found: ending }));
-    }
-    let bytes = read_regular(path, MOST_BYTES).map_err(|source| MeshError::Io {
-        path: name.clone(),
-        source,
-    })?;
-    let map = match ending.as_str() {
-        "csv" => HeightMap::from_csv(bytes.as_slice(), Interpolation::Bicubic),
-        _ => HeightMap::from_exr(&bytes, Interpolation::Bicubic),
-    };
-    map.map_err(in_file)
+    read(&read_file(path, MOST_BYTES)?).map_err(|error| error.in_file(path))
 }
 
 impl HeightMap {
@@ -265,7 +241,7 @@ impl HeightMap {
     /// i pixel_x_m, origin_y_m + j pixel_y_m).
     ///
     /// # Errors
-    /// [`MeshError::Exr`] where that is not what the bytes hold, and as [`HeightMap::new`].
+    /// [`MeshError::Invalid`] where that is not what the bytes hold, and as [`HeightMap::new`].
     pub fn from_exr(bytes: &[u8], interpolation: Interpolation) -> Result<Self, MeshError> {
         let image = ExrImage::read(bytes)?;
         let heights = image.channel("z")?.to_vec();

@@ -1,7 +1,7 @@
 //! The unloaded ice: wavy, or a measured height map.
 
 use crate::error::MeshError;
-use crate::parameter::positive_finite;
+use crate::parameter::{expect, positive_finite};
 use crate::shapes::underside::lows;
 
 /// The height of the unloaded ice over the contact plane; the gap under a hull shrinks by it.
@@ -36,16 +36,15 @@ impl Waviness {
     /// Waves along x with a crest at the origin.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where the amplitude is not finite or the wavelength not positive.
+    /// [`MeshError::Value`] where the amplitude is not finite or the wavelength not positive.
     pub fn new(amplitude: f64, wavelength: f64) -> Result<Self, MeshError> {
         positive_finite("wavelength [m]", wavelength)?;
-        if !amplitude.is_finite() {
-            return Err(MeshError::Parameter {
-                name: "amplitude [m]",
-                value: amplitude,
-                expected: "a finite number",
-            });
-        }
+        expect(
+            amplitude.is_finite(),
+            "amplitude [m]",
+            amplitude,
+            "a finite number",
+        )?;
         Ok(Self {
             amplitude,
             wavelength,
@@ -100,9 +99,8 @@ impl HeightMap {
     /// `spacing` [m] apart.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] for a spacing that is not positive, [`MeshError::MapShape`] where
-    /// the number of heights is not nx ny or an axis has fewer than two points,
-    /// [`MeshError::MapHeight`] where a height is not finite.
+    /// [`MeshError::Value`] for a spacing that is not positive, where the number of heights is not
+    /// nx ny or an axis has fewer than two points, or where a height is not finite.
     pub fn new(
         origin: [f64; 2],
         spacing: [f64; 2],
@@ -113,26 +111,25 @@ impl HeightMap {
         spacing
             .iter()
             .try_for_each(|&s| positive_finite("grid spacing [m]", s).map(|_| ()))?;
-        if let Some(&value) = origin.iter().find(|v| !v.is_finite()) {
-            return Err(MeshError::Parameter {
-                name: "grid origin [m]",
+        for value in origin {
+            expect(
+                value.is_finite(),
+                "grid origin [m]",
                 value,
-                expected: "a finite number",
-            });
+                "a finite number",
+            )?;
         }
         if shape.iter().any(|&n| n < 2) || shape[0].checked_mul(shape[1]) != Some(heights.len()) {
-            return Err(MeshError::MapShape {
-                shape,
-                found: heights.len(),
-            });
+            return Err(MeshError::value(
+                format!("height map of {shape:?} points"),
+                format!("{} heights", heights.len()),
+                "two or more points along each axis, one height each",
+            ));
         }
-        if let Some(place) = heights.iter().position(|z| !z.is_finite()) {
-            let (column, row) = (place % shape[0], place / shape[0]);
-            return Err(MeshError::MapHeight {
-                column,
-                row,
-                value: heights[place],
-            });
+        if let Some(at) = heights.iter().position(|z| !z.is_finite()) {
+            let (column, row) = (at % shape[0], at / shape[0]);
+            let place = format!("height map, column {column}, row {row}");
+            return Err(MeshError::value(place, heights[at], "a finite number"));
         }
         let mut map = Self {
             origin,

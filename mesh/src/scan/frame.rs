@@ -40,10 +40,10 @@ impl ScanFrame {
     /// least squares. `None` where no side is rounded both ways.
     ///
     /// # Errors
-    /// [`MeshError::NoTriangles`] for a hull without any.
+    /// [`MeshError::Invalid`] for a hull without any.
     pub fn of(hull: &Hull) -> Result<Option<Self>, MeshError> {
         if hull.triangles.is_empty() {
-            return Err(MeshError::NoTriangles);
+            return Err(MeshError::no_triangles());
         }
         let [low, high] = hull.bounds();
         let extent = [0, 1, 2].map(|axis| high[axis] - low[axis]);

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use kufe_files::read_regular;
-
 use crate::error::MeshError;
+use crate::input::read_file;
+use crate::parameter::expect;
 
 /// A smooth curve `z(x)` through points: a cubic spline that keeps convex data convex.
 ///
@@ -24,34 +24,21 @@ impl Profile {
     /// The curve through `points`, pairs (position [m], height [m]).
     ///
     /// # Errors
-    /// [`MeshError::TooFewPoints`] below two points, [`MeshError::ProfilePoint`] where a number is
-    /// not finite or the positions do not increase.
+    /// [`MeshError::Value`] below two points, or where a number is not finite or the positions do
+    /// not increase.
     pub fn new(name: &'static str, points: &[[f64; 2]]) -> Result<Self, MeshError> {
         if points.len() < 2 {
-            return Err(MeshError::TooFewPoints {
-                name,
-                found: points.len(),
-                needed: 2,
-            });
+            let found = format!("{} points", points.len());
+            return Err(MeshError::value(name, found, "at least 2"));
         }
         for (i, point) in points.iter().enumerate() {
+            let place = format!("{name}, point {}", i + 1);
             if let Some(&value) = point.iter().find(|v| !v.is_finite()) {
-                return Err(MeshError::ProfilePoint {
-                    name,
-                    row: i + 1,
-                    value,
-                    expected: "a finite number",
-                });
+                return Err(MeshError::value(place, value, "a finite number"));
             }
-            if i > 0 && point[0] <= points[i - 1][0] {
-                let expected = "positions that increase from point to point";
-                return Err(MeshError::ProfilePoint {
-                    name,
-                    row: i + 1,
-                    value: point[0],
-                    expected,
-                });
-            }
+            let increases = i == 0 || point[0] > points[i - 1][0];
+            let expected = "positions that increase from point to point";
+            expect(increases, &place, point[0], expected)?;
         }
         let steps: Vec<f64> = points.windows(2).map(|p| p[1][0] - p[0][0]).collect();
         let secants: Vec<f64> = points
@@ -267,22 +254,17 @@ const MOST_BYTES: u64 = 1 << 26;
 /// # Errors
 /// [`MeshError::File`] with the row, the column and the text found.
 pub fn load_points(path: &Path, columns: [&'static str; 2]) -> Result<Vec<[f64; 2]>, MeshError> {
-    let name = path.display().to_string();
-    let bytes = read_regular(path, MOST_BYTES).map_err(|source| MeshError::Io {
-        path: name.clone(),
-        source,
-    })?;
-    read_points(&bytes, columns).map_err(|source| MeshError::File {
-        path: name,
-        source: Box::new(source),
-    })
+    let bytes = read_file(path, MOST_BYTES)?;
+    read_points(&bytes, columns).map_err(|error| error.in_file(path))
 }
 
 fn read_points(bytes: &[u8], columns: [&'static str; 2]) -> Result<Vec<[f64; 2]>, MeshError> {
-    let error_at = |row: usize, column: &'static str, found: String| MeshError::PointRow {
-        row,
-        column,
-        found,
+    let error_at = |row: usize, column: &str, found: String| {
+        MeshError::value(
+            format!("row {row}, column {column}"),
+            found,
+            "a number of m",
+        )
     };
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
@@ -292,7 +274,7 @@ fn read_points(bytes: &[u8], columns: [&'static str; 2]) -> Result<Vec<[f64; 2]>
         .map_err(|error| error_at(0, columns[0], error.to_string()))?;
     if header != columns.to_vec() {
         let found = header.iter().collect::<Vec<&str>>().join(",");
-        return Err(MeshError::PointColumns { found, columns });
+        return Err(MeshError::value("columns", found, columns.join(",")));
     }
     let mut points = Vec::new();
     for (i, record) in reader.records().enumerate() {

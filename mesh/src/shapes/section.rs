@@ -1,7 +1,7 @@
 //! Sections across a runner and rockers along it.
 
 use crate::error::MeshError;
-use crate::parameter::{positive, positive_finite};
+use crate::parameter::{expect, positive, positive_finite};
 use crate::shapes::profile::Profile;
 
 /// Height of a runner's section over y, lowest at height 0; infinite outside the section.
@@ -42,42 +42,31 @@ impl Section {
     /// An arc of `radius` [m] and `width` [m].
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where a number is not positive or the width exceeds the diameter.
+    /// [`MeshError::Value`] where a number is not positive or the width exceeds the diameter.
     pub fn arc(radius: f64, width: f64) -> Result<Self, MeshError> {
         positive("section radius [m]", radius)?;
         positive_finite("width [m]", width)?;
         // A width of two radii is a half circle whatever the rounding of its two decimals.
-        if width > 2.0 * radius * (1.0 + 1e-12) {
-            return Err(MeshError::Parameter {
-                name: "width [m]",
-                value: width,
-                expected: "at most two section radii",
-            });
-        }
+        let fits = width <= 2.0 * radius * (1.0 + 1e-12);
+        expect(fits, "width [m]", width, "at most two section radii")?;
         Ok(Self::Arc { radius, width })
     }
 
     /// A flat tilted by `tilt` [rad] with an edge of `radius` [m], `width` [m] across.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where a number is out of range.
+    /// [`MeshError::Value`] where a number is out of range.
     pub fn edge(radius: f64, tilt: f64, width: f64) -> Result<Self, MeshError> {
         positive_finite("edge radius [m]", radius)?;
         positive_finite("width [m]", width)?;
-        if !(0.0..=0.8).contains(&tilt) {
-            return Err(MeshError::Parameter {
-                name: "tilt [rad]",
-                value: tilt,
-                expected: "0 to 0.8",
-            });
-        }
-        if width <= 2.0 * radius {
-            return Err(MeshError::Parameter {
-                name: "edge radius [m]",
-                value: radius,
-                expected: "less than half the width",
-            });
-        }
+        expect((0.0..=0.8).contains(&tilt), "tilt [rad]", tilt, "0 to 0.8")?;
+        let narrow = width > 2.0 * radius;
+        expect(
+            narrow,
+            "edge radius [m]",
+            radius,
+            "less than half the width",
+        )?;
         Ok(Self::Edge {
             radius,
             tilt,
@@ -104,26 +93,19 @@ impl Section {
     /// from it.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where the depth is negative or takes the whole section, or `edge`
+    /// [`MeshError::Value`] where the depth is negative or takes the whole section, or `edge`
     /// is not from 0 to 1.
     pub fn worn(self, depth: f64, edge: f64) -> Result<Self, MeshError> {
-        if !(0.0..=1.0).contains(&edge) {
-            return Err(MeshError::Parameter {
-                name: "worn edge",
-                value: edge,
-                expected: "0 to 1",
-            });
-        }
+        expect((0.0..=1.0).contains(&edge), "worn edge", edge, "0 to 1")?;
         let [from, to] = self.extent();
         let rise = self.height(from).max(self.height(to));
-        if !(0.0..rise).contains(&depth) {
-            let expected = "not negative, and less than the section's rise to its sides";
-            return Err(MeshError::Parameter {
-                name: "wear depth [m]",
-                value: depth,
-                expected,
-            });
-        }
+        let expected = "not negative, and less than the section's rise to its sides";
+        expect(
+            (0.0..rise).contains(&depth),
+            "wear depth [m]",
+            depth,
+            expected,
+        )?;
         Ok(Self::Worn {
             new: Box::new(self),
             depth,
@@ -210,7 +192,7 @@ impl Rocker {
     /// An arc of `radius` [m]; infinity gives a straight keel.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where the radius is not positive.
+    /// [`MeshError::Value`] where the radius is not positive.
     pub fn arc(radius: f64) -> Result<Self, MeshError> {
         Ok(Self::Arc {
             radius: positive("rocker radius [m]", radius)?,

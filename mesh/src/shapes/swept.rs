@@ -1,7 +1,7 @@
 //! Runners made by sweeping a section along a rocker.
 
 use crate::error::MeshError;
-use crate::parameter::{linspace, positive_finite};
+use crate::parameter::{expect, linspace, positive_finite};
 use crate::shapes::section::{Rocker, Section};
 use crate::shapes::underside::{Underside, lows};
 
@@ -38,7 +38,7 @@ impl Swept {
     /// A runner of `length` [m] whose flat top is `top` [m] above its lowest point.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where a number is not positive, the rocker is shorter than the
+    /// [`MeshError::Value`] where a number is not positive, the rocker is shorter than the
     /// runner, the ends are steeper than upright, or the underside reaches above the top.
     pub fn new(
         rocker: Rocker,
@@ -54,26 +54,15 @@ impl Swept {
         if let Some(ends) = ends {
             positive_finite("end radius [m]", ends.radius)?;
             positive_finite("end length [m]", ends.length)?;
-            if ends.length > half {
-                let expected = "at most half the runner's length";
-                return Err(MeshError::Parameter {
-                    name: "end length [m]",
-                    value: ends.length,
-                    expected,
-                });
-            }
+            let expected = "at most half the runner's length";
+            expect(ends.length <= half, "end length [m]", ends.length, expected)?;
             needed = half - ends.length;
         }
         let [from, to] = rocker.range();
         // Positions that are decimals of the length may round either way.
-        if from > -needed * (1.0 - 1e-12) || to < needed * (1.0 - 1e-12) {
-            let expected = "a rocker that spans it";
-            return Err(MeshError::Parameter {
-                name: "length [m]",
-                value: length,
-                expected,
-            });
-        }
+        let needed = needed * (1.0 - 1e-12);
+        let spans = from <= -needed && to >= needed;
+        expect(spans, "length [m]", length, "a rocker that spans it")?;
         let mut swept = Self {
             rocker,
             section,
@@ -82,24 +71,14 @@ impl Swept {
             top,
             lows: Vec::new(),
         };
-        if let Some(ends) = ends
-            && [-half, half].iter().any(|&x| !swept.keel(x).is_finite())
-        {
-            return Err(MeshError::Parameter {
-                name: "end length [m]",
-                value: ends.length,
-                expected: "ends that stay less than upright: a shorter end or a larger end radius",
-            });
+        if let Some(ends) = ends {
+            let expected = "ends that stay less than upright: a shorter end or a larger end radius";
+            let finite = [-half, half].iter().all(|&x| swept.keel(x).is_finite());
+            expect(finite, "end length [m]", ends.length, expected)?;
         }
-        let highest = swept.highest();
-        if highest >= top {
-            let expected = "a top above the underside's highest point: more height, or less width or end length";
-            return Err(MeshError::Parameter {
-                name: "height [m]",
-                value: top,
-                expected,
-            });
-        }
+        let expected = "a top above the underside's highest point: more height, or less width or \
+                        end length";
+        expect(swept.highest() < top, "height [m]", top, expected)?;
         swept.lows = swept.measured_lows();
         Ok(swept)
     }
@@ -271,7 +250,7 @@ impl BobRunner {
     /// The runner as a swept surface.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where the numbers make no runner.
+    /// [`MeshError::Value`] where the numbers make no runner.
     pub fn swept(&self) -> Result<Swept, MeshError> {
         self.swept_along(Rocker::arc(self.rocker_radius)?)
     }
@@ -280,7 +259,7 @@ impl BobRunner {
     /// `rocker_radius` is not used.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where the numbers make no runner.
+    /// [`MeshError::Value`] where the numbers make no runner.
     pub fn swept_along(&self, rocker: Rocker) -> Result<Swept, MeshError> {
         let section = Section::arc(self.section_radius, self.width)?;
         self.swept_with(rocker, section)
@@ -289,7 +268,7 @@ impl BobRunner {
     /// The runner with another rocker and another section; the radii and the width are not used.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where the numbers make no runner.
+    /// [`MeshError::Value`] where the numbers make no runner.
     pub fn swept_with(&self, rocker: Rocker, section: Section) -> Result<Swept, MeshError> {
         Swept::with_rounded_ends(rocker, section, self.length, self.height, self.end_radius)
     }
@@ -337,7 +316,7 @@ impl LugeSteel {
     /// The steel as a swept surface.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where the numbers make no steel.
+    /// [`MeshError::Value`] where the numbers make no steel.
     pub fn swept(&self) -> Result<Swept, MeshError> {
         self.swept_with(Section::edge(self.edge_radius, self.tilt, self.width)?)
     }
@@ -345,7 +324,7 @@ impl LugeSteel {
     /// The steel with another section; the edge's radius, the tilt and the width are not used.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where the numbers make no steel.
+    /// [`MeshError::Value`] where the numbers make no steel.
     pub fn swept_with(&self, section: Section) -> Result<Swept, MeshError> {
         let rocker = Rocker::arc(self.rocker_radius)?;
         Swept::with_rounded_ends(rocker, section, self.length, self.height, self.end_radius)

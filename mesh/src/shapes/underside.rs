@@ -62,7 +62,7 @@ impl Paraboloid {
     /// A paraboloid with radius `rocker_radius` [m] along x and `section_radius` [m] across.
     ///
     /// # Errors
-    /// [`MeshError::Parameter`] where a radius is not positive.
+    /// [`MeshError::Value`] where a radius is not positive.
     pub fn new(rocker_radius: f64, section_radius: f64) -> Result<Self, MeshError> {
         Ok(Self {
             rocker_curvature: 1.0 / positive("rocker radius [m]", rocker_radius)?,

@@ -38,10 +38,7 @@ impl SectionTable {
             (None, Some(path)) => {
                 let path = base.join(path);
                 let points = load_points(&path, ["y_m", "z_m"])?;
-                section_of(&points).map_err(|source| MeshError::File {
-                    path: path.display().to_string(),
-                    source: Box::new(source),
-                })?
+                section_of(&points).map_err(|error| error.in_file(&path))?
             }
             (None, None) => own,
         };
@@ -59,10 +56,9 @@ fn section_of(points: &[[f64; 2]]) -> Result<Section, MeshError> {
     if Range::of("runner.shape.width_m").holds(width) {
         return Ok(section);
     }
-    Err(MeshError::ProfilePoint {
-        name: "section",
-        row: points.len(),
-        value: width,
-        expected: "a width of the section from 0.0001 to 1 m",
-    })
+    Err(MeshError::value(
+        format!("section, point {}", points.len()),
+        width,
+        "a width of the section from 0.0001 to 1 m",
+    ))
 }
