@@ -94,13 +94,6 @@ impl Constraints {
         }
     }
 
-    /// Sets the prescribed entries of a vector to zero.
-    pub fn write_zeros(&self, u: &mut [f64]) {
-        for (dof, _) in self.iter() {
-            u[dof] = 0.0;
-        }
-    }
-
     /// The free displacements, numbered in the order of the nodes.
     pub fn dof_map(&self) -> DofMap {
         let mut index = vec![0; 3 * self.node_count];

@@ -115,27 +115,4 @@ pub enum Error {
         /// Memory that it may take [bytes].
         limit: u64,
     },
-    /// Conjugate gradients did not reach the tolerance.
-    #[error(
-        "conjugate gradients stopped after {iterations} iterations at {residual}; expected {tolerance}"
-    )]
-    NotConverged {
-        /// Iterations done.
-        iterations: usize,
-        /// Relative residual or energy error reached.
-        residual: f64,
-        /// The tolerance.
-        tolerance: f64,
-    },
-    /// The operator or preconditioner of conjugate gradients has a direction of negative or
-    /// undefined energy.
-    #[error(
-        "conjugate gradients met the energy {energy} at iteration {iteration}; expected a positive number"
-    )]
-    Indefinite {
-        /// The iteration.
-        iteration: usize,
-        /// The energy p . K p or r . P^-1 r.
-        energy: f64,
-    },
 }

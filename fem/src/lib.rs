@@ -4,21 +4,22 @@
 //! |---|---|
 //! | [`Material`], [`ElementKind`], [`Section`], [`Body`] | a mesh with its materials and elements, checked once |
 //! | [`hex8`] | the trilinear hexahedron |
-//! | [`Constraints`], [`add_pressure`], [`add_traction`], [`add_body_force`] | supports and loads |
-//! | [`equilibrium`] | loads in, displacements and reactions out |
-//! | [`nodal_stresses`], [`grid_stresses`], [`gauss_point_stresses`], [`von_mises`] | stresses |
+//! | [`Constraints`] | supports |
+//! | [`nodal_stresses`], [`grid_stresses`], [`von_mises`] | stresses |
 //! | [`assemble`], [`BlockMatrix`], [`SparseStiffness`], [`write_matrix_market`] | the stored stiffness |
 //! | [`MatrixFree`], [`TensorOperator`] | the stiffness applied without being stored |
-//! | [`Factor`], [`cg`] | Cholesky by nested dissection, conjugate gradients |
+//! | [`Factor`] | Cholesky by nested dissection |
 //! | [`FastDiagonal`], [`PlanewiseDiagonal`] | preconditioners on a tensor grid |
-//! | [`MappedPreconditioner`], [`BeamModes`] | preconditioners of bent grids and slender bodies |
-//! | [`boussinesq`], [`ThickCylinder`], [`Beam`] | closed forms |
+//! | [`BeamModes`] | a coarse space of slender bodies |
+//! | [`boussinesq`], [`love_depth`] | closed forms |
 //!
 //! Vectors of a [`Body`] hold three numbers a node, node by node. Those of a [`TensorOperator`] are
 //! ordered component by component.
 //!
 //! ```
-//! use kufe_fem::{Body, Constraints, ElementKind, Material, Solver, equilibrium, nodal_stresses, von_mises};
+//! use kufe_fem::{
+//!     Body, Constraints, ElementKind, Factor, Material, assemble, nodal_stresses, von_mises,
+//! };
 //! use kufe_mesh::TensorGrid;
 //!
 //! // A steel bar of 10 x 10 x 100 mm, fixed at its lower end and pulled by 1 kN at its upper end.
@@ -30,16 +31,16 @@
 //! constraints.prescribe(0, 1, 0.0)?;
 //! let mut loads = vec![0.0; body.dofs()];
 //! (8..12).for_each(|node| loads[3 * node + 2] = 250.0);
-//! let state = equilibrium(&body, &constraints, &loads, Solver::Cholesky)?;
-//! let stress = nodal_stresses(&body, &state.displacement);
+//! let (stiffness, map) = (assemble(&body), constraints.dof_map());
+//! let factor = Factor::of_body(&stiffness, &map, &body.mesh().points)?;
+//! let displacement = factor.displacement(&stiffness, &constraints, &map, &loads);
+//! let stress = nodal_stresses(&body, &displacement);
 //! assert!((von_mises(stress[5]) / 10.0e6 - 1.0).abs() < 1e-9);
 //! # Ok::<(), kufe_fem::Error>(())
 //! ```
 
 // Formulas are written with indices, as on paper.
 #![allow(clippy::needless_range_loop)]
-
-pub mod cg;
 
 mod body;
 mod closed_form;
@@ -49,31 +50,26 @@ mod error;
 mod matrix_free;
 mod precondition;
 mod sparse;
-mod statics;
 mod stress;
 mod tensor;
 #[cfg(test)]
 mod test_block;
 
 pub use body::{Body, ElementKind, Material, Section};
-pub use closed_form::{Beam, ThickCylinder, boussinesq, boussinesq_stress, love_depth};
+pub use closed_form::{boussinesq, love_depth};
 pub use constraints::{Constraints, DofMap, to_components, to_nodes};
-pub use element::face::{FACES, add_pressure, add_traction, boundary_faces};
+pub use element::face::{FACES, boundary_faces};
 pub use element::hex8;
 pub use error::Error;
 pub use matrix_free::operator::MatrixFree;
 pub use precondition::beam_modes::BeamModes;
 pub use precondition::elimination::End;
-pub use precondition::fast_diagonal::{FastDiagonal, MappedPreconditioner};
+pub use precondition::fast_diagonal::FastDiagonal;
 pub use precondition::planewise_diagonal::PlanewiseDiagonal;
 pub use sparse::assembly::{BlockMatrix, assemble, write_matrix_market};
 pub use sparse::cholesky::Factor;
 pub use sparse::graph::NodeCells;
 pub use sparse::stiffness::SparseStiffness;
-pub use statics::{Equilibrium, Solver, add_body_force, equilibrium};
-pub use stress::{
-    gauss_point_stresses, grid_stresses, maximum_shear, nodal_stresses, strain_at, stress_at,
-    von_mises,
-};
+pub use stress::{grid_stresses, maximum_shear, nodal_stresses, strain_at, stress_at, von_mises};
 pub use tensor::axis::{Axis, AxisModes, Tridiagonal};
 pub use tensor::operator::{FixedFaces, LowerLayer, TensorOperator};

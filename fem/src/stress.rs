@@ -96,19 +96,6 @@ pub fn stress_at(body: &Body, cell: usize, u: &[f64], xi: [f64; 3]) -> [f64; 6] 
         .stress(strain_at(body, cell, u, xi))
 }
 
-/// Stresses [Pa] at the 2 x 2 x 2 Gauss points of every cell, in the order of
-/// [`hex8::gauss_points`].
-///
-/// # Panics
-/// Where `u` does not have three numbers a node.
-pub fn gauss_point_stresses(body: &Body, u: &[f64]) -> Vec<[[f64; 6]; 8]> {
-    assert_eq!(u.len(), body.dofs());
-    (0..body.mesh().cells.len())
-        .into_par_iter()
-        .map(|cell| cell_stresses(body, cell, u))
-        .collect()
-}
-
 fn cell_stresses(body: &Body, cell: usize, u: &[f64]) -> [[f64; 6]; 8] {
     let field = CellField::new(body, cell, u);
     let material = body.sections()[cell].material;
@@ -174,11 +161,11 @@ pub fn extrapolate_to_corners(values: &[[f64; 6]; 8]) -> [[f64; 6]; 8] {
 /// Stresses [Pa] at the nodes: Gauss-point stresses continued to the corners, averaged over the
 /// cells of a node.
 ///
-/// Where materials meet, stresses jump and the average lies between the sides: take
-/// [`gauss_point_stresses`] there. Nodes without cells get zero.
+/// Where materials meet, stresses jump and the average lies between the sides: take [`stress_at`]
+/// there. Nodes without cells get zero.
 ///
 /// # Panics
-/// As [`gauss_point_stresses`].
+/// Where `u` does not have three numbers a node.
 pub fn nodal_stresses(body: &Body, u: &[f64]) -> Vec<[f64; 6]> {
     assert_eq!(u.len(), body.dofs());
     let corners: Vec<CornerStresses> = (0..body.mesh().cells.len())
@@ -367,7 +354,10 @@ mod tests {
                 h[0][2] + h[2][0],
                 h[0][1] + h[1][0],
             ]);
-            let all = gauss_point_stresses(&body, &u).concat();
+            let cells = 0..body.mesh().cells.len();
+            let all: Vec<_> = cells
+                .flat_map(|cell| cell_stresses(&body, cell, &u))
+                .collect();
             for stress in all.into_iter().chain(nodal_stresses(&body, &u)) {
                 for i in 0..6 {
                     assert!((stress[i] - expected[i]).abs() < 1e-12 * expected[0].abs());

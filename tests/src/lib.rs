@@ -3,5 +3,6 @@
 pub mod contact;
 pub mod coverage;
 pub mod exact_response;
+pub mod fem;
 pub mod meshes;
 pub mod under_peak;

@@ -14,10 +14,10 @@ use std::sync::Arc;
 use kufe_benches::{Chart, ICE, Line, again, best_of, needle_block, on_half_space, peak_bytes};
 use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, solve};
 use kufe_discover::{Gram, Prior, Scores};
-use kufe_fem::cg;
 use kufe_mesh::{BobRunner, Paraboloid, Waviness};
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{Model, PrepareOptions, Vehicle, evaluate, prepare_all};
+use kufe_tests::fem::cg;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -171,7 +171,7 @@ fn linear(cells: usize) -> [f64; 2] {
             &mut workspace,
             &options,
         )
-        .unwrap_or_else(|error| panic!("{error}"))
+        .unwrap_or_else(|error| panic!("{error:?}"))
     });
     [block.operator.free_dofs() as f64, seconds]
 }

@@ -5,8 +5,9 @@ use std::time::Instant;
 
 use kufe_benches::{ICE, again, best_of, needle_block, on_half_space, peak_bytes};
 use kufe_contact::{Options, Problem, Runner, Solution, hertz, solve};
-use kufe_fem::{Body, Constraints, ElementKind, Factor, Material, assemble, cg};
+use kufe_fem::{Body, Constraints, ElementKind, Factor, Material, assemble};
 use kufe_mesh::{BobRunner, Paraboloid, Underside};
+use kufe_tests::fem::cg;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -150,7 +151,7 @@ fn linear_case(cells: usize) {
             &mut cg::Workspace::default(),
             &options,
         )
-        .unwrap_or_else(|error| panic!("{error}"))
+        .unwrap_or_else(|error| panic!("{error:?}"))
     });
     println!(
         "{} {} {set_up} {seconds} {}",

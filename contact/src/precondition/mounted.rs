@@ -490,7 +490,7 @@ impl BeamSpace {
     /// c = Z^T r for r by components, through a vector node by node and the sums of tasks.
     pub fn project(&self, r: &[f64], c: &mut [f64], by_node: &mut [f64], sums: &mut Vec<f64>) {
         to_nodes(r, by_node);
-        self.modes.project_with(by_node, c, sums);
+        self.modes.project(by_node, c, sums);
     }
 
     /// C^-1 c.

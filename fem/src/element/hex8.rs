@@ -257,27 +257,6 @@ pub fn stiffness(corners: &Corners, material: Material) -> ElementMatrix {
     k
 }
 
-/// Consistent nodal forces [N] of a body force given by position [N/m^3], 2 x 2 x 2 Gauss points.
-pub fn body_force(corners: &Corners, force: impl Fn([f64; 3]) -> [f64; 3]) -> [f64; 24] {
-    let mut f = [0.0; 24];
-    for xi in gauss_points() {
-        let n = shape_functions(xi);
-        let determinant = Jacobian::at(corners, xi).determinant;
-        let density = force(interpolate(corners, &n));
-        for a in 0..8 {
-            for i in 0..3 {
-                f[3 * a + i] += n[a] * density[i] * determinant;
-            }
-        }
-    }
-    f
-}
-
-/// Sum of corner vectors weighted by shape functions.
-pub(crate) fn interpolate(corners: &Corners, n: &[f64; 8]) -> [f64; 3] {
-    std::array::from_fn(|i| (0..8).map(|a| n[a] * corners[a][i]).sum())
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
@@ -366,15 +345,6 @@ pub(crate) mod tests {
                 assert!((column[i] - k[i][j]).abs() < 1e-13, "{i} {j}");
             }
         }
-    }
-
-    #[test]
-    fn body_force_sums_to_force_density_times_volume() {
-        let corners = distorted([1.0, 0.5, 2.0]);
-        let f = body_force(&corners, |_| [0.0, 2.0, -3.0]);
-        let total = |c: usize| (0..8).map(|a| f[3 * a + c]).sum::<f64>();
-        let v = volume(&corners);
-        assert!((total(1) - 2.0 * v).abs() < 1e-14 && (total(2) + 3.0 * v).abs() < 1e-14);
     }
 
     #[test]

@@ -34,7 +34,6 @@ pub struct BeamModes {
     fixed: Vec<bool>,
     /// (Z^T K Z)^+ by columns: what motions that strain nothing would take is omitted.
     inverse: Mat<f64>,
-    partial: Vec<f64>,
 }
 
 /// Motions of one knot.
@@ -68,7 +67,6 @@ impl BeamModes {
             });
         }
         let knots = spread(lines, knot_count);
-        let tasks = points.len().div_ceil(NODES_A_TASK);
         let n = MOTIONS * knots.len();
         let mut modes = Self {
             knots,
@@ -76,13 +74,13 @@ impl BeamModes {
             points,
             fixed,
             inverse: Mat::zeros(n, n),
-            partial: vec![0.0; tasks * n],
         };
         let mut reduced = Mat::<f64>::zeros(n, n);
         // Knots lie on planes of nodes, so K couples a knot with its next ones only: every third
         // knot goes at once.
         let dofs = 3 * modes.points.len();
         let (mut u, mut image, mut column) = (vec![0.0; dofs], vec![0.0; dofs], vec![0.0; n]);
+        let mut partial = Vec::new();
         for colour in 0..3 {
             for motion in 0..MOTIONS {
                 let mut amplitudes = vec![0.0; n];
@@ -92,7 +90,7 @@ impl BeamModes {
                 u.fill(0.0);
                 modes.add_motion(&amplitudes, &mut u);
                 apply(&u, &mut image);
-                modes.project(&image, &mut column);
+                modes.project(&image, &mut column, &mut partial);
                 for knot in (colour..modes.knots.len()).step_by(3) {
                     let rows = knot.saturating_sub(1)..(knot + 2).min(modes.knots.len());
                     for row in MOTIONS * rows.start..MOTIONS * rows.end {
@@ -113,14 +111,6 @@ impl BeamModes {
     /// Never: there are at least two knots.
     pub fn is_empty(&self) -> bool {
         self.inverse.nrows() == 0
-    }
-
-    /// `z` += Z (Z^T K Z)^-1 Z^T `r`.
-    pub fn add_correction(&mut self, r: &[f64], z: &mut [f64]) {
-        let mut c = vec![0.0; self.len()];
-        self.project(r, &mut c);
-        self.solve(&mut c);
-        self.add_motion(&c, z);
     }
 
     /// `c` = (Z^T K Z)^+ `c`.
@@ -207,19 +197,12 @@ impl BeamModes {
             });
     }
 
-    /// c = Z^T r, summed by nodes in a fixed order.
-    pub fn project(&mut self, r: &[f64], c: &mut [f64]) {
-        let mut partial = std::mem::take(&mut self.partial);
-        self.project_with(r, c, &mut partial);
-        self.partial = partial;
-    }
-
-    /// As [`BeamModes::project`], with the caller's vector for the tasks' sums, which is given its
-    /// length.
+    /// c = Z^T r, summed by nodes in a fixed order. `partial` is scratch for the tasks' sums, which
+    /// is given its length.
     ///
     /// # Panics
     /// Where `r` does not hold three numbers a node.
-    pub fn project_with(&self, r: &[f64], c: &mut [f64], partial: &mut Vec<f64>) {
+    pub fn project(&self, r: &[f64], c: &mut [f64], partial: &mut Vec<f64>) {
         assert_eq!(r.len(), 3 * self.points.len());
         let n = c.len();
         partial.resize(self.points.len().div_ceil(NODES_A_TASK) * n, 0.0);
@@ -328,7 +311,7 @@ mod tests {
     /// motion.
     #[test]
     fn the_correction_is_exact_in_the_coarse_space() {
-        let (mut modes, stiffness) = modes_of_a_cantilever();
+        let (modes, stiffness) = modes_of_a_cantilever();
         let amplitudes: Vec<f64> = (0..modes.len())
             .map(|i| {
                 if i < MOTIONS {
@@ -342,7 +325,10 @@ mod tests {
         let (mut u, mut force, mut back) = (vec![0.0; dofs], vec![0.0; dofs], vec![0.0; dofs]);
         modes.add_motion(&amplitudes, &mut u);
         stiffness.apply(&u, &mut force);
-        modes.add_correction(&force, &mut back);
+        let mut projected = vec![0.0; modes.len()];
+        modes.project(&force, &mut projected, &mut Vec::new());
+        modes.solve(&mut projected);
+        modes.add_motion(&projected, &mut back);
         let size = u.iter().fold(0.0f64, |s, v| s.max(v.abs()));
         for (a, b) in u.iter().zip(&back) {
             assert!((a - b).abs() < 1e-7 * size, "{a} {b}");

@@ -6,14 +6,10 @@ use faer::linalg::matmul::matmul;
 use faer::traits::ComplexField;
 use faer::traits::math_utils::one;
 use faer::{Accum, MatMut, MatRef, Par};
-use kufe_mesh::TensorGrid;
 use rayon::prelude::*;
 
-use crate::body::Material;
-use crate::constraints::{to_components, to_nodes};
-use crate::precondition::beam_modes::BeamModes;
 use crate::tensor::axis::{Axis, AxisModes};
-use crate::tensor::operator::{FixedFaces, TensorOperator};
+use crate::tensor::operator::TensorOperator;
 
 /// Inverse of the block diagonal of elasticity on a tensor grid.
 ///
@@ -278,70 +274,4 @@ pub(crate) fn product<T: ComplexField>(
     right: MatRef<'_, T>,
 ) {
     matmul(to, Accum::Replace, left, right, one(), Par::Seq);
-}
-
-/// [`FastDiagonal`] of a straight grid, used for a body with the same numbering of nodes, with
-/// [`BeamModes`] where it is slender.
-///
-/// The stiffness of the mapped body and that of the straight grid are spectrally equivalent with
-/// the constants of the map, so iteration counts depend on its flanks' slope, not on the
-/// refinement. Vectors hold three numbers a node, node by node, as those of [`crate::Body`].
-#[derive(Clone, Debug)]
-pub struct MappedPreconditioner {
-    fast: FastDiagonal,
-    operator: TensorOperator,
-    /// The coarse space, added to what fast diagonalisation gives.
-    pub beam: Option<BeamModes>,
-    r: Vec<f64>,
-    z: Vec<f64>,
-    modal: Vec<f64>,
-    scratch: Vec<f64>,
-}
-
-impl MappedPreconditioner {
-    /// From the straight grid that represents the body: its columns, and levels at their mean
-    /// heights [m].
-    ///
-    /// `fixed` names the faces whose displacements are zero. Where no face holds a component, its
-    /// operator is singular and is shifted by `shift` times its mass [1/m^2]; about 1 / length^2 of
-    /// the body will do. Zero where every component is fixed.
-    pub fn new(grid: &TensorGrid, material: Material, fixed: FixedFaces, shift: f64) -> Self {
-        let mut operator = TensorOperator::new(
-            grid,
-            material.lame_lambda(),
-            material.shear_modulus(),
-            fixed,
-        );
-        let axis = &mut operator.axes[0];
-        for (k, m) in axis.stiffness.iter_mut().zip(&axis.mass) {
-            for d in 0..3 {
-                k[d] += shift * m[d];
-            }
-        }
-        let fast = FastDiagonal::new(&operator);
-        let dofs = 3 * operator.node_count();
-        Self {
-            modal: vec![0.0; fast.mode_count()],
-            scratch: vec![0.0; fast.scratch_len()],
-            r: vec![0.0; dofs],
-            z: vec![0.0; dofs],
-            fast,
-            operator,
-            beam: None,
-        }
-    }
-
-    /// `z` = P^-1 `r`; zero on the fixed faces.
-    pub fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        let nodes = self.operator.node_count();
-        assert_eq!((r.len(), z.len()), (3 * nodes, 3 * nodes));
-        to_components(r, &mut self.r);
-        self.operator.mask(&mut self.r);
-        self.fast
-            .apply(&self.r, &mut self.z, &mut self.modal, &mut self.scratch);
-        to_nodes(&self.z, z);
-        if let Some(beam) = &mut self.beam {
-            beam.add_correction(r, z);
-        }
-    }
 }

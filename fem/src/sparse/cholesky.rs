@@ -19,7 +19,7 @@ use crate::sparse::graph::nested_dissection;
 /// A supernodal Cholesky factor L L^T of the stiffness over the free displacements.
 ///
 /// The checking backend, and the one for unstructured bodies. Needs about 12 kB a displacement at
-/// 200,000 of them, growing like n^(4/3), and time like n^2: at larger sizes take [`crate::cg`].
+/// 200,000 of them, growing like n^(4/3), and time like n^2.
 pub struct Factor {
     symbolic: SymbolicCholesky<u32>,
     values: Vec<f64>,

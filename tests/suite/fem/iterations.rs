@@ -1,11 +1,10 @@
 //! Iterations of conjugate gradients on slender steel: what bends needs beam modes, whatever the
 //! element.
 
-use kufe_fem::{
-    BeamModes, Body, ElementKind, Factor, FixedFaces, MappedPreconditioner, Material, MatrixFree,
-    assemble, cg,
-};
+use kufe_fem::{BeamModes, Body, ElementKind, Factor, FixedFaces, Material, MatrixFree, assemble};
 use kufe_mesh::TensorGrid;
+use kufe_tests::fem::cg;
+use kufe_tests::fem::mapped::MappedPreconditioner;
 
 /// A luge steel, 0.6 m x 20 mm x 8 mm, clamped at one end, its underside rounded across by `round`
 /// of its height.

@@ -1,7 +1,10 @@
 //! Finite elements against patch tests, manufactured and closed-form solutions.
 
 mod bending;
+mod cg;
+mod closed_form;
 mod iterations;
+mod loads;
 mod manufactured;
 mod patch;
 mod solvers;
