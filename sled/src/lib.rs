@@ -25,7 +25,9 @@
 //! ```
 
 mod align;
+mod column;
 mod columns;
+mod conditions;
 mod contacts;
 pub mod effects;
 mod error;
@@ -47,11 +49,13 @@ pub use friction::GRAVITY;
 pub use align::estimate::TrackEstimate;
 pub use align::signature::DistanceWarp;
 pub use align::{Aligned, AlignedRun, align, state_places};
+pub use column::{COLUMNS, Column, Sensor};
 pub use columns::matlab::{MatlabVariables, matlab_remark, read_matlab};
 pub use columns::parquet::{read_parquet, write_parquet};
 pub use columns::read_columns;
 pub use columns::{Columns, most_values};
 pub use columns::{read_csv, write_csv};
+pub use conditions::{CONDITIONS, Conditions};
 pub use contacts::find_contacts;
 pub use contacts::{
     HARDEST, HITS_DIFFER, Push, as_expected, as_of_run, half_waves, hits_of, likelier, push_within,
@@ -69,10 +73,9 @@ pub use fault::{Fault, FaultKind};
 pub use fit::{FitOptions, lateral_samples};
 pub use fit::{FitResult, Interval, RunnerFitResult};
 pub use fit::{SledFit, fit};
-pub use model::conditions::Conditions;
-pub use model::conditions::refuse_effects;
 pub use model::model_toml::{Friction, Model};
 pub use model::sled::{ModelConditions, Noise, Sled, Survey, Tolerances};
+pub use model::vehicle::refuse_effects;
 pub use model::vehicle::{BaseParameter, Vehicle};
 pub use model::vehicle::{RunnerFriction, RunnerLaw, RunnerTable};
 pub use motion::balance::LawForces;
@@ -97,7 +100,7 @@ pub use record::index::{
     Entry, ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS, read_index, write_index,
 };
 pub use record::needs::{Needs, refuse_unstated_air};
-pub use record::run::{COLUMNS, Run};
+pub use record::run::Run;
 pub use replay::compared::Section;
 pub use replay::compared::{Compared, Difference};
 pub use replay::drive::beside_measured;

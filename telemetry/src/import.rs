@@ -438,9 +438,9 @@ fn entry(planned: &PlannedRun) -> Entry {
             ice_c: number("ice_c"),
             air_c: number("air_c"),
             air_pa: number("air_pa"),
-            humidity_pct: planned.index.humidity_pct,
-            distance_m: planned.index.distance_m,
-            mass_kg: planned.index.mass_kg,
+            humidity_pct: number("humidity_pct"),
+            distance_m: number("distance_m"),
+            mass_kg: number("mass_kg"),
         },
     }
 }

@@ -8,10 +8,9 @@ use kufe::jobs::field::pretty;
 use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe::results::{FrictionByLaw, Measured};
 use kufe_contact::solve;
-use kufe_sled::Model;
-use kufe_sled::effects::Conditions;
-use kufe_sled::effects::{Effects, Kind};
-use kufe_sled::friction::{Longitudinal, air_density, longitudinal_force};
+use kufe_sled::effects::{Effects, Kind, OperatingPoint};
+use kufe_sled::friction::{Longitudinal, longitudinal_force};
+use kufe_sled::{Conditions, Model};
 
 use crate::friction::asked::Asked;
 use crate::output::global::Global;
@@ -149,8 +148,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         warn(&warning.to_string());
     }
     let base = law.mu(solution.p_max);
-    let conditions = conditions(args, speed, solution.fz, drag_area);
-    let (mu, applied, ignored) = with_effects(base, &effects, &conditions)?;
+    let point = operating_point(args, speed, solution.fz, drag_area);
+    let (mu, applied, ignored) = with_effects(base, &effects, &point)?;
     let capped =
         matches!(law, Longitudinal::Pressure(law) if law.uncapped(solution.p_max) > law.mu_cap);
     let error = match law {
@@ -255,20 +254,23 @@ fn model(args: &Args) -> Result<(Longitudinal, Effects, f64), Failure> {
     Ok((law, effects, model.sled.cda_m2))
 }
 
-fn conditions(args: &Args, speed: f64, fz: f64, drag_area: f64) -> Conditions {
+fn operating_point(args: &Args, speed: f64, fz: f64, drag_area: f64) -> OperatingPoint {
     let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
-    let (air_c, air_pa) = (known(args.air_c), known(args.air_pa));
-    Conditions {
+    let conditions = Conditions {
+        ice_c: known(args.ice_c.first().copied()),
+        air_c: known(args.air_c),
+        air_pa: known(args.air_pa),
+        humidity_pct: known(args.humidity_pct),
+        distance_m: 0.0,
+        mass_kg: f64::NAN,
+    };
+    OperatingPoint {
         t: 0.0,
         s: 0.0,
         v: speed,
         fz,
-        ice_c: known(args.ice_c.first().copied()),
-        air_c,
-        air_pa,
-        humidity_pct: known(args.humidity_pct),
-        distance: 0.0,
-        air_density: air_density(air_pa, air_c),
+        conditions,
+        air_density: conditions.air_density(),
         drag_area,
         film: f64::NAN,
     }
@@ -278,7 +280,7 @@ fn conditions(args: &Args, speed: f64, fz: f64, drag_area: f64) -> Conditions {
 fn with_effects(
     base: f64,
     effects: &Effects,
-    at: &Conditions,
+    at: &OperatingPoint,
 ) -> Result<(f64, Vec<String>, Vec<String>), Failure> {
     let (mut mu, mut applied, mut ignored) = (base, Vec::new(), Vec::new());
     for active in &effects.active {
@@ -297,10 +299,14 @@ fn with_effects(
         }
         for column in active.columns() {
             let missing = match column {
-                "ice_c" => at.ice_c.is_nan().then_some("--ice-c"),
-                "air_c" => at.air_c.is_nan().then_some("--air-c"),
-                "air_pa" => at.air_pa.is_nan().then_some("--air-pa"),
-                "humidity_pct" => at.humidity_pct.is_nan().then_some("--humidity-pct"),
+                "ice_c" => at.conditions.ice_c.is_nan().then_some("--ice-c"),
+                "air_c" => at.conditions.air_c.is_nan().then_some("--air-c"),
+                "air_pa" => at.conditions.air_pa.is_nan().then_some("--air-pa"),
+                "humidity_pct" => at
+                    .conditions
+                    .humidity_pct
+                    .is_nan()
+                    .then_some("--humidity-pct"),
                 "film" => Some("the tables of a sled's runners"),
                 _ => None,
             };

@@ -164,14 +164,7 @@ fn loose(file: &Path) -> Entry {
         driver: unnamed(),
         driver_class: unnamed(),
         session: unnamed(),
-        conditions: Conditions {
-            ice_c: f64::NAN,
-            air_c: f64::NAN,
-            air_pa: f64::NAN,
-            humidity_pct: None,
-            distance_m: None,
-            mass_kg: None,
-        },
+        conditions: Conditions::UNSTATED,
         ice_along: IceAlong::default(),
         ice_of_track: IceAlong::default(),
     }

@@ -17,7 +17,7 @@ fn tied() -> Vec<Planned> {
         planned.session = format!("s{session}");
         let ice_c = -11.0 + 1.1 * ((4 * session) % 9) as f64 + 0.05 * (k % 3) as f64;
         planned.options.conditions.ice_c = ice_c;
-        planned.options.conditions.humidity_pct = Some(60.0 + 3.0 * (ice_c + 6.0));
+        planned.options.conditions.humidity_pct = 60.0 + 3.0 * (ice_c + 6.0);
     }
     plan
 }
@@ -36,8 +36,8 @@ fn asked(next: &NextRuns, like: &[Planned]) -> Vec<Planned> {
         conditions.ice_c = next.ice_c;
         conditions.air_c = next.air_c;
         conditions.air_pa = next.air_pa;
-        conditions.humidity_pct = next.humidity_pct;
-        conditions.mass_kg = Some(next.mass_kg);
+        conditions.humidity_pct = next.humidity_pct.unwrap_or(f64::NAN);
+        conditions.mass_kg = next.mass_kg;
     }
     plan
 }

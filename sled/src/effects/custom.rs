@@ -1,4 +1,4 @@
-//! Effects that a person adds in `model.toml`, as an expression of columns.
+//! Effects that a person adds in `model.toml`, as expressions of columns.
 //!
 //! ```toml
 //! [effects.my-drag]
@@ -13,10 +13,11 @@
 
 use std::borrow::Cow;
 
+use crate::column::Sensor;
 use crate::effects::expression::{Expression, ExpressionError};
-use crate::effects::{Conditions, Forces, Sensor, Signals, State};
+use crate::effects::{Forces, OperatingPoint, Signals, State};
 
-/// An effect of one's own: amplitude times expression.
+/// An effect that a person adds: amplitude times expression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Custom {
     /// What it acts on.
@@ -29,14 +30,15 @@ pub struct Custom {
     pub low: f64,
     /// Largest admissible amplitude.
     pub high: f64,
-    /// A recorded column that the formula names and the model does not know: [`State::carried`] holds its values.
+    /// A recorded column that the formula names and the model does not know: [`State::carried`]
+    /// contains its values.
     pub carried: Option<String>,
     expression: Expression,
-    /// Where the names of the formula stand.
+    /// Where the values of the formula's names are.
     places: Vec<Place>,
 }
 
-/// Why a formula is none for its channel.
+/// Why a formula is not valid for its channel.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Refused {
     /// It cannot be read.
@@ -54,7 +56,8 @@ pub(super) enum Refused {
 const MOMENT_S: f64 = 1e-3;
 
 impl Custom {
-    /// An effect of the formula `text` on a channel, without unit and bounds; `carried` names a column beyond the model's.
+    /// An effect of the formula `text` on a channel, without unit and bounds; `carried` names a
+    /// column that the model does not have.
     ///
     /// `None` where the formula cannot be read or names a column that the channel does not have.
     ///
@@ -77,23 +80,21 @@ impl Custom {
         let expression = Expression::parse(text).map_err(Refused::Unreadable)?;
         let of_sensor = matches!(channel, Channel::Sensor(_));
         let place = |name: &String| {
-            let place = match of_sensor {
-                true => place_of_sensor(name),
-                false => place_of_sled(name, carried),
+            let place = if of_sensor {
+                Place::of_sensor(name)
+            } else {
+                Place::of_sled(name, carried)
             };
             place.ok_or_else(|| Refused::UnknownColumn {
                 column: name.clone(),
-                known: match of_sensor {
-                    true => columns_of_sensors(),
-                    false => columns_of_forces(),
+                known: if of_sensor {
+                    columns_of_sensors()
+                } else {
+                    columns_of_forces()
                 },
             })
         };
-        let places = expression
-            .names()
-            .iter()
-            .map(place)
-            .collect::<Result<_, _>>()?;
+        let places = expression.names().iter().map(place);
         Ok(Self {
             channel,
             text: text.to_owned(),
@@ -101,8 +102,8 @@ impl Custom {
             low: -1e12,
             high: 1e12,
             carried: carried.map(str::to_owned),
+            places: places.collect::<Result<_, _>>()?,
             expression,
-            places,
         })
     }
 
@@ -126,30 +127,38 @@ impl Custom {
         self.channel == Channel::Friction
     }
 
-    /// Whether it acts on what a sensor reads.
+    /// Whether it acts on the reading of a sensor.
     pub fn is_of_a_sensor(&self) -> bool {
         matches!(self.channel, Channel::Sensor(_))
     }
 
-    /// What an amplitude adds to the friction coefficient of a specimen, whose conditions alone are known; NaN where the
-    /// expression asks for more, 0 on channels other than friction.
-    pub fn coefficient(&self, amplitude: f64, at: &Conditions) -> f64 {
-        match self.channel {
-            Channel::Friction => {
-                let value = |name: usize| self.places[name].of_conditions(at);
-                amplitude * self.expression.evaluate(value)
-            }
-            _ => 0.0,
+    /// What an amplitude adds to the friction coefficient of a specimen, of which only the operating
+    /// point is known; NaN where the expression needs more, 0 on channels other than friction.
+    pub fn coefficient(&self, amplitude: f64, at: &OperatingPoint) -> f64 {
+        if self.channel != Channel::Friction {
+            return 0.0;
         }
+        amplitude * self.value(&Known::of(at))
+    }
+
+    fn value(&self, at: &Known) -> f64 {
+        self.expression.evaluate(|name| self.places[name].value(at))
     }
 
     /// Changes the forces.
     pub fn act(&self, amplitude: f64, at: &State, forces: &mut Forces) {
-        if amplitude == 0.0 || matches!(self.channel, Channel::Sensor(_)) {
+        if amplitude == 0.0 || self.is_of_a_sensor() {
             return;
         }
-        let name = |name: usize| self.places[name].on_sled(at);
-        let value = amplitude * self.expression.evaluate(name);
+        let point = OperatingPoint {
+            fz: at.load[0] + at.load[1],
+            ..at.point
+        };
+        let value = amplitude
+            * self.value(&Known {
+                state: Some(at),
+                ..Known::of(&point)
+            });
         match self.channel {
             Channel::Longitudinal => forces.body_along += value,
             Channel::Lateral => forces.body_across += value,
@@ -168,34 +177,32 @@ impl Custom {
         }
     }
 
-    /// From what is true to what its sensor says: `read = true + amplitude * expression(true)`.
-    pub fn disturb(&self, amplitude: f64, at: &Conditions, signals: &mut Signals) {
+    /// From true values to readings: `read = true + amplitude * expression(true)`.
+    pub fn disturb(&self, amplitude: f64, at: &OperatingPoint, signals: &mut Signals) {
         if let Some(sensor) = self.sensor(amplitude) {
-            let [value, rate] = self.added(at, signals);
+            let (value, rate) = (self.at_signals(at, signals), self.rate(at, signals));
             signals.value[sensor as usize] += amplitude * value;
             signals.rate[sensor as usize] += amplitude * rate;
         }
     }
 
-    /// From what its sensor says to what is true: the inverse of [`Custom::disturb`].
+    /// From readings to true values: the inverse of [`Custom::disturb`].
     ///
-    /// An expression of the sensor itself asks for the root of `true + amplitude * expression(true) - read`, which secants find.
-    pub fn correct(&self, amplitude: f64, at: &Conditions, signals: &mut Signals) {
+    /// An expression of the sensor itself needs the root of
+    /// `true + amplitude * expression(true) - read`, which the secant method finds.
+    pub fn correct(&self, amplitude: f64, at: &OperatingPoint, signals: &mut Signals) {
         let Some(sensor) = self.sensor(amplitude) else {
             return;
         };
+        if !self.places.contains(&Place::Sensor(sensor)) {
+            return self.disturb(-amplitude, at, signals);
+        }
         let place = sensor as usize;
         let (read, read_rate) = (signals.value[place], signals.rate[place]);
         let off = |x: f64, signals: &mut Signals| {
             signals.value[place] = x;
             x + amplitude * self.at_signals(at, signals) - read
         };
-        if !self.places.contains(&Place::Sensor(sensor)) {
-            let [value, rate] = self.added(at, signals);
-            signals.value[place] -= amplitude * value;
-            signals.rate[place] -= amplitude * rate;
-            return;
-        }
         let (mut x0, mut f0) = (read, off(read, signals));
         let mut x1 = read - f0;
         for _ in 0..30 {
@@ -210,7 +217,7 @@ impl Custom {
             x1 -= f1 / slope;
         }
         signals.value[place] = x1;
-        // The reading's rate is that of the truth but for what is added, which is linear in that rate.
+        // The reading's rate is that of the truth and of what is added, which is linear in it.
         signals.rate[place] = 0.0;
         let without = self.rate(at, signals);
         signals.rate[place] = 1.0;
@@ -226,22 +233,15 @@ impl Custom {
         }
     }
 
-    fn at_signals(&self, conditions: &Conditions, signals: &Signals) -> f64 {
-        let seen = Seen {
-            conditions,
-            signals,
-        };
-        self.expression
-            .evaluate(|name| self.places[name].of_sensors(seen))
-    }
-
-    /// The expression and its derivative by time [1/s].
-    fn added(&self, at: &Conditions, signals: &Signals) -> [f64; 2] {
-        [self.at_signals(at, signals), self.rate(at, signals)]
+    fn at_signals(&self, point: &OperatingPoint, signals: &Signals) -> f64 {
+        self.value(&Known {
+            signals: Some(signals),
+            ..Known::of(point)
+        })
     }
 
     /// The expression's derivative by time [1/s], along the rates of the signals.
-    fn rate(&self, at: &Conditions, signals: &Signals) -> f64 {
+    fn rate(&self, at: &OperatingPoint, signals: &Signals) -> f64 {
         let moved = |by: f64| {
             let (mut then, mut there) = (*signals, *at);
             there.t += by;
@@ -255,7 +255,7 @@ impl Custom {
     }
 }
 
-/// Where an effect of one's own acts.
+/// Where an effect that a person adds acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     /// Force on the body, forward [N].
@@ -310,24 +310,24 @@ impl Channel {
     }
 }
 
-/// What an expression on a sensor sees: the readings, corrected as far as they are, and time, place and weather.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Seen<'a> {
-    /// Time, place and weather.
-    pub(super) conditions: &'a Conditions,
-    /// The sensors.
-    pub(super) signals: &'a Signals,
-}
-
-/// A column's name and where its value stands.
+/// A column's name and its value.
 type NamedColumn<T> = (&'static str, fn(&T) -> f64);
 
-/// Columns of a sled, for forces; the last one stands for a column that the model has no name for.
-const OF_SLED: [NamedColumn<State>; 24] = [
-    ("t_s", |at| at.conditions.t),
-    ("s_m", |at| at.conditions.s),
-    ("v_mps", |at| at.conditions.v),
-    ("fz_n", |at| at.load[0] + at.load[1]),
+/// Columns that a friction coefficient may depend on without a sled around it.
+const OF_POINT: [NamedColumn<OperatingPoint>; 9] = [
+    ("t_s", |at| at.t),
+    ("s_m", |at| at.s),
+    ("v_mps", |at| at.v),
+    ("fz_n", |at| at.fz),
+    ("ice_c", |at| at.conditions.ice_c),
+    ("air_c", |at| at.conditions.air_c),
+    ("air_pa", |at| at.conditions.air_pa),
+    ("humidity_pct", |at| at.conditions.humidity_pct),
+    ("distance_m", |at| at.conditions.distance_m),
+];
+
+/// Further columns, of a sled.
+const OF_SLED: [NamedColumn<State>; 14] = [
     ("fz_f_n", |at| at.load[0]),
     ("fz_r_n", |at| at.load[1]),
     ("alpha_rad", |at| at.chassis_slip),
@@ -342,102 +342,91 @@ const OF_SLED: [NamedColumn<State>; 24] = [
     ("ax_mps2", |at| at.acceleration[0]),
     ("ay_mps2", |at| at.acceleration[1]),
     ("az_mps2", |at| at.acceleration[2]),
-    ("ice_c", |at| at.conditions.ice_c),
-    ("air_c", |at| at.conditions.air_c),
-    ("air_pa", |at| at.conditions.air_pa),
-    ("humidity_pct", |at| at.conditions.humidity_pct),
-    ("distance_m", |at| at.conditions.distance),
-    ("", |at| at.carried),
 ];
-
-/// Columns that a friction coefficient may depend on without a sled around it.
-const OF_CONDITIONS: [NamedColumn<Conditions>; 9] = [
-    ("t_s", |at| at.t),
-    ("s_m", |at| at.s),
-    ("v_mps", |at| at.v),
-    ("fz_n", |at| at.fz),
-    ("ice_c", |at| at.ice_c),
-    ("air_c", |at| at.air_c),
-    ("air_pa", |at| at.air_pa),
-    ("humidity_pct", |at| at.humidity_pct),
-    ("distance_m", |at| at.distance),
-];
-
-/// Whether expressions on forces may use a column of this name.
-pub fn is_column(name: &str) -> bool {
-    !name.is_empty() && OF_SLED.iter().any(|(known, _)| *known == name)
-}
 
 /// Names of the columns that expressions on forces may use.
 pub fn columns_of_forces() -> Vec<&'static str> {
-    let named = OF_SLED.iter().map(|(name, _)| *name);
-    named.filter(|name| !name.is_empty()).collect()
+    let [point, sled] = [names(&OF_POINT), names(&OF_SLED)];
+    // Time, place, speed and load come first, the weather last.
+    let (motion, weather) = point.split_at(4);
+    [motion, &sled, weather].concat()
 }
 
 /// Names of the columns that expressions on a sensor may use.
 pub fn columns_of_sensors() -> Vec<&'static str> {
-    let conditions = OF_CONDITIONS.iter().map(|(name, _)| *name);
-    let own = conditions.filter(|name| Sensor::named(name).is_none() && *name != "fz_n");
+    let own = |name: &&str| Sensor::named(name).is_none() && *name != "fz_n";
+    let further = names(&OF_POINT).into_iter().filter(own);
     Sensor::ALL
-        .into_iter()
         .map(Sensor::name)
-        .chain(own)
+        .into_iter()
+        .chain(further)
         .collect()
 }
 
-/// Where the value of a name stands.
+fn names<T>(columns: &[NamedColumn<T>]) -> Vec<&'static str> {
+    columns.iter().map(|(name, _)| *name).collect()
+}
+
+/// Whether expressions on forces may use a column of this name.
+pub fn is_column(name: &str) -> bool {
+    Place::of_sled(name, None).is_some()
+}
+
+/// What is known where an expression is evaluated.
+struct Known<'a> {
+    point: &'a OperatingPoint,
+    state: Option<&'a State>,
+    signals: Option<&'a Signals>,
+}
+
+impl<'a> Known<'a> {
+    fn of(point: &'a OperatingPoint) -> Self {
+        Known {
+            point,
+            state: None,
+            signals: None,
+        }
+    }
+}
+
+/// Where the value of a name is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Place {
-    /// Among the columns of a sled, by index; the same among those of the conditions alone, where it is one.
-    Sled(usize, Option<usize>),
+enum Place {
+    /// Among [`OF_POINT`], by index.
+    Point(usize),
+    /// Among [`OF_SLED`], by index.
+    Sled(usize),
     /// A sensor.
     Sensor(Sensor),
-    /// Among the columns of the conditions, by index.
-    Condition(usize),
-}
-
-/// The place of a column for an expression on forces; a carried one stands in the last place.
-pub(super) fn place_of_sled(name: &str, carried: Option<&str>) -> Option<Place> {
-    let conditions = OF_CONDITIONS.iter().position(|(known, _)| *known == name);
-    if carried == Some(name) {
-        return Some(Place::Sled(OF_SLED.len() - 1, conditions));
-    }
-    let at = OF_SLED.iter().position(|(known, _)| *known == name)?;
-    (!name.is_empty()).then_some(Place::Sled(at, conditions))
-}
-
-/// The place of a column for an expression on a sensor.
-pub(super) fn place_of_sensor(name: &str) -> Option<Place> {
-    if let Some(sensor) = Sensor::named(name) {
-        return Some(Place::Sensor(sensor));
-    }
-    let at = OF_CONDITIONS.iter().position(|(known, _)| *known == name)?;
-    (name != "fz_n").then_some(Place::Condition(at))
+    /// A column that the model does not have.
+    Carried,
 }
 
 impl Place {
-    /// The value on a sled; NaN for a place of a sensor.
-    pub(super) fn on_sled(self, at: &State) -> f64 {
-        match self {
-            Place::Sled(index, _) => OF_SLED[index].1(at),
-            _ => f64::NAN,
+    /// The place of a column for an expression on forces.
+    fn of_sled(name: &str, carried: Option<&str>) -> Option<Place> {
+        if carried == Some(name) {
+            return Some(Place::Carried);
         }
+        let sled = OF_SLED.iter().position(|(known, _)| *known == name);
+        let point = || OF_POINT.iter().position(|(known, _)| *known == name);
+        sled.map(Place::Sled).or_else(|| point().map(Place::Point))
     }
 
-    /// The value where the conditions alone are known; NaN for everything else.
-    pub(super) fn of_conditions(self, at: &Conditions) -> f64 {
-        match self {
-            Place::Sled(_, Some(index)) | Place::Condition(index) => OF_CONDITIONS[index].1(at),
-            _ => f64::NAN,
-        }
+    /// The place of a column for an expression on a sensor.
+    fn of_sensor(name: &str) -> Option<Place> {
+        let own = Sensor::named(name).map(Place::Sensor);
+        let point = || OF_POINT.iter().position(|(known, _)| *known == name);
+        own.or_else(|| point().filter(|_| name != "fz_n").map(Place::Point))
     }
 
-    /// The value among the sensors; NaN for a place on the sled.
-    pub(super) fn of_sensors(self, seen: Seen) -> f64 {
+    /// The value there; NaN where it is not known.
+    fn value(self, at: &Known) -> f64 {
         match self {
-            Place::Sensor(sensor) => seen.signals[sensor],
-            Place::Condition(index) => OF_CONDITIONS[index].1(seen.conditions),
-            Place::Sled(..) => f64::NAN,
+            Place::Point(index) => OF_POINT[index].1(at.point),
+            Place::Sled(index) => at.state.map_or(f64::NAN, OF_SLED[index].1),
+            Place::Sensor(sensor) => at.signals.map_or(f64::NAN, |signals| signals[sensor]),
+            Place::Carried => at.state.map_or(f64::NAN, |state| state.carried),
         }
     }
 }

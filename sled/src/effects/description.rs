@@ -2,6 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::column::Column;
+
 /// What an effect acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActsOn {
@@ -30,7 +32,7 @@ pub enum Form {
     Exact,
     /// It holds to first order in the size.
     FirstOrder,
-    /// It leaves this relative standard deviation of the size open, whatever the noise.
+    /// Its size is known to this relative standard deviation at best, whatever the noise.
     Open(f64),
 }
 
@@ -59,14 +61,17 @@ pub struct Info {
     pub form: Form,
     /// Names of the effects that look like it.
     pub looks_like: &'static [&'static str],
-    /// What would tell it from those.
+    /// What would distinguish it from those.
     pub decides: &'static str,
     /// Where the formula is from.
     pub source: &'static str,
+    /// Parameters, known quantities and the number that the effect must give, by the names that
+    /// files use: `0.5, 1000: mu 0.004, fz_n 2250 -> mu 0.006`. Everything else is 0.
+    pub example: &'static str,
 }
 
 impl Info {
-    /// What a file of an effect leaves out: nothing needed, judged within runs, exact.
+    /// The defaults of an entry: nothing needed, judged within runs, exact.
     pub const NEW: Info = Info {
         name: "",
         summary: "",
@@ -81,6 +86,7 @@ impl Info {
         looks_like: &[],
         decides: "",
         source: "",
+        example: "",
     };
 
     /// The level on which it varies.
@@ -225,109 +231,13 @@ impl Parameter {
         ..setting("to_m", "m", -1.0e5, 1.0e6, 1.0e6)
     };
 
-    /// How far an amplitude differs from run to run, a standard deviation: where it is not 0 every recorded run has its own.
+    /// Standard deviation of an amplitude from run to run: where it is not 0 every recorded run has
+    /// its own.
     pub const SPREAD: Self = setting("spread_n", "N", 0.0, 20000.0, 0.0);
 
     /// Whether the parameter is an amplitude, fitted to data.
     pub fn is_amplitude(&self) -> bool {
         self.typical != 0.0
-    }
-}
-
-/// A quantity that an effect needs, recorded or stated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Column {
-    /// Normal force [N]; of a run, from its vertical acceleration.
-    Load,
-    /// Speed [m/s].
-    Speed,
-    /// Distance along the track [m].
-    Distance,
-    /// Time since the start [s].
-    Time,
-    /// Ice temperature [deg C].
-    IceTemperature,
-    /// Air temperature [deg C].
-    AirTemperature,
-    /// Air pressure [Pa].
-    AirPressure,
-    /// Relative humidity [%].
-    Humidity,
-    /// Distance run on this finish before the run [m].
-    Wear,
-    /// Slip angle [rad].
-    Slip,
-    /// Steering angle [rad].
-    Steering,
-    /// Roll-split angle [rad].
-    RollSplit,
-    /// Roll rate [rad/s].
-    RollRate,
-    /// Pitch rate [rad/s].
-    PitchRate,
-    /// Yaw rate [rad/s].
-    YawRate,
-    /// Longitudinal acceleration [m/s2].
-    LongitudinalAcceleration,
-    /// Lateral acceleration [m/s2].
-    LateralAcceleration,
-    /// Vertical acceleration [m/s2].
-    VerticalAcceleration,
-    /// The track's slope over distance [rad].
-    Slope,
-    /// Friction of groove and film by the tables that a model names, over each table's mean.
-    Film,
-}
-
-impl Column {
-    /// All of them.
-    pub const ALL: [Column; 20] = [
-        Column::Load,
-        Column::Speed,
-        Column::Distance,
-        Column::Time,
-        Column::IceTemperature,
-        Column::AirTemperature,
-        Column::AirPressure,
-        Column::Humidity,
-        Column::Wear,
-        Column::Slip,
-        Column::Steering,
-        Column::RollSplit,
-        Column::RollRate,
-        Column::PitchRate,
-        Column::YawRate,
-        Column::LongitudinalAcceleration,
-        Column::LateralAcceleration,
-        Column::VerticalAcceleration,
-        Column::Slope,
-        Column::Film,
-    ];
-
-    /// The column's name in the files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Column::Load => "fz_n",
-            Column::Speed => "v_mps",
-            Column::Distance => "s_m",
-            Column::Time => "t_s",
-            Column::IceTemperature => "ice_c",
-            Column::AirTemperature => "air_c",
-            Column::AirPressure => "air_pa",
-            Column::Humidity => "humidity_pct",
-            Column::Wear => "distance_m",
-            Column::Slip => "alpha_rad",
-            Column::Steering => "delta_rad",
-            Column::RollSplit => "gamma_rad",
-            Column::RollRate => "roll_rate_radps",
-            Column::PitchRate => "pitch_rate_radps",
-            Column::YawRate => "yaw_rate_radps",
-            Column::LongitudinalAcceleration => "ax_mps2",
-            Column::LateralAcceleration => "ay_mps2",
-            Column::VerticalAcceleration => "az_mps2",
-            Column::Slope => "slope_rad",
-            Column::Film => "film",
-        }
     }
 }
 
@@ -342,11 +252,12 @@ pub enum Judged {
     BetweenRuns,
     /// By its level from session to session.
     BetweenSessions,
-    /// In the balance of speed and height, where no friction is left, as one size everywhere.
+    /// In the balance of speed and height, which is free of friction, as one size everywhere.
     BySlope,
     /// In the same balance, place by place.
     ByProfile,
-    /// Sample by sample within runs, where the installation is off by more than its tolerances can mean: else sessions that differ look like it.
+    /// Sample by sample within runs, where the installation is off by more than its tolerances:
+    /// else sessions that differ resemble it.
     BeyondTolerance,
     /// By measured pressures: no effect on runs.
     ByPressure,
@@ -395,22 +306,7 @@ pub enum Experiments {
     /// It can be tested where the columns that it needs are there and vary.
     AsNeeded,
     /// It can be tested where these columns are there and vary.
-    Needs(&'static [crate::effects::description::Column]),
+    Needs(&'static [Column]),
     /// It cannot be tested, for this reason.
     Never(&'static str),
-}
-
-/// Parameters, values and the number that the effect must give, by the names that the formulas use.
-///
-/// `mu` asks for the friction coefficient, `slope_rad` for the track's slope, the column of a sensor for what it reads,
-/// `mass_kg` and its like for a constant of the sled; `fx_f_n`, `fx_r_n`, `fy_f_n`, `fy_r_n` are the forces on the
-/// runners, `fx_n`, `fy_n`, `mz_nm` those on the body. A name with `_rate` is a derivative by time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Example {
-    /// Parameters, as in [`Info::parameters`](crate::effects::Info::parameters).
-    pub parameters: &'static [f64],
-    /// What is known before; everything else is 0.
-    pub given: &'static [(&'static str, f64)],
-    /// What must come out.
-    pub gives: (&'static str, f64),
 }

@@ -1,11 +1,15 @@
-//! An effect as a value: a plain description with plain functions, one static of it in each file of the catalogue.
+//! An effect as a value: a plain description with plain functions.
 
+use crate::column::Sensor;
 use crate::effects::Info;
-use crate::effects::description::Example;
-use crate::effects::{Conditions, Constants, Forces, Sensor, Signals, State};
+use crate::effects::{Constants, Forces, OperatingPoint, Signals, State};
 
-/// The friction coefficient from an effect's parameters, the coefficient without it, and the conditions.
-pub type FrictionLaw = fn(&[f64], f64, &Conditions) -> f64;
+/// The friction coefficient from an effect's parameters, the coefficient without it, and the
+/// operating point.
+pub type FrictionLaw = fn(&[f64], f64, &OperatingPoint) -> f64;
+
+/// A law for the forces, from parameters and state.
+pub type ForceLaw = fn(&[f64], &State, &mut Forces);
 
 /// A switchable part of the model; parameters come in the order of [`Info::parameters`].
 ///
@@ -13,45 +17,75 @@ pub type FrictionLaw = fn(&[f64], f64, &Conditions) -> f64;
 pub struct Effect {
     /// Name, formula, parameters, what it needs and how it is judged.
     pub info: Info,
-    /// The friction coefficient with the effect, from parameters, the coefficient without it, and the conditions.
+    /// The friction coefficient with the effect.
     ///
     /// On a sled it acts on both runners, unless the effect has a law for forces or for the slope.
     pub on_friction: Option<FrictionLaw>,
     /// Changes the forces of the base law.
-    pub on_forces: Option<fn(&[f64], &State, &mut Forces)>,
-    /// What sensors read.
+    pub on_forces: Option<ForceLaw>,
+    /// Faults of sensors.
     pub on_sensors: &'static [Fault],
-    /// The parameter that is a distance after which forces follow the slip ([`Relaxed`](crate::effects::Relaxed)).
+    /// The parameter that is a distance after which forces follow the slip
+    /// ([`Relaxed`](crate::effects::Relaxed)).
     pub relaxes: Option<usize>,
     /// Changes the stated constants of the sled to the true ones.
     pub on_sled: Option<fn(&[f64], &mut Constants)>,
     /// What is added to the track's slope at a distance [m], downhill positive [rad].
     pub on_slope: Option<fn(&[f64], f64) -> f64>,
-    /// A number that it must give.
-    pub example: Example,
 }
 
-impl Effect {
-    /// An effect without a law, described by what its example must give: the base of an entry of a table.
-    pub(crate) const fn example(
-        parameters: &'static [f64],
-        given: &'static [(&'static str, f64)],
-        gives: (&'static str, f64),
-    ) -> Effect {
+impl Info {
+    /// An effect without a law.
+    pub(crate) const fn effect(self) -> Effect {
         Effect {
-            info: Info::NEW,
+            info: self,
             on_friction: None,
             on_forces: None,
             on_sensors: &[],
             relaxes: None,
             on_sled: None,
             on_slope: None,
-            example: Example {
-                parameters,
-                given,
-                gives,
-            },
         }
+    }
+
+    /// An effect of these faults of sensors.
+    pub(crate) const fn faults(self, faults: &'static [Fault]) -> Effect {
+        Effect {
+            on_sensors: faults,
+            ..self.effect()
+        }
+    }
+}
+
+impl Effect {
+    /// The effect with a law for the friction coefficient.
+    pub(crate) const fn on_friction(mut self, law: FrictionLaw) -> Effect {
+        self.on_friction = Some(law);
+        self
+    }
+
+    /// The effect with a law for the forces.
+    pub(crate) const fn on_forces(mut self, law: ForceLaw) -> Effect {
+        self.on_forces = Some(law);
+        self
+    }
+
+    /// The effect with a law for the constants of the sled.
+    pub(crate) const fn on_sled(mut self, law: fn(&[f64], &mut Constants)) -> Effect {
+        self.on_sled = Some(law);
+        self
+    }
+
+    /// The effect with a law for the track's slope.
+    pub(crate) const fn on_slope(mut self, law: fn(&[f64], f64) -> f64) -> Effect {
+        self.on_slope = Some(law);
+        self
+    }
+
+    /// The effect with the parameter that is a relaxation length.
+    pub(crate) const fn relaxes_after(mut self, parameter: usize) -> Effect {
+        self.relaxes = Some(parameter);
+        self
     }
 
     /// What is known of it.
@@ -59,8 +93,9 @@ impl Effect {
         &self.info
     }
 
-    /// The coefficient with the effect, from the coefficient without it; the same where it does not act on it.
-    pub fn coefficient(&self, parameters: &[f64], mu: f64, at: &Conditions) -> f64 {
+    /// The coefficient with the effect, from the coefficient without it; the same where it does not
+    /// act on it.
+    pub fn coefficient(&self, parameters: &[f64], mu: f64, at: &OperatingPoint) -> f64 {
         self.on_friction.map_or(mu, |law| law(parameters, mu, at))
     }
 
@@ -73,27 +108,29 @@ impl Effect {
         }
     }
 
-    /// The coefficient behind the force along each runner is replaced, and the force follows.
+    /// Replaces the coefficient of the force along each runner.
     fn scale_along(&self, parameters: &[f64], at: &State, forces: &mut Forces) {
         for runner in 0..2 {
             let load = at.load[runner];
             if load <= 0.0 {
                 continue;
             }
-            let mut conditions = at.conditions;
-            conditions.fz = load;
-            conditions.film = at.film[runner];
+            let point = OperatingPoint {
+                fz: load,
+                film: at.film[runner],
+                ..at.point
+            };
             let mu = -forces.along[runner] / load;
-            forces.along[runner] = -load * self.coefficient(parameters, mu, &conditions);
+            forces.along[runner] = -load * self.coefficient(parameters, mu, &point);
         }
     }
 
-    /// Whether it stands between a sensor and the truth or changes a constant of the sled.
+    /// Whether it is a fault of sensors or changes a constant of the sled.
     pub fn moves_signals(&self) -> bool {
         !self.on_sensors.is_empty() || self.on_sled.is_some()
     }
 
-    /// From what the sensors say to what is true, and from the stated constants of the sled to the true ones.
+    /// From readings to true values, and from the stated constants of the sled to the true ones.
     pub fn correct(&self, parameters: &[f64], signals: &mut Signals) {
         for fault in self.on_sensors.iter().rev() {
             fault.correct(parameters[fault.parameter], signals);
@@ -101,7 +138,7 @@ impl Effect {
         self.find_constants(parameters, &mut signals.sled);
     }
 
-    /// From what is true to what the sensors say.
+    /// From true values to readings.
     pub fn disturb(&self, parameters: &[f64], signals: &mut Signals) {
         for fault in self.on_sensors {
             fault.disturb(parameters[fault.parameter], signals);
@@ -134,11 +171,12 @@ pub enum Reading {
     Biased,
     /// `read = (1 + k) true`.
     Scaled,
-    /// `read(t) = true(t - k)`: late by k [s]. Of one instant, whose rate alone is known, to first order: `true - k dtrue/dt`.
+    /// `read(t) = true(t - k)`: late by k [s]. Of one instant, whose rate alone is known, to first
+    /// order: `true - k dtrue/dt`.
     Late,
     /// `read = true + factor k other`: the sensor picks up another one.
     PicksUp {
-        /// What it picks up.
+        /// The other sensor.
         other: Sensor,
         /// Sign and size at k = 1.
         factor: f64,
@@ -157,48 +195,37 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// `read = true + k`.
-    pub const fn bias(of: Sensor, parameter: usize) -> Self {
-        let reading = Reading::Biased;
+    const fn new(of: Sensor, reading: Reading, parameter: usize) -> Self {
         Self {
             of,
             reading,
             parameter,
         }
+    }
+
+    /// `read = true + k`.
+    pub const fn bias(of: Sensor, parameter: usize) -> Self {
+        Self::new(of, Reading::Biased, parameter)
     }
 
     /// `read = (1 + k) true`.
     pub const fn scale(of: Sensor, parameter: usize) -> Self {
-        let reading = Reading::Scaled;
-        Self {
-            of,
-            reading,
-            parameter,
-        }
+        Self::new(of, Reading::Scaled, parameter)
     }
 
     /// `read(t) = true(t - k)`.
     pub const fn lag(of: Sensor, parameter: usize) -> Self {
-        let reading = Reading::Late;
-        Self {
-            of,
-            reading,
-            parameter,
-        }
+        Self::new(of, Reading::Late, parameter)
     }
 
     /// `read = true + factor k other`.
     pub const fn picks_up(of: Sensor, other: Sensor, factor: f64, parameter: usize) -> Self {
-        let reading = Reading::PicksUp { other, factor };
-        Self {
-            of,
-            reading,
-            parameter,
-        }
+        Self::new(of, Reading::PicksUp { other, factor }, parameter)
     }
 
-    /// The inertial unit turned by a small angle about x (left side up), y (nose down) and z (to the left): both of its
-    /// sensors read their own axes. To second order the angle about each axis is a rotation.
+    /// The inertial unit turned by a small angle about x (left side up), y (nose down) and z (to
+    /// the left): both of its sensors read their own axes. To second order the angle about each
+    /// axis is a rotation.
     pub const MISALIGNED: [[Self; 4]; 3] = [
         [
             Self::picks_up(Sensor::Ay, Sensor::Az, 1.0, 0),
@@ -220,7 +247,7 @@ impl Fault {
         ],
     ];
 
-    /// From what is true to what is read at one instant.
+    /// From the true values of one instant to the readings.
     pub fn disturb(&self, size: f64, signals: &mut Signals) {
         let at = self.of as usize;
         match self.reading {
@@ -237,140 +264,17 @@ impl Fault {
         }
     }
 
-    /// From what is read to what is true: the inverse of [`Fault::disturb`].
+    /// From readings to true values: the inverse of [`Fault::disturb`].
     pub fn correct(&self, size: f64, signals: &mut Signals) {
-        let at = self.of as usize;
         match self.reading {
-            Reading::Biased => signals.value[at] -= size,
             Reading::Scaled => {
+                let at = self.of as usize;
                 signals.value[at] /= 1.0 + size;
                 signals.rate[at] /= 1.0 + size;
             }
-            Reading::Late => signals.value[at] += size * signals.rate[at],
-            Reading::PicksUp { other, factor } => {
-                signals.value[at] -= factor * size * signals.value[other as usize];
-                signals.rate[at] -= factor * size * signals.rate[other as usize];
-            }
+            _ => self.disturb(-size, signals),
         }
     }
-}
-
-impl Effect {
-    /// The number that its example gives; NaN where a name in it is none that an effect knows.
-    pub fn example_outcome(&self) -> f64 {
-        let example = &self.example;
-        let (mut mu, mut slope) = (0.0, 0.0);
-        let (mut state, mut forces) = (State::default(), Forces::default());
-        let mut signals = Signals::default();
-        for (name, value) in example.given {
-            let mut known = false;
-            let mut set = |place: Option<&mut f64>| {
-                if let Some(place) = place {
-                    *place = *value;
-                    known = true;
-                }
-            };
-            set((*name == "mu").then_some(&mut mu));
-            set((*name == "slope_rad").then_some(&mut slope));
-            set(condition(&mut state.conditions, name));
-            set(instant(&mut state, name));
-            set(force(&mut forces, name));
-            set(signal(&mut signals, name));
-            set(constant(&mut signals.sled, name));
-            if !known {
-                return f64::NAN;
-            }
-        }
-        let wanted = example.gives.0;
-        if wanted == "mu" {
-            return self.coefficient(example.parameters, mu, &state.conditions);
-        }
-        if wanted == "slope_rad" {
-            return slope + self.slope(example.parameters, state.conditions.s);
-        }
-        self.act(example.parameters, &state, &mut forces);
-        self.disturb(example.parameters, &mut signals);
-        self.find_constants(example.parameters, &mut signals.sled);
-        force(&mut forces, wanted)
-            .copied()
-            .or_else(|| constant(&mut signals.sled, wanted).copied())
-            .or_else(|| signal(&mut signals, wanted).copied())
-            .unwrap_or(f64::NAN)
-    }
-}
-
-fn condition<'a>(c: &'a mut Conditions, name: &str) -> Option<&'a mut f64> {
-    Some(match name {
-        "t_s" => &mut c.t,
-        "s_m" => &mut c.s,
-        "v_mps" => &mut c.v,
-        "fz_n" => &mut c.fz,
-        "ice_c" => &mut c.ice_c,
-        "air_c" => &mut c.air_c,
-        "air_pa" => &mut c.air_pa,
-        "humidity_pct" => &mut c.humidity_pct,
-        "distance_m" => &mut c.distance,
-        "air_density_kgpm3" => &mut c.air_density,
-        "cda_m2" => &mut c.drag_area,
-        "film" => &mut c.film,
-        _ => return None,
-    })
-}
-
-fn instant<'a>(state: &'a mut State, name: &str) -> Option<&'a mut f64> {
-    Some(match name {
-        "fz_f_n" => &mut state.load[0],
-        "fz_r_n" => &mut state.load[1],
-        "alpha_rad" => &mut state.chassis_slip,
-        "alpha_f_rad" => &mut state.slip[0],
-        "alpha_r_rad" => &mut state.slip[1],
-        "alpha_f_rad_rate" => &mut state.slip_rate[0],
-        "alpha_r_rad_rate" => &mut state.slip_rate[1],
-        "delta_rad" => &mut state.steering,
-        "gamma_rad" => &mut state.roll_split,
-        "roll_rate_radps_rate" => &mut state.roll_acceleration,
-        "ax_mps2" => &mut state.acceleration[0],
-        "az_mps2" => &mut state.acceleration[2],
-        _ => return None,
-    })
-}
-
-fn force<'a>(forces: &'a mut Forces, name: &str) -> Option<&'a mut f64> {
-    Some(match name {
-        "fx_f_n" => &mut forces.along[0],
-        "fx_r_n" => &mut forces.along[1],
-        "fy_f_n" => &mut forces.across[0],
-        "fy_r_n" => &mut forces.across[1],
-        "fy_f_n_per_rad" => &mut forces.stiffness[0],
-        "fy_r_n_per_rad" => &mut forces.stiffness[1],
-        "fx_n" => &mut forces.body_along,
-        "fy_n" => &mut forces.body_across,
-        "mz_nm" => &mut forces.body_yaw,
-        _ => return None,
-    })
-}
-
-fn signal<'a>(signals: &'a mut Signals, name: &str) -> Option<&'a mut f64> {
-    if let Some(of) = Sensor::named(name) {
-        return Some(&mut signals.value[of as usize]);
-    }
-    let of = Sensor::named(name.strip_suffix("_rate")?)?;
-    Some(&mut signals.rate[of as usize])
-}
-
-fn constant<'a>(sled: &'a mut Constants, name: &str) -> Option<&'a mut f64> {
-    Some(match name {
-        "mass_kg" => &mut sled.mass,
-        "j_yy_kgm2" => &mut sled.pitch_inertia,
-        "j_zz_kgm2" => &mut sled.yaw_inertia,
-        "l_f_m" => &mut sled.axles[0],
-        "l_r_m" => &mut sled.axles[1],
-        "accel_x_m" => &mut sled.accelerometer[0],
-        "accel_y_m" => &mut sled.accelerometer[1],
-        "accel_z_m" => &mut sled.accelerometer[2],
-        "slip_x_m" => &mut sled.slip_sensor,
-        _ => return None,
-    })
 }
 
 #[cfg(test)]

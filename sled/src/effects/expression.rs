@@ -1,6 +1,7 @@
 //! A formula of named columns, for effects that a person adds.
 //!
-//! Grammar: numbers, names (in brackets where they are no plain words), `+ - * / ^`, parentheses, unary minus, and `abs sqrt exp log sin cos tan atan sign step min max` as functions.
+//! Grammar: numbers, names (in brackets where they are no plain words), `+ - * / ^`, parentheses,
+//! unary minus, and the functions `abs sqrt exp log sin cos tan atan sign step min max`.
 //! `^` binds to the right and tighter than unary minus: `-x^2` is `-(x^2)`.
 
 /// A parsed formula.
@@ -14,38 +15,42 @@ pub struct Expression {
 
 /// Postfix operations.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Node {
+enum Node {
     Number(f64),
     Name(usize),
     Negate,
     Binary(u8),
-    Function(Function),
+    /// By its place in [`FUNCTIONS`].
+    Function(usize),
+    /// By its place in [`PAIRS`].
+    Pair(usize),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Function {
-    Abs,
-    Sqrt,
-    Exp,
-    Log,
-    Sin,
-    Cos,
-    Tan,
-    Atan,
-    Sign,
-    Step,
-    Min,
-    Max,
-}
+/// Functions of one argument.
+const FUNCTIONS: [(&str, fn(f64) -> f64); 10] = [
+    ("abs", f64::abs),
+    ("sqrt", f64::sqrt),
+    ("exp", f64::exp),
+    ("log", f64::ln),
+    ("sin", f64::sin),
+    ("cos", f64::cos),
+    ("tan", f64::tan),
+    ("atan", f64::atan),
+    ("sign", f64::signum),
+    ("step", |a| f64::from(u8::from(a > 0.0))),
+];
+
+/// Functions of two arguments.
+const PAIRS: [(&str, fn(f64, f64) -> f64); 2] = [("min", f64::min), ("max", f64::max)];
 
 impl Expression {
     /// From postfix operations, each of which finds its operands.
-    pub(super) fn new(nodes: Vec<Node>, names: Vec<String>) -> Self {
+    fn new(nodes: Vec<Node>, names: Vec<String>) -> Self {
         let (mut waiting, mut deepest) = (0_usize, 0);
         for node in &nodes {
             match node {
                 Node::Number(_) | Node::Name(_) => waiting += 1,
-                Node::Binary(_) | Node::Function(Function::Min | Function::Max) => waiting -= 1,
+                Node::Binary(_) | Node::Pair(_) => waiting -= 1,
                 Node::Negate | Node::Function(_) => {}
             }
             deepest = deepest.max(waiting);
@@ -57,7 +62,7 @@ impl Expression {
         }
     }
 
-    /// A column's name as it stands in a formula: in brackets where it is no plain word.
+    /// A column's name as a formula has it: in brackets where it is no plain word.
     ///
     /// ```
     /// use kufe_sled::effects::Expression;
@@ -68,9 +73,10 @@ impl Expression {
     pub fn quoted(name: &str) -> String {
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let first = name.chars().next().is_some_and(|c| !c.is_ascii_digit());
-        match first && name.chars().all(plain) {
-            true => name.to_owned(),
-            false => format!("[{name}]"),
+        if first && name.chars().all(plain) {
+            name.to_owned()
+        } else {
+            format!("[{name}]")
         }
     }
 
@@ -79,7 +85,8 @@ impl Expression {
         &self.names
     }
 
-    /// The formula's value, `value_of` giving that of a name by its place in [`Expression::names`]; NaN for an unknown one.
+    /// The formula's value, `value_of` giving that of a name by its place in [`Expression::names`];
+    /// NaN for an unknown one.
     pub fn evaluate(&self, value_of: impl Fn(usize) -> f64) -> f64 {
         // Nearly every formula fits the small stack, which costs no allocation a sample.
         let mut small = [0.0; 16];
@@ -92,80 +99,34 @@ impl Expression {
     fn run(&self, stack: &mut [f64], value_of: impl Fn(usize) -> f64) -> f64 {
         let mut top = 0;
         for node in &self.nodes {
-            match node {
-                Node::Number(value) => {
-                    stack[top] = *value;
-                    top += 1;
-                }
-                Node::Name(index) => {
-                    stack[top] = value_of(*index);
-                    top += 1;
-                }
-                Node::Negate => stack[top - 1] = -stack[top - 1],
-                Node::Binary(operator) => {
+            let value = match node {
+                Node::Number(value) => *value,
+                Node::Name(index) => value_of(*index),
+                Node::Negate | Node::Function(_) => {
                     top -= 1;
-                    stack[top - 1] = binary(*operator, stack[top - 1], stack[top]);
+                    match node {
+                        Node::Function(function) => FUNCTIONS[*function].1(stack[top]),
+                        _ => -stack[top],
+                    }
                 }
-                Node::Function(function @ (Function::Min | Function::Max)) => {
-                    top -= 1;
-                    let (a, b) = (stack[top - 1], stack[top]);
-                    stack[top - 1] = match function {
-                        Function::Min => a.min(b),
-                        _ => a.max(b),
-                    };
+                Node::Binary(_) | Node::Pair(_) => {
+                    top -= 2;
+                    let (a, b) = (stack[top], stack[top + 1]);
+                    match node {
+                        Node::Binary(b'+') => a + b,
+                        Node::Binary(b'-') => a - b,
+                        Node::Binary(b'*') => a * b,
+                        Node::Binary(b'/') => a / b,
+                        Node::Pair(pair) => PAIRS[*pair].1(a, b),
+                        _ if b == 2.0 => a * a,
+                        _ => a.powf(b),
+                    }
                 }
-                Node::Function(function) => stack[top - 1] = function.of(stack[top - 1]),
-            }
+            };
+            stack[top] = value;
+            top += 1;
         }
         stack[0]
-    }
-}
-
-fn binary(operator: u8, a: f64, b: f64) -> f64 {
-    match operator {
-        b'+' => a + b,
-        b'-' => a - b,
-        b'*' => a * b,
-        b'/' => a / b,
-        _ if b == 2.0 => a * a,
-        _ => a.powf(b),
-    }
-}
-
-impl Function {
-    /// The function of this name.
-    pub(super) fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "abs" => Function::Abs,
-            "sqrt" => Function::Sqrt,
-            "exp" => Function::Exp,
-            "log" => Function::Log,
-            "sin" => Function::Sin,
-            "cos" => Function::Cos,
-            "tan" => Function::Tan,
-            "atan" => Function::Atan,
-            "sign" => Function::Sign,
-            "step" => Function::Step,
-            "min" => Function::Min,
-            "max" => Function::Max,
-            _ => return None,
-        })
-    }
-
-    /// Its value, of functions with one argument.
-    fn of(self, a: f64) -> f64 {
-        match self {
-            Function::Abs => a.abs(),
-            Function::Sqrt => a.sqrt(),
-            Function::Exp => a.exp(),
-            Function::Log => a.ln(),
-            Function::Sin => a.sin(),
-            Function::Cos => a.cos(),
-            Function::Tan => a.tan(),
-            Function::Atan => a.atan(),
-            Function::Sign => a.signum(),
-            _ => f64::from(u8::from(a > 0.0)),
-        }
     }
 }
 
@@ -177,9 +138,9 @@ pub struct ExpressionError {
     pub text: String,
     /// Position of the trouble, from 1.
     pub at: usize,
-    /// What stands there.
+    /// What was found.
     pub found: String,
-    /// What could stand there.
+    /// What is expected.
     pub expected: &'static str,
 }
 
@@ -355,14 +316,17 @@ impl Parser<'_> {
     }
 
     fn call(&mut self, name: &str, start: usize) -> Result<(), ExpressionError> {
-        let Some(function) = Function::named(name) else {
+        let one = FUNCTIONS.iter().position(|(known, _)| *known == name);
+        let pair = PAIRS.iter().position(|(known, _)| *known == name);
+        let function = one.map(Node::Function).or(pair.map(Node::Pair));
+        let Some(function) = function else {
             self.at = start;
             return Err(
                 self.error("abs, sqrt, exp, log, sin, cos, tan, atan, sign, step, min or max")
             );
         };
         self.sum()?;
-        if matches!(function, Function::Min | Function::Max) {
+        if pair.is_some() {
             if self.take(b",").is_none() {
                 return Err(self.error("`,` and a second argument"));
             }
@@ -371,7 +335,7 @@ impl Parser<'_> {
         if self.take(b")").is_none() {
             return Err(self.error("`)`"));
         }
-        self.nodes.push(Node::Function(function));
+        self.nodes.push(function);
         Ok(())
     }
 }

@@ -1,18 +1,20 @@
 //! What can be missing from a model of a sled on ice: effects, each with a switch.
 //!
-//! An effect is one entry of the catalogue: law, formula, source, an example with the number that it must give, and how data
-//! speak of it. The same code acts in the driving simulation and in the inverse model: an effect changes the friction
-//! coefficient or the forces of the base law, stands between the truth and a sensor, changes a constant of the sled or
-//! the track's slope. At default parameters it changes nothing.
+//! An effect is one entry of the catalogue: law, formula, source, an example with the number that
+//! it must give, and how data show it. The same code acts in the driving simulation and in the
+//! inverse model: an effect changes the friction coefficient or the forces of the base law, is a
+//! fault of a sensor, changes a constant of the sled or the track's slope. At default parameters it
+//! changes nothing.
 //!
-//! Pressure effects change a contact problem, which this crate does not know; they stand in the crate `kufe`, with the same [`Info`].
+//! Pressure effects change a contact problem, which this crate does not know; the crate `kufe`
+//! has them, with the same [`Info`].
 //!
 //! | type | what it is |
 //! |---|---|
-//! | [`Effect`], [`Info`], [`CATALOGUE`] | one effect, what is known of it, all of them |
-//! | [`Conditions`], [`State`], [`Signals`] | what an effect sees: of a runner, of a sled, of the sensors |
-//! | [`Forces`], [`Constants`] | what it may change beside signals |
-//! | [`Effects`], [`Active`], [`Custom`] | the effects that a model switches on, a person's own among them |
+//! | [`Effect`], [`Info`], [`CATALOGUE`] | one effect, its description, all of them |
+//! | [`OperatingPoint`], [`State`], [`Signals`] | input of an effect: of a runner, of a sled, of the sensors |
+//! | [`Forces`], [`Constants`] | what it may change besides signals |
+//! | [`Effects`], [`Active`], [`Custom`] | the effects that a model switches on, expressions among them |
 //!
 //! ```
 //! use kufe_sled::effects::{Sensor, Signals, find};
@@ -28,19 +30,18 @@ mod custom;
 mod description;
 mod effect;
 mod expression;
-pub mod page;
-mod prelude;
 mod series;
 mod state;
 mod switched;
 
+pub use crate::column::{Column, SENSORS, Sensor};
 pub use catalogue::{CATALOGUE, find};
 pub use custom::{Channel, Custom, columns_of_forces, columns_of_sensors, is_column};
 pub use description::{
-    ActsOn, Column, Edge, Example, Experiments, Form, Info, Judged, Level, Parameter, amplitude,
+    ActsOn, Edge, Experiments, Form, Info, Judged, Level, Parameter, amplitude, setting,
 };
 pub use effect::{Effect, Fault, Reading};
 pub use expression::{Expression, ExpressionError};
 pub use series::{Relaxed, ahead};
-pub use state::{Conditions, Constants, Forces, SENSORS, Sensor, Signals, State};
+pub use state::{Constants, Forces, OperatingPoint, Signals, State};
 pub use switched::{Active, EffectError, Effects, Kind, schema};

@@ -1,17 +1,22 @@
 //! State of a sled as effects see it, and the forces, signals and constants that they may change.
 
+use crate::column::{SENSORS, Sensor};
+use crate::conditions::Conditions;
+
 /// The sled at one instant, true as far as the effects on sensors have been taken out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// Time, place, speed and weather; `fz` and `film` are set for each runner in turn.
-    pub conditions: Conditions,
+    pub point: OperatingPoint,
     /// Slip angle, front and rear [rad].
     pub slip: [f64; 2],
-    /// Rate of the slip angle, front and rear [rad/s]; of the one that forces follow where an effect makes them follow it late.
+    /// Rate of the slip angle, front and rear [rad/s]; where an effect delays the forces, that of
+    /// the slip that they follow.
     pub slip_rate: [f64; 2],
     /// Normal force, front and rear [N].
     pub load: [f64; 2],
-    /// Friction of groove and film by the tables, front and rear, over each table's mean; NaN where a model names none.
+    /// Friction of groove and film by the tables, front and rear, over each table's mean; NaN
+    /// where a model names none.
     pub film: [f64; 2],
     /// Chassis slip at the centre of gravity [rad].
     pub chassis_slip: f64,
@@ -54,7 +59,7 @@ pub struct Forces {
 
 /// What a friction coefficient may depend on; NaN where a quantity is not known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Conditions {
+pub struct OperatingPoint {
     /// Time since the start of the run [s].
     pub t: f64,
     /// Distance along the track [m].
@@ -63,16 +68,8 @@ pub struct Conditions {
     pub v: f64,
     /// Normal force of the runner, or of the whole sled for a glide [N].
     pub fz: f64,
-    /// Ice temperature [deg C].
-    pub ice_c: f64,
-    /// Air temperature [deg C].
-    pub air_c: f64,
-    /// Air pressure [Pa].
-    pub air_pa: f64,
-    /// Relative humidity [%].
-    pub humidity_pct: f64,
-    /// Distance run on this finish before the run [m].
-    pub distance: f64,
+    /// Ice, air and finish of the runners.
+    pub conditions: Conditions,
     /// Air density [kg/m3].
     pub air_density: f64,
     /// Drag area of the base model [m2].
@@ -81,7 +78,8 @@ pub struct Conditions {
     pub film: f64,
 }
 
-/// Mass, inertia and places of a sled, in vehicle axes (x forward, y left, z up, from the centre of gravity).
+/// Mass, inertia and places of a sled, in vehicle axes (x forward, y left, z up, from the centre
+/// of gravity).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Constants {
     /// Mass with crew [kg].
@@ -98,72 +96,7 @@ pub struct Constants {
     pub slip_sensor: f64,
 }
 
-/// Number of recorded sensors.
-pub const SENSORS: usize = 10;
-
-/// A recorded channel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sensor {
-    /// Specific force forward [m/s2].
-    Ax,
-    /// Specific force to the left [m/s2].
-    Ay,
-    /// Specific force up [m/s2].
-    Az,
-    /// Roll rate [rad/s].
-    RollRate,
-    /// Pitch rate [rad/s].
-    PitchRate,
-    /// Yaw rate [rad/s].
-    YawRate,
-    /// Speed [m/s].
-    Speed,
-    /// Slip angle [rad].
-    Slip,
-    /// Steering angle [rad].
-    Steering,
-    /// Roll-split angle [rad].
-    RollSplit,
-}
-
-impl Sensor {
-    /// All sensors, in the order of [`Signals`].
-    pub const ALL: [Sensor; SENSORS] = [
-        Sensor::Ax,
-        Sensor::Ay,
-        Sensor::Az,
-        Sensor::RollRate,
-        Sensor::PitchRate,
-        Sensor::YawRate,
-        Sensor::Speed,
-        Sensor::Slip,
-        Sensor::Steering,
-        Sensor::RollSplit,
-    ];
-
-    /// The column's name in a run's file.
-    pub fn name(self) -> &'static str {
-        [
-            "ax_mps2",
-            "ay_mps2",
-            "az_mps2",
-            "roll_rate_radps",
-            "pitch_rate_radps",
-            "yaw_rate_radps",
-            "v_mps",
-            "alpha_rad",
-            "delta_rad",
-            "gamma_rad",
-        ][self as usize]
-    }
-
-    /// The sensor of this column.
-    pub fn named(name: &str) -> Option<Sensor> {
-        Sensor::ALL.into_iter().find(|sensor| sensor.name() == name)
-    }
-}
-
-/// What every sensor says, or what is true of it: the faults of sensors lie between the two.
+/// The readings of all sensors, or the true values: the faults of sensors lie between the two.
 ///
 /// Indexed by [`Sensor`]: `signals[Sensor::YawRate]` [rad/s].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -190,25 +123,17 @@ impl Signals {
 
     /// Specific force forward, left, up [m/s2].
     pub fn acceleration(&self) -> [f64; 3] {
-        [self[Sensor::Ax], self[Sensor::Ay], self[Sensor::Az]]
+        Sensor::ACCELEROMETER.map(|axis| self[axis])
     }
 
     /// Roll, pitch and yaw rate [rad/s].
     pub fn rates(&self) -> [f64; 3] {
-        [
-            self[Sensor::RollRate],
-            self[Sensor::PitchRate],
-            self[Sensor::YawRate],
-        ]
+        Sensor::GYROSCOPE.map(|axis| self[axis])
     }
 
     /// Roll, pitch and yaw acceleration [rad/s2].
     pub fn angular_acceleration(&self) -> [f64; 3] {
-        [
-            self.rate(Sensor::RollRate),
-            self.rate(Sensor::PitchRate),
-            self.rate(Sensor::YawRate),
-        ]
+        Sensor::GYROSCOPE.map(|axis| self.rate(axis))
     }
 }
 

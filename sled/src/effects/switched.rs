@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
 
+use crate::column::{SENSORS, Sensor};
 use crate::effects::Parameter;
 use crate::effects::catalogue::{CATALOGUE, find};
 use crate::effects::custom::{Channel, Custom, Refused};
 use crate::effects::expression::ExpressionError;
-use crate::effects::{Conditions, Constants, Forces, SENSORS, Sensor, Signals, State};
-use crate::effects::{Effect, Reading};
+use crate::effects::{Constants, Forces, OperatingPoint, Signals, State};
+use crate::effects::{Effect, Fault, Reading};
 
 /// All active effects, in the order of their names.
 #[derive(Clone, Debug, Default)]
@@ -58,7 +59,8 @@ impl Effects {
         }
     }
 
-    /// Refuses effects that need a column which `available` lacks; an effect whose amplitudes are 0 needs none.
+    /// Refuses effects that need a column which is not `available`; an effect whose amplitudes are 0
+    /// needs none.
     ///
     /// # Errors
     /// [`EffectError::MissingColumn`] with the effect, the column and what there is.
@@ -90,10 +92,10 @@ impl Effects {
         Ok(())
     }
 
-    /// How late each sensor is [s], in the order of [`Sensor::ALL`](crate::effects::Sensor::ALL).
+    /// How late each sensor is [s], in the order of [`Sensor::ALL`].
     ///
-    /// A delay belongs to a whole series: who has one reads it [`ahead`](crate::effects::ahead) by so much, and corrects its instants by
-    /// [`Effects::in_time`].
+    /// A delay belongs to a whole series: a series is read [`ahead`](crate::effects::ahead) by it,
+    /// and its instants are corrected by [`Effects::in_time`].
     pub fn delays(&self) -> [f64; SENSORS] {
         let mut delays = [0.0; SENSORS];
         for effect in &self.active {
@@ -117,17 +119,17 @@ impl Effects {
         }
     }
 
-    /// From what the sensors say to what is true, and from the stated constants of the sled to the true ones.
+    /// From readings to true values, and from the stated constants of the sled to the true ones.
     ///
-    /// `at` states time, place and weather, for expressions that ask for them.
-    pub fn correct(&self, at: &Conditions, signals: &mut Signals) {
+    /// `at` states time, place and weather, for expressions of them.
+    pub fn correct(&self, at: &OperatingPoint, signals: &mut Signals) {
         for effect in &self.active {
             effect.correct(at, signals);
         }
     }
 
-    /// From what is true to what the sensors say.
-    pub fn disturb(&self, at: &Conditions, signals: &mut Signals) {
+    /// From true values to readings.
+    pub fn disturb(&self, at: &OperatingPoint, signals: &mut Signals) {
         for effect in self.active.iter().rev() {
             effect.disturb(at, signals);
         }
@@ -161,18 +163,18 @@ impl Effects {
 pub enum Kind {
     /// From the catalogue.
     Catalogue(&'static Effect),
-    /// A person's own.
+    /// An expression that a person adds.
     Custom(Custom),
 }
 
 /// One effect with its parameters.
 #[derive(Clone, Debug)]
 pub struct Active {
-    /// The table's name; what follows an `@` tells several of one effect apart.
+    /// The table's name; what follows an `@` distinguishes several of one effect.
     pub name: String,
     /// What it does.
     pub kind: Kind,
-    /// Parameters in the effect's order; the amplitude alone for an effect of one's own.
+    /// Parameters in the effect's order; the amplitude alone for an expression.
     pub values: Vec<f64>,
     /// The only track on which it acts; everywhere where absent.
     pub track: Option<String>,
@@ -219,7 +221,7 @@ impl Active {
         }
     }
 
-    /// Whether it stands between a sensor and the truth or changes a constant of the sled.
+    /// Whether it is a fault of sensors or changes a constant of the sled.
     pub fn moves_signals(&self) -> bool {
         match &self.kind {
             Kind::Catalogue(effect) => effect.moves_signals(),
@@ -235,16 +237,21 @@ impl Active {
         }
     }
 
-    /// How late each sensor is by it [s], in the order of [`Sensor::ALL`](crate::effects::Sensor::ALL).
+    /// How late each sensor is by it [s], in the order of [`Sensor::ALL`].
     pub fn delays(&self) -> [f64; SENSORS] {
         let mut delays = [0.0; SENSORS];
-        if let Kind::Catalogue(effect) = &self.kind {
-            let late = effect.on_sensors.iter();
-            for fault in late.filter(|fault| fault.reading == Reading::Late) {
-                delays[fault.of as usize] += self.values[fault.parameter];
-            }
+        for fault in self.late_faults() {
+            delays[fault.of as usize] += self.values[fault.parameter];
         }
         delays
+    }
+
+    fn late_faults(&self) -> impl Iterator<Item = &'static Fault> + use<> {
+        let faults = match &self.kind {
+            Kind::Catalogue(effect) => effect.on_sensors,
+            Kind::Custom(_) => &[],
+        };
+        faults.iter().filter(|fault| fault.reading == Reading::Late)
     }
 
     /// Whether it makes a sensor late.
@@ -254,25 +261,22 @@ impl Active {
 
     /// The same with every sensor in time.
     pub(super) fn in_time(mut self) -> Self {
-        if let Kind::Catalogue(effect) = &self.kind {
-            let late = effect.on_sensors.iter();
-            for fault in late.filter(|fault| fault.reading == Reading::Late) {
-                self.values[fault.parameter] = 0.0;
-            }
+        for fault in self.late_faults() {
+            self.values[fault.parameter] = 0.0;
         }
         self
     }
 
-    /// From what the sensors say to what is true, and from the stated constants of the sled to the true ones.
-    pub fn correct(&self, at: &Conditions, signals: &mut Signals) {
+    /// From readings to true values, and from the stated constants of the sled to the true ones.
+    pub fn correct(&self, at: &OperatingPoint, signals: &mut Signals) {
         match &self.kind {
             Kind::Catalogue(effect) => effect.correct(&self.values, signals),
             Kind::Custom(custom) => custom.correct(self.values[0], at, signals),
         }
     }
 
-    /// From what is true to what the sensors say.
-    pub fn disturb(&self, at: &Conditions, signals: &mut Signals) {
+    /// From true values to readings.
+    pub fn disturb(&self, at: &OperatingPoint, signals: &mut Signals) {
         match &self.kind {
             Kind::Catalogue(effect) => effect.disturb(&self.values, signals),
             Kind::Custom(custom) => custom.disturb(self.values[0], at, signals),
@@ -287,10 +291,11 @@ impl Active {
         }
     }
 
-    /// The coefficient with the effect, from that without it, of a specimen whose conditions alone are known.
+    /// The coefficient with the effect, from that without it, of a specimen of which only the
+    /// operating point is known.
     ///
     /// `None` where it does not act on a friction coefficient; NaN where a condition that it needs is not known.
-    pub fn coefficient(&self, mu: f64, at: &Conditions) -> Option<f64> {
+    pub fn coefficient(&self, mu: f64, at: &OperatingPoint) -> Option<f64> {
         match &self.kind {
             Kind::Catalogue(effect) => effect.on_friction.map(|law| law(&self.values, mu, at)),
             Kind::Custom(custom) => custom
@@ -310,26 +315,26 @@ impl Active {
     /// The table that states it in a model.
     pub fn table(&self) -> toml::Table {
         let mut table = toml::Table::new();
+        let mut insert = |key: &str, value: toml::Value| table.insert(key.to_owned(), value);
         match &self.kind {
             Kind::Catalogue(effect) => {
                 for (parameter, value) in effect.info.parameters.iter().zip(&self.values) {
                     if *value != 0.0 || !parameter.is_amplitude() {
-                        table.insert(parameter.name.to_owned(), (*value).into());
+                        insert(parameter.name, (*value).into());
                     }
                 }
             }
             Kind::Custom(custom) => {
-                let channel = custom.channel.name().into_owned();
-                table.insert("expression".to_owned(), custom.text.clone().into());
-                table.insert("channel".to_owned(), channel.into());
-                table.insert("unit".to_owned(), custom.unit.clone().into());
-                table.insert("value".to_owned(), self.values[0].into());
-                table.insert("low".to_owned(), custom.low.into());
-                table.insert("high".to_owned(), custom.high.into());
+                insert("expression", custom.text.clone().into());
+                insert("channel", custom.channel.name().into_owned().into());
+                insert("unit", custom.unit.clone().into());
+                insert("value", self.values[0].into());
+                insert("low", custom.low.into());
+                insert("high", custom.high.into());
             }
         }
         if let Some(track) = &self.track {
-            table.insert("track".to_owned(), track.clone().into());
+            insert("track", track.clone().into());
         }
         table
     }
@@ -337,158 +342,125 @@ impl Active {
 
 /// One table under `[effects]`.
 pub(super) fn read_one(name: &str, table: &toml::Table) -> Result<Active, EffectError> {
-    let track = match table.get("track") {
-        None => None,
-        Some(toml::Value::String(track)) => Some(track.clone()),
-        Some(other) => {
-            return Err(wrong(
-                name,
-                "track",
-                other,
-                "the name of a track".to_owned(),
-            ));
-        }
+    let table = NamedTable { name, table };
+    let track = table.text("track", "the name of a track")?;
+    let (kind, values) = if table.table.contains_key("expression") {
+        table.custom()?
+    } else {
+        table.of_catalogue()?
     };
-    let bare = name.split('@').next().unwrap_or(name);
-    if table.contains_key("expression") {
-        return read_custom(name, table, track);
-    }
-    let Some(effect) = find(bare) else {
-        let known: Vec<&str> = CATALOGUE.iter().map(|e| e.info().name).collect();
-        return Err(EffectError::UnknownEffect {
-            name: name.to_owned(),
-            known: known.join(", "),
-        });
-    };
-    let parameters = effect.info().parameters;
-    for key in table.keys() {
-        if key != "track" && !parameters.iter().any(|p| p.name == key) {
-            let names: Vec<&str> = parameters.iter().map(|p| p.name).collect();
-            return Err(EffectError::UnknownKey {
-                name: name.to_owned(),
-                key: key.clone(),
-                expected: format!("{}, track", names.join(", ")),
-            });
-        }
-    }
-    let values = parameters
-        .iter()
-        .map(|parameter| read_parameter(name, table, parameter))
-        .collect::<Result<_, _>>()?;
     Ok(Active {
         name: name.to_owned(),
-        kind: Kind::Catalogue(effect),
+        kind,
         values,
         track,
     })
 }
 
-fn read_parameter(name: &str, table: &toml::Table, p: &Parameter) -> Result<f64, EffectError> {
-    number(name, table, p.name, p.default, p.low, p.high)
+/// A table under `[effects]` with its name.
+struct NamedTable<'a> {
+    name: &'a str,
+    table: &'a toml::Table,
 }
 
-fn number(
-    name: &str,
-    table: &toml::Table,
-    key: &str,
-    default: f64,
-    low: f64,
-    high: f64,
-) -> Result<f64, EffectError> {
-    let Some(found) = table.get(key) else {
-        return Ok(default);
-    };
-    let value = match found {
-        toml::Value::Float(value) => *value,
-        toml::Value::Integer(value) => *value as f64,
-        _ => f64::NAN,
-    };
-    if value >= low && value <= high {
-        Ok(value)
-    } else {
-        Err(wrong(
-            name,
-            key,
-            found,
-            format!("a number from {low} to {high}"),
-        ))
+impl NamedTable<'_> {
+    fn of_catalogue(&self) -> Result<(Kind, Vec<f64>), EffectError> {
+        let bare = self.name.split('@').next().unwrap_or(self.name);
+        let effect = find(bare).ok_or_else(|| {
+            let known: Vec<&str> = CATALOGUE.iter().map(|e| e.info().name).collect();
+            EffectError::UnknownEffect {
+                name: self.name.to_owned(),
+                known: known.join(", "),
+            }
+        })?;
+        let parameters = effect.info().parameters;
+        let names = parameters.iter().map(|p| p.name);
+        self.check_keys(&names.chain(["track"]).collect::<Vec<_>>())?;
+        let read = |p: &Parameter| self.number(p.name, p.default, p.low, p.high);
+        let values = parameters.iter().map(read).collect::<Result<_, _>>()?;
+        Ok((Kind::Catalogue(effect), values))
     }
-}
 
-fn wrong(name: &str, key: &str, found: &toml::Value, expected: String) -> EffectError {
-    EffectError::Value {
-        name: name.to_owned(),
-        key: key.to_owned(),
-        found: found.to_string(),
-        expected,
+    fn custom(&self) -> Result<(Kind, Vec<f64>), EffectError> {
+        self.check_keys(&[
+            "expression",
+            "channel",
+            "unit",
+            "value",
+            "low",
+            "high",
+            "track",
+        ])?;
+        let text = self.text("expression", "a formula in quotes")?;
+        let channel = self.table.get("channel").and_then(toml::Value::as_str);
+        let channel = channel.and_then(Channel::named).ok_or_else(|| {
+            let absent = toml::Value::String("absent".to_owned());
+            let found = self.table.get("channel").unwrap_or(&absent);
+            self.wrong("channel", found, Channel::expected())
+        })?;
+        let custom = Custom::read(channel, &text.unwrap_or_default(), None);
+        let custom = custom.map_err(|refused| match refused {
+            Refused::Unreadable(source) => EffectError::Expression {
+                name: self.name.to_owned(),
+                source,
+            },
+            Refused::UnknownColumn { column, known } => EffectError::Value {
+                name: self.name.to_owned(),
+                key: "expression".to_owned(),
+                found: format!("the column {column}"),
+                expected: known.join(", "),
+            },
+        })?;
+        let low = self.number("low", -1e12, -1e12, 1e12)?;
+        let high = self.number("high", 1e12, low, 1e12)?;
+        let value = self.number("value", 0.0, low, high)?;
+        let unit = self.text("unit", "a unit in quotes")?.unwrap_or_default();
+        Ok((Kind::Custom(custom.bounded(&unit, low, high)), vec![value]))
     }
-}
 
-fn read_custom(
-    name: &str,
-    table: &toml::Table,
-    track: Option<String>,
-) -> Result<Active, EffectError> {
-    const KEYS: [&str; 7] = [
-        "expression",
-        "channel",
-        "unit",
-        "value",
-        "low",
-        "high",
-        "track",
-    ];
-    if let Some(key) = table.keys().find(|key| !KEYS.contains(&key.as_str())) {
-        return Err(EffectError::UnknownKey {
-            name: name.to_owned(),
-            key: key.clone(),
-            expected: KEYS.join(", "),
-        });
-    }
-    let text = match &table["expression"] {
-        toml::Value::String(text) => text.clone(),
-        other => {
-            return Err(wrong(
-                name,
-                "expression",
-                other,
-                "a formula in quotes".to_owned(),
-            ));
+    fn check_keys(&self, known: &[&str]) -> Result<(), EffectError> {
+        let mut keys = self.table.keys();
+        match keys.find(|key| !known.contains(&key.as_str())) {
+            None => Ok(()),
+            Some(key) => Err(EffectError::UnknownKey {
+                name: self.name.to_owned(),
+                key: key.clone(),
+                expected: known.join(", "),
+            }),
         }
-    };
-    let channel = table.get("channel").and_then(toml::Value::as_str);
-    let Some(channel) = channel.and_then(Channel::named) else {
-        let absent = toml::Value::String("absent".to_owned());
-        let found = table.get("channel").unwrap_or(&absent);
-        return Err(wrong(name, "channel", found, Channel::expected()));
-    };
-    let custom = Custom::read(channel, &text, None).map_err(|refused| match refused {
-        Refused::Unreadable(source) => EffectError::Expression {
-            name: name.to_owned(),
-            source,
-        },
-        Refused::UnknownColumn { column, known } => EffectError::Value {
-            name: name.to_owned(),
-            key: "expression".to_owned(),
-            found: format!("the column {column}"),
-            expected: known.join(", "),
-        },
-    })?;
-    let low = number(name, table, "low", -1e12, -1e12, 1e12)?;
-    let high = number(name, table, "high", 1e12, low, 1e12)?;
-    let value = number(name, table, "value", 0.0, low, high)?;
-    let unit = match table.get("unit") {
-        None => String::new(),
-        Some(toml::Value::String(unit)) => unit.clone(),
-        Some(other) => return Err(wrong(name, "unit", other, "a unit in quotes".to_owned())),
-    };
-    let custom = custom.bounded(&unit, low, high);
-    Ok(Active {
-        name: name.to_owned(),
-        kind: Kind::Custom(custom),
-        values: vec![value],
-        track,
-    })
+    }
+
+    fn text(&self, key: &str, expected: &str) -> Result<Option<String>, EffectError> {
+        match self.table.get(key) {
+            None => Ok(None),
+            Some(toml::Value::String(text)) => Ok(Some(text.clone())),
+            Some(other) => Err(self.wrong(key, other, expected.to_owned())),
+        }
+    }
+
+    fn number(&self, key: &str, default: f64, low: f64, high: f64) -> Result<f64, EffectError> {
+        let Some(found) = self.table.get(key) else {
+            return Ok(default);
+        };
+        let value = match found {
+            toml::Value::Float(value) => *value,
+            toml::Value::Integer(value) => *value as f64,
+            _ => f64::NAN,
+        };
+        if value >= low && value <= high {
+            return Ok(value);
+        }
+        Err(self.wrong(key, found, format!("a number from {low} to {high}")))
+    }
+
+    fn wrong(&self, key: &str, found: &toml::Value, expected: String) -> EffectError {
+        EffectError::Value {
+            name: self.name.to_owned(),
+            key: key.to_owned(),
+            found: found.to_string(),
+            expected,
+        }
+    }
 }
 
 /// What is wrong with an `[effects.NAME]` table.
@@ -521,9 +493,9 @@ pub enum EffectError {
         name: String,
         /// The key.
         key: String,
-        /// What stands there.
+        /// The value found.
         found: String,
-        /// What may stand there.
+        /// The values that are allowed.
         expected: String,
     },
     /// The expression cannot be read.
@@ -531,7 +503,7 @@ pub enum EffectError {
     Expression {
         /// The effect.
         name: String,
-        /// Where it stops making sense.
+        /// The place that cannot be read.
         source: ExpressionError,
     },
     /// A column that an effect needs is neither recorded nor stated.
@@ -548,7 +520,8 @@ pub enum EffectError {
     },
 }
 
-/// A table for each effect of the catalogue, once or by place (`NAME@PLACE`), and tables with an expression.
+/// A table for each effect of the catalogue, once or by place (`NAME@PLACE`), and tables with an
+/// expression.
 pub fn schema(_: &mut SchemaGenerator) -> Schema {
     let known: Map<String, Value> = CATALOGUE
         .iter()
@@ -580,12 +553,9 @@ fn track() -> Value {
 }
 
 fn own() -> Value {
-    let sensors = Sensor::ALL.into_iter().map(Channel::Sensor);
-    let channels = Channel::NAMED
-        .iter()
-        .map(|(_, channel)| *channel)
-        .chain(sensors);
-    let channels: Vec<_> = channels.map(Channel::name).collect();
+    let sensors = Sensor::ALL.map(Channel::Sensor);
+    let channels = Channel::NAMED.map(|(_, channel)| channel).into_iter();
+    let channels: Vec<_> = channels.chain(sensors).map(Channel::name).collect();
     json!({
         "description": "An effect of one's own: value times expression.",
         "type": "object",

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::conditions::Conditions;
+
 /// `[sled]`: a rigid one-track sled in vehicle axes (x forward, y left, z up).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -42,7 +44,7 @@ pub(crate) fn published_yaw_drag() -> f64 {
 }
 
 impl Sled {
-    /// What effects may find to be another than stated.
+    /// The constants that effects may correct.
     pub fn constants(&self) -> crate::effects::Constants {
         crate::effects::Constants {
             mass: self.mass_kg,
@@ -191,4 +193,22 @@ pub struct ModelConditions {
     /// Distance run on this finish of the runners before the run [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance_m: Option<f64>,
+}
+
+impl ModelConditions {
+    /// The conditions of a run with these where they state nothing.
+    pub fn complete(&self, run: &Conditions) -> Conditions {
+        let or = |own: f64, model: Option<f64>| {
+            if own.is_nan() {
+                model.unwrap_or(own)
+            } else {
+                own
+            }
+        };
+        Conditions {
+            humidity_pct: or(run.humidity_pct, self.humidity_pct),
+            distance_m: or(run.distance_m, self.distance_m),
+            ..*run
+        }
+    }
 }

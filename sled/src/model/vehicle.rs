@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use kufe_lut::{AxisKind, Interpolated, Interpolator, Mode, Quantity, Sample, Table};
 
-use crate::effects::{Column, Effects};
+use crate::column::Column;
+use crate::conditions::Conditions;
+use crate::effects::Effects;
 use crate::error::Error;
 use crate::friction::{Longitudinal, MagicFormula, PressureLaw};
-use crate::model::conditions::Conditions;
-use crate::model::conditions::refuse_effects;
 use crate::model::model_toml::Model;
 use crate::model::sled::{ModelConditions, Sled};
 
@@ -174,9 +174,9 @@ impl Vehicle {
     /// The vehicle as it is on a run: its effects are those of the track, its mass the run's where that is stated.
     pub fn on_run(&self, track: &str, conditions: &Conditions) -> Vehicle {
         let mut vehicle = self.on_track(track);
-        if let Some(mass_kg) = conditions.mass_kg {
+        if conditions.mass_kg.is_finite() {
             let mut constants = vehicle.sled.constants();
-            constants.mass = mass_kg;
+            constants.mass = conditions.mass_kg;
             // What effects add to the model's mass they add to this one.
             self.effects.find_constants(&mut constants);
             vehicle.sled.mass_kg = constants.mass;
@@ -266,6 +266,23 @@ impl Vehicle {
         vehicle.rear.lateral = rear;
         vehicle
     }
+}
+
+/// Refuses effects that need one of the `absent` columns; `file` is where they would stand.
+///
+/// # Errors
+/// [`Error::Keys`] with the file, the effect and the column.
+pub fn refuse_effects(effects: &Effects, absent: &[&str], file: &str) -> Result<(), Error> {
+    let there: Vec<&str> = effects
+        .active
+        .iter()
+        .flat_map(|effect| effect.columns())
+        .filter(|column| !absent.contains(column))
+        .collect();
+    effects.check_columns(&there).map_err(|error| Error::Keys {
+        file: file.to_string(),
+        reason: error.to_string(),
+    })
 }
 
 /// Longitudinal friction of one runner.

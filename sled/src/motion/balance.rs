@@ -11,7 +11,8 @@
 //! v and alpha belong to the slip sensor at x_s, v_y = -v sin(alpha) - x_s r and beta = atan(v_y/v_x) to the centre of
 //! gravity. Fits, validation, evaluation, simulation and discovery all take their forces and balances from here.
 
-use crate::effects::{self as effects, Active, Conditions, Forces, Sensor, Signals};
+use crate::column::Sensor;
+use crate::effects::{self as effects, Active, Forces, OperatingPoint, Signals};
 use crate::friction::{GRAVITY, LateralDerivatives, sin_cos_near};
 use crate::model::sled::Sled;
 use crate::model::vehicle::{BaseParameter, RunnerFriction, Vehicle};
@@ -140,12 +141,17 @@ impl Balance {
         let state = &self.state;
         let runners = [&vehicle.front, &vehicle.rear];
         effects::State {
-            conditions: self.conditions(),
+            point: self.operating_point(),
             slip: [state.alpha_f_rad, state.alpha_r_rad],
             slip_rate: state.slip_rate_radps,
             load: load_n,
             film: std::array::from_fn(|i| {
-                runners[i].film(load_n[i], state.curvature_1pm, state.v_mps, state.ice_c)
+                runners[i].film(
+                    load_n[i],
+                    state.curvature_1pm,
+                    state.v_mps,
+                    state.conditions.ice_c,
+                )
             }),
             chassis_slip: state.alpha_cog_rad,
             steering: state.delta_rad,
@@ -161,10 +167,10 @@ impl Balance {
     }
 
     /// Time, place, speed and weather, as effects see them.
-    pub fn conditions(&self) -> Conditions {
-        Conditions {
+    pub fn operating_point(&self) -> OperatingPoint {
+        OperatingPoint {
             drag_area: self.sled.cda_m2,
-            ..self.state.conditions()
+            ..self.state.operating_point()
         }
     }
 
@@ -301,7 +307,7 @@ impl Balance {
     #[inline]
     fn longitudinal_of(&self, runner: &RunnerFriction, slip: (f64, f64), load: f64) -> f64 {
         let at = &self.state;
-        let mu = runner.mu(load, at.curvature_1pm, at.v_mps, at.ice_c);
+        let mu = runner.mu(load, at.curvature_1pm, at.v_mps, at.conditions.ice_c);
         -mu * load.max(0.0) * slip.1
     }
 

@@ -39,7 +39,7 @@ pub fn table_samples<'a>(states: impl Iterator<Item = &'a State>) -> [Vec<Sample
             fz,
             curvature: s.curvature_1pm,
             speed: s.v_mps,
-            ice_c: s.ice_c,
+            ice_c: s.conditions.ice_c,
         };
         (at(s.fz_f0_n / s.gamma_rad.cos()), at(s.fz_r_n))
     });

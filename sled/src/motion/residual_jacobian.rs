@@ -8,7 +8,8 @@
 //!
 //! the laws asked to first order, the front runner's load as [`Balance::laws_near`] has it.
 
-use crate::effects::{Constants, SENSORS, Sensor, Signals};
+use crate::column::{SENSORS, Sensor};
+use crate::effects::{Constants, Signals};
 use crate::model::vehicle::{RunnerFriction, Vehicle};
 use crate::motion::aero;
 use crate::motion::balance::{Balance, LawForces};
@@ -244,9 +245,9 @@ impl Balance {
 
     fn along_by(&self, runner: &RunnerFriction, (sine, cosine): (f64, f64), load: f64) -> Along {
         let at = &self.state;
-        let mu = runner.mu(load, at.curvature_1pm, at.v_mps, at.ice_c);
+        let mu = runner.mu(load, at.curvature_1pm, at.v_mps, at.conditions.ice_c);
         let [by_load, by_curvature, by_speed] =
-            runner.mu_by(load, at.curvature_1pm, at.v_mps, at.ice_c);
+            runner.mu_by(load, at.curvature_1pm, at.v_mps, at.conditions.ice_c);
         let pressed = load.max(0.0);
         let own = if load > 0.0 { mu } else { 0.0 };
         Along {

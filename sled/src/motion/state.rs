@@ -1,6 +1,8 @@
 //! Motion of the sled: from the accelerometer's place to the centre of gravity, slips and loads of the axles.
 
-use crate::effects::{Conditions, Relaxed, Sensor, Signals};
+use crate::column::Sensor;
+use crate::conditions::Conditions;
+use crate::effects::{OperatingPoint, Relaxed, Signals};
 use crate::model::sled::Sled;
 
 /// One instant of a sled, measured or simulated: all that friction and air depend on.
@@ -38,24 +40,18 @@ pub struct State {
     pub fz_r_n: f64,
     /// Air density [kg/m3].
     pub air_density_kgpm3: f64,
-    /// Ice temperature [degrees Celsius].
-    pub ice_c: f64,
-    /// Air temperature [degrees Celsius].
-    pub air_c: f64,
-    /// Air pressure [Pa].
-    pub air_pa: f64,
-    /// Relative humidity [%]; only effects ask for it, NaN where nothing states it.
-    pub humidity_pct: f64,
-    /// Distance run on this finish of the runners before the run [m]; only effects ask for it, NaN where nothing states it.
-    pub distance_before_m: f64,
-    /// Rates of the slip angles, front and rear [rad/s], or of those that forces follow late; only effects ask for them.
+    /// Ice, air and finish of the runners; NaN where nothing states a quantity.
+    pub conditions: Conditions,
+    /// Rates of the slip angles, front and rear [rad/s], or of the delayed ones that forces follow;
+    /// only effects need them.
     pub slip_rate_radps: [f64; 2],
-    /// Specific force at the centre of gravity [m/s2]; only effects ask for it.
+    /// Specific force at the centre of gravity [m/s2]; only effects need it.
     pub accel_mps2: [f64; 3],
 }
 
 impl State {
-    /// Rates of the slips that forces follow after a distance [m], `dt_s` [s] after the state before [rad/s]; below 1 m/s as at 1 m/s.
+    /// Rates of the slips that forces follow after a distance [m], `dt_s` [s] after the state before
+    /// [rad/s]; below 1 m/s as at 1 m/s.
     pub fn followed_rates(&self, relaxed: &mut Relaxed, dt_s: f64, distance: f64) -> [f64; 2] {
         let slip = [self.alpha_f_rad, self.alpha_r_rad];
         relaxed.rates(
@@ -67,18 +63,14 @@ impl State {
         )
     }
 
-    /// Time, place, speed and weather, as effects see them; the normal force and the drag area are left open.
-    pub fn conditions(&self) -> Conditions {
-        Conditions {
+    /// Time, place, speed and weather, as effects see them, without normal force and drag area.
+    pub fn operating_point(&self) -> OperatingPoint {
+        OperatingPoint {
             t: self.t_s,
             s: self.s_m,
             v: self.v_mps,
             fz: f64::NAN,
-            ice_c: self.ice_c,
-            air_c: self.air_c,
-            air_pa: self.air_pa,
-            humidity_pct: self.humidity_pct,
-            distance: self.distance_before_m,
+            conditions: self.conditions,
             air_density: self.air_density_kgpm3,
             drag_area: f64::NAN,
             film: f64::NAN,
@@ -86,7 +78,7 @@ impl State {
     }
 }
 
-/// What accelerometers and differentiated gyroscopes tell about one instant, at the centre of gravity.
+/// Motion at one instant by accelerometers and differentiated gyroscopes, at the centre of gravity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// Specific force (x, y, z) [m/s2].
@@ -110,7 +102,7 @@ pub struct AxleForces {
     pub body: [f64; 3],
 }
 
-/// Sums of what acts in the plane of the sled.
+/// Sums of the forces in the plane of the sled.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Resultant {
     /// Force along x at the centre of gravity [N].
@@ -121,7 +113,7 @@ pub struct Resultant {
     pub mz_nm: f64,
 }
 
-/// What the sensors of a sled tell of one instant, their faults taken out.
+/// State and motion of one instant from the sensors of a sled, their faults taken out.
 ///
 /// Accelerations are brought to the centre of gravity, slip angles to the axles; the normal forces follow from both.
 /// `at` states time, place and weather; the speed must be positive. Rates of the slip angles:
@@ -130,7 +122,7 @@ pub struct Resultant {
 /// dalpha_P/dt = dalpha/dt - (x_P - x_s) (dr/dt - r dv/dt / v) / v      (+ ddelta/dt at the front)
 /// ```
 #[inline]
-pub fn from_sensors(sled: &Sled, signals: &Signals, at: &Conditions) -> (State, Motion) {
+pub fn from_sensors(sled: &Sled, signals: &Signals, at: &OperatingPoint) -> (State, Motion) {
     let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
     let (rates, angular) = (signals.rates(), signals.angular_acceleration());
     let accel = to_centre_of_gravity(signals.acceleration(), rates, angular, place);
@@ -158,11 +150,7 @@ pub fn from_sensors(sled: &Sled, signals: &Signals, at: &Conditions) -> (State, 
         fz_f0_n,
         fz_r_n,
         air_density_kgpm3: at.air_density,
-        ice_c: at.ice_c,
-        air_c: at.air_c,
-        air_pa: at.air_pa,
-        humidity_pct: at.humidity_pct,
-        distance_before_m: at.distance,
+        conditions: at.conditions,
         slip_rate_radps: [
             slip_rate(sled.l_f_m) + signals.rate(Sensor::Steering),
             slip_rate(-sled.l_r_m),

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
+use crate::column::COLUMNS;
 use crate::columns::parquet::write_parquet;
 use crate::columns::{is_cut_short, read_columns, write_csv};
 use crate::error::Error;
@@ -14,7 +15,7 @@ use crate::record::check::relations::judge::{check_relations, judge, remark};
 use crate::record::gaps::OnGaps;
 use crate::record::index::{Entry, read_index};
 use crate::record::needs::Needs;
-use crate::record::run::{COLUMNS, Run};
+use crate::record::run::Run;
 use crate::series::bridged;
 
 /// Reads the index and every run it names, in the index's order; a run must have what `needs` says.
@@ -150,7 +151,10 @@ pub fn state_distances(runs: &mut [Run]) {
     let mut before: BTreeMap<String, f64> = BTreeMap::new();
     for run in runs {
         let travelled = before.entry(run.entry.session.clone()).or_insert(0.0);
-        run.entry.conditions.distance_m.get_or_insert(*travelled);
+        let stated = &mut run.entry.conditions.distance_m;
+        if stated.is_nan() {
+            *stated = *travelled;
+        }
         *travelled += match run.columns.get("s_m").map(Vec::as_slice) {
             Some([first, .., last]) if (last - first).is_finite() => last - first,
             _ => run

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use crate::conditions::{CONDITIONS, Conditions};
 use crate::error::Error;
-use crate::model::conditions::Conditions;
 use crate::record::file_names::track_file;
-use crate::track::table::{ICE_C, IceAlong, Track};
+use crate::track::table::{IceAlong, Track};
 
-/// Columns of the index; only `run` and `file` must be there, the others where something asks for them.
+/// Columns of the index; only `run` and `file` are required, the others where a computation needs
+/// them.
 pub const INDEX_COLUMNS: [&str; 9] = [
     "run",
     "file",
@@ -21,7 +22,8 @@ pub const INDEX_COLUMNS: [&str; 9] = [
     "air_pa",
 ];
 
-/// Columns that the index may have besides: for effects that ask for them, and the mass where it is not the model's.
+/// Further columns of the index: for effects that need them, and the mass where it is not the
+/// model's.
 pub const MORE_INDEX_COLUMNS: [&str; 3] = ["humidity_pct", "distance_m", "mass_kg"];
 
 /// Most runs of an index: a campaign has hundreds.
@@ -30,10 +32,10 @@ const MOST_RUNS: usize = 20_000;
 /// The indispensable ones among [`INDEX_COLUMNS`]; the others may be absent, and their cells empty.
 const ALWAYS: [&str; 2] = ["run", "file"];
 
-/// What names say that are not stated.
+/// Name of what is not stated.
 const UNNAMED: &str = "unnamed";
 
-/// How columns begin that hold the ice's temperature at a place, `ice_c@350` at 350 m.
+/// Begin of the columns of ice temperatures at places: `ice_c@350` at 350 m.
 pub const ICE_AT: &str = "ice_c@";
 
 /// One row of the index.
@@ -98,17 +100,15 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
             "" => Ok(UNNAMED.to_string()),
             cell => Ok(cell.to_string()),
         };
-        let number = |name: &str, cell: &str, (low, high): (f64, f64)| {
+        let number = |name: &str, cell: &str, low: f64, high: f64| {
             if cell.is_empty() {
-                return Ok(None);
+                return Ok(f64::NAN);
             }
-            let value: Option<f64> = cell.parse().ok();
+            let value = cell.parse().ok();
             let value = value.filter(|value| (low..=high).contains(value));
             let expected = || format!("a number from {low} to {high}");
-            let value = value.ok_or_else(|| bad_cell(&file, row, name, cell, &expected()))?;
-            Ok::<_, Error>(Some(value))
+            value.ok_or_else(|| bad_cell(&file, row, name, cell, &expected()))
         };
-        let stated = |name, low, high| number(name, cell(name), (low, high));
         let run = text("run")?;
         if let Some(first) = rows.insert(run.clone(), row) {
             return Err(Error::DuplicateRun {
@@ -128,16 +128,23 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
             let reason = format!("row {row}: {same}");
             return Err(Error::file(&file, reason));
         }
+        let (_, low, high) = CONDITIONS[0];
         let mut own = Vec::new();
         for (s_m, place) in &sensors {
             let name = format!("{ICE_AT}{s_m}");
-            let value = number(&name, record.get(*place).unwrap_or(""), ICE_C)?;
-            own.extend(value.map(|value| [*s_m, value]));
+            let cell = record.get(*place).unwrap_or("");
+            own.push([*s_m, number(&name, cell, low, high)?]);
         }
         let track = text("track")?;
         if !tracks.contains_key(&track) {
             let table = folder.join(track_file(&track));
             tracks.insert(track.clone(), ice_of(&table)?);
+        }
+        let [driver, driver_class, session] =
+            [text("driver")?, text("driver_class")?, text("session")?];
+        let mut stated = [f64::NAN; 6];
+        for (value, (name, low, high)) in stated.iter_mut().zip(CONDITIONS) {
+            *value = number(name, cell(name), low, high)?;
         }
         entries.push(Entry {
             run,
@@ -145,17 +152,10 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
             ice_along: IceAlong::new(own),
             ice_of_track: tracks[&track].clone(),
             track,
-            driver: text("driver")?,
-            driver_class: text("driver_class")?,
-            session: text("session")?,
-            conditions: Conditions {
-                ice_c: stated("ice_c", ICE_C.0, ICE_C.1)?.unwrap_or(f64::NAN),
-                air_c: stated("air_c", -60.0, 50.0)?.unwrap_or(f64::NAN),
-                air_pa: stated("air_pa", 50e3, 110e3)?.unwrap_or(f64::NAN),
-                humidity_pct: stated("humidity_pct", 0.0, 100.0)?,
-                distance_m: stated("distance_m", 0.0, 1e8)?,
-                mass_kg: stated("mass_kg", 1.0, 1e5)?,
-            },
+            driver,
+            driver_class,
+            session,
+            conditions: Conditions::from_values(stated),
         });
     }
     if entries.is_empty() {
@@ -168,31 +168,36 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
     Ok(entries)
 }
 
-/// Writes the index; files are named relative to its folder, and [`MORE_INDEX_COLUMNS`] stand there where a run states them.
+/// Writes the index; files are named relative to its folder, and [`MORE_INDEX_COLUMNS`] are
+/// written where a run states them.
 ///
 /// # Errors
 /// [`Error::File`].
 pub fn write_index(writer: impl std::io::Write, entries: &[Entry]) -> Result<(), Error> {
-    let told = |error: csv::Error| Error::file("runs.csv", error);
+    let failure = |error: csv::Error| Error::file("runs.csv", error);
     let mut table = csv::Writer::from_writer(writer);
-    let more: [fn(&Conditions) -> Option<f64>; 3] =
-        [|c| c.humidity_pct, |c| c.distance_m, |c| c.mass_kg];
-    let stated = more.map(|of| entries.iter().any(|entry| of(&entry.conditions).is_some()));
-    let names = MORE_INDEX_COLUMNS.iter().zip(stated);
-    let names = names.filter_map(|(name, stated)| stated.then_some((*name).to_string()));
+    let is_written = |place: &usize| {
+        let mut values = entries.iter().map(|e| e.conditions.values()[*place]);
+        *place < 3 || values.any(f64::is_finite)
+    };
+    let written: Vec<usize> = (0..CONDITIONS.len()).filter(is_written).collect();
     let sensors = entries.iter().flat_map(|entry| entry.ice_along.points());
     let mut places: Vec<f64> = sensors.map(|point| point[0]).collect();
     places.sort_by(f64::total_cmp);
     places.dedup();
-    let names = INDEX_COLUMNS.into_iter().map(str::to_string).chain(names);
+    let names = INDEX_COLUMNS[..6].iter().copied().map(str::to_string);
+    let stated = written.iter().map(|place| CONDITIONS[*place].0.to_string());
     let sensors = places.iter().map(|s_m| format!("{ICE_AT}{s_m}"));
-    table.write_record(names.chain(sensors)).map_err(told)?;
+    let header = names.chain(stated).chain(sensors);
+    table.write_record(header).map_err(failure)?;
+    let number = |value: f64| {
+        if value.is_finite() {
+            value.to_string()
+        } else {
+            String::new()
+        }
+    };
     for entry in entries {
-        let c = &entry.conditions;
-        let finite = |value: f64| match value.is_finite() {
-            true => value.to_string(),
-            false => String::new(),
-        };
         let mut row = vec![
             entry.run.clone(),
             entry.file.display().to_string(),
@@ -200,39 +205,36 @@ pub fn write_index(writer: impl std::io::Write, entries: &[Entry]) -> Result<(),
             entry.driver.clone(),
             entry.driver_class.clone(),
             entry.session.clone(),
-            finite(c.ice_c),
-            finite(c.air_c),
-            finite(c.air_pa),
         ];
-        for (of, _) in more.iter().zip(stated).filter(|(_, stated)| *stated) {
-            row.push(of(c).map_or_else(String::new, |value| value.to_string()));
-        }
+        let values = entry.conditions.values();
+        row.extend(written.iter().map(|place| number(values[*place])));
         for s_m in &places {
             let point = entry.ice_along.points().iter().find(|p| p[0] == *s_m);
-            row.push(point.map_or_else(String::new, |point| point[1].to_string()));
+            row.push(number(point.map_or(f64::NAN, |point| point[1])));
         }
-        table.write_record(&row).map_err(told)?;
+        table.write_record(&row).map_err(failure)?;
     }
     table
         .flush()
         .map_err(|error| Error::file("runs.csv", error))
 }
 
-/// What the table of a track says of its ice; nothing where there is no such table, or no `ice_c` in it.
+/// Ice temperatures of a track's table; none where there is no such table, or no `ice_c` in it.
 fn ice_of(path: &Path) -> Result<IceAlong, Error> {
     let mut head = String::new();
     if let Ok(file) = kufe_files::open_regular(path) {
         let limit = std::io::Read::take(file, 1 << 16);
-        // Who reads the rest of the table tells what is wrong with it.
+        // The reader of the whole table reports its errors.
         let _ = std::io::BufRead::read_line(&mut std::io::BufReader::new(limit), &mut head);
     }
-    match head.split(',').any(|name| name.trim() == "ice_c") {
-        true => Ok(Track::load(path)?.ice),
-        false => Ok(IceAlong::default()),
+    if head.split(',').any(|name| name.trim() == "ice_c") {
+        Ok(Track::load(path)?.ice)
+    } else {
+        Ok(IceAlong::default())
     }
 }
 
-/// Where the columns stand, and those of temperatures at places [m].
+/// Places of the columns, and of those of temperatures at places [m].
 type Places = (BTreeMap<&'static str, usize>, Vec<(f64, usize)>);
 
 fn place_columns(header: &csv::StringRecord, file: &str) -> Result<Places, Error> {

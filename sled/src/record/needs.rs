@@ -1,9 +1,9 @@
 //! What a computation needs of a run; everything else may be absent.
 
+use crate::column::COLUMNS;
+use crate::conditions::Conditions;
 use crate::error::Error;
-use crate::model::conditions::Conditions;
 use crate::model::sled::Sled;
-use crate::record::run::COLUMNS;
 
 /// What a computation needs of a run besides `t_s`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

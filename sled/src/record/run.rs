@@ -7,20 +7,6 @@ use crate::record::gaps::Gaps;
 use crate::record::gaps::Saturation;
 use crate::record::index::Entry;
 
-/// Columns that runs have besides `t_s`; [`crate::Needs`] says which a computation cannot do without.
-pub const COLUMNS: [&str; 10] = [
-    "ax_mps2",
-    "ay_mps2",
-    "az_mps2",
-    "roll_rate_radps",
-    "pitch_rate_radps",
-    "yaw_rate_radps",
-    "v_mps",
-    "alpha_rad",
-    "delta_rad",
-    "gamma_rad",
-];
-
 /// One recorded run, uniform in time, in the units of its columns' names; beside a gap a column may be NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {

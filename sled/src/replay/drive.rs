@@ -72,7 +72,7 @@ pub fn replay(
     options: &SimulateOptions,
 ) -> Result<Replay, Error> {
     let vehicle = &vehicle.on_run(&track.name, &options.conditions);
-    let conditions = options.conditions.or(&vehicle.conditions);
+    let conditions = vehicle.conditions.complete(&options.conditions);
     let own = &inputs.entry.ice_along;
     let ice = if own.points().is_empty() {
         &track.ice

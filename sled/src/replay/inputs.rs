@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::effects::Sensor;
+use crate::column::Sensor;
 
 use crate::error::Error;
 use crate::model::vehicle::Vehicle;
@@ -116,7 +116,7 @@ impl Inputs {
             let sensed = Sensed::of(run, piece, &base, &effects, &further, &mut distance)?;
             let start = readings.len();
             for i in base.valid_range(number, run.gaps.pieces.len(), sensed.len()) {
-                let (signals, at) = (sensed.signals(i), sensed.conditions(i));
+                let (signals, at) = (sensed.signals(i), sensed.operating_point(i));
                 readings.push(Reading {
                     t_s: at.t,
                     s_m: from + at.s,

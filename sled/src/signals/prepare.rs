@@ -101,14 +101,14 @@ pub fn prepare(
             continue;
         }
         let sensed = Sensed::of(run, piece, &base, effects, &further, &mut distance)?;
-        speeds.0 += (0..count).map(|i| sensed.conditions(i).v).sum::<f64>();
+        speeds.0 += (0..count).map(|i| sensed.operating_point(i).v).sum::<f64>();
         speeds.1 += count;
         let start = states.len();
         let relaxation = effects.relaxation();
         let mut relaxed = Relaxed::default();
         for i in base.valid_range(number, run.gaps.pieces.len(), count) {
             let (mut state, mut motion) =
-                from_sensors(sled, &sensed.signals(i), &sensed.conditions(i));
+                from_sensors(sled, &sensed.signals(i), &sensed.operating_point(i));
             if !along {
                 // What is not measured is no number, so that nothing rests on it.
                 (motion.accel_mps2[0], state.accel_mps2[0]) = (f64::NAN, f64::NAN);

@@ -2,13 +2,14 @@
 
 use std::ops::Range;
 
-use crate::effects::{Active, Conditions, Effects, Sensor, Signals, ahead};
+use crate::column::{COLUMNS, Column, Sensor};
+use crate::conditions::Conditions;
+use crate::effects::{Active, Effects, OperatingPoint, Signals, ahead};
 use crate::error::Error;
-use crate::model::conditions::refuse_effects;
 use crate::model::sled::{Noise, Sled};
-use crate::model::vehicle::Vehicle;
+use crate::model::vehicle::{Vehicle, refuse_effects};
 use crate::record::needs::{Needs, refuse_drag_without_air};
-use crate::record::run::{COLUMNS, Run};
+use crate::record::run::Run;
 use crate::series::noise_sd_within;
 use crate::series::{derivative, low_pass};
 use crate::signals::prepare::{Distance, Resampling};
@@ -75,7 +76,7 @@ impl<'a> Sensed<'a> {
         if !effects.is_empty() {
             for i in 0..samples.len() {
                 let mut signals = sensed.signals(i);
-                let at = sensed.conditions(i);
+                let at = sensed.operating_point(i);
                 let before = signals;
                 effects.correct(&at, &mut signals);
                 if signals.value.iter().any(|value| !value.is_finite()) {
@@ -112,10 +113,11 @@ impl<'a> Sensed<'a> {
     }
 
     /// Time, place, speed and weather at state `i`.
-    pub(crate) fn conditions(&self, i: usize) -> Conditions {
+    pub(crate) fn operating_point(&self, i: usize) -> OperatingPoint {
         let t = self.run.t0_s + (self.first + i) as f64 * self.dt_s;
         let v = self.value[Sensor::Speed as usize][i];
-        self.further.conditions(self.run, i, t, self.distance[i], v)
+        self.further
+            .operating_point(self.run, i, t, self.distance[i], v)
     }
 
     fn rates(&self) -> Vec<Vec<f64>> {
@@ -124,13 +126,17 @@ impl<'a> Sensed<'a> {
     }
 }
 
-/// Columns that no run states: the slope of the track enters no balance of forces.
-const NEVER: [&str; 1] = ["slope_rad"];
+/// The column that no run states: the slope of the track enters no balance of forces.
+const NEVER: &str = Column::Slope.name();
 
 /// What a run's file may state sample by sample, `runs.csv` once.
-const FURTHER: [&str; 3] = ["humidity_pct", "distance_m", "ice_c"];
+const FURTHER: [&str; 3] = [
+    Column::Humidity.name(),
+    Column::Wear.name(),
+    Column::IceTemperature.name(),
+];
 
-/// Place of `ice_c` in [`FURTHER`].
+/// Place of the ice temperature in [`FURTHER`].
 const ICE: usize = 2;
 
 /// Values of [`FURTHER`]: from the run's file, else from `runs.csv`, else from the model's `[conditions]`.
@@ -169,12 +175,15 @@ impl Further {
         needs: &Needs,
     ) -> Result<Further, Error> {
         let (own, model) = (&run.entry.conditions, &vehicle.conditions);
-        let once = [
-            own.humidity_pct.or(model.humidity_pct),
-            own.distance_m.or(model.distance_m),
-            Some(own.ice_c).filter(|ice| ice.is_finite()),
-        ];
-        let mut values = once.map(|value| value.map_or(Stated::Nowhere, Stated::Once));
+        let stated = model.complete(own);
+        let once = [stated.humidity_pct, stated.distance_m, stated.ice_c];
+        let mut values = once.map(|value| {
+            if value.is_finite() {
+                Stated::Once(value)
+            } else {
+                Stated::Nowhere
+            }
+        });
         if run.entry.ice_at(0.0).is_some() {
             values[ICE] = Stated::ByPlace;
         }
@@ -198,7 +207,11 @@ impl Further {
         let sensors = COLUMNS
             .into_iter()
             .filter(|name| !run.columns.contains_key(*name));
-        let absent: Vec<&str> = nowhere.chain(NEVER).chain(weather).chain(sensors).collect();
+        let absent: Vec<&str> = nowhere
+            .chain([NEVER])
+            .chain(weather)
+            .chain(sensors)
+            .collect();
         let file = run.entry.file.display().to_string();
         refuse_effects(effects, &absent, &file)?;
         if needs.forces {
@@ -220,19 +233,20 @@ impl Further {
     }
 
     /// Time [s], place [m], speed [m/s] and weather of sample `i`.
-    pub fn conditions(&self, run: &Run, i: usize, t: f64, s: f64, v: f64) -> Conditions {
-        let weather = &run.entry.conditions;
-        Conditions {
+    pub fn operating_point(&self, run: &Run, i: usize, t: f64, s: f64, v: f64) -> OperatingPoint {
+        let stated = &run.entry.conditions;
+        OperatingPoint {
             t,
             s,
             v,
             fz: f64::NAN,
-            ice_c: self.values[ICE].at(i, run.entry.ice_at(s)),
-            air_c: weather.air_c,
-            air_pa: weather.air_pa,
-            humidity_pct: self.values[0].at(i, None),
-            distance: self.values[1].at(i, None),
-            air_density: weather.air_density(),
+            conditions: Conditions {
+                humidity_pct: self.values[0].at(i, None),
+                distance_m: self.values[1].at(i, None),
+                ice_c: self.values[ICE].at(i, run.entry.ice_at(s)),
+                ..*stated
+            },
+            air_density: stated.air_density(),
             drag_area: f64::NAN,
             film: f64::NAN,
         }

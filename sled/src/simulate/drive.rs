@@ -1,9 +1,8 @@
 //! Driving a track: fixed steps of fourth order.
 
+use crate::conditions::Conditions;
 use crate::error::Error;
-use crate::model::conditions::Conditions;
-use crate::model::conditions::refuse_effects;
-use crate::model::vehicle::Vehicle;
+use crate::model::vehicle::{Vehicle, refuse_effects};
 use crate::record::needs::refuse_drag_without_air;
 use crate::simulate::driver::{Driver, Steering};
 use crate::simulate::dynamics::{Before, COUNT, Instant, TIME, Unknowns, WallContact, World};
@@ -70,7 +69,7 @@ pub fn simulate(
     options: &SimulateOptions,
 ) -> Result<Simulated, Error> {
     let vehicle = &vehicle.on_run(&track.name, &options.conditions);
-    let conditions = options.conditions.or(&vehicle.conditions);
+    let conditions = vehicle.conditions.complete(&options.conditions);
     refuse_unstated(vehicle, &conditions, &track.ice, "simulation")?;
     let world = World {
         vehicle,
@@ -245,9 +244,7 @@ impl Default for SimulateOptions {
                 ice_c: -8.0,
                 air_c: 0.0,
                 air_pa: 95_000.0,
-                humidity_pct: None,
-                distance_m: None,
-                mass_kg: None,
+                ..Conditions::UNSTATED
             },
             contacts: Vec::new(),
             cross_curvature_1pm: 0.25,

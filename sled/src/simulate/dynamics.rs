@@ -3,7 +3,7 @@
 use crate::effects::Relaxed;
 use crate::friction::GRAVITY;
 
-use crate::model::conditions::Conditions;
+use crate::conditions::Conditions;
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Balance;
 use crate::motion::one_track::forces_at;
@@ -178,11 +178,10 @@ impl World<'_> {
             fz_f0_n,
             fz_r_n,
             air_density_kgpm3: self.density,
-            ice_c: self.ice.at(s).unwrap_or(self.conditions.ice_c),
-            air_c: self.conditions.air_c,
-            air_pa: self.conditions.air_pa,
-            humidity_pct: self.conditions.humidity_pct.unwrap_or(f64::NAN),
-            distance_before_m: self.conditions.distance_m.unwrap_or(f64::NAN),
+            conditions: Conditions {
+                ice_c: self.ice.at(s).unwrap_or(self.conditions.ice_c),
+                ..self.conditions
+            },
             slip_rate_radps: before.slip_rate,
             accel_mps2: before.accel,
         };

@@ -5,8 +5,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use crate::conditions::Conditions;
 use crate::error::Error;
-use crate::model::conditions::Conditions;
 use crate::model::model_toml::Model;
 use crate::model::vehicle::Vehicle;
 use crate::record::run::Run;
@@ -220,9 +220,7 @@ pub fn sample_plan(seed: u64) -> Vec<Planned> {
                         ice_c: -9.0 + 1.5 * warm,
                         air_c: -4.0 + 2.0 * warm,
                         air_pa: 94_500.0 + 300.0 * warm,
-                        humidity_pct: None,
-                        distance_m: None,
-                        mass_kg: None,
+                        ..Conditions::UNSTATED
                     },
                     contacts: sample_contacts(track, driver, run_seed),
                     seed: run_seed,

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use crate::effects::{Sensor, Signals, ahead};
+use crate::column::Sensor;
+use crate::conditions::Conditions;
+use crate::effects::{Signals, ahead};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::model::conditions::Conditions;
 use crate::model::sled::{Noise, Sled};
 use crate::model::vehicle::Vehicle;
 use crate::motion::state::lever_acceleration;
@@ -47,7 +48,7 @@ pub fn record(
             complete_rates(&mut read, simulated.dt_s);
         }
         for (signals, instant) in read.iter_mut().zip(&simulated.instants) {
-            effects.disturb(&instant.state.conditions(), signals);
+            effects.disturb(&instant.state.operating_point(), signals);
         }
     }
     let silent = Noise::default();

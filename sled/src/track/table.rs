@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::columns::{read_csv, write_csv};
+use crate::conditions::CONDITIONS;
 use crate::error::Error;
 use crate::track::spline::Spline;
 
@@ -28,9 +29,6 @@ pub struct Track {
 }
 
 const COLUMNS: [&str; 4] = ["s_m", "slope_rad", "curvature_1pm", "bank_rad"];
-
-/// Temperatures of ice that runs are driven on [degrees Celsius].
-pub(crate) const ICE_C: (f64, f64) = (-60.0, 5.0);
 
 /// Least length of a track [m]: ten times a sled, and more than any track has kilometres.
 const LEAST_SPAN_M: f64 = 20.0;
@@ -119,7 +117,7 @@ impl Track {
             bank_rad: take("bank_rad")?,
         };
         track.check(file)?;
-        let (low, high) = ICE_C;
+        let (_, low, high) = CONDITIONS[0];
         if let Some(row) = ice.iter().position(|c| *c < low || *c > high) {
             let expected = format!("a number from {low} to {high}, or nothing");
             return Err(cell(file, row, "ice_c", ice[row], &expected));

@@ -15,7 +15,7 @@ fn local_effects_act_in_their_window_on_their_track() {
     effects.act("b", &state(), &mut f);
     assert_eq!(f.body_across, 500.0);
     let mut later = state();
-    later.conditions.s = 31.0;
+    later.point.s = 31.0;
     effects.act("a", &later, &mut f);
     assert_eq!(f.body_across, 500.0);
     assert!(effects.on_track("b").is_empty());
@@ -35,7 +35,7 @@ fn a_contact_that_varies_from_run_to_run_is_half_a_wave_with_its_lever() {
         (30.0, 0.0),
     ] {
         let (mut at, mut f) = (state(), forces());
-        at.conditions.s = s;
+        at.point.s = s;
         effects.act("a", &at, &mut f);
         assert!((f.body_across - 500.0 * share).abs() < 1e-9, "{s}: {f:?}");
         assert!((f.body_yaw - 100.0 * share).abs() < 1e-9, "{s}: {f:?}");

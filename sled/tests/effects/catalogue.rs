@@ -1,8 +1,9 @@
-//! What the files of the catalogue say of themselves.
+//! The statements of the catalogue.
 
 use kufe_sled::effects::{ActsOn, CATALOGUE, Edge, Effect, Experiments, Judged, find};
 
-use crate::state::{conditions, forces, signals, state};
+use crate::example::Example;
+use crate::state::{forces, point, signals, state};
 
 /// What an effect changes with these parameters.
 fn outcome(
@@ -18,7 +19,7 @@ fn outcome(
     effect.act(parameters, &state(), &mut f);
     effect.correct(parameters, &mut corrected);
     effect.disturb(parameters, &mut disturbed);
-    let mu = effect.coefficient(parameters, 0.004, &conditions());
+    let mu = effect.coefficient(parameters, 0.004, &point());
     (
         mu,
         f,
@@ -30,22 +31,17 @@ fn outcome(
 #[test]
 fn every_example_gives_its_number() {
     for effect in CATALOGUE {
-        let (name, wanted) = effect.example.gives;
-        let found = effect.example_outcome();
+        let name = effect.info.name;
+        let example = Example::read(effect.info.example);
+        let (wanted, found) = (example.gives, example.outcome(effect));
         let error = (found - wanted).abs();
         assert!(
             error <= 1e-12 * wanted.abs().max(1.0),
-            "{}: {name} = {found}, expected {wanted}",
-            effect.info.name
+            "{name}: {found}, expected {wanted}"
         );
         let off = effect.info.off();
-        assert_eq!(
-            off.len(),
-            effect.example.parameters.len(),
-            "{}",
-            effect.info.name
-        );
-        assert_ne!(off, effect.example.parameters, "{}", effect.info.name);
+        assert_eq!(off.len(), example.parameters.len(), "{name}");
+        assert_ne!(off, example.parameters, "{name}");
     }
 }
 

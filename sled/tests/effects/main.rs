@@ -1,9 +1,9 @@
-//! The catalogue held to what its files say, and effects of one's own.
+//! The catalogue against its own statements, and effects that a person adds.
 
 mod acting;
 mod catalogue;
+mod example;
 mod own;
-mod page;
 mod sensors;
 mod state;
 mod tables;

@@ -1,8 +1,8 @@
 //! Effects of one's own, as expressions of columns.
 
-use kufe_sled::effects::{Channel, Conditions, Custom, Expression};
+use kufe_sled::effects::{Channel, Custom, Expression, OperatingPoint};
 
-use crate::state::{conditions, forces, state};
+use crate::state::{forces, point, state};
 use crate::tables::effects;
 
 #[test]
@@ -47,9 +47,9 @@ fn a_column_that_the_model_does_not_know_is_carried_under_its_own_name() {
 #[test]
 fn a_specimen_has_conditions_alone() {
     let on_ice = |text| Custom::new(Channel::Friction, text, None).unwrap();
-    let at = Conditions {
+    let at = OperatingPoint {
         fz: 2000.0,
-        ..conditions()
+        ..point()
     };
     assert_eq!(on_ice("fz_n / 1000").coefficient(1e-3, &at), 2e-3);
     assert!(on_ice("delta_rad").coefficient(1e-3, &at).is_nan());

@@ -2,7 +2,7 @@
 
 use kufe_sled::effects::{Active, CATALOGUE, Channel, Constants, Custom, Kind, Sensor, Signals};
 
-use crate::state::{conditions, signals};
+use crate::state::{point, signals};
 
 fn largest_error(a: &Signals, b: &Signals) -> f64 {
     let values = a.value.iter().zip(&b.value);
@@ -57,10 +57,10 @@ fn a_sensor_of_ones_own_formula_is_undone_too() {
             track: None,
         };
         let mut read = signals();
-        own.disturb(&conditions(), &mut read);
+        own.disturb(&point(), &mut read);
         let sensor = Sensor::named(column).unwrap();
         assert_ne!(read[sensor], signals()[sensor], "{column}: {formula}");
-        own.correct(&conditions(), &mut read);
+        own.correct(&point(), &mut read);
         // The rate is that of a difference over a millisecond.
         let error = largest_error(&read, &signals());
         assert!(error < 1e-8, "{column}: {formula}: {error}");
@@ -75,7 +75,7 @@ fn a_formula_equal_to_a_fault_of_the_catalogue_is_that_fault() {
     let own = Custom::new(Channel::Sensor(Sensor::YawRate), "yaw_rate_radps", None).unwrap();
     let (mut known, mut formula) = (signals(), signals());
     scale.correct(&[0.07], &mut known);
-    own.correct(0.07, &conditions(), &mut formula);
+    own.correct(0.07, &point(), &mut formula);
     assert!(largest_error(&known, &formula) < 1e-9);
 }
 

@@ -1,18 +1,22 @@
 //! A sled in a curve, for effects to act on.
 
-use kufe_sled::effects::{Conditions, Constants, Forces, Sensor, Signals, State};
+use kufe_sled::Conditions;
+use kufe_sled::effects::{Constants, Forces, OperatingPoint, Sensor, Signals, State};
 
-pub fn conditions() -> Conditions {
-    Conditions {
+pub fn point() -> OperatingPoint {
+    OperatingPoint {
         t: 3.0,
         s: 20.0,
         v: 21.0,
         fz: 1300.0,
-        ice_c: -9.0,
-        air_c: 2.0,
-        air_pa: 94_000.0,
-        humidity_pct: 60.0,
-        distance: 900.0,
+        conditions: Conditions {
+            ice_c: -9.0,
+            air_c: 2.0,
+            air_pa: 94_000.0,
+            humidity_pct: 60.0,
+            distance_m: 900.0,
+            mass_kg: 390.0,
+        },
         air_density: 1.2,
         drag_area: 0.28,
         film: 1.2,
@@ -21,7 +25,7 @@ pub fn conditions() -> Conditions {
 
 pub fn state() -> State {
     State {
-        conditions: conditions(),
+        point: point(),
         slip: [0.01, -0.008],
         slip_rate: [0.1, 0.2],
         load: [1800.0, 2500.0],

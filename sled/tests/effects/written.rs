@@ -45,9 +45,9 @@ fn every_effect_within_its_ranges_is_written_read_and_simulated() {
             ice_c: -6.0,
             air_c: -2.0,
             air_pa: 94_000.0,
-            humidity_pct: Some(70.0),
-            distance_m: Some(3000.0),
-            mass_kg: Some(400.0),
+            humidity_pct: 70.0,
+            distance_m: 3000.0,
+            mass_kg: 400.0,
         },
         ..SimulateOptions::default()
     };

@@ -158,8 +158,8 @@ fn an_effect_without_its_column_is_refused_with_effect_column_and_file() {
         }
 
         // Stated by the index, or sample by sample in the run's file: both act, and differently.
-        run.entry.conditions.humidity_pct = Some(30.0);
-        run.entry.conditions.distance_m = Some(3000.0);
+        run.entry.conditions.humidity_pct = 30.0;
+        run.entry.conditions.distance_m = 3000.0;
         let by_index = evaluate(&prepared(&run, &vehicle, &bare).unwrap(), &vehicle);
         let rising = (0..run.len()).map(|i| 50.0 + i as f64 / run.len() as f64);
         run.columns.insert(column.to_string(), rising.collect());

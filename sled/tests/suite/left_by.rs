@@ -1,6 +1,6 @@
 //! Derivatives of the balances in closed form against differences of the balances themselves.
 
-use kufe_sled::effects::{Conditions, Constants, Sensor, Signals};
+use kufe_sled::effects::{Constants, OperatingPoint, Sensor, Signals};
 use kufe_sled::{Balance, Model, Sled, Vehicle, from_sensors};
 
 /// A sled that slips, steers, pitches and turns, all at once.
@@ -35,9 +35,9 @@ fn left(vehicle: &Vehicle, signals: &Signals) -> [f64; 3] {
 fn balance(vehicle: &Vehicle, signals: &Signals) -> Balance {
     let mut sled = vehicle.sled;
     sled.set_constants(&signals.sled);
-    let at = Conditions {
+    let at = OperatingPoint {
         air_density: 1.2,
-        ..Conditions::default()
+        ..OperatingPoint::default()
     };
     let (state, motion) = from_sensors(&sled, signals, &at);
     Balance::new(&sled, &state, &motion)

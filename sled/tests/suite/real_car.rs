@@ -28,9 +28,9 @@ fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
             ice_c: 0.0,
             air_c: 20.0,
             air_pa: 101_325.0,
-            humidity_pct: None,
-            distance_m: None,
-            mass_kg: None,
+            humidity_pct: f64::NAN,
+            distance_m: f64::NAN,
+            mass_kg: f64::NAN,
         },
     };
     let required = [

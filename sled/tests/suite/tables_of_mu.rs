@@ -6,7 +6,8 @@ use kufe_lut::{Axes, AxisKind, Figures, Quantity, Table};
 use kufe_sled::one_track::forward;
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
-    Driver, Model, SimulateOptions, Simulated, State, TrackShape, Vehicle, outside_tables, simulate,
+    Conditions, Driver, Model, SimulateOptions, Simulated, State, TrackShape, Vehicle,
+    outside_tables, simulate,
 };
 
 /// Powers of load and speed and an exponential of the temperature, which the smooth mode looks up exactly.
@@ -96,7 +97,10 @@ fn each_runner_has_the_coefficient_of_its_load_the_speed_and_the_ice() {
         {
             let state = State {
                 v_mps,
-                ice_c,
+                conditions: Conditions {
+                    ice_c,
+                    ..Conditions::UNSTATED
+                },
                 gamma_rad,
                 curvature_1pm: 0.03,
                 alpha_f_rad: 0.004,
@@ -175,7 +179,10 @@ fn the_effect_film_puts_the_tables_law_in_the_place_of_a_constant_by_its_share()
         for (v_mps, ice_c) in [(3.0, -2.0), (21.0, -11.0)] {
             let state = State {
                 v_mps,
-                ice_c,
+                conditions: Conditions {
+                    ice_c,
+                    ..Conditions::UNSTATED
+                },
                 fz_f0_n: 2400.0,
                 fz_r_n: 3100.0,
                 ..State::default()

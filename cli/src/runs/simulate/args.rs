@@ -127,9 +127,9 @@ impl Args {
             ice_c: self.ice_c,
             air_c: self.air_c,
             air_pa: self.air_pa,
-            humidity_pct: self.humidity_pct,
-            distance_m: self.distance_m,
-            mass_kg: None,
+            humidity_pct: self.humidity_pct.unwrap_or(f64::NAN),
+            distance_m: self.distance_m.unwrap_or(f64::NAN),
+            mass_kg: f64::NAN,
         })
     }
 

@@ -43,7 +43,7 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
     let track = Track::load(track).map_err(refusal)?;
     let shape = TrackShape::new(&track);
     let (driver, driver_name) = driver(args)?;
-    let conditions = args.conditions()?.or(&vehicle.conditions);
+    let conditions = vehicle.conditions.complete(&args.conditions()?);
     for text in vehicle.effects_elsewhere(&[&track.name]) {
         warn(&format!("{}: {text}", model_file.display()));
     }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use kufe_sled::effects::Conditions;
+use kufe_sled::Conditions;
+use kufe_sled::effects::OperatingPoint;
 
 use crate::error::Error;
 use crate::input::table::Table;
@@ -23,7 +24,7 @@ pub struct Row {
     /// Its standard deviation.
     pub mu_sd: f64,
     /// What the effects of the catalogue see.
-    pub conditions: Conditions,
+    pub conditions: OperatingPoint,
     /// All further columns that hold numbers.
     pub columns: BTreeMap<String, f64>,
 }
@@ -91,16 +92,19 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
                 pressure_sd: pressure_sd[i],
                 mu: mu[i],
                 mu_sd: mu_sd[i],
-                conditions: Conditions {
+                conditions: OperatingPoint {
                     t: get(&time, f64::NAN),
                     s: get(&place, f64::NAN),
                     v: get(&v, f64::NAN),
                     fz: get(&fz, f64::NAN),
-                    ice_c: get(&ice, f64::NAN),
-                    air_c,
-                    air_pa,
-                    humidity_pct: get(&humidity, f64::NAN),
-                    distance: get(&distance, f64::NAN),
+                    conditions: Conditions {
+                        ice_c: get(&ice, f64::NAN),
+                        air_c,
+                        air_pa,
+                        humidity_pct: get(&humidity, f64::NAN),
+                        distance_m: get(&distance, f64::NAN),
+                        mass_kg: f64::NAN,
+                    },
                     air_density: kufe_sled::aero::air_density(air_pa, air_c),
                     drag_area,
                     film: f64::NAN,

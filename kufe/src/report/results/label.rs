@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use kufe_sled::Column;
+
 use crate::results::QUANTITIES;
 
 /// What friction is counted in; nobody reads four zeros.
@@ -17,18 +19,13 @@ const COUNTED: [&str; 6] = [
     "mu_se_scatter",
 ];
 
-/// Keys that say most, with their proper names, together with those of [`QUANTITIES`].
-const NAMES: [(&str, &str); 57] = [
-    ("fz_n", "normal force"),
-    ("v_mps", "speed"),
+/// The most important keys with their proper names, besides those of [`QUANTITIES`] and [`Column`].
+const NAMES: [(&str, &str); 46] = [
     ("v_mean_mps", "mean speed"),
     ("start_speed_mps", "speed at the start"),
     ("mu_se_lines", "friction, standard error of the lines"),
     ("mu_se_scatter", "friction, standard error by scatter"),
     ("hardness_pa", "hardness"),
-    ("ice_c", "temperature of the ice"),
-    ("air_c", "temperature of the air"),
-    ("air_pa", "air pressure"),
     ("mu_zeta", "largest grip, mu zeta"),
     ("c", "shape factor C"),
     ("e", "curvature factor E"),
@@ -45,11 +42,6 @@ const NAMES: [(&str, &str); 57] = [
     ("left_rms", "left, r.m.s."),
     ("times_rmse", "times the r.m.s."),
     ("times_rms", "times the usual"),
-    ("t_s", "time"),
-    ("s_m", "distance"),
-    ("alpha_rad", "slip angle"),
-    ("delta_rad", "steering"),
-    ("gamma_rad", "roll split"),
     ("run", "run"),
     ("track", "track"),
     ("driver", "driver"),
@@ -65,7 +57,6 @@ const NAMES: [(&str, &str); 57] = [
     ("ice_j", "lost to the ice"),
     ("air_j", "lost to the air"),
     ("mean_force_n", "force that the model lacks, mean"),
-    ("slope_rad", "slope"),
     ("specimen", "specimen"),
     ("index", "index of the runs"),
     ("replay", "replay"),
@@ -93,6 +84,7 @@ fn named(key: &str) -> Option<&'static str> {
     quantity
         .map(|quantity| quantity.label)
         .or(known.map(|(_, name)| *name))
+        .or(Column::named(key).map(Column::label))
 }
 
 /// Whether a key is one of those that say most.

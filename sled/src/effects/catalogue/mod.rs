@@ -1,6 +1,7 @@
 //! All effects on friction, forces, sensors, sled and track, a table for each family.
 //!
-//! A new effect is an entry of its family's table: description, law, and an example with the number that it must give.
+//! A new effect is an entry of its family's table: description, an example with the number that
+//! it must give, and its law.
 
 mod air;
 mod friction;

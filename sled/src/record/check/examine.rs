@@ -6,6 +6,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::column::COLUMNS;
 use crate::columns::Columns;
 use crate::columns::read_columns;
 use crate::error::Error;
@@ -18,7 +19,7 @@ use crate::record::files::{find_copy, read_run};
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps};
 use crate::record::index::{Entry, read_index};
 use crate::record::needs::Needs;
-use crate::record::run::{COLUMNS, Run};
+use crate::record::run::Run;
 
 /// What every run must have for the sled's lateral forces; the rest is judged where it is recorded.
 const LEAST: [&str; 1] = ["v_mps"];

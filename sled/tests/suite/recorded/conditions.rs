@@ -46,7 +46,7 @@ fn a_run_is_weighed_with_its_own_crew() {
     let [along, side] = left(&run, &vehicle);
     // A drag that is not in proportion to the mass, and stiffnesses that do not grow with it, show 60 kg too few.
     assert!(along > 5.0 && side > 10.0, "{along} N, {side} N");
-    run.entry.conditions.mass_kg = Some(450.0);
+    run.entry.conditions.mass_kg = 450.0;
     let own = left(&run, &vehicle);
     let truth = left(&run, &heavy);
     for k in 0..2 {
@@ -58,7 +58,7 @@ fn a_run_is_weighed_with_its_own_crew() {
     assert!(own[0] < 0.2 * along && own[1] < 0.2 * side, "{own:?}");
     // The simulator weighs it alike, bit by bit.
     let mut with = options();
-    with.conditions.mass_kg = Some(450.0);
+    with.conditions.mass_kg = 450.0;
     assert_eq!(driven(&vehicle, &with).columns, run.columns);
     // What an effect adds to the model's mass it adds to the run's.
     let loaded = Vehicle::with_effects(&model("\n[effects.mass]\nexcess_kg = 10.0\n")).unwrap();
@@ -121,12 +121,12 @@ fn ice_without_a_temperature_is_refused_only_by_what_asks_for_it() {
     .unwrap();
     let entry = read_index(&index).unwrap().remove(0);
     assert!(entry.conditions.ice_c.is_nan());
-    assert_eq!(entry.conditions.mass_kg, Some(412.5));
+    assert_eq!(entry.conditions.mass_kg, 412.5);
     let mut written = Vec::new();
     write_index(&mut written, std::slice::from_ref(&entry)).unwrap();
     std::fs::write(&index, &written).unwrap();
     let again = read_index(&index).unwrap().remove(0);
-    assert!(again.conditions.ice_c.is_nan() && again.conditions.mass_kg == Some(412.5));
+    assert!(again.conditions.ice_c.is_nan() && again.conditions.mass_kg == 412.5);
     std::fs::write(
         &index,
         String::from_utf8(written).unwrap().replace("412.5", "0"),
@@ -166,7 +166,7 @@ fn ice_without_a_temperature_is_refused_only_by_what_asks_for_it() {
     for state in &prepared.states {
         // Straight in the place, which the low pass does not bend but at the very ends.
         assert!(
-            (state.ice_c - (-9.0 + 4.0 * state.s_m / 1250.0)).abs() < 1e-3,
+            (state.conditions.ice_c - (-9.0 + 4.0 * state.s_m / 1250.0)).abs() < 1e-3,
             "{state:?}"
         );
     }

@@ -50,9 +50,9 @@ fn entry(file: PathBuf) -> Entry {
         ice_c: -8.0,
         air_c: 0.0,
         air_pa: 95_000.0,
-        humidity_pct: None,
-        distance_m: None,
-        mass_kg: None,
+        humidity_pct: f64::NAN,
+        distance_m: f64::NAN,
+        mass_kg: f64::NAN,
     };
     let text = || "x".to_string();
     Entry {

@@ -120,7 +120,11 @@ fn the_ice_of_a_place_acts_there() {
             for state in &run.states {
                 let ice = IceAlong::new(at.iter().map(|(s, c)| [*s, *c]));
                 let expected = ice.at(state.s_m).unwrap();
-                assert!((state.ice_c - expected).abs() < 1e-9, "{} m", state.s_m);
+                assert!(
+                    (state.conditions.ice_c - expected).abs() < 1e-9,
+                    "{} m",
+                    state.s_m
+                );
             }
         }
     };

@@ -15,7 +15,7 @@ type NamedColumn = (&'static str, fn(&State) -> f64);
 /// Columns that a law on forces may depend on: as an expression names them, and what they are at an instant. What the sensors say
 /// stands behind them, for laws on sensors.
 pub const COLUMNS: [NamedColumn; 10] = [
-    ("v_mps", |at| at.conditions.v),
+    ("v_mps", |at| at.point.v),
     ("fz_n", |at| at.load[0] + at.load[1]),
     ("alpha_rad", |at| at.chassis_slip),
     ("delta_rad", |at| at.steering),
@@ -24,7 +24,7 @@ pub const COLUMNS: [NamedColumn; 10] = [
     ("roll_acceleration_radps2", |at| at.roll_acceleration),
     ("pitch_rate_radps", |at| at.pitch_rate),
     ("yaw_rate_radps", |at| at.yaw_rate),
-    ("t_s", |at| at.conditions.t),
+    ("t_s", |at| at.point.t),
 ];
 
 /// Columns that the model knows; recorded ones that it has no name for stand behind them.

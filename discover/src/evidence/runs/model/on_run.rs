@@ -6,9 +6,10 @@
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-use kufe_sled::effects::{Active, Conditions, Constants, Forces, Relaxed, Sensor, Signals};
+use kufe_sled::effects::{Active, Constants, Forces, OperatingPoint, Relaxed, Sensor, Signals};
 use kufe_sled::{
-    Balance, BaseParameter, Motion, ResidualJacobian, Sled, State, Vehicle, aero, from_sensors,
+    Balance, BaseParameter, Conditions, Motion, ResidualJacobian, Sled, State, Vehicle, aero,
+    from_sensors,
 };
 
 use crate::evidence::runs::model::channels::Channels;
@@ -166,24 +167,27 @@ impl<'a> ModelOnRun<'a> {
         let effects = &self.vehicle.effects;
         if !effects.is_empty() {
             let v = self.channels.value(Sensor::Speed)[i];
-            effects.correct(&self.conditions(i, v), &mut signals);
+            effects.correct(&self.operating_point(i, v), &mut signals);
         }
         signals
     }
 
     /// Time, place and weather of a sample at a speed [m/s].
-    fn conditions(&self, i: usize, v: f64) -> Conditions {
+    fn operating_point(&self, i: usize, v: f64) -> OperatingPoint {
         let frame = self.frame;
-        Conditions {
+        OperatingPoint {
             t: frame.t[i],
             s: frame.s[i],
             v,
             fz: f64::NAN,
-            ice_c: self.ice.map_or(frame.ice_c, |x| x[i]),
-            air_c: frame.air_c,
-            air_pa: frame.air_pa,
-            humidity_pct: self.humidity.map_or(frame.humidity_pct, |x| x[i]),
-            distance: self.wear.map_or(frame.distance_before, |x| x[i]),
+            conditions: Conditions {
+                ice_c: self.ice.map_or(frame.ice_c, |x| x[i]),
+                air_c: frame.air_c,
+                air_pa: frame.air_pa,
+                humidity_pct: self.humidity.map_or(frame.humidity_pct, |x| x[i]),
+                distance_m: self.wear.map_or(frame.distance_before, |x| x[i]),
+                mass_kg: f64::NAN,
+            },
             air_density: self.air_density,
             drag_area: self.vehicle.sled.cda_m2,
             film: f64::NAN,
@@ -218,7 +222,7 @@ impl<'a> ModelOnRun<'a> {
         sled.set_constants(&signals.sled);
         let mut moving = *signals;
         moving[Sensor::Speed] = signals[Sensor::Speed].max(LEAST_SPEED);
-        let at = self.conditions(i, moving[Sensor::Speed]);
+        let at = self.operating_point(i, moving[Sensor::Speed]);
         let (state, motion) = from_sensors(&sled, &moving, &at);
         (sled, state, motion)
     }
@@ -376,7 +380,7 @@ impl<'a> ModelOnRun<'a> {
         }
         let mut signals = at.signals;
         if effect.moves_signals() {
-            effect.correct(&at.seen.conditions, &mut signals);
+            effect.correct(&at.seen.point, &mut signals);
         }
         if signals == at.signals {
             return at.balance.left_with(effect, &at.seen, forces).values();

@@ -54,9 +54,9 @@ fn usual(training: &[Frame]) -> Conditions {
         ice_c: mean(&|f| stated(f, "ice_c")),
         air_c: mean(&|f| f.air_c),
         air_pa: mean(&|f| f.air_pa),
-        humidity_pct: Some(humidity).filter(|h| h.is_finite()),
-        distance_m: Some(0.0),
-        mass_kg: None,
+        humidity_pct: humidity,
+        distance_m: 0.0,
+        mass_kg: f64::NAN,
     }
 }
 
@@ -97,7 +97,7 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
             let change = format!("with {mass:.0} kg instead of {:.0}", model.sled.mass_kg);
             add(change, &|p| {
                 p.mass_kg = mass;
-                p.conditions.mass_kg = Some(mass);
+                p.conditions.mass_kg = mass;
             });
         }
         for step in ICE_K {
@@ -106,12 +106,13 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
             add(change, &|p| p.conditions.ice_c = ice);
         }
         for step in HUMIDITY_PCT {
-            let Some(usual) = conditions.humidity_pct else {
+            let usual = conditions.humidity_pct;
+            if usual.is_nan() {
                 continue;
-            };
+            }
             let humidity = (usual + step).clamp(5.0, 100.0);
             let change = format!("in air of {humidity:.0} % humidity instead of {usual:.0}");
-            add(change, &|p| p.conditions.humidity_pct = Some(humidity));
+            add(change, &|p| p.conditions.humidity_pct = humidity);
         }
         for step in AIR_PA {
             let change = format!("at {:+.0} hPa of air pressure", 0.01 * step);
@@ -157,7 +158,7 @@ impl Plan {
             ice_c: self.conditions.ice_c,
             air_c: self.conditions.air_c,
             air_pa: self.conditions.air_pa,
-            humidity_pct: self.conditions.humidity_pct,
+            humidity_pct: Some(self.conditions.humidity_pct).filter(|h| h.is_finite()),
             noise: self.noise,
             between: [a.to_owned(), b.to_owned()],
             expected_evidence,

@@ -109,11 +109,12 @@ pub fn prepare(
         let travelled = before.entry(run.entry.session.as_str()).or_insert(0.0);
         let mut frame = frame(run, &own, surveys, recordings)?;
         let stated = model.conditions.unwrap_or_default();
-        if let (true, Some(humidity)) = (frame.humidity_pct.is_nan(), stated.humidity_pct) {
-            frame.humidity_pct = humidity;
-        }
-        let distance = run.entry.conditions.distance_m.or(stated.distance_m);
-        frame.distance_before = distance.unwrap_or(*travelled);
+        let stated = stated.complete(&run.entry.conditions);
+        frame.humidity_pct = stated.humidity_pct;
+        frame.distance_before = match stated.distance_m {
+            distance if distance.is_nan() => *travelled,
+            distance => distance,
+        };
         *travelled += frame.s.last().unwrap_or(&0.0) - frame.s.first().unwrap_or(&0.0);
         if !run.gaps.is_none() {
             gaps.push(taking_part(run, &frame));

@@ -1,7 +1,8 @@
 //! What one channel proves by itself: one value throughout, values held over many rows, a size that no sled reaches.
 
+use crate::column::COLUMNS;
 use crate::fault::{Fault, FaultKind};
-use crate::record::run::{COLUMNS, Run};
+use crate::record::run::Run;
 
 /// Channels that move together: where one does and another has but one value, that one does not measure.
 const TOGETHER: [&[&str]; 3] = [

@@ -2,13 +2,14 @@
 
 use rayon::prelude::*;
 
+use crate::column::COLUMNS;
 use crate::error::Error;
 use crate::fault::{Fault, FaultKind};
 use crate::friction::GRAVITY;
 use crate::record::check::relations::channels::{plain_faults, range_faults};
 use crate::record::check::relations::response::response_faults;
 use crate::record::check::relations::rigid_body::{Agreement, Slow, factor};
-use crate::record::run::{COLUMNS, Run};
+use crate::record::run::Run;
 use crate::series::bridged;
 
 /// Most faults of one run that are looked for, one after the other.

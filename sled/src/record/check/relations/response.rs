@@ -8,11 +8,12 @@
 //!
 //! Coefficients come by least squares with their errors by leaving out a twentieth of the run at a time.
 
+use crate::column::COLUMNS;
 use crate::fault::{Fault, FaultKind};
 use crate::record::check::relations::judge::RelationRules;
 use crate::record::check::relations::rigid_body::Slow;
 use crate::record::check::relations::rigid_body::{Coefficient, coefficients};
-use crate::record::run::{COLUMNS, Run};
+use crate::record::run::Run;
 
 /// Density of the air [kg/m3]: near enough for what is judged here.
 const AIR: f64 = 1.2;

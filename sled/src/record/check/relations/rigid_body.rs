@@ -14,8 +14,9 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::column::COLUMNS;
 use crate::friction::GRAVITY;
-use crate::record::run::{COLUMNS, Run};
+use crate::record::run::Run;
 
 /// Mean square of the terms [m2/s6] below which nothing moves enough to be judged.
 const STILL: f64 = 1e-3;
