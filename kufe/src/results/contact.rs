@@ -75,7 +75,7 @@ pub struct ContactResult {
     pub kkt_residual: f64,
     /// How the stiffness is applied.
     pub stiffness: String,
-    /// Mirror planes that were used: y = 0 and x = 0.
+    /// Whether the mesh is half of the contact, mirrored at x = 0 and at y = 0.
     pub symmetry: [bool; 2],
     /// Unknowns of the finest mesh.
     pub dofs: usize,

@@ -202,7 +202,7 @@ const RUNNER: &[Effect] = &[
         info: Info {
             name: "pitch-offset",
             summary: "the runner is pitched",
-            formula: "held pitch + a",
+            formula: "fixed pitch + a",
             signature: "the map shifted along the runner",
             parameters: &[amplitude("angle_rad", "rad", -0.3, 0.3, 1.0e-4)],
             looks_like: &["rocker-radius"],
@@ -257,7 +257,7 @@ const RUNNER: &[Effect] = &[
         info: Info {
             name: "roll-tilt",
             summary: "the runner is rolled",
-            formula: "held roll + a",
+            formula: "fixed roll + a",
             signature: "the map shifted across and skewed",
             parameters: &[amplitude("angle_rad", "rad", -0.3, 0.3, 0.002)],
             looks_like: &["section-wear"],
@@ -361,7 +361,7 @@ const SENSOR: &[Effect] = &[
             name: "sensor-blur",
             summary: "the sensor washes the map out",
             formula: "Gaussian of deviation w",
-            signature: "the peak lower, the edges washed out, the sum kept",
+            signature: "the peak lower, the edges blurred, the sum unchanged",
             parameters: &[amplitude("width_m", "m", 0.0, 0.02, 0.0005)],
             looks_like: &["ice-modulus", "hardness"],
             decides: "a map of a sharp edge",

@@ -195,7 +195,7 @@ pub(super) const GYROS: &[Effect] = &[
         name: "pitch-rate-bias",
         summary: "the pitch rate has an offset",
         formula: "q + b",
-        signature: "the track's curvature where a table asks for it, over 1/v; little else",
+        signature: "the track's curvature where a table needs it, over 1/v; little else",
         needs: &[Column::PitchRate],
         looks_like: &["pitch-rate-scale"],
         example: "0.01: pitch_rate_radps 0.2 -> pitch_rate_radps 0.21",
@@ -220,7 +220,7 @@ pub(super) const GYROS: &[Effect] = &[
         summary: "the pitch rate is read too large or too small",
         formula: "(1 + k) q",
         signature: "loads of the axles by the pitch acceleration, and the curvature where a \
-            table asks for it",
+            table needs it",
         needs: &[Column::PitchRate],
         looks_like: &["load-sensitivity", "cg-place"],
         example: "0.05: pitch_rate_radps 0.2 -> pitch_rate_radps 0.21",
