@@ -4,7 +4,7 @@ use schemars::Schema;
 use schemars::transform::Transform;
 use serde_json::{Map, Value};
 
-use crate::case::CaseError;
+use crate::case::{Case, CaseError};
 
 pub(crate) type Checked = Result<(), CaseError>;
 
@@ -170,14 +170,38 @@ fn plain(value: f64) -> String {
     format!("{value:e}")
 }
 
-/// Checks a value against the range of its key.
-///
-/// # Panics
-/// Where the key has no range.
-pub(crate) fn in_range(key: &'static str, value: f64) -> Checked {
-    let range = Range::of(key);
-    let expected = || format!("{} from {}", range.what, range.words());
-    require_else(range.holds(value), key, value, expected)
+/// Checks every number of a case that has a range.
+pub(crate) fn check_ranges(case: &Case) -> Checked {
+    let written = toml::Value::try_from(case).map_err(|error| CaseError::Unwritable {
+        reason: error.to_string(),
+    })?;
+    check_under("", &written)
+}
+
+/// Checks the numbers of the value of a dotted key; those in lists have the list's key.
+fn check_under(key: &str, value: &toml::Value) -> Checked {
+    match value {
+        toml::Value::Float(number) => match RANGES.iter().find(|range| range.key == key) {
+            Some(range) => require_else(range.holds(*number), range.key, *number, || {
+                format!("{} from {}", range.what, range.words())
+            }),
+            None => Ok(()),
+        },
+        toml::Value::Array(items) => items.iter().try_for_each(|item| check_under(key, item)),
+        toml::Value::Table(table) => table.iter().try_for_each(|(name, value)| {
+            let dot = if key.is_empty() { "" } else { "." };
+            check_under(&format!("{key}{dot}{name}"), value)
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses two keys that exclude each other, or one that needs the other.
+pub(crate) fn refuse_if(wrong: bool, key: &'static str, expected: &'static str) -> Checked {
+    if wrong {
+        return Err(combination(key, expected));
+    }
+    Ok(())
 }
 
 pub(crate) fn require(

@@ -1,4 +1,4 @@
-//! Effects on pressures: a table for the ice, one for the runner, one for the pressure sensor.
+//! Effects on pressures: one table.
 //!
 //! A new effect is an entry of a table: description, law, and an example with the number that it must give.
 
@@ -10,27 +10,9 @@ use kufe_sled::effects::{ActsOn, Form, Info, amplitude};
 
 use crate::case::effects::effect::{Adds, Effect, Example, Growth, Measure, Search};
 
-/// All effects, family by family.
-pub static CATALOGUE: &[&Effect] = &{
-    let families = [ICE, RUNNER, SENSOR];
-    let mut all = [&ICE[0]; ICE.len() + RUNNER.len() + SENSOR.len()];
-    let (mut at, mut family) = (0, 0);
-    while family < families.len() {
-        let mut i = 0;
-        while i < families[family].len() {
-            all[at] = &families[family][i];
-            at += 1;
-            i += 1;
-        }
-        family += 1;
-    }
-    all
-};
-
 /// The effect of this name.
 pub fn find(name: &str) -> Option<&'static Effect> {
-    let mut all = CATALOGUE.iter().copied();
-    all.find(|effect| effect.info.name == name)
+    CATALOGUE.iter().find(|effect| effect.info.name == name)
 }
 
 /// An effect on the contact problem.
@@ -48,8 +30,8 @@ const MAP: Info = Info {
 /// Rounding of a worn flat's edges over its depth.
 const ROUNDED: f64 = 0.1;
 
-/// Stiffness, hardness, thickness and smoothness of the ice.
-const ICE: &[Effect] = &[
+/// All effects: of the ice, of the runner, of the pressure film or sensor array.
+pub static CATALOGUE: &[Effect] = &[
     // A bound on the pressure: p <= H with 1/H the parameter, 0 for no bound.
     Effect {
         info: Info {
@@ -192,11 +174,7 @@ const ICE: &[Effect] = &[
         },
         ..Effect::NEW
     },
-];
-
-/// Shape, attitude and compliance of the runner.
-const RUNNER: &[Effect] = &[
-    // The runner turned about y by an angle that the model does not have. With a held tilt the
+    // The runner turned about y by an angle that the model does not have. With a fixed tilt the
     // angle adds to it; with a free one the underside is turned against the frame of the map.
     Effect {
         info: Info {
@@ -251,7 +229,7 @@ const RUNNER: &[Effect] = &[
         },
         ..Effect::NEW
     },
-    // The runner turned about x by an angle that the model does not have. With a held tilt the
+    // The runner turned about x by an angle that the model does not have. With a fixed tilt the
     // angle adds to it; with a free one the underside is turned against the frame of the map.
     Effect {
         info: Info {
@@ -350,10 +328,6 @@ const RUNNER: &[Effect] = &[
         },
         ..Effect::NEW
     },
-];
-
-/// The pressure film or sensor array.
-const SENSOR: &[Effect] = &[
     // The map is convolved with a Gaussian of deviation w in both directions; another modulus
     // keeps the edges sharp.
     Effect {
@@ -478,7 +452,8 @@ enum About {
     Y,
 }
 
-/// A held tilt gets the angle on top; with a free one the underside is turned against the frame of the map.
+/// Adds the angle to a fixed tilt; with a free one the underside is turned against the frame of the
+/// map.
 fn turn(problem: &mut Problem, about: About, angle: f64) {
     if let Load::Force {
         tilt: Tilt::Fixed { pitch, roll },

@@ -24,18 +24,18 @@ pub(crate) fn switch_on(
     problem: &mut Problem,
 ) -> Result<(), CaseError> {
     for (name, table) in tables {
-        let told = |found: String, expected: String| CaseError::Effect {
+        let refused = |found: String, expected: String| CaseError::Effect {
             name: name.clone(),
             found,
             expected,
         };
         let Some(effect) = find(name) else {
             let known: Vec<&str> = CATALOGUE.iter().map(|e| e.info.name).collect();
-            return Err(told("an unknown effect".to_owned(), known.join(", ")));
+            return Err(refused("an unknown effect".to_owned(), known.join(", ")));
         };
         let p = effect.parameter();
         if let Some(key) = table.keys().find(|key| *key != p.name) {
-            return Err(told(format!("the key `{key}`"), format!("`{}`", p.name)));
+            return Err(refused(format!("the key `{key}`"), format!("`{}`", p.name)));
         }
         let value = match table.get(p.name) {
             None => 0.0,
@@ -45,7 +45,7 @@ pub(crate) fn switch_on(
         };
         if !(value >= p.low && value <= p.high) {
             let found = table.get(p.name).map_or(String::new(), ToString::to_string);
-            return Err(told(
+            return Err(refused(
                 format!("`{}` = {found}", p.name),
                 format!("a number from {} to {} {}", p.low, p.high, p.unit),
             ));

@@ -166,7 +166,7 @@ fn sensor(case: &Case) -> SizedEffects {
             let size = value
                 .as_float()
                 .or(value.as_integer().map(|whole| whole as f64))?;
-            Some((*effect, size))
+            Some((effect, size))
         })
         .collect()
 }
