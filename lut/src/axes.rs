@@ -151,7 +151,7 @@ impl Axes {
     /// Axes of forces [N] and reduced curvatures between 0 and 1.
     ///
     /// # Errors
-    /// As [`with`](Self::with); [`Error::AxisValue`] where a reduced curvature is not between 0
+    /// As [`with`](Self::with); [`Error::Axis`] where a reduced curvature is not between 0
     /// and 1.
     pub fn reduced(
         fz: Vec<f64>,
@@ -159,12 +159,13 @@ impl Axes {
         flush: CurvatureScaling,
     ) -> Result<Self, Error> {
         if let Some(index) = reduced.iter().position(|t| !(0.0..=1.0).contains(t)) {
-            return Err(Error::AxisValue {
-                axis: "reduced_curvature",
+            let expected = "a number between 0 and 1";
+            return Err(Error::axis_value(
+                "reduced_curvature",
                 index,
-                value: reduced[index],
-                expected: "a number between 0 and 1",
-            });
+                reduced[index],
+                expected,
+            ));
         }
         let axes = Axes::new(fz, reduced)?;
         Ok(Axes {
@@ -176,22 +177,21 @@ impl Axes {
     /// With breakpoints along an axis.
     ///
     /// # Errors
-    /// [`Error::AxisLength`], [`Error::AxisValue`] and [`Error::TooManyNodes`] where the axis is
-    /// empty or too long, where a value is not finite, not above the one before, or not positive
-    /// along any axis but curvature and temperature, or where there are more than [`MAX_NODES`]
-    /// nodes; [`Error::FlushPlan`] with reduced curvatures.
+    /// [`Error::Axis`] where the axis is empty or too long, or where a value is not finite, not
+    /// above the one before, or not positive along any axis but curvature and temperature;
+    /// [`Error::Invalid`] where there are more than [`MAX_NODES`] nodes, and with reduced
+    /// curvatures.
     pub fn with(mut self, kind: AxisKind, values: Vec<f64>) -> Result<Self, Error> {
         if self.flush.is_some() {
-            return Err(Error::FlushPlan);
+            return Err(Error::flush_plan());
         }
         check(kind, &values)?;
         self.values[kind as usize] = Some(values);
         let found = self.shape().into_iter().fold(1, usize::saturating_mul);
         if found > MAX_NODES {
-            return Err(Error::TooManyNodes {
-                found,
-                limit: MAX_NODES,
-            });
+            return Err(Error::Invalid(format!(
+                "the axes span {found} nodes: expected at most {MAX_NODES}"
+            )));
         }
         Ok(self)
     }
@@ -327,10 +327,9 @@ impl Axes {
 fn check(kind: AxisKind, values: &[f64]) -> Result<(), Error> {
     let axis = kind.key();
     if values.is_empty() || values.len() > MAX_AXIS {
-        return Err(Error::AxisLength {
+        return Err(Error::Axis {
             axis,
-            found: values.len(),
-            limit: MAX_AXIS,
+            problem: format!(" has {} values: expected 1 to {MAX_AXIS}", values.len()),
         });
     }
     for (index, &value) in values.iter().enumerate() {
@@ -343,12 +342,7 @@ fn check(kind: AxisKind, values: &[f64]) -> Result<(), Error> {
         } else {
             continue;
         };
-        return Err(Error::AxisValue {
-            axis,
-            index,
-            value,
-            expected,
-        });
+        return Err(Error::axis_value(axis, index, value, expected));
     }
     Ok(())
 }

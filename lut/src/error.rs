@@ -1,71 +1,22 @@
 //! Errors of tables, their files, their sweeps and their exports.
 
+use crate::axes::Point;
+
 /// What can go wrong with a table.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// An axis has no values or too many.
-    #[error("axis {axis} has {found} values: expected 1 to {limit}")]
-    AxisLength {
+    /// The values of an axis are too few, too many or out of range.
+    #[error("axis {axis}{problem}")]
+    Axis {
         /// The axis.
         axis: &'static str,
-        /// Its number of values.
-        found: usize,
-        /// The largest number of values.
-        limit: usize,
+        /// What is wrong with it, behind its name.
+        problem: String,
     },
-    /// An axis value is outside its range or not above the one before.
-    #[error("axis {axis}, value {index} = {value}: expected {expected}")]
-    AxisValue {
-        /// The axis.
-        axis: &'static str,
-        /// Position on the axis, from 0.
-        index: usize,
-        /// The value found.
-        value: f64,
-        /// What it must be.
-        expected: &'static str,
-    },
-    /// A parameter of reduced curvatures is out of its range.
-    #[error("flush.{key} = {value}: expected {expected}")]
-    FlushValue {
-        /// The parameter's key.
-        key: &'static str,
-        /// The value found.
-        value: f64,
-        /// What it must be.
-        expected: &'static str,
-    },
-    /// Reduced curvatures together with axes that exclude them.
-    #[error(
-        "flush: expected curvatures from one end to another, and no rocker radii, speeds or temperatures"
-    )]
-    FlushPlan,
-    /// The axes span more nodes than a table may have.
-    #[error("the axes span {found} nodes: expected at most {limit}")]
-    TooManyNodes {
-        /// Nodes spanned.
-        found: usize,
-        /// Nodes allowed.
-        limit: usize,
-    },
-    /// A list has another length than the axes span.
-    #[error("{found} nodes for axes that span {expected}")]
-    NodeCount {
-        /// Nodes given.
-        found: usize,
-        /// Nodes that the axes span.
-        expected: usize,
-    },
-    /// A figure of a node or a check is missing or not a finite number.
-    #[error("{quantity} at {place} = {value}: expected a finite number")]
-    NotFinite {
-        /// The figure's key.
-        quantity: &'static str,
-        /// The point.
-        place: String,
-        /// The value found.
-        value: f64,
-    },
+    /// A plan, its results, a table or a request that is not usable; with the value and what was
+    /// expected.
+    #[error("{0}")]
+    Invalid(String),
     /// The table has a rocker axis and no rocker radius was given.
     #[error("the table has a rocker radius axis ({low} to {high} m): choose a rocker radius on it")]
     RockerNeeded {
@@ -74,14 +25,6 @@ pub enum Error {
         /// Largest radius [m].
         high: f64,
     },
-    /// A rocker radius that the table does not span.
-    #[error("rocker radius {value} m: the table spans {span}")]
-    RockerOutside {
-        /// The radius given [m].
-        value: f64,
-        /// What the table spans.
-        span: String,
-    },
     /// A quantity of sliding contacts in a table of contacts at rest.
     #[error(
         "the table holds contacts at rest: {quantity} expects one of a case with [sliding], over v_mps or ice_c"
@@ -89,18 +32,6 @@ pub enum Error {
     NoQuantity {
         /// The quantity's name.
         quantity: &'static str,
-    },
-    /// Some points of a table slide and others are at rest.
-    #[error("{place}: expected figures of sliding at every point, or at none")]
-    SlidingMixture {
-        /// The first point that differs.
-        place: String,
-    },
-    /// A requested interpolation error that is no positive fraction.
-    #[error("interpolation = {value}: expected a relative error between 1e-6 and 0.5")]
-    Tolerance {
-        /// The value found.
-        value: f64,
     },
     /// The refinement reached its limits before its tolerance.
     #[error(
@@ -131,26 +62,6 @@ pub enum Error {
     /// A table file is not the JSON of a table; serde's message has line, column and expectation.
     #[error("{0}")]
     Json(#[from] serde_json::Error),
-    /// A file is larger than a reader accepts.
-    #[error("more than {limit} bytes: expected a smaller file")]
-    TooLarge {
-        /// Bytes accepted.
-        limit: u64,
-    },
-    /// A path that a script cannot name.
-    #[error("{path}: expected a path of printable characters, which a script can name")]
-    ScriptPath {
-        /// The path, with its control characters escaped.
-        path: String,
-    },
-    /// This build has no compiled library for simulators.
-    #[error(
-        "this kufe was built where no C compiler was found, so it cannot make an FMU: {reason}; rebuild with a C compiler, or use --header"
-    )]
-    NoFmuLibrary {
-        /// What the build found.
-        reason: &'static str,
-    },
     /// CSV could not be written.
     #[error("table could not be written as CSV: {0}")]
     Csv(#[from] csv::Error),
@@ -163,6 +74,41 @@ pub enum Error {
 }
 
 impl Error {
+    /// An axis whose value at `index`, from 0, is not what it must be.
+    pub(crate) fn axis_value(axis: &'static str, index: usize, value: f64, expected: &str) -> Self {
+        Error::Axis {
+            axis,
+            problem: format!(", value {index} = {value}: expected {expected}"),
+        }
+    }
+
+    /// Reduced curvatures together with axes that exclude them.
+    pub(crate) fn flush_plan() -> Self {
+        Error::Invalid(
+            "flush: expected curvatures from one end to another, and no rocker radii, speeds or \
+             temperatures"
+                .into(),
+        )
+    }
+
+    pub(crate) fn node_count(found: usize, expected: usize) -> Self {
+        Error::Invalid(format!("{found} nodes for axes that span {expected}"))
+    }
+
+    pub(crate) fn rocker_outside(value: f64, span: &str) -> Self {
+        Error::Invalid(format!("rocker radius {value} m: the table spans {span}"))
+    }
+
+    pub(crate) fn sliding_mixture(point: &Point) -> Self {
+        Error::Invalid(format!(
+            "{point}: expected figures of sliding at every point, or at none"
+        ))
+    }
+
+    pub(crate) fn too_large(limit: u64) -> Self {
+        Error::Invalid(format!("more than {limit} bytes: expected a smaller file"))
+    }
+
     /// A value that is not what it must be, shortened to 120 characters.
     pub(crate) fn format(key: &str, found: &str, expected: impl Into<String>) -> Self {
         let mut shown: String = found.chars().take(120).collect();

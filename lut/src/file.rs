@@ -91,7 +91,7 @@ impl Table {
     /// Reads a table and checks every number in it.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] past [`MAX_FILE_BYTES`]; [`Error::Json`] with line and column where the
+    /// [`Error::Invalid`] past [`MAX_FILE_BYTES`]; [`Error::Json`] with line and column where the
     /// JSON is broken or a key is unknown, missing or of the wrong type; [`Error::Format`] with
     /// key, value and expectation; the errors of [`Axes::with`]; [`Error::Stream`] where the reader
     /// fails.
@@ -99,9 +99,7 @@ impl Table {
         let mut bounded = BufReader::new(reader.take(MAX_FILE_BYTES + 1));
         let parsed = serde_json::from_reader(&mut bounded);
         if bounded.get_ref().limit() == 0 {
-            return Err(Error::TooLarge {
-                limit: MAX_FILE_BYTES,
-            });
+            return Err(Error::too_large(MAX_FILE_BYTES));
         }
         match parsed {
             Ok(file) => from_file(file),
@@ -113,7 +111,7 @@ impl Table {
     /// Writes the table as JSON; the same table gives the same bytes.
     ///
     /// # Errors
-    /// [`Error::Stream`] where the writer fails, [`Error::RockerOutside`] where a check lies off
+    /// [`Error::Stream`] where the writer fails, [`Error::Invalid`] where a check lies off
     /// the rocker axis, [`Error::Json`] where the case is no JSON.
     pub fn write(&self, writer: &mut dyn Write) -> Result<(), Error> {
         let case: &RawValue = serde_json::from_str(&self.case)?;
@@ -252,9 +250,7 @@ fn from_file(file: TableFile) -> Result<Table, Error> {
     for (n, check) in file.checks.iter().enumerate() {
         check_place(&format!("checks[{n}]"), &check.point, &axes)?;
         if check.figures.is_sliding() != sliding {
-            return Err(Error::SlidingMixture {
-                place: check.point.to_string(),
-            });
+            return Err(Error::sliding_mixture(&check.point));
         }
     }
     let mut table = Table::of_columns(axes, columns, methods, file.checks);

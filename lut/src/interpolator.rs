@@ -150,7 +150,7 @@ impl Interpolator {
     ///
     /// # Errors
     /// [`Error::RockerNeeded`] where the table has a rocker axis and no radius is given,
-    /// [`Error::RockerOutside`] where the radius is not on it or there is no such axis,
+    /// [`Error::Invalid`] where the radius is not on it or there is no such axis,
     /// [`Error::NoQuantity`] for a quantity of sliding contacts in a table at rest.
     pub fn new(
         table: &Table,
@@ -362,19 +362,15 @@ fn at_rocker(
             });
         }
         (None, Some(value)) => {
-            return Err(Error::RockerOutside {
-                value,
-                span: "one runner, without a rocker axis".into(),
-            });
+            let span = "one runner, without a rocker axis";
+            return Err(Error::rocker_outside(value, span));
         }
         (Some(radii), Some(radius)) => (radii, radius),
     };
     let last = radii.len() - 1;
     if !(radii[0]..=radii[last]).contains(&radius) {
-        return Err(Error::RockerOutside {
-            value: radius,
-            span: format!("{} to {} m", radii[0], radii[last]),
-        });
+        let span = format!("{} to {} m", radii[0], radii[last]);
+        return Err(Error::rocker_outside(radius, &span));
     }
     let low = radii.partition_point(|&r| r <= radius) - 1;
     let high = (low + 1).min(last);

@@ -2,125 +2,57 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A tabulated quantity.
-#[derive(
-    Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
-)]
-#[serde(rename_all = "snake_case")]
-pub enum Quantity {
-    /// Peak pressure [Pa].
-    PMax,
-    /// Force over contact area [Pa].
-    PMean,
-    /// Contact area [m2].
-    Area,
-    /// Extent of the contact along the runner [m].
-    Length,
-    /// Extent of the contact across the runner [m].
-    Width,
-    /// Rigid approach [m].
-    Approach,
-    /// Coefficient of friction of a runner that slides.
-    Mu,
-    /// Its part that ploughs the groove.
-    MuPloughing,
-    /// Its part that shears the melt film.
-    MuViscous,
-    /// Its part where steel and ice touch through the film.
-    MuBoundary,
-    /// Depth of the groove of a sliding runner [m].
-    GrooveDepth,
-    /// Thickness of the melt film averaged over the patch [m].
-    FilmMean,
+/// Defines the quantities: name, ending of its keys, unit and title.
+macro_rules! quantities {
+    ($($variant:ident, $name:literal, $ending:literal, $unit:literal, $title:literal;)*) => {
+        /// A tabulated quantity.
+        #[derive(
+            Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+        )]
+        #[serde(rename_all = "snake_case")]
+        pub enum Quantity {
+            $(#[doc = concat!($title, " [", $unit, "].")] $variant),*
+        }
+
+        /// Number of quantities.
+        const COUNT: usize = [$($name),*].len();
+
+        /// Name, key, key of the estimated error, unit and title of every quantity, in the order
+        /// of the enum.
+        const DESCRIPTIONS: [[&str; 5]; COUNT] = [$([
+            $name,
+            concat!($name, $ending),
+            concat!($name, "_error", $ending),
+            $unit,
+            $title,
+        ]),*];
+
+        impl Quantity {
+            /// All quantities, in the order files list them.
+            pub const ALL: [Quantity; COUNT] = [$(Quantity::$variant),*];
+        }
+    };
 }
 
-/// Number of quantities.
-const COUNT: usize = 12;
+quantities! {
+    PMax, "p_max", "_pa", "Pa", "Peak pressure";
+    PMean, "p_mean", "_pa", "Pa", "Mean pressure";
+    Area, "area", "_m2", "m2", "Contact area";
+    Length, "length", "_m", "m", "Contact length";
+    Width, "width", "_m", "m", "Contact width";
+    Approach, "approach", "_m", "m", "Approach";
+    Mu, "mu", "", "1", "Coefficient of friction";
+    MuPloughing, "mu_ploughing", "", "1", "Friction of ploughing";
+    MuViscous, "mu_viscous", "", "1", "Friction of the melt film";
+    MuBoundary, "mu_boundary", "", "1", "Friction of boundary contact";
+    GrooveDepth, "groove_depth", "_m", "m", "Depth of the groove";
+    FilmMean, "film_mean", "_m", "m", "Mean thickness of the film";
+}
+
 /// Number of quantities that a contact at rest has.
 const AT_REST: usize = 6;
 
-/// Name, key, key of the estimated error, unit and title of every quantity, in the order of the
-/// enum.
-const DESCRIPTIONS: [[&str; 5]; COUNT] = [
-    ["p_max", "p_max_pa", "p_max_error_pa", "Pa", "Peak pressure"],
-    [
-        "p_mean",
-        "p_mean_pa",
-        "p_mean_error_pa",
-        "Pa",
-        "Mean pressure",
-    ],
-    ["area", "area_m2", "area_error_m2", "m2", "Contact area"],
-    [
-        "length",
-        "length_m",
-        "length_error_m",
-        "m",
-        "Contact length",
-    ],
-    ["width", "width_m", "width_error_m", "m", "Contact width"],
-    [
-        "approach",
-        "approach_m",
-        "approach_error_m",
-        "m",
-        "Approach",
-    ],
-    ["mu", "mu", "mu_error", "1", "Coefficient of friction"],
-    [
-        "mu_ploughing",
-        "mu_ploughing",
-        "mu_ploughing_error",
-        "1",
-        "Friction of ploughing",
-    ],
-    [
-        "mu_viscous",
-        "mu_viscous",
-        "mu_viscous_error",
-        "1",
-        "Friction of the melt film",
-    ],
-    [
-        "mu_boundary",
-        "mu_boundary",
-        "mu_boundary_error",
-        "1",
-        "Friction of boundary contact",
-    ],
-    [
-        "groove_depth",
-        "groove_depth_m",
-        "groove_depth_error_m",
-        "m",
-        "Depth of the groove",
-    ],
-    [
-        "film_mean",
-        "film_mean_m",
-        "film_mean_error_m",
-        "m",
-        "Mean thickness of the film",
-    ],
-];
-
 impl Quantity {
-    /// All quantities, in the order files list them.
-    pub const ALL: [Quantity; COUNT] = [
-        Quantity::PMax,
-        Quantity::PMean,
-        Quantity::Area,
-        Quantity::Length,
-        Quantity::Width,
-        Quantity::Approach,
-        Quantity::Mu,
-        Quantity::MuPloughing,
-        Quantity::MuViscous,
-        Quantity::MuBoundary,
-        Quantity::GrooveDepth,
-        Quantity::FilmMean,
-    ];
-
     /// The quantities of a contact that slides, or of one at rest.
     pub fn of(sliding: bool) -> &'static [Quantity] {
         if sliding {

@@ -56,22 +56,19 @@ impl CurvatureScaling {
     /// curvatures `from` and `to` [1/m] that the reduced curvatures 0 and 1 stand for.
     ///
     /// # Errors
-    /// [`Error::FlushValue`] where a number is not finite, the scale not positive, or the order not
+    /// [`Error::Invalid`] where a number is not finite, the scale not positive, or the order not
     /// `from < curvature < to`.
     pub fn new(curvature: f64, scale: f64, [from, to]: [f64; 2]) -> Result<Self, Error> {
-        let wrong = |key, value, expected| Error::FlushValue {
-            key,
-            value,
-            expected,
+        let wrong = |key: &str, value: f64, expected: &str| {
+            Error::Invalid(format!("flush.{key} = {value}: expected {expected}"))
         };
-        let finite = "a finite number";
         for (key, value) in [
             ("curvature_1pm", curvature),
             ("from_1pm", from),
             ("to_1pm", to),
         ] {
             if !value.is_finite() {
-                return Err(wrong(key, value, finite));
+                return Err(wrong(key, value, "a finite number"));
             }
         }
         if !(1e-15..=1.0).contains(&scale) {

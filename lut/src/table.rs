@@ -127,15 +127,11 @@ impl Table {
     /// them.
     ///
     /// # Errors
-    /// [`Error::NodeCount`] where `nodes` does not fit `axes`, [`Error::NotFinite`] where a figure
-    /// of a node or a check is no finite number, [`Error::SlidingMixture`] where some slide and
-    /// others do not.
+    /// [`Error::Invalid`] where `nodes` does not fit `axes`, a figure of a node or a check is not
+    /// finite, or some points slide and others do not.
     pub fn new(axes: Axes, nodes: &[Figures], checks: Vec<Solve>) -> Result<Self, Error> {
         if nodes.len() != axes.node_count() {
-            return Err(Error::NodeCount {
-                found: nodes.len(),
-                expected: axes.node_count(),
-            });
+            return Err(Error::node_count(nodes.len(), axes.node_count()));
         }
         let sliding = axes.is_sliding() || nodes[0].is_sliding();
         let at_nodes = axes.points().into_iter().zip(nodes);
@@ -143,9 +139,7 @@ impl Table {
         for (point, figures) in at_nodes.chain(at_checks) {
             check_finite(&point, figures)?;
             if figures.is_sliding() != sliding {
-                return Err(Error::SlidingMixture {
-                    place: point.to_string(),
-                });
+                return Err(Error::sliding_mixture(&point));
             }
         }
         let columns = Quantity::of(sliding).iter().map(|&quantity| {
@@ -324,14 +318,12 @@ pub(crate) fn relative_error(
 /// Checks that the figures of a point are complete and finite.
 ///
 /// # Errors
-/// [`Error::NotFinite`] with the first figure that is not.
+/// [`Error::Invalid`] with the first figure that is not.
 pub fn check_finite(point: &Point, figures: &Figures) -> Result<(), Error> {
     match figures.not_finite() {
         None => Ok(()),
-        Some((quantity, value)) => Err(Error::NotFinite {
-            quantity,
-            place: point.to_string(),
-            value,
-        }),
+        Some((quantity, value)) => Err(Error::Invalid(format!(
+            "{quantity} at {point} = {value}: expected a finite number"
+        ))),
     }
 }

@@ -38,14 +38,12 @@ pub struct Fmu {
 /// Reads the table of an FMU back.
 ///
 /// # Errors
-/// [`Error::TooLarge`] past [`MAX_FILE_BYTES`]; [`Error::Zip`] where it is no archive or has no
+/// [`Error::Invalid`] past [`MAX_FILE_BYTES`]; [`Error::Zip`] where it is no archive or has no
 /// table in its resources; those of [`Table::read`], which bounds what the table takes when it is
 /// expanded.
 pub fn read_fmu(mut reader: impl Read + Seek) -> Result<Fmu, Error> {
     if reader.seek(SeekFrom::End(0))? > MAX_FILE_BYTES {
-        return Err(Error::TooLarge {
-            limit: MAX_FILE_BYTES,
-        });
+        return Err(Error::too_large(MAX_FILE_BYTES));
     }
     reader.rewind()?;
     let mut archive = ZipArchive::new(reader)?;
@@ -76,8 +74,8 @@ impl Table {
     /// built on, and its sources for others. `rocker_radius` as in [`Table::write_header`].
     ///
     /// # Errors
-    /// [`Error::NoFmuLibrary`] where this crate was built without a C compiler;
-    /// [`Error::RockerNeeded`], [`Error::RockerOutside`]; [`Error::Zip`] and [`Error::Stream`].
+    /// [`Error::Invalid`] where this crate was built without a C compiler, or the radius is not on
+    /// the axis; [`Error::RockerNeeded`]; [`Error::Zip`] and [`Error::Stream`].
     pub fn write_fmu(
         &self,
         name: &str,
@@ -85,7 +83,10 @@ impl Table {
         writer: &mut dyn Write,
     ) -> Result<(), Error> {
         if LIBRARY.is_empty() {
-            return Err(Error::NoFmuLibrary { reason: REASON });
+            return Err(Error::Invalid(format!(
+                "this kufe was built where no C compiler was found, so it cannot make an FMU: \
+                 {REASON}; rebuild with a C compiler, or use --header"
+            )));
         }
         rocker_on_axis(self, rocker_radius)?;
         let numbers = self.fmu_numbers(rocker_radius)?;

@@ -26,7 +26,7 @@ impl Table {
     /// chooses a breakpoint of the rocker axis where the table has one [m].
     ///
     /// # Errors
-    /// [`Error::RockerNeeded`] and [`Error::RockerOutside`] as [`Interpolator::new`];
+    /// [`Error::RockerNeeded`] and [`Error::Invalid`] as [`Interpolator::new`];
     /// [`Error::Stream`].
     pub fn write_header(
         &self,
@@ -145,10 +145,8 @@ pub(crate) fn rocker_on_axis(table: &Table, rocker_radius: Option<f64>) -> Resul
     match (table.axes().rocker_radius(), rocker_radius) {
         (Some(radii), Some(value)) if !radii.contains(&value) => {
             let list: Vec<String> = radii.iter().map(f64::to_string).collect();
-            Err(Error::RockerOutside {
-                value,
-                span: format!("{} m, and an export takes one of these", list.join(", ")),
-            })
+            let span = format!("{} m, and an export takes one of these", list.join(", "));
+            Err(Error::rocker_outside(value, &span))
         }
         _ => Ok(()),
     }

@@ -14,7 +14,7 @@ const MARK: &str = concat!("# kufe ", env!("CARGO_PKG_VERSION"), "\n");
 /// again.
 ///
 /// # Errors
-/// [`Error::ScriptPath`] where a path has characters that a script cannot name.
+/// [`Error::Invalid`] where a path has characters that a script cannot name.
 pub fn slurm_script(kufe: &Path, plan: &Path, shards: usize) -> Result<String, Error> {
     let log = format!(
         "{}/slurm-%A_%a.log\"",
@@ -37,7 +37,7 @@ pub fn slurm_script(kufe: &Path, plan: &Path, shards: usize) -> Result<String, E
 /// The same with GNU parallel, on this machine: `sh parallel.sh`, again to run what failed.
 ///
 /// # Errors
-/// [`Error::ScriptPath`] where a path has characters that a script cannot name.
+/// [`Error::Invalid`] where a path has characters that a script cannot name.
 pub fn parallel_script(kufe: &Path, plan: &Path, shards: usize) -> Result<String, Error> {
     // GNU parallel gives its command to a shell: paths come as variables, which that shell does not
     // parse again.

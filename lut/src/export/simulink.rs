@@ -39,7 +39,7 @@ impl Table {
     /// S-function must have.
     ///
     /// # Errors
-    /// [`Error::RockerNeeded`] and [`Error::RockerOutside`] as [`Table::write_header`];
+    /// [`Error::RockerNeeded`] and [`Error::Invalid`] as [`Table::write_header`];
     /// [`Error::Stream`].
     pub fn write_s_function(
         &self,

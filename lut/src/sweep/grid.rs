@@ -34,7 +34,8 @@ impl Grid {
     /// Five points on every range, the given ones elsewhere.
     ///
     /// # Errors
-    /// [`Error::AxisValue`] for ranges without extent; [`Error::FlushValue`], [`Error::FlushPlan`].
+    /// [`Error::Axis`] for ranges without extent; [`Error::Invalid`] for reduced curvatures that do
+    /// not fit.
     pub fn start(plan: &Plan) -> Result<Self, Error> {
         let mut values: [Vec<f64>; KINDS] = Default::default();
         let mut refined = [false; KINDS];
@@ -56,7 +57,7 @@ impl Grid {
                 values[1] = five(1, 0.0, 1.0)?;
                 Some(CurvatureScaling::new(curvature, scale, [from, to])?)
             }
-            _ => return Err(Error::FlushPlan),
+            _ => return Err(Error::flush_plan()),
         };
         Ok(Grid {
             values,
@@ -179,11 +180,8 @@ impl Grid {
 
 /// Five places from one end to the other, each in the middle of its neighbours.
 fn five(axis: usize, from: f64, to: f64) -> Result<Vec<f64>, Error> {
-    let wrong = |index, value, expected| Error::AxisValue {
-        axis: AxisKind::ALL[axis].key(),
-        index,
-        value,
-        expected,
+    let wrong = |index, value, expected| {
+        Error::axis_value(AxisKind::ALL[axis].key(), index, value, expected)
     };
     // The ends are checked before anything is computed from them.
     let usable = |v: f64| v.is_finite() && (v > 0.0 || !AxisKind::ALL[axis].is_logarithmic());

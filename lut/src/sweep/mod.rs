@@ -153,16 +153,16 @@ pub fn sweep_batches<E: From<Error>>(
     mut solve: impl FnMut(&[Point]) -> Result<Vec<Figures>, E>,
 ) -> Result<SweepResult, E> {
     if !(1e-6..=0.5).contains(&plan.interpolation) {
-        let value = plan.interpolation;
-        return Err(Error::Tolerance { value }.into());
+        let text = format!(
+            "interpolation = {}: expected a relative error between 1e-6 and 0.5",
+            plan.interpolation
+        );
+        return Err(Error::Invalid(text).into());
     }
     let mut checked = |points: &[Point]| {
         let solved = solve(points)?;
         if solved.len() != points.len() {
-            return Err(E::from(Error::NodeCount {
-                found: solved.len(),
-                expected: points.len(),
-            }));
+            return Err(E::from(Error::node_count(solved.len(), points.len())));
         }
         for (point, figures) in points.iter().zip(&solved) {
             check_finite(point, figures)?;

@@ -104,8 +104,8 @@ impl Plan {
     /// Checks the axes, before anything is solved.
     ///
     /// # Errors
-    /// [`Error::AxisLength`], [`Error::AxisValue`], [`Error::TooManyNodes`], [`Error::FlushValue`],
-    /// [`Error::FlushPlan`].
+    /// [`Error::Axis`], and [`Error::Invalid`] for too many nodes or reduced curvatures that do not
+    /// fit.
     pub fn check(&self) -> Result<(), Error> {
         Grid::start(self)?.axes().map(|_| ())
     }

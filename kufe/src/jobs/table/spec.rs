@@ -168,7 +168,7 @@ impl TableSpec {
 
 /// The line of the axis that an error is about.
 fn line_of(text: &str, error: &Error) -> Option<usize> {
-    let (Error::AxisLength { axis, .. } | Error::AxisValue { axis, .. }) = error else {
+    let Error::Axis { axis, .. } = error else {
         return None;
     };
     // Curvatures may be given as radii.
