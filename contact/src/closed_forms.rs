@@ -1,8 +1,7 @@
 //! Hertz's closed form for smooth bodies that touch at a point.
 
-use std::f64::consts::PI;
-
 use crate::Error;
+use crate::problem::check::positive;
 
 /// Elliptic point contact of two smooth elastic bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,25 +40,17 @@ pub fn hertz(
     contact_modulus: f64,
     force: f64,
 ) -> Result<Hertz, Error> {
-    let bad = |name, value, expected| {
-        Err(Error::OutOfRange {
-            name,
-            value,
-            expected,
-        })
-    };
     for (name, value) in [
         ("radius along x", radius_x),
         ("radius along y", radius_y),
         ("contact modulus", contact_modulus),
         ("normal force", force),
     ] {
-        if !(value > 0.0 && value.is_finite()) {
-            return bad(name, value, "a positive number");
-        }
+        positive(name, value, "a positive number")?;
     }
     if radius_x < radius_y {
-        return bad("radius along x", radius_x, "the larger of the two radii");
+        let expected = "the larger of the two radii";
+        return Err(Error::out_of_range("radius along x", radius_x, expected));
     }
     // The radii's ratio grows as k = b/a falls: bisect on ln k.
     let radii = radius_x / radius_y;
@@ -94,13 +85,8 @@ pub fn hertz(
         ("peak pressure", p_max),
         ("approach", approach),
     ] {
-        if !(value > 0.0 && value.is_finite()) {
-            return bad(
-                name,
-                value,
-                "radii, a modulus and a force that are nearer to one another",
-            );
-        }
+        let expected = "radii, a modulus and a force that are nearer to one another";
+        positive(name, value, expected)?;
     }
     Ok(found)
 }
@@ -129,89 +115,6 @@ fn elliptic_integrals(k: f64) -> (f64, f64) {
     }
     let first = std::f64::consts::FRAC_PI_2 / mean;
     (first, first * (1.0 - sum))
-}
-
-// Ice that yields and does not spring back: the closed form of the models that take it so.
-
-/// A round runner that slides on rigid-plastic ice.
-///
-/// With rocker radius R, section radius r, load F and hardness H the patch is the front half of the
-/// ellipse that the cut at depth D removes, under H everywhere:
-///
-/// ```text
-/// l = sqrt( 2 F sqrt(R/r) / (pi H) ),   D = l^2/(2 R),   width = 2 sqrt(2 r D),   mu = 4 l/(3 pi R)
-/// ```
-///
-/// from F = H pi l width/4 and the ploughing force H (2/3) D width, the section times the hardness;
-/// the first assumption of the models of skates and runners after E. Lozowski and K. Szilder, Int.
-/// J. Offshore Polar Eng. 23 (2013).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RigidPlastic {
-    /// Length of the patch, all of it ahead of the lowest point [m].
-    pub length: f64,
-    /// Width of the groove [m].
-    pub width: f64,
-    /// Depth of the groove [m].
-    pub depth: f64,
-    /// Ploughing force over load.
-    pub ploughing_friction: f64,
-}
-
-/// The closed form [`RigidPlastic`] of radii [m], load [N] and hardness [Pa].
-///
-/// # Errors
-/// [`Error::OutOfRange`] for a number that is not positive, and where they are so far apart that a
-/// figure is no number.
-///
-/// ```
-/// let groove = kufe_contact::rigid_plastic(30.0, 0.004, 950.0, 17.7e6)?;
-/// assert!((groove.depth / 49.3e-6 - 1.0).abs() < 1e-3);
-/// assert!((groove.ploughing_friction / 0.770e-3 - 1.0).abs() < 1e-3);
-/// # Ok::<(), kufe_contact::Error>(())
-/// ```
-pub fn rigid_plastic(
-    rocker_radius: f64,
-    section_radius: f64,
-    fz: f64,
-    hardness: f64,
-) -> Result<RigidPlastic, Error> {
-    for (name, value) in [
-        ("rocker radius", rocker_radius),
-        ("section radius", section_radius),
-        ("normal force", fz),
-        ("ice hardness", hardness),
-    ] {
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(Error::OutOfRange {
-                name,
-                value,
-                expected: "a positive number",
-            });
-        }
-    }
-    let length = (2.0 * fz * (rocker_radius / section_radius).sqrt() / (PI * hardness)).sqrt();
-    let depth = length * length / (2.0 * rocker_radius);
-    let found = RigidPlastic {
-        length,
-        width: 2.0 * (2.0 * section_radius * depth).sqrt(),
-        depth,
-        ploughing_friction: 4.0 * length / (3.0 * PI * rocker_radius),
-    };
-    for (name, value) in [
-        ("length of the patch", length),
-        ("width of the groove", found.width),
-        ("depth of the groove", depth),
-        ("ploughing force over load", found.ploughing_friction),
-    ] {
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(Error::OutOfRange {
-                name,
-                value,
-                expected: "radii, a load and a hardness that are nearer to one another",
-            });
-        }
-    }
-    Ok(found)
 }
 
 #[cfg(test)]

@@ -300,6 +300,24 @@ pub enum Error {
     },
 }
 
+impl Error {
+    /// A runner that cannot be meshed, in the mesher's own words.
+    pub(crate) fn runner_mesh(reason: impl std::fmt::Display) -> Self {
+        Error::RunnerMesh {
+            reason: reason.to_string(),
+        }
+    }
+
+    /// A number of the problem outside its range.
+    pub(crate) fn out_of_range(name: &'static str, value: f64, expected: &'static str) -> Self {
+        Error::OutOfRange {
+            name,
+            value,
+            expected,
+        }
+    }
+}
+
 /// A length of four digits, without zeros at its end [m].
 fn short(length: f64) -> f64 {
     format!("{length:.3e}").parse().unwrap_or(length)

@@ -10,7 +10,7 @@
 //! | [`slide`], [`SlidingSolution`], [`Groove`] | sliding on ice that yields: groove, ploughing force |
 //! | [`boundary_elements()`], [`BoundaryElements`] | a second answer by another method, where it applies |
 //! | [`VerifiedBem`] | boundary elements for a family of contacts, verified at its ends by finite elements |
-//! | [`hertz`], [`rigid_plastic`] | closed forms: smooth point contacts, grooves in rigid-plastic ice |
+//! | [`hertz`] | the closed form of smooth point contacts |
 //!
 //! The folders are the steps of a solve. Each imports from those above it only.
 //!
@@ -26,7 +26,7 @@
 //!    (`plane_problem`); an acceleration solves on that set (`constrained_cg`).
 //! 8. `result`: nodal forces to pressures and figures.
 //! 9. `accuracy`: `find_patch` finds the patch with contact problems on the plane alone; `meshes`
-//!    refines; `order` makes limits with errors of the figures of several meshes.
+//!    refines; `estimators` makes limits with errors of the figures of several meshes.
 //! 10. `map`: the solution on the pixels of a regular grid.
 //! 11. `boundary_elements`: a second method, on the contact plane alone.
 //! 12. `groove`: steady sliding on ice that yields.
@@ -81,7 +81,7 @@ pub use boundary_elements::check::{
     boundary_elements_to_compare,
 };
 pub use boundary_elements::window::CheckUnavailable;
-pub use closed_forms::{Hertz, RigidPlastic, hertz, rigid_plastic};
+pub use closed_forms::{Hertz, hertz};
 pub use error::Error;
 pub use groove::sequence::slide;
 pub use groove::solution::{Groove, GrooveProfile, Measure, Section, SlidingMesh, SlidingSolution};
@@ -92,7 +92,7 @@ pub use options::{MeshWatcher, NUMERICS, NextMesh, Options, StiffnessForm, Watch
 pub use problem::contact_problem::{ElasticRunner, Load, Problem, Runner, Tilt};
 pub use problem::gap::track_height;
 pub use problem::ice::{
-    Bed, Foundation, ICE_POISSONS_RATIO, ICE_TEMPERATURES, Ice, ice_hardness, ice_melting_pressure,
+    Bed, Foundation, ICE_POISSONS_RATIO, Ice, ice_hardness, ice_melting_pressure,
     ice_youngs_modulus,
 };
 pub use problem::mount::{LoadedPlace, Mount, Place};

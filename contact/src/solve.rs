@@ -15,10 +15,10 @@ use crate::{Error, Load, Options, Problem, Solution};
 ///
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::TrackTooTight`] and
-/// [`Error::BeyondHardness`] for problems without an answer; [`Error::NotConverged`] where a mesh's
+/// [`Error::LoadExceedsHardness`] for problems without an answer; [`Error::NotConverged`] where a mesh's
 /// equations are not solved, and [`Error::AccuracyNotReached`], with the best solution in it, where
 /// the largest mesh allowed does not do; [`Error::ConditionsViolated`] and
-/// [`Error::TouchesElsewhere`] where the solution of the last mesh violates the contact conditions;
+/// [`Error::PenetrationOutsideMesh`] where the solution of the last mesh violates the contact conditions;
 /// [`Error::TooFine`] and [`Error::MeshTooLarge`] where no mesh can be had, [`Error::NoAnswer`]
 /// where the meshes give no contact under the load.
 pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
@@ -56,7 +56,7 @@ fn refined(problem: &Problem, options: &Options, mut meshes: Meshes) -> Result<S
 ///
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::LoadOnRim`],
-/// [`Error::TrackTooTight`], [`Error::BeyondHardness`], and those of what does not go together.
+/// [`Error::TrackTooTight`], [`Error::LoadExceedsHardness`], and those of what does not go together.
 pub fn check_problem(problem: &Problem, options: &Options) -> Result<(), Error> {
     check(problem, options)?;
     Gap::new(problem)?;
@@ -84,54 +84,48 @@ fn verified(solution: Solution, options: &Options) -> Result<Solution, Error> {
     })
 }
 
+const POSITIVE: &str = "a positive number";
+const FINITE: &str = "a finite number";
+const SMALL: &str = "at most 0.12 either way: tilts are taken as small";
+
 /// Passes an answer on that is one: finite, with a contact, under the requested load.
 pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution, Error> {
-    let reported = |name, value, expected| {
-        Err(Error::NoAnswer {
-            name,
-            value,
-            expected,
-        })
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    let small = |tilt: f64| tilt.abs() <= MOST_TILT;
+    let carried = match problem.load {
+        Load::Force { fz, .. } => (solution.fz / fz - 1.0).abs() <= BALANCED,
+        Load::Approach { .. } => true,
     };
-    for (name, value) in [
-        ("peak pressure [Pa]", solution.p_max),
-        ("mean pressure [Pa]", solution.p_mean),
-        ("contact area [m2]", solution.area),
-        ("contact length [m]", solution.length),
-        ("contact width [m]", solution.width),
+    let s = &solution;
+    for (name, value, holds, expected) in [
+        ("peak pressure [Pa]", s.p_max, positive(s.p_max), POSITIVE),
+        ("mean pressure [Pa]", s.p_mean, positive(s.p_mean), POSITIVE),
+        ("contact area [m2]", s.area, positive(s.area), POSITIVE),
+        ("contact length [m]", s.length, positive(s.length), POSITIVE),
+        ("contact width [m]", s.width, positive(s.width), POSITIVE),
+        ("pitch [rad]", s.pitch, small(s.pitch), SMALL),
+        ("roll [rad]", s.roll, small(s.roll), SMALL),
+        ("approach [m]", s.approach, s.approach.is_finite(), FINITE),
+        (
+            "residual",
+            s.kkt_residual,
+            s.kkt_residual.is_finite(),
+            FINITE,
+        ),
+        (
+            "force carried [N]",
+            s.fz,
+            carried,
+            "the requested normal force",
+        ),
     ] {
-        if !(value.is_finite() && value > 0.0) {
-            return reported(name, value, "a positive number");
-        }
-    }
-    for (name, value) in [
-        ("pitch [rad]", solution.pitch),
-        ("roll [rad]", solution.roll),
-    ] {
-        if value.is_nan() || value.abs() > MOST_TILT {
-            return reported(
+        if !holds {
+            return Err(Error::NoAnswer {
                 name,
                 value,
-                "at most 0.12 either way: tilts are taken as small",
-            );
+                expected,
+            });
         }
-    }
-    for (name, value) in [
-        ("approach [m]", solution.approach),
-        ("residual", solution.kkt_residual),
-    ] {
-        if !value.is_finite() {
-            return reported(name, value, "a finite number");
-        }
-    }
-    if let Load::Force { fz, .. } = problem.load
-        && (solution.fz.is_nan() || (solution.fz / fz - 1.0).abs() > BALANCED)
-    {
-        return reported(
-            "force carried [N]",
-            solution.fz,
-            "the requested normal force",
-        );
     }
     Ok(solution)
 }

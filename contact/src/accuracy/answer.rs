@@ -37,13 +37,8 @@ impl Answer<'_> {
         let Pressure {
             values, figures, ..
         } = pressure;
-        let share = mesh
-            .symmetry
-            .iter()
-            .map(|&s| if s { 0.5 } else { 1.0 })
-            .product::<f64>();
         let resultant = mesh.contact.resultant(&state);
-        let fz = resultant[0] / share;
+        let fz = mesh.copies() * resultant[0];
         // A mirror plane holds the centre of pressure; otherwise it follows from the moments about
         // the line of action.
         let centre = |axis: usize, moment: f64| {

@@ -1,4 +1,5 @@
-//! The order at which meshes approach their limit, measured on three of them.
+//! Estimators of the discretisation error: Richardson extrapolation with an observed order, the grid
+//! convergence index, and the range of values that show no order.
 
 /// A figure on one mesh.
 #[derive(Clone, Copy, Debug)]
@@ -18,30 +19,30 @@ pub(crate) struct Limit {
 
 /// Order of trilinear cells: what the meshes are expected to converge with, and the highest order
 /// that is believed.
-const FORMAL: f64 = 2.0;
+const FORMAL_ORDER: f64 = 2.0;
 /// Largest order that is believed of values that a rim moves. It is above the order of smooth
 /// figures whose second-order part vanishes.
-pub(crate) const HIGHEST: f64 = 3.0;
+pub(crate) const HIGHEST_ORDER: f64 = 3.0;
 /// Lowest order that is believed: below it a limit is far from every mesh there is.
-const LOWEST: f64 = 0.5;
+const LOWEST_ORDER: f64 = 0.5;
 /// Factor of safety where the observed order is the formal one (T. Xing and F. Stern, J. Fluids
 /// Eng. 132, 061403, 2010).
-const SAFETY: f64 = 1.6;
+const SAFETY_FACTOR: f64 = 1.6;
 /// Factor of safety on the range of the values where they show no order (L. Eça and M. Hoekstra, J.
 /// Comput. Phys. 228, 2009).
-const UNKNOWN: f64 = 3.0;
+const RANGE_FACTOR: f64 = 3.0;
 
 impl Limit {
     /// The limit of three similar meshes, from coarse to fine.
     ///
     /// Errors c h^p make the order p known from the three values, and with it the limit f3 + d, d =
     /// (f3 - f2) h3^p / (h2^p - h3^p) (P. J. Roache, Annu. Rev. Fluid Mech. 29, 1997). The error of
-    /// that limit is (SAFETY - 1) |d|, and what the order is uncertain by: the difference of what
-    /// observed and formal order make of d. An order above the formal one is taken for the formal
+    /// that limit is (SAFETY_FACTOR - 1) |d|, and what the order is uncertain by: the difference of
+    /// what observed and formal order make of d. An order above the formal one is taken for the formal
     /// one, and its d has to agree with what the coarser two meshes make of it. Meshes that show no
-    /// order between [`LOWEST`] and infinity (they go to and fro, or do not settle) have
-    /// [`Limit::of_spread`], at least what the lowest order leaves.
-    pub fn of_similar(meshes: [MeshValue; 3]) -> Self {
+    /// order between [`LOWEST_ORDER`] and infinity (they go to and fro, or do not settle) have
+    /// [`Limit::of_range`], at least what the lowest order leaves.
+    pub fn richardson(meshes: [MeshValue; 3]) -> Self {
         let [h1, h2, h3] = meshes.map(|mesh| 1.0 / mesh.cells);
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
         let rest = |order: f64| (f3 - f2) * h3.powf(order) / (h2.powf(order) - h3.powf(order));
@@ -55,10 +56,10 @@ impl Limit {
         let ratio =
             |order: f64| (h2.powf(order) - h3.powf(order)) / (h1.powf(order) - h2.powf(order));
         let observed = steps[1] / steps[0];
-        if observed.is_nan() || observed < 0.0 || observed > ratio(LOWEST) {
-            let spread = Limit::of_spread(&[f1, f2, f3]);
+        if observed.is_nan() || observed < 0.0 || observed > ratio(LOWEST_ORDER) {
+            let spread = Limit::of_range(&[f1, f2, f3]);
             let slow = if observed > 0.0 {
-                SAFETY * rest(LOWEST).abs()
+                SAFETY_FACTOR * rest(LOWEST_ORDER).abs()
             } else {
                 0.0
             };
@@ -67,44 +68,41 @@ impl Limit {
                 ..spread
             };
         }
-        let formal = rest(FORMAL);
-        if observed <= ratio(FORMAL) {
+        let formal = rest(FORMAL_ORDER);
+        if observed <= ratio(FORMAL_ORDER) {
             return Limit {
                 value: f3 + formal,
-                error: (SAFETY - 1.0) * formal.abs() + (expected(meshes) - formal.abs()).abs(),
+                error: (SAFETY_FACTOR - 1.0) * formal.abs()
+                    + (expected(meshes) - formal.abs()).abs(),
             };
         }
         let step = rest(order_of(observed, ratio));
         Limit {
             value: f3 + step,
-            error: (SAFETY - 1.0) * step.abs() + (step - formal).abs(),
+            error: (SAFETY_FACTOR - 1.0) * step.abs() + (step - formal).abs(),
         }
     }
 
     /// The same for a figure that a rim between nodes moves by as much as the cells do: values that
-    /// settle faster than [`HIGHEST`] lets them do so by accident, and have [`Limit::of_spread`].
-    pub fn of_rim(meshes: [MeshValue; 3]) -> Self {
-        Limit::of_rim_up_to(meshes, HIGHEST)
-    }
-
-    /// The same with another largest order.
-    pub fn of_rim_up_to(meshes: [MeshValue; 3], highest: f64) -> Self {
+    /// settle faster than the order `highest` lets them do so by accident, and have
+    /// [`Limit::of_range`].
+    pub fn richardson_at_rim(meshes: [MeshValue; 3], highest: f64) -> Self {
         let [h1, h2, h3] = meshes.map(|mesh| mesh.cells.powf(-highest));
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
         let settled = (f3 - f2) * (h1 - h2) / ((f2 - f1) * (h2 - h3));
         match settled {
-            0.0..1.0 => Limit::of_spread(&[f1, f2, f3]),
-            _ => Limit::of_similar(meshes),
+            0.0..1.0 => Limit::of_range(&[f1, f2, f3]),
+            _ => Limit::richardson(meshes),
         }
     }
 
-    /// The last of values that go to and fro, and as its error [`UNKNOWN`] times their scatter.
+    /// The last of values that go to and fro, and as its error [`RANGE_FACTOR`] times their scatter.
     ///
     /// The errors of two meshes with opposite signs differ by |a - b| and share it as their cell
     /// sizes h: the scatter of the last mesh is the largest |a - b| h_last / (h_a + h_b) of all
     /// pairs, half of their difference where cells are alike. First order is the slowest that was
     /// seen: a maximum at a rounded edge that lies anywhere between nodes.
-    pub fn of_scatter(meshes: &[MeshValue]) -> Self {
+    pub fn of_alternating(meshes: &[MeshValue]) -> Self {
         let apart = |a: &MeshValue, b: &MeshValue| {
             (a.value - b.value).abs() / (1.0 / a.cells + 1.0 / b.cells)
         };
@@ -114,16 +112,16 @@ impl Limit {
         let last = meshes.last();
         Limit {
             value: last.map_or(f64::NAN, |mesh| mesh.value),
-            error: UNKNOWN * pairs.fold(0.0, f64::max) / last.map_or(0.0, |mesh| mesh.cells),
+            error: RANGE_FACTOR * pairs.fold(0.0, f64::max) / last.map_or(0.0, |mesh| mesh.cells),
         }
     }
 
     /// The last of some values, and as its error a multiple of their range; infinite for a single
     /// one.
-    pub fn of_spread(values: &[f64]) -> Self {
+    pub fn of_range(values: &[f64]) -> Self {
         Limit {
             value: values.last().copied().unwrap_or(f64::NAN),
-            error: UNKNOWN * range(values),
+            error: RANGE_FACTOR * range(values),
         }
     }
 
@@ -133,9 +131,16 @@ impl Limit {
     }
 }
 
+/// Error of the finer of two meshes by the grid convergence index of second order, `refined` times
+/// as fine as the other, with a factor of safety of 1.25 (P. J. Roache, Annu. Rev. Fluid Mech. 29,
+/// 1997).
+pub(crate) fn grid_convergence_index(coarse: f64, fine: f64, refined: f64) -> f64 {
+    1.25 / (refined.powi(2) - 1.0) * (coarse - fine).abs()
+}
+
 /// What the step of the coarser two meshes leaves to the finest one at the formal order.
 fn expected(meshes: [MeshValue; 3]) -> f64 {
-    let [a, b, c] = meshes.map(|mesh| mesh.cells.powf(-FORMAL));
+    let [a, b, c] = meshes.map(|mesh| mesh.cells.powf(-FORMAL_ORDER));
     (meshes[1].value - meshes[0].value).abs() * c / (a - b)
 }
 
@@ -151,10 +156,10 @@ pub(crate) fn range(values: &[f64]) -> f64 {
     }
 }
 
-/// The order between [`LOWEST`] and [`FORMAL`] whose `ratio` of steps, which falls with it, is the
+/// The order between [`LOWEST_ORDER`] and [`FORMAL_ORDER`] whose `ratio` of steps, which falls with it, is the
 /// observed one.
 fn order_of(observed: f64, ratio: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (LOWEST, FORMAL);
+    let (mut low, mut high) = (LOWEST_ORDER, FORMAL_ORDER);
     for _ in 0..50 {
         let middle = 0.5 * (low + high);
         if ratio(middle) > observed {
@@ -212,31 +217,23 @@ impl Sequence {
     ///
     /// Three similar meshes give it by their order. A figure that no rim moves and that goes to and
     /// fro over all similar meshes, however three of them look, has the last one's value with
-    /// [`Limit::of_scatter`]. Without three similar meshes it is the last one's value with the
+    /// [`Limit::of_alternating`]. Without three similar meshes it is the last one's value with the
     /// spread of the last three and of those between them and the last coarser one.
     pub fn limit(&self) -> Option<Limit> {
         match self.three() {
             Some((_, used)) if self.alternating && !is_monotone(&used) => {
-                Some(Limit::of_scatter(&used))
+                Some(Limit::of_alternating(&used))
             }
-            Some((three, _)) => Some(Limit::of_similar(three)),
+            Some((three, _)) => Some(Limit::richardson(three)),
             None => self.spread(),
         }
     }
 
-    /// As [`last`](Sequence::last), of a figure that the rim moves by as much as the cells do.
-    pub fn last_by_rim(&self) -> Limit {
+    /// As [`last`](Sequence::last), of a figure that the rim moves by as much as the cells do, with
+    /// this largest order.
+    pub fn last_at_rim(&self, highest: f64) -> Limit {
         match self.three() {
-            Some((three, _)) => Limit::of_rim(three),
-            None => self.last(),
-        }
-    }
-
-    /// The same with another largest order.
-    #[cfg(test)]
-    pub fn last_by_rim_up_to(&self, highest: f64) -> Limit {
-        match self.three() {
-            Some((three, _)) => Limit::of_rim_up_to(three, highest),
+            Some((three, _)) => Limit::richardson_at_rim(three, highest),
             None => self.last(),
         }
     }
@@ -285,7 +282,7 @@ impl Sequence {
     }
 
     fn spread_from(&self, start: usize) -> Limit {
-        Limit::of_spread(&self.values_from(start))
+        Limit::of_range(&self.values_from(start))
     }
 
     fn values_from(&self, start: usize) -> Vec<f64> {
@@ -340,11 +337,11 @@ mod tests {
     #[test]
     fn the_limit_of_a_pure_power_up_to_the_formal_order_is_exact() {
         for order in [0.6, 1.0, 1.37, 2.0] {
-            let limit = Limit::of_similar(meshes([3.0, 4.0, 6.0], |h| 5.0 - h.powf(order)));
+            let limit = Limit::richardson(meshes([3.0, 4.0, 6.0], |h| 5.0 - h.powf(order)));
             assert!((limit.value - 5.0).abs() < 1e-9, "{order} {limit:?}");
             assert!(limit.error > 0.0);
         }
-        let limit = Limit::of_similar(meshes([3.0, 4.0, 6.0], |h| 5.0 - h.powi(3)));
+        let limit = Limit::richardson(meshes([3.0, 4.0, 6.0], |h| 5.0 - h.powi(3)));
         assert!((limit.value - 5.0).abs() < limit.error, "{limit:?}");
     }
 
@@ -356,13 +353,13 @@ mod tests {
                 cells,
                 value: next.next().unwrap(),
             });
-            let limit = Limit::of_similar(raw);
+            let limit = Limit::richardson(raw);
             assert_eq!(limit.value, values[2]);
-            assert!(limit.error >= UNKNOWN * range(&values) - 1e-12);
+            assert!(limit.error >= RANGE_FACTOR * range(&values) - 1e-12);
         }
-        assert_eq!(Limit::of_spread(&[1.0]).error, f64::INFINITY);
+        assert_eq!(Limit::of_range(&[1.0]).error, f64::INFINITY);
         assert_eq!(
-            Limit::of_similar(meshes([4.0, 6.0, 8.0], |_| 7.0)).error,
+            Limit::richardson(meshes([4.0, 6.0, 8.0], |_| 7.0)).error,
             0.0
         );
     }
@@ -376,13 +373,19 @@ mod tests {
             cells,
             value: 100.0 + off.next().unwrap(),
         });
-        let (limit, smooth) = (Limit::of_rim(raw), Limit::of_similar(raw));
+        let (limit, smooth) = (
+            Limit::richardson_at_rim(raw, HIGHEST_ORDER),
+            Limit::richardson(raw),
+        );
         assert!((limit.value - 100.0).abs() < limit.error, "{limit:?}");
         assert!((smooth.value - 100.0).abs() > smooth.error, "{smooth:?}");
         // Of an order that is believed it is that of smooth figures.
         for order in [1.0, 2.0, 2.9] {
             let raw = meshes([4.0, 5.0, 7.0], |h| 5.0 - h.powf(order));
-            let (limit, smooth) = (Limit::of_rim(raw), Limit::of_similar(raw));
+            let (limit, smooth) = (
+                Limit::richardson_at_rim(raw, HIGHEST_ORDER),
+                Limit::richardson(raw),
+            );
             assert_eq!((limit.value, limit.error), (smooth.value, smooth.error));
         }
     }
@@ -393,7 +396,10 @@ mod tests {
             let values = [0, 1, 2].map(|k| 5.0 + ratio.powi(k));
             let limit = sequence_of([4.0, 6.0, 9.0], &values).last();
             assert!((limit.value - 5.0).abs() < limit.error, "{ratio} {limit:?}");
-            assert!(limit.error < UNKNOWN * range(&values), "{ratio} {limit:?}");
+            assert!(
+                limit.error < RANGE_FACTOR * range(&values),
+                "{ratio} {limit:?}"
+            );
         }
     }
 
@@ -401,7 +407,7 @@ mod tests {
     fn values_that_scatter_with_their_cells_have_it_as_error() {
         for (first, second, third) in [(-1.0, -0.9, 1.0), (0.5, -1.0, 1.0), (-0.2, -0.3, 0.5)] {
             let scattered = [(4.0, first), (6.0, second), (9.0, third)];
-            let limit = Limit::of_scatter(&scattered.map(|(cells, part)| MeshValue {
+            let limit = Limit::of_alternating(&scattered.map(|(cells, part)| MeshValue {
                 cells,
                 value: 5.0 + part / cells,
             }));

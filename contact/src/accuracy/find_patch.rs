@@ -8,7 +8,6 @@ use crate::green::matrix::StorageLimit;
 use crate::grid::first_guess::first_guess;
 use crate::grid::grading::Resolution;
 use crate::grid::patch::Patch;
-use crate::grid::stretch::Stretch;
 use crate::mesh::discretise::{MeshPlan, Reach};
 use crate::problem::gap::Gap;
 use crate::result::pressure::Field;
@@ -64,13 +63,9 @@ pub(crate) fn find_patch(
 
 /// Whether a grid made for one patch resolves the other.
 fn similar(a: &Patch, b: &Patch) -> bool {
-    let close = |a: &Stretch, b: &Stretch| {
-        (a.low - b.low).abs() < 0.3 * a.half()
-            && (a.high - b.high).abs() < 0.3 * a.half()
-            && b.half() > 0.75 * a.half()
-            && b.finest() > 0.85 * a.finest()
-    };
-    a.x.len() == b.x.len() && a.x.iter().zip(&b.x).all(|(a, b)| close(a, b)) && close(&a.y, &b.y)
+    a.all_stretches(b, |a, b| {
+        a.ends_near(b, 0.3) && b.half() > 0.75 * a.half() && b.finest() > 0.85 * a.finest()
+    })
 }
 
 /// Refuses a load that the hull cannot pass on at the stated hardness.

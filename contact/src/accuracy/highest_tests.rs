@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use kufe_mesh::Paraboloid;
 
+use crate::accuracy::estimators::{HIGHEST_ORDER, Limit, MeshValue};
 use crate::accuracy::meshes::{Meshes, Verdict};
-use crate::accuracy::order::{HIGHEST, Limit, MeshValue};
 use crate::{Error, Ice, Load, Options, Problem, Runner, Tilt};
 
 /// The order as it is, at half and at twice.
-const ORDERS: [f64; 3] = [0.5 * HIGHEST, HIGHEST, 2.0 * HIGHEST];
+const ORDERS: [f64; 3] = [0.5 * HIGHEST_ORDER, HIGHEST_ORDER, 2.0 * HIGHEST_ORDER];
 const TOLERANCES: [f64; 2] = [0.02, 0.005];
 
 /// A contact on ice that yields, with the approach that rectangles give it and what they know it
@@ -150,7 +150,7 @@ fn the_highest_order_holds_errors_at_half_and_twice_itself() {
     for (k, &order) in ORDERS.iter().enumerate() {
         let mut made: Vec<(Limit, f64)> = sequences
             .iter()
-            .map(|&meshes| (Limit::of_rim_up_to(meshes, order), 0.0))
+            .map(|&meshes| (Limit::richardson_at_rim(meshes, order), 0.0))
             .collect();
         let [covered, ratio] = reported(&mut made);
         print!("| {order} | {:.1} % | {ratio:.1} |", 100.0 * covered);
@@ -165,10 +165,10 @@ fn the_highest_order_holds_errors_at_half_and_twice_itself() {
             );
             // One in twenty may be off, and of few one.
             let least = 0.95f64.min(1.0 - 1.0 / limits.len() as f64);
-            assert!(order != HIGHEST || covered >= least, "{covered}");
+            assert!(order != HIGHEST_ORDER || covered >= least, "{covered}");
         }
         println!();
         // Rims of contacts move less: theirs are covered more often.
-        assert!(order != HIGHEST || covered >= 0.9, "{covered}");
+        assert!(order != HIGHEST_ORDER || covered >= 0.9, "{covered}");
     }
 }

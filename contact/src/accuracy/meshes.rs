@@ -5,16 +5,15 @@ use std::cell::RefCell;
 use kufe_fem::Material;
 
 use crate::accuracy::answer::Answer;
-use crate::accuracy::find_patch::find_patch;
-use crate::accuracy::mesh_solve::{Forces, MeshSolve};
-use crate::accuracy::order::{
+use crate::accuracy::estimators::{
     LEAST_REFINEMENT, Limit, REFINEMENT, first_resolution, next_refinement,
 };
+use crate::accuracy::find_patch::find_patch;
+use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::accuracy::own_cells::OwnCells;
 use crate::accuracy::penetration_check::{Penetration, SolvedMesh};
 use crate::accuracy::watched::{ErrorFloor, FigureHistory, Limits, Place};
 use crate::active_set::contact_set::{Progress, SetUpdate};
-use crate::bodies::elastic_body::ElasticBody;
 use crate::green::matrix::StorageLimit;
 use crate::grid::grading::Resolution;
 use crate::grid::patch::{COARSE, Patch};
@@ -128,14 +127,10 @@ impl<'a> Meshes<'a> {
             let element = elastic.map(|e| e.element_kind());
             assemble(&mut mesh, element, self.options.max_stiffness_bytes)?;
         }
-        let dofs = dofs(&mesh);
+        let dofs = mesh.free_dofs();
         let reported = RefCell::new(Vec::new());
         let field = Field::new(&mesh, self.problem, &self.patch);
-        let copies: f64 = mesh
-            .symmetry
-            .iter()
-            .map(|&s| if s { 2.0 } else { 1.0 })
-            .product();
+        let copies = mesh.copies();
         let error_before = self.solved.limits().map(|limits| limits.relative);
         if let Some(watcher) = &self.options.next_mesh {
             watcher(&NextMesh {
@@ -216,7 +211,8 @@ impl<'a> Meshes<'a> {
                 reach: Reach::Patch,
             }
             .mesh()?;
-            let room = self.options.max_dofs as f64 / (dofs(&mesh) as f64 * REFINEMENT.powi(6));
+            let room =
+                self.options.max_dofs as f64 / (mesh.free_dofs() as f64 * REFINEMENT.powi(6));
             let first = self.solved.similar() == 0 && self.options.cells.is_none();
             if !first || room >= 1.0 || self.cells <= FEWEST {
                 return Ok(mesh);
@@ -240,7 +236,7 @@ impl<'a> Meshes<'a> {
     /// Looks for contact at these places too, from the first mesh's cells on.
     ///
     /// # Errors
-    /// [`Error::TouchesElsewhere`] where it was widened often enough.
+    /// [`Error::PenetrationOutsideMesh`] where it was widened often enough.
     pub fn widen(&mut self, contact: &Contact, found: &[Penetration]) -> Result<(), Error> {
         let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
         if let Some(deepest) = deepest.filter(|_| self.widened.len() == WIDENINGS) {
@@ -316,10 +312,6 @@ impl<'a> Meshes<'a> {
 
 fn error_floor(own: Option<OwnCells>) -> ErrorFloor {
     own.map_or_else(ErrorFloor::default, OwnCells::error_floor)
-}
-
-fn dofs(mesh: &Discretisation) -> usize {
-    mesh.contact.bodies.iter().map(ElasticBody::free_dofs).sum()
 }
 
 // Whether the meshes solved so far are enough, and else what comes next.

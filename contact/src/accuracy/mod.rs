@@ -1,6 +1,7 @@
 //! Finer and finer meshes, until the pressure has the requested accuracy.
 
 pub(crate) mod answer;
+pub(crate) mod estimators;
 pub(crate) mod find_patch;
 #[cfg(test)]
 pub(crate) mod highest_tests;
@@ -8,7 +9,6 @@ pub(crate) mod mesh_solve;
 pub(crate) mod meshes;
 #[cfg(test)]
 pub(crate) mod one_mesh;
-pub(crate) mod order;
 pub(crate) mod own_cells;
 pub(crate) mod penetration_check;
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The figures that accuracy watches, mesh by mesh.
 
-use crate::accuracy::order::{Limit, MeshValue, Sequence};
+use crate::accuracy::estimators::{HIGHEST_ORDER, Limit, MeshValue, Sequence};
 use crate::options::AREA_WEIGHT;
 use crate::result::measure::Figures;
 use crate::{LargestShear, UnderPeak};
@@ -25,7 +25,8 @@ pub(crate) struct FigureHistory {
     floor: ErrorFloor,
 }
 
-/// Relative errors that refinement does not reduce.
+/// Relative errors that refinement does not reduce; independent of those estimated from meshes, they
+/// are added as root sum square.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ErrorFloor {
     /// Of the peak and of the area, which depend on the compliance by the same power. Lengths have
@@ -147,20 +148,21 @@ impl FigureHistory {
         OtherErrors {
             tilt_errors: [last(&self.tilt[0]), last(&self.tilt[1])],
             width_error: self.extent_error(&self.width, self.off()[2]),
-            approach_error: root_sum_square(
-                self.approach().error,
-                self.floor.approach * self.approach.value(),
-            ) + self.missed * self.approach.value(),
+            approach_error: self
+                .approach()
+                .error
+                .hypot(self.floor.approach * self.approach.value())
+                + self.missed * self.approach.value(),
         }
     }
 
-    /// The approach with its error where ice yields, by another largest order.
+    /// The approach with its error where ice yields, by this largest order.
     #[cfg(test)]
     pub fn approach_by_rim_up_to(&self, highest: f64) -> Limit {
-        let Limit { value, error } = self.approach.last_by_rim_up_to(highest);
+        let Limit { value, error } = self.approach.last_at_rim(highest);
         Limit {
             value,
-            error: root_sum_square(error, self.floor.approach * value) + self.missed * value,
+            error: error.hypot(self.floor.approach * value) + self.missed * value,
         }
     }
 
@@ -190,7 +192,7 @@ impl FigureHistory {
     /// cells do.
     fn approach(&self) -> Limit {
         if self.is_fixed() {
-            self.approach.last_by_rim()
+            self.approach.last_at_rim(HIGHEST_ORDER)
         } else {
             self.approach.last()
         }
@@ -208,21 +210,21 @@ impl FigureHistory {
         } else {
             rims_error(extent, off)
         };
-        root_sum_square(found, 0.5 * self.floor.peak * extent.value())
+        found.hypot(0.5 * self.floor.peak * extent.value())
     }
 
     fn of(&self, peak: Limit) -> Option<Limits> {
         let last = self.last?;
         let [_, length_off, _] = last.off;
         let area_error = rims_error(&self.area, self.area_off());
-        let area_error = root_sum_square(area_error, self.floor.peak * last.area);
+        let area_error = area_error.hypot(self.floor.peak * last.area);
         let length_error = self.extent_error(&self.length, length_off);
         let (value, error, relative) = if self.is_fixed() {
             (self.hardness, 0.0, AREA_WEIGHT * area_error / last.area)
         } else {
             let value = peak.value.min(self.hardness);
             // Of one sign on all meshes, and seen by none: it is added.
-            let error = root_sum_square(peak.error, self.floor.peak * value) + self.missed * value;
+            let error = peak.error.hypot(self.floor.peak * value) + self.missed * value;
             (value, error, error / value)
         };
         Some(Limits {
@@ -233,12 +235,6 @@ impl FigureHistory {
             relative,
         })
     }
-}
-
-/// Root sum square of an error estimated from meshes and an independent one that refinement does
-/// not reduce.
-fn root_sum_square(error: f64, floor: f64) -> f64 {
-    error.hypot(floor)
 }
 
 /// The error of the last mesh's area, length or width: by their limit, and at least their range and

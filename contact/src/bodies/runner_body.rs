@@ -10,6 +10,7 @@ use crate::grid::grading::{Start, Zone, even_steps, graded_axis};
 use crate::grid::stretch::Stretch;
 use crate::precondition::mounted::{BeamSpace, MountedInverse};
 use crate::precondition::planewise::{Columns, Side};
+use crate::problem::check::solid_material;
 use crate::problem::mount::{LoadedPlace, spread_along};
 use crate::{ElasticRunner, Error, Load, Mount, Problem};
 
@@ -45,12 +46,8 @@ impl RunnerPlan<'_> {
     /// has the columns under it; its ends and sides are free and its mount holds its top.
     pub fn body(&self) -> Result<(ElasticBody, HexMesh), Error> {
         let elastic = self.elastic;
-        let material = Material::new(elastic.youngs_modulus, elastic.poissons_ratio);
-        let material = material.map_err(|_| Error::OutOfRange {
-            name: "runner Young's modulus",
-            value: elastic.youngs_modulus,
-            expected: "an elastic solid",
-        })?;
+        let (modulus, ratio) = (elastic.youngs_modulus, elastic.poissons_ratio);
+        let material = solid_material("runner Young's modulus", modulus, ratio)?;
         let extent = self.problem.runner.underside.extent();
         if extent.iter().any(|end| end.is_infinite()) {
             return Ok(self.half_space(material));
@@ -176,9 +173,7 @@ impl RunnerPlan<'_> {
             .collect();
         inverse
             .clamp(nz - 1, fixed)
-            .ok_or_else(|| Error::RunnerMesh {
-                reason: "its mount holds no independent nodes".into(),
-            })?;
+            .ok_or_else(|| Error::runner_mesh("its mount holds no independent nodes"))?;
         let body = ElasticBody::mounted(operator, inverse, material, columns, (entries, load));
         Ok(if self.for_solving {
             body.on_mapped(&solid)
@@ -233,19 +228,14 @@ fn mapped(
         }
     };
     let levels: Vec<f64> = z.iter().map(|z| z / height).collect();
-    let mesh = mesh_over_heights(x, y, &heights, elastic.top, &levels).map_err(|error| {
-        Error::RunnerMesh {
-            reason: error.to_string(),
-        }
-    })?;
+    let mesh =
+        mesh_over_heights(x, y, &heights, elastic.top, &levels).map_err(Error::runner_mesh)?;
     grid.z = z;
     Ok((mesh, grid))
 }
 
 fn solid(mesh: &HexMesh, material: Material, kind: ElementKind) -> Result<Solid, Error> {
-    Solid::uniform(mesh.clone(), material, kind).map_err(|error| Error::RunnerMesh {
-        reason: error.to_string(),
-    })
+    Solid::uniform(mesh.clone(), material, kind).map_err(Error::runner_mesh)
 }
 
 /// Mirror planes fixed in their normal component, ends and sides where `all_round`, the top where

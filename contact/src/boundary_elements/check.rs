@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::accuracy::estimators::Limit;
 use crate::boundary_elements::active_set::{Plane, PressureState, press};
 use crate::boundary_elements::operator::Operator;
 use crate::boundary_elements::window::{CheckUnavailable, Surface, Window};
@@ -41,12 +42,9 @@ pub struct BoundaryElements {
 /// Cells along x and y of the grids, from coarse to fine; the first also finds the window.
 const GRIDS: [usize; 7] = [20, 24, 32, 40, 48, 64, 80];
 /// Grids that errors are estimated from: the finest that were solved.
-const TOLD_BY: usize = 3;
+const COMPARED: usize = 3;
 /// Windows that are tried.
 const MOST_WINDOWS: usize = 24;
-/// Factor of safety on the range of values that go to and fro (L. Eça and M. Hoekstra, J. Comput.
-/// Phys. 228, 2009).
-const SAFETY: f64 = 3.0;
 /// Part of a cell that a rim is read to: of a Hertz contact 0.22 of one at most, over 64 contacts
 /// on grids of 32 to 80 cells.
 const READ: f64 = 0.25;
@@ -134,7 +132,7 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
         let start = carried(&last.pressed.pressure, &last.window, &window);
         last = search.solved(window, Some(start))?;
         found.push(last.figures());
-        if found.len() >= TOLD_BY && error(&found, 0) <= tolerance * found[found.len() - 1][0] {
+        if found.len() >= COMPARED && error(&found, 0) <= tolerance * found[found.len() - 1][0] {
             break;
         }
     }
@@ -161,12 +159,11 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
     Ok((figures, last.at_rim()))
 }
 
-/// The error of a figure: [`SAFETY`] times its range over the finest grids.
+/// The error of a figure by its range over the finest grids, whose values go to and fro.
 fn error(found: &[[f64; 5]], figure: usize) -> f64 {
-    let told_by = &found[found.len().saturating_sub(TOLD_BY)..];
-    let values = told_by.iter().map(|figures| figures[figure]);
-    let least = values.clone().fold(f64::INFINITY, f64::min);
-    SAFETY * (values.fold(f64::NEG_INFINITY, f64::max) - least)
+    let finest = &found[found.len().saturating_sub(COMPARED)..];
+    let values: Vec<f64> = finest.iter().map(|figures| figures[figure]).collect();
+    Limit::of_range(&values).error
 }
 
 /// A contact on one window's cells.

@@ -25,6 +25,14 @@ const AT_CORNERS: f64 = 2.0;
 pub(crate) const COARSE: f64 = 0.6;
 
 impl Patch {
+    /// Whether both have as many stretches, and `alike` holds of each with that of `other`.
+    pub fn all_stretches(&self, other: &Patch, alike: impl Fn(&Stretch, &Stretch) -> bool) -> bool {
+        let mut pairs = self.x.iter().zip(&other.x);
+        self.x.len() == other.x.len()
+            && pairs.all(|(mine, theirs)| alike(mine, theirs))
+            && alike(&self.y, &other.y)
+    }
+
     /// This patch, resolved like `other` where both have the same stretches: their meshes are
     /// similar.
     pub fn with_sizes_of(mut self, other: &Patch) -> Self {

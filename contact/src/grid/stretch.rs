@@ -49,6 +49,12 @@ impl Stretch {
         }
     }
 
+    /// Whether both ends of `other` are nearer to these than this part of half this stretch.
+    pub fn ends_near(&self, other: &Stretch, part: f64) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() < part * self.half();
+        near(self.low, other.low) && near(self.high, other.high)
+    }
+
     /// Whether the two overlap.
     pub fn meets(&self, other: &Stretch) -> bool {
         self.low < other.high && other.low < self.high

@@ -5,7 +5,7 @@ use crate::groove::plastic_contact::Kind;
 use crate::groove::solution::{GrooveProfile, Section};
 use crate::mesh::discretise::Discretisation;
 use crate::problem::gap::Gap;
-use crate::result::measure::PressureField;
+use crate::result::measure::{PressureField, differences, mean_of_root};
 use crate::result::rim::{RimEstimator, rim_by_overlap};
 
 /// The figures that errors are stated of, as one mesh has them.
@@ -171,15 +171,9 @@ impl<'a> GrooveReading<'a> {
                 && heights[i - 1].is_finite()
                 && heights[i + 1].is_finite() =>
             {
-                let (h0, h1) = (x[i] - x[i - 1], x[i + 1] - x[i]);
-                let (down, up) = (
-                    (heights[i] - heights[i - 1]) / h0,
-                    (heights[i + 1] - heights[i]) / h1,
-                );
-                let (slope, bend) = (
-                    (down * h1 + up * h0) / (h0 + h1),
-                    2.0 * (up - down) / (h0 + h1),
-                );
+                let below = [x[i] - x[i - 1], heights[i - 1]];
+                let above = [x[i + 1] - x[i], heights[i + 1]];
+                let (slope, bend) = differences([below, above], heights[i]);
                 x[i] - slope / bend
             }
             _ => level.iter().map(|&i| x[i]).sum::<f64>() / level.len() as f64,
@@ -196,7 +190,7 @@ impl<'a> GrooveReading<'a> {
     }
 
     fn copies(&self) -> f64 {
-        if self.on.mesh.symmetry[1] { 2.0 } else { 1.0 }
+        self.on.mesh.copies()
     }
 }
 
@@ -337,17 +331,15 @@ impl<'a> Rims<'a> {
     /// nothing touches ahead.
     fn between_columns(&self, i: usize, [before, width]: [f64; 2]) -> f64 {
         let x = &self.mesh.grid.x;
-        // 2/3 (a^2 + a b + b^2) / (a + b), the mean of sqrt(linear from a^2 to b^2).
-        let mean = |a: f64, b: f64| 2.0 / 3.0 * (a * a + a * b + b * b) / (a + b);
         let step = x[i] - x[i - 1];
-        let mut missing = step * (mean(before, width) - 0.5 * (before + width));
+        let mut missing = step * (mean_of_root(before, width) - 0.5 * (before + width));
         if i + 1 < x.len()
             && self.open(i + 1)
             && let Some(front) = self.foremost(i)
         {
             let slope = (width * width - before * before) / step;
             let tip = (width * width + slope * (front - x[i])).max(0.0).sqrt();
-            missing += (front - x[i]) * mean(width, tip) - 0.5 * (x[i + 1] - x[i]) * width;
+            missing += (front - x[i]) * mean_of_root(width, tip) - 0.5 * (x[i + 1] - x[i]) * width;
         }
         missing
     }

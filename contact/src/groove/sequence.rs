@@ -3,12 +3,11 @@
 use kufe_fem::Material;
 
 use crate::accuracy::answer::Answer;
+use crate::accuracy::estimators::{Limit, grid_convergence_index};
 use crate::accuracy::find_patch::capacity;
 use crate::accuracy::mesh_solve::Forces;
-use crate::accuracy::order::Limit;
 use crate::accuracy::watched::{Limits, ShearHistory};
 use crate::active_set::contact_set::Progress;
-use crate::bodies::elastic_body::ElasticBody;
 use crate::grid::first_guess::{fitted, sliding_guess};
 use crate::grid::grading::Resolution;
 use crate::grid::patch::Patch;
@@ -119,7 +118,7 @@ impl<'a> SlidingMeshes<'a> {
         let mut refined = 1.0;
         loop {
             let mesh = self.mesh(cells)?;
-            let dofs = dofs(&mesh);
+            let dofs = mesh.free_dofs();
             let [slid, plain] = self.on(&mesh).solve(&self.start, &self.forces)?;
             let plain = self.measures(&mesh, &plain);
             self.take(&mesh, &slid, dofs);
@@ -255,7 +254,7 @@ impl SlidingMeshes<'_> {
         for (gap, depth) in mesh.contact.gap.iter_mut().zip(&slid.depth) {
             *gap += depth;
         }
-        let dofs = dofs(&mesh);
+        let dofs = mesh.free_dofs();
         let (area, length_error) = (pressure.figures.area, errors.front + errors.back);
         let answer = Answer {
             problem: self.problem,
@@ -310,10 +309,7 @@ fn first_cells(tolerance: f64) -> f64 {
 
 /// Whether a grid made for one patch resolves the other.
 fn similar(a: &Patch, b: &Patch) -> bool {
-    let close = |a: &crate::grid::stretch::Stretch, b: &crate::grid::stretch::Stretch| {
-        (a.low - b.low).abs() < 0.2 * a.half() && (a.high - b.high).abs() < 0.2 * a.half()
-    };
-    a.x.len() == b.x.len() && a.x.iter().zip(&b.x).all(|(a, b)| close(a, b)) && close(&a.y, &b.y)
+    a.all_stretches(b, |a, b| a.ends_near(b, 0.2))
 }
 
 /// A plane field over the mirror plane y = 0, where it was used.
@@ -323,10 +319,6 @@ fn unfolded(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
     let rows = mirrored.chain(0..ny);
     rows.flat_map(|j| values[j * nx..(j + 1) * nx].iter().copied())
         .collect()
-}
-
-fn dofs(mesh: &Discretisation) -> usize {
-    mesh.contact.bodies.iter().map(ElasticBody::free_dofs).sum()
 }
 
 // From a problem to steady sliding.
@@ -348,7 +340,7 @@ fn dofs(mesh: &Discretisation) -> usize {
 /// # Errors
 /// [`Error::NotSliding`] for ice without a hardness or of varying height, a checking method; those
 /// of [`solve`](crate::solve()) for problems without an answer and answers that are none:
-/// [`Error::BeyondHardness`] too where the hull bears the load at rest but not sliding;
+/// [`Error::LoadExceedsHardness`] too where the hull bears the load at rest but not sliding;
 /// [`Error::NotConverged`], [`Error::NoPatch`], and [`Error::SlidingAccuracyNotReached`] where the
 /// largest mesh allowed does not do.
 ///
@@ -415,10 +407,6 @@ pub(crate) struct Errors {
     pub load_ahead: f64,
 }
 
-/// Order with which rims between nodes and trilinear cells both settle.
-const ORDER: i32 = 2;
-/// Factor of safety of the grid convergence index (P. J. Roache, Annu. Rev. Fluid Mech. 29, 1997).
-const SAFETY: f64 = 1.25;
 /// Ploughing force over the load below which its error is measured by this [1].
 const LEAST_PLOUGHING: f64 = 1e-4;
 /// Depth of the groove over the approach below which its error is measured by this.
@@ -433,20 +421,11 @@ impl Errors {
     /// The index alone does not do: where nodes lie next to rims is chance, and two meshes may
     /// agree by it.
     pub fn of(measures: &[Measures], plain: &Measures, refined: f64) -> Self {
-        let [.., before, last] = measures else {
-            let none = f64::INFINITY;
-            return Errors {
-                p_max: none,
-                depth: none,
-                ploughing: none,
-                front: none,
-                back: none,
-                load_ahead: none,
-            };
-        };
-        let index = SAFETY / (refined.powi(ORDER) - 1.0);
-        let error = |of: fn(&Measures) -> f64| {
-            (index * (of(before) - of(last))).hypot(of(plain) - of(last))
+        let error = |of: fn(&Measures) -> f64| match measures {
+            [.., before, last] => {
+                grid_convergence_index(of(before), of(last), refined).hypot(of(plain) - of(last))
+            }
+            _ => f64::INFINITY,
         };
         Errors {
             p_max: error(|m| m.p_max),

@@ -99,11 +99,7 @@ impl GrooveProfile {
     /// [`Error::OutOfRange`] for places that do not ascend, a depth that is negative or not finite,
     /// or too few of them.
     pub fn new(y: Vec<f64>, depth: Vec<f64>) -> Result<Self, Error> {
-        let bad = |name, value, expected| Error::OutOfRange {
-            name,
-            value,
-            expected,
-        };
+        let bad = Error::out_of_range;
         if y.len() < 2 || y.len() != depth.len() {
             let count = y.len().min(depth.len()) as f64;
             return Err(bad(

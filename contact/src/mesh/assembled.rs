@@ -66,9 +66,7 @@ fn named(error: kufe_fem::Error) -> Error {
             needed,
             limit,
         },
-        error => Error::RunnerMesh {
-            reason: error.to_string(),
-        },
+        error => Error::runner_mesh(error),
     }
 }
 

@@ -14,6 +14,7 @@ use crate::grid::stretch::Stretch;
 use crate::mesh::contact_mesh::ContactMesh;
 use crate::motion::Motion;
 use crate::precondition::planewise::{Columns, Side};
+use crate::problem::check::solid_material;
 use crate::problem::gap::Gap;
 use crate::{Bed, Error, Foundation, Load, Problem};
 
@@ -45,6 +46,17 @@ impl Discretisation {
         let ice = self.contact.bodies[0].stiffness.grid();
         let layer = ice.and_then(TensorOperator::lower_layer);
         layer.map_or(0, |layer| layer.cells)
+    }
+
+    /// Unknowns.
+    pub fn free_dofs(&self) -> usize {
+        self.contact.bodies.iter().map(ElasticBody::free_dofs).sum()
+    }
+
+    /// How often mirror planes repeat the modelled part.
+    pub fn copies(&self) -> f64 {
+        let of = |&mirrored: &bool| if mirrored { 2.0 } else { 1.0 };
+        self.symmetry.iter().map(of).product()
     }
 }
 
@@ -255,11 +267,11 @@ impl MeshPlan<'_> {
                     || (j == 0 && !symmetry[1]);
                 let value = if outer { f64::INFINITY } else { gap.at(x, y) };
                 if value.is_nan() || value == f64::NEG_INFINITY {
-                    return Err(Error::OutOfRange {
-                        name: "height of the hull over the ice",
+                    return Err(Error::out_of_range(
+                        "height of the hull over the ice",
                         value,
-                        expected: "a number of m, or infinity where there is no hull",
-                    });
+                        "a number of m, or infinity where there is no hull",
+                    ));
                 }
                 if value.is_finite() && (everywhere || expected(patch, x, y)) {
                     candidates.push(gaps.len());
@@ -314,12 +326,8 @@ pub(crate) fn expected(patch: &Patch, x: f64, y: f64) -> bool {
 
 /// The bed as the operator sees it.
 fn lower_layer(bed: Bed, cells: usize) -> Result<LowerLayer, Error> {
-    let material =
-        Material::new(bed.youngs_modulus, bed.poissons_ratio).map_err(|_| Error::OutOfRange {
-            name: "Young's modulus of the bed",
-            value: bed.youngs_modulus,
-            expected: "an elastic solid",
-        })?;
+    let (modulus, ratio) = (bed.youngs_modulus, bed.poissons_ratio);
+    let material = solid_material("Young's modulus of the bed", modulus, ratio)?;
     Ok(LowerLayer {
         cells,
         lambda: material.lame_lambda(),

@@ -3,91 +3,98 @@
 use kufe_fem::Material;
 
 use crate::{
-    Bed, ElasticRunner, Error, Foundation, Ice, Load, LoadedPlace, Mount, Options, Problem, Tilt,
+    ElasticRunner, Error, Foundation, Ice, Load, LoadedPlace, Mount, Options, Problem, Tilt,
 };
+
+const PASCALS: &str = "a positive number of Pa";
+const METRES: &str = "a positive number of m";
 
 /// The ice's material, where every number of the problem is in its range.
 pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Error> {
     check_ice(&problem.ice)?;
     let curvature = problem.track_curvature;
+    let expected = "a finite number of 1/m";
     within(
         curvature.is_finite(),
         "track curvature",
         curvature,
-        "a finite number of 1/m",
+        expected,
     )?;
-    match problem.load {
-        Load::Force { fz, .. } => positive("normal force", fz, "a positive number of N")?,
-        Load::Approach { approach, .. } => {
-            positive("approach", approach, "a positive number of m")?;
-        }
-    }
     check_load(&problem.load)?;
-    check_extent(problem)?;
+    let [x_low, x_high, y_low, y_high] = problem.runner.underside.extent();
+    let (length, width) = (x_high - x_low, y_high - y_low);
+    within(length > 0.0, "length of the hull", length, METRES)?;
+    within(width > 0.0, "width of the hull", width, METRES)?;
     if let Some(elastic) = &problem.runner.elastic {
         check_elastic(problem, elastic)?;
         check_mount(problem, elastic)?;
     }
-    positive(
-        "accuracy of the peak pressure",
-        options.p_max_tolerance,
-        "a positive number",
-    )?;
-    within(
-        options.residual > 0.0 && options.residual < 1.0,
-        "requested residual",
-        options.residual,
-        "more than 0 and less than 1",
-    )?;
+    let tolerance = options.p_max_tolerance;
+    let name = "accuracy of the peak pressure";
+    positive(name, tolerance, "a positive number")?;
+    let (residual, expected) = (options.residual, "more than 0 and less than 1");
+    let usable = residual > 0.0 && residual < 1.0;
+    within(usable, "requested residual", residual, expected)?;
     if let Some(cells) = options.cells {
+        let usable = (1..=1000).contains(&cells);
         within(
-            (1..=1000).contains(&cells),
+            usable,
             "cells over half the patch",
             cells as f64,
             "1 to 1000",
         )?;
     }
     let ice = &problem.ice;
-    Material::new(ice.youngs_modulus, ice.poissons_ratio).map_err(|_| Error::OutOfRange {
-        name: "ice material",
-        value: ice.youngs_modulus,
-        expected: "an elastic solid",
-    })
+    solid_material("ice material", ice.youngs_modulus, ice.poissons_ratio)
+}
+
+/// The material of these constants; an error with the `name` of what has them where no solid does.
+pub(crate) fn solid_material(
+    name: &'static str,
+    youngs_modulus: f64,
+    poissons_ratio: f64,
+) -> Result<Material, Error> {
+    Material::new(youngs_modulus, poissons_ratio)
+        .map_err(|_| Error::out_of_range(name, youngs_modulus, "an elastic solid"))
 }
 
 /// Largest tilt [rad]. Tilts are taken as small: a round section's curvature is off by 1.5 times
 /// the square of the roll.
 pub(crate) const MOST_TILT: f64 = 0.12;
 
-/// Offsets and tilts are numbers, tilts those of a runner on its underside.
+/// Force or approach is positive, offsets and tilts are numbers, tilts those of a runner on its
+/// underside.
 fn check_load(load: &Load) -> Result<(), Error> {
     let (offsets, tilts) = match *load {
         Load::Force {
+            fz,
             offset_x,
             offset_y,
             tilt,
-            ..
-        } => match tilt {
-            Tilt::Free => ([offset_x, offset_y], [0.0; 2]),
-            Tilt::Fixed { pitch, roll } => ([offset_x, offset_y], [pitch, roll]),
-        },
-        Load::Approach { pitch, roll, .. } => ([0.0; 2], [pitch, roll]),
+        } => {
+            positive("normal force", fz, "a positive number of N")?;
+            let tilts = match tilt {
+                Tilt::Free => [0.0; 2],
+                Tilt::Fixed { pitch, roll } => [pitch, roll],
+            };
+            ([offset_x, offset_y], tilts)
+        }
+        Load::Approach {
+            approach,
+            pitch,
+            roll,
+        } => {
+            positive("approach", approach, METRES)?;
+            ([0.0; 2], [pitch, roll])
+        }
     };
     for offset in offsets {
-        within(
-            offset.is_finite(),
-            "offset of the line of action",
-            offset,
-            "a finite number of m",
-        )?;
+        let (name, expected) = ("offset of the line of action", "a finite number of m");
+        within(offset.is_finite(), name, offset, expected)?;
     }
     for tilt in tilts {
-        within(
-            tilt.abs() <= MOST_TILT,
-            "fixed tilt",
-            tilt,
-            "at most 0.12 rad either way",
-        )?;
+        let expected = "at most 0.12 rad either way";
+        within(tilt.abs() <= MOST_TILT, "fixed tilt", tilt, expected)?;
     }
     Ok(())
 }
@@ -101,93 +108,47 @@ fn within(
     if holds {
         return Ok(());
     }
-    Err(Error::OutOfRange {
-        name,
-        value,
-        expected,
-    })
+    Err(Error::out_of_range(name, value, expected))
 }
 
-fn positive(name: &'static str, value: f64, expected: &'static str) -> Result<(), Error> {
+pub(crate) fn positive(
+    name: &'static str,
+    value: f64,
+    expected: &'static str,
+) -> Result<(), Error> {
     within(value > 0.0 && value.is_finite(), name, value, expected)
 }
 
-const RATIO: &str = "more than -1 and less than 0.5";
+fn check_ratio(name: &'static str, ratio: f64) -> Result<(), Error> {
+    let expected = "more than -1 and less than 0.5";
+    within(ratio > -1.0 && ratio < 0.5, name, ratio, expected)
+}
 
 fn check_ice(ice: &Ice) -> Result<(), Error> {
-    let (modulus, ratio) = (ice.youngs_modulus, ice.poissons_ratio);
-    positive("ice Young's modulus", modulus, "a positive number of Pa")?;
-    within(
-        ratio > -1.0 && ratio < 0.5,
-        "ice Poisson's ratio",
-        ratio,
-        RATIO,
-    )?;
+    positive("ice Young's modulus", ice.youngs_modulus, PASCALS)?;
+    check_ratio("ice Poisson's ratio", ice.poissons_ratio)?;
     match ice.foundation {
         Foundation::HalfSpace => {}
-        Foundation::RigidBed { thickness } => {
-            positive("ice thickness", thickness, "a positive number of m")?;
-        }
+        Foundation::RigidBed { thickness } => positive("ice thickness", thickness, METRES)?,
         Foundation::ElasticBed { thickness, bed } => {
-            positive("ice thickness", thickness, "a positive number of m")?;
-            check_bed(bed)?;
+            positive("ice thickness", thickness, METRES)?;
+            positive("bed thickness", bed.thickness, METRES)?;
+            positive("bed Young's modulus", bed.youngs_modulus, PASCALS)?;
+            check_ratio("bed Poisson's ratio", bed.poissons_ratio)?;
         }
     }
     match ice.hardness {
-        Some(hardness) => positive("ice hardness", hardness, "a positive number of Pa"),
+        Some(hardness) => positive("ice hardness", hardness, PASCALS),
         None => Ok(()),
     }
 }
 
-fn check_bed(bed: Bed) -> Result<(), Error> {
-    let ratio = bed.poissons_ratio;
-    positive("bed thickness", bed.thickness, "a positive number of m")?;
-    positive(
-        "bed Young's modulus",
-        bed.youngs_modulus,
-        "a positive number of Pa",
-    )?;
-    within(
-        ratio > -1.0 && ratio < 0.5,
-        "bed Poisson's ratio",
-        ratio,
-        RATIO,
-    )
-}
-
-/// The hull has a length and a width.
-fn check_extent(problem: &Problem) -> Result<(), Error> {
-    let [x_low, x_high, y_low, y_high] = problem.runner.underside.extent();
-    for (name, size) in [
-        ("length of the hull", x_high - x_low),
-        ("width of the hull", y_high - y_low),
-    ] {
-        within(size > 0.0, name, size, "a positive number of m")?;
-    }
-    Ok(())
-}
-
 /// A runner's material is a solid's; on the ice's columns its top and its flank are numbers.
 fn check_elastic(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error> {
-    let (modulus, ratio) = (elastic.youngs_modulus, elastic.poissons_ratio);
-    positive(
-        "runner's Young's modulus",
-        modulus,
-        "a positive number of Pa",
-    )?;
-    within(
-        ratio > -1.0 && ratio < 0.5,
-        "runner's Poisson's ratio",
-        ratio,
-        RATIO,
-    )?;
-    let bounded = problem
-        .runner
-        .underside
-        .extent()
-        .iter()
-        .all(|end| end.is_finite());
-    if elastic.solid.is_none() && bounded {
+    positive("runner's Young's modulus", elastic.youngs_modulus, PASCALS)?;
+    check_ratio("runner's Poisson's ratio", elastic.poissons_ratio)?;
+    let extent = problem.runner.underside.extent();
+    if elastic.solid.is_none() && extent.iter().all(|end| end.is_finite()) {
         let top = elastic.top;
         within(top.is_finite(), "runner's top", top, "a finite number of m")?;
     }
@@ -212,19 +173,12 @@ fn check_mount(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error> 
         "1 or more",
     )?;
     for place in places {
-        positive(
-            "length of a mount's place",
-            place.length,
-            "a positive number of m",
-        )?;
+        positive("length of a mount's place", place.length, METRES)?;
         let half = 0.5 * place.length;
         let slack = 1e-9 * place.length;
-        within(
-            place.x - half >= extent[0] - slack && place.x + half <= extent[1] + slack,
-            "middle of a mount's place",
-            place.x,
-            "a place within the runner's ends",
-        )?;
+        let inside = place.x - half >= extent[0] - slack && place.x + half <= extent[1] + slack;
+        let expected = "a place within the runner's ends";
+        within(inside, "middle of a mount's place", place.x, expected)?;
     }
     let Mount::Loads(loads) = &elastic.mount else {
         return Ok(());
@@ -245,10 +199,6 @@ fn check_mount(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error> 
         share,
         "1",
     )?;
-    within(
-        (line - offset_x).abs() <= 1e-6,
-        "line of action of the loads",
-        line,
-        "that of the normal force",
-    )
+    let (name, expected) = ("line of action of the loads", "that of the normal force");
+    within((line - offset_x).abs() <= 1e-6, name, line, expected)
 }

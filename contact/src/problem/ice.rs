@@ -79,9 +79,6 @@ pub struct Bed {
 /// alike with the temperature.
 pub const ICE_POISSONS_RATIO: f64 = 0.325;
 
-/// Temperatures for which [`ice_youngs_modulus`] and [`ice_hardness`] are stated [C].
-pub const ICE_TEMPERATURES: std::ops::RangeInclusive<f64> = -50.0..=0.0;
-
 /// Young's modulus of polycrystalline ice at `temperature` [C], in [Pa].
 ///
 /// E = 9.33 GPa (1 - 1.42e-3 (T + 16)): the isotropic average of the single crystal's constants,

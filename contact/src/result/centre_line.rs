@@ -5,6 +5,7 @@ use kufe_mesh::TensorGrid;
 
 use crate::mesh::contact_mesh::State;
 use crate::mesh::discretise::Discretisation;
+use crate::problem::check::solid_material;
 use crate::{Error, Solution};
 
 /// Stresses on a vertical line in the ice.
@@ -115,13 +116,8 @@ pub(crate) fn lagrange(nodes: &[f64], k: usize, x: f64) -> f64 {
 /// [`Error::OutOfRange`] where the ice's elastic constants are none.
 pub fn centre_line(solution: &Solution) -> Result<CentreLine, Error> {
     let (surface, volume) = (&solution.surface, &solution.volume);
-    let material = Material::new(volume.youngs_modulus, volume.poissons_ratio).map_err(|_| {
-        Error::OutOfRange {
-            name: "ice material",
-            value: volume.youngs_modulus,
-            expected: "an elastic solid",
-        }
-    })?;
+    let (modulus, ratio) = (volume.youngs_modulus, volume.poissons_ratio);
+    let material = solid_material("ice material", modulus, ratio)?;
     // The grid holds one part of a symmetric contact: the surface's last columns and rows.
     let [nx, ny, _] = volume.grid.shape();
     let (all, rows) = (surface.x.len(), surface.y.len());

@@ -204,7 +204,7 @@ fn neighbours(
 }
 
 /// Slope and curvature at a node from its neighbours.
-fn differences([[h0, p0], [h1, p1]]: [[f64; 2]; 2], here: f64) -> (f64, f64) {
+pub(crate) fn differences([[h0, p0], [h1, p1]]: [[f64; 2]; 2], here: f64) -> (f64, f64) {
     let (down, up) = ((here - p0) / h0, (p1 - here) / h1);
     (
         (down * h1 + up * h0) / (h0 + h1),
@@ -259,9 +259,7 @@ fn area(nodes: &[f64], lines: &[f64], crossing: &[Vec<[f64; 2]>]) -> f64 {
             let there = lines[next];
             if there > 0.0 {
                 // Each interval is met from both of its ends.
-                let mean =
-                    2.0 / 3.0 * (here * here + here * there + there * there) / (here + there);
-                sum += 0.5 * mean * (nodes[next] - nodes[i]).abs();
+                sum += 0.5 * mean_of_root(here, there) * (nodes[next] - nodes[i]).abs();
             } else {
                 let end = tip(nodes[i], nodes[next], crossing);
                 sum += 2.0 / 3.0 * here * (end - nodes[i]).abs();
@@ -269,6 +267,11 @@ fn area(nodes: &[f64], lines: &[f64], crossing: &[Vec<[f64; 2]>]) -> f64 {
         }
     }
     sum
+}
+
+/// The mean of a value from `a` to `b` whose square is linear.
+pub(crate) fn mean_of_root(a: f64, b: f64) -> f64 {
+    2.0 / 3.0 * (a * a + a * b + b * b) / (a + b)
 }
 
 /// The farthest end of a crossing line's contact between the last line in contact and the first one
