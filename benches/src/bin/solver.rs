@@ -19,7 +19,6 @@ fn main() {
             direct_case(number(cells) as usize).unwrap_or_else(|error| panic!("{error}"));
         }
         ["runner", radius, dofs] => runner_case(number(radius), number(dofs)),
-        ["aspect", rocker, cells] => aspect_case(number(rocker), number(cells) as usize),
         _ => tables(),
     }
 }
@@ -79,23 +78,6 @@ fn tables() {
             w[2],
             w[3],
             number(&w[4])
-        );
-    }
-    println!("\n### Iterations over refinement and aspect ratio (residual 1e-9)\n");
-    println!("| rocker / section radius | patch a / b | 4 cells | 8 cells | 16 cells |");
-    println!("|---|---|---|---|---|");
-    for rocker in ["0.005", "0.1", "5", "100", "600"] {
-        let counts: Vec<Vec<String>> = ["4", "8", "16"]
-            .iter()
-            .map(|cells| again(&["aspect", rocker, cells]))
-            .collect();
-        println!(
-            "| {} | {:.0} | {} | {} | {} |",
-            number(rocker) / 0.005,
-            number(&counts[0][0]),
-            counts[0][1],
-            counts[1][1],
-            counts[2][1]
         );
     }
 }
@@ -222,16 +204,4 @@ fn runner_case(radius: f64, dofs: f64) {
         "{} {} {} {} {seconds}",
         s.length, s.p_max, s.iterations, s.dofs
     );
-}
-
-fn aspect_case(rocker: f64, cells: usize) {
-    let problem = on_half_space(rigid(paraboloid(rocker, 0.005)), 0.0, 1000.0);
-    let s = solved(
-        &problem,
-        &Options {
-            cells: Some(cells),
-            ..Options::default()
-        },
-    );
-    println!("{} {}", s.length / s.width, s.iterations);
 }
