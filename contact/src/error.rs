@@ -56,7 +56,7 @@ fn size(spacing: f64) -> String {
 fn coarse(reached: bool, finest: f64) -> String {
     if reached {
         format!(
-            ", but the pressure asks somewhere for cells of {finest:.2} of those there, {COARSE} is the least that passes, and such have \
+            ", but the pressure needs somewhere cells of {finest:.2} of those there, {COARSE} is the least that passes, and such have \
              too many unknowns or were requested too often"
         )
     } else {
@@ -147,7 +147,7 @@ pub enum Error {
     },
     /// The contact needs cells that are too small.
     #[error(
-        "the contact from {from:.3e} to {to:.3e} m asks for cells of {}: expected lengths (ice, runner, waves, mount) that are nearer \
+        "the contact from {from:.3e} to {to:.3e} m needs cells of {}: expected lengths (ice, runner, waves, mount) that are nearer \
          to one another",
         size(*spacing)
     )]
@@ -206,7 +206,7 @@ pub enum Error {
     },
     /// The runner touches at too many places that were found late, or is too rough for any mesh.
     #[error(
-        "the runner also touches the ice at x = {x} m, y = {y} m, by {depth:.2e} m, far from where contact was looked for or \
+        "the runner also touches the ice at x = {x} m, y = {y} m, by {depth:.2e} m, far from where contact was expected or \
          between the nodes there: expected a hull that touches at fewer places, or is smoother"
     )]
     PenetrationOutsideMesh {

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::Iterate;
 
 /// Version of the numerics: it rises whenever the same problem and options give other figures, so
-/// that results kept on disk by an older version are not taken for this one's.
+/// that results stored by an older version are not taken for this one's.
 pub const NUMERICS: u32 = 17;
 
 /// Weight of the relative error of the area where the ice's hardness fixes the peak and the area is

@@ -15,12 +15,12 @@ use crate::{Error, Load, Options, Problem, Solution};
 ///
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::TrackTooTight`] and
-/// [`Error::LoadExceedsHardness`] for problems without an answer; [`Error::NotConverged`] where a mesh's
-/// equations are not solved, and [`Error::AccuracyNotReached`], with the best solution in it, where
-/// the largest mesh allowed does not do; [`Error::ConditionsViolated`] and
-/// [`Error::PenetrationOutsideMesh`] where the solution of the last mesh violates the contact conditions;
-/// [`Error::TooFine`] and [`Error::MeshTooLarge`] where no mesh can be had, [`Error::NoAnswer`]
-/// where the meshes give no contact under the load.
+/// [`Error::LoadExceedsHardness`] for problems without an answer; [`Error::NotConverged`] where a
+/// mesh's equations are not solved, and [`Error::AccuracyNotReached`], with the best solution in
+/// it, where the largest mesh allowed does not do; [`Error::ConditionsViolated`] and
+/// [`Error::PenetrationOutsideMesh`] where the solution of the last mesh violates the contact
+/// conditions; [`Error::TooFine`] and [`Error::MeshTooLarge`] where no mesh can be had,
+/// [`Error::NoAnswer`] where the meshes give no contact under the load.
 pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     // Among the workers from the start: every parallel loop begun outside would wait for one to
     // wake up.
@@ -56,7 +56,8 @@ fn refined(problem: &Problem, options: &Options, mut meshes: Meshes) -> Result<S
 ///
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::LoadOnRim`],
-/// [`Error::TrackTooTight`], [`Error::LoadExceedsHardness`], and those of what does not go together.
+/// [`Error::TrackTooTight`], [`Error::LoadExceedsHardness`], and those of what does not go
+/// together.
 pub fn check_problem(problem: &Problem, options: &Options) -> Result<(), Error> {
     check(problem, options)?;
     Gap::new(problem)?;
@@ -284,7 +285,7 @@ mod tests {
     fn updates_are_told_in_order_with_the_values_of_their_moment()
     -> Result<(), Box<dyn std::error::Error>> {
         let reported = Arc::new(std::sync::Mutex::new(Vec::new()));
-        let kept = reported.clone();
+        let stored = reported.clone();
         let begun = Arc::new(std::sync::Mutex::new(Vec::new()));
         let (meshes, so_far) = (begun.clone(), reported.clone());
         let options = Options {
@@ -294,7 +295,7 @@ mod tests {
                 meshes.lock().expect("no failure").push(*mesh);
             })),
             progress: Some(Arc::new(move |i: &crate::Iterate| {
-                kept.lock().expect("no watcher has failed").push(*i);
+                stored.lock().expect("no watcher has failed").push(*i);
             })),
             ..Options::default()
         };

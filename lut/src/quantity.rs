@@ -103,7 +103,8 @@ impl Quantity {
     }
 
     /// What a value must be, where this one is not: pressures, sizes and friction are positive;
-    /// ploughing and groove are 0 on ice that does not yield, boundary friction where the film separates steel and ice.
+    /// ploughing and groove are 0 on ice that does not yield, boundary friction where the film
+    /// separates steel and ice.
     pub(crate) fn expectation(self, value: f64) -> Option<&'static str> {
         match self {
             Quantity::Approach => None,

@@ -53,7 +53,7 @@ impl TryFrom<FlushKeys> for CurvatureScaling {
 
 impl CurvatureScaling {
     /// The flush `curvature` [1/m], its `scale` [1/(m N)] (about `10 / (E* L^3)`), and the
-    /// curvatures `from` and `to` [1/m] that the reduced curvatures 0 and 1 stand for.
+    /// curvatures `from` and `to` [1/m] of the reduced curvatures 0 and 1.
     ///
     /// # Errors
     /// [`Error::Invalid`] where a number is not finite, the scale not positive, or the order not
@@ -86,8 +86,8 @@ impl CurvatureScaling {
         })
     }
 
-    /// The curvature at which the runner lies flush, the scale, and the curvatures at 0 and 1: the four numbers, in the order of
-    /// [`CurvatureScaling::new`].
+    /// The curvature at which the runner lies flush, the scale, and the curvatures at 0 and 1: the
+    /// four numbers, in the order of [`CurvatureScaling::new`].
     pub fn numbers(&self) -> [f64; 4] {
         [self.curvature, self.scale, self.from, self.to]
     }

@@ -503,7 +503,7 @@ mod tests {
         assert_eq!(progress(2, 9, 8, &[5.0]), "step 2 of 9");
         assert_eq!(
             progress(3, 9, 7, &[5.0, 6.0]),
-            "step 3 of 9, 35 to 42 s left"
+            "step 3 of 9, 35 to 42 s remaining"
         );
         assert_eq!(progress(3, 9, 7, &[0.01, 0.02]), "step 3 of 9");
     }

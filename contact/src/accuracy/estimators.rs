@@ -1,5 +1,5 @@
-//! Estimators of the discretisation error: Richardson extrapolation with an observed order, the grid
-//! convergence index, and the range of values that show no order.
+//! Estimators of the discretisation error: Richardson extrapolation with an observed order, the
+//! grid convergence index, and the range of values that show no order.
 
 /// A figure on one mesh.
 #[derive(Clone, Copy, Debug)]
@@ -38,10 +38,10 @@ impl Limit {
     /// Errors c h^p make the order p known from the three values, and with it the limit f3 + d, d =
     /// (f3 - f2) h3^p / (h2^p - h3^p) (P. J. Roache, Annu. Rev. Fluid Mech. 29, 1997). The error of
     /// that limit is (SAFETY_FACTOR - 1) |d|, and what the order is uncertain by: the difference of
-    /// what observed and formal order make of d. An order above the formal one is taken for the formal
-    /// one, and its d has to agree with what the coarser two meshes make of it. Meshes that show no
-    /// order between [`LOWEST_ORDER`] and infinity (they go to and fro, or do not settle) have
-    /// [`Limit::of_range`], at least what the lowest order leaves.
+    /// what observed and formal order make of d. An order above the formal one is taken for the
+    /// formal one, and its d has to agree with what the coarser two meshes make of it. Meshes that
+    /// show no order between [`LOWEST_ORDER`] and infinity (they go to and fro, or do not settle)
+    /// have [`Limit::of_range`], at least what the lowest order leaves.
     pub fn richardson(meshes: [MeshValue; 3]) -> Self {
         let [h1, h2, h3] = meshes.map(|mesh| 1.0 / mesh.cells);
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
@@ -96,7 +96,8 @@ impl Limit {
         }
     }
 
-    /// The last of values that go to and fro, and as its error [`RANGE_FACTOR`] times their scatter.
+    /// The last of values that go to and fro, and as its error [`RANGE_FACTOR`] times their
+    /// scatter.
     ///
     /// The errors of two meshes with opposite signs differ by |a - b| and share it as their cell
     /// sizes h: the scatter of the last mesh is the largest |a - b| h_last / (h_a + h_b) of all
@@ -156,8 +157,8 @@ pub(crate) fn range(values: &[f64]) -> f64 {
     }
 }
 
-/// The order between [`LOWEST_ORDER`] and [`FORMAL_ORDER`] whose `ratio` of steps, which falls with it, is the
-/// observed one.
+/// The order between [`LOWEST_ORDER`] and [`FORMAL_ORDER`] whose `ratio` of steps, which falls with
+/// it, is the observed one.
 fn order_of(observed: f64, ratio: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (LOWEST_ORDER, FORMAL_ORDER);
     for _ in 0..50 {
@@ -216,9 +217,9 @@ impl Sequence {
     /// The limit of fine meshes. `None` before there are three, and where all have the same cells.
     ///
     /// Three similar meshes give it by their order. A figure that no rim moves and that goes to and
-    /// fro over all similar meshes, however three of them look, has the last one's value with
-    /// [`Limit::of_alternating`]. Without three similar meshes it is the last one's value with the
-    /// spread of the last three and of those between them and the last coarser one.
+    /// fro over all similar meshes, whatever order three of them show, has the last one's value
+    /// with [`Limit::of_alternating`]. Without three similar meshes it is the last one's value with
+    /// the spread of the last three and of those between them and the last coarser one.
     pub fn limit(&self) -> Option<Limit> {
         match self.three() {
             Some((_, used)) if self.alternating && !is_monotone(&used) => {

@@ -233,7 +233,7 @@ impl<'a> Meshes<'a> {
         }
     }
 
-    /// Looks for contact at these places too, from the first mesh's cells on.
+    /// Searches contact at these places too, from the first mesh's cells on.
     ///
     /// # Errors
     /// [`Error::PenetrationOutsideMesh`] where it was widened often enough.
@@ -326,7 +326,7 @@ pub(crate) enum Verdict {
     Reached(Limits),
     /// Another mesh is needed.
     Refine(Plan),
-    /// The runner touches where contact was not looked for.
+    /// The runner touches where contact was not expected.
     Widen(Vec<Penetration>),
     /// Another mesh is needed and would have too many unknowns, or finer cells than the runner's
     /// own; what the meshes tend to, where that is known.
@@ -351,11 +351,11 @@ impl Meshes<'_> {
             return verdict;
         }
         let mut found = self.on(contact).penetrations();
-        // What was looked for late and stayed open is no place of contact, whatever a mesh says
-        // that no longer looks there.
+        // What was searched late and stayed open is no place of contact, whatever a mesh says
+        // that no longer includes it.
         found.retain(|place| {
             let [x, y] = place.at;
-            // Where contact is looked for it lies between the nodes.
+            // Where contact is expected it lies between the nodes.
             expected(&self.patch, x, y) || !self.widened.iter().any(|patch| expected(patch, x, y))
         });
         if found.is_empty() {
@@ -413,7 +413,7 @@ impl Meshes<'_> {
         if more <= room {
             return Verdict::Refine(Plan { anew, cells });
         }
-        // Where only the grading is in doubt, a coarser mesh of the finer one tells too.
+        // Where only the grading is in doubt, a coarser mesh of the finer one is enough too.
         let fewer = (self.cells * (room / REFINEMENT).cbrt()).floor();
         match limits.filter(|l| l.relative <= tolerance) {
             Some(_) if fewer >= FEWEST => Verdict::Refine(Plan { anew, cells: fewer }),

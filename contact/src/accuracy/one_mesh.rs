@@ -14,7 +14,7 @@ use crate::problem::check::check;
 use crate::problem::gap::Gap;
 use crate::{Error, Options, Problem};
 
-/// A mesh of a problem's scouted patch, and what it is solved from.
+/// A mesh of a problem's patch as found, and what it is solved from.
 pub(crate) struct MeshProblem {
     pub problem: Problem,
     pub material: Material,

@@ -1,4 +1,4 @@
-//! Where the runner touches that no contact was looked for.
+//! Where the runner touches outside of where contact was expected.
 
 use kufe_fem::boussinesq;
 use rayon::prelude::*;
@@ -21,14 +21,14 @@ pub(crate) struct Penetration {
     pub depth: f64,
 }
 
-/// Lines across the hull that are looked at, and points of each.
+/// Lines across the hull that are checked, and points of each.
 const STATIONS: usize = 400;
 const POINTS: usize = 60;
 /// Steps of a search between two of them.
 const STEPS: usize = 40;
 /// Depth over the approach that counts: what is less carries a thousandth of the load at most.
 const LEAST: f64 = 1e-2;
-/// The same between nodes where contact is looked for: what noise of a scan leaves there is less.
+/// The same between nodes where contact is expected: what remains of a scan's noise there is less.
 const BETWEEN: f64 = 0.2;
 /// A place of contact shorter than this part of a stretch's half has cells of its own: the
 /// stretch's may all miss it.
@@ -44,7 +44,7 @@ pub(crate) struct SolvedMesh<'a> {
 }
 
 impl SolvedMesh<'_> {
-    /// Places outside of where contact was looked for: on a hull with ends the deepest of each
+    /// Places outside of where contact was expected: on a hull with ends the deepest of each
     /// valley along it, in order, and where a measured surface is low; there also between the
     /// nodes.
     pub fn penetrations(&self) -> Vec<Penetration> {

@@ -25,8 +25,8 @@ pub(crate) struct FigureHistory {
     floor: ErrorFloor,
 }
 
-/// Relative errors that refinement does not reduce; independent of those estimated from meshes, they
-/// are added as root sum square.
+/// Relative errors that refinement does not reduce; independent of those estimated from meshes,
+/// they are added as root sum square.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ErrorFloor {
     /// Of the peak and of the area, which depend on the compliance by the same power. Lengths have
@@ -238,8 +238,8 @@ impl FigureHistory {
 }
 
 /// The error of the last mesh's area, length or width: by their limit, and at least their range and
-/// what two ways to find a rim between its nodes differ by, since rims of coarse meshes can look as
-/// if they converged.
+/// what two ways to find a rim between its nodes differ by, since rims of coarse meshes can seem
+/// to converge.
 fn rims_error(figure: &Sequence, off: f64) -> f64 {
     let by_limit = figure.last().error_of(figure.value());
     by_limit.max(figure.range()).max(off)

@@ -34,7 +34,7 @@ pub(crate) struct SetProblem<'a> {
     pub sets: &'a Sets,
     pub constraint: &'a Constraint<'a>,
     pub control: &'a Control<'a>,
-    /// Residual at which the signs are looked at first: once sets have changed often, they are only
+    /// Residual at which the signs are checked first: once sets have changed often, they are only
     /// changed by what is well known, since forces known to a hundredth can send a set in circles.
     pub first_check: f64,
     /// How far a converged set's signs may be wrong.
@@ -155,9 +155,9 @@ impl ContactMesh {
         let mut work = self.workspace();
         self.residual(state, &mut work.residual, &mut work.bodies);
         let mut closing = vec![0.0; self.gap.len()];
-        for ((body, part), kept) in self.parts().zip(&mut work.bodies) {
-            body.begin(&work.residual[part.clone()], &mut closing, kept);
-            body.finish(&[], &mut work.step[part], kept);
+        for ((body, part), body_work) in self.parts().zip(&mut work.bodies) {
+            body.begin(&work.residual[part.clone()], &mut closing, body_work);
+            body.finish(&[], &mut work.step[part], body_work);
         }
         let energy = self.energy(state).max(f64::MIN_POSITIVE);
         (vector::dot(&work.residual, &work.step).abs() / energy).sqrt()
@@ -212,7 +212,7 @@ impl ContactMesh {
         (turn, rho)
     }
 
-    /// Whether the tolerance is reached and the signs confirm the set, or contradict it; looked at
+    /// Whether the tolerance is reached and the signs confirm the set, or contradict it; checked at
     /// whenever the residual has fallen a hundredfold.
     pub(crate) fn settled(
         &self,
@@ -251,13 +251,13 @@ impl ContactMesh {
         work: &mut Workspace,
     ) -> ([f64; 3], Vec<f64>) {
         let mut closing = vec![0.0; self.gap.len()];
-        for ((body, part), kept) in self.parts().zip(&mut work.bodies) {
-            body.begin(&work.residual[part], &mut closing, kept);
+        for ((body, part), body_work) in self.parts().zip(&mut work.bodies) {
+            body.begin(&work.residual[part], &mut closing, body_work);
         }
         let (turn, multipliers) = self.multipliers(constraint, &closing, defect, balance);
         let forces = forces_on(constraint, &multipliers, 1.0);
-        for ((body, part), kept) in self.parts().zip(&mut work.bodies) {
-            body.finish(&forces, &mut work.step[part], kept);
+        for ((body, part), body_work) in self.parts().zip(&mut work.bodies) {
+            body.finish(&forces, &mut work.step[part], body_work);
         }
         (turn, multipliers)
     }

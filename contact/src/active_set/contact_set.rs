@@ -11,7 +11,7 @@ use crate::motion::dot;
 
 /// Most contact sets of one solve.
 const UPDATES: usize = 200;
-/// After so many sets each further lot is looked at ten times more closely.
+/// After so many sets each further lot is checked ten times more closely.
 const UNHURRIED: usize = 10;
 /// Tension over the largest force, and penetration over the depth, that a converged set may have:
 /// rounding. After `PATIENT` lots of sets it is ten times more with each further lot, up to
@@ -204,7 +204,7 @@ impl ContactMesh {
 /// complementary one; at the solution it is minus the total potential energy, the load's work in
 /// it. Its gradient is the gap plus the motion's part, which does no work on balanced changes, so
 /// that between two states D changes by 1/2 (gap + gap') . (f' - f), exactly since S is linear:
-/// only nodes that enter or leave the set count, and the signs of their gaps and forces tell which
+/// only nodes that enter or leave the set count, and the signs of their gaps and forces show which
 /// way.
 #[derive(Clone, Debug)]
 pub(crate) struct Feasible {

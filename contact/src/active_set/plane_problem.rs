@@ -83,7 +83,7 @@ enum Acceleration {
 impl PlaneProblem<'_> {
     /// Sweeps and accelerations until the contact set confirms itself, from `state`.
     ///
-    /// After the first sweeps, which look for a beginning at the motion given, forces keep their
+    /// After the first sweeps, which search a beginning at the motion given, forces keep their
     /// bounds and the balance, and every step is taken only where D falls. An acceleration goes to
     /// the minimiser of D on the set of the forces: forces outside their bounds are put back and
     /// the load is balanced anew where that lowers D, and otherwise the step ends where the first
@@ -109,7 +109,7 @@ impl PlaneProblem<'_> {
         self.take(&mut state, begun);
         deflection = self.deflection(&state.force);
         if !feasible {
-            // What may touch cannot bear the load: these forces tell where more is needed.
+            // What may touch cannot bear the load: these forces show where more is needed.
             return state;
         }
         state.energies.push(self.energy(&state, &deflection));
@@ -130,7 +130,7 @@ impl PlaneProblem<'_> {
         state
     }
 
-    /// One projected SOR sweep at fixed motion; `deflection` = G f is kept up to date.
+    /// One projected SOR sweep at fixed motion; `deflection` = G f is updated with it.
     ///
     /// It lowers D - q^T N^T f over the bounds, whatever the motion q.
     fn sweep(&self, state: &mut PlaneState, deflection: &mut [f64]) {

@@ -123,8 +123,9 @@ mod tests {
     }
 
     /// Its defect: nodes whose functions reach past the block have forces for all of their
-    /// functions, which stand on the part that is covered: with lines a tenth outside its sides the
-    /// block bears that tenth at its rims, and not a pressure that is the same everywhere.
+    /// functions, which are defined on the part that is covered: with lines a tenth outside its
+    /// sides the block bears that tenth at its rims, and not a pressure that is the same
+    /// everywhere.
     #[test]
     fn a_pressure_on_functions_that_reach_past_the_block_stands_on_its_rims() {
         let (closed, load) = closing(1.1, 0.0);

@@ -263,10 +263,15 @@ impl WindowContact {
             self.window.low[axis] + (cell as f64 + 0.5) * self.window.size()[axis]
         };
         // The solved cell that a mirror plane makes a cell of.
-        let solved = |axis: usize, cell: usize| match self.window.mirrored[axis] {
-            true if 2 * cell < cells[axis] => cells[axis] / 2 - 1 - cell,
-            true => cell - cells[axis] / 2,
-            false => cell,
+        let solved = |axis: usize, cell: usize| {
+            let half = cells[axis] / 2;
+            if !self.window.mirrored[axis] {
+                cell
+            } else if 2 * cell < cells[axis] {
+                half - 1 - cell
+            } else {
+                cell - half
+            }
         };
         let nodes = [0, 1]
             .map(|axis| -> Vec<f64> { (0..cells[axis]).map(|cell| centre(axis, cell)).collect() });

@@ -73,7 +73,7 @@ impl Operator {
             let step = 0.5 * PI / n as f64;
             (0..4 * n).map(|m| (step * m as f64).cos()).collect()
         });
-        // Sums over the ring: places 1..n stand for their images too.
+        // Sums over the ring: places 1..n represent their images too.
         let sums = |axis: usize| {
             let n = cells[axis];
             Mat::from_fn(n + 1, n + 1, |place, k| {

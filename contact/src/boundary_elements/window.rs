@@ -4,7 +4,7 @@ use crate::boundary_elements::operator::Layer;
 use crate::problem::gap::Gap;
 use crate::{Foundation, Load, Problem};
 
-/// How far along x contact is looked for under a hull without ends [m].
+/// How far along x contact is searched under a hull without ends [m].
 const REACH: f64 = 2.0;
 /// Samples of the gap along x, each way and each manner.
 const SAMPLES: usize = 300;

@@ -44,7 +44,7 @@ pub(crate) fn guess(problem: &Problem, gap: &Gap, most: &dyn Fn(f64, f64) -> f64
     let corners = match &problem.ice_surface {
         None => corners(|x, y| underside.height(x, y), underside.extent(), y),
         // The ice may have corners too, and under an unbounded hull nothing else says where to
-        // look.
+        // search.
         Some(_) => corners(|x, y| gap.at(x, y), within(&guess, underside.extent()), y),
     };
     Patch { corners, ..guess }.refined_at_corners()

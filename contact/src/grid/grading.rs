@@ -54,8 +54,8 @@ pub(crate) enum Start {
 /// being the smaller of the two zones' wishes. Zones are in order and apart.
 ///
 /// # Errors
-/// [`Error::TooFine`] where the zones ask for more nodes than a line may have, or for some that
-/// rounding cannot tell apart.
+/// [`Error::TooFine`] where the zones need more nodes than a line may have, or for some that
+/// rounding cannot separate.
 pub(crate) fn graded_axis(
     start: Start,
     high: f64,

@@ -98,8 +98,8 @@ impl Patch {
         self
     }
 
-    /// Smallest spacing that this patch asks for over the one that `other` has there; 1 where it
-    /// asks for none.
+    /// Smallest spacing that this patch needs over the one that `other` has there; 1 where it
+    /// needs none.
     pub fn finest_over(&self, other: &Patch) -> f64 {
         let over = |mine: &Stretch, theirs: &Stretch| {
             mine.spacings()
@@ -149,14 +149,14 @@ pub(crate) struct Corner {
     pub within: f64,
 }
 
-/// Intervals in which the keel is looked at first.
+/// Intervals in which the keel is searched first.
 const INTERVALS: usize = 1000;
 /// Smallest change of the curvature that counts, over the curvature across: it moves a pressure by
 /// a few times as much.
 const LEAST: f64 = 2e-3;
 /// As many corners as are heeded, the largest changes first: a rough hull may have one everywhere.
 const MOST: usize = 12;
-/// A jump is looked for down to this step [m]: shorter ones drown in the rounding of heights.
+/// A jump is searched down to this step [m]: shorter ones drown in the rounding of heights.
 const SHORTEST: f64 = 1e-5;
 
 /// The corners of heights (x, y) -> z on their line along x at `y`, in order, within the extent [x

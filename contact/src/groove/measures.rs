@@ -264,7 +264,7 @@ impl<'a> Rims<'a> {
     /// The area that yields, up to its rims below the cell, over that of the full nodes' parts of
     /// the plane: 1 where none is full.
     ///
-    /// Rims are looked for across, where the patch is narrow and runs along the lines of nodes.
+    /// Rims are searched across, where the patch is narrow and runs along the lines of nodes.
     /// Between columns, and from the last one to the front, the squared width is taken to be
     /// linear: it is where a round runner's patch ends, and a sum over columns would leave a part
     /// of it open that depends on where the front lies between nodes.
@@ -307,7 +307,7 @@ impl<'a> Rims<'a> {
 
     /// Mean pressure over the `width` of column `i`, `hardness` where all of it yields [Pa].
     ///
-    /// Forces stand for the nodes' parts of the plane, and the width ends below the cell: a full
+    /// Forces represent the nodes' parts of the plane, and the width ends below the cell: a full
     /// node bears the hardness on its part, whatever its force is fitted to, and so does what lies
     /// between there and the rim.
     pub fn mean_pressure(&self, i: usize, width: f64, hardness: f64) -> f64 {

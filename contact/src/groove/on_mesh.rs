@@ -464,7 +464,7 @@ pub(crate) struct SlidingState {
 
 /// Where a mesh's solve begins.
 pub(crate) enum Start {
-    /// At the indentation at rest, looked for near this motion [m].
+    /// At the indentation at rest, searched near this motion [m].
     AtRest(f64),
     /// At what another mesh found.
     From(WarmStart),

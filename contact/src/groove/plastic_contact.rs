@@ -125,10 +125,10 @@ impl PlasticContact<'_> {
             let anchor = self.anchors(&kinds);
             let pressed = self.deflection(&force);
             // Difference of a node to the closed ones' forces.
-            let lack = |i: usize| self.gap[i] - dot(self.rows[i], motion) + pressed[i];
+            let missing = |i: usize| self.gap[i] - dot(self.rows[i], motion) + pressed[i];
             let mut solved = Mat::from_fn(closed.len(), 1, |row, _| {
                 let i = closed[row];
-                anchor[i].map_or(-self.before[i], lack) - lack(i)
+                anchor[i].map_or(-self.before[i], missing) - missing(i)
             });
             self.response(&closed, &anchor).solve_in_place(&mut solved);
             for (row, &i) in closed.iter().enumerate() {
@@ -302,9 +302,9 @@ pub(crate) fn respond(
     contact.residual(state, &mut residual, &mut work);
     let mut before = 0.0;
     for iteration in 0..most {
-        for ((body, part), kept) in contact.parts().zip(&mut work) {
-            body.begin(&residual[part.clone()], &mut closing, kept);
-            body.finish(&[], &mut step[part], kept);
+        for ((body, part), body_work) in contact.parts().zip(&mut work) {
+            body.begin(&residual[part.clone()], &mut closing, body_work);
+            body.finish(&[], &mut step[part], body_work);
         }
         let rho = vector::dot(&residual, &step).max(0.0);
         let energy = contact.energy(state).max(f64::MIN_POSITIVE);

@@ -23,12 +23,12 @@ use crate::solve::answered;
 use crate::{Error, Options, Problem};
 
 /// Cells over half the patch while it is being found.
-const SCOUTING: Resolution = Resolution {
+const COARSE_MESH: Resolution = Resolution {
     cells: 6.0,
     growth: 0.7,
 };
 /// Meshes on the contact plane alone until one fits the patch found on it.
-const SCOUTS: usize = 30;
+const ROUNDS: usize = 30;
 /// Ratio of the resolutions of successive meshes, and the least where the largest mesh allowed
 /// leaves no more.
 const REFINEMENT: f64 = 1.5;
@@ -60,7 +60,7 @@ impl<'a> SlidingMeshes<'a> {
     ) -> Result<Self, Error> {
         let mut patch = sliding_guess(problem, &gap);
         let mut start = Start::AtRest(patch.motion);
-        for _ in 0..SCOUTS {
+        for _ in 0..ROUNDS {
             if options.stopped() {
                 return Err(Error::Stopped);
             }
@@ -69,7 +69,7 @@ impl<'a> SlidingMeshes<'a> {
                 gap: &gap,
                 material,
                 patch: &patch,
-                resolution: SCOUTING,
+                resolution: COARSE_MESH,
                 reach: Reach::WholeHull,
             };
             let mesh = plan.mesh()?;
@@ -104,7 +104,7 @@ impl<'a> SlidingMeshes<'a> {
                 });
             }
         }
-        Err(Error::NoPatch { rounds: SCOUTS })
+        Err(Error::NoPatch { rounds: ROUNDS })
     }
 
     /// Solves mesh after mesh until two agree, and puts together what they say.

@@ -254,7 +254,7 @@ fn pressure(field: &SurfaceField, fz: f64, bound: f64, along: &Axis, across: &Ax
 /// Makes the pressures' sum the requested one, p <- p (1 + c (1 - (p / p_top)^2)).
 ///
 /// What interpolation misses lies near the rim; the peak and a plateau at the ice's hardness stay.
-/// The factor is kept within a tenth.
+/// The factor is limited to a tenth.
 fn carry(pressure: &mut [f64], sum: f64) {
     let top = pressure.iter().copied().fold(0.0, f64::max);
     let share = |p: f64| 1.0 - (p / top).powi(2);
@@ -271,9 +271,9 @@ fn carry(pressure: &mut [f64], sum: f64) {
 /// A piecewise cubic through values on increasing nodes; NaN marks nodes without a value.
 ///
 /// Slopes come from the parabola through a node and its neighbours (one-sided next to a gap), so
-/// parabolas are reproduced exactly. Cells that lack an end are gaps. Between two values that are
-/// not positive nothing is; between two positive ones nothing is lower than both, and from a
-/// positive one to the other kind it falls all the way, however steep the adjacent cells are.
+/// parabolas are reproduced exactly. Cells without one of their ends are gaps. Between two values
+/// that are not positive nothing is; between two positive ones nothing is lower than both, and from
+/// a positive one to the other kind it falls all the way, however steep the adjacent cells are.
 pub struct Hermite<'a> {
     nodes: &'a [f64],
     values: &'a [f64],

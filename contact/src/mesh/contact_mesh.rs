@@ -183,15 +183,15 @@ impl ContactMesh {
 
     /// Forces 0 outside the set and at their bound where full.
     pub fn project_forces(&self, sets: &Sets, state: &mut State) {
-        let mut kept = vec![0.0; state.force.len()];
+        let mut forces = vec![0.0; state.force.len()];
         for &i in &sets.inside {
             let node = self.candidates[i];
-            kept[node] = state.force[node].clamp(0.0, self.bound[node]);
+            forces[node] = state.force[node].clamp(0.0, self.bound[node]);
         }
         for &i in &sets.full {
-            kept[self.candidates[i]] = self.bound[self.candidates[i]];
+            forces[self.candidates[i]] = self.bound[self.candidates[i]];
         }
-        state.force = kept;
+        state.force = forces;
     }
 
     /// `out` = K u, body by body.
@@ -295,10 +295,11 @@ pub(crate) fn clip(from: &[f64], to: &[f64], bound: &[f64]) -> (f64, Vec<f64>) {
     let part = pairs().map(end).fold(1.0, f64::min);
     let force = pairs().map(|pair| {
         let (f, (t, b)) = pair;
-        match end(pair) <= part && (*t < 0.0 || t > b) {
+        if end(pair) <= part && (*t < 0.0 || t > b) {
             // Exactly at the bound, so that the node leaves the set.
-            true => t.clamp(0.0, *b),
-            false => (f + part * (t - f)).clamp(0.0, *b),
+            t.clamp(0.0, *b)
+        } else {
+            (f + part * (t - f)).clamp(0.0, *b)
         }
     });
     (part, force.collect())

@@ -74,7 +74,7 @@ const LAYER_REACH: f64 = 6.0;
 const EVEN_DEPTH: f64 = 1.5;
 
 /// Cells over half the patch whose bending a patch is found with.
-const SCOUTED: f64 = 4.0;
+const SEARCH_CELLS: f64 = 4.0;
 
 /// What a mesh is made for.
 pub(crate) struct MeshPlan<'a> {
@@ -205,7 +205,7 @@ impl MeshPlan<'_> {
         if let Some(elastic) = on_columns.filter(|_| meshed && axis == 0) {
             let cells = match self.reach {
                 Reach::Patch => self.resolution.cells,
-                Reach::WholeHull => SCOUTED,
+                Reach::WholeHull => SEARCH_CELLS,
             };
             elastic.mount.refine(&mut nodes, hull, cells);
         }
@@ -255,7 +255,7 @@ impl MeshPlan<'_> {
         let mut bound = Vec::with_capacity(nx * ny);
         let mut candidates = Vec::new();
         let hardness = problem.ice.hardness.unwrap_or(f64::INFINITY);
-        // A wide plane is scouted where contact is expected: the rest would cost more than it is
+        // A wide plane is searched where contact is expected: the rest would cost more than it is
         // worth.
         let everywhere = self.reach == Reach::WholeHull && nx * ny <= 1500;
         for j in 0..ny {
@@ -315,7 +315,7 @@ impl MeshPlan<'_> {
     }
 }
 
-/// Whether contact is looked for at (x, y): on the patch and near it.
+/// Whether contact is expected at (x, y): on the patch and near it.
 pub(crate) fn expected(patch: &Patch, x: f64, y: f64) -> bool {
     let near = |stretch: &Stretch, at: f64| {
         let margin = 0.7 * stretch.half();

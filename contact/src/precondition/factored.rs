@@ -26,7 +26,7 @@ impl FactoredInverse {
     pub fn work(&self) -> InverseWork {
         let length = 3 * self.solid.mesh().points.len();
         InverseWork {
-            kept: vec![0.0; length],
+            intermediate: vec![0.0; length],
             scratch: vec![0.0; length],
             by_node: vec![0.0; length],
             ..InverseWork::default()
@@ -45,22 +45,23 @@ impl FactoredInverse {
 
     /// See [`crate::precondition::inverse::Inverse::begin`].
     pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut InverseWork) {
-        work.kept.copy_from_slice(residual);
+        work.intermediate.copy_from_slice(residual);
         self.solve(residual, &mut work.by_node, &mut work.scratch);
         self.mortar.add_closing(&work.scratch, closing);
     }
 
     /// See [`crate::precondition::inverse::Inverse::finish`].
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
-        self.mortar.add_forces(multipliers, -1.0, &mut work.kept);
-        self.solve(&work.kept, &mut work.by_node, step);
+        self.mortar
+            .add_forces(multipliers, -1.0, &mut work.intermediate);
+        self.solve(&work.intermediate, &mut work.by_node, step);
     }
 
     /// See [`crate::precondition::inverse::Inverse::respond`].
     pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], work: &mut InverseWork) {
-        work.kept.fill(0.0);
-        self.mortar.add_forces(forces, 1.0, &mut work.kept);
-        self.solve(&work.kept, &mut work.by_node, &mut work.scratch);
+        work.intermediate.fill(0.0);
+        self.mortar.add_forces(forces, 1.0, &mut work.intermediate);
+        self.solve(&work.intermediate, &mut work.by_node, &mut work.scratch);
         self.mortar.add_closing(&work.scratch, closing);
     }
 
@@ -226,19 +227,19 @@ fn clip(mut polygon: Vec<[f64; 2]>, cell: [f64; 4]) -> Vec<[f64; 2]> {
         (1, cell[3], -1.0),
     ] {
         let inside = |p: [f64; 2]| sign * (p[axis] - bound);
-        let mut kept = Vec::with_capacity(polygon.len() + 1);
+        let mut clipped = Vec::with_capacity(polygon.len() + 1);
         for (k, &p) in polygon.iter().enumerate() {
             let q = polygon[(k + 1) % polygon.len()];
             let (from, to) = (inside(p), inside(q));
             if from >= 0.0 {
-                kept.push(p);
+                clipped.push(p);
             }
             if from * to < 0.0 {
                 let t = from / (from - to);
-                kept.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
+                clipped.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
             }
         }
-        polygon = kept;
+        polygon = clipped;
     }
     polygon
 }

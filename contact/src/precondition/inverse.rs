@@ -8,7 +8,7 @@ use crate::precondition::planewise::{InverseWork, PlanewiseInverse};
 
 /// M^-1, spectrally equivalent to the inverse of the stiffness.
 ///
-/// A beginning tells how a residual would close the gap; then the forces on the contact plane that
+/// A beginning gives how a residual would close the gap; then the forces on the contact plane that
 /// answer to it are known, and the finish takes them into the step. So one application serves both.
 pub(crate) enum Inverse {
     /// Of a body that nothing but faces of its tensor grid hold.

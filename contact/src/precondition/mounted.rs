@@ -69,7 +69,7 @@ impl MountedInverse {
     /// Vectors for the methods below.
     pub fn work(&self) -> InverseWork {
         InverseWork {
-            kept: vec![0.0; self.fast.mode_count()],
+            intermediate: vec![0.0; self.fast.mode_count()],
             motion: vec![0.0; self.beam.as_ref().map_or(0, BeamSpace::len)],
             scratch: vec![0.0; self.fast.scratch_len()],
             by_node: vec![0.0; self.beam.as_ref().map_or(0, BeamSpace::vector_len)],
@@ -80,7 +80,7 @@ impl MountedInverse {
     /// See [`crate::precondition::inverse::Inverse::begin`].
     pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut InverseWork) {
         let InverseWork {
-            kept: modal,
+            intermediate: modal,
             motion,
             scratch,
             by_node,
@@ -98,7 +98,7 @@ impl MountedInverse {
     /// See [`crate::precondition::inverse::Inverse::finish`].
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
         let InverseWork {
-            kept: modal,
+            intermediate: modal,
             motion,
             scratch,
             by_node,
@@ -115,7 +115,7 @@ impl MountedInverse {
     /// See [`crate::precondition::inverse::Inverse::respond`].
     pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], work: &mut InverseWork) {
         let InverseWork {
-            kept: modal,
+            intermediate: modal,
             motion,
             ..
         } = work;

@@ -38,15 +38,15 @@ impl PlanewiseInverse {
     /// Vectors for the methods below.
     pub fn work(&self) -> InverseWork {
         InverseWork {
-            kept: vec![0.0; self.preconditioner.mode_count()],
+            intermediate: vec![0.0; self.preconditioner.mode_count()],
             ..InverseWork::default()
         }
     }
 
     /// See [`crate::precondition::inverse::Inverse::begin`].
     pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut InverseWork) {
-        self.preconditioner.gather(residual, &mut work.kept);
-        self.add_closing(self.preconditioner.gathered(&work.kept), closing);
+        self.preconditioner.gather(residual, &mut work.intermediate);
+        self.add_closing(self.preconditioner.gathered(&work.intermediate), closing);
     }
 
     /// `closing` += B P^-1 r from what the contact plane has gathered of r.
@@ -66,9 +66,9 @@ impl PlanewiseInverse {
 
     /// See [`crate::precondition::inverse::Inverse::finish`].
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
-        let kept = &mut work.kept;
-        self.take_forces(multipliers, self.preconditioner.gathered_mut(kept));
-        self.preconditioner.spread(kept, step);
+        let intermediate = &mut work.intermediate;
+        self.take_forces(multipliers, self.preconditioner.gathered_mut(intermediate));
+        self.preconditioner.spread(intermediate, step);
     }
 
     /// See [`crate::precondition::inverse::Inverse::respond`].
@@ -287,7 +287,7 @@ pub(crate) fn surface_response(operator: &TensorOperator, material: Material) ->
 #[derive(Default)]
 pub(crate) struct InverseWork {
     /// State between the first and the second pass: modal values, or the residual itself.
-    pub kept: Vec<f64>,
+    pub intermediate: Vec<f64>,
     /// State between the first and the second pass of the motions of a beam.
     pub motion: Vec<f64>,
     pub scratch: Vec<f64>,

@@ -100,7 +100,7 @@ pub fn ice_youngs_modulus(temperature: f64) -> f64 {
 /// Thompson, Ice hardness in winter sports, Cold Reg. Sci. Technol. 67 (2011) 129-134). Their
 /// constants are uncertain by 2.1 MPa and 0.4 MPa/K. That paper is behind a paywall; J. H. Lever
 /// and others, J. Glaciol. 68 (2022) 337-356, doi 10.1017/jog.2021.97, which is open, quotes 17.4
-/// MPa at -4.5 C and 17.7 MPa at -5 C from the same group (as a summary of it tells), and the line
+/// MPa at -4.5 C and 17.7 MPa at -5 C from the same group (by a summary of it), and the line
 /// passes through both.
 ///
 /// ```

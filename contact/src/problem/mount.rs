@@ -107,9 +107,9 @@ impl Mount {
                 let [first, last] = [nodes[0], nodes[nodes.len() - 1]];
                 if first < end && end < last {
                     // Nodes too near an end make way for it, but for the runner's own ends.
-                    let kept = [low, high, first, last];
+                    let fixed = [low, high, first, last];
                     let near = 0.2 * place.length;
-                    nodes.retain(|x| (x - end).abs() > near || kept.contains(x));
+                    nodes.retain(|x| (x - end).abs() > near || fixed.contains(x));
                     let at = nodes.partition_point(|&x| x < end);
                     if nodes[at] != end {
                         nodes.insert(at, end);

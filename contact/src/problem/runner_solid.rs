@@ -138,7 +138,7 @@ impl RunnerSolid {
         }
     }
 
-    /// Noise of the underside's nodes, as [`noise_of_faces`] tells it.
+    /// Noise of the underside's nodes, as [`noise_of_faces`] estimates it.
     pub fn noise(&self) -> Option<Noise> {
         noise_of_faces(&self.mesh().points, &self.faces)
     }

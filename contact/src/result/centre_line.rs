@@ -88,7 +88,7 @@ impl CentreLine {
     }
 }
 
-/// Steps between two depths in which the largest shear is looked for: it is off by the square of
+/// Steps between two depths in which the largest shear is searched: it is off by the square of
 /// one at the most.
 const STEPS: u32 = 200;
 

@@ -269,11 +269,8 @@ impl Line<'_> {
     /// lies between.
     fn rim_of_yielding(&self, end: usize, outwards: isize) -> Option<f64> {
         let end = end as isize;
-        let node = |k: isize| match k < 0 && !self.symmetric {
-            true => None,
-            // Before a mirror plane lie images.
-            false => Some(k.unsigned_abs()),
-        };
+        // Before a mirror plane lie images.
+        let node = |k: isize| (k >= 0 || self.symmetric).then(|| k.unsigned_abs());
         let full = |k: isize| {
             let pressure = node(k).and_then(|k| self.pressure.get(k));
             pressure.is_some_and(|p| *p >= self.bound)

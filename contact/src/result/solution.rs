@@ -99,7 +99,7 @@ pub struct Iterate {
     pub iterations: usize,
     /// Relative residual reached.
     pub residual: f64,
-    /// Peak pressure of the forces as they stood [Pa].
+    /// Peak pressure of the forces at that moment [Pa].
     pub p_max: f64,
     /// Projected SOR sweeps since the last update.
     pub sweeps: usize,

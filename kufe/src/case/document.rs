@@ -32,7 +32,7 @@ pub struct Case {
     /// Steady sliding on ice that yields; at rest where the table is absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sliding: Option<SlidingTable>,
-    /// The accuracy asked; one per cent of the peak pressure where the table is absent.
+    /// The requested accuracy; one per cent of the peak pressure where the table is absent.
     #[serde(default)]
     pub accuracy: AccuracyTable,
     /// How the equations are solved; without a stored stiffness where the table is absent.
@@ -56,7 +56,8 @@ impl Case {
         Ok(case)
     }
 
-    /// The accuracy and the form of the stiffness that the case asks for; all else as [`Options::default`].
+    /// The accuracy and the form of the stiffness that the case requests; all else as
+    /// [`Options::default`].
     pub fn options(&self) -> Options {
         Options {
             p_max_tolerance: self.accuracy.p_max,
@@ -65,8 +66,8 @@ impl Case {
         }
     }
 
-    /// The files that the case names, as it names them, with their keys: hull, mesh, section, ice surface, the groove of an earlier
-    /// runner.
+    /// The files that the case names, as it names them, with their keys: hull, mesh, section, ice
+    /// surface, the groove of an earlier runner.
     pub fn files(&self) -> Vec<(&'static str, PathBuf)> {
         let section = self.runner.section.as_ref();
         let profile = section.and_then(|s| s.profile.clone());

@@ -14,7 +14,7 @@ pub enum CaseError {
     Syntax {
         /// Line, counted from 1.
         line: usize,
-        /// The line as it stands.
+        /// The line.
         found: String,
         /// What is wrong with it.
         message: String,
@@ -46,9 +46,9 @@ pub enum CaseError {
     Effect {
         /// The effect.
         name: String,
-        /// What stands there.
+        /// What was found.
         found: String,
-        /// What may stand there.
+        /// What was expected.
         expected: String,
     },
     /// The shape's dimensions do not fit together.
@@ -143,7 +143,7 @@ fn text_for_number(table: &DeTable, within: &str, span: &Range<usize>) -> Option
         match value.get_ref() {
             DeValue::String(text) if inside => {
                 let range = RANGES.iter().find(|range| range.key == key)?;
-                // A word may stand for a thickness.
+                // A thickness may be a word.
                 (key != "ice.thickness_m").then(|| CaseError::OutOfRange {
                     line: 0,
                     key: range.key,

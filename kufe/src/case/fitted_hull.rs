@@ -18,7 +18,8 @@ pub struct FittedHull {
     pub underside: Arc<FittedUnderside>,
     /// Size, holes and warnings.
     pub report: HullReport,
-    /// Standard deviation of its vertices that the fit was made with, found where none is stated, and what would not be found [m].
+    /// Standard deviation of its vertices that the fit was made with, found where none is stated,
+    /// and what would not be found [m].
     pub noise: Noise,
     /// Length of its triangles along the runner where they are long strips [m].
     pub strips: Option<f64>,
@@ -93,10 +94,11 @@ fn fit(
     Ok((fitted, filled))
 }
 
-/// Rockers have radii of metres and sections of millimetres; what is rounder along than so many times its section is another body.
+/// Rockers have radii of metres and sections of millimetres; what is rounder along than so many
+/// times its section is another body.
 const ROCKER_OVER_SECTION: f64 = 10.0;
 
-/// Why a hull, x forward and z up, does not look like a runner, before time is spent on it.
+/// Why a hull, x forward and z up, is unlike a runner, before time is spent on it.
 fn unlike_runner(hull: &Hull) -> Result<Option<HullWarning>, MeshError> {
     let Some(found) = ScanFrame::of(hull)? else {
         return Ok(None);
@@ -111,7 +113,8 @@ fn unlike_runner(hull: &Hull) -> Result<Option<HullWarning>, MeshError> {
 }
 
 impl RunnerTable {
-    /// The noise of the runner's vertices that is stated, or else what is `found`, which the report then tells.
+    /// The noise of the runner's vertices that is stated, or else what is `found`, which the report
+    /// then states.
     pub(crate) fn noise(
         &self,
         report: &mut HullReport,

@@ -1,8 +1,8 @@
 //! The file that states one contact problem, `case.toml`.
 //!
 //! [`Case`] mirrors the file key by key; [`Case::parse`] reads and checks it, [`Case::problem`]
-//! turns it into a [`Problem`](kufe_contact::Problem). Unknown keys are errors, and every error names the
-//! line, the key, the value found and what was expected.
+//! turns it into a [`Problem`](kufe_contact::Problem). Unknown keys are errors, and every error
+//! names the line, the key, the value found and what was expected.
 //!
 //! ```
 //! use kufe::case::Case;

@@ -19,8 +19,8 @@ use kufe_contact::{ElasticRunner, Problem, Runner, RunnerSolid};
 const MOST_BYTES: u64 = 1 << 31;
 /// Steepest slope of the solid under a runner that is flat across, as a luge steel.
 const GENTLE: f64 = 0.15;
-/// A hull is flat across where that slope adds less than this part of its steel: a luge steel of the defaults gains 0.0009 of
-/// it, a bobsled runner 0.045.
+/// A hull is flat across where that slope adds less than this part of its steel: a luge steel of
+/// the defaults gains 0.0009 of it, a bobsled runner 0.045.
 const LITTLE: f64 = 0.01;
 
 /// A case's problem with the hull that it came from.
@@ -41,8 +41,8 @@ impl Case {
         Ok(self.stated(base, None)?.problem)
     }
 
-    /// As [`problem`](Self::problem), with the hull, so that its warnings and its fit can be told;
-    /// `hull` as in [`runner`](Self::runner).
+    /// As [`problem`](Self::problem), with the hull, so that its warnings and its fit can be
+    /// reported; `hull` as in [`runner`](Self::runner).
     ///
     /// # Errors
     /// As [`problem`](Self::problem).
@@ -79,7 +79,8 @@ impl Case {
         Ok((Runner { underside, elastic }, hull))
     }
 
-    /// The problem that the case states of a runner that is there already; other paths are taken from `base`.
+    /// The problem that the case states of a runner that is there already; other paths are taken
+    /// from `base`.
     ///
     /// # Errors
     /// As [`problem`](Self::problem).
@@ -100,9 +101,10 @@ impl Case {
         Ok(problem)
     }
 
-    /// A runner of hexahedra: the smooth surface through its underside's nodes, and its factorised stiffness.
+    /// A runner of hexahedra: the smooth surface through its underside's nodes, and its factorised
+    /// stiffness.
     ///
-    /// Its mount holds the nodes at its highest place, all of them or those over the places held.
+    /// Its mount holds the nodes at its highest place, all of them or those over the fixed places.
     fn meshed(&self, path: &Path) -> Result<(FittedHull, ElasticRunner), CaseError> {
         let named =
             |reason: &dyn std::fmt::Display| mesh_error(format!("{}: {reason}", path.display()));
@@ -120,12 +122,12 @@ impl Case {
         let top = heights().fold(f64::NEG_INFINITY, f64::max);
         let lowest = heights().fold(f64::INFINITY, f64::min);
         let mount = self.runner.mount.as_ref().map(|mount| mount.mount());
-        let held = |p: [f64; 3]| {
+        let fixed = |p: [f64; 3]| {
             top - p[2] <= 1e-6 * (top - lowest) && mount.as_ref().is_none_or(|m| m.over(p[0]))
         };
         let [modulus, ratio] = [self.runner.youngs_modulus_pa, self.runner.poissons_ratio];
         let extent = extent(&mesh.points);
-        let solid = RunnerSolid::new(mesh, modulus, ratio, held).map_err(|error| named(&error))?;
+        let solid = RunnerSolid::new(mesh, modulus, ratio, fixed).map_err(|error| named(&error))?;
         let part = solid.underside();
         let mut report = check_hull(&part).map_err(|error| named(&error))?;
         // An underside alone is open; its size is that of the whole mesh.
@@ -165,7 +167,8 @@ impl Case {
         }
         Ok(ElasticRunner {
             mount: mount.unwrap_or_default(),
-            // A luge steel is flat across: a gentle limit adds steel over the radius of its edge alone.
+            // A luge steel is flat across: a gentle limit adds steel over the radius of its edge
+            // alone.
             flank: gentle.then_some(GENTLE),
             ..ElasticRunner::fixed_at_top(
                 self.runner.youngs_modulus_pa,

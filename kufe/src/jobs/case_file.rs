@@ -19,7 +19,7 @@ const LONGEST: u64 = 1 << 20;
 /// Largest file that counts towards a case's content [bytes].
 const LARGEST: u64 = 1 << 31;
 
-/// A case and where it stands.
+/// A case and its folder.
 #[derive(Clone, Debug)]
 pub struct LoadedCase {
     /// What to call it in messages.
@@ -28,7 +28,8 @@ pub struct LoadedCase {
     pub base: PathBuf,
     /// The case.
     pub case: Case,
-    /// The hull that `runner.hull` names, in runner axes, where it is in memory and no file is read.
+    /// The hull that `runner.hull` names, in runner axes, where it is in memory and no file is
+    /// read.
     pub hull: Option<Arc<Hull>>,
 }
 
@@ -47,14 +48,14 @@ impl LoadedCase {
     /// [`Failure::BadInput`] naming the file, the line, the key, the value and what was expected.
     pub fn read(path: &Path) -> Result<LoadedCase, Failure> {
         let name = path.display().to_string();
-        let told = |reason: String| Failure::BadInput(format!("{name}: {reason}"));
+        let failed = |reason: String| Failure::BadInput(format!("{name}: {reason}"));
         let text = text_of_regular(path, LONGEST)
-            .map_err(|error| told(format!("cannot be read: {error}")))?;
+            .map_err(|error| failed(format!("cannot be read: {error}")))?;
         let base = path.parent().unwrap_or(Path::new(""));
         LoadedCase::parse(&name, base, &text)
     }
 
-    /// Parses a case's text; `name` stands for it in messages, a hull's path starts from `base`.
+    /// Parses a case's text; `name` is its name in messages, a hull's path starts from `base`.
     ///
     /// # Errors
     /// [`Failure::BadInput`] naming the line, the key, the value and what was expected.
@@ -69,13 +70,13 @@ impl LoadedCase {
         })
     }
 
-    /// Every file that is read for the case beside its own, with the key that names it: hull and its buffers, mesh, section, ice
-    /// surface, groove.
+    /// Every file that is read for the case in addition to its own, with the key that names it:
+    /// hull and its buffers, mesh, section, ice surface, groove.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where a hull that names further files cannot be read.
     pub fn files(&self) -> Result<Vec<(&'static str, PathBuf)>, Failure> {
-        let told = |error| Failure::BadInput(format!("{}: runner.hull: {error}", self.name));
+        let failed = |error| Failure::BadInput(format!("{}: runner.hull: {error}", self.name));
         let mut files = Vec::new();
         for (key, file) in self.case.files() {
             if key == "runner.hull" && self.hull.is_some() {
@@ -83,7 +84,7 @@ impl LoadedCase {
             }
             let path = self.base.join(file);
             if key == "runner.hull" {
-                let parts = hull_files(&path).map_err(told)?;
+                let parts = hull_files(&path).map_err(failed)?;
                 files.extend(parts.into_iter().map(|part| (key, part)));
             } else {
                 files.push((key, path));
@@ -92,8 +93,9 @@ impl LoadedCase {
         Ok(files)
     }
 
-    /// SHA-256, hexadecimal, of the content of every file that the case reads beside its own, whatever the files are called and
-    /// whenever they were written, and of the version of the numerics.
+    /// SHA-256, hexadecimal, of the content of every file that the case reads in addition to its
+    /// own, whatever the files are called and whenever they were written, and of the version of the
+    /// numerics.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where a file cannot be read.
@@ -145,7 +147,8 @@ impl LoadedCase {
     /// The case with another value of a number of its runner's shape.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] for a runner without a shape, a key that the shape does not have, and a value out of range.
+    /// [`Failure::BadInput`] for a runner without a shape, a key that the shape does not have, and
+    /// a value out of range.
     pub fn with_shape(&self, key: &str, value: f64) -> Result<LoadedCase, Failure> {
         let wrong = |text: String| Failure::BadInput(format!("{}: {text}", self.name));
         let Some(shape) = &self.case.runner.shape else {
@@ -153,18 +156,18 @@ impl LoadedCase {
                 "runner.shape.{key}: the runner is a hull, expected a shape"
             )));
         };
-        let told = |error: &dyn std::fmt::Display| wrong(format!("runner.shape.{key}: {error}"));
-        let mut table = toml::Table::try_from(shape).map_err(|error| told(&error))?;
+        let failed = |error: &dyn std::fmt::Display| wrong(format!("runner.shape.{key}: {error}"));
+        let mut table = toml::Table::try_from(shape).map_err(|error| failed(&error))?;
         let numbers: Vec<&String> = table.keys().filter(|key| *key != "kind").collect();
         let found = numbers.iter().any(|known| *known == key);
         if !found {
             let keys: Vec<&str> = numbers.iter().map(|key| key.as_str()).collect();
             let expected = format!("found no such key, expected one of {}", keys.join(", "));
-            return Err(told(&expected));
+            return Err(failed(&expected));
         }
         table.insert(key.to_owned(), value.into());
         let mut case = self.case.clone();
-        case.runner.shape = Some(table.try_into().map_err(|error| told(&error))?);
+        case.runner.shape = Some(table.try_into().map_err(|error| failed(&error))?);
         case.check()
             .map_err(|error| wrong(format!("with {key} = {value}: {error}")))?;
         Ok(LoadedCase {
@@ -191,7 +194,8 @@ impl LoadedCase {
         }
     }
 
-    /// Refuses a hull whose fit is too uncertain for what was solved on it, where no error can say so; a shape has no fit.
+    /// Refuses a hull whose fit is too uncertain for what was solved on it, where no error can say
+    /// so; a shape has no fit.
     ///
     /// # Errors
     /// As [`fine_within`](Self::fine_within).
@@ -206,8 +210,9 @@ impl LoadedCase {
         }
     }
 
-    /// Refuses a hull whose fit is uncertain by more than 5 per cent of how deep the ice gives, `depth` [m], under a patch
-    /// `[x_min, x_max, y_min, y_max]` [m], or by more than the requested accuracy of the peak where that is larger.
+    /// Refuses a hull whose fit is uncertain by more than 5 per cent of how deep the ice gives,
+    /// `depth` [m], under a patch `[x_min, x_max, y_min, y_max]` [m], or by more than the requested
+    /// accuracy of the peak where that is larger.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with the fit's error, the approach and what is allowed.
@@ -247,7 +252,8 @@ impl LoadedCase {
         )))
     }
 
-    /// That the hull's vertices leave the peak uncertain by more than the requested accuracy, `error` over it.
+    /// That the hull's vertices leave the peak uncertain by more than the requested accuracy,
+    /// `error` over it.
     pub(crate) fn peak_uncertain(&self, hull: &FittedHull, error: f64) -> Failure {
         let requested = self.case.accuracy.p_max;
         Failure::NotConverged(format!(
@@ -260,10 +266,10 @@ impl LoadedCase {
         ))
     }
 
-    /// Why the error of a peak is not known: noise that nobody stated, whose effect could not be told.
-    pub(crate) fn noise_untold(&self) -> Failure {
+    /// Why the error of a peak is not known: noise that nobody stated, whose effect is unknown.
+    pub(crate) fn noise_effect_unknown(&self) -> Failure {
         Failure::NotConverged(format!(
-            "{}: {}: its vertices scatter, and what that moves the peak by could not be told by boundary elements: expected vertices on a \
+            "{}: {}: its vertices scatter, and how far that moves the peak could not be estimated by boundary elements: expected vertices on a \
              smooth surface, or runner.noise_m",
             self.name,
             self.hull_key()
@@ -301,17 +307,19 @@ fn finer(hull: &FittedHull, factor: f64) -> String {
             1e3 * length
         );
     }
-    match noise > 0.0 {
-        true => format!(
+    if noise > 0.0 {
+        format!(
             "noise of {:.2} µm in place of {:.2} µm, or vertices {closer:.1} times closer both ways, would do",
             1e6 * noise / closer,
             1e6 * noise
-        ),
-        false => format!("vertices {closer:.1} times closer would do"),
+        )
+    } else {
+        format!("vertices {closer:.1} times closer would do")
     }
 }
 
-/// How deep the ice gives, which a hull's fit is held against: a runner that bends comes nearer to its mount, too [m].
+/// How deep the ice gives, which a hull's fit is compared with: a runner that bends comes nearer to
+/// its mount, too [m].
 pub(crate) fn depth(solution: &Solution) -> f64 {
     let deepest = |field: &SurfaceField| field.uz.iter().fold(0.0, |most, uz| f64::max(most, -uz));
     match solution.runner_volume {

@@ -12,12 +12,12 @@ pub enum Failure {
     BadInput(String),
     /// An iteration stopped short of its tolerance (exit code 4).
     NotConverged(String),
-    /// Part of the work is done and kept; the rest can be resumed (exit code 5).
+    /// Part of the work is done and stored; the rest can be resumed (exit code 5).
     Partial(String),
 }
 
 impl Failure {
-    /// Bad input as told by a library's error.
+    /// Bad input by a library's error.
     pub fn bad_input(error: impl fmt::Display) -> Self {
         Failure::BadInput(error.to_string())
     }

@@ -90,12 +90,15 @@ impl RunSelection {
         }
     }
 
-    /// Reads model and runs, keeps those selected that the laws were not fitted to, as `unseen` tells, and prepares them; remarks on runs are told as warnings.
+    /// Reads model and runs, keeps those selected that the laws were not fitted to, as `unseen`
+    /// tells, and prepares them; remarks on runs are told as warnings.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no filter.
+    /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no
+    /// filter.
     pub fn load(&self, watch: &Watch, unseen: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
-        // Nothing of a curve is left below a tenth of a hertz, and of a run of some ten seconds no period.
+        // Nothing of a curve is left below a tenth of a hertz, and of a run of some ten seconds no
+        // period.
         if !(0.1..=1e4).contains(&self.cutoff_hz) {
             return Err(Failure::Usage(format!(
                 "--cutoff-hz {}: expected 0.1 to 10000 Hz",

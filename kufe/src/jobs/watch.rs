@@ -2,28 +2,28 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Someone who is told of progress and warnings, and may stop the job.
+/// Someone who receives progress and warnings, and may stop the job.
 ///
 /// The default hears nothing and never stops.
 #[derive(Clone, Copy, Default)]
 pub struct Watch<'a> {
-    /// Told how far the job is.
+    /// Receives how far the job is.
     pub progress: Option<&'a (dyn Fn(&str) + Sync)>,
-    /// Told what the user should know; the job goes on.
+    /// Receives what the user should know; the job goes on.
     pub warn: Option<&'a (dyn Fn(&str) + Sync)>,
     /// Once true, the job finishes what it has in hand and begins nothing else.
     pub stop: Option<&'a AtomicBool>,
 }
 
 impl Watch<'_> {
-    /// Tells how far the job is.
+    /// Reports how far the job is.
     pub fn progress(&self, text: &str) {
         if let Some(progress) = self.progress {
             progress(text);
         }
     }
 
-    /// Tells what the user should know.
+    /// Reports what the user should know.
     pub fn warn(&self, text: &str) {
         if let Some(warn) = self.warn {
             warn(text);

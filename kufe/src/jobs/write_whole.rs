@@ -14,9 +14,10 @@ pub fn write_whole(
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<(), Failure> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let made = match folder.as_os_str().is_empty() {
-        true => Ok(()),
-        false => std::fs::create_dir_all(folder),
+    let made = if folder.as_os_str().is_empty() {
+        Ok(())
+    } else {
+        std::fs::create_dir_all(folder)
     };
     made.and_then(|()| kufe_files::write_whole(path, write))
         .map_err(|error| {

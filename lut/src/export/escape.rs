@@ -10,7 +10,7 @@ use crate::error::Error;
 /// Text within a comment of C or MATLAB: one line that neither ends nor begins a comment.
 ///
 /// Characters that end a line in any of the languages become spaces, and so do slashes and stars
-/// that stand together and backslashes, which would continue a line.
+/// next to one another and backslashes, which would continue a line.
 pub(super) fn comment(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {

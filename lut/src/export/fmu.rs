@@ -66,8 +66,8 @@ pub fn read_fmu(mut reader: impl Read + Seek) -> Result<Fmu, Error> {
 impl Table {
     /// Writes an FMU whose inputs are `fz`, `v`, `pitch_rate` and `curvature` and whose outputs are
     /// `pressure` (the peak pressure) and `out_of_range`; of a runner that slides also the input
-    /// `ice_c` and the outputs `mu`, `mu_ploughing`, `mu_viscous`, `mu_boundary`, `groove_depth` and
-    /// `film_mean`.
+    /// `ice_c` and the outputs `mu`, `mu_ploughing`, `mu_viscous`, `mu_boundary`, `groove_depth`
+    /// and `film_mean`.
     ///
     /// The parameter `use_curvature` takes the input `curvature` instead of `-pitch_rate / v`;
     /// `smooth` chooses the mode. The unit holds a library for the platform that this crate was

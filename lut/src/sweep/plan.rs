@@ -35,8 +35,8 @@ pub struct Plan {
     /// Spacings by kind of axis.
     axes: [Option<Spacing>; KINDS],
     /// The curvature at which the runner lies flush [1/m] and the scale [1/(m N)], see
-    /// [`crate::CurvatureScaling`]. The table's second axis then holds reduced curvatures; needs a range of
-    /// curvatures and no further axis.
+    /// [`crate::CurvatureScaling`]. The table's second axis then holds reduced curvatures; needs a
+    /// range of curvatures and no further axis.
     pub flush: Option<[f64; 2]>,
     /// Relative interpolation error of [`Table::judged`](crate::Table::judged), requested of every
     /// mode in `modes`.

@@ -195,8 +195,8 @@ impl Outline {
         (sides[0] <= sides[1]).then_some(sides)
     }
 
-    /// The rectangle `[x_min, x_max, y_min, y_max]` [m] of the largest area within the outline, as long before as behind the middle
-    /// where `even`; `None` where there is none.
+    /// The rectangle `[x_min, x_max, y_min, y_max]` [m] of the largest area within the outline, as
+    /// long before as behind the middle where `even`; `None` where there is none.
     pub fn rectangle(&self, even: bool) -> Option<[f64; 4]> {
         let step = (self.to - self.from) / STATIONS as f64;
         let mut best: Option<([f64; 4], f64)> = None;

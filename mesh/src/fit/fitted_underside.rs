@@ -93,9 +93,9 @@ impl FittedUnderside {
             [0, 1].map(|axis| {
                 let breaks = surface.axes[axis].breaks();
                 let last = breaks.len() - 1;
-                let kept = |i: &usize| i % 2 == odd || *i == 0 || *i == last;
+                let included = |i: &usize| i % 2 == odd || *i == 0 || *i == last;
                 (0..=last)
-                    .filter(kept)
+                    .filter(included)
                     .map(|i| breaks[i])
                     .collect::<Vec<_>>()
             })
@@ -164,8 +164,8 @@ impl FittedUnderside {
         self.surface.level
     }
 
-    /// The part over the largest rectangle within the outline, so that columns of a solid end in steel everywhere; holes within are spanned
-    /// by the fit, ragged rims are cut off.
+    /// The part over the largest rectangle within the outline, so that columns of a solid end in
+    /// steel everywhere; holes within are spanned by the fit, ragged rims are cut off.
     #[must_use]
     pub fn within_outline(self) -> Self {
         let even = self.surface.symmetric[0];
@@ -191,19 +191,22 @@ impl FittedUnderside {
         self.judgement.quality
     }
 
-    /// Whether the hull is too coarse, or too noisy, to be pressed in by `approach` [m] on a flat plane:
-    /// the fit's estimated error where the height is below twice the approach exceeds `share` of it.
+    /// Whether the hull is too coarse, or too noisy, to be pressed in by `approach` [m] on a flat
+    /// plane: the fit's estimated error where the height is below twice the approach exceeds
+    /// `share` of it.
     pub fn coarse_for(&self, approach: f64, share: f64) -> Option<Coarse> {
         self.judgement
             .coarse_below(share * approach, 2.0 * approach)
     }
 
-    /// As [`coarse_for`](Self::coarse_for) for a contact patch `[x_min, x_max, y_min, y_max]` [m] anywhere on the hull.
+    /// As [`coarse_for`](Self::coarse_for) for a contact patch `[x_min, x_max, y_min, y_max]` [m]
+    /// anywhere on the hull.
     pub fn coarse_within(&self, approach: f64, share: f64, patch: [f64; 4]) -> Option<Coarse> {
         Coarse::over(self.error_within(patch), share * approach)
     }
 
-    /// The fit's estimated error [m] where the height over the lowest point is at most twice the `approach` [m].
+    /// The fit's estimated error [m] where the height over the lowest point is at most twice the
+    /// `approach` [m].
     pub fn error_for(&self, approach: f64) -> f64 {
         self.judgement.error_below(2.0 * approach)
     }

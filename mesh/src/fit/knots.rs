@@ -75,7 +75,7 @@ const PARTS: usize = 16;
 /// So many times as many on one side are too many for knots at the same distances: those of the
 /// finer side would lie between the vertices of the other.
 const MOST_RATIO: f64 = 2.0;
-/// Fewest vertices that a part is judged by: of so many that stand at random one in ten thousand
+/// Fewest vertices that a part is judged by: of so many at random places one in ten thousand
 /// parts has twice as many on one side.
 const FEWEST: usize = 64;
 

@@ -330,8 +330,8 @@ impl Factored {
 const STIFFNESS: f64 = 0.03;
 
 /// Least squares with a trace of bending energy on fixed breaks:
-/// `sum_i (w_i (s(x_i) - z_i))^2 + density * int (c hx)^4 s_xx^2 + 2 (c^2 hx hy)^2 s_xy^2 + (c hy)^4 s_yy^2`,
-/// c = 0.03, hx and hy the cell's sides. The energy settles what no height decides.
+/// `sum_i (w_i (s(x_i) - z_i))^2 + density * int (c hx)^4 s_xx^2 + 2 (c^2 hx hy)^2 s_xy^2 + (c
+/// hy)^4 s_yy^2`, c = 0.03, hx and hy the cell's sides. The energy settles what no height decides.
 pub(crate) fn fit(samples: &[Sample], breaks: &[Vec<f64>; 2]) -> Option<Bicubic> {
     let axes = [BSpline::new(&breaks[0]), BSpline::new(&breaks[1])];
     Some(Bicubic {

@@ -181,7 +181,8 @@ mod tests {
         assert_eq!(filled(&open, Some(0.020)).unwrap().top, 0.020);
     }
 
-    /// An underside alone, with a ragged side and a hole: the body ends where the scan does, and nothing is extrapolated.
+    /// An underside alone, with a ragged side and a hole: the body ends where the scan does, and
+    /// nothing is extrapolated.
     #[test]
     fn a_ragged_scan_with_a_hole_is_filled_within_its_rims() {
         let mut scan = bob();

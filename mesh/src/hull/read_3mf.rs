@@ -27,7 +27,8 @@ const USUAL_MODEL: &str = "3D/3dmodel.model";
 /// state another axis.
 ///
 /// # Errors
-/// [`MeshError::Value`] with the part of the package, [`MeshError::Invalid`] if it unpacks to more than 256 MiB or 50 million triangles, and those of a hull without triangles or with positions
+/// [`MeshError::Value`] with the part of the package, [`MeshError::Invalid`] if it unpacks to more
+/// than 256 MiB or 50 million triangles, and those of a hull without triangles or with positions
 /// that are not finite.
 pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> {
     let rows = options.rows(Axis::Z)?;

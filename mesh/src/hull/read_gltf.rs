@@ -36,8 +36,8 @@ const COMPRESSIONS: [[&str; 2]; 3] = [
 /// address in the glTF file. The file's up is y unless `options` state another axis.
 ///
 /// # Errors
-/// [`MeshError::Invalid`] if the triangles are compressed, if the file cannot be parsed or refers to
-/// data that do not exist; and those of a hull without triangles or with positions that are not
+/// [`MeshError::Invalid`] if the triangles are compressed, if the file cannot be parsed or refers
+/// to data that do not exist; and those of a hull without triangles or with positions that are not
 /// finite.
 pub fn read_gltf(
     bytes: &[u8],

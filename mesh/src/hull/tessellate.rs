@@ -24,8 +24,8 @@ const MOST_VERTICES: f64 = 2e7;
 /// more than 0.25 rad in one edge length. The top is flat, sides and ends are upright.
 ///
 /// # Errors
-/// [`MeshError::Value`] where the edge length is not positive, [`MeshError::Invalid`] where it is so
-/// small that the hull has more than 20 million vertices.
+/// [`MeshError::Value`] where the edge length is not positive, [`MeshError::Invalid`] where it is
+/// so small that the hull has more than 20 million vertices.
 pub fn tessellate(runner: &Swept, edge_length: f64) -> Result<Hull, MeshError> {
     tessellate_turning(runner, edge_length, LARGEST_TURN)
 }

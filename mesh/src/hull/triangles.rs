@@ -260,7 +260,8 @@ pub struct HullOptions {
     pub up: Option<Axis>,
     /// The file's axis that points forward.
     pub forward: Axis,
-    /// Roll, pitch and yaw [rad] that carry a scan, read with these axes, into runner axes: `R_z(yaw) R_y(pitch) R_x(roll)`.
+    /// Roll, pitch and yaw [rad] that carry a scan, read with these axes, into runner axes:
+    /// `R_z(yaw) R_y(pitch) R_x(roll)`.
     pub rotation: [f64; 3],
 }
 
@@ -437,7 +438,7 @@ impl fmt::Display for HullWarning {
                 radii: [along, across],
             } => write!(
                 f,
-                "this does not look like a runner: radii of {:.1} mm along and {:.1} mm across at its lowest place",
+                "this seems not to be a runner: radii of {:.1} mm along and {:.1} mm across at its lowest place",
                 1e3 * along,
                 1e3 * across
             ),
@@ -645,7 +646,8 @@ mod tests {
         );
     }
 
-    /// A plate whose two sides are the same triangles encloses nothing: rounding leaves a volume of either sign.
+    /// A plate whose two sides are the same triangles encloses nothing: rounding leaves a volume of
+    /// either sign.
     #[test]
     fn a_flat_closed_hull_is_not_inverted() {
         for turn in [0.0f64, 0.3, 1.1, 2.9] {

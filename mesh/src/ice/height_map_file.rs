@@ -126,8 +126,8 @@ impl ExrImage {
     /// Reads the bytes of a file.
     ///
     /// # Errors
-    /// [`MeshError::Invalid`] where they are no EXR image, where a header announces more values than
-    /// are read, or where an attribute is missing or no place.
+    /// [`MeshError::Invalid`] where they are no EXR image, where a header announces more values
+    /// than are read, or where an attribute is missing or no place.
     pub fn read(bytes: &[u8]) -> Result<Self, MeshError> {
         if bytes.len() as u64 > MOST_BYTES {
             return Err(exr_error(format!("more than {MOST_BYTES} bytes")));

@@ -1,4 +1,5 @@
-//! Properties of a scanned hull: its unit and axes, its rotation, the spacing and the noise of its vertices.
+//! Properties of a scanned hull: its unit and axes, its rotation, the spacing and the noise of its
+//! vertices.
 
 pub(crate) mod frame;
 pub(crate) mod noise;

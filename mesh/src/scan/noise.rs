@@ -278,8 +278,9 @@ pub fn fit(places: &[[f64; 2]], values: &[f64], powers: &[[i32; 2]]) -> Option<F
     })
 }
 
-/// Length along x [m] of the underside's triangles where most are long strips, as a CAD program makes them of a surface that hardly bends
-/// along: a vertex at every twentieth of the hull or fewer, and twenty times as long as wide.
+/// Length along x [m] of the underside's triangles where most are long strips, as a CAD program
+/// makes them of a surface that hardly bends along: a vertex at every twentieth of the hull or
+/// fewer, and twenty times as long as wide.
 pub fn strips_of_hull(hull: &Hull) -> Option<f64> {
     const MANY: f64 = 20.0;
     let [low, high] = hull.bounds();

@@ -23,10 +23,12 @@ const STEPS: usize = 5;
 const LARGEST_STEP: f64 = 0.3;
 /// Residuals farther out than this many times the median are outliers.
 const OUTLIER: f64 = 6.0;
-/// Parts of the length that the jackknife leaves out one at a time, and Student's t for one fewer (95 %).
+/// Parts of the length that the jackknife leaves out one at a time, and Student's t for one fewer
+/// (95 %).
 const PARTS: usize = 10;
 const STUDENT: f64 = 2.262;
-/// Share of the heights' standard deviation, and multiple of the noise, by which mirror images may differ.
+/// Share of the heights' standard deviation, and multiple of the noise, by which mirror images may
+/// differ.
 const ALIKE: [f64; 2] = [0.02, 3.0];
 /// Strips across in which the middle of the hull's ends is taken.
 const STRIPS: usize = 8;
@@ -51,7 +53,8 @@ impl Estimate {
     }
 }
 
-/// The rotation that carries a scan into runner axes; an angle is `None` where the shape does not show it.
+/// The rotation that carries a scan into runner axes; an angle is `None` where the shape does not
+/// show it.
 ///
 /// `p_runner = R_z(yaw) R_y(pitch) R_x(roll) p_scan`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,25 +69,30 @@ pub struct Orientation {
     pub middle: [Option<Estimate>; 2],
 }
 
-/// Unknowns of the registration: roll, pitch and yaw of the runner in the scan, and its middle's x and y.
+/// Unknowns of the registration: roll, pitch and yaw of the runner in the scan, and its middle's x
+/// and y.
 const UNKNOWNS: usize = 5;
 const ROLL: usize = 0;
 const PITCH: usize = 1;
 const YAW: usize = 2;
 const X: usize = 3;
 const Y: usize = 4;
-/// The unknowns that the mirror images show: of the x-z plane (left and right), and of the y-z plane (front and rear).
+/// The unknowns that the mirror images show: of the x-z plane (left and right), and of the y-z
+/// plane (front and rear).
 const SHOWN: [[usize; 3]; 2] = [[ROLL, YAW, Y], [PITCH, YAW, X]];
 
 impl Orientation {
-    /// Finds the rotation of `hull`, in metres, x roughly forward and z up, whose vertices carry `noise` [m].
+    /// Finds the rotation of `hull`, in metres, x roughly forward and z up, whose vertices carry
+    /// `noise` [m].
     ///
-    /// A runner's underside equals its image in the x-z plane, and most equal that in the y-z plane. The surface fitted to the vertices
-    /// is registered with both images of the vertices by least squares of the distance along the normal; the middle between the hull's ends
-    /// is one more equation, since a rocker of constant radius looks the same at every pitch. Where an image differs by more than
-    /// 2 per cent of the heights' standard deviation it shows nothing; yaw then follows from the lowest line. Errors are those of a jackknife over
-    /// ten parts of the length (B. Efron, The Jackknife, 1982), times Student's t; where the shape
-    /// does not show roll, those of yaw and pitch contain that an unknown roll turns one into the other.
+    /// A runner's underside equals its image in the x-z plane, and most equal that in the y-z
+    /// plane. The surface fitted to the vertices is registered with both images of the vertices by
+    /// least squares of the distance along the normal; the middle between the hull's ends is one
+    /// more equation, since a rocker of constant radius is the same at every pitch. Where an image
+    /// differs by more than 2 per cent of the heights' standard deviation it shows nothing; yaw
+    /// then follows from the lowest line. Errors are those of a jackknife over ten parts of the
+    /// length (B. Efron, The Jackknife, 1982), times Student's t; where the shape does not show
+    /// roll, those of yaw and pitch contain that an unknown roll turns one into the other.
     ///
     /// # Errors
     /// As [`FittedUnderside::new`].
@@ -138,7 +146,8 @@ impl Orientation {
         })
     }
 
-    /// Roll, pitch and yaw that are known and differ from 0 by more than their errors; the others 0 [rad].
+    /// Roll, pitch and yaw that are known and differ from 0 by more than their errors; the others 0
+    /// [rad].
     pub fn significant(&self) -> [f64; 3] {
         [self.roll, self.pitch, self.yaw].map(|angle| {
             angle
@@ -148,7 +157,8 @@ impl Orientation {
     }
 }
 
-/// Direction of the line through the lowest vertices of the stations along x, seen from above; `None` where they form no line.
+/// Direction of the line through the lowest vertices of the stations along x, seen from above;
+/// `None` where they form no line.
 pub(crate) fn keel_yaw(points: &[[f64; 3]]) -> Option<Estimate> {
     let xs = || points.iter().map(|p| p[0]);
     let [low, high] = [
@@ -330,7 +340,8 @@ impl Registration {
     }
 }
 
-/// How far vertices may lie from their image in the plane across axis 1 (left and right, 0) or 0 (front and rear, 1) [m].
+/// How far vertices may lie from their image in the plane across axis 1 (left and right, 0) or 0
+/// (front and rear, 1) [m].
 fn allowed(vertices: &[Vertex], axis: usize, noise: f64) -> f64 {
     // Heights across, or along: about the means of places along, or all.
     let mut strips = vec![[0.0; 3]; if axis == 0 { PARTS } else { 1 }];
@@ -345,7 +356,8 @@ fn allowed(vertices: &[Vertex], axis: usize, noise: f64) -> f64 {
     ALIKE[0] * deviation + ALIKE[1] * noise
 }
 
-/// Part, distance along the normal, and derivatives by the unknowns, of the image of a vertex; `None` where there is no surface.
+/// Part, distance along the normal, and derivatives by the unknowns, of the image of a vertex;
+/// `None` where there is no surface.
 fn row(
     surface: &FittedUnderside,
     vertex: &Vertex,
@@ -476,7 +488,8 @@ impl Equations {
         })
     }
 
-    /// The step of least squares; `None` where the rows do not determine it. Columns are scaled first: they are angles and lengths.
+    /// The step of least squares; `None` where the rows do not determine it. Columns are scaled
+    /// first: they are angles and lengths.
     fn solve(&self) -> Option<DVector<f64>> {
         let scale = self.normal.diagonal().map(|d| 1.0 / d.sqrt());
         if scale.iter().any(|s| !s.is_finite()) {
@@ -510,7 +523,8 @@ mod tests {
     use crate::hull::tessellate::tessellate;
     use crate::shapes::swept::{BobRunner, LugeSteel, Swept};
 
-    /// The runner turned by roll, pitch and yaw [deg] about fixed axes in this order, by matrices of its own.
+    /// The runner turned by roll, pitch and yaw [deg] about fixed axes in this order, by matrices
+    /// of its own.
     fn turned(runner: &Swept, edge: f64, degrees: [f64; 3], noise: f64, seed: u64) -> Hull {
         let mut hull = tessellate(runner, edge).expect("a hull");
         let [roll, pitch, yaw] = degrees.map(f64::to_radians);
@@ -535,7 +549,8 @@ mod tests {
         hull
     }
 
-    /// Yaw of the turned runner's own axis, however it rolls and pitches: what the found rotation is to undo.
+    /// Yaw of the turned runner's own axis, however it rolls and pitches: what the found rotation
+    /// is to undo.
     fn left_over(orientation: &Orientation, degrees: [f64; 3]) -> [f64; 3] {
         let [roll, pitch, yaw] = degrees.map(f64::to_radians);
         let placed = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw)
@@ -562,7 +577,8 @@ mod tests {
             [0.0, 0.5, 0.0],
             [1.0, -0.3, -2.0],
         ];
-        // Of 15 angles at 95 % three are outside in one of thirty such tests, more in hardly any; none is twice its error off.
+        // Of 15 angles at 95 % three are outside in one of thirty such tests, more in hardly any;
+        // none is twice its error off.
         let mut outside = 0;
         for (seed, degrees) in (1..).zip(cases) {
             let hull = turned(&runner, 1e-3, degrees, 3e-6, seed);

@@ -205,7 +205,7 @@ fn an_accuracy_out_of_reach_gives_the_best_answer_marked_and_4() {
     let output = bench.kufe(&["press", "case.toml", "-o", "out"]);
     let told = errors(&output);
     assert_eq!(output.status.code(), Some(4), "{told}");
-    assert!(told.contains("asked 2.00 %"), "{told}");
+    assert!(told.contains("requested 2.00 %"), "{told}");
     let result = json(&bench.path("out/result.json"));
     assert_eq!(result["accuracy_reached"], false);
     assert_eq!(result["accuracy_asked"], 0.02);
@@ -214,7 +214,7 @@ fn an_accuracy_out_of_reach_gives_the_best_answer_marked_and_4() {
         result["warnings"].to_string(),
     ] {
         assert!(
-            said.contains("the accuracy asked was not reached"),
+            said.contains("the requested accuracy was not reached"),
             "{said}"
         );
     }

@@ -154,7 +154,7 @@ fn check_mount(runner: &RunnerTable, load: &LoadTable) -> Checked {
     refuse_if(
         runner.mesh.is_some(),
         "runner.mount.carries",
-        "a mesh is held: expected held, or no mount for all of its top",
+        "a mesh is fixed: expected held, or no mount for all of its top",
     )?;
     refuse_if(
         load.tilt != TiltWord::Free,

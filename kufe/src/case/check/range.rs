@@ -102,8 +102,8 @@ macro_rules! ranges {
     ($($key:literal $what:literal $low:expr, $high:expr;)*) => {
         /// The ranges of a case's numbers.
         ///
-        /// `track.radius_m` has another: 1 m to [`LARGEST_RADIUS`] in size, or `inf`. The numbers of a
-        /// runner's shape must also fit together.
+        /// `track.radius_m` has another: 1 m to [`LARGEST_RADIUS`] in size, or `inf`. The numbers
+        /// of a runner's shape must also fit together.
         pub const RANGES: &[Range] = &[
             $(Range { key: $key, what: $what, low: $low, high: $high }),*
         ];

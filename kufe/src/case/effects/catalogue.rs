@@ -1,6 +1,7 @@
 //! Effects on pressures: one table.
 //!
-//! A new effect is an entry of a table: description, law, and an example with the number that it must give.
+//! A new effect is an entry of a table: description, law, and an example with the number that it
+//! must give.
 
 use std::sync::Arc;
 
@@ -41,7 +42,7 @@ pub static CATALOGUE: &[Effect] = &[
             signature: "a plateau in the middle of the map, growing with load",
             parameters: &[amplitude("inverse_per_pa", "1/Pa", 0.0, 1.0e-6, 2.0e-9)],
             looks_like: &["section-wear", "sensor-blur"],
-            decides: "an imprint left in the ice after lifting",
+            decides: "an imprint that remains in the ice after lifting",
             source: "L. Poirier, E.P. Lozowski, R.I. Thompson, Cold Reg. Sci. Technol. 67 (2011) 129-134; K.L. Johnson, Contact Mechanics (1985), ch. 6",
             ..CONTACT
         },
@@ -343,7 +344,8 @@ pub static CATALOGUE: &[Effect] = &[
             ..MAP
         },
         on_map: Some(|value, map| {
-            // Separable: along the rows, then along the columns; what leaves the map is lost as on a film.
+            // Separable: along the rows, then along the columns; what leaves the map is lost as on
+            // a film.
             let pass = |values: &[f64], n: usize, step: f64| -> Vec<f64> {
                 let reach = ((4.0 * value / step).ceil() as usize).min(n);
                 let weight = |k: usize| (-0.5 * (k as f64 * step / value).powi(2)).exp();

@@ -1,4 +1,5 @@
-//! An effect on pressures: its laws, how a search follows it, and an example with the number it must give.
+//! An effect on pressures: its laws, how a search follows it, and an example with the number it
+//! must give.
 
 use kufe_contact::Problem;
 use kufe_sled::effects::{Form, Info, Judged, Parameter};
@@ -92,8 +93,8 @@ impl std::fmt::Debug for Effect {
 
 /// A size and the number that it must give.
 ///
-/// The problem is a rigid paraboloid of radii 30 m and 5 mm on a half-space of 9 GPa under 1 kN, free to turn; the map has
-/// 41 by 31 pixels of 1 mm, 1 MPa on the one in the middle.
+/// The problem is a rigid paraboloid of radii 30 m and 5 mm on a half-space of 9 GPa under 1 kN,
+/// free to turn; the map has 41 by 31 pixels of 1 mm, 1 MPa on the one in the middle.
 #[derive(Clone, Copy, Debug)]
 pub struct Example {
     /// Size of the effect.
@@ -167,7 +168,8 @@ pub struct Search {
     pub growth: Growth,
     /// What two of it are together.
     pub adds: Adds,
-    /// The size up to which it does nothing, from the problem and the largest pressure measured [Pa]; 0 where absent.
+    /// The size up to which it does nothing, from the problem and the largest pressure measured
+    /// [Pa]; 0 where absent.
     pub begins: Option<fn(&Problem, f64) -> f64>,
 }
 

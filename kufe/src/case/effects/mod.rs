@@ -1,4 +1,5 @@
-//! Effects on pressures: parts of a contact problem, or of the sensor, with a switch and one parameter.
+//! Effects on pressures: parts of a contact problem, or of the sensor, with a switch and one
+//! parameter.
 
 mod catalogue;
 mod effect;
@@ -15,7 +16,8 @@ pub use catalogue::{CATALOGUE, find};
 pub use effect::{Adds, Effect, Example, Growth, Map, Measure, Search};
 pub use kufe_sled::effects::{Form, Info, Parameter};
 
-/// Changes a problem by the effects of a case's `[effects]` tables; those of the sensor leave it as it is.
+/// Changes a problem by the effects of a case's `[effects]` tables; those of the sensor leave it as
+/// it is.
 ///
 /// # Errors
 /// [`CaseError::Effect`] with the effect, what was found and what was expected.

@@ -1,4 +1,4 @@
-//! What accuracy a case asks for.
+//! The accuracy that a case requests.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ use crate::case::check::range::Bounds;
 #[schemars(transform = Bounds("accuracy"))]
 #[serde(deny_unknown_fields)]
 pub struct AccuracyTable {
-    /// Relative discretisation error asked of the peak pressure.
+    /// Requested relative discretisation error of the peak pressure.
     pub p_max: f64,
 }
 

@@ -55,6 +55,6 @@ pub enum TiltWord {
     /// Pitch and roll settle where the moments balance.
     #[default]
     Free,
-    /// Pitch and roll are held.
+    /// Pitch and roll are fixed.
     Fixed,
 }

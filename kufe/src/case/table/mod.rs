@@ -1,4 +1,4 @@
-//! The tables of a case, key by key as they stand in the file.
+//! The tables of a case, key by key as in the file.
 
 mod accuracy;
 mod ice;

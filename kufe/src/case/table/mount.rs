@@ -8,7 +8,8 @@ use crate::case::check::range::Bounds;
 use crate::case::CaseError;
 use kufe_contact::{LoadedPlace, Mount, Place};
 
-/// What holds an elastic runner's top: some places along it, or nothing but the places that carry its load.
+/// What holds an elastic runner's top: some places along it, or nothing but the places that carry
+/// its load.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MountTable {
@@ -49,8 +50,8 @@ impl MountTable {
     pub(crate) fn mount(&self) -> Mount {
         let place = |x, length| Place { x, length };
         if self.carries.is_empty() {
-            let held = self.held.iter();
-            return Mount::Places(held.map(|p| place(p.x_m, p.length_m)).collect());
+            let places = self.held.iter();
+            return Mount::Places(places.map(|p| place(p.x_m, p.length_m)).collect());
         }
         let loads = self.carries.iter().map(|p| LoadedPlace {
             place: place(p.x_m, p.length_m),

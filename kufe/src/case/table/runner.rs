@@ -48,7 +48,8 @@ pub struct RunnerTable {
     /// Hexahedra of an elastic runner instead (Gmsh's .msh or .vtu), relative to the case's folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mesh: Option<PathBuf>,
-    /// Height from the lowest point of an elastic hull to its flat top; its highest place where absent [m].
+    /// Height from the lowest point of an elastic hull to its flat top; its highest place where
+    /// absent [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_m: Option<f64>,
     /// Whether the runner deforms.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::case::check::range::{Bounds, Range};
 
-/// What is known of a runner's section beyond its shape's radius.
+/// What is known of a runner's section in addition to its shape's radius.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(transform = Bounds("runner.section"))]
 #[serde(deny_unknown_fields)]

@@ -15,21 +15,25 @@ use crate::case::check::range::Bounds;
 pub struct SlidingTable {
     /// Speed [m/s].
     pub v_mps: f64,
-    /// Temperature of the ice, which gives its hardness where nothing else does, and what heat it takes [C].
+    /// Temperature of the ice, which gives its hardness where nothing else does, and what heat it
+    /// takes [C].
     pub ice_c: f64,
     /// Factor on the viscosity of the film's water; 1 where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub viscosity_factor: Option<f64>,
-    /// Standard deviation of the heights of steel and ice together; 0, the film alone, where absent [m].
+    /// Standard deviation of the heights of steel and ice together; 0, the film alone, where absent
+    /// [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub roughness_m: Option<f64>,
     /// Shear stress where steel and ice touch through the film; 0 where absent [Pa].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub boundary_shear_pa: Option<f64>,
-    /// Output folder of the runner that went before, whose groove this one meets, relative to the case's folder.
+    /// Output folder of the runner that went before, whose groove this one meets, relative to the
+    /// case's folder.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub previous: Option<PathBuf>,
-    /// A measured hardness from which the law of creep says that of this temperature and of the time under the runner.
+    /// A measured hardness from which the law of creep says that of this temperature and of the
+    /// time under the runner.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hardness: Option<HardnessTable>,
 }
@@ -61,8 +65,9 @@ impl SlidingTable {
         }
     }
 
-    /// The pressure at which the ice yields [Pa]: `stated` where there is one, the anchor of the law of creep, which does not say more
-    /// without a contact time, or what its temperature says; at most that at which it melts.
+    /// The pressure at which the ice yields [Pa]: `stated` where there is one, the anchor of the
+    /// law of creep, which does not say more without a contact time, or what its temperature says;
+    /// at most that at which it melts.
     pub fn hardness(&self, stated: Option<f64>) -> f64 {
         let anchor = self.hardness.map(|anchor| anchor.pressure_pa);
         let own = stated

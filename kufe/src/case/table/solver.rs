@@ -14,7 +14,7 @@ pub struct SolverTable {
 }
 
 impl SolverTable {
-    /// Whether nothing but defaults stands in the table.
+    /// Whether the table has nothing but defaults.
     pub(crate) fn is_default(&self) -> bool {
         *self == SolverTable::default()
     }

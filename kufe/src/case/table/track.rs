@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::case::check::range::Bounds;
 
-/// The track under the runner: a radius or a curvature in the vertical plane, flat where neither is given.
+/// The track under the runner: a radius or a curvature in the vertical plane, flat where neither is
+/// given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(transform = Bounds("track"))]
 #[serde(deny_unknown_fields)]

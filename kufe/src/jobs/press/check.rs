@@ -1,4 +1,5 @@
-//! The second answer beside the first: boundary elements on the contact plane, where they apply.
+//! A second answer to compare the first with: boundary elements on the contact plane, where they
+//! apply.
 
 use std::time::Instant;
 
@@ -77,8 +78,8 @@ mod tests {
                 approach: solution.approach * approach,
                 ..solution.clone()
             };
-            let told = check.parted(&off).ok_or("nothing told")?;
-            assert!(told.contains(name), "{told}");
+            let warning = check.parted(&off).ok_or("no warning")?;
+            assert!(warning.contains(name), "{warning}");
         }
         Ok(())
     }

@@ -15,7 +15,9 @@ use crate::case::{
 use crate::jobs::case_file::{LoadedCase, depth, patch};
 use crate::jobs::failure::Failure;
 use crate::jobs::press::check::Check;
-use crate::jobs::press::hull_error::{HullError, between_vertices, found_noise, made_up, moved};
+use crate::jobs::press::hull_error::{
+    HullError, between_vertices, bootstrap_scans, found_noise, moved,
+};
 use crate::jobs::slide::{SolvedSliding, solve_sliding};
 use crate::jobs::watch::Watch;
 
@@ -131,7 +133,8 @@ impl Contact {
     ///
     /// # Errors
     /// [`Failure::BadInput`] for the case and a hull that is too coarse for its load,
-    /// [`Failure::NotConverged`] where there is no solution, [`Failure::Partial`] where it was stopped.
+    /// [`Failure::NotConverged`] where there is no solution, [`Failure::Partial`] where it was
+    /// stopped.
     pub fn best(self, watch: &Watch) -> Result<SolvedContact, Failure> {
         let Contact { loaded, options } = self;
         let checked = loaded.case.check();
@@ -153,11 +156,12 @@ pub struct SolvedContact {
     pub solution: Solution,
     /// What an elastic runner bears.
     pub runner: Option<RunnerLoads>,
-    /// What noise of the hull's vertices or the mesh's nodes moves by in 95 of 100 scans, where there is some and it is known.
+    /// What noise of the hull's vertices or the mesh's nodes moves by in 95 of 100 scans, where
+    /// there is some and it is known.
     pub moved: Option<HullError>,
     /// What the distances of a hull's vertices or a mesh's nodes leave, of a runner at rest.
     pub between: Option<HullError>,
-    /// The stress under the peak, where [`Options::subsurface`] asks for it.
+    /// The stress under the peak, where [`Options::subsurface`] requests it.
     pub line: Option<CentreLine>,
     /// What boundary elements say of it; nothing where the runner slides.
     pub check: Option<Check>,
@@ -165,22 +169,24 @@ pub struct SolvedContact {
     pub sliding: Option<SolvedSliding>,
     /// Wall time of the solve [s].
     pub seconds: f64,
-    /// Why the accuracy asked was not reached, where it was not: the solution is the best there is, with its error.
+    /// Why the requested accuracy was not reached, where it was not: the solution is the best there
+    /// is, with its error.
     pub short: Option<Failure>,
-    /// What the case's files held: [`LoadedCase::content`].
+    /// The content of the case's files: [`LoadedCase::content`].
     pub content: String,
     /// What the reader of the result should know.
     pub warnings: Vec<String>,
 }
 
-/// A case's runner and what is made of its files. Cases that differ in load, track and tilt alone share one.
+/// A case's runner and what is made of its files. Cases that differ in load, track and tilt alone
+/// share one.
 pub struct Prepared {
-    /// What the case's files held: [`LoadedCase::content`].
+    /// The content of the case's files: [`LoadedCase::content`].
     content: String,
     runner: Runner,
     /// The hull, where the case names one.
     hull: Option<FittedHull>,
-    /// The hull as scans with its noise would have it; made where asked for.
+    /// The hull as scans with its noise would have it; made where requested.
     scans: OnceLock<Option<Vec<Arc<dyn Underside>>>>,
 }
 
@@ -196,7 +202,7 @@ impl Prepared {
             watch.progress("reading the hull and fitting its underside");
         }
         let runner = loaded.case.runner(&loaded.base, loaded.hull.as_deref());
-        let (runner, hull) = told(loaded, runner)?;
+        let (runner, hull) = named(loaded, runner)?;
         Ok(Prepared {
             content,
             runner,
@@ -211,17 +217,21 @@ impl Prepared {
     /// [`Failure::BadInput`] where the case is out of range.
     pub fn problem(&self, loaded: &LoadedCase) -> Result<Problem, Failure> {
         let runner = self.runner.clone();
-        told(loaded, loaded.case.problem_of(runner, &loaded.base))
+        named(loaded, loaded.case.problem_of(runner, &loaded.base))
     }
 
     /// Scans of the hull made up with its noise.
     fn scans(&self) -> Option<&[Arc<dyn Underside>]> {
-        let fitted = || self.hull.as_ref().and_then(|h| made_up(h, found_noise(h)));
+        let fitted = || {
+            self.hull
+                .as_ref()
+                .and_then(|h| bootstrap_scans(h, found_noise(h)))
+        };
         self.scans.get_or_init(fitted).as_deref()
     }
 }
 
-fn told<T>(loaded: &LoadedCase, found: Result<T, CaseError>) -> Result<T, Failure> {
+fn named<T>(loaded: &LoadedCase, found: Result<T, CaseError>) -> Result<T, Failure> {
     found.map_err(|error| Failure::BadInput(format!("{}: {error}", loaded.name)))
 }
 
@@ -274,31 +284,31 @@ pub fn press_prepared(
         }
     }
     let noisy = hull.as_ref().filter(|hull| hull.noise.found > 0.0);
-    let told = noisy.or(hull.as_ref().filter(|hull| hull.noise.unseen > 0.0));
+    let scattered = noisy.or(hull.as_ref().filter(|hull| hull.noise.unseen > 0.0));
     let exact = hull.as_ref().filter(|hull| hull.noise.found == 0.0);
     let resting = hull.as_ref().filter(|_| sliding.is_none());
     let between = resting
         .map(|hull| between_vertices(&problem, hull, patch(&solution.surface), depth(&solution)));
-    let moved_by = told.filter(|_| sliding.is_none()).and_then(|_| {
+    let moved_by = scattered.filter(|_| sliding.is_none()).and_then(|_| {
         watch.progress("scans made up, to see how far noise moves the peak");
         moved(&problem, || prepared.scans())
     });
     let unstated = noisy.is_some() && loaded.case.runner.noise_m.is_none();
-    let untold = unstated && sliding.is_none() && moved_by.is_none();
-    let short = short.or_else(|| untold.then(|| loaded.noise_untold()));
+    let unknown = unstated && sliding.is_none() && moved_by.is_none();
+    let short = short.or_else(|| unknown.then(|| loaded.noise_effect_unknown()));
     let of_hull = [moved_by, between].map(|by| by.map_or(0.0, |by| by.p_max));
     let of_hull = of_hull[0].hypot(of_hull[1]);
     let uncertain = resting.filter(|_| of_hull > loaded.case.accuracy.p_max);
     let short = short.or_else(|| Some(loaded.peak_uncertain(uncertain?, of_hull)));
-    // Not told now: the command ends with it.
+    // Not reported now: the command ends with it.
     warnings.extend(
         short
             .as_ref()
-            .map(|short| format!("the accuracy asked was not reached: {short}")),
+            .map(|short| format!("the requested accuracy was not reached: {short}")),
     );
     let scanned = hull.as_ref().filter(|_| loaded.case.runner.hull.is_some());
     let remarks = [
-        beyond_ice(&problem, &solution),
+        above_ice_strength(&problem, &solution),
         own_hexahedra(&loaded),
         noisy.map(|hull| beyond_discretisation(hull, &solution, moved_by)),
         exact.and_then(|hull| not_shown(hull, moved_by, solution.approach)),
@@ -339,7 +349,8 @@ pub fn press_prepared(
     })
 }
 
-/// That the hull is too coarse for its load, by the contact that boundary elements find on it: why there is no answer, then.
+/// That the hull is too coarse for its load, by the contact that boundary elements find on it: why
+/// there is no answer, then.
 fn too_coarse(
     loaded: &LoadedCase,
     hull: Option<&FittedHull>,
@@ -349,11 +360,11 @@ fn too_coarse(
     loaded.fine_within(hull, found.approach, found.patch).err()
 }
 
-/// A warning where the elastic answer is beyond what ice bears.
-fn beyond_ice(problem: &Problem, solution: &Solution) -> Option<String> {
+/// A warning where the elastic answer is above what ice bears.
+fn above_ice_strength(problem: &Problem, solution: &Solution) -> Option<String> {
     (problem.ice.hardness.is_none() && solution.p_max > ICE_GIVES_WAY).then(|| {
         format!(
-            "the peak of {:.1} MPa is beyond the 10-30 MPa that ice bears near 0 C: read this linear elastic answer \
+            "the peak of {:.1} MPa is above the 10-30 MPa that ice bears near 0 C: read this linear elastic answer \
              as a pressure test of the runner, or bound the pressure with ice.hardness_pa",
             solution.p_max / 1e6
         )
@@ -375,7 +386,7 @@ fn beyond_discretisation(
     solution: &Solution,
     moved: Option<HullError>,
 ) -> String {
-    let left = hull.underside.quality().residual_rms;
+    let residual = hull.underside.quality().residual_rms;
     let moved = moved.map_or(String::new(), |moved| {
         format!(
             "; in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa), the approach by less than {:.2} % \
@@ -387,8 +398,8 @@ fn beyond_discretisation(
     format!(
         "the stated errors do not hold what noise leaves in the hull: {:.3} µm taken and {:.3} µm found, {:.2} % of the approach{moved}",
         1e6 * hull.noise.found,
-        1e6 * left,
-        100.0 * left / solution.approach
+        1e6 * residual,
+        100.0 * residual / solution.approach
     )
 }
 
@@ -404,7 +415,7 @@ fn not_shown(hull: &FittedHull, moved: Option<HullError>, approach: f64) -> Opti
     ))
 }
 
-/// What the distances of vertices leave, where it is more than was asked.
+/// The error that the distances of vertices cause, where it is more than requested.
 fn far_apart(between: HullError, approach: f64) -> String {
     format!(
         "the stated errors do not hold what the distances of the hull's vertices leave: up to {:.2} % of the peak (p_max_hull_pa), {:.2} % of \

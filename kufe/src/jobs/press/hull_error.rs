@@ -11,7 +11,8 @@ use rayon::prelude::*;
 /// Scans that are made up.
 const SCANS: u64 = 12;
 
-/// Student's t: so many times the root mean square of twelve deviations hold the next one in 95 of 100.
+/// Student's t: so many times the root mean square of twelve deviations hold the next one in 95 of
+/// 100.
 const HOLDS: f64 = 2.179;
 
 /// What a hull's vertices move figures by.
@@ -29,19 +30,22 @@ pub(super) fn found_noise(hull: &FittedHull) -> f64 {
     found.max(unseen).max(hull.underside.quality().residual_rms)
 }
 
-/// The hull scanned again and again: vertices on its fitted surface, moved by noise of standard deviation `noise` [m] and fitted on the
-/// scan's knots. None where there is no scan, or no fit of one.
-pub(super) fn made_up(hull: &FittedHull, noise: f64) -> Option<Vec<Arc<dyn Underside>>> {
+/// The hull scanned again and again: vertices on its fitted surface, moved by noise of standard
+/// deviation `noise` [m] and fitted on the scan's knots. None where there is no scan, or no fit of
+/// one.
+pub(super) fn bootstrap_scans(hull: &FittedHull, noise: f64) -> Option<Vec<Arc<dyn Underside>>> {
     let scan = hull.scan.as_ref()?;
     let scans = hull.underside.scans(scan, noise).ok()?;
     let fit = |seed| scans.fit(seed).ok();
     (0..SCANS).into_par_iter().map(fit).collect()
 }
 
-/// What the noise in `scans`, as [`made_up`] of the problem's hull, moves in 95 of 100 scans.
+/// What the noise in `scans`, as [`bootstrap_scans`] of the problem's hull, moves in 95 of 100
+/// scans.
 ///
-/// A bootstrap by the fitted surface (B. Efron and R. J. Tibshirani, An Introduction to the Bootstrap, 1993, 6.5): each is pressed by
-/// boundary elements, rigid, on ice that gives for a steel too. None where there are none, or where boundary elements do not answer.
+/// A bootstrap by the fitted surface (B. Efron and R. J. Tibshirani, An Introduction to the
+/// Bootstrap, 1993, 6.5): each is pressed by boundary elements, rigid, on ice that gives for a
+/// steel too. None where there are none, or where boundary elements do not answer.
 pub(super) fn moved<'a>(
     problem: &Problem,
     scans: impl FnOnce() -> Option<&'a [Arc<dyn Underside>]>,
@@ -67,8 +71,9 @@ pub(super) fn moved<'a>(
     })
 }
 
-/// What the vertices' distances leave: by how much the fits with half the knots press otherwise, by boundary elements as in [`moved`].
-/// Where they do not answer, the fit's own error on the contact's `patch`, and that over how deep the ice gives there, `depth` [m].
+/// What the vertices' distances leave: by how much the fits with half the knots press otherwise, by
+/// boundary elements as in [`moved`]. Where they do not answer, the fit's own error on the
+/// contact's `patch`, and that over how deep the ice gives there, `depth` [m].
 pub(super) fn between_vertices(
     problem: &Problem,
     hull: &FittedHull,
@@ -102,7 +107,8 @@ fn rigid(problem: &Problem) -> Problem {
     problem
 }
 
-/// Peak pressure [Pa] and approach [m] under another underside, by one of the ways to boundary elements.
+/// Peak pressure [Pa] and approach [m] under another underside, by one of the ways to boundary
+/// elements.
 fn pressed(
     problem: &Problem,
     underside: Arc<dyn Underside>,
@@ -145,7 +151,8 @@ mod tests {
         }
     }
 
-    /// Beside scans of the true shape with noise of their own: their peaks scatter as much, and more noise moves the peak by more.
+    /// Together with scans of the true shape with noise of their own: their peaks scatter as much,
+    /// and more noise moves the peak by more.
     #[test]
     fn what_noise_is_said_to_move_holds_scans_of_the_true_shape()
     -> Result<(), Box<dyn std::error::Error>> {
@@ -161,7 +168,7 @@ mod tests {
         let smooth = FittedUnderside::new(&exact, 0.0)?;
         let peak = |problem: &Problem| boundary_elements(problem).map(|found| found.p_max);
         let truth = peak(&problem(smooth.clone()))?;
-        let (mut held, mut stated) = (0, Vec::new());
+        let (mut covered, mut stated) = (0, Vec::new());
         const TRIALS: u64 = 10;
         for trial in 0..TRIALS {
             // Seeds apart from those of the scans that are made up.
@@ -181,12 +188,12 @@ mod tests {
             };
             let off = (peak(&pressed)? / truth - 1.0).abs();
             let peak_moved = |noise| -> Result<f64, &str> {
-                let scans = made_up(&hull, noise).ok_or("no scans")?;
+                let scans = bootstrap_scans(&hull, noise).ok_or("no scans")?;
                 let moved = moved(&pressed, || Some(&scans)).ok_or("nothing was said")?;
                 Ok(moved.p_max)
             };
             let said = peak_moved(noise)?;
-            held += u64::from(off <= said);
+            covered += u64::from(off <= said);
             stated.push(said);
             if trial == 0 {
                 let more = peak_moved(3.0 * noise)?;
@@ -194,8 +201,8 @@ mod tests {
             }
         }
         stated.sort_by(f64::total_cmp);
-        println!("{held} of {TRIALS} held; stated {stated:?}");
-        assert!(held >= 8, "{held} of {TRIALS}");
+        println!("{covered} of {TRIALS} covered; stated {stated:?}");
+        assert!(covered >= 8, "{covered} of {TRIALS}");
         assert!(stated[TRIALS as usize / 2] < 0.1, "{stated:?}");
         Ok(())
     }

@@ -5,11 +5,12 @@ use std::time::Instant;
 
 use kufe_contact::{Iterate, NextMesh, Options};
 
-/// Options that tell how far the contact is, a line at a time, of which `asked` is the relative error: the mesh in hand, how far those before
-/// it are from it, and about how long the rest takes where that is known and matters.
+/// Options that report how far the contact is, a line at a time, of which `requested` is the
+/// relative error: the mesh in hand, how far those before it are from it, and about how long the
+/// rest takes where that is known and matters.
 pub fn with_progress(
     options: Options,
-    asked: f64,
+    requested: f64,
     tell: impl Fn(String) + Send + Sync + 'static,
 ) -> Options {
     let (since, meshes) = (Instant::now(), Arc::new(Mutex::new(Vec::new())));
@@ -17,10 +18,10 @@ pub fn with_progress(
     let said = tell.clone();
     let ending = move |meshes: &[MeshStart], error: Option<f64>| {
         let so_far = error.map_or("not known yet".to_owned(), percent);
-        let rest = left(meshes, since.elapsed().as_secs_f64(), asked);
+        let rest = remaining(meshes, since.elapsed().as_secs_f64(), requested);
         let rest = rest.and_then(time_left);
         let rest = rest.map_or(String::new(), |time| format!("; {time}"));
-        format!("error {so_far}, asked {}{rest}", percent(asked))
+        format!("error {so_far}, requested {}{rest}", percent(requested))
     };
     Options {
         next_mesh: Some(Arc::new(move |mesh: &NextMesh| {
@@ -94,9 +95,10 @@ const FORESEEN: usize = 4;
 /// How much longer the most may be than the least that is still worth saying.
 const OPEN: f64 = 8.0;
 
-/// Least and most time [s] from `now` on until meshes as these leave the relative error `asked`: as if each were finer than the one before it by
-/// what the last is. `None` before their error is known, and where too much is open.
-fn left(meshes: &[MeshStart], now: f64, asked: f64) -> Option<[f64; 2]> {
+/// Least and most time [s] from `now` on until meshes as these have the relative error `requested`:
+/// as if each were finer than the one before it by what the last is. `None` before their error is
+/// known, and where too much is open.
+fn remaining(meshes: &[MeshStart], now: f64, requested: f64) -> Option<[f64; 2]> {
     let [.., before, last] = meshes else {
         return None;
     };
@@ -111,7 +113,7 @@ fn left(meshes: &[MeshStart], now: f64, asked: f64) -> Option<[f64; 2]> {
             time *= mesh;
             error *= falls;
             total += time;
-            if error <= asked {
+            if error <= requested {
                 return Some(total);
             }
         }
@@ -128,7 +130,7 @@ fn left(meshes: &[MeshStart], now: f64, asked: f64) -> Option<[f64; 2]> {
 /// Waiting that is worth a word [s].
 const WORTH: f64 = 3.0;
 
-/// "2 to 4 s left" where it is long enough to matter.
+/// "2 to 4 s remaining" where it is long enough to matter.
 pub fn time_left([least, most]: [f64; 2]) -> Option<String> {
     if most.is_nan() || most < WORTH {
         return None;
@@ -139,10 +141,12 @@ pub fn time_left([least, most]: [f64; 2]) -> Option<String> {
         _ => (3600.0, "h"),
     };
     let [least, most] = [least, most].map(|time| (time / scale).round());
-    Some(match least < most {
-        true if least == 0.0 => format!("up to {most} {unit} left"),
-        true => format!("{least} to {most} {unit} left"),
-        false => format!("about {most} {unit} left"),
+    Some(if least >= most {
+        format!("about {most} {unit} remaining")
+    } else if least == 0.0 {
+        format!("up to {most} {unit} remaining")
+    } else {
+        format!("{least} to {most} {unit} remaining")
     })
 }
 
@@ -164,20 +168,22 @@ mod tests {
     #[test]
     fn a_fourth_mesh_is_told_before_it_is_solved_with_the_error_of_three_which_is_more_than_asked()
     {
-        let told = Arc::new(Mutex::new(Vec::new()));
-        let lines = told.clone();
+        let reported = Arc::new(Mutex::new(Vec::new()));
+        let lines = reported.clone();
         let tell = move |line: String| lines.lock().expect("lines").push(line);
         let loaded = LoadedCase::parse("luge", Path::new(""), LUGE).expect("a case");
         let options = with_progress(Options::default(), 0.002, tell);
         let contact = Contact::from(loaded).options(options);
         contact.best(&Watch::default()).expect("an answer");
-        let told = told.lock().expect("lines");
-        for line in told.iter() {
-            let known = !line.contains("error not known yet, asked 0.200 %");
+        let reported = reported.lock().expect("lines");
+        for line in reported.iter() {
+            let known = !line.contains("error not known yet, requested 0.200 %");
             assert_eq!(known, line.starts_with("mesh 4: "), "{line}");
         }
-        let fourth = told.iter().position(|line| line.starts_with("mesh 4: "));
-        let fourth = &told[fourth.expect("a fourth mesh")..];
+        let fourth = reported
+            .iter()
+            .position(|line| line.starts_with("mesh 4: "));
+        let fourth = &reported[fourth.expect("a fourth mesh")..];
         assert!(fourth[0].contains("unknowns; error 0.2") && fourth.len() > 1);
         assert!(fourth[1].contains(" nodes touch, p_max "), "{fourth:?}");
     }
@@ -192,35 +198,45 @@ mod tests {
 
     #[test]
     fn the_time_left_holds_what_meshes_of_second_order_take_and_shrinks_as_it_passes() {
-        // Each mesh has 2.83 times the unknowns and time and half the error: from 1 % to 0.45 % two take 2.83 and 8 s.
+        // Each mesh has 2.83 times the unknowns and time and half the error: from 1 % to 0.45 % two
+        // take 2.83 and 8 s.
         let meshes = [begun(0.0, 1e5, None), begun(1.0, 2.83e5, Some(0.01))];
-        let [least, most] = left(&meshes, 1.0, 0.0045).expect("an estimate");
+        let [least, most] = remaining(&meshes, 1.0, 0.0045).expect("an estimate");
         assert!(least < 10.8 && most > 10.8, "{least} {most}");
-        let [later, _] = left(&meshes, 3.0, 0.0045).expect("an estimate");
+        let [later, _] = remaining(&meshes, 3.0, 0.0045).expect("an estimate");
         assert!((least - later - 2.0).abs() < 1e-12);
-        let [least, most] = left(&meshes, 1.0, 0.009).expect("an estimate");
+        let [least, most] = remaining(&meshes, 1.0, 0.009).expect("an estimate");
         assert!(
             least < 2.83 && most > 2.83 && most < 2.0 * least,
             "{least} {most}"
         );
-        // Far from what is asked, and before there are two meshes, too much is open.
-        assert!(left(&meshes, 1.0, 0.001).is_none());
-        assert!(left(&meshes[..1], 1.0, 0.009).is_none());
+        // Far from what is requested, and before there are two meshes, too much is open.
+        assert!(remaining(&meshes, 1.0, 0.001).is_none());
+        assert!(remaining(&meshes[..1], 1.0, 0.009).is_none());
     }
 
     #[test]
     fn a_wait_is_told_as_a_range_and_only_where_it_matters() {
         assert_eq!(time_left([0.4, 2.9]), None);
-        assert_eq!(time_left([0.2, 4.2]).as_deref(), Some("up to 4 s left"));
-        assert_eq!(time_left([4.2, 9.8]).as_deref(), Some("4 to 10 s left"));
-        assert_eq!(time_left([89.0, 91.0]).as_deref(), Some("89 to 91 s left"));
+        assert_eq!(
+            time_left([0.2, 4.2]).as_deref(),
+            Some("up to 4 s remaining")
+        );
+        assert_eq!(
+            time_left([4.2, 9.8]).as_deref(),
+            Some("4 to 10 s remaining")
+        );
+        assert_eq!(
+            time_left([89.0, 91.0]).as_deref(),
+            Some("89 to 91 s remaining")
+        );
         assert_eq!(
             time_left([100.0, 290.0]).as_deref(),
-            Some("2 to 5 min left")
+            Some("2 to 5 min remaining")
         );
         assert_eq!(
             time_left([170.0, 190.0]).as_deref(),
-            Some("about 3 min left")
+            Some("about 3 min remaining")
         );
     }
 }

@@ -43,9 +43,10 @@ impl SolvedContact {
             fz_n: solution.fz,
             runner: self.runner.as_ref().map(RunnerResult::from),
             kkt_residual: solution.kkt_residual,
-            stiffness: match solution.assembled.is_empty() {
-                true => "matrix-free".into(),
-                false => "assembled".into(),
+            stiffness: if solution.assembled.is_empty() {
+                "matrix-free".into()
+            } else {
+                "assembled".into()
             },
             symmetry: solution.symmetry,
             dofs: solution.dofs,

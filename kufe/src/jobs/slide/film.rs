@@ -25,8 +25,9 @@ impl FilmAlong {
     }
 }
 
-/// The film under these conditions on the patch of a solution, as a strip that bears the whole load: what stations leave out of it is made up by
-/// their widths, which are known to a part of a cell, for pressures are bounded by what the ice bears.
+/// The film under these conditions on the patch of a solution, as a strip that bears the whole
+/// load: what stations leave out of it is made up by their widths, which are known to a part of a
+/// cell, for pressures are bounded by what the ice bears.
 ///
 /// # Errors
 /// [`kufe_sled::friction::Error`] for conditions out of range, and for a patch that is no strip.
@@ -51,7 +52,8 @@ pub fn film_along(
     Ok(FilmAlong { front, film })
 }
 
-/// What the stations bear, with pressure and squared width linear in between, by Simpson's rule [N].
+/// What the stations bear, with pressure and squared width linear in between, by Simpson's rule
+/// [N].
 fn load(sections: &[Section]) -> f64 {
     let between = |pair: &[Section]| {
         let [a, b] = [pair[0], pair[1]];

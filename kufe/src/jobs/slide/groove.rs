@@ -42,11 +42,13 @@ pub(crate) struct Ploughing<'a> {
 
 /// Most grooves until hardness and contact time agree.
 const ROUNDS: usize = 8;
-/// What they may differ by, the hardness over itself: of coarse grooves, and of the last ones over the accuracy asked, for
-/// lengths on two meshes scatter by about that and a third of it is the hardness's.
+/// What they may differ by, the hardness over itself: of coarse grooves, and of the last ones over
+/// the requested accuracy, for lengths on two meshes scatter by about that and a third of it is the
+/// hardness's.
 const COARSELY: f64 = 1e-2;
 const CLOSELY: f64 = 0.25;
-/// Share of a change of the hardness that its contact time gives back, where H ~ t^(-1/3) and the length l ~ H^(-1/2).
+/// Share of a change of the hardness that its contact time gives back, where H ~ t^(-1/3) and the
+/// length l ~ H^(-1/2).
 const GIVEN_BACK: f64 = 1.0 / 6.0;
 /// Cells over half the patch of a coarse groove.
 const COARSE: usize = 6;
@@ -63,8 +65,8 @@ impl<'a> Ploughing<'a> {
         sliding: &'a SlidingTable,
         problem: &'a Problem,
     ) -> Result<Self, Failure> {
-        let left = |folder: &std::path::PathBuf| groove_left(&loaded.base.join(folder));
-        let before = sliding.previous.as_ref().map(left).transpose();
+        let remaining = |folder: &std::path::PathBuf| groove_left(&loaded.base.join(folder));
+        let before = sliding.previous.as_ref().map(remaining).transpose();
         Ok(Ploughing {
             loaded,
             sliding,
@@ -74,10 +76,11 @@ impl<'a> Ploughing<'a> {
         })
     }
 
-    /// The groove, and where the law asks for it the hardness that goes with its contact time.
+    /// The groove, and where the law needs it the hardness that goes with its contact time.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] for the case and a contact in parts, [`Failure::NotConverged`] where the solver stops short.
+    /// [`Failure::BadInput`] for the case and a contact in parts, [`Failure::NotConverged`] where
+    /// the solver stops short.
     pub fn groove(&self, options: &Options) -> Result<Grooved, Failure> {
         let mut value = self.problem.ice.hardness.unwrap_or(f64::INFINITY);
         if self.law.of_time() {
@@ -102,7 +105,7 @@ impl<'a> Ploughing<'a> {
         })
     }
 
-    /// Groove after groove, each at the hardness that the contact time of the last one asks for.
+    /// Groove after groove, each at the hardness of the contact time of the last one.
     fn agreed(&self, first: f64, options: &Options, within: f64) -> Result<Grooved, Failure> {
         let (mut value, mut apart) = (first, f64::INFINITY);
         for _ in 0..ROUNDS {
@@ -127,7 +130,7 @@ impl<'a> Ploughing<'a> {
             };
         }
         Err(Failure::NotConverged(format!(
-            "{}: sliding.hardness: hardness and contact time still differ by {apart:.1e} of the hardness after {ROUNDS} grooves, asked {within:.1e}",
+            "{}: sliding.hardness: hardness and contact time still differ by {apart:.1e} of the hardness after {ROUNDS} grooves, requested {within:.1e}",
             self.loaded.name
         )))
     }
@@ -182,7 +185,8 @@ fn parts(solution: &SlidingSolution) -> usize {
 /// The section at the back of the depth map `groove.exr` in `folder`.
 ///
 /// # Errors
-/// [`Failure::BadInput`] naming the file where it is missing, has no channel `depth`, or holds no depths.
+/// [`Failure::BadInput`] naming the file where it is missing, has no channel `depth`, or holds no
+/// depths.
 fn groove_left(folder: &Path) -> Result<GrooveProfile, Failure> {
     let path = folder.join(GROOVE_FILE);
     let refusal = |reason: String| Failure::BadInput(format!("sliding.previous: {reason}"));

@@ -52,7 +52,8 @@ pub(crate) enum HardnessLaw {
 }
 
 impl HardnessLaw {
-    /// Of a case with the hardness `stated` in its table of the ice [Pa], the word "from-temperature" being none.
+    /// Of a case with the hardness `stated` in its table of the ice [Pa], the word
+    /// "from-temperature" being none.
     pub fn of(loaded: &LoadedCase, sliding: &SlidingTable) -> Result<Self, Failure> {
         use crate::case::Hardness;
         Ok(match (loaded.case.ice.hardness_pa, &sliding.hardness) {
@@ -70,7 +71,8 @@ impl HardnessLaw {
         matches!(self, HardnessLaw::OfTime(_))
     }
 
-    /// Hardness [Pa] of ice at `ice_c` [C] that is `contact_time` [s] under the runner, and what says so.
+    /// Hardness [Pa] of ice at `ice_c` [C] that is `contact_time` [s] under the runner, and what
+    /// says so.
     ///
     /// # Errors
     /// [`kufe_sled::friction::Error::OutOfRange`] for a time that is not positive.
@@ -89,9 +91,10 @@ impl HardnessLaw {
         };
         // The law of creep has the melting pressure in it already.
         let melting = ice_melting_pressure(ice_c);
-        Ok(match own < melting {
-            true => (own, from),
-            false => (melting, HardnessFrom::Melting),
+        Ok(if own < melting {
+            (own, from)
+        } else {
+            (melting, HardnessFrom::Melting)
         })
     }
 }

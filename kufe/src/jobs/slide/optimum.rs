@@ -39,13 +39,15 @@ impl Optimum {
         bounds.into_iter().find(|&bound| bound == self.values[k])
     }
 
-    /// How much more friction than the least, over it, cannot be told from it: the error of mu there and the scatter of the response.
+    /// How much more friction than the least, over it, cannot be distinguished from it: the error
+    /// of mu there and the scatter of the response.
     pub fn indistinct(&self) -> f64 {
         let mu = self.point.friction.mu;
         mu.error / mu.value + self.response.misfit()
     }
 
-    /// From where to where each parameter goes over all runners that cannot be told from the best ([`indistinct`](Self::indistinct)).
+    /// From where to where each parameter goes over all runners that cannot be distinguished from
+    /// the best ([`indistinct`](Self::indistinct)).
     pub fn flat(&self) -> Vec<[f64; 2]> {
         self.response.flat(self.indistinct())
     }
@@ -56,14 +58,16 @@ impl Optimum {
     }
 }
 
-/// Least friction at one speed [m/s] on ice of one temperature [C] over one or two parameters of the runner's shape.
+/// Least friction at one speed [m/s] on ice of one temperature [C] over one or two parameters of
+/// the runner's shape.
 ///
-/// 7 runners for one parameter, 25 for two, and the best are solved; a smooth surface through them is searched
-/// ([`Response`]).
+/// 7 runners for one parameter, 25 for two, and the best are solved; a smooth surface through them
+/// is searched ([`Response`]).
 ///
 /// # Errors
-/// [`Failure::Usage`] for more or fewer parameters, [`Failure::BadInput`] for a case without a shape, a key that its shape does not have,
-/// and a runner within the bounds that is none; else as [`friction_table`].
+/// [`Failure::Usage`] for more or fewer parameters, [`Failure::BadInput`] for a case without a
+/// shape, a key that its shape does not have, and a runner within the bounds that is none; else as
+/// [`friction_table`].
 pub fn optimise(
     loaded: &LoadedCase,
     [v_mps, ice_c]: [f64; 2],
@@ -84,7 +88,7 @@ pub fn optimise(
         }
         Ok(runner)
     };
-    // Every runner is looked at before the first is solved.
+    // Every runner is checked before the first is solved.
     let mut runners = Vec::new();
     for values in Response::places(&spans) {
         let runner = runner(&values)?;
@@ -125,8 +129,8 @@ pub fn optimise(
     })
 }
 
-/// The runners of `mu` that are not slower than the one with the least friction beyond both errors: one is the fastest, several
-/// cannot be told apart.
+/// The runners of `mu` that are not slower than the one with the least friction by more than both
+/// errors: one is the fastest, several cannot be distinguished.
 pub fn fastest(points: &[FrictionPoint]) -> Vec<usize> {
     let mu = |k: usize| points[k].friction.mu;
     let Some(least) = (0..points.len()).min_by(|&a, &b| mu(a).value.total_cmp(&mu(b).value)) else {

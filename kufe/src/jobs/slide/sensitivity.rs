@@ -9,11 +9,12 @@ use crate::jobs::slide::groove::{Grooved, Hardness, Ploughing};
 use crate::jobs::slide::hardness::HardnessFrom;
 use crate::jobs::slide::sliding::Friction;
 
-/// Relative change of the coefficient of friction over that of what it depends on: elasticities d ln mu/d ln x, of the temperature
-/// d ln mu/dT [1/K].
+/// Relative change of the coefficient of friction over that of what it depends on: elasticities d
+/// ln mu/d ln x, of the temperature d ln mu/dT [1/K].
 ///
-/// Those of speed and temperature are what a change of the weather or of the speed makes: where a law states the hardness, it follows.
-/// Where the hardness is the melting pressure or a case's own, that is what it stays. The ice's elasticity is held.
+/// Those of speed and temperature are what a change of the weather or of the speed makes: where a
+/// law states the hardness, it follows. Where the hardness is the melting pressure or a case's own,
+/// that is what it stays. The ice's elasticity is fixed.
 ///
 /// ```text
 /// e_V = d ln mu/d ln V at one hardness + e_H d ln H/d ln V,    e_T = d ln mu/dT at one hardness + e_H d ln H/dT
@@ -35,10 +36,10 @@ pub struct Sensitivity {
     pub temperature: Measure,
 }
 
-/// Logarithm of the ratio of hardnesses to either side: so wide that the scatter of two meshes is a small part of the difference, so
-/// narrow that the third derivative is.
+/// Logarithm of the ratio of hardnesses to either side: so wide that the scatter of two meshes is a
+/// small part of the difference, so narrow that the third derivative is.
 const HARDNESS_STEP: f64 = 0.223;
-/// Least accuracy asked of the two grooves.
+/// Least accuracy requested of the two grooves.
 const SIDE_ACCURACY: f64 = 0.03;
 /// Logarithm of the ratio of speeds, of viscosities, of roughnesses and of shear stresses.
 const STEP: f64 = 0.01;
@@ -118,7 +119,8 @@ impl Sensitivity {
 }
 
 impl Ploughing<'_> {
-    /// d ln H/d ln V, and d ln H/dT [1/K], where the patch's length goes as the hardness to the power `stretch`.
+    /// d ln H/d ln V, and d ln H/dT [1/K], where the patch's length goes as the hardness to the
+    /// power `stretch`.
     fn hardness_slopes(&self, hardness: &Hardness, stretch: f64) -> Result<[f64; 2], Failure> {
         let exponent = match hardness.from {
             HardnessFrom::TimeLaw => 1.0 / HARDNESS_EXPONENT,

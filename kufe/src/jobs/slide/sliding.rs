@@ -75,7 +75,7 @@ pub struct SolvedSliding {
     pub groove: Groove,
 }
 
-/// Depth of a groove over its width beyond which its sides are steep.
+/// Depth of a groove over its width above which its sides are steep.
 const STEEP: f64 = 0.2;
 
 impl SolvedSliding {
@@ -120,7 +120,8 @@ impl SolvedSliding {
         Measured::new(total(&self.film.film.totals), self.film.error(total))
     }
 
-    /// A warning where the groove is too deep for what the model takes a contact to be: a height over a plane.
+    /// A warning where the groove is too deep for what the model takes a contact to be: a height
+    /// over a plane.
     pub(crate) fn too_deep(&self) -> Option<String> {
         let widest = self
             .groove
@@ -149,8 +150,8 @@ pub(crate) fn solve_sliding(
 ) -> Result<(Solution, SolvedSliding), Failure> {
     let ploughing = Ploughing::new(loaded, sliding, problem)?;
     let grooved = ploughing.groove(options)?;
-    let told = |error: &_| film_failure(loaded, error);
-    let film = film_along(&grooved.solution, &conditions(sliding)).map_err(|e| told(&e))?;
+    let film = film_along(&grooved.solution, &conditions(sliding))
+        .map_err(|error| film_failure(loaded, &error))?;
     let sensitivity = Sensitivity::of(&ploughing, &grooved, &film, options)?;
     let Grooved { solution, hardness } = grooved;
     let slid = SolvedSliding {

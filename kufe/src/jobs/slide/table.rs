@@ -1,4 +1,5 @@
-//! Friction over speed and temperature: one groove a temperature, or a point where its hardness follows the speed, and one film a point.
+//! Friction over speed and temperature: one groove a temperature, or a point where its hardness
+//! follows the speed, and one film a point.
 
 use crate::case::{SlidingTable, StatedProblem};
 use kufe_contact::{Measure, Options};
@@ -27,11 +28,12 @@ pub struct FrictionPoint {
     pub hardness: f64,
 }
 
-/// Friction of a case's runner at every speed [m/s] on ice of every temperature [C]; a `[sliding]` of its own says the rest.
+/// Friction of a case's runner at every speed [m/s] on ice of every temperature [C]; a `[sliding]`
+/// of its own says the rest.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for the case, a speed and a temperature, [`Failure::NotConverged`] where a groove or a film stops short,
-/// [`Failure::Partial`] where it was stopped.
+/// [`Failure::BadInput`] for the case, a speed and a temperature, [`Failure::NotConverged`] where a
+/// groove or a film stops short, [`Failure::Partial`] where it was stopped.
 pub fn friction_table(
     loaded: &LoadedCase,
     speeds: &[f64],
@@ -39,7 +41,7 @@ pub fn friction_table(
     watch: &Watch,
     options: &Options,
 ) -> Result<Vec<FrictionPoint>, Failure> {
-    // Every combination is a case: those that are none are told before anything is solved.
+    // Every combination is a case: those that are none are reported before anything is solved.
     let mut cases = Vec::new();
     for &ice_c in temperatures {
         for &v_mps in speeds {
@@ -90,7 +92,8 @@ pub fn friction_table(
     Ok(points)
 }
 
-/// The case at one speed and temperature; where the ice's elasticity follows from its temperature it follows this one.
+/// The case at one speed and temperature; where the ice's elasticity follows from its temperature
+/// it follows this one.
 pub(crate) fn at(loaded: &LoadedCase, v_mps: f64, ice_c: f64) -> Result<LoadedCase, Failure> {
     let mut loaded = loaded.clone();
     let own = loaded.case.sliding.take();

@@ -1,11 +1,13 @@
-//! Which points of a table boundary elements may solve: what finite elements say of them at the ends of what is asked.
+//! Which points of a table boundary elements may solve: what finite elements say of them at the
+//! ends of the axes.
 
 use kufe_contact::{BoundaryElements, Problem, Solution, VerifiedBem, boundary_elements};
 use kufe_lut::{Figures, Point, each};
 
 use crate::jobs::table::best::figures;
 
-/// The points at the ends of what a plan asks, solved by finite elements, and what these say of boundary elements.
+/// The points at the ends of a plan's axes, solved by finite elements, and what these say of
+/// boundary elements.
 #[derive(Debug)]
 pub(crate) struct Anchors {
     solved: Vec<(Point, Figures)>,
@@ -21,7 +23,8 @@ impl Anchors {
         }
     }
 
-    /// The contacts at `points`, by `solve` where boundary elements have an answer for each of them.
+    /// The contacts at `points`, by `solve` where boundary elements have an answer for each of
+    /// them.
     pub fn at<E: Send>(
         points: Vec<(Point, Problem)>,
         tolerance: f64,

@@ -6,9 +6,11 @@ use kufe_lut::{Figures, Method, Point, Quantity};
 /// Largest estimated error of the peak pressure of a point short of its tolerance, relative.
 pub(crate) const LARGEST_ERROR: f64 = 0.2;
 
-/// The solution at this tolerance or, where the largest mesh does not reach it, the best available one.
+/// The solution at this tolerance or, where the largest mesh does not reach it, the best available
+/// one.
 ///
-/// Its `p_max_error` shows which of the two it is. Refusing such a point would refuse the whole table.
+/// Its `p_max_error` shows which of the two it is. Refusing such a point would refuse the whole
+/// table.
 pub(crate) fn best(problem: &Problem, options: &Options) -> Result<Solution, kufe_contact::Error> {
     match kufe_contact::solve(problem, options) {
         Err(kufe_contact::Error::AccuracyNotReached { best, estimate, .. })

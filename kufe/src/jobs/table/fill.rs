@@ -19,12 +19,12 @@ pub struct Filled {
     store: PointStore,
 }
 
-/// Solves every point that is not on disk yet. Points are stored in `OUT.points` until [`Filled::clear`], so that the same
-/// call resumes after an interrupt.
+/// Solves every point that is not on disk yet. Points are stored in `OUT.points` until
+/// [`Filled::clear`], so that the same call resumes after an interrupt.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for files and cases, [`Failure::NotConverged`] where a contact stays far from its accuracy,
-/// [`Failure::Partial`] where the watch stops it.
+/// [`Failure::BadInput`] for files and cases, [`Failure::NotConverged`] where a contact stays far
+/// from its accuracy, [`Failure::Partial`] where the watch stops it.
 pub fn fill(
     spec: &TableSpec,
     solver: &Solver,

@@ -1,5 +1,5 @@
-//! The folder of a plan: `plan.json` with the points of one round, the scripts that run its shards, and `points/` with their
-//! results.
+//! The folder of a plan: `plan.json` with the points of one round, the scripts that run its shards,
+//! and `points/` with their results.
 
 use std::path::Path;
 

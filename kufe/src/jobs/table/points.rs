@@ -1,7 +1,8 @@
 //! Solved points of a sweep on disk: an append-only file, a JSON line a point.
 //!
-//! A line is written in one piece and flushed to the disk, so that a process that dies keeps every finished point. Each line
-//! has its origin and a checksum. A last line without its end was interrupted and is not counted.
+//! A line is written in one piece and flushed to the disk, so that a process that dies keeps every
+//! finished point. Each line has its origin and a checksum. A last line without its end was
+//! interrupted and is not counted.
 
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
@@ -63,7 +64,8 @@ impl PointStore {
     /// The points of one file, which need not exist.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the file cannot be read or has points of another version or case.
+    /// [`Failure::BadInput`] where the file cannot be read or has points of another version or
+    /// case.
     pub fn of_file(path: &Path, origin: Origin) -> Result<Self, Failure> {
         let mut store = PointStore {
             path: path.to_path_buf(),
@@ -77,7 +79,8 @@ impl PointStore {
         Ok(store)
     }
 
-    /// The points of all files of a folder, which need not exist; new ones are appended to its file `name`.
+    /// The points of all files of a folder, which need not exist; new ones are appended to its file
+    /// `name`.
     ///
     /// # Errors
     /// As [`of_file`](Self::of_file).

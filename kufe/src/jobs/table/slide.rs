@@ -12,7 +12,7 @@ use crate::jobs::table::solver::{self, SolveError, Solver, with_rocker};
 use crate::jobs::watch::Watch;
 
 impl Solver {
-    /// Points that differ in speed alone; after a failure the rest is left out.
+    /// Points that differ in speed alone; after a failure the rest is omitted.
     pub(crate) fn slide(
         &self,
         points: &[Point],
@@ -109,7 +109,7 @@ impl Solver {
 
 fn sliding(loaded: &LoadedCase) -> &crate::case::SlidingTable {
     let Some(sliding) = &loaded.case.sliding else {
-        unreachable!("only a case that slides is asked for its sliding");
+        unreachable!("only a case with [sliding] gets here");
     };
     sliding
 }

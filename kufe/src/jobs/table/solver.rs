@@ -22,7 +22,7 @@ use crate::jobs::watch::Watch;
 /// Why a point has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum SolveError {
-    /// The user asked to stop.
+    /// The user stopped it.
     #[error("interrupted")]
     Interrupted,
     /// The solver's own error.
@@ -49,10 +49,11 @@ pub struct Solver {
 }
 
 impl Solver {
-    /// The solver for a table: its case, at the tolerance that the table asks for.
+    /// The solver for a table: its case, at the tolerance that the table requests.
     ///
-    /// The tolerance is `accuracy.p_max` of the table's file; without it the case's own, and at most half of the
-    /// requested interpolation error, so that refinement does not chase the solver's error.
+    /// The tolerance is `accuracy.p_max` of the table's file; without it the case's own, and at
+    /// most half of the requested interpolation error, so that refinement does not chase the
+    /// solver's error.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where the case cannot be had or has no rocker radius to sweep.
@@ -116,7 +117,8 @@ impl Solver {
         Ok(inputs)
     }
 
-    /// The origin of every result: this version, the case with the content of its files, and the tolerance.
+    /// The origin of every result: this version, the case with the content of its files, and the
+    /// tolerance.
     ///
     /// # Errors
     /// None for a version that is made of letters, digits, dots and signs.
@@ -213,15 +215,16 @@ impl Solver {
         Ok(())
     }
 
-    /// Solves the points that have no result in the store, in parallel, and stores each as soon as it is solved; reports
-    /// progress, and returns how many were solved.
+    /// Solves the points that have no result in the store, in parallel, and stores each as soon as
+    /// it is solved; reports progress, and returns how many were solved.
     ///
-    /// Points that differ in speed alone are solved together, since they have their groove in common. A group that fails does not
-    /// keep the others from being solved and stored; after a point that cannot be stored no further group is begun.
+    /// Points that differ in speed alone are solved together, since they have their groove in
+    /// common. A group that fails does not keep the others from being solved and stored; after a
+    /// point that cannot be stored no further group is begun.
     ///
     /// # Errors
-    /// [`Failure::Partial`] where the watch stops it, [`Failure::NotConverged`] and [`Failure::BadInput`] with the first
-    /// failed point.
+    /// [`Failure::Partial`] where the watch stops it, [`Failure::NotConverged`] and
+    /// [`Failure::BadInput`] with the first failed point.
     pub fn solve_missing(
         &self,
         store: &PointStore,

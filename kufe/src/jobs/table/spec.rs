@@ -13,7 +13,8 @@ use crate::jobs::failure::Failure;
 /// A table file is a page of text; a longer file is something else [bytes].
 const LONGEST: u64 = 1 << 20;
 
-/// Relative errors of the interpolation that can be requested: finer ones would chase the solver's own error.
+/// Relative errors of the interpolation that can be requested: finer ones would chase the solver's
+/// own error.
 const INTERPOLATIONS: RangeInclusive<f64> = 5e-4..=0.5;
 
 /// A table file, key by key.
@@ -21,7 +22,8 @@ const INTERPOLATIONS: RangeInclusive<f64> = 5e-4..=0.5;
 #[serde(deny_unknown_fields)]
 #[schemars(title = "table.toml")]
 struct TableToml {
-    /// The case's file; its load and track, and its speed and temperature of the ice, are replaced by the axes.
+    /// The case's file; its load and track, and its speed and temperature of the ice, are replaced
+    /// by the axes.
     case: PathBuf,
     /// The axes.
     axes: AxesToml,
@@ -80,7 +82,8 @@ struct CurvatureToml {
 struct FlushToml {
     /// The rocker's curvature [1/m].
     curvature_1pm: f64,
-    /// Width of the peak pressure's minimum over the load, about 10 / (E* L^3) for a half-length L [1/(m N)].
+    /// Width of the peak pressure's minimum over the load, about 10 / (E* L^3) for a half-length L
+    /// [1/(m N)].
     scale_1pm_per_n: f64,
 }
 
@@ -88,7 +91,8 @@ struct FlushToml {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AccuracyToml {
-    /// Relative error requested of the peak pressure, or of the friction of a case that slides, between nodes of axes given as ranges.
+    /// Relative error requested of the peak pressure, or of the friction of a case that slides,
+    /// between nodes of axes given as ranges.
     interpolation: Option<f64>,
     /// Which modes must be that good; both where absent.
     evaluation: Option<Evaluation>,
@@ -267,7 +271,8 @@ fn spacing(key: &str, axis: &AxisToml) -> Result<Spacing, String> {
     }
 }
 
-/// Radii as curvatures, increasing: `inf` is 0, a straight, and a range from a crest to a valley passes it.
+/// Radii as curvatures, increasing: `inf` is 0, a straight, and a range from a crest to a valley
+/// passes it.
 fn as_curvature(radii: Spacing) -> Result<Spacing, String> {
     let invert = |radius: f64| {
         if radius == 0.0 || radius.is_nan() {
