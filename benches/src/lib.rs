@@ -22,7 +22,7 @@ mod measured;
 mod needle;
 mod table;
 
-pub use chart::{Chart, Line, draw};
+pub use chart::{Line, growth_figure, growth_panel};
 pub use half_space::on_half_space;
 pub use measured::{Cost, again, best_of, cpu_seconds, peak_bytes};
 pub use needle::{ICE, NeedleBlock, needle_block};

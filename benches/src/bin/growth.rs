@@ -11,7 +11,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use kufe_benches::{Chart, ICE, Line, again, best_of, needle_block, on_half_space, peak_bytes};
+use kufe_benches::{
+    ICE, Line, again, best_of, growth_figure, growth_panel, needle_block, on_half_space, peak_bytes,
+};
 use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, solve};
 use kufe_discover::{Gram, Prior, Scores};
 use kufe_mesh::{BobRunner, Paraboloid, Waviness};
@@ -118,19 +120,11 @@ fn tables(folder: Option<&Path>) {
     }
     println!("\nMemory is the whole process's, some 5 MB of it before any work.");
     if let Some(folder) = folder {
-        let charts = [
-            Chart {
-                title: "Time",
-                unit: "time [s]",
-                lines: times,
-            },
-            Chart {
-                title: "Memory",
-                unit: "peak memory [MB]",
-                lines: memories,
-            },
-        ];
-        kufe_benches::draw(&folder.join("growth.svg"), &charts)
+        let figure = growth_figure([
+            growth_panel("Time", "time [s]", times),
+            growth_panel("Memory", "peak memory [MB]", memories),
+        ]);
+        std::fs::write(folder.join("growth.svg"), figure.svg())
             .unwrap_or_else(|error| panic!("{error}"));
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
         println!("\n![Time and memory over size]({name}/growth.svg)");

@@ -90,11 +90,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let output = OutputDir::begin("friction fit", inputs, &args.out, global.force)?;
     let toml = model_form(&law).map_err(Failure::bad_input)?;
     output.text("friction.toml", &toml)?;
-    output.draw("mu.png", |path| {
-        kufe::plot::png(path, 900, 620, &|root| {
-            kufe::charts::draw_mu_over_pressure(&root, &experiments, &fit, &law)
-        })
-    })?;
+    output.picture(
+        "mu.png",
+        &kufe::charts::mu_picture(&experiments, &fit, &law),
+    )?;
     let json = output.json("fit.json", &result)?;
     output.commit()?;
     if global.json {

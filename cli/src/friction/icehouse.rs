@@ -55,11 +55,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     })?;
     for (i, run) in house.runs.iter().enumerate() {
         let name = picture(i, &run.entry.run);
-        output.draw(&name, |path| {
-            kufe::plot::png(path, 900, 580, &|root| {
-                kufe::charts::draw_glide(&root, &house, run)
-            })
-        })?;
+        output.picture(&name, &kufe::charts::glide_picture(&house, run))?;
     }
     let json = output.json("icehouse.json", &result)?;
     output.commit()?;

@@ -11,7 +11,7 @@ use kufe_contact::Options;
 use kufe_sled::friction::Span;
 
 use crate::friction::asked::{Asked, begin};
-use crate::friction::optimum_picture;
+use crate::friction::optimum_picture::optimum_picture;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::watched::watched;
@@ -37,9 +37,7 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
     let mut json = pretty(&result)?;
     if let Some(output) = output {
         output.write("friction.csv", |file| write_csv(file, &found))?;
-        output.draw("friction.png", |path| {
-            kufe::plot::png(path, 900, 620, &|root| optimum_picture::draw(&root, &found))
-        })?;
+        output.picture("friction.png", &optimum_picture(&found))?;
         json = output.json("friction.json", &result)?;
         output.commit()?;
     }

@@ -10,7 +10,7 @@ use kufe::results::{CaseRecord, FastestRunners, FrictionRow, FrictionTable, writ
 use kufe_contact::Options;
 
 use crate::friction::asked::{Asked, Runner, begin};
-use crate::friction::sliding_picture;
+use crate::friction::sliding_picture::sliding_picture;
 use crate::output::global::Global;
 use crate::output::say::say;
 use crate::output::watched::watched;
@@ -64,11 +64,7 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
     let mut json = pretty(&result)?;
     if let Some(output) = output {
         output.write("friction.csv", |file| write_csv(file, &result.points))?;
-        output.draw("friction.png", |path| {
-            kufe::plot::png(path, 900, 620, &|root| {
-                sliding_picture::draw(&root, &runners)
-            })
-        })?;
+        output.picture("friction.png", &sliding_picture(&runners))?;
         json = output.json("friction.json", &result)?;
         output.commit()?;
     }

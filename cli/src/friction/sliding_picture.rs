@@ -1,8 +1,7 @@
 //! `friction.png`: mu of each runner over speed, over temperature, or runner by runner.
 
 use kufe::jobs::slide::FrictionPoint;
-use kufe::plot::{Error, Key, PALETTE, PngRoot, Swatch, curve, legend, tick_text};
-use plotters::prelude::*;
+use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel, Point};
 
 use crate::friction::asked::Runner;
 
@@ -14,14 +13,8 @@ enum Over {
     Runner,
 }
 
-/// A line: its name, and place, mu and error of its points [1e-3].
-type Line = (String, Vec<[f64; 3]>);
-
-/// Draws mu over speed where there are several, else over temperature, else runner by runner.
-///
-/// # Errors
-/// [`Error`] where the picture cannot be drawn.
-pub fn draw(root: &PngRoot, runners: &[Runner]) -> Result<(), Error> {
+/// Mu over speed where there are several, else over temperature, else runner by runner.
+pub fn sliding_picture(runners: &[Runner]) -> Figure {
     let points = || runners.iter().flat_map(|runner| &runner.points);
     let differ =
         |of: fn(&FrictionPoint) -> f64| points().any(|p| Some(of(p)) != points().next().map(of));
@@ -32,85 +25,53 @@ pub fn draw(root: &PngRoot, runners: &[Runner]) -> Result<(), Error> {
     };
     let lines = lines(runners, over);
     let places = || lines.iter().flat_map(|(_, line)| line);
-    let most = places().map(|at| at[1] + at[2]).fold(0.0, f64::max);
-    let (low, high) = match over {
-        Over::Speed => (0.0, 1.05 * places().map(|at| at[0]).fold(0.0, f64::max)),
-        Over::Temperature => (1.05 * places().map(|at| at[0]).fold(0.0, f64::min), 0.0),
-        Over::Runner => (0.0, runners.len() as f64 + 1.0),
-    };
+    let most = places()
+        .map(|[_, mu, error]| mu + error)
+        .fold(0.0, f64::max);
     let least = places()
-        .map(|at| at[1] - at[2])
+        .map(|[_, mu, error]| mu - error)
         .fold(f64::INFINITY, f64::min);
-    // Runner by runner the differences count, else the size.
-    let (lowest, highest) = match over {
-        Over::Runner => (least - 0.2 * (most - least), most + 0.2 * (most - least)),
-        _ => (0.0, 1.1 * most),
+    let fastest = places().map(|at| at[0]).fold(0.0, f64::max);
+    let coldest = places().map(|at| at[0]).fold(0.0, f64::min);
+    let x = match over {
+        Over::Speed => Axis::new("speed [m/s]").within([0.0, 1.05 * fastest]),
+        Over::Temperature => Axis::new("temperature of the ice [C]").within([1.05 * coldest, 0.0]),
+        Over::Runner => Axis {
+            label: "runner".to_owned(),
+            ..Axis::names(runners.iter().map(|runner| &*runner.name))
+        },
     };
-    let named = lines
-        .iter()
-        .zip(PALETTE.iter().cycle())
-        .filter(|_| over != Over::Runner);
-    let keys: Vec<Key> = named
-        .map(|((name, _), colour)| Key::new(Swatch::Line, *colour, name))
-        .collect();
-    let area = root.margin(12, 0, 0, 0);
-    let area = area.titled("friction of groove and melt film", ("sans-serif", 22))?;
-    let area = legend(&area, &keys)?;
-    let mut builder = ChartBuilder::on(&area);
-    builder
-        .margin(14)
-        .margin_right(26)
-        .x_label_area_size(50)
-        .y_label_area_size(66);
-    let mut chart = builder.build_cartesian_2d(low..high, lowest..highest)?;
-    let title = match over {
-        Over::Speed => "speed [m/s]",
-        Over::Temperature => "temperature of the ice [C]",
-        Over::Runner => "runner",
+    // Runner by runner the differences matter, else the size.
+    let room = 0.2 * (most - least);
+    let y = match over {
+        Over::Runner => [least - room, most + room],
+        _ => [0.0, 1.1 * most],
     };
-    let runner = |x: f64| {
-        let whole = x >= 0.5 && (x - x.round()).abs() < 0.01;
-        let named = runners.get((x.round() as usize).wrapping_sub(1));
-        named
-            .filter(|_| whole)
-            .map_or_else(String::new, |r| r.name.clone())
-    };
-    chart
-        .configure_mesh()
-        .light_line_style(TRANSPARENT)
-        .bold_line_style(RGBColor(225, 225, 230))
-        .x_labels(match over {
-            Over::Runner => runners.len() + 2,
-            _ => 10,
-        })
-        .x_desc(title)
-        .y_desc("coefficient of friction mu [1e-3]")
-        .x_label_formatter(&|x| match over {
-            Over::Runner => runner(*x),
-            _ => tick_text(*x, high - low),
-        })
-        .y_label_formatter(&|y| tick_text(*y, highest - lowest))
-        .label_style(("sans-serif", 16))
-        .axis_desc_style(("sans-serif", 18))
-        .draw()?;
-    for ((_, line), colour) in lines.iter().zip(PALETTE.iter().cycle()) {
-        chart.draw_series(
-            line.iter()
-                .map(|at| Circle::new((at[0], at[1]), 4, colour.filled())),
-        )?;
-        let bars = line.iter().map(|[x, mu, error]| {
-            ErrorBar::new_vertical(*x, mu - error, *mu, mu + error, colour.filled(), 10)
-        });
-        chart.draw_series(bars)?;
+    let mut layers = Vec::new();
+    for ((name, line), colour) in lines.iter().zip(PALETTE.iter().cycle()) {
+        let point = |[x, mu, _]: &[f64; 3]| -> Point { (*x, *mu) };
+        let errors = line
+            .iter()
+            .map(|[x, mu, error]| [(*x, mu - error), (*x, mu + error)]);
+        layers.push(Layer::segments(1.0, errors, *colour));
         if over != Over::Runner {
-            let ends = line.iter().map(|at| (at[0], at[1]));
-            curve(&chart, ends, colour.stroke_width(2))?;
+            layers.push(Layer::line(2.0, line.iter().map(point), *colour).named(name));
         }
+        layers.push(Layer::dots(4.0, line.iter().map(point), *colour));
     }
-    Ok(())
+    let panel = Panel {
+        x,
+        y: Axis::new("coefficient of friction mu [1e-3]").within(y),
+        layers,
+        ..Panel::default()
+    };
+    Figure::new(900.0, "friction of groove and melt film").row(460.0, [panel])
 }
 
-/// A line a runner, and over speed one a temperature too.
+/// A line: its name, and place, mu and error of its points [1e-3].
+type Line = (String, Vec<[f64; 3]>);
+
+/// A line for each runner, and over speed for each of its temperatures.
 fn lines(runners: &[Runner], over: Over) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
     for (k, runner) in runners.iter().enumerate() {
@@ -123,7 +84,7 @@ fn lines(runners: &[Runner], over: Over) -> Vec<Line> {
             let place = match over {
                 Over::Speed => point.v_mps,
                 Over::Temperature => point.ice_c,
-                Over::Runner => 1.0 + k as f64,
+                Over::Runner => 0.5 + k as f64,
             };
             let mu = point.friction.mu;
             let at = [place, 1e3 * mu.value, 1e3 * mu.error];

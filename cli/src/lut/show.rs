@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe::charts::Slice;
+use kufe::charts::{Slice, table_picture};
 use kufe::jobs::runs::RunSelection;
 use kufe::jobs::{Failure, table::read_table};
 use kufe_lut::{Quantity, Sample};
@@ -93,12 +93,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         speed: args.v_mps,
         ice_c: args.ice_c,
     };
-    let mut outside = 0;
-    files.draw(&out, |path| {
-        outside = kufe::charts::draw(&table, quantity, slice, &samples, path)
-            .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
-        Ok::<_, Failure>(())
-    })?;
+    let picture = table_picture(&table, quantity, slice, &samples)
+        .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
+    let outside = picture.outside;
+    files.write(&out, |writer| writer.write_all(&picture.figure.png()))?;
     files.commit()?;
     if global.json {
         let written = out.display().to_string();

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
 use kufe::jobs::field::NewFiles;
+use kufe::plot::Figure;
 use serde::{Deserialize, Serialize};
 use tempfile::TempDir;
 
@@ -283,16 +284,12 @@ impl OutputDir {
         self.files().write(name, write)
     }
 
-    /// As [`OutputDir::write`], with a function that takes the path to write to.
+    /// Writes a picture.
     ///
     /// # Errors
     /// As [`OutputDir::write`].
-    pub fn draw<E: Display>(
-        &self,
-        name: &str,
-        draw: impl FnOnce(&Path) -> Result<(), E>,
-    ) -> Result<(), Failure> {
-        self.files().draw(name, draw)
+    pub fn picture(&self, name: &str, figure: &Figure) -> Result<(), Failure> {
+        self.files().picture(name, figure)
     }
 
     /// The files before they are moved, for a library to write.

@@ -2,6 +2,7 @@
 
 use kufe::charts::{angle_picture, energy_picture, force_picture};
 use kufe::jobs::Failure;
+use kufe::plot::Figure;
 use kufe::results::{Evaluation, RunsUsed};
 use kufe_sled::{Group, RunEvaluation, distinct, evaluate, groups, table_samples};
 
@@ -87,10 +88,8 @@ fn draw(
     drawn: &RunEvaluation,
 ) -> Result<Vec<String>, Failure> {
     let mut files = Vec::new();
-    let mut picture = |name: String,
-                       draw: &dyn Fn(&std::path::Path) -> Result<(), kufe::plot::Error>|
-     -> Result<(), Failure> {
-        output.draw(&name, draw)?;
+    let mut picture = |name: String, figure: Figure| -> Result<(), Failure> {
+        output.picture(&name, &figure)?;
         files.push(name);
         Ok(())
     };
@@ -103,11 +102,7 @@ fn draw(
             .collect();
         picture(
             format!("energy_{}.png", kufe_sled::file_stem(track)),
-            &|path| {
-                energy_picture(path, &format!("Drivers on {track}"), &here, |run| {
-                    &run.driver
-                })
-            },
+            energy_picture(&format!("Drivers on {track}"), &here, |run| &run.driver),
         )?;
     }
     if tracks.len() > 1 {
@@ -128,14 +123,15 @@ fn draw(
             Some(class) => format!("Tracks, drivers of class {class}"),
             None => "Tracks, every driver".to_string(),
         };
-        picture("energy_tracks.png".to_string(), &|path| {
-            energy_picture(path, &title, &of, |run| &run.track)
-        })?;
+        picture(
+            "energy_tracks.png".to_string(),
+            energy_picture(&title, &of, |run| &run.track),
+        )?;
     }
-    picture("angles.png".to_string(), &|path| angle_picture(path, runs))?;
+    picture("angles.png".to_string(), angle_picture(runs))?;
     picture(
         format!("forces_{}.png", kufe_sled::file_stem(&drawn.run)),
-        &|path| force_picture(path, drawn),
+        force_picture(drawn),
     )?;
     Ok(files)
 }

@@ -102,7 +102,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ("fit_front.png", "front", &front, &fit.front.model),
         ("fit_rear.png", "rear", &rear, &fit.rear.model),
     ] {
-        output.draw(name, |path| fit_picture(path, runner, samples, law))?;
+        output.picture(name, &fit_picture(runner, samples, law))?;
     }
     let json = output.json("fit.json", &document)?;
     output.commit()?;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe::charts::{Slice, draw};
+use kufe::charts::{Slice, table_picture};
 use kufe::jobs::{Failure, table::read_table};
 use kufe_lut::Sample;
 use kufe_sled::Vehicle;
@@ -27,9 +27,9 @@ pub fn draw_tables(
             continue;
         };
         let table = read_table(&file)?;
-        output.draw(name, |path| {
-            draw(&table, table.judged(), Slice::default(), requested, path).map(|_| ())
-        })?;
+        let picture = table_picture(&table, table.judged(), Slice::default(), requested)
+            .map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?;
+        output.picture(name, &picture.figure)?;
         drawn.push((*name).to_owned());
     }
     Ok(drawn)

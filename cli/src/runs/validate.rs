@@ -87,10 +87,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             drawn.push(run);
         }
     }
-    output.draw("rmse.png", |path| rmse_picture(path, runs))?;
+    output.picture("rmse.png", &rmse_picture(runs))?;
     for run in &drawn {
         let name = format!("force_{}.png", kufe_sled::file_stem(&run.run));
-        output.draw(&name, |path| lateral_force_picture(path, run))?;
+        output.picture(&name, &lateral_force_picture(run))?;
     }
     if args.mat {
         write_forces(&output, &document, runs)?;

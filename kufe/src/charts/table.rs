@@ -1,33 +1,23 @@
-//! A table drawn: filled cells of the smooth mode, contour lines, and the nodes.
+//! A table over curvature and force: a map of the smooth mode, contour lines, and the nodes.
 
-use std::path::Path;
-
-use crate::plot::{axis_ticks, colour_bar, viridis};
-use plotters::element::DashedPathElement;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::collections::BTreeSet;
 
 use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
 
-use crate::charts::samples::Samples;
+use crate::plot::{
+    Axis, Colour, ColourBar, Figure, INK, Layer, Mark, Panel, Point, Symbol, axis_ticks, contour,
+    short,
+};
 
 /// Cells of the map along each axis.
 const CELLS: usize = 240;
+/// Places that a picture of samples distinguishes along each axis.
+const PLACES: f64 = 500.0;
 
-/// Samples of runs in the table, and outside of it: to be seen on every colour of the map and on white.
-const INSIDE: RGBColor = RGBColor(255, 105, 190);
-const OUTSIDE: RGBColor = RGBColor(214, 30, 30);
-
-/// Why a table could not be drawn.
-#[derive(Debug, thiserror::Error)]
-pub enum DrawTableError {
-    /// The table has no such slice.
-    #[error(transparent)]
-    Table(#[from] kufe_lut::Error),
-    /// The picture could not be made.
-    #[error(transparent)]
-    Picture(#[from] crate::plot::Error),
-}
+const WHITE: Colour = Colour::new(255, 255, 255);
+/// Samples in the table, and outside of it: visible on every colour of the map and on white.
+const INSIDE: Colour = Colour::new(255, 105, 190).alpha(0.7);
+const OUTSIDE: Colour = Colour::new(214, 30, 30);
 
 /// Which of a table's surfaces over force and curvature is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,7 +31,7 @@ pub struct Slice {
 }
 
 impl Slice {
-    /// The slice of a table with the middle breakpoints where nothing is said, and nothing where there is no axis.
+    /// The slice of a table: the middle breakpoints where none is stated, nothing where there is no axis.
     fn of(self, table: &Table) -> Self {
         let on = |axis: Option<&[f64]>, value: Option<f64>| {
             axis.map(|axis| value.unwrap_or(axis[axis.len() / 2]))
@@ -50,6 +40,16 @@ impl Slice {
             rocker_radius: self.rocker_radius,
             speed: on(table.axes().speed(), self.speed),
             ice_c: on(table.axes().ice_c(), self.ice_c),
+        }
+    }
+
+    /// The sample of a slice at a place.
+    fn sample(&self, (curvature, fz): Point) -> Sample {
+        Sample {
+            fz,
+            curvature,
+            speed: self.speed.unwrap_or(f64::NAN),
+            ice_c: self.ice_c.unwrap_or(f64::NAN),
         }
     }
 
@@ -65,291 +65,243 @@ impl Slice {
     }
 }
 
-/// Draws a quantity over curvature and (logarithmic) force as a PNG: colours and contour lines of the smooth mode, dots at
-/// the nodes, crosses at the checks; and where `samples` of runs lie, with a line that counts those outside the table. Returns that count.
+/// The picture of a table, and how many samples of runs are outside the table.
+#[derive(Clone, Debug)]
+pub struct TablePicture {
+    /// The picture.
+    pub figure: Figure,
+    /// Samples outside the table.
+    pub outside: usize,
+}
+
+/// Factor and unit in which a quantity is shown.
+fn shown_unit(quantity: Quantity) -> (f64, &'static str) {
+    match quantity {
+        Quantity::PMax | Quantity::PMean => (1e-6, "MPa"),
+        Quantity::Area => (1e6, "mm²"),
+        Quantity::Length | Quantity::Width => (1e3, "mm"),
+        Quantity::Approach | Quantity::GrooveDepth | Quantity::FilmMean => (1e6, "µm"),
+        Quantity::Mu | Quantity::MuPloughing | Quantity::MuViscous | Quantity::MuBoundary => {
+            (1e3, "1e-3")
+        }
+    }
+}
+
+/// A quantity over curvature and (logarithmic) force: colours and contour lines of the smooth mode, dots at the nodes,
+/// crosses at the checks, and where `samples` of runs are.
 ///
 /// # Errors
-/// [`DrawTableError::Table`] where the table lacks the slice, [`DrawTableError::Picture`] where the file cannot be made.
-pub fn draw(
+/// Those of a table that does not have the slice.
+pub fn table_picture(
     table: &Table,
     quantity: Quantity,
     slice: Slice,
     samples: &[Sample],
-    path: &Path,
-) -> Result<usize, DrawTableError> {
+) -> Result<TablePicture, kufe_lut::Error> {
     let slice = slice.of(table);
     let interpolator = Interpolator::new(table, quantity, Mode::Smooth, slice.rocker_radius)?;
-    let map = Map::new(table, &interpolator, quantity, &slice);
-    let samples = Samples::new(samples, &interpolator, map.fz, map.curvature);
-    crate::plot::png(path, 1100, 760, &|root| {
-        let (left, right) = root.split_horizontally(940);
-        let heading = title_of(table, &map, &slice);
-        let mut left = left
-            .margin(12, 12, 12, 12)
-            .titled(&heading, ("sans-serif", 20))?;
-        if samples.count > 0 {
-            left = left.titled(&samples.in_words(), ("sans-serif", 16))?;
-        }
-        draw_map(&left, table, &map, &samples)?;
-        // The bar begins where the map does.
-        let above = left.get_base_pixel().1 - right.get_base_pixel().1;
-        colour_bar(
-            &right.margin(above, 66, 10, 0),
-            [map.range.0, map.range.1],
-            |value| map.colour(value),
-            &format!("{} [{}]", map.quantity.title(), map.unit),
+    let (factor, unit) = shown_unit(quantity);
+    let fz = table.axes().fz();
+    let (least, most) = (fz[0], fz[fz.len() - 1]);
+    let fz = wider([least, most], 0.1 * least);
+    let curvature = wider(table.axes().curvature_range(fz[0]), 1e-3);
+    let place = |(column, row): Point| -> Point {
+        let share = row / CELLS as f64;
+        let force = fz[0] * (fz[1] / fz[0]).powf(share);
+        (
+            curvature[0] + (curvature[1] - curvature[0]) * column / CELLS as f64,
+            force,
         )
-    })?;
-    Ok(samples.beyond)
-}
-
-/// Values on a regular raster, force logarithmic, in the unit shown.
-struct Map {
-    fz: (f64, f64),
-    curvature: (f64, f64),
-    /// Rows of constant force; one more than cells each way.
-    values: Vec<f64>,
-    range: (f64, f64),
-    quantity: Quantity,
-    unit: &'static str,
-}
-
-impl Map {
-    fn new(table: &Table, interpolator: &Interpolator, quantity: Quantity, slice: &Slice) -> Self {
-        let (factor, unit) = match quantity {
-            Quantity::PMax | Quantity::PMean => (1e-6, "MPa"),
-            Quantity::Area => (1e6, "mm²"),
-            Quantity::Length | Quantity::Width => (1e3, "mm"),
-            Quantity::Approach | Quantity::GrooveDepth | Quantity::FilmMean => (1e6, "µm"),
-            Quantity::Mu | Quantity::MuPloughing | Quantity::MuViscous | Quantity::MuBoundary => {
-                (1e3, "1e-3")
-            }
-        };
-        // One breakpoint has no extent: a little room around it keeps the axes drawable.
-        let widened = |values: &[f64], room: f64| {
-            let (low, high) = (values[0], values[values.len() - 1]);
-            if low < high {
-                (low, high)
-            } else {
-                (low - room, low + room)
-            }
-        };
-        let fz = table.axes().fz();
-        let fz = widened(fz, 0.1 * fz[0]);
-        let curvature = widened(&table.axes().curvature_range(fz.0), 1e-3);
-        let [speed, ice_c] = [slice.speed, slice.ice_c].map(|value| value.unwrap_or(f64::NAN));
-        let mut values = Vec::with_capacity((CELLS + 1) * (CELLS + 1));
-        for i in 0..=CELLS {
-            let force = fz.0 * (fz.1 / fz.0).powf(i as f64 / CELLS as f64);
-            for j in 0..=CELLS {
-                let k = curvature.0 + (curvature.1 - curvature.0) * j as f64 / CELLS as f64;
-                values.push(
-                    factor
-                        * interpolator
-                            .at(Sample {
-                                fz: force,
-                                curvature: k,
-                                speed,
-                                ice_c,
-                            })
-                            .value,
-                );
-            }
-        }
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        Map {
-            fz,
-            curvature,
-            values,
-            range: (low, if high > low { high } else { low + 1.0 }),
-            quantity,
-            unit,
-        }
+    };
+    let nodes: Vec<f64> = (0..=CELLS)
+        .flat_map(|row| (0..=CELLS).map(move |column| (column as f64, row as f64)))
+        .map(|node| factor * interpolator.at(slice.sample(place(node))).value)
+        .collect();
+    let value = |column: usize, row: usize| nodes[row * (CELLS + 1) + column];
+    let low = nodes.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = nodes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let range = [low, if high > low { high } else { low + 1.0 }];
+    let name = format!("{} [{unit}]", quantity.title());
+    let bar = ColourBar::viridis(&*name, range);
+    let cells = (0..CELLS)
+        .rev()
+        .flat_map(|row| (0..CELLS).map(move |column| (column, row)));
+    let cells = cells.map(|(column, row)| {
+        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)];
+        let sum: f64 = corners
+            .iter()
+            .map(|(i, j)| value(column + i, row + j))
+            .sum();
+        Some(bar.colour(0.25 * sum))
+    });
+    let map = Mark::Map {
+        window: [curvature, fz],
+        size: [CELLS; 2],
+        cells: cells.collect(),
+    };
+    let mut layers = vec![Layer::new(map, INK)];
+    for level in axis_ticks(range[0], range[1], 8) {
+        let segments = contour([CELLS + 1; 2], value, level);
+        let segments: Vec<[Point; 2]> = segments.into_iter().map(|ends| ends.map(place)).collect();
+        let middle = segments.get(segments.len() / 2).map(|ends| ends[0]);
+        layers.push(Layer::segments(1.0, segments, WHITE.alpha(0.8)));
+        layers.extend(middle.map(|at| Layer::text(at, short(level), [0.0, 0.6], WHITE)));
     }
-
-    fn force(&self, i: f64) -> f64 {
-        self.fz.0 * (self.fz.1 / self.fz.0).powf(i / CELLS as f64)
+    let checks = table
+        .checks()
+        .iter()
+        .map(|check| (check.point.curvature, check.point.fz));
+    layers.push(Layer::symbols(Symbol::Cross, 4.0, checks, WHITE));
+    let placed = Samples::new(samples, &interpolator, fz, curvature);
+    layers.push(Layer::dots(1.0, placed.inside, INSIDE));
+    layers.push(Layer::dots(2.0, placed.outside, OUTSIDE));
+    let points = table.axes().points().into_iter();
+    layers.push(Layer::dots(
+        2.0,
+        points.map(|node| (node.curvature, node.fz)),
+        INK,
+    ));
+    if curvature[0] < 0.0 && curvature[1] > 0.0 {
+        let straight = fz.map(|force| (0.0, force));
+        layers.push(Layer::line(1.0, straight, WHITE.alpha(0.9)).dashed());
     }
-
-    fn k(&self, j: f64) -> f64 {
-        self.curvature.0 + (self.curvature.1 - self.curvature.0) * j / CELLS as f64
-    }
-
-    fn value(&self, i: usize, j: usize) -> f64 {
-        self.values[i * (CELLS + 1) + j]
-    }
-
-    fn colour(&self, value: f64) -> RGBColor {
-        viridis((value - self.range.0) / (self.range.1 - self.range.0))
-    }
-
-    fn levels(&self) -> Vec<f64> {
-        axis_ticks(self.range.0, self.range.1, 8)
-    }
-
-    /// Pieces of the contour line of a level: marching squares.
-    fn contour(&self, level: f64) -> Vec<[(f64, f64); 2]> {
-        let mut pieces = Vec::new();
-        for i in 0..CELLS {
-            for j in 0..CELLS {
-                let corners = [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)];
-                let mut crossings = Vec::with_capacity(4);
-                for n in 0..4 {
-                    let (p, q) = (corners[n], corners[(n + 1) % 4]);
-                    let (a, b) = (self.value(p.0, p.1), self.value(q.0, q.1));
-                    if (a < level) != (b < level) {
-                        let t = (level - a) / (b - a);
-                        let along = |p: usize, q: usize| p as f64 + t * (q as f64 - p as f64);
-                        crossings.push((self.k(along(p.1, q.1)), self.force(along(p.0, q.0))));
-                    }
-                }
-                pieces.extend(crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]));
-            }
-        }
-        pieces
-    }
-}
-
-fn title_of(table: &Table, map: &Map, slice: &Slice) -> String {
-    format!(
-        "{} [{}]{}: {} x {} nodes (dots), {} checks (crosses)",
-        map.quantity.title(),
-        map.unit,
+    let panel = Panel {
+        title: match placed.count {
+            0 => String::new(),
+            count => format!(
+                "{count} samples (pink), {} of them outside the table (red)",
+                placed.beyond
+            ),
+        },
+        x: Axis::new("track curvature [1/m]  (crest < 0 < valley; 0: straight)")
+            .within(placed.curvature),
+        y: Axis::logarithmic("normal force [N]").within(placed.fz),
+        layers,
+        ..Panel::default()
+    };
+    let title = format!(
+        "{name}{}: {} x {} nodes (dots), {} checks (crosses)",
         slice.in_words(),
         table.axes().fz().len(),
         table.axes().curvature().len(),
         table.checks().len()
-    )
+    );
+    Ok(TablePicture {
+        figure: Figure::new(1100.0, title).row(600.0, [panel]).bar(bar),
+        outside: placed.beyond,
+    })
 }
 
-fn draw_map<DB: DrawingBackend>(
-    area: &DrawingArea<DB, plotters::coord::Shift>,
-    table: &Table,
-    map: &Map,
-    samples: &Samples,
-) -> Result<(), crate::plot::Error>
-where
-    DB::ErrorType: 'static,
-{
-    let mut chart = ChartBuilder::on(area)
-        .x_label_area_size(54)
-        .y_label_area_size(74)
-        .build_cartesian_2d(
-            samples.curvature.0..samples.curvature.1,
-            (samples.fz.0..samples.fz.1)
-                .log_scale()
-                .with_key_points(decades(samples.fz)),
-        )?;
-    chart.draw_series((0..CELLS).flat_map(|i| {
-        (0..CELLS).map(move |j| {
-            let middle = 0.25
-                * (map.value(i, j)
-                    + map.value(i + 1, j)
-                    + map.value(i, j + 1)
-                    + map.value(i + 1, j + 1));
-            let (i, j) = (i as f64, j as f64);
-            Rectangle::new(
-                [
-                    (map.k(j), map.force(i)),
-                    (map.k(j + 1.0), map.force(i + 1.0)),
-                ],
-                map.colour(middle).filled(),
-            )
+/// A range, with room on both sides where it is a single value, which has no extent.
+fn wider([low, high]: [f64; 2], room: f64) -> [f64; 2] {
+    match low < high {
+        true => [low, high],
+        false => [low - room, high + room],
+    }
+}
+
+/// Samples of runs as a picture shows them, place by place.
+struct Samples {
+    /// Forces [N] and curvatures [1/m] of the picture: those of the table, and of samples not far outside.
+    fz: [f64; 2],
+    curvature: [f64; 2],
+    /// Curvature and force of the places with samples in the table.
+    inside: Vec<Point>,
+    /// The same of those outside of it, also by speed or temperature; what is farther out is at the border.
+    outside: Vec<Point>,
+    /// Samples, and how many of them are outside.
+    count: usize,
+    beyond: usize,
+}
+
+impl Samples {
+    /// `fz` and `curvature` are the ranges of the table.
+    fn new(
+        samples: &[Sample],
+        interpolator: &Interpolator,
+        fz: [f64; 2],
+        curvature: [f64; 2],
+    ) -> Self {
+        let room = 0.5 * (curvature[1] - curvature[0]);
+        let fz = extended(fz, [fz[0] / 4.0, fz[1] * 4.0], samples.iter().map(|s| s.fz));
+        let most = [curvature[0] - room, curvature[1] + room];
+        let curvature = extended(curvature, most, samples.iter().map(|s| s.curvature));
+        let mut places = [BTreeSet::new(), BTreeSet::new()];
+        let mut beyond = 0;
+        for sample in samples {
+            let outside = interpolator.at(*sample).out_of_range;
+            beyond += usize::from(outside);
+            let x = (sample.curvature - curvature[0]) / (curvature[1] - curvature[0]);
+            let y = (sample.fz.max(fz[0]) / fz[0]).ln() / (fz[1] / fz[0]).ln();
+            let place = |share: f64| (share.clamp(0.0, 1.0) * PLACES) as u32;
+            if x.is_finite() && sample.fz.is_finite() {
+                places[usize::from(outside)].insert((place(x), place(y)));
+            }
+        }
+        let at = |(x, y): (u32, u32)| {
+            let [x, y] = [x, y].map(|k| f64::from(k) / PLACES);
+            let along = curvature[0] + (curvature[1] - curvature[0]) * x;
+            (along, fz[0] * (fz[1] / fz[0]).powf(y))
+        };
+        let [inside, outside] = places.map(|places| places.into_iter().map(at).collect());
+        Samples {
+            fz,
+            curvature,
+            inside,
+            outside,
+            count: samples.len(),
+            beyond,
+        }
+    }
+}
+
+/// A range that also contains these values, up to the bounds `most`.
+fn extended(range: [f64; 2], most: [f64; 2], values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values
+        .filter(|v| v.is_finite())
+        .fold(range, |[low, high], v| {
+            [low.min(v.max(most[0])), high.max(v.min(most[1]))]
         })
-    }))?;
-    for level in map.levels() {
-        let pieces = map.contour(level);
-        let middle = pieces.get(pieces.len() / 2).map(|piece| piece[0]);
-        chart.draw_series(
-            pieces
-                .into_iter()
-                .map(|piece| PathElement::new(piece.to_vec(), WHITE.mix(0.8).stroke_width(1))),
-        )?;
-        let style = ("sans-serif", 13)
-            .into_text_style(area)
-            .color(&WHITE)
-            .pos(Pos::new(HPos::Center, VPos::Bottom));
-        chart.draw_series(
-            middle
-                .into_iter()
-                .map(|at| Text::new(short(level), at, style.clone())),
-        )?;
-    }
-    chart.draw_series(table.checks().iter().map(|check| {
-        Cross::new(
-            (check.point.curvature, check.point.fz),
-            4,
-            WHITE.stroke_width(1),
-        )
-    }))?;
-    let spots = |places: &[(f64, f64)], size, colour: RGBAColor| {
-        let dots = places.iter();
-        dots.map(|&at| Circle::new(at, size, colour.filled()))
-            .collect::<Vec<_>>()
-    };
-    chart.draw_series(spots(&samples.inside, 1, INSIDE.mix(0.7)))?;
-    chart.draw_series(spots(&samples.outside, 2, OUTSIDE.mix(1.0)))?;
-    let nodes = table.axes().points().into_iter();
-    chart
-        .draw_series(nodes.map(|node| Circle::new((node.curvature, node.fz), 2, BLACK.filled())))?;
-    if map.curvature.0 < 0.0 && map.curvature.1 > 0.0 {
-        let straight = [(0.0, map.fz.0), (0.0, map.fz.1)];
-        let line = DashedPathElement::new(straight, 6, 6, WHITE.mix(0.9));
-        chart.draw_series(std::iter::once(line))?;
-    }
-    chart
-        .configure_mesh()
-        .disable_mesh()
-        .x_desc("track curvature [1/m]  (crest < 0 < valley; 0: straight)")
-        .y_desc("normal force [N]")
-        .label_style(("sans-serif", 15))
-        .y_label_formatter(&|fz| short(*fz))
-        .draw()?;
-    Ok(())
-}
-
-/// Once, twice and five times the powers of ten between two positive numbers, the ends themselves where none lies between.
-fn decades((low, high): (f64, f64)) -> Vec<f64> {
-    let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;
-    let all = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|times| times * 10f64.powi(power)));
-    let between: Vec<f64> = all.filter(|at| (low..=high).contains(at)).collect();
-    match between.len() {
-        0 | 1 => vec![low, high],
-        _ => between,
-    }
-}
-
-/// Four significant figures, without trailing zeros.
-fn short(value: f64) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 9) as usize;
-    let text = format!("{value:.digits$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').into(),
-        false => text,
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use kufe_lut::{Axes, Figures};
 
     #[test]
-    fn every_decade_of_forces_has_ticks() {
-        let near = |range, expected: &[f64]| {
-            let found = decades(range);
-            assert_eq!(found.len(), expected.len(), "{found:?}");
-            let close = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() < 1e-12;
-            assert!(found.iter().zip(expected).all(close), "{found:?}");
+    fn samples_outside_are_counted_shown_and_moved_to_the_border() -> Result<(), kufe_lut::Error> {
+        let axes = Axes::new(vec![500.0, 4000.0], vec![0.0, 0.02])?;
+        let node = Figures::at_rest([1e7, 6e6, 1e-5, 0.05, 3e-4, 1e-5]);
+        let node = node.with_error(Quantity::PMax, 0.0);
+        let table = Table::new(axes, &[node; 4], vec![])?;
+        let lookup = Interpolator::new(&table, Quantity::PMax, Mode::Smooth, None)?;
+        let at = |fz, curvature| Sample {
+            fz,
+            curvature,
+            speed: 30.0,
+            ice_c: -5.0,
         };
-        near((500.0, 2000.0), &[500.0, 1000.0, 2000.0]);
-        near(
-            (90.0, 8000.0),
-            &[100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0],
-        );
-        near((600.0, 900.0), &[600.0, 900.0]);
+        let samples = [
+            at(1000.0, 0.01),
+            at(1000.0, 0.01),
+            at(6000.0, 0.01),
+            at(-50.0, 0.5),
+            at(f64::NAN, 0.01),
+        ];
+        let found = Samples::new(&samples, &lookup, [500.0, 4000.0], [0.0, 0.02]);
+        assert_eq!((found.count, found.beyond), (5, 3));
+        assert_eq!((found.inside.len(), found.outside.len()), (1, 2));
+        assert_eq!(found.fz, [125.0, 6000.0]);
+        assert_eq!(found.curvature, [0.0, 0.03]);
+        let edge = found
+            .outside
+            .iter()
+            .any(|&(k, fz)| (k / 0.03 - 1.0).abs() < 1e-12 && (fz / 125.0 - 1.0).abs() < 1e-12);
+        assert!(edge, "{:?}", found.outside);
+        let picture = table_picture(&table, Quantity::PMax, Slice::default(), &samples)?;
+        let title = &picture.figure.rows[0].panels[0].title;
+        assert!(title.starts_with("5 samples (pink), 3"), "{title}");
+        Ok(())
     }
 }

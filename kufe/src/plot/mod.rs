@@ -1,53 +1,50 @@
-//! Pictures in one style.
+//! Pictures in one style, as PNG files and as SVG for pages.
 //!
-//! The other crates draw with [`plotters`] directly; this crate gives them what must be the
-//! same everywhere: an embedded font (so that pictures need no system library), a colour map
-//! that is even to the eye, a palette for lines, and files that are whole or absent.
+//! A picture states its data as a [`Figure`]: rows of panels, each with two axes and layers of lines, points, areas,
+//! maps and texts. Layout, ticks, legends, fonts and files are the same for all. Lines and points of a PNG are drawn to
+//! a fraction of a pixel, by an embedded font; an SVG takes the colour of the text of its page, and its texts are
+//! escaped.
 //!
 //! | item | purpose |
 //! |---|---|
-//! | [`png`] / [`svg`] | draws a picture and writes its file, whole or not at all |
-//! | [`svg_string`] | the same picture as text, for an HTML page |
-//! | [`viridis`] | colour map on `0..=1` |
-//! | [`PALETTE`] | eight line colours that colour-blind readers can tell apart |
-//! | [`curve`] | a line in a PNG, to a fraction of a pixel |
-//! | [`legend`] | what swatches mean, above a panel |
-//! | [`colour_bar`] | what a map's colours mean, beside it |
-//! | [`axis_ticks`], [`tick_text`] | round tick positions and their text |
+//! | [`Figure`], [`Panel`], [`Axis`], [`Layer`], [`ColourBar`] | what a picture shows |
+//! | [`PALETTE`], [`viridis`], [`diverging`] | colours that colour-blind readers can distinguish |
+//! | [`contour`] | contour lines of values on a grid |
+//! | [`axis_ticks`], [`tick_text`], [`short`] | round tick positions and their texts |
 //! | [`number4`], [`quantity`], [`usual`], [`unit_of`] | numbers and units as people read them |
+//! | [`escape`] | text as text in HTML and SVG |
 //!
 //! ```
-//! use plotters::prelude::*;
-//! let text = kufe::plot::svg_string(320, 200, &|root| {
-//!     let mut chart = ChartBuilder::on(&root)
-//!         .caption("sine", ("sans-serif", 16))
-//!         .margin(8)
-//!         .set_all_label_area_size(40)
-//!         .build_cartesian_2d(0.0..6.3, -1.0..1.0)?;
-//!     chart.configure_mesh().x_desc("x [rad]").y_desc("sin x").draw()?;
-//!     chart.draw_series(LineSeries::new(
-//!         (0..64).map(|i| (i as f64 * 0.1, (i as f64 * 0.1).sin())),
-//!         &kufe::plot::PALETTE[0],
-//!     ))?;
-//!     Ok(())
-//! })?;
-//! assert!(text.contains("<svg"));
-//! # Ok::<(), kufe::plot::Error>(())
+//! use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel};
+//! let sine = (0..64).map(|i| 0.1 * f64::from(i)).map(|x| (x, x.sin()));
+//! let panel = Panel {
+//!     x: Axis::new("x [rad]"),
+//!     y: Axis::new("sin x"),
+//!     layers: vec![Layer::line(2.0, sine, PALETTE[0])],
+//!     ..Panel::default()
+//! };
+//! let figure = Figure::new(320.0, "sine & <line>").row(200.0, [panel]);
+//! assert!(figure.svg().contains("sine &amp; &lt;line&gt;"));
+//! assert_eq!(&figure.png()[1..4], b"PNG");
 //! ```
 
-mod bar;
 mod colour;
-mod curve;
-mod file;
-mod legend;
+mod contour;
+mod figure;
+mod font;
+mod layout;
 mod number;
+mod png;
+mod shape;
+mod svg;
 mod ticks;
 
-pub use bar::colour_bar;
-pub use colour::{PALETTE, viridis};
-pub use curve::{PngChart, curve};
-pub use file::{Error, PngRoot, SvgRoot, png, svg, svg_string};
+pub use colour::{AFTER, BEFORE, Colour, INK, PALETTE, Rgb, diverging, viridis};
+pub use contour::contour;
+pub use figure::{
+    Axis, ColourBar, Figure, Layer, Mark, Panel, Point, Row, Scales, Symbol, Ticks, broken,
+};
 pub use kufe_lut::unit_of;
-pub use legend::{Key, Swatch, legend};
 pub use number::{number4, quantity, usual};
-pub use ticks::{axis_ticks, tick_text};
+pub use svg::escape;
+pub use ticks::{axis_ticks, short, tick_text};

@@ -1,6 +1,6 @@
-//! Round tick positions and the text beside them.
+//! Round tick positions and their texts.
 
-/// Ticks at 1, 2 or 5 times a power of ten inside `low..=high`, about `count` of them.
+/// Ticks at 1, 2 or 5 times a power of ten between two values, about `count` of them.
 ///
 /// Returns an empty list where the range is empty or not finite.
 ///
@@ -24,24 +24,96 @@ pub fn axis_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     (first..=last).map(|i| i as f64 * step).collect()
 }
 
-/// A tick's number with as many digits as an axis of this span needs to tell its ticks apart.
+/// A tick's number with as many digits as an axis of this span needs to distinguish its ticks.
 ///
 /// ```
 /// assert_eq!(kufe::plot::tick_text(20.0, 60.0), "20");
 /// assert_eq!(kufe::plot::tick_text(0.05, 0.4), "0.05");
 /// assert_eq!(kufe::plot::tick_text(1.5, 4.0), "1.5");
 /// assert_eq!(kufe::plot::tick_text(-0.0, 0.4), "0");
+/// assert_eq!(kufe::plot::tick_text(2e-6, 1e-5), "2.0e-6");
 /// ```
 pub fn tick_text(value: f64, span: f64) -> String {
-    let digits = (2.0 - span.abs().log10().floor()).clamp(0.0, 6.0) as usize;
+    let digits = (2.0 - span.abs().log10().floor()).max(0.0) as usize;
     let digits = digits.saturating_sub(1);
-    let text = format!("{value:.digits$}");
-    if text
-        .trim_start_matches('-')
-        .chars()
-        .all(|c| c == '0' || c == '.')
-    {
-        return "0".to_string();
+    let text = match digits {
+        0..=5 => format!("{value:.digits$}"),
+        _ => format!("{value:.1e}"),
+    };
+    let mantissa = text.trim_start_matches('-').split('e').next();
+    match mantissa.is_some_and(|m| m.chars().all(|c| c == '0' || c == '.')) {
+        true => "0".to_owned(),
+        false => text,
     }
-    text
+}
+
+/// Once, twice and five times the powers of ten between two positive numbers, over more than three decades the powers
+/// alone; the ends themselves where none lies between.
+pub fn decades([low, high]: [f64; 2]) -> Vec<f64> {
+    let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;
+    let times: &[f64] = match high / low > 1e3 {
+        true => &[1.0],
+        false => &[1.0, 2.0, 5.0],
+    };
+    let all = powers.flat_map(|power| times.iter().map(move |times| times * 10f64.powi(power)));
+    let between: Vec<f64> = all.filter(|at| (low..=high).contains(at)).collect();
+    match between.len() {
+        0 | 1 => vec![low, high],
+        _ => between,
+    }
+}
+
+/// Four significant figures without trailing zeros, powers of ten where it is very large or small.
+///
+/// ```
+/// assert_eq!(kufe::plot::short(0.025), "0.025");
+/// assert_eq!(kufe::plot::short(5000.0), "5000");
+/// assert_eq!(kufe::plot::short(1e-6), "1e-6");
+/// ```
+pub fn short(value: f64) -> String {
+    let exponent = value.abs().log10().floor();
+    let trimmed = |text: &str| match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text.to_owned(),
+    };
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (-4.0..6.0).contains(&exponent) {
+        let digits = (3.0 - exponent).max(0.0) as usize;
+        trimmed(&format!("{value:.digits$}"))
+    } else {
+        let text = format!("{value:.3e}");
+        let (mantissa, power) = text.split_once('e').unwrap_or((&text, "0"));
+        format!("{}e{power}", trimmed(mantissa))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_decade_of_forces_has_ticks() {
+        let near = |range, expected: &[f64]| {
+            let found = decades(range);
+            assert_eq!(found.len(), expected.len(), "{found:?}");
+            let close = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() < 1e-12;
+            assert!(found.iter().zip(expected).all(close), "{found:?}");
+        };
+        near([500.0, 2000.0], &[500.0, 1000.0, 2000.0]);
+        near(
+            [90.0, 8000.0],
+            &[100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0],
+        );
+        near([600.0, 900.0], &[600.0, 900.0]);
+        near([0.9, 2e4], &[1.0, 10.0, 100.0, 1e3, 1e4]);
+    }
+
+    /// A scale about 0 has three numbers wherever it ends.
+    #[test]
+    fn scales_have_three_numbers() {
+        for largest in [1.0, 2.3, 3.9, 4.1, 7.7, 9.9] {
+            assert!(axis_ticks(-largest, largest, 5).len() >= 3, "{largest}");
+        }
+    }
 }

@@ -6,6 +6,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
+pub use crate::plot::escape;
+
 /// What a page shows; each kind has its script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -121,22 +123,6 @@ pub fn plain_page(title: &str, body: &str) -> String {
 <meta name=\"generator\" content=\"{VERSION}\"><title>{}</title><style>{PLAIN}{PICTURE}</style></head><body>\n{body}</body></html>\n",
         escape(title)
     )
-}
-
-/// Text as text in HTML and SVG, and as the value of a quoted attribute.
-pub fn escape(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            letter => escaped.push(letter),
-        }
-    }
-    escaped
 }
 
 /// JSON within a script element: no text in it ends the element or begins another.

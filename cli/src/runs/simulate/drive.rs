@@ -188,6 +188,6 @@ fn draw_first(
     let Ok(prepared) = prepare(&runs[0], vehicle, model.noise.as_ref(), &options) else {
         return Ok(Vec::new());
     };
-    output.draw("overview.png", |path| run_picture(path, &prepared))?;
+    output.picture("overview.png", &run_picture(&prepared))?;
     Ok(vec!["overview.png".to_owned()])
 }

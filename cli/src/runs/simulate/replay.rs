@@ -71,7 +71,7 @@ pub fn replay_run(
     if args.mat {
         write_channels(&output, &document, std::slice::from_ref(&driven))?;
     }
-    output.draw("replay.png", |path| replay_picture(path, &done))?;
+    output.picture("replay.png", &replay_picture(&done))?;
     let samples = table_samples(states);
     let tables = draw_tables(&output, &vehicle, &samples)?;
     let json = output.json("simulation.json", &document)?;

@@ -178,8 +178,8 @@ fn pages_fit_phones_and_dark_rooms_and_need_no_webgl() {
         "{ \"points\": [{ \"v_mps\": 10.0, \"mu\": 0.0031 }] }",
     );
     // As wide as a command's widest.
-    kufe::plot::png(&bench.path("sliding/friction.png"), 1500, 300, &|_| Ok(()))
-        .expect("a picture");
+    let wide = kufe::plot::Figure::new(1500.0, "friction");
+    bench.write("sliding/friction.png", wide.png());
     bench.succeeds(&["report", "sliding"]);
     let mut browser = Browser::start(&program, &WEBGL);
     for (page, height) in [

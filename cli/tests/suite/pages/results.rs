@@ -50,8 +50,8 @@ fn a_wide_picture_fits_a_phone_and_opens_at_a_click() {
         "sliding/friction.json",
         "{ \"points\": [{ \"mu\": 0.0031 }] }",
     );
-    kufe::plot::png(&bench.path("sliding/friction.png"), 1500, 300, &|_| Ok(()))
-        .expect("a picture");
+    let wide = kufe::plot::Figure::new(1500.0, "friction");
+    bench.write("sliding/friction.png", wide.png());
     bench.succeeds(&["report", "sliding"]);
     let mut browser = Browser::start(&program, &[]);
     let phone = Look {
@@ -138,7 +138,7 @@ fn a_page_holds_pictures_alone_and_nothing_from_outside_its_folder() {
     let page = std::fs::read_to_string(bench.path("out/report.html")).expect("a page");
     let packed = base64::engine::general_purpose::STANDARD.encode("not a picture");
     assert!(!page.contains(&packed[..12]));
-    kufe::plot::png(&bench.path("private.png"), 60, 30, &|_| Ok(())).expect("a picture");
+    bench.write("private.png", kufe::plot::Figure::new(60.0, "").png());
     std::os::unix::fs::symlink("../private.png", bench.path("out/more.png")).expect("a link");
     let refused = bench.kufe(&["report", "out", "--force"]);
     assert_eq!(refused.status.code(), Some(3));

@@ -12,13 +12,14 @@ use serde::Serialize;
 
 use crate::jobs::document_mat::write_document_mat;
 use crate::jobs::failure::Failure;
+use crate::jobs::field::groove_picture::groove_picture;
+use crate::jobs::field::map_picture::map_picture;
 use crate::jobs::field::placed_hull::placed_hull;
-use crate::jobs::field::{
-    contact_vtp, groove_map, groove_picture, map_picture, stress_picture, subsurface, volume_vtu,
-    write_exr,
-};
+use crate::jobs::field::stress_picture::stress_picture;
+use crate::jobs::field::{contact_vtp, groove_map, subsurface, volume_vtu, write_exr};
 use crate::jobs::press::{SolvedContact, newtons};
 use crate::jobs::slide::SolvedSliding;
+use crate::plot::Figure;
 use crate::results::{ContactResult, Length, Quantity};
 
 /// Files of a result in a folder that nobody sees yet; the caller moves them to their place.
@@ -51,17 +52,12 @@ impl NewFiles<'_> {
         file.sync_all().map_err(|error| failure(&error))
     }
 
-    /// As [`write`](Self::write), with a function that takes the path to write to.
+    /// Writes a picture.
     ///
     /// # Errors
     /// As [`write`](Self::write).
-    pub fn draw<E: Display>(
-        &self,
-        name: &str,
-        draw: impl FnOnce(&Path) -> Result<(), E>,
-    ) -> Result<(), Failure> {
-        self.write(name, |_| Ok::<_, E>(()))?;
-        draw(&self.hidden.join(name)).map_err(|error| self.failure(name, &error))
+    pub fn picture(&self, name: &str, figure: &Figure) -> Result<(), Failure> {
+        self.write(name, |mut file| file.write_all(&figure.png()))
     }
 
     /// Writes a result as JSON that people can read; returns the text.
@@ -119,7 +115,7 @@ pub fn write_contact(
         output.write("subsurface.csv", |mut file| {
             subsurface::write_csv(&mut file, line)
         })?;
-        output.draw("subsurface.png", |path| subsurface::write_png(path, line))?;
+        output.picture("subsurface.png", &subsurface::subsurface_picture(line))?;
     }
     if mat {
         output.write("result.mat", |mut file| {
@@ -161,9 +157,7 @@ fn maps(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
     };
     let picture = || {
         let title = title(solution);
-        output.draw("pressure.png", |path| {
-            map_picture::write(path, &parts, &title)
-        })
+        output.picture("pressure.png", &map_picture(&parts, &title))
     };
     let (numbers, picture) = rayon::join(numbers, picture);
     numbers.and(picture)?;
@@ -199,9 +193,10 @@ fn surfaces(output: NewFiles, pressed: &SolvedContact) -> Result<(), Failure> {
         contact_vtp::write(&mut file, &solution.surface, solution.fz)
     })?;
     if let (Some(field), Some(loads)) = (&solution.runner_volume, &pressed.runner) {
-        output.draw("stress.png", |path| {
-            stress_picture::write(path, field, loads, solution.symmetry)
-        })?;
+        output.picture(
+            "stress.png",
+            &stress_picture(field, loads, solution.symmetry),
+        )?;
     }
     if let Some(hull) = placed_hull(&pressed.problem, solution) {
         output.write("hull.glb", |file| HullFormat::Gltf.write(&hull, file))?;
@@ -261,9 +256,7 @@ fn write_sliding(
         write_exr::write_channels(&mut file, map, COMMENTS, &numbers, &[("depth", &depths)])
     })?;
     output.write("film.csv", |file| write_film(file, slid))?;
-    output.draw("groove.png", |path| {
-        groove_picture::write(path, pressed, slid)
-    })
+    output.picture("groove.png", &groove_picture(pressed, slid))
 }
 
 /// The film station by station, from the front.

@@ -7,7 +7,6 @@ pub mod groove_picture;
 #[cfg(test)]
 mod hertz_map;
 pub mod map_picture;
-mod outline;
 mod placed_hull;
 pub mod read_exr;
 pub mod stress_picture;

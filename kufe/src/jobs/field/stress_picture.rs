@@ -1,22 +1,17 @@
 //! `stress.png`: the von Mises stress of an elastic runner in the sections through its largest value.
 
-use std::path::Path;
-
-use crate::plot::{Error, PALETTE, PngRoot, colour_bar, number4, png, tick_text, viridis};
 use kufe_contact::{RunnerField, RunnerLoads};
 use kufe_mesh::HexMesh;
-use plotters::prelude::*;
 
-use crate::jobs::field::map_picture::stretch_text;
+use crate::jobs::field::map_picture::GROUND;
+use crate::plot::{
+    Axis, ColourBar, Figure, INK, Layer, Mark, PALETTE, Panel, Rgb, Scales, Symbol, number4,
+};
 
-const WIDTH: u32 = 1500;
-const HEIGHT: u32 = 1000;
-const BACKGROUND: RGBColor = RGBColor(244, 244, 246);
 /// The closer view reaches this many times as far around the largest stress as the cells there.
 const CLOSE: f64 = 4.0;
-
-/// What a panel's title, axes and margins take of its width and height [pixels].
-const FRAME: [i32; 2] = [126, 104];
+/// Columns and rows of the picture of a section.
+const CELLS: [usize; 2] = [1200, 400];
 
 /// Corners of the six tetrahedra around a hexahedron's diagonal, in VTK's order.
 const TETRAHEDRA: [[usize; 4]; 6] = [
@@ -31,41 +26,35 @@ const TETRAHEDRA: [[usize; 4]; 6] = [
 /// Place [mm] and stress [MPa] of a corner in a section's own plane.
 type Corner = [f64; 3];
 
-/// Draws the section along and the one across, and of that what is near the largest stress; where mirror planes were used, with the images.
-///
-/// # Errors
-/// [`Error`] where the picture cannot be drawn or written.
-pub fn write(
-    path: &Path,
-    field: &RunnerField,
-    loads: &RunnerLoads,
-    mirrored: [bool; 2],
-) -> Result<(), Error> {
+/// The section along and the one across, and of that what is near the largest stress; where mirror planes were used,
+/// with the images.
+pub fn stress_picture(field: &RunnerField, loads: &RunnerLoads, mirrored: [bool; 2]) -> Figure {
     let section = |axis| Section::new(&field.mesh, loads, axis, mirrored);
     let (along, across) = (section(1), section(0));
     let [x, y, z] = loads.at.map(|place| number4(1e3 * place));
     let highest = 1e-6 * loads.von_mises;
+    let bar = ColourBar::viridis("von Mises stress [MPa]", [0.0, highest]);
     let title = format!(
         "von Mises stress in the steel, the largest of {} MPa at the ring: x = {x}, y = {y}, z = {z} mm",
         number4(highest)
     );
-    png(path, WIDTH, HEIGHT, &|root| {
-        let root = root.margin(14, 8, 0, 0);
-        let root = root.titled(&title, ("sans-serif", 24))?;
-        let (panels, bar) = root.split_horizontally(WIDTH - 140);
-        let colour = |stress: f64| viridis(stress / highest);
-        let name = "von Mises stress [MPa]";
-        colour_bar(&bar.margin(44, 70, 0, 0), [0.0, highest], colour, name)?;
-        let (upper, lower) = panels.split_vertically(panels.dim_in_pixel().1 / 2);
-        let caption = format!("along, at y = {y} mm");
-        along.draw(&upper, &caption, along.window(), &colour)?;
-        let (left, right) = lower.split_horizontally(lower.dim_in_pixel().0 / 2);
-        let caption = format!("across, at x = {x} mm");
-        let whole = to_scale(across.window(), &left);
-        across.draw(&left, &caption, whole, &colour)?;
-        let close = to_scale(across.close(&field.mesh, loads), &right);
-        across.draw(&right, &format!("{caption}, closer"), close, &colour)
-    })
+    let upper = along.panel(format!("along, at y = {y} mm"), along.window(), &bar);
+    let caption = format!("across, at x = {x} mm");
+    let close = across.panel(
+        format!("{caption}, closer"),
+        across.close(&field.mesh, loads),
+        &bar,
+    );
+    let whole = across.panel(caption, across.window(), &bar);
+    let equal = |panel| Panel {
+        scales: Scales::Equal,
+        ..panel
+    };
+    Figure::new(1500.0, title)
+        .row(370.0, [upper])
+        .bar(bar.clone())
+        .row(370.0, [equal(whole), equal(close)])
+        .bar(bar)
 }
 
 /// A section along (y is constant) or across (x is), in millimetres and megapascals.
@@ -163,61 +152,36 @@ impl Section {
         })
     }
 
-    fn draw(
-        &self,
-        area: &PngRoot,
-        caption: &str,
-        [[u0, u1], [v0, v1]]: [[f64; 2]; 2],
-        colour: &dyn Fn(f64) -> RGBColor,
-    ) -> Result<(), Error> {
-        let mut builder = ChartBuilder::on(area);
-        builder
-            .caption(caption, ("sans-serif", 20))
-            .margin(12)
-            .margin_right(30)
-            .x_label_area_size(52)
-            .y_label_area_size(84);
-        let mut chart = builder.build_cartesian_2d(u0..u1, v0..v1)?;
-        let plane = chart.plotting_area().strip_coord_spec();
-        let (width, height) = plane.dim_in_pixel();
-        let scale = [f64::from(width) / (u1 - u0), f64::from(height) / (v1 - v0)];
-        plane.fill(&BACKGROUND)?;
-        let pixel = |[u, v, stress]: Corner| [(u - u0) * scale[0], (v1 - v) * scale[1], stress];
+    /// What lies within a window, with a ring around the largest stress.
+    fn panel(&self, title: String, window: [[f64; 2]; 2], bar: &ColourBar) -> Panel {
+        let [[u0, u1], [v0, v1]] = window;
+        let scale = [CELLS[0] as f64 / (u1 - u0), CELLS[1] as f64 / (v1 - v0)];
+        let cell = |[u, v, stress]: Corner| [(u - u0) * scale[0], (v1 - v) * scale[1], stress];
+        let mut cells: Vec<Option<Rgb>> = vec![None; CELLS[0] * CELLS[1]];
         for triangle in &self.triangles {
-            let corners = triangle.map(pixel);
-            for (at, stress) in pixels(corners, [width as usize, height as usize]) {
-                plane.draw_pixel((at[0] as i32, at[1] as i32), &colour(stress))?;
+            for ([column, row], stress) in pixels(triangle.map(cell), CELLS) {
+                cells[row * CELLS[0] + column] = Some(bar.colour(stress));
             }
         }
-        let along = ["x along", "y across"][self.flat];
-        let stretch = stretch_text(scale[1] / scale[0]);
-        chart
-            .configure_mesh()
-            .disable_mesh()
-            .x_desc(format!("{along} [mm]"))
-            .y_desc(format!("z [mm], {stretch}"))
-            .x_label_formatter(&|x| tick_text(*x, u1 - u0))
-            .y_label_formatter(&|y| tick_text(*y, v1 - v0))
-            .y_labels(6)
-            .label_style(("sans-serif", 17))
-            .axis_desc_style(("sans-serif", 18))
-            .draw()?;
-        let largest = (self.largest[0], self.largest[1]);
-        chart.draw_series([Circle::new(largest, 8, PALETTE[1].stroke_width(2))])?;
-        Ok(())
+        let map = Mark::Map {
+            window,
+            size: CELLS,
+            cells,
+        };
+        let largest = [(self.largest[0], self.largest[1])];
+        let whole = [f64::NEG_INFINITY, f64::INFINITY];
+        Panel {
+            title,
+            x: Axis::new(["x along [mm]", "y across [mm]"][self.flat]).within(window[0]),
+            y: Axis::new("z [mm]").within(window[1]),
+            layers: vec![
+                Layer::rectangle(whole, whole, GROUND),
+                Layer::new(map, INK),
+                Layer::symbols(Symbol::Ring, 8.0, largest, PALETTE[1]),
+            ],
+            scales: Scales::Stretched,
+        }
     }
-}
-
-/// A window that is as wide, or as high, as its area asks for equal scales.
-fn to_scale([u, v]: [[f64; 2]; 2], area: &PngRoot) -> [[f64; 2]; 2] {
-    let (width, height) = area.dim_in_pixel();
-    let aspect = f64::from(width as i32 - FRAME[0]) / f64::from(height as i32 - FRAME[1]);
-    let longer = |[from, to]: [f64; 2], length: f64| {
-        let more = 0.5 * (length - (to - from)).max(0.0);
-        [from - more, to + more]
-    };
-    let (wide, high) = (u[1] - u[0], v[1] - v[0]);
-    [longer(u, aspect * high), longer(v, wide / aspect)]
 }
 
 /// The pixels whose middles lie in a triangle, with the value there, linear between its corners.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::plot::number4;
+use crate::plot::{number4, viridis};
 use base64::Engine as _;
 
 use super::data::Data;
@@ -150,11 +150,6 @@ fn number3(x: f64) -> String {
 
 fn colours(values: &[f64], of: impl Fn(f64) -> [u8; 3]) -> Vec<[u8; 3]> {
     values.iter().map(|v| of(*v)).collect()
-}
-
-fn viridis(t: f64) -> [u8; 3] {
-    let colour = crate::plot::viridis(t.clamp(0.0, 1.0));
-    [colour.0, colour.1, colour.2]
 }
 
 /// Blue below, white at 0, red above.

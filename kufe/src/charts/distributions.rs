@@ -1,0 +1,251 @@
+//! Box plots of runs by driver, track and law.
+
+use kufe_sled::{Angles, DrivingForce, RunEvaluation, RunValidation, by_track, distinct, quantile};
+
+use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point};
+
+/// Fewest values of which quartiles are drawn; fewer are drawn as points alone.
+const FEWEST: usize = 5;
+/// Most values that are drawn as points beside their quartiles.
+const MOST: usize = 100;
+
+/// What boxes, whiskers and dots are.
+const MEANING: &str = "boxes: quartiles, whiskers: 5 to 95 %, dots: runs";
+
+/// A named distribution and its place in the palette.
+struct Category {
+    name: String,
+    colour: usize,
+    values: Vec<f64>,
+}
+
+/// A panel of boxes over categories; a note where there is no value but zero.
+fn boxes(title: impl Into<String>, unit: &str, categories: &[Category]) -> Panel {
+    let mut layers = Vec::new();
+    for (k, category) in categories.iter().enumerate() {
+        layers.extend(one_box(k as f64 + 0.5, category));
+    }
+    let title = title.into();
+    if !has_values(categories) {
+        let note = Layer::text((0.5, 0.5), "0 in every run", [0.0; 2], PALETTE[6]);
+        return Panel {
+            title,
+            x: Axis::blank([0.0, 1.0]),
+            y: Axis::blank([0.0, 1.0]),
+            layers: vec![note],
+            ..Panel::default()
+        };
+    }
+    let values = || {
+        categories
+            .iter()
+            .flat_map(|category| &category.values)
+            .copied()
+    };
+    let (low, high) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
+    let margin = 0.06 * (high - low);
+    Panel {
+        title,
+        x: Axis::names(categories.iter().map(|category| &*category.name)),
+        y: Axis::new(unit).within([if low < 0.0 { low - margin } else { 0.0 }, high + margin]),
+        layers,
+        ..Panel::default()
+    }
+}
+
+fn has_values(categories: &[Category]) -> bool {
+    let mut values = categories.iter().flat_map(|category| &category.values);
+    values.any(|value| *value != 0.0)
+}
+
+/// Quartiles as a box, 5 to 95 % as whiskers, and the values as points where they are few.
+fn one_box(middle: f64, category: &Category) -> Vec<Layer> {
+    let colour = PALETTE[category.colour];
+    let mut sorted = category.values.clone();
+    sorted.sort_by(f64::total_cmp);
+    let points = |x: f64| sorted.iter().map(move |value| (x, *value));
+    if sorted.len() < FEWEST {
+        return vec![Layer::dots(4.0, points(middle), colour)];
+    }
+    let [q5, q25, q50, q75, q95] =
+        [0.05, 0.25, 0.5, 0.75, 0.95].map(|share| quantile(&sorted, share));
+    let across = |half: f64, y: f64| -> [Point; 2] { [(middle - half, y), (middle + half, y)] };
+    let upright = |from: f64, to: f64| -> [Point; 2] { [(middle, from), (middle, to)] };
+    let sides = [-0.24, 0.24].map(|off| [(middle + off, q25), (middle + off, q75)]);
+    let thin = [
+        across(0.24, q25),
+        across(0.24, q75),
+        sides[0],
+        sides[1],
+        upright(q75, q95),
+        upright(q25, q5),
+        across(0.1, q95),
+        across(0.1, q5),
+    ];
+    let mut layers = vec![
+        Layer::rectangle(
+            [middle - 0.24, middle + 0.24],
+            [q25, q75],
+            colour.alpha(0.35),
+        ),
+        Layer::segments(1.0, thin, colour),
+        Layer::segments(3.0, [across(0.24, q50)], colour),
+    ];
+    if sorted.len() <= MOST {
+        layers.push(Layer::dots(3.0, points(middle + 0.34), colour));
+    }
+    layers
+}
+
+/// A box for each group of runs, from the values of each of its runs.
+fn grouped(
+    runs: &[RunEvaluation],
+    by: fn(&RunEvaluation) -> &String,
+    values: &dyn Fn(&RunEvaluation) -> Vec<f64>,
+) -> Vec<Category> {
+    let groups = distinct(runs, by).into_iter().enumerate();
+    groups
+        .map(|(k, group)| Category {
+            name: group.to_string(),
+            colour: k % 6,
+            values: runs
+                .iter()
+                .filter(|run| by(run) == group)
+                .flat_map(values)
+                .collect(),
+        })
+        .collect()
+}
+
+/// Relative loss increases (front, rear, air, total), a box for each name that `by` gives: a driver or a track.
+pub fn energy_picture(
+    title: &str,
+    runs: &[RunEvaluation],
+    by: fn(&RunEvaluation) -> &String,
+) -> Figure {
+    type Increase = fn(&RunEvaluation) -> f64;
+    let panels: [(&str, Increase); 4] = [
+        ("front runner", |run| run.increase_front),
+        ("rear runner", |run| run.increase_rear),
+        ("air", |run| run.increase_aero),
+        ("total", |run| run.increase_total),
+    ];
+    let panels = panels.map(|(name, increase)| {
+        let categories = grouped(runs, by, &|run| vec![100.0 * increase(run)]);
+        boxes(name, "loss increase [%]", &categories)
+    });
+    Figure::new(1500.0, format!("{title} ({MEANING})")).row(400.0, panels)
+}
+
+/// Steering and slip angles by driver: their distributions, and the shares above 2 and 4 degrees by run.
+pub fn angle_picture(runs: &[RunEvaluation]) -> Figure {
+    type Angle = fn(&DrivingForce) -> f64;
+    type Shares = fn(&RunEvaluation) -> &Angles;
+    let angles: [(&str, Angle, Shares); 4] = [
+        ("steering", |f| f.delta_rad, |run| &run.steering),
+        ("front slip", |f| f.alpha_f_rad, |run| &run.slip_front),
+        ("rear slip", |f| f.alpha_r_rad, |run| &run.slip_rear),
+        ("chassis slip", |f| f.beta_rad, |run| &run.chassis_slip),
+    ];
+    let driver: fn(&RunEvaluation) -> &String = |run| &run.driver;
+    let shares_above = |degrees: usize, share: fn(&Angles) -> f64| {
+        angles.map(|(name, _, of)| {
+            let categories = grouped(runs, driver, &|run| vec![100.0 * share(of(run))]);
+            (
+                format!("{name} above {degrees}°"),
+                "share of time [%]",
+                categories,
+            )
+        })
+    };
+    let rows = [
+        angles.map(|(name, angle, _)| {
+            let degrees =
+                |run: &RunEvaluation| run.series.iter().map(|f| angle(f).to_degrees()).collect();
+            (
+                name.to_owned(),
+                "angle [degrees]",
+                grouped(runs, driver, &degrees),
+            )
+        }),
+        shares_above(2, |shares| shares.share_above_2deg),
+        shares_above(4, |shares| shares.share_above_4deg),
+    ];
+    let rows = rows
+        .into_iter()
+        .filter(|row| row.iter().any(|panel| has_values(&panel.2)));
+    let figure = Figure::new(1600.0, format!("Angles by driver ({MEANING})"));
+    rows.fold(figure, |figure, row| {
+        figure.row(
+            330.0,
+            row.map(|(title, unit, categories)| boxes(title, unit, &categories)),
+        )
+    })
+}
+
+/// Root mean square error of the lateral force by run, a box for each track and law.
+pub fn rmse_picture(runs: &[RunValidation]) -> Figure {
+    type Error = fn(&RunValidation) -> f64;
+    let laws: [(&str, usize, Error); 2] = [
+        ("friction model", 1, |run| run.rmse_n),
+        ("Braghin's law, for comparison", 0, |run| run.rmse_braghin_n),
+    ];
+    let mut categories = Vec::new();
+    for track in by_track(runs) {
+        categories.extend(laws.map(|(_, colour, error)| {
+            Category {
+                name: track.track.clone(),
+                colour,
+                values: runs
+                    .iter()
+                    .filter(|run| run.track == track.track)
+                    .map(error)
+                    .collect(),
+            }
+        }));
+    }
+    let mut panel = boxes("", "RMSE by run [N]", &categories);
+    // Boxes differ from law to law; the legend shows areas of their colours, which cover nothing.
+    let keys =
+        laws.map(|(name, colour, _)| Layer::area([], PALETTE[colour].alpha(0.35)).named(name));
+    panel.layers.splice(0..0, keys);
+    let width = 220.0 * categories.len().max(4) as f64;
+    Figure::new(width, format!("Lateral force: residuals ({MEANING})")).row(420.0, [panel])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quartiles_are_drawn_of_five_values_and_of_hundreds_but_not_of_two() {
+        let layers = |count: u32| {
+            let values = (0..count).map(f64::from).collect();
+            let name = String::new();
+            one_box(
+                0.5,
+                &Category {
+                    name,
+                    colour: 0,
+                    values,
+                },
+            )
+            .len()
+        };
+        assert_eq!([0, 1, 2, 4].map(layers), [1; 4]);
+        assert_eq!([5, 100].map(layers), [4; 2]);
+        assert_eq!([101, 1000].map(layers), [3; 2]);
+    }
+
+    #[test]
+    fn a_panel_of_zeros_says_so() {
+        let zeros = Category {
+            name: "A1".to_owned(),
+            colour: 0,
+            values: vec![0.0; 9],
+        };
+        let panel = boxes("air", "loss increase [%]", &[zeros]);
+        let note = Layer::text((0.5, 0.5), "0 in every run", [0.0; 2], PALETTE[6]);
+        assert_eq!(panel.layers, [note]);
+    }
+}

@@ -1,0 +1,231 @@
+//! Runs over time or distance: one panel below the other.
+
+use std::ops::Range;
+
+use kufe_sled::{
+    Compared, DrivingForce, LateralForce, Prepared, Replay, RunEvaluation, RunValidation,
+};
+
+use crate::plot::{Axis, Figure, INK, Layer, Mark, PALETTE, Panel, Point, broken};
+
+/// Width of the pictures [pixels].
+const WIDTH: f64 = 1500.0;
+
+/// Colours of vertical marks and shaded ranges: those of no line.
+const MARKS: usize = 3;
+const RANGES: usize = 4;
+
+/// A line of a panel: its name, its place in the palette, and its points.
+type Line = (&'static str, usize, Vec<Point>);
+
+/// A line through the pieces of a series.
+fn line(
+    name: &'static str,
+    colour: usize,
+    pieces: &[Range<usize>],
+    point: impl Fn(usize) -> Point,
+) -> Line {
+    (name, colour, broken(pieces, point).collect())
+}
+
+/// Lines over time or distance; a line that is alone is named by its axis.
+fn panel(x: &str, y: &str, lines: Vec<Line>) -> Panel {
+    let places = lines.iter().flat_map(|line| &line.2).map(|point| point.0);
+    let (from, to) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x), high.max(x))
+    });
+    let is_named = lines.len() > 1;
+    let layers = lines.into_iter().map(|(name, colour, points)| {
+        Layer::line(1.0, points, PALETTE[colour]).named(if is_named { name } else { "" })
+    });
+    Panel {
+        x: Axis::new(x).within([from, to.max(from + 1e-9)]),
+        y: Axis::new(y),
+        layers: layers.collect(),
+        ..Panel::default()
+    }
+}
+
+/// Slip angles, accelerations at the centre of gravity, speed and steering of a run over time.
+pub fn run_picture(run: &Prepared) -> Figure {
+    let (s, m) = (&run.states, &run.motions);
+    let series = |name, colour, value: &dyn Fn(usize) -> f64| {
+        line(name, colour, &run.pieces, |i| (s[i].t_s, value(i)))
+    };
+    let panels = [
+        (
+            "slip [degrees]",
+            vec![
+                series("front", 1, &|i| s[i].alpha_f_rad.to_degrees()),
+                series("rear", 0, &|i| s[i].alpha_r_rad.to_degrees()),
+            ],
+        ),
+        (
+            "acceleration [m/s²]",
+            vec![
+                series("vertical", 0, &|i| m[i].accel_mps2[2]),
+                series("lateral", 1, &|i| m[i].accel_mps2[1]),
+                series("longitudinal", 2, &|i| m[i].accel_mps2[0]),
+            ],
+        ),
+        ("speed [m/s]", vec![series("speed", 0, &|i| s[i].v_mps)]),
+        (
+            "angle [degrees]",
+            vec![
+                series("steering", 1, &|i| s[i].delta_rad.to_degrees()),
+                series("roll-split", 0, &|i| s[i].gamma_rad.to_degrees()),
+            ],
+        ),
+    ];
+    let figure = Figure::new(WIDTH, format!("{} on {}", run.entry.run, run.entry.track));
+    let panels = panels.into_iter();
+    panels.fold(figure, |figure, (name, lines)| {
+        figure.row(220.0, [panel("time [s]", name, lines)])
+    })
+}
+
+/// Speed, its difference, time lost, slip angle, yaw rate and roll split of run and model over the distance; shaded
+/// where run and model differ.
+pub fn replay_picture(replay: &Replay) -> Figure {
+    let over_distance = |name, colour, value: &dyn Fn(&Compared) -> f64| {
+        line(name, colour, &replay.pieces, |i| {
+            let at = &replay.compared[i];
+            (at.s_m, value(at))
+        })
+    };
+    let degrees = f64::to_degrees(1.0);
+    let columns = [
+        ("v_mps", "speed [m/s]", 1.0),
+        ("alpha_rad", "slip [degrees]", degrees),
+        ("yaw_rate_radps", "yaw rate [degrees/s]", degrees),
+        ("gamma_rad", "roll split [degrees]", degrees),
+    ];
+    let compared = columns.into_iter().enumerate();
+    let compared =
+        compared.filter(|(_, (column, ..))| replay.differences.iter().any(|d| d.column == *column));
+    let mut panels: Vec<(&str, &str, Vec<Line>)> = compared
+        .map(|(k, (column, name, unit))| {
+            let lines = vec![
+                over_distance("measured", 6, &|at| unit * at.values[k][0]),
+                over_distance("model", 1, &|at| unit * at.values[k][1]),
+            ];
+            (column, name, lines)
+        })
+        .collect();
+    let faster = over_distance("run less model", 0, &|at| at.values[0][0] - at.values[0][1]);
+    let lost = over_distance("run behind model", 0, &|at| at.t_s[0] - at.t_s[1]);
+    panels.insert(1, ("v_mps", "run less model [m/s]", vec![faster]));
+    panels.insert(2, ("t_s", "run behind model [s]", vec![lost]));
+    let figure = Figure::new(
+        WIDTH,
+        format!("{} on {}, driven again", replay.run, replay.track),
+    );
+    panels
+        .into_iter()
+        .fold(figure, |figure, (column, name, lines)| {
+            let mut panel = panel("distance [m]", name, lines);
+            let sections = replay
+                .sections
+                .iter()
+                .filter(|section| section.column == column);
+            let shaded = sections.map(|section| {
+                Layer::stretch([section.from_m, section.to_m], PALETTE[RANGES].alpha(0.25))
+                    .named("where run and model differ")
+            });
+            panel.layers.splice(0..0, shaded);
+            figure.row(190.0, [panel])
+        })
+}
+
+/// Lateral force of a run over time, measured and by the model, with the largest differences marked.
+pub fn lateral_force_picture(run: &RunValidation) -> Figure {
+    let over_time = |name, colour, value: fn(&LateralForce) -> f64| {
+        line(name, colour, &run.pieces, |i| {
+            (run.series[i].t_s, value(&run.series[i]))
+        })
+    };
+    let forces = vec![
+        over_time("measured", 6, |f| f.measured_n),
+        over_time("friction model", 1, |f| f.model_n),
+    ];
+    let difference = vec![over_time("measured - model", 0, |f| {
+        f.measured_n - f.model_n
+    })];
+    let mut above = panel("time [s]", "lateral force [N]", forces);
+    let largest = run.largest.iter();
+    let upright = largest.map(|d| [(d.t_s, f64::NEG_INFINITY), (d.t_s, f64::INFINITY)]);
+    let places = run
+        .largest
+        .iter()
+        .map(|d| (d.t_s, format!("{:.0} m", d.s_m)));
+    let marks = Layer::segments(1.0, upright, PALETTE[MARKS]);
+    above.layers.splice(
+        0..0,
+        [
+            marks.named("largest differences, with their place on the track"),
+            Layer::new(Mark::Above(places.collect()), INK),
+        ],
+    );
+    let title = format!(
+        "{} on {}: RMSE {:.0} N (Braghin's law {:.0} N)",
+        run.run, run.track, run.rmse_n, run.rmse_braghin_n
+    );
+    Figure::new(WIDTH, title)
+        .row(340.0, [above])
+        .row(220.0, [panel("time [s]", "difference [N]", difference)])
+}
+
+/// Actual and ideal force against the motion over the distance of a run, with the slip angles below.
+pub fn force_picture(run: &RunEvaluation) -> Figure {
+    let over_distance = |name, colour, value: fn(&DrivingForce) -> f64| {
+        line(name, colour, &run.pieces, |i| {
+            (run.series[i].s_m, value(&run.series[i]))
+        })
+    };
+    let forces = vec![
+        over_distance("as driven", 1, |f| f.actual_n),
+        over_distance("ideal", 0, |f| f.ideal_n),
+    ];
+    let angles = vec![
+        over_distance("front slip", 1, |f| f.alpha_f_rad.to_degrees()),
+        over_distance("rear slip", 0, |f| f.alpha_r_rad.to_degrees()),
+        over_distance("steering", 6, |f| f.delta_rad.to_degrees()),
+    ];
+    let title = format!(
+        "{} on {}: {:.2} % more loss than a straight glide",
+        run.run,
+        run.track,
+        100.0 * run.increase_total
+    );
+    Figure::new(WIDTH, title)
+        .row(
+            330.0,
+            [panel("distance [m]", "force along the motion [N]", forces)],
+        )
+        .row(270.0, [panel("distance [m]", "angle [degrees]", angles)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_alone_is_not_in_the_legend_and_marks_have_colours_of_no_line() {
+        let line = |colour| ("a line", colour, vec![(0.0, 0.0), (1.0, 1.0)]);
+        let named = |lines: Vec<Line>| {
+            let panel = panel("time [s]", "y", lines);
+            panel
+                .layers
+                .iter()
+                .filter(|layer| !layer.name.is_empty())
+                .count()
+        };
+        assert_eq!(
+            [named(vec![line(0)]), named(vec![line(0), line(1)])],
+            [0, 2]
+        );
+        // The colours of every panel's lines.
+        let colours = [0, 1, 2, 6, MARKS, RANGES].map(|k| PALETTE[k].rgb);
+        assert!((0..6).all(|k| (0..k).all(|other| colours[k] != colours[other])));
+    }
+}

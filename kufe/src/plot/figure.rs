@@ -1,0 +1,434 @@
+//! What a picture shows, as data.
+
+use crate::plot::colour::{Colour, INK, Rgb, viridis};
+use crate::plot::layout::laid_out;
+use crate::plot::png::png;
+use crate::plot::svg::svg;
+
+/// A point in the units of a panel's axes.
+pub type Point = (f64, f64);
+
+/// A picture: rows of panels under a title.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Width \[pixels\]; the height follows from the rows.
+    pub width: f64,
+    /// Size of the letters \[pixels\].
+    pub letters: f64,
+    /// What it shows; nothing is written where it is empty.
+    pub title: String,
+    /// What a page reads to those who do not see it; the title where it is empty.
+    pub label: String,
+    /// The rows from above.
+    pub rows: Vec<Row>,
+}
+
+/// Panels next to each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Height of the plotting areas \[pixels\]; of panels with names along y it follows from these.
+    pub height: f64,
+    /// The panels, equally wide.
+    pub panels: Vec<Panel>,
+    /// What the colours of maps mean.
+    pub bar: Option<ColourBar>,
+}
+
+/// Axes and what is drawn on them; its legend has each named layer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Panel {
+    /// What it shows; may be empty.
+    pub title: String,
+    /// The axis to the right.
+    pub x: Axis,
+    /// The axis upwards.
+    pub y: Axis,
+    /// What is drawn, from the lowest layer to the highest.
+    pub layers: Vec<Layer>,
+    /// How the scales of two axes of the same unit compare.
+    pub scales: Scales,
+}
+
+/// How the scales of a panel's axes compare.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scales {
+    /// Not at all.
+    #[default]
+    Independent,
+    /// The label of y states how many times it is stretched.
+    Stretched,
+    /// As `Stretched`, and the shorter range is extended until the scales are equal.
+    Equal,
+}
+
+/// An axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Axis {
+    /// Quantity and unit.
+    pub label: String,
+    /// First and last value, in either order; what the layers need where it is absent.
+    pub range: Option<[f64; 2]>,
+    /// Where it has ticks.
+    pub ticks: Ticks,
+}
+
+/// Ticks of an axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Ticks {
+    /// At round numbers.
+    #[default]
+    Linear,
+    /// Of a logarithmic axis.
+    Logarithmic,
+    /// Texts at places; of two that overlap the first is written. No ticks where it is empty.
+    Names(Vec<(f64, String)>),
+}
+
+impl Axis {
+    /// A linear axis.
+    pub fn new(label: impl Into<String>) -> Self {
+        Axis {
+            label: label.into(),
+            ..Axis::default()
+        }
+    }
+
+    /// A logarithmic axis.
+    pub fn logarithmic(label: impl Into<String>) -> Self {
+        Axis {
+            ticks: Ticks::Logarithmic,
+            ..Axis::new(label)
+        }
+    }
+
+    /// Names at 0.5, 1.5 and so on, from the left; see [`reversed`](Self::reversed).
+    pub fn names(names: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        let names = names.into_iter().enumerate();
+        let names: Vec<_> = names
+            .map(|(k, name)| (k as f64 + 0.5, name.into()))
+            .collect();
+        Axis {
+            label: String::new(),
+            range: Some([0.0, names.len() as f64]),
+            ticks: Ticks::Names(names),
+        }
+    }
+
+    /// An axis without ticks and label.
+    pub fn blank(range: [f64; 2]) -> Self {
+        Axis {
+            range: Some(range),
+            ticks: Ticks::Names(Vec::new()),
+            ..Axis::default()
+        }
+    }
+
+    /// The axis with this range.
+    pub fn within(mut self, range: [f64; 2]) -> Self {
+        self.range = Some(range);
+        self
+    }
+
+    /// The axis from its last to its first value: names from above.
+    pub fn reversed(mut self) -> Self {
+        self.range = self.range.map(|[from, to]| [to, from]);
+        self
+    }
+}
+
+/// One part of what a panel shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// What the legend calls it, once for layers of one name; not in the legend where it is empty.
+    pub name: String,
+    /// What a page shows when the pointer is over it; nothing where it is empty.
+    pub hint: String,
+    /// Its colour.
+    pub colour: Colour,
+    /// Its shape.
+    pub mark: Mark,
+}
+
+/// Shape of a layer. Infinite coordinates are at the ends of an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mark {
+    /// A line, broken at points that are no numbers.
+    Line {
+        /// Its points.
+        points: Vec<Point>,
+        /// Its width \[pixels\].
+        width: f64,
+        /// Whether it is dashed.
+        dashed: bool,
+    },
+    /// Points.
+    Dots {
+        /// Their places.
+        points: Vec<Point>,
+        /// Their radius \[pixels\].
+        radius: f64,
+        /// Their shape.
+        symbol: Symbol,
+    },
+    /// A filled polygon.
+    Area(Vec<Point>),
+    /// Coloured cells, row by row from the upper left, between two values of x and two of y, equally spaced on the axes.
+    Map {
+        /// Left and right end, lower and upper end.
+        window: [[f64; 2]; 2],
+        /// Columns and rows.
+        size: [usize; 2],
+        /// The colours; nothing is transparent.
+        cells: Vec<Option<Rgb>>,
+    },
+    /// A text next to a place, or at it.
+    Text {
+        /// The place.
+        at: Point,
+        /// The text.
+        text: String,
+        /// By how much it is moved to the right and up, in heights of its letters.
+        shift: [f64; 2],
+    },
+    /// Texts above the panel.
+    Above(Vec<(f64, String)>),
+}
+
+/// Shape of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symbol {
+    /// A disc.
+    Disc,
+    /// A ring.
+    Ring,
+    /// Two crossed lines.
+    Cross,
+    /// An upright line.
+    Stroke,
+}
+
+impl Layer {
+    /// A layer without a name.
+    pub fn new(mark: Mark, colour: Colour) -> Self {
+        Layer {
+            name: String::new(),
+            hint: String::new(),
+            colour,
+            mark,
+        }
+    }
+
+    /// A line of this width.
+    pub fn line(width: f64, points: impl IntoIterator<Item = Point>, colour: Colour) -> Self {
+        let points = points.into_iter().collect();
+        let mark = Mark::Line {
+            points,
+            width,
+            dashed: false,
+        };
+        Layer::new(mark, colour)
+    }
+
+    /// Separate straight lines of this width.
+    pub fn segments(
+        width: f64,
+        ends: impl IntoIterator<Item = [Point; 2]>,
+        colour: Colour,
+    ) -> Self {
+        let gap = (f64::NAN, f64::NAN);
+        let points = ends.into_iter().flat_map(|[from, to]| [from, to, gap]);
+        Layer::line(width, points, colour)
+    }
+
+    /// Discs of this radius.
+    pub fn dots(radius: f64, points: impl IntoIterator<Item = Point>, colour: Colour) -> Self {
+        Layer::symbols(Symbol::Disc, radius, points, colour)
+    }
+
+    /// Points of any shape.
+    pub fn symbols(
+        symbol: Symbol,
+        radius: f64,
+        points: impl IntoIterator<Item = Point>,
+        colour: Colour,
+    ) -> Self {
+        let points = points.into_iter().collect();
+        let mark = Mark::Dots {
+            points,
+            radius,
+            symbol,
+        };
+        Layer::new(mark, colour)
+    }
+
+    /// A filled polygon.
+    pub fn area(corners: impl IntoIterator<Item = Point>, colour: Colour) -> Self {
+        Layer::new(Mark::Area(corners.into_iter().collect()), colour)
+    }
+
+    /// A filled rectangle between two values of x and two of y.
+    pub fn rectangle([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], colour: Colour) -> Self {
+        Layer::area([(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour)
+    }
+
+    /// A shaded range of x over the whole height.
+    pub fn stretch(range: [f64; 2], colour: Colour) -> Self {
+        Layer::rectangle(range, [f64::NEG_INFINITY, f64::INFINITY], colour)
+    }
+
+    /// A text next to a place, or at it.
+    pub fn text(at: Point, text: impl Into<String>, shift: [f64; 2], colour: Colour) -> Self {
+        let text = text.into();
+        Layer::new(Mark::Text { at, text, shift }, colour)
+    }
+
+    /// A horizontal line over the whole width.
+    pub fn level(y: f64) -> Self {
+        let ends = [(f64::NEG_INFINITY, y), (f64::INFINITY, y)];
+        Layer::line(1.0, ends, INK.alpha(0.4))
+    }
+
+    /// The layer with a name in the legend.
+    pub fn named(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// The layer with a text that a page shows when the pointer is over it.
+    pub fn hinted(mut self, hint: impl Into<String>) -> Self {
+        self.hint = hint.into();
+        self
+    }
+
+    /// A line, dashed.
+    pub fn dashed(mut self) -> Self {
+        if let Mark::Line { dashed, .. } = &mut self.mark {
+            *dashed = true;
+        }
+        self
+    }
+}
+
+/// The points of a series, with a break between its pieces.
+pub fn broken(
+    pieces: &[std::ops::Range<usize>],
+    point: impl Fn(usize) -> Point,
+) -> impl Iterator<Item = Point> {
+    let gap = std::iter::once((f64::NAN, f64::NAN));
+    let pieces = pieces.iter().cloned();
+    pieces.flat_map(move |piece| {
+        piece
+            .map(&point)
+            .collect::<Vec<_>>()
+            .into_iter()
+            .chain(gap.clone())
+    })
+}
+
+/// What the colours of a map mean.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColourBar {
+    /// Quantity and unit.
+    pub label: String,
+    /// Lowest and highest value.
+    pub range: [f64; 2],
+    /// Colours from the lowest to the highest value.
+    pub colours: Vec<Rgb>,
+}
+
+impl ColourBar {
+    /// A bar of a colour map over the share of the range.
+    pub fn new(label: impl Into<String>, range: [f64; 2], map: impl Fn(f64) -> Rgb) -> Self {
+        ColourBar {
+            label: label.into(),
+            range,
+            colours: (0..256).map(|k| map(f64::from(k) / 255.0)).collect(),
+        }
+    }
+
+    /// A bar of [`viridis`].
+    pub fn viridis(label: impl Into<String>, range: [f64; 2]) -> Self {
+        ColourBar::new(label, range, viridis)
+    }
+
+    /// The colour of a value, that of the nearer end outside of the range; mid-grey of one that is no number.
+    pub fn colour(&self, value: f64) -> Rgb {
+        let [low, high] = self.range;
+        let share = (value - low) / (high - low);
+        if share.is_nan() {
+            return [128; 3];
+        }
+        let last = self.colours.len() - 1;
+        self.colours[(share.clamp(0.0, 1.0) * last as f64).round() as usize]
+    }
+}
+
+impl Figure {
+    /// A picture without panels.
+    pub fn new(width: f64, title: impl Into<String>) -> Self {
+        Figure {
+            width,
+            letters: 14.0,
+            title: title.into(),
+            label: String::new(),
+            rows: Vec::new(),
+        }
+    }
+
+    /// The picture with a further row, whose plotting areas have this height \[pixels\].
+    pub fn row(mut self, height: f64, panels: impl IntoIterator<Item = Panel>) -> Self {
+        self.rows.push(Row {
+            height,
+            panels: panels.into_iter().collect(),
+            bar: None,
+        });
+        self
+    }
+
+    /// The picture with a colour bar at the right of its last row.
+    pub fn bar(mut self, bar: ColourBar) -> Self {
+        if let Some(row) = self.rows.last_mut() {
+            row.bar = Some(bar);
+        }
+        self
+    }
+
+    /// An SVG element for a page, in the colour of the page's text.
+    pub fn svg(&self) -> String {
+        let (shapes, height) = laid_out(self);
+        let label = if self.label.is_empty() {
+            &self.title
+        } else {
+            &self.label
+        };
+        svg(&shapes, [self.width, height], self.letters, label)
+    }
+
+    /// The bytes of a PNG file.
+    pub fn png(&self) -> Vec<u8> {
+        let (shapes, height) = laid_out(self);
+        png(&shapes, [self.width, height])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_series_is_broken_between_its_pieces() {
+        let points: Vec<Point> = broken(&[0..2, 5..6], |i| (i as f64, 0.0)).collect();
+        let known: Vec<Option<f64>> = points
+            .iter()
+            .map(|p| p.0.is_finite().then_some(p.0))
+            .collect();
+        assert_eq!(known, [Some(0.0), Some(1.0), None, Some(5.0), None]);
+    }
+
+    #[test]
+    fn a_bar_has_the_colours_of_its_map_at_its_ends_and_grey_for_no_number() {
+        let bar = ColourBar::viridis("p [Pa]", [2.0, 4.0]);
+        let found = [2.0, 4.0, 9.0, f64::NAN].map(|value| bar.colour(value));
+        assert_eq!(found, [viridis(0.0), viridis(1.0), viridis(1.0), [128; 3]]);
+    }
+}
