@@ -1,6 +1,8 @@
-//! A channel that is not what its name says, proved or suspected.
+//! A channel whose values contradict its name, proved or suspected.
 
 use serde::Serialize;
+
+use crate::record::run::Run;
 
 /// What is wrong with a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -16,7 +18,7 @@ pub enum FaultKind {
     Gravity,
     /// One value throughout.
     Constant,
-    /// A channel that is slower than its rows: each value stands for many of them.
+    /// A channel that is slower than its rows: each value is repeated over many of them.
     Held,
     /// Time in another unit.
     Clock,
@@ -24,7 +26,7 @@ pub enum FaultKind {
     Distance,
 }
 
-/// Evidence that a channel of a run is not what its name says, and what mends it.
+/// Evidence that the values of a channel contradict its name, and the remedy.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fault {
     /// The run.
@@ -35,7 +37,8 @@ pub struct Fault {
     pub columns: Vec<String>,
     /// What is wrong.
     pub kind: FaultKind,
-    /// Whether the evidence is a proof. A fault that is not proved is advice: no command refuses the run.
+    /// Whether the evidence is a proof. A fault that is not proved is advice: no command refuses the
+    /// run.
     pub proven: bool,
     /// What the values seem to be.
     pub looks_like: String,
@@ -43,6 +46,37 @@ pub struct Fault {
     pub evidence: String,
     /// What to write in the mapping.
     pub mend: String,
+}
+
+impl Fault {
+    /// A fault of a run that is proved.
+    pub(crate) fn proven(
+        run: &Run,
+        columns: &[&str],
+        kind: FaultKind,
+        looks_like: &str,
+        evidence: String,
+        mend: String,
+    ) -> Fault {
+        Fault {
+            run: run.entry.run.clone(),
+            file: run.entry.file.display().to_string(),
+            columns: columns.iter().map(ToString::to_string).collect(),
+            kind,
+            proven: true,
+            looks_like: looks_like.to_owned(),
+            evidence,
+            mend,
+        }
+    }
+
+    /// The same, suspected only.
+    pub(crate) fn suspected(self) -> Fault {
+        Fault {
+            proven: false,
+            ..self
+        }
+    }
 }
 
 impl std::fmt::Display for Fault {

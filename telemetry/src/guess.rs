@@ -300,7 +300,7 @@ impl Guess {
         };
         let smoothed = |guess: &Guess| {
             let name = guess.from.to_lowercase();
-            SMOOTHED.iter().any(|word| name.contains(word))
+            SMOOTHED.split(',').any(|word| name.contains(word))
         };
         let own = |guess: &Guess| guess.weight >= OWN;
         own(self)
@@ -313,9 +313,7 @@ impl Guess {
 }
 
 /// Words in names of filtered or computed channels.
-const SMOOTHED: [&str; 7] = [
-    "filt", "smooth", "avg", "average", "mean", "lowpass", "calc",
-];
+const SMOOTHED: &str = "filt,smooth,avg,average,mean,lowpass,calc";
 
 /// Weight of a name of kufe's own.
 const OWN: usize = 1000;
@@ -531,185 +529,67 @@ pub(crate) fn time_unit(values: &[f64]) -> Option<Said> {
     })
 }
 
-/// Words of a name, any line of which makes it this column's; a longer line is a better sign.
-type Words = &'static [&'static str];
-
-/// Columns, what their channels are called, and lines of words that speak against them.
-const NAMES: [(&str, Words, Words); 11] = [
+/// Columns, the words in names of their channels, and words that exclude a channel; words are
+/// separated by commas, and longer ones are surer.
+const NAMES: [(&str, &str, &str); 11] = [
     (
         "ax_mps2",
-        &[
-            "long acc",
-            "longitudinal",
-            "inline acc",
-            "g long",
-            "force long",
-            "acc x",
-            "accel x",
-            "langsbeschl",
-            "laengsbeschl",
-            "ax",
-            "x acc",
-            "longacc",
-        ],
-        &["angular", "gyro"],
+        "long acc,longitudinal,inline acc,g long,force long,acc x,accel x,langsbeschl,\
+         laengsbeschl,ax,x acc,longacc",
+        "angular,gyro",
     ),
     (
         "ay_mps2",
-        &[
-            "lateral acc",
-            "lateral",
-            "lat acc",
-            "g lat",
-            "force lat",
-            "acc y",
-            "accel y",
-            "querbeschl",
-            "ay",
-            "y acc",
-            "latacc",
-        ],
-        &["angular", "gyro", "velocity", "slip"],
+        "lateral acc,lateral,lat acc,g lat,force lat,acc y,accel y,querbeschl,ay,y acc,latacc",
+        "angular,gyro,velocity,slip",
     ),
     (
         "az_mps2",
-        &[
-            "vertical acc",
-            "vert acc",
-            "g vert",
-            "force vert",
-            "acc z",
-            "accel z",
-            "hochbeschl",
-            "vertikalbeschl",
-            "az",
-            "z acc",
-            "vertacc",
-        ],
-        &["angular", "gyro", "velocity"],
+        "vertical acc,vert acc,g vert,force vert,acc z,accel z,hochbeschl,vertikalbeschl,az,z acc,\
+         vertacc",
+        "angular,gyro,velocity",
     ),
     (
         "roll_rate_radps",
-        &[
-            "roll rate",
-            "rollrate",
-            "gyro roll",
-            "gyro x",
-            "wankrate",
-            "rollgeschw",
-            "wx",
-            "x rate",
-        ],
-        &["split"],
+        "roll rate,rollrate,gyro roll,gyro x,wankrate,rollgeschw,wx,x rate",
+        "split",
     ),
     (
         "pitch_rate_radps",
-        &[
-            "pitch rate",
-            "pitchrate",
-            "gyro pitch",
-            "gyro y",
-            "nickrate",
-            "nickgeschw",
-            "wy",
-            "y rate",
-        ],
-        &[],
+        "pitch rate,pitchrate,gyro pitch,gyro y,nickrate,nickgeschw,wy,y rate",
+        "",
     ),
     (
         "yaw_rate_radps",
-        &[
-            "yaw rate",
-            "yawrate",
-            "gyro yaw",
-            "gyro z",
-            "gierrate",
-            "giergeschw",
-            "gierwinkelgeschw",
-            "wz",
-            "z rate",
-        ],
-        &[],
+        "yaw rate,yawrate,gyro yaw,gyro z,gierrate,giergeschw,gierwinkelgeschw,wz,z rate",
+        "",
     ),
     (
         "v_mps",
-        &[
-            "gps speed",
-            "ground speed",
-            "speed",
-            "velocity",
-            "geschwindigkeit",
-            "geschw",
-            "v",
-            "tempo",
-            "vel",
-        ],
-        &[
-            "engine", "accuracy", "wind", "vertical", "motor", "lateral", "winkel",
-        ],
+        "gps speed,ground speed,speed,velocity,geschwindigkeit,geschw,v,tempo,vel",
+        "engine,accuracy,wind,vertical,motor,lateral,winkel",
     ),
     (
         "alpha_rad",
-        &[
-            "slip angle",
-            "sideslip",
-            "slip",
-            "schwimmwinkel",
-            "schraglauf",
-            "schraeglauf",
-            "alpha",
-        ],
-        &["ratio", "schlupf"],
+        "slip angle,sideslip,slip,schwimmwinkel,schraglauf,schraeglauf,alpha",
+        "ratio,schlupf",
     ),
     (
         "delta_rad",
-        &[
-            "steering angle",
-            "steering",
-            "steer",
-            "lenkwinkel",
-            "lenkung",
-            "lenk",
-            "delta",
-        ],
-        &["torque", "moment", "time"],
+        "steering angle,steering,steer,lenkwinkel,lenkung,lenk,delta",
+        "torque,moment,time",
     ),
     (
         "gamma_rad",
-        &[
-            "roll split",
-            "rollsplit",
-            "knickwinkel",
-            "knick",
-            "verdrehung",
-            "verdrehwinkel",
-            "twist",
-            "gamma",
-        ],
-        &["rate"],
+        "roll split,rollsplit,knickwinkel,knick,verdrehung,verdrehwinkel,twist,gamma",
+        "rate",
     ),
-    (
-        "s_m",
-        &["distance", "strecke", "weg", "odometer", "s"],
-        &["wheel"],
-    ),
+    ("s_m", "distance,strecke,weg,odometer,s", "wheel"),
 ];
 
-/// What times are called.
-const TIMES: [&str; 12] = [
-    "utc time",
-    "gps time",
-    "unix time",
-    "utc",
-    "t s",
-    "time",
-    "zeit",
-    "timestamp",
-    "timestamps",
-    "t",
-    "elapsed",
-    "uhrzeit",
-];
+/// Words in names of times, surer ones first.
+const TIMES: &str =
+    "utc time,gps time,unix time,utc,t s,time,zeit,timestamp,timestamps,t,elapsed,uhrzeit";
 
 /// A guess by a name.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -735,24 +615,17 @@ pub(crate) fn by_name(name: &str) -> Option<Named> {
             own: true,
         });
     }
-    let holds = |words: &str| {
+    let holds = |words: &&str| {
         // One or two letters must be the whole name; longer words may be part of a German one.
         words.len() > 2 && format!(" {plain}").contains(&format!(" {words}"))
-            || plain == words
-            || words.len() > 5 && plain.contains(words)
+            || plain == **words
+            || words.len() > 5 && plain.contains(*words)
     };
-    // Geschwindigkeit holds a wind and means none.
-    let begins = |word: &str| format!(" {plain}").contains(&format!(" {word}"));
-    let fits = NAMES
-        .iter()
-        .filter(|(_, _, against)| !against.iter().any(|word| begins(word)));
-    let fits = fits.filter_map(|(column, words, _)| {
-        let weight = words
-            .iter()
-            .filter(|words| holds(words))
-            .map(|words| words.len())
-            .max()?;
-        Some(Named {
+    // Geschwindigkeit contains a wind and means none.
+    let begins = |word: &str| !word.is_empty() && format!(" {plain}").contains(&format!(" {word}"));
+    let fits = NAMES.iter().filter_map(|(column, words, against)| {
+        let weight = words.split(',').filter(holds).map(str::len).max()?;
+        (!against.split(',').any(begins)).then_some(Named {
             column,
             weight,
             own: false,
@@ -765,10 +638,8 @@ pub(crate) fn by_name(name: &str) -> Option<Named> {
 pub(crate) fn time_rank(name: &str) -> Option<usize> {
     let plain = plain(name);
     let begins = |word: &str| plain == word || word.len() > 3 && plain.starts_with(word);
-    TIMES
-        .iter()
-        .position(|word| begins(word))
-        .filter(|_| !plain.contains("lap"))
+    let rank = TIMES.split(',').position(begins);
+    rank.filter(|_| !plain.contains("lap"))
 }
 
 /// A name in small letters, without accents, its words apart by single spaces.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use kufe_sled::{Columns, Conditions, Entry, Gaps, Run};
+use kufe_sled::{Columns, Gaps, Run};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
@@ -172,11 +172,11 @@ impl Importer {
             remarks,
         };
         let run = Run {
-            entry: entry(planned),
+            entry: planned.entry(planned.name.clone().into()),
             t0_s: 0.0,
             dt_s: 1.0 / base.rate_hz,
             columns,
-            // Told when it is read.
+            // Found when it is read.
             gaps: Gaps::none(base.count),
             saturated: BTreeMap::new(),
             remarks: Vec::new(),
@@ -420,29 +420,6 @@ fn rotate(
         return Err(("no axes".to_string(), expected.to_string()));
     }
     Ok(())
-}
-
-fn entry(planned: &PlannedRun) -> Entry {
-    let text = |name: &str| planned.index.cell(name).unwrap_or_default();
-    let number = |name: &str| planned.index.number(name).unwrap_or(f64::NAN);
-    Entry {
-        ice_along: kufe_sled::IceAlong::default(),
-        ice_of_track: kufe_sled::IceAlong::default(),
-        run: planned.name.clone(),
-        file: planned.name.clone().into(),
-        track: text("track"),
-        driver: text("driver"),
-        driver_class: text("driver_class"),
-        session: text("session"),
-        conditions: Conditions {
-            ice_c: number("ice_c"),
-            air_c: number("air_c"),
-            air_pa: number("air_pa"),
-            humidity_pct: number("humidity_pct"),
-            distance_m: number("distance_m"),
-            mass_kg: number("mass_kg"),
-        },
-    }
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {

@@ -1,8 +1,9 @@
-//! `mapping.toml`, key by key, and what can be checked before its files are read.
+//! `mapping.toml`, key by key, and the checks that do not need its files.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use kufe_sled::CONDITIONS;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -169,7 +170,7 @@ pub struct RunTable {
 }
 
 impl Mapping {
-    /// The logger that a channel is in.
+    /// The logger of a channel.
     pub fn logger_of<'a>(&'a self, channel: &'a ChannelSource) -> &'a str {
         let only = || self.logger.keys().next().map_or("", String::as_str);
         channel.logger.as_deref().unwrap_or_else(only)
@@ -183,7 +184,7 @@ impl Mapping {
 }
 
 impl Mapping {
-    /// Reads a mapping and checks what can be checked without its files.
+    /// Reads a mapping and checks everything that does not need its files.
     ///
     /// # Errors
     /// [`Error::File`] with the line where it is no TOML or a key is unknown; [`Error::Key`].
@@ -195,193 +196,196 @@ impl Mapping {
     }
 }
 
-/// Largest number that a key of a mapping takes; far beyond any sensor's.
+/// Largest number that a key of a mapping takes, far above any sensor's.
 const LARGEST: f64 = 1e12;
 
-/// Values that `runs.csv` takes: what they may be, as its reader has it.
-pub(crate) const INDEX_RANGES: [(&str, f64, f64); 6] = [
-    ("ice_c", -60.0, 5.0),
-    ("air_c", -60.0, 50.0),
-    ("air_pa", 50e3, 110e3),
-    ("humidity_pct", 0.0, 100.0),
-    ("distance_m", 0.0, 1e8),
-    ("mass_kg", 1.0, 1e5),
-];
+/// Largest delay that is stated [s].
+const LARGEST_DELAY_S: f64 = 1e9;
+
+/// Form of a name.
+const PLAIN: &str = "letters, digits, '-', '_' and '.', not beginning with a point";
 
 /// Checks names, ranges and units.
 ///
 /// # Errors
 /// [`Error::Key`].
-pub(crate) fn check(mapping: &Mapping, file: &str) -> Result<(), Error> {
-    let wrong = |key: String, found: String, expected: &str| Error::Key {
-        file: file.to_string(),
-        key,
-        found,
-        expected: expected.to_string(),
+fn check(mapping: &Mapping, file: &str) -> Result<(), Error> {
+    let names: Vec<&str> = mapping.logger.keys().map(String::as_str).collect();
+    let one_of = format!("one of: {}", names.join(", "));
+    let check = Check {
+        mapping,
+        file,
+        one_of,
     };
-    let within = |key: String, value: Option<f64>, low: f64, high: f64| match value {
-        Some(value) if !(low..=high).contains(&value) => Err(wrong(
-            key,
-            value.to_string(),
-            &format!("a number from {low} to {high}"),
-        )),
-        _ => Ok(()),
-    };
-    within("rate_hz".into(), Some(mapping.rate_hz), 1.0, 1e4)?;
-    let names = mapping
-        .logger
-        .keys()
-        .cloned()
-        .collect::<Vec<_>>()
-        .join(", ");
-    if mapping.logger.is_empty() {
-        return Err(wrong(
-            "logger".into(),
-            "none".into(),
-            "at least one table [logger.NAME]",
-        ));
+    check.within("rate_hz".into(), Some(mapping.rate_hz), 1.0, 1e4)?;
+    let (loggers, channels) = (&mapping.logger, &mapping.channels);
+    let tables = "at least one table [logger.NAME]";
+    check.require(!loggers.is_empty(), "logger".into(), "none", tables)?;
+    let columns = "at least one column";
+    check.require(!channels.is_empty(), "channels".into(), "none", columns)?;
+    let lead = format!("the logger whose clock the runs keep, {}", check.one_of);
+    let stated = mapping.clock.is_some() || loggers.len() < 2;
+    check.require(stated, "clock".into(), "nothing", &lead)?;
+    check.logger("clock".into(), mapping.clock.as_ref())?;
+    for (name, logger) in loggers {
+        check.logger_table(name, logger)?;
     }
-    if mapping.channels.is_empty() {
-        return Err(wrong(
-            "channels".into(),
-            "none".into(),
-            "at least one column",
-        ));
-    }
-    match &mapping.clock {
-        None if mapping.logger.len() > 1 => {
-            return Err(wrong(
-                "clock".into(),
-                "nothing".into(),
-                &format!("the logger whose clock the runs keep, one of: {names}"),
-            ));
-        }
-        Some(name) if !mapping.logger.contains_key(name) => {
-            return Err(wrong(
-                "clock".into(),
-                name.clone(),
-                &format!("one of: {names}"),
-            ));
-        }
-        _ => {}
-    }
-    for (name, logger) in &mapping.logger {
-        let key = |of: &str| format!("logger.{name}.{of}");
-        plain_name(name).ok_or_else(|| wrong("logger".into(), name.clone(), PLAIN))?;
-        within(key("rate_hz"), logger.rate_hz, 0.01, 1e6)?;
-        within(key("delay_s"), logger.delay_s, -1e9, 1e9)?;
-        within(key("largest_delay_s"), logger.largest_delay_s, 0.0, 1e5)?;
-        for angle in logger.rotation.into_iter().flatten() {
-            let most = std::f64::consts::TAU;
-            within(key("rotation"), Some(angle), -most, most)?;
-        }
-        if logger.rate_hz.is_some() && logger.time.is_some() {
-            return Err(wrong(
-                key("rate_hz"),
-                "a rate and a time channel".into(),
-                "one of the two",
-            ));
-        }
-        if logger
-            .delimiter
-            .is_some_and(|c| ![',', ';', '\t'].contains(&c))
-        {
-            let found = logger.delimiter.unwrap_or_default().to_string();
-            return Err(wrong(
-                key("delimiter"),
-                found,
-                "a comma, a semicolon or a tab",
-            ));
-        }
-        if logger.decimal.is_some_and(|c| !['.', ','].contains(&c)) {
-            let found = logger.decimal.unwrap_or_default().to_string();
-            return Err(wrong(key("decimal"), found, "a point or a comma"));
-        }
-        if let Some(unit) = &logger.time_unit {
-            conversion(unit, "s")
-                .map_err(|reason| wrong(key("time_unit"), unit.clone(), &reason))?;
-        }
-        for (column, channel) in &logger.also {
-            let at = format!("logger.{name}.also.{column}");
-            check_channel(&at, column, channel, &names, mapping, &wrong)?;
-            within(format!("{at}.delay_s"), channel.delay_s, -60.0, 60.0)?;
-            if channel.logger.as_ref().is_some_and(|own| own != name) {
-                let found = channel.logger.clone().unwrap_or_default();
-                return Err(wrong(
-                    format!("{at}.logger"),
-                    found,
-                    "nothing: it is this logger's",
-                ));
-            }
-        }
-    }
-    for (column, channel) in &mapping.channels {
+    for (column, channel) in channels {
         let at = format!("channels.{column}");
-        if column == "t_s" {
-            return Err(wrong(
-                at,
-                "a time".into(),
-                "logger.NAME.time: times are the loggers'",
-            ));
-        }
-        check_channel(&at, column, channel, &names, mapping, &wrong)?;
-        within(format!("{at}.delay_s"), channel.delay_s, -60.0, 60.0)?;
-        if channel.logger.is_none() && mapping.logger.len() > 1 {
-            return Err(wrong(
-                format!("{at}.logger"),
-                "nothing".into(),
-                &format!("one of: {names}"),
-            ));
-        }
+        let times = "logger.NAME.time: times are the loggers'";
+        check.require(column != "t_s", at.clone(), "a time", times)?;
+        check.channel(&at, column, channel)?;
+        let stated = channel.logger.is_some() || loggers.len() < 2;
+        check.require(stated, format!("{at}.logger"), "nothing", &check.one_of)?;
     }
-    let index = |at: &str, values: &IndexValues| {
-        for (name, low, high) in INDEX_RANGES {
-            within(format!("{at}.{name}"), values.number(name), low, high)?;
-        }
-        for (place, value) in &values.ice_c_at {
-            let key = format!("{at}.ice_c_at");
-            place_of(place)
-                .ok_or_else(|| wrong(key.clone(), place.clone(), "a place along the track in m"))?;
-            let (_, low, high) = INDEX_RANGES[0];
-            within(format!("{key}.{place}"), Some(*value), low, high)?;
-        }
-        Ok(())
-    };
-    index("index", &mapping.index)?;
+    check.index("index", &mapping.index)?;
     for run in &mapping.run {
-        if mapping
-            .run
-            .iter()
-            .filter(|other| other.name == run.name)
-            .count()
-            > 1
-        {
-            return Err(wrong(
-                "run.name".into(),
-                format!("{} twice", run.name),
-                "each run once",
-            ));
-        }
-        plain_name(&run.name).ok_or_else(|| wrong("run.name".into(), run.name.clone(), PLAIN))?;
-        index(&format!("run {}: index", run.name), &run.index)?;
-        let named = run.files.keys().chain(run.delay_s.keys());
-        if let Some(unknown) = named
-            .into_iter()
-            .find(|name| !mapping.logger.contains_key(*name))
-        {
-            let key = format!("run {}: files or delay_s", run.name);
-            return Err(wrong(key, unknown.clone(), &format!("one of: {names}")));
-        }
-        for (logger, delay) in &run.delay_s {
-            within(
-                format!("run {}: delay_s.{logger}", run.name),
-                Some(*delay),
-                -1e9,
-                1e9,
-            )?;
-        }
+        check.run(run)?;
     }
     Ok(())
+}
+
+/// Checks of one mapping, with the file that errors name.
+struct Check<'a> {
+    mapping: &'a Mapping,
+    file: &'a str,
+    /// The loggers, as an error lists them.
+    one_of: String,
+}
+
+impl Check<'_> {
+    fn require(
+        &self,
+        holds: bool,
+        key: String,
+        found: impl ToString,
+        expected: &str,
+    ) -> Result<(), Error> {
+        if holds {
+            return Ok(());
+        }
+        Err(Error::Key {
+            file: self.file.to_string(),
+            key,
+            found: found.to_string(),
+            expected: expected.to_string(),
+        })
+    }
+
+    fn within(&self, key: String, value: Option<f64>, low: f64, high: f64) -> Result<(), Error> {
+        let value = value.unwrap_or(low);
+        let expected = format!("a number from {low} to {high}");
+        self.require((low..=high).contains(&value), key, value, &expected)
+    }
+
+    fn name(&self, key: &str, name: &str) -> Result<(), Error> {
+        self.require(plain_name(name).is_some(), key.into(), name, PLAIN)
+    }
+
+    /// A logger of this name must exist, where one is named.
+    fn logger(&self, key: String, name: Option<&String>) -> Result<(), Error> {
+        let unknown = name.filter(|name| !self.mapping.logger.contains_key(*name));
+        let found = unknown.map_or("", String::as_str);
+        self.require(unknown.is_none(), key, found, &self.one_of)
+    }
+
+    fn unit(&self, key: String, unit: Option<&String>, target: &str) -> Result<(), Error> {
+        let Some(unit) = unit else { return Ok(()) };
+        let reason = conversion(unit, target).err();
+        let expected = reason
+            .as_ref()
+            .map(|reason| format!("a unit that converts to {target} ({reason})"));
+        self.require(reason.is_none(), key, unit, &expected.unwrap_or_default())
+    }
+
+    fn logger_table(&self, name: &str, logger: &LoggerFiles) -> Result<(), Error> {
+        let key = |of: &str| format!("logger.{name}.{of}");
+        self.name("logger", name)?;
+        self.within(key("rate_hz"), logger.rate_hz, 0.01, 1e6)?;
+        let most = LARGEST_DELAY_S;
+        self.within(key("delay_s"), logger.delay_s, -most, most)?;
+        self.within(key("largest_delay_s"), logger.largest_delay_s, 0.0, 1e5)?;
+        for angle in logger.rotation.into_iter().flatten() {
+            let most = std::f64::consts::TAU;
+            self.within(key("rotation"), Some(angle), -most, most)?;
+        }
+        let both = logger.rate_hz.is_some() && logger.time.is_some();
+        let found = "a rate and a time channel";
+        self.require(!both, key("rate_hz"), found, "one of the two")?;
+        let delimiter = logger.delimiter.unwrap_or(',');
+        let known = [',', ';', '\t'].contains(&delimiter);
+        let expected = "a comma, a semicolon or a tab";
+        self.require(known, key("delimiter"), delimiter, expected)?;
+        let decimal = logger.decimal.unwrap_or('.');
+        let known = ['.', ','].contains(&decimal);
+        self.require(known, key("decimal"), decimal, "a point or a comma")?;
+        self.unit(key("time_unit"), logger.time_unit.as_ref(), "s")?;
+        for (column, channel) in &logger.also {
+            let at = key(&format!("also.{column}"));
+            self.channel(&at, column, channel)?;
+            let other = channel.logger.as_ref().filter(|own| *own != name);
+            let found = other.map_or("", String::as_str);
+            let expected = "nothing: it is this logger's";
+            self.require(other.is_none(), format!("{at}.logger"), found, expected)?;
+        }
+        Ok(())
+    }
+
+    fn channel(&self, at: &str, column: &str, channel: &ChannelSource) -> Result<(), Error> {
+        let key = |of: &str| format!("{at}.{of}");
+        let own = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+        let plain = column.chars().all(own) && column.starts_with(|c: char| c.is_ascii_lowercase());
+        self.require(plain, at.into(), column, "small letters, digits and '_'")?;
+        self.logger(key("logger"), channel.logger.as_ref())?;
+        let sign = channel.sign.unwrap_or(1.0);
+        self.require(sign.abs() == 1.0, key("sign"), sign, "1 or -1")?;
+        let places = channel.place_m.into_iter().flatten();
+        let places = places.map(|x| ("place_m", x / 100.0 * LARGEST));
+        let scale = ("scale", channel.scale.unwrap_or(1.0));
+        let zero = ("zero", channel.zero.unwrap_or(0.0));
+        for (name, value) in [scale, zero].into_iter().chain(places) {
+            let known = value.abs() <= LARGEST && !(name == "scale" && value == 0.0);
+            self.require(known, key(name), value, "a number of a sensor")?;
+        }
+        self.unit(key("unit"), channel.unit.as_ref(), column_unit(column))?;
+        self.within(key("delay_s"), channel.delay_s, -60.0, 60.0)
+    }
+
+    fn index(&self, at: &str, values: &IndexValues) -> Result<(), Error> {
+        for (name, low, high) in CONDITIONS {
+            self.within(format!("{at}.{name}"), values.number(name), low, high)?;
+        }
+        let (_, low, high) = CONDITIONS[0];
+        for (place, value) in &values.ice_c_at {
+            let (key, known) = (format!("{at}.ice_c_at"), place_of(place).is_some());
+            self.require(known, key.clone(), place, "a place along the track in m")?;
+            self.within(format!("{key}.{place}"), Some(*value), low, high)?;
+        }
+        Ok(())
+    }
+
+    fn run(&self, run: &RunTable) -> Result<(), Error> {
+        let same = self
+            .mapping
+            .run
+            .iter()
+            .filter(|other| other.name == run.name);
+        let (found, once) = (format!("{} twice", run.name), same.count() == 1);
+        self.require(once, "run.name".into(), found, "each run once")?;
+        self.name("run.name", &run.name)?;
+        self.index(&format!("run {}: index", run.name), &run.index)?;
+        for name in run.files.keys().chain(run.delay_s.keys()) {
+            self.logger(format!("run {}: files or delay_s", run.name), Some(name))?;
+        }
+        for (logger, delay) in &run.delay_s {
+            let (key, most) = (
+                format!("run {}: delay_s.{logger}", run.name),
+                LARGEST_DELAY_S,
+            );
+            self.within(key, Some(*delay), -most, most)?;
+        }
+        Ok(())
+    }
 }
 
 /// A place along the track [m] as it is written in a name.
@@ -389,67 +393,11 @@ pub(crate) fn place_of(text: &str) -> Option<f64> {
     text.parse().ok().filter(|s_m: &f64| s_m.abs() < 1e6)
 }
 
-const PLAIN: &str = "letters, digits, '-', '_' and '.', not beginning with a point";
-
 /// A name that may be a file's.
 pub(crate) fn plain_name(name: &str) -> Option<&str> {
-    let plain = name
-        .chars()
-        .all(|c| c.is_alphanumeric() || "-_. ".contains(c));
+    let mut letters = name.chars();
+    let plain = letters.all(|c| c.is_alphanumeric() || "-_. ".contains(c));
     (plain && !name.is_empty() && !name.starts_with('.') && name.len() <= 120).then_some(name)
-}
-
-fn check_channel(
-    at: &str,
-    column: &str,
-    channel: &ChannelSource,
-    names: &str,
-    mapping: &Mapping,
-    wrong: &dyn Fn(String, String, &str) -> Error,
-) -> Result<(), Error> {
-    let own = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
-    if !column.chars().all(own) || !column.starts_with(|c: char| c.is_ascii_lowercase()) {
-        return Err(wrong(
-            at.into(),
-            column.into(),
-            "small letters, digits and '_'",
-        ));
-    }
-    if let Some(name) = channel
-        .logger
-        .as_ref()
-        .filter(|name| !mapping.logger.contains_key(*name))
-    {
-        return Err(wrong(
-            format!("{at}.logger"),
-            name.clone(),
-            &format!("one of: {names}"),
-        ));
-    }
-    if let Some(sign) = channel.sign.filter(|sign| sign.abs() != 1.0) {
-        return Err(wrong(format!("{at}.sign"), sign.to_string(), "1 or -1"));
-    }
-    let numbers = [("scale", channel.scale), ("zero", channel.zero)];
-    let places = channel
-        .place_m
-        .into_iter()
-        .flatten()
-        .map(|x| ("place_m", Some(x / 100.0 * LARGEST)));
-    for (name, value) in numbers.into_iter().chain(places) {
-        let zero = name == "scale" && value == Some(0.0);
-        if value.is_some_and(|value| value.is_nan() || value.abs() > LARGEST || zero) {
-            let found = value.unwrap_or_default().to_string();
-            return Err(wrong(format!("{at}.{name}"), found, "a number of a sensor"));
-        }
-    }
-    if let Some(unit) = &channel.unit {
-        let target = column_unit(column);
-        conversion(unit, target).map_err(|reason| {
-            let expected = format!("a unit that converts to {target} ({reason})");
-            wrong(format!("{at}.unit"), unit.clone(), &expected)
-        })?;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,13 +1,16 @@
 //! The runs of a mapping: their files, and their lines of `runs.csv`.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use kufe_sled::{ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS};
+use kufe_sled::{
+    CONDITIONS, Conditions, Entry, ICE_AT, INDEX_COLUMNS, IceAlong, MORE_INDEX_COLUMNS, file_stem,
+    write_index,
+};
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::mapping::{INDEX_RANGES, IndexValues, Mapping, place_of, plain_name};
+use crate::mapping::{IndexValues, Mapping, place_of, plain_name};
 use crate::recording::bytes_of;
 
 /// One run to import.
@@ -202,92 +205,99 @@ fn matching(folder: &Path, pattern: &str) -> Result<Vec<(String, PathBuf)>, Stri
 impl IndexValues {
     /// A number by its column's name.
     pub fn number(&self, name: &str) -> Option<f64> {
-        match name {
-            "ice_c" => self.ice_c,
-            "air_c" => self.air_c,
-            "air_pa" => self.air_pa,
-            "humidity_pct" => self.humidity_pct,
-            "distance_m" => self.distance_m,
-            "mass_kg" => self.mass_kg,
-            _ => None,
-        }
+        let place = CONDITIONS.iter().position(|known| known.0 == name)?;
+        *self.clone().numbers()[place]
     }
 
-    /// A cell of `runs.csv`, where it is stated.
-    pub fn cell(&self, name: &str) -> Option<String> {
-        match name {
-            "track" => self.track.clone(),
-            "driver" => self.driver.clone(),
-            "driver_class" => self.driver_class.clone(),
-            "session" => self.session.clone(),
-            _ => match name.strip_prefix(ICE_AT) {
-                Some(place) => self.ice_c_at.get(place).copied(),
-                None => self.number(name),
-            }
-            .map(|value| value.to_string()),
-        }
+    /// Numbers in the order of [`CONDITIONS`].
+    fn numbers(&mut self) -> [&mut Option<f64>; 6] {
+        [
+            &mut self.ice_c,
+            &mut self.air_c,
+            &mut self.air_pa,
+            &mut self.humidity_pct,
+            &mut self.distance_m,
+            &mut self.mass_kg,
+        ]
     }
 
-    /// Sets what a cell says.
+    /// Texts by their column's name.
+    fn texts(&mut self) -> [(&'static str, &mut Option<String>); 4] {
+        [
+            ("track", &mut self.track),
+            ("driver", &mut self.driver),
+            ("driver_class", &mut self.driver_class),
+            ("session", &mut self.session),
+        ]
+    }
+
+    /// Sets the value of a cell.
     ///
     /// # Errors
     /// What is expected there.
     fn set(&mut self, name: &str, cell: &str) -> Result<(), String> {
-        let text = || Some(cell.to_string());
-        match name {
-            "track" => self.track = text(),
-            "driver" => self.driver = text(),
-            "driver_class" => self.driver_class = text(),
-            "session" => self.session = text(),
-            _ => {
-                let place = name.strip_prefix(ICE_AT);
-                let range = place.map_or(name, |_| "ice_c");
-                let Some((_, low, high)) = INDEX_RANGES.iter().find(|known| known.0 == range)
-                else {
-                    return Err("no cell".to_string());
-                };
-                let value: Option<f64> = cell.replace(',', ".").parse().ok();
-                let value = value.filter(|value| (*low..=*high).contains(value));
-                let value = value.ok_or_else(|| format!("a number from {low} to {high}"))?;
-                if let Some(place) = place {
-                    self.ice_c_at.insert(place.to_string(), value);
-                    return Ok(());
-                }
-                let slot = match name {
-                    "ice_c" => &mut self.ice_c,
-                    "air_c" => &mut self.air_c,
-                    "air_pa" => &mut self.air_pa,
-                    "humidity_pct" => &mut self.humidity_pct,
-                    "distance_m" => &mut self.distance_m,
-                    _ => &mut self.mass_kg,
-                };
-                *slot = Some(value);
+        let text = self.texts().iter().position(|(known, _)| *known == name);
+        if let Some(at) = text {
+            *self.texts()[at].1 = Some(cell.to_string());
+            return Ok(());
+        }
+        let place = name.strip_prefix(ICE_AT);
+        let column = place.map_or(name, |_| "ice_c");
+        let known = CONDITIONS.iter().position(|known| known.0 == column);
+        let at = known.ok_or("no cell")?;
+        let (_, low, high) = CONDITIONS[at];
+        let value: Option<f64> = cell.replace(',', ".").parse().ok();
+        let value = value.filter(|value| (low..=high).contains(value));
+        let value = value.ok_or_else(|| format!("a number from {low} to {high}"))?;
+        match place {
+            Some(place) => {
+                self.ice_c_at.insert(place.to_string(), value);
             }
+            None => *self.numbers()[at] = Some(value),
         }
         Ok(())
     }
 
-    /// What `before` says, and what is said here where it says nothing.
+    /// The values of `before`, and those of `self` where it states none.
     pub(crate) fn below(&self, before: &IndexValues) -> IndexValues {
+        let (mut own, mut both) = (self.clone(), before.clone());
+        for (value, own) in both.numbers().into_iter().zip(own.numbers()) {
+            *value = value.or(*own);
+        }
+        for ((_, text), (_, own)) in both.texts().into_iter().zip(own.texts()) {
+            *text = text.take().or(own.take());
+        }
+        if both.ice_c_at.is_empty() {
+            both.ice_c_at = own.ice_c_at;
+        }
         IndexValues {
             table: None,
-            track: before.track.clone().or_else(|| self.track.clone()),
-            driver: before.driver.clone().or_else(|| self.driver.clone()),
-            driver_class: before
-                .driver_class
-                .clone()
-                .or_else(|| self.driver_class.clone()),
-            session: before.session.clone().or_else(|| self.session.clone()),
-            ice_c: before.ice_c.or(self.ice_c),
-            ice_c_at: match before.ice_c_at.is_empty() {
-                true => self.ice_c_at.clone(),
-                false => before.ice_c_at.clone(),
-            },
-            air_c: before.air_c.or(self.air_c),
-            air_pa: before.air_pa.or(self.air_pa),
-            humidity_pct: before.humidity_pct.or(self.humidity_pct),
-            distance_m: before.distance_m.or(self.distance_m),
-            mass_kg: before.mass_kg.or(self.mass_kg),
+            ..both
+        }
+    }
+}
+
+impl PlannedRun {
+    /// The run's row of `runs.csv`.
+    pub(crate) fn entry(&self, file: PathBuf) -> Entry {
+        let mut index = self.index.clone();
+        let ice = index.ice_c_at.iter();
+        let ice_along = ice.filter_map(|(place, value)| Some([place_of(place)?, *value]));
+        let ice_along = IceAlong::new(ice_along);
+        let stated = index.numbers().map(|value| value.unwrap_or(f64::NAN));
+        let [track, driver, driver_class, session] = index
+            .texts()
+            .map(|(_, text)| text.as_deref().unwrap_or_default().trim().to_string());
+        Entry {
+            run: self.name.clone(),
+            file,
+            track,
+            driver,
+            driver_class,
+            session,
+            conditions: Conditions::from_values(stated),
+            ice_along,
+            ice_of_track: IceAlong::default(),
         }
     }
 }
@@ -380,42 +390,15 @@ pub(crate) fn index_help() -> String {
     text + "# humidity_pct, distance_m, mass_kg and ice_c_at = { 350 = -8.2 } are possible here too\n"
 }
 
-/// The text of `runs.csv`: its usual columns, empty where a run does not state them, and of the others and of the ice's temperatures at places those that a run states.
+/// The text of `runs.csv`: its usual columns, empty where a run does not state them, and those of
+/// the others that a run states.
 ///
 /// # Errors
 /// [`Error::File`] of the writer.
 pub fn index_csv(runs: &[PlannedRun], ending: &str) -> Result<Vec<u8>, Error> {
-    let stated = |name: &&str| runs.iter().any(|run| run.index.cell(name).is_some());
-    let more = MORE_INDEX_COLUMNS.into_iter().filter(stated);
-    let places: BTreeSet<&String> = runs
-        .iter()
-        .flat_map(|run| run.index.ice_c_at.keys())
-        .collect();
-    let sensors: Vec<String> = places
-        .iter()
-        .map(|place| format!("{ICE_AT}{place}"))
-        .collect();
-    let sensors = sensors.iter().map(String::as_str);
-    let columns: Vec<&str> = INDEX_COLUMNS
-        .into_iter()
-        .chain(more)
-        .chain(sensors)
-        .collect();
-    let mut table = csv::Writer::from_writer(Vec::new());
-    let failure = |error: csv::Error| Error::file("runs.csv", error);
-    table.write_record(&columns).map_err(failure)?;
-    for run in runs {
-        let mut cells = Vec::new();
-        for name in &columns {
-            cells.push(match *name {
-                "run" => run.name.clone(),
-                "file" => format!("{}.{ending}", kufe_sled::file_stem(&run.name)),
-                name => run.index.cell(name).unwrap_or_default().trim().to_string(),
-            });
-        }
-        table.write_record(&cells).map_err(failure)?;
-    }
-    table
-        .into_inner()
-        .map_err(|error| Error::file("runs.csv", error.error()))
+    let file = |run: &PlannedRun| format!("{}.{ending}", file_stem(&run.name)).into();
+    let entries: Vec<Entry> = runs.iter().map(|run| run.entry(file(run))).collect();
+    let mut text = Vec::new();
+    write_index(&mut text, &entries).map_err(|error| Error::file("runs.csv", error))?;
+    Ok(text)
 }

@@ -11,7 +11,7 @@ use crate::columns::parquet::write_parquet;
 use crate::columns::{is_cut_short, read_columns, write_csv};
 use crate::error::Error;
 use crate::record::check::columns::check_columns;
-use crate::record::check::relations::judge::{check_relations, judge, remark};
+use crate::record::check::judge::{check_relations, judge, remark};
 use crate::record::gaps::OnGaps;
 use crate::record::index::{Entry, read_index};
 use crate::record::needs::Needs;

@@ -1,4 +1,4 @@
-//! Runs examined: what is provably wrong, what is odd, and what every channel is like.
+//! Runs examined: faults, oddities, and the profile of every channel.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -6,28 +6,27 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::column::COLUMNS;
-use crate::columns::Columns;
+use crate::column::{COLUMNS, Sensor};
 use crate::columns::read_columns;
 use crate::error::Error;
 use crate::fault::Fault;
+use crate::record::check::judge::judge;
 use crate::record::check::profile::Profile;
-use crate::record::check::relations::judge::judge;
-use crate::record::check::relations::rigid_body::Slow;
-use crate::record::check::relations::rigid_body::delays;
+use crate::record::check::rigid_body::{Slow, delays};
 use crate::record::files::{find_copy, read_run};
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps};
 use crate::record::index::{Entry, read_index};
 use crate::record::needs::Needs;
 use crate::record::run::Run;
 
-/// What every run must have for the sled's lateral forces; the rest is judged where it is recorded.
+/// Columns that every run must have; the others are judged where they are recorded.
 const LEAST: [&str; 1] = ["v_mps"];
-/// A stretch of one value [s] from which a channel is told to stand still.
+/// Length of a stretch of one value [s] that is reported.
 const STILL_S: f64 = 0.5;
-/// Standstill [s] whose mean tells a bias.
+/// Standstill [s] whose mean is a bias.
 const REST_S: f64 = 1.0;
-/// Delays [s] below this are not told, nor those below five standard errors: clean runs show 0.074 +- 0.020 for a quiet channel.
+/// Delays [s] below this are not reported, nor those below five standard errors: clean runs show
+/// 0.074 +- 0.020 for a quiet channel.
 const LATE_S: f64 = 0.05;
 
 /// Something odd that no one can prove wrong from the run alone.
@@ -43,8 +42,8 @@ pub struct Note {
     pub weight: f64,
 }
 
-/// What is known of one run.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// Faults, notes and channels of one run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Examination {
     /// Name of the run.
     pub run: String,
@@ -52,24 +51,24 @@ pub struct Examination {
     pub file: String,
     /// Why it cannot be used at all.
     pub refused: Option<String>,
-    /// What is wrong, proved or suspected.
+    /// Faults, proved or suspected.
     pub faults: Vec<Fault>,
     /// What is odd, worst first.
     pub notes: Vec<Note>,
-    /// What is not there.
+    /// Gaps.
     pub gaps: Gaps,
     /// Rows a second [Hz].
     pub rate_hz: f64,
     /// Length [s].
     pub length_s: f64,
-    /// What takes part [s].
+    /// Time that takes part [s].
     pub used_s: f64,
     /// Every channel.
     pub channels: BTreeMap<String, Profile>,
 }
 
 impl Examination {
-    /// Whether something is provably wrong.
+    /// Whether it has a proven fault.
     pub fn is_wrong(&self) -> bool {
         self.refused.is_some() || self.faults.iter().any(|fault| fault.proven)
     }
@@ -78,13 +77,13 @@ impl Examination {
 /// Examines every run of an index; the worst first, else in the index's order.
 ///
 /// # Errors
-/// Those of the index; what is wrong with a run is told of the run.
+/// Those of the index; errors of a run are in its examination.
 pub fn examine(index: &Path) -> Result<Vec<Examination>, Error> {
     let read: Vec<(Entry, Result<Run, Error>)> = read_index(index)?
         .into_par_iter()
         .map(|entry| (entry.clone(), read_run(entry, &LEAST, OnGaps::LeaveOut)))
         .collect();
-    // Long recordings are held once: runs in one list, with their places in the index beside them.
+    // Long recordings exist once in memory: runs in one list, their places in the index in another.
     let (mut runs, mut places, mut examined) = (Vec::new(), Vec::new(), Vec::new());
     for (place, (entry, run)) in read.into_iter().enumerate() {
         match run {
@@ -137,13 +136,7 @@ fn refused(entry: &Entry, reason: String) -> Examination {
         run: entry.run.clone(),
         file: entry.file.display().to_string(),
         refused: Some(reason),
-        faults: Vec::new(),
-        notes: Vec::new(),
-        gaps: Gaps::default(),
-        rate_hz: 0.0,
-        length_s: 0.0,
-        used_s: 0.0,
-        channels: BTreeMap::new(),
+        ..Examination::default()
     }
 }
 
@@ -160,7 +153,7 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
         let profile = Profile {
             missing: run.gaps.missing.get(*name).copied().unwrap_or(0),
             at_standstill: rest.get(*name).copied(),
-            // Of a channel that is something else nothing is said.
+            // Not of a run with faults.
             delay_s: delay
                 .filter(|_| faults.is_empty())
                 .map(|(delay, error)| [delay, error]),
@@ -187,25 +180,23 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
     }
 }
 
-/// Means of the gyroscopes while the speed stood at 0, from the file itself: a run is cut to where it moves.
+/// Means of the gyroscopes while the speed was 0, from the file itself: a run is cut to where it
+/// moves.
 fn at_rest(run: &Run) -> BTreeMap<String, f64> {
-    let read = || -> Option<Columns> { read_columns(&run.entry.file, &[]).ok() };
     let mut means = BTreeMap::new();
-    let cut = run.gaps.cut_s.iter().any(|cut| *cut >= REST_S) || run.gaps.standstill > 0;
-    let Some(columns) = cut.then(read).flatten() else {
+    if run.gaps.cut_s.iter().all(|cut| *cut < REST_S) && run.gaps.standstill == 0 {
         return means;
-    };
+    }
+    let columns = read_columns(&run.entry.file, &[]).unwrap_or_default();
     let Some(speed) = columns.get("v_mps") else {
         return means;
     };
-    for name in ["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"] {
+    for name in Sensor::GYROSCOPE.map(Sensor::name) {
         let Some(column) = columns.get(name) else {
             continue;
         };
-        let still = speed
-            .iter()
-            .zip(column)
-            .filter(|(v, x)| v.abs() <= LEAST_SPEED && x.is_finite());
+        let pairs = speed.iter().zip(column);
+        let still = pairs.filter(|(v, x)| v.abs() <= LEAST_SPEED && x.is_finite());
         let (sum, count) = still.fold((0.0, 0_usize), |(s, n), (_, x)| (s + x, n + 1));
         if count as f64 * run.dt_s >= REST_S {
             means.insert(name.to_string(), sum / count as f64);
@@ -214,9 +205,22 @@ fn at_rest(run: &Run) -> BTreeMap<String, f64> {
     means
 }
 
+/// Advice of notes.
+const EMPTY_CELLS: &str = "empty those cells: a gap takes no part";
+const RECORD_IT: &str = "record it, or leave the run out (--leave-out-bad-runs) where forces on the \
+    runners are needed";
+const NOTHING_FOR_GAPS: &str =
+    "nothing: results are made without them; check the logger where it is much";
+const LEAVE_OUT: &str = "leave the column out if nothing measures it";
+const OWN_CLOCK: &str = "import it with its own clock and rate";
+const LARGER_RANGE: &str = "a sensor with a larger range, or leave the run out";
+const STATE_NOISE: &str = "state [noise] as the step over the root of 12";
+const ALIGN: &str = "align the clocks when importing, or state delay_s in [tolerances]";
+const TAKE_OFF: &str = "take it off when importing, or state gyro_bias_radps";
+
 fn notes(run: &Run, channels: &BTreeMap<String, Profile>, length_s: f64, used_s: f64) -> Vec<Note> {
     let mut notes = Vec::new();
-    let mut note = |column: &str, what: String, advice: &str, weight: f64| {
+    let mut note = |column: &str, weight: f64, advice: &str, what: String| {
         notes.push(Note {
             column: column.to_string(),
             what,
@@ -224,64 +228,46 @@ fn notes(run: &Run, channels: &BTreeMap<String, Profile>, length_s: f64, used_s:
             weight,
         });
     };
-    // Only those that nothing computes without: what else is absent an error names.
+    // Only those that every computation needs: errors name the other absent ones.
     let absent = |name: &&&str| !run.columns.contains_key(**name);
     for name in Needs::FORCES.columns.iter().filter(absent) {
-        let advice = "record it, or leave the run out (--leave-out-bad-runs) where forces on the runners are asked for";
-        note(
-            name,
-            "not recorded, and forces on the runners need it".into(),
-            advice,
-            1.0,
-        );
+        let what = "not recorded, and forces on the runners need it";
+        note(name, 1.0, RECORD_IT, what.to_string());
     }
     let gone = 1.0 - used_s / length_s;
     if gone > 0.0 {
         let gaps = &run.gaps;
-        note(
-            "",
-            format!(
-                "{:.2} % take no part: {} rows missing, {} samples at standstill, {} values missing",
-                100.0 * gone,
-                gaps.rows_missing,
-                gaps.standstill,
-                gaps.missing.values().sum::<usize>()
-            ),
-            "nothing: results are made without them; look at the logger where it is much",
-            gone,
+        let what = format!(
+            "{:.2} % take no part: {} rows missing, {} samples at standstill, {} values missing",
+            100.0 * gone,
+            gaps.rows_missing,
+            gaps.standstill,
+            gaps.missing.values().sum::<usize>()
         );
+        note("", gone, NOTHING_FOR_GAPS, what);
     }
     if run.gaps.jitter > 0.0 {
-        note(
-            "t_s",
-            format!("rows up to {:.0} % of a step off", 100.0 * run.gaps.jitter),
-            "nothing: rows are brought to even steps",
-            0.01 * run.gaps.jitter,
-        );
+        let what = format!("rows up to {:.0} % of a step off", 100.0 * run.gaps.jitter);
+        let advice = "nothing: rows are brought to even steps";
+        note("t_s", 0.01 * run.gaps.jitter, advice, what);
     }
     for remark in &run.remarks {
-        note("", remark.clone(), "nothing, or record it", 0.001);
+        note("", 0.001, "nothing, or record it", remark.clone());
     }
     for (name, profile) in channels {
         let still = profile.longest_still_s;
         if still >= STILL_S && profile.rows_held.is_none() {
-            let all = still >= 0.99 * length_s;
-            let what = if all {
+            let what = if still >= 0.99 * length_s {
                 "one value throughout".to_string()
             } else {
                 format!("one value for {still:.2} s")
             };
-            note(
-                name,
-                what,
-                "leave the column out if nothing measures it",
-                still / length_s,
-            );
+            note(name, still / length_s, LEAVE_OUT, what);
         }
         if let Some(rows) = profile.rows_held {
             let rate = run.rate_hz() / rows as f64;
-            let what = format!("each value stands for {rows} rows: {rate:.1} Hz");
-            note(name, what, "import it with its own clock and rate", 0.02);
+            let what = format!("each value is repeated over {rows} rows: {rate:.1} Hz");
+            note(name, 0.02, OWN_CLOCK, what);
         }
         if let Some(found) = profile.saturation {
             let what = format!(
@@ -291,59 +277,38 @@ fn notes(run: &Run, channels: &BTreeMap<String, Profile>, length_s: f64, used_s:
                 found.longest,
                 run.t0_s + found.begins as f64 * run.dt_s
             );
-            let advice = "a sensor with a larger range, or leave the run out";
             let share = found.samples as f64 / run.len() as f64;
-            note(name, what, advice, share.max(0.05));
+            note(name, share.max(0.05), LARGER_RANGE, what);
         }
         if profile.dropouts > 0 {
             let what = format!(
                 "{} times one value for a moment, off all around it: it drops out",
                 profile.dropouts
             );
-            note(name, what, "empty those cells: a gap takes no part", 0.1);
+            note(name, 0.1, EMPTY_CELLS, what);
         }
         if profile.leaps > 0 {
-            let what = format!(
-                "{} single values leap off their neighbours' line",
-                profile.leaps
-            );
-            note(name, what, "empty those cells: a gap takes no part", 0.1);
+            let count = profile.leaps;
+            let what = format!("{count} single values leap off their neighbours' line");
+            note(name, 0.1, EMPTY_CELLS, what);
         }
-        if let Some(quantum) = profile
-            .quantum
-            .filter(|_| profile.rows_held.is_none() && still < STILL_S)
+        if let Some(quantum) = profile.quantum
+            && profile.rows_held.is_none()
+            && still < STILL_S
         {
             let what = format!("steps of {quantum:.2e}, larger than its noise");
-            note(
-                name,
-                what,
-                "state [noise] as the step over the root of 12",
-                0.005,
-            );
+            note(name, 0.005, STATE_NOISE, what);
         }
         if let Some([delay, error]) = profile.delay_s
             && delay.abs() > LATE_S.max(5.0 * error)
         {
-            let what = format!(
-                "comes {:.0} +- {:.0} ms late beside the others",
-                1e3 * delay,
-                1e3 * error
-            );
-            note(
-                name,
-                what,
-                "align the clocks when importing, or state delay_s in [tolerances]",
-                0.2,
-            );
+            let [delay, error] = [delay, error].map(|time| 1e3 * time);
+            let what = format!("is {delay:.0} +- {error:.0} ms later than the others");
+            note(name, 0.2, ALIGN, what);
         }
         if let Some(bias) = profile.at_standstill.filter(|bias| bias.abs() > 2e-3) {
             let what = format!("{bias:.4} rad/s at standstill");
-            note(
-                name,
-                what,
-                "take it off when importing, or state gyro_bias_radps",
-                0.1,
-            );
+            note(name, 0.1, TAKE_OFF, what);
         }
     }
     notes

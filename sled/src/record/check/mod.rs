@@ -1,9 +1,14 @@
-//! Whether a run's columns are what their names say.
+//! Whether a run's columns are what their names say: column by column, and by the relations of a
+//! rigid body between them.
 
 pub(crate) mod columns;
 pub(crate) mod examine;
+pub(crate) mod judge;
+mod mends;
 pub(crate) mod profile;
-pub(crate) mod relations;
+mod response;
+mod rigid_body;
+mod single;
 
 pub use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps, SampleCoverage, gaps_line};
 pub use columns::{Clock, LEAST_SAMPLES, check_columns};

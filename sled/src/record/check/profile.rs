@@ -1,12 +1,12 @@
-//! What one recorded channel is like: its noise, its steps, its stretches of one value.
+//! Profile of a recorded channel: its noise, its steps, its stretches of one value.
 
 use serde::Serialize;
 
-use crate::record::check::relations::channels::rows_held;
+use crate::record::check::single::rows_held;
 use crate::record::gaps::Saturation;
 use crate::series::noise_sd_within;
 
-/// Longest stretch of one value that is told to be a drop-out [s]; a longer one is a channel that stands still.
+/// Longest stretch of one value that is a drop-out [s]; a longer one is a channel that is constant.
 const DROPOUT_S: f64 = 0.5;
 
 /// Noise of an octave of frequencies.
@@ -14,33 +14,35 @@ const DROPOUT_S: f64 = 0.5;
 pub struct Octave {
     /// Upper end [Hz]; the lower one is half of it.
     pub to_hz: f64,
-    /// Standard deviation of a white noise that would have as much there, in the channel's unit.
+    /// Standard deviation of the white noise with the same power there, in the channel's unit.
     pub sd: f64,
 }
 
-/// What a recorded channel is like, in its own unit.
+/// Profile of a recorded channel, in its own unit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Profile {
     /// Values that are NaN or empty in rows that hold others.
     pub missing: usize,
     /// White noise, from third differences.
     pub noise_sd: f64,
-    /// Smallest difference between values, where three in ten or more do not differ from those before: the step of a converter.
+    /// Smallest difference between values, where three in ten or more do not differ from those
+    /// before: the step of a converter.
     pub quantum: Option<f64>,
-    /// Rows for which each value stands, where it is more than one.
+    /// Rows over which each value is repeated, where it is more than one.
     pub rows_held: Option<usize>,
     /// Longest stretch of one value [s].
     pub longest_still_s: f64,
     /// Single values that leap off the line of their neighbours by more than twenty deviations of the noise
     /// and a fifth of the channel's span.
     pub leaps: usize,
-    /// Stretches of up to half a second of one value that leap off that line alike: what was sent while nothing was measured.
+    /// Stretches of up to half a second of one value that leap off that line too: what was sent while
+    /// nothing was measured.
     pub dropouts: usize,
-    /// Where it stands at an end of its range.
+    /// Samples at an end of its range.
     pub saturation: Option<Saturation>,
-    /// Mean while the speed stood at 0 for a second or more: a gyroscope's bias.
+    /// Mean while the speed was 0 for a second or more: a gyroscope's bias.
     pub at_standstill: Option<f64>,
-    /// How late it is beside the others, if it alone is, and the standard error [s].
+    /// Delay relative to the others, if it alone is late, and the standard error [s].
     pub delay_s: Option<[f64; 2]>,
     /// Noise and motion by octave, highest first.
     pub octaves: Vec<Octave>,
@@ -92,7 +94,8 @@ impl Profile {
     }
 }
 
-/// Stretches of 2 to `most` equal values that stand further than `far` off the values on either side, which are nearer to each other.
+/// Stretches of 2 to `most` equal values that are further than `far` off the values on either side,
+/// which are nearer to each other.
 fn dropouts(x: &[f64], far: f64, most: usize) -> usize {
     let (mut count, mut start) = (0, 1);
     while start < x.len() {
@@ -119,7 +122,8 @@ fn longest_still(x: &[f64]) -> usize {
     longest
 }
 
-/// Details of Haar's wavelet, octave by octave: differences of neighbouring means, so that white noise gives its deviation in each.
+/// Details of Haar's wavelet, octave by octave: differences of neighbouring means, so that white
+/// noise gives its deviation in each.
 fn octaves<'a>(stretches: impl Iterator<Item = &'a [f64]>, rate_hz: f64) -> Vec<Octave> {
     const FEWEST: usize = 16;
     const MOST: usize = 8;

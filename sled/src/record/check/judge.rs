@@ -1,0 +1,369 @@
+//! Channels of runs whose values provably contradict their names.
+
+use rayon::prelude::*;
+
+use crate::column::Sensor;
+use crate::error::Error;
+use crate::fault::{Fault, FaultKind};
+use crate::record::check::mends::{Mend, mends};
+use crate::record::check::response::response_faults;
+use crate::record::check::rigid_body::{Agreement, Slow, factor};
+use crate::record::check::single::{constant_fault, plain_faults, range_faults};
+use crate::record::run::Run;
+use crate::series::bridged;
+
+/// Most faults of one run that are searched, one after the other.
+const MOST: usize = 4;
+
+/// All faults of these runs, run by run.
+///
+/// - Of single channels ([`plain_faults`], [`range_faults`]).
+/// - By the relations of a rigid body: one remedy after the other as long as it lowers the
+///   disagreement and the relations are then satisfied.
+/// - By the response of a sled to steering ([`response_faults`]), over all runs together.
+pub fn judge(runs: &[Run]) -> Vec<Fault> {
+    judge_by(runs, &RelationRules::default())
+}
+
+/// The same by other thresholds.
+pub fn judge_by(runs: &[Run], rules: &RelationRules) -> Vec<Fault> {
+    let search = Search {
+        tried: mends(),
+        rules,
+    };
+    let by_run: Vec<(Vec<Fault>, Option<Slow>)> = runs
+        .par_iter()
+        .map(|run| {
+            let mut faults = plain_faults(run);
+            // A channel that is constant or repeated cannot be mended by a unit.
+            let slow = Slow::of(run).filter(|_| faults.is_empty());
+            let mended = slow.map(|slow| search.mend_all(run, slow, &mut faults));
+            let ranges = range_faults(run, &faults);
+            let responds = mended
+                .as_ref()
+                .is_some_and(|slow| ranges.is_empty() && Agreement::of(slow).is_below(rules.holds));
+            faults.extend(ranges);
+            faults.extend(mended.iter().filter_map(|slow| distance_fault(run, slow)));
+            // The response is not judged where channels do not agree yet.
+            (faults, mended.filter(|_| responds))
+        })
+        .collect();
+    let (mut by_run, slow): (Vec<Vec<Fault>>, Vec<Option<Slow>>) = by_run.into_iter().unzip();
+    let mended = runs.iter().zip(slow);
+    let mended: Vec<(&Run, Slow)> = mended
+        .filter_map(|(run, slow)| Some((run, slow?)))
+        .collect();
+    withdraw_where_runs_disagree(&mut by_run);
+    let mut faults = by_run.concat();
+    faults.extend(response_faults(&mended, rules));
+    faults
+}
+
+/// A fault by relations is proved where every run of the campaign shows it, except for units, which
+/// differ by orders of magnitude.
+fn withdraw_where_runs_disagree(by_run: &mut [Vec<Fault>]) {
+    let runs = by_run.to_vec();
+    let in_all = |fault: &Fault| {
+        let same = |own: &Fault| own.kind == fault.kind && own.columns == fault.columns;
+        let shows = |run: &Vec<Fault>| run.iter().any(|own| own.proven && same(own));
+        runs.iter().all(shows)
+    };
+    for fault in by_run.iter_mut().flatten() {
+        let by_relation = matches!(
+            fault.kind,
+            FaultKind::Sign | FaultKind::Swapped | FaultKind::Gravity
+        );
+        fault.proven &= !by_relation || in_all(fault);
+    }
+}
+
+/// Refuses runs of which a fault is proved; suspected faults become one remark on the first run
+/// concerned.
+///
+/// # Errors
+/// [`Error::Wrong`] with the first fault proved and how many more there are.
+pub fn check_relations(runs: &mut [Run]) -> Result<(), Error> {
+    let (proven, suspected): (Vec<Fault>, Vec<Fault>) =
+        judge(runs).into_iter().partition(|fault| fault.proven);
+    if let Some((first, more)) = proven.split_first() {
+        return Err(Error::Wrong {
+            fault: Box::new(first.clone()),
+            more: more.len(),
+        });
+    }
+    remark(runs, &suspected);
+    Ok(())
+}
+
+/// Remarks on suspected faults: one line on the first run concerned.
+pub(crate) fn remark(runs: &mut [Run], suspected: &[Fault]) {
+    let of = |run: &Run| suspected.iter().find(|fault| fault.run == run.entry.run);
+    let count = runs.iter().filter(|run| of(run).is_some()).count();
+    let Some((first, fault)) = runs.iter_mut().find_map(|run| {
+        let fault = of(run)?;
+        Some((run, fault))
+    }) else {
+        return;
+    };
+    let more = match count {
+        1 => String::new(),
+        count => format!(", and {} other runs raise doubts", count - 1),
+    };
+    first.remarks.push(format!(
+        "run {}: {} may be {}{more}; not proved, so nothing is refused (kufe runs check states the evidence)",
+        fault.run,
+        fault.columns.join(", "),
+        fault.looks_like,
+    ));
+}
+
+/// The remedies that are tried, and the thresholds of a proof.
+struct Search<'a> {
+    tried: Vec<Mend>,
+    rules: &'a RelationRules,
+}
+
+impl Search<'_> {
+    /// Mends the faults that the relations show, and appends them to `faults`.
+    fn mend_all(&self, run: &Run, mut slow: Slow, faults: &mut Vec<Fault>) -> Slow {
+        let fault = |mend: &Mend, proven: bool, evidence: String| {
+            let (columns, line) = (mend.columns(), mend.line.clone());
+            let fault = Fault::proven(run, &columns, mend.kind, mend.looks_like, evidence, line);
+            if proven { fault } else { fault.suspected() }
+        };
+        for _ in 0..MOST {
+            let before = Agreement::of(&slow);
+            let single = self.one(&slow, &before);
+            let Some((mends, after)) = single.or_else(|| self.two_at_once(&slow, &before)) else {
+                break;
+            };
+            let proven = self.is_satisfied_once_mended(&before, &after);
+            for mend in &mends {
+                faults.push(fault(mend, proven, evidence(&before, &after)));
+                slow = mend.applied(&slow);
+            }
+            if mends.len() > 1 {
+                break;
+            }
+        }
+        // The factor of `ay` is often too small to show in the residual of its relation, and known
+        // well enough all the same. That of `ax` is not: gravity along the sled is far larger, and
+        // where a record's pitch rate misses changes of slope, it has any sign.
+        for mend in self
+            .tried
+            .iter()
+            .filter(|mend| mend.channels == [Sensor::Ay])
+        {
+            let axis = Sensor::Ay as usize;
+            let (Some(wanted), Some((found, error))) = (mend.factor(), factor(&slow, axis)) else {
+                continue;
+            };
+            // The factor means nothing where the relation is not satisfied.
+            let residual = Agreement::of(&slow).residual[axis];
+            let near = residual.is_some_and(|residual| residual < self.rules.holds)
+                && (found - wanted).abs() < 0.5 * wanted.abs().max(1.0);
+            let significant =
+                error < 0.15 * wanted.abs() && (found - 1.0).abs() > self.rules.least_t * error;
+            if near && significant {
+                let evidence = format!(
+                    "the other channels' motion requires {found:.2} +- {error:.2} times its values"
+                );
+                faults.push(fault(mend, false, evidence));
+                slow = mend.applied(&slow);
+            }
+        }
+        // A constant roll rate shows in the residual across.
+        let name = Sensor::RollRate.name();
+        let roll = run.columns.get(name);
+        let roll = roll.filter(|x| x.iter().all(|y| *y == x[0]));
+        if let (Some(roll), Some(residual)) = (roll, Agreement::of(&slow).residual[1])
+            && residual > self.rules.holds
+        {
+            let evidence = format!(
+                "{} in every row, while gravity turns across the sled",
+                roll[0]
+            );
+            faults.push(constant_fault(run, name, evidence).suspected());
+        }
+        slow
+    }
+
+    /// The remedies that a run has the channels of.
+    fn applicable(&self, slow: &Slow) -> impl Iterator<Item = &Mend> {
+        self.tried.iter().filter(|mend| mend.applies(slow))
+    }
+
+    /// The best single remedy that is shown to be right.
+    fn one(&self, slow: &Slow, before: &Agreement) -> Option<(Vec<&Mend>, Agreement)> {
+        let mended = self
+            .applicable(slow)
+            .map(|mend| (vec![mend], Agreement::of(&mend.applied(slow))));
+        mended
+            .filter(|(_, after)| self.shows(before, after))
+            .reduce(better)
+    }
+
+    /// Two faults of which neither shows while the other is there; searched where the relations across
+    /// or up are not satisfied.
+    fn two_at_once(&self, slow: &Slow, before: &Agreement) -> Option<(Vec<&Mend>, Agreement)> {
+        if before.is_below(self.rules.holds) {
+            return None;
+        }
+        let there: Vec<&Mend> = self.applicable(slow).collect();
+        let with_later = |k: usize| there[k + 1..].iter().map(move |other| (k, *other));
+        let pairs: Vec<(usize, &Mend)> = (0..there.len()).flat_map(with_later).collect();
+        let mut judged: Vec<(Vec<&Mend>, Agreement)> = pairs
+            .into_par_iter()
+            .map(|(one, other)| {
+                let mended = other.applied(&there[one].applied(slow));
+                (vec![there[one], other], Agreement::of(&mended))
+            })
+            .collect();
+        let gain = 2.0 * self.rules.least_gain;
+        judged.retain(|(_, after)| {
+            after.is_below(self.rules.holds) && before.score() - after.score() >= gain
+        });
+        judged.into_iter().reduce(better)
+    }
+
+    /// Whether a relation is satisfied within its noise once mended, and not before.
+    fn is_satisfied_once_mended(&self, before: &Agreement, after: &Agreement) -> bool {
+        let noise = self.rules.noise;
+        let mut pairs = before.residual.iter().zip(&after.residual);
+        pairs.any(|pair| matches!(pair, (Some(b), Some(a)) if *b >= noise && *a < noise))
+    }
+
+    /// Whether a relation shows the fault and no other gets worse.
+    fn shows(&self, before: &Agreement, after: &Agreement) -> bool {
+        let rules = self.rules;
+        let pairs = || {
+            let pairs = before.residual.iter().zip(&after.residual);
+            pairs.filter_map(|(b, a)| Some((*b, (*a)?)))
+        };
+        let better = pairs()
+            .any(|(b, a)| a < rules.holds && b.is_some_and(|b| b > rules.shows && a < 0.7 * b));
+        let hold = pairs().all(|(b, a)| a < rules.holds || b.is_some_and(|b| a < b + rules.worse));
+        before.score() - after.score() >= rules.least_gain && better && hold
+    }
+}
+
+/// The one with the lower score; the first of equals.
+fn better<T>(a: (T, Agreement), b: (T, Agreement)) -> (T, Agreement) {
+    if b.1.score() < a.1.score() - 1e-9 {
+        b
+    } else {
+        a
+    }
+}
+
+/// Distance in another unit, by the integral of the mended speed.
+fn distance_fault(run: &Run, slow: &Slow) -> Option<Fault> {
+    // Runs follow the middle of the track within a few per cent; a circuit that starts anew is no
+    // distance run.
+    const CLOSE: f64 = 0.2;
+    let s = run.columns.get("s_m")?;
+    let (raw, mended) = (Slow::of(run)?, slow[Sensor::Speed].as_ref()?);
+    let sum = |v: &[f64]| v.iter().sum::<f64>();
+    let factor = sum(mended) / sum(raw[Sensor::Speed].as_ref()?) * slow.dt_s / raw.dt_s;
+    let (first, last) = (s.first()?, s.last()?);
+    let travelled = sum(&bridged(run.columns.get("v_mps")?)) * run.dt_s * factor;
+    let share = (last - first) / travelled;
+    let units = [
+        (1e-3, "kilometres", "unit = \"km\""),
+        (1e3, "millimetres", "unit = \"mm\""),
+        (100.0, "centimetres", "unit = \"cm\""),
+        (1.0 / 0.3048, "feet", "unit = \"ft\""),
+        (1.0 / 1609.344, "miles", "unit = \"mi\""),
+        (-1.0, "a distance that runs backwards", "sign = -1"),
+    ];
+    let (_, looks_like, mend) = units
+        .into_iter()
+        .find(|(u, ..)| (share / u - 1.0).abs() < CLOSE)?;
+    let evidence = format!(
+        "{:.5} where the speed adds up to {travelled:.1} m",
+        last - first
+    );
+    let (kind, mend) = (FaultKind::Distance, format!("{mend} for s_m"));
+    Some(Fault::proven(
+        run,
+        &["s_m"],
+        kind,
+        looks_like,
+        evidence,
+        mend,
+    ))
+}
+
+/// Residuals of the relations before and after.
+fn evidence(before: &Agreement, after: &Agreement) -> String {
+    let mut parts = Vec::new();
+    let residuals = before.residual.iter().zip(after.residual);
+    for (axis, (b, a)) in ["x", "y", "z"].iter().zip(residuals) {
+        if let (Some(b), Some(a)) = (*b, a)
+            && (b - a).abs() > 0.02
+        {
+            let [b, a] = [b, a].map(|residual| 100.0 * residual.sqrt());
+            parts.push(format!("{b:.0} % along {axis}, mended {a:.0} %"));
+        }
+    }
+    let mut text = format!(
+        "residual of d(a - dv/dt - w x v)/dt + w x (...) = 0: {}",
+        parts.join("; ")
+    );
+    if let (Some(b), Some(a)) = (before.lift, after.lift)
+        && (b - a).abs() > 0.2
+    {
+        text += &format!("; lift against gravity {b:.1} m/s2, mended {a:.1}");
+    }
+    text
+}
+
+/// Thresholds of the relations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RelationRules {
+    /// Least decrease of the disagreement: a factor of e in the mean square residual of one relation.
+    /// In clean runs no candidate lowers it by more than 0.4; at half, one run in eleven with little
+    /// slip was taken to be in degrees.
+    pub least_gain: f64,
+    /// A relation is satisfied where its residual over its terms is below this, as a mean square.
+    pub holds: f64,
+    /// A relation is satisfied within its noise where its residual is below this, as a mean square:
+    /// 15 % as a root mean square.
+    pub noise: f64,
+    /// A fault shows in a relation whose residual is above this, as a mean square; in clean runs it is
+    /// up to a tenth (`rigid_body`), of which gravity that a record's pitch rate misses can be lowered
+    /// by a wrong sign.
+    pub shows: f64,
+    /// No relation may get worse by more than this when another is mended.
+    pub worse: f64,
+    /// Standard errors between a wrong coefficient and the right one: by chance once in 10^9.
+    pub least_t: f64,
+    /// Share of the runs that must agree where all together prove it.
+    pub agree: f64,
+    /// Share of the runs' median response that a single run needs to be judged by its sign: a wrong
+    /// sign does not change the size.
+    pub alike: f64,
+    /// Least drag area over mass of a sled or car [m2/kg]; a bobsled has 7e-4, an accelerometer in g
+    /// would show a tenth of that.
+    pub least_drag: f64,
+    /// Standard deviation of a_x above which something drives or brakes [m/s2]: the air is not judged
+    /// then.
+    pub free: f64,
+}
+
+impl Default for RelationRules {
+    fn default() -> Self {
+        RelationRules {
+            least_gain: 1.0,
+            holds: 0.25,
+            noise: 0.15 * 0.15,
+            shows: 0.1,
+            worse: 0.1,
+            least_t: 6.0,
+            agree: 0.8,
+            alike: 0.5,
+            least_drag: 2e-4,
+            free: 1.0,
+        }
+    }
+}
