@@ -20,9 +20,9 @@ fn main() -> Result<(), kufe_sled::friction::Error> {
 
     println!("ice [C]  speed [m/s]  friction [1e-3]   +-       film [µm]  into ice [%]");
     let mut table = Vec::new();
-    for ice_temperature in [-10.0, -5.0, -2.0] {
+    for ice_c in [-10.0, -5.0, -2.0] {
         for v in [5.0, 15.0, 35.0] {
-            let conditions = FilmConditions::new(v, ice_temperature);
+            let conditions = FilmConditions::new(v, ice_c);
             let film = film(
                 &strip,
                 &conditions,
@@ -31,7 +31,7 @@ fn main() -> Result<(), kufe_sled::friction::Error> {
             )?;
             let totals = film.totals;
             println!(
-                "{ice_temperature:7.1}  {v:11.1}  {:15.3}  {:.1e}  {:9.3}  {:12.1}",
+                "{ice_c:7.1}  {v:11.1}  {:15.3}  {:.1e}  {:9.3}  {:12.1}",
                 1e3 * totals.friction,
                 1e3 * film.errors.friction,
                 1e6 * totals.mean_thickness,

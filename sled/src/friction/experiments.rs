@@ -53,147 +53,153 @@ const COLUMNS: Columns = Columns {
         "distance_m",
         "rocker_radius_m",
     ],
-    extra: Extra::Kept,
+    extra: Extra::Retained,
 };
 
-/// Reads `experiments.csv`; `file` is the name that errors carry.
+/// Numbers of measured tables: name, smallest and largest value, and what is expected.
+const NUMBERS: [(&str, f64, f64, &str); 14] = [
+    ("p_max_pa", 1e4, 1e11, "a pressure in Pa (7.7e6)"),
+    (
+        "p_max_sd_pa",
+        0.0,
+        f64::MAX,
+        "a standard deviation in Pa, 0 or more",
+    ),
+    ("mu", -1.0, 1.0, "a coefficient of friction (0.004)"),
+    ("mu_sd", 0.0, 1.0, "a standard deviation (0.0004), 0 to 1"),
+    ("fz_n", LEAST, f64::MAX, "a force in N, positive"),
+    ("v_mps", 0.0, f64::MAX, "a speed in m/s, 0 or more"),
+    ("ice_c", -60.0, 60.0, CELSIUS),
+    ("air_c", -60.0, 60.0, CELSIUS),
+    (
+        "humidity_pct",
+        0.0,
+        100.0,
+        "a relative humidity in %, 0 to 100",
+    ),
+    (
+        "air_pa",
+        30e3,
+        120e3,
+        "an air pressure in Pa (94700), 30000 to 120000",
+    ),
+    ("distance_m", 0.0, f64::MAX, "a distance in m, 0 or more"),
+    (
+        "rocker_radius_m",
+        LEAST,
+        f64::MAX,
+        "a radius in m, positive",
+    ),
+    ("mass_kg", 1.0, 2000.0, "a mass in kg, 1 to 2000"),
+    ("cda_m2", 0.0, 5.0, "a drag area in m2, 0 to 5"),
+];
+
+const CELSIUS: &str = "a temperature in degrees Celsius, -60 to 60";
+
+/// The least positive number.
+const LEAST: f64 = f64::MIN_POSITIVE;
+
+/// Reads `experiments.csv`; errors name `file`.
 ///
 /// # Errors
-/// [`Error::MissingColumn`], and [`Error::BadValue`] with the row for cells that are empty, not finite or outside
-/// what the unit allows (a pressure in MPa, a coefficient in thousandths).
+/// [`Error::MissingColumn`], and [`Error::BadValue`] with the row for cells that are empty, not finite
+/// or outside the range of the unit (a pressure in MPa, a coefficient in thousandths).
 pub fn read_experiments(file: &str, reader: impl Read) -> Result<Vec<Experiment>, Error> {
     let table = Table::read(file, reader, &COLUMNS)?;
-    let positive = |v: f64| v > 0.0;
-    (0..table.rows())
-        .map(|row| {
-            let pressure = |v: f64| (1e4..1e11).contains(&v);
-            let known =
-                |name: &str| COLUMNS.required.contains(&name) || COLUMNS.optional.contains(&name);
-            Ok(Experiment {
-                specimen: table.name(row, "specimen")?,
-                p_max_pa: table.number(row, "p_max_pa", pressure, "a pressure in Pa (7.7e6)")?,
-                p_max_sd_pa: table.number(
-                    row,
-                    "p_max_sd_pa",
-                    |v| v >= 0.0,
-                    "a standard deviation in Pa, 0 or more",
-                )?,
-                mu: table.number(
-                    row,
-                    "mu",
-                    |v| (-1.0..=1.0).contains(&v),
-                    "a coefficient of friction (0.004)",
-                )?,
-                mu_sd: table.number(
-                    row,
-                    "mu_sd",
-                    |v| (0.0..=1.0).contains(&v),
-                    "a standard deviation (0.0004), 0 to 1",
-                )?,
-                session: table
-                    .text(row, "session")
-                    .filter(|text| !text.is_empty())
-                    .map(str::to_string),
-                fz_n: table.optional(row, "fz_n", positive, "a force in N, positive")?,
-                v_mps: table.optional(row, "v_mps", |v| v >= 0.0, "a speed in m/s, 0 or more")?,
-                ice_c: table.optional(row, "ice_c", celsius, CELSIUS)?,
-                air_c: table.optional(row, "air_c", celsius, CELSIUS)?,
-                humidity_pct: table.optional(
-                    row,
-                    "humidity_pct",
-                    |v| (0.0..=100.0).contains(&v),
-                    "a relative humidity in %, 0 to 100",
-                )?,
-                air_pa: table.optional(row, "air_pa", air_pressure, AIR_PRESSURE)?,
-                distance_m: table.optional(
-                    row,
-                    "distance_m",
-                    |v| v >= 0.0,
-                    "a distance in m, 0 or more",
-                )?,
-                rocker_radius_m: table.optional(
-                    row,
-                    "rocker_radius_m",
-                    positive,
-                    "a radius in m, positive",
-                )?,
-                extra: table
-                    .header()
-                    .iter()
-                    .filter(|name| !known(name))
-                    .map(|name| {
-                        let text = table.text(row, name).unwrap_or("");
-                        (name.clone(), text.to_string())
-                    })
-                    .collect(),
-            })
+    let known = |name: &&String| {
+        let mut known = COLUMNS.required.iter().chain(COLUMNS.optional);
+        known.any(|known| known == name)
+    };
+    let extra = |row: usize| {
+        let names = table.header().iter().filter(|name| !known(name));
+        let cell = |name: &String| table.text(row, name).unwrap_or("").to_string();
+        names.map(|name| (name.clone(), cell(name))).collect()
+    };
+    let experiment = |row: usize| {
+        Ok(Experiment {
+            specimen: table.name(row, "specimen")?,
+            p_max_pa: table.number(row, "p_max_pa")?,
+            p_max_sd_pa: table.number(row, "p_max_sd_pa")?,
+            mu: table.number(row, "mu")?,
+            mu_sd: table.number(row, "mu_sd")?,
+            session: table.stated_text(row, "session"),
+            fz_n: table.optional(row, "fz_n")?,
+            v_mps: table.optional(row, "v_mps")?,
+            ice_c: table.optional(row, "ice_c")?,
+            air_c: table.optional(row, "air_c")?,
+            humidity_pct: table.optional(row, "humidity_pct")?,
+            air_pa: table.optional(row, "air_pa")?,
+            distance_m: table.optional(row, "distance_m")?,
+            rocker_radius_m: table.optional(row, "rocker_radius_m")?,
+            extra: extra(row),
         })
-        .collect()
+    };
+    (0..table.rows()).map(experiment).collect()
 }
 
 /// Writes `experiments.csv` with the columns that any row fills.
 ///
-/// A pressure that is NaN (not known yet) leaves its cells empty, so that reading the file back names the gap.
+/// A pressure that is NaN (not known yet) leaves its cells empty, so that a reader reports the gap.
 ///
 /// # Errors
 /// The writer's.
 pub fn write_experiments(experiments: &[Experiment], writer: impl Write) -> std::io::Result<()> {
     let mut csv = csv::Writer::from_writer(writer);
-    type Cell = fn(&Experiment) -> Option<String>;
-    fn number(value: f64) -> Option<String> {
-        value.is_finite().then(|| value.to_string())
-    }
-    let columns: [(&str, bool, Cell); 14] = [
-        ("specimen", true, |e| Some(e.specimen.clone())),
-        ("p_max_pa", true, |e| number(e.p_max_pa)),
-        ("p_max_sd_pa", true, |e| number(e.p_max_sd_pa)),
-        ("mu", true, |e| number(e.mu)),
-        ("mu_sd", true, |e| number(e.mu_sd)),
-        ("session", false, |e| e.session.clone()),
-        ("fz_n", false, |e| e.fz_n.and_then(number)),
-        ("v_mps", false, |e| e.v_mps.and_then(number)),
-        ("ice_c", false, |e| e.ice_c.and_then(number)),
-        ("air_c", false, |e| e.air_c.and_then(number)),
-        ("humidity_pct", false, |e| e.humidity_pct.and_then(number)),
-        ("air_pa", false, |e| e.air_pa.and_then(number)),
-        ("distance_m", false, |e| e.distance_m.and_then(number)),
-        ("rocker_radius_m", false, |e| {
-            e.rocker_radius_m.and_then(number)
-        }),
-    ];
-    let retained: Vec<_> = columns
-        .iter()
-        .filter(|(_, always, cell)| *always || experiments.iter().any(|e| cell(e).is_some()))
-        .collect();
-    csv.write_record(retained.iter().map(|(name, ..)| name))?;
-    for experiment in experiments {
+    let number = |value: Option<f64>| {
+        let finite = value.filter(|value| value.is_finite());
+        finite.map(|value| value.to_string())
+    };
+    let cells = |e: &Experiment| {
+        let numbers = [
+            Some(e.p_max_pa),
+            Some(e.p_max_sd_pa),
+            Some(e.mu),
+            Some(e.mu_sd),
+        ];
+        let optional = [
+            e.fz_n,
+            e.v_mps,
+            e.ice_c,
+            e.air_c,
+            e.humidity_pct,
+            e.air_pa,
+            e.distance_m,
+            e.rocker_radius_m,
+        ];
+        let mut cells = vec![Some(e.specimen.clone())];
+        cells.extend(numbers.map(number));
+        cells.push(e.session.clone());
+        cells.extend(optional.map(number));
+        cells
+    };
+    let rows: Vec<Vec<Option<String>>> = experiments.iter().map(cells).collect();
+    let names = COLUMNS.required.iter().chain(COLUMNS.optional);
+    let is_written = |place: &usize| {
+        *place < COLUMNS.required.len() || rows.iter().any(|row| row[*place].is_some())
+    };
+    let (written, header): (Vec<usize>, Vec<&str>) = names
+        .enumerate()
+        .map(|(place, name)| (place, *name))
+        .filter(|(place, _)| is_written(place))
+        .unzip();
+    csv.write_record(header)?;
+    for row in &rows {
         csv.write_record(
-            retained
+            written
                 .iter()
-                .map(|(_, _, cell)| cell(experiment).unwrap_or_default()),
+                .map(|place| row[*place].as_deref().unwrap_or("")),
         )?;
     }
     csv.flush()
 }
 
-pub(crate) const CELSIUS: &str = "a temperature in degrees Celsius, -60 to 60";
-pub(crate) const AIR_PRESSURE: &str = "an air pressure in Pa (94700), 30000 to 120000";
-
-pub(crate) fn celsius(value: f64) -> bool {
-    (-60.0..=60.0).contains(&value)
-}
-
-pub(crate) fn air_pressure(value: f64) -> bool {
-    (30e3..=120e3).contains(&value)
-}
-
-/// What is done with columns that nobody asked for.
+/// Treatment of unknown columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Extra {
     /// They are an error: the table is made for this program.
     Refused,
-    /// They are kept: the table is a measurement.
-    Kept,
+    /// They are retained: the table is a measurement.
+    Retained,
 }
 
 /// The columns a table must and may have.
@@ -203,7 +209,7 @@ pub(crate) struct Columns {
     pub extra: Extra,
 }
 
-/// A table held as text.
+/// A table as text.
 pub(crate) struct Table {
     file: String,
     header: Vec<String>,
@@ -289,36 +295,42 @@ impl Table {
         }
     }
 
-    /// The cell as a finite number that `fits`.
-    pub(crate) fn number(
+    /// The cell's text, where there is any.
+    pub(crate) fn stated_text(&self, row: usize, column: &str) -> Option<String> {
+        let text = self.text(row, column).filter(|text| !text.is_empty());
+        text.map(str::to_string)
+    }
+
+    /// The cell as a number within the range of its column.
+    pub(crate) fn number(&self, row: usize, column: &str) -> Result<f64, Error> {
+        let known = NUMBERS.iter().find(|known| known.0 == column);
+        let (_, low, high, expected) = known.expect("a column of numbers");
+        self.number_within(row, column, (*low, *high), expected)
+    }
+
+    /// The cell as a finite number within a range.
+    pub(crate) fn number_within(
         &self,
         row: usize,
         column: &str,
-        fits: impl Fn(f64) -> bool,
+        (low, high): (f64, f64),
         expected: &str,
     ) -> Result<f64, Error> {
         let text = self.text(row, column).unwrap_or("");
-        match text.parse::<f64>() {
-            Ok(value) if value.is_finite() && fits(value) => Ok(value),
-            _ => Err(self.bad(row, column, text, expected)),
-        }
+        let value = text.parse().ok();
+        let value = value.filter(|value| (low..=high).contains(value));
+        value.ok_or_else(|| self.bad(row, column, text, expected))
     }
 
     /// As [`Table::number`]; `None` where the column is absent or the cell empty.
-    pub(crate) fn optional(
-        &self,
-        row: usize,
-        column: &str,
-        fits: impl Fn(f64) -> bool,
-        expected: &str,
-    ) -> Result<Option<f64>, Error> {
+    pub(crate) fn optional(&self, row: usize, column: &str) -> Result<Option<f64>, Error> {
         match self.text(row, column) {
             None | Some("") => Ok(None),
-            Some(_) => self.number(row, column, fits, expected).map(Some),
+            Some(_) => self.number(row, column).map(Some),
         }
     }
 
-    /// The complaint about a cell.
+    /// The error of a cell.
     pub(crate) fn bad(&self, row: usize, column: &str, found: &str, expected: &str) -> Error {
         let line = self.rows[row]
             .position()

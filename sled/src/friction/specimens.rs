@@ -4,9 +4,7 @@ use std::io::Read;
 
 use crate::friction::error::Error;
 use crate::friction::estimate::{Estimate, student_quantile};
-use crate::friction::experiments::{
-    AIR_PRESSURE, CELSIUS, Columns, Experiment, Extra, Table, air_pressure, celsius,
-};
+use crate::friction::experiments::{Columns, Experiment, Extra, Table};
 use crate::friction::glide_run::{GRAVITY, GlideRun};
 
 /// One row of `glides.csv`.
@@ -80,7 +78,7 @@ const INDEX: Columns = Columns {
 const TRACE: Columns = Columns {
     required: &["t_s", "v_mps"],
     optional: &["s_m"],
-    extra: Extra::Kept,
+    extra: Extra::Retained,
 };
 
 /// By how much a measured way and the integral of the speed may be apart: twice what a wheel or a radar is off by at worst, and
@@ -114,55 +112,21 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
             let two = format!("{} or {}", directions[0], directions[1]);
             return Err(table.bad(row, "direction", &direction, &two));
         }
-        let positive = |v: f64| v > 0.0;
         entries.push(GlideEntry {
             run,
             file: own,
             specimen: table.name(row, "specimen")?,
             direction,
-            mass_kg: table.number(
-                row,
-                "mass_kg",
-                |v| (1.0..=2000.0).contains(&v),
-                "a mass in kg, 1 to 2000",
-            )?,
-            cda_m2: table.number(
-                row,
-                "cda_m2",
-                |v| (0.0..=5.0).contains(&v),
-                "a drag area in m2, 0 to 5",
-            )?,
-            air_c: table.number(row, "air_c", celsius, CELSIUS)?,
-            air_pa: table.number(row, "air_pa", air_pressure, AIR_PRESSURE)?,
-            session: table
-                .text(row, "session")
-                .filter(|text| !text.is_empty())
-                .map(str::to_string),
-            ice_c: table.optional(row, "ice_c", celsius, CELSIUS)?,
-            humidity_pct: table.optional(
-                row,
-                "humidity_pct",
-                |v| (0.0..=100.0).contains(&v),
-                "a relative humidity in %, 0 to 100",
-            )?,
-            rocker_radius_m: table.optional(
-                row,
-                "rocker_radius_m",
-                positive,
-                "a radius in m, positive",
-            )?,
-            p_max_pa: table.optional(
-                row,
-                "p_max_pa",
-                |v| (1e4..1e11).contains(&v),
-                "a pressure in Pa (7.7e6)",
-            )?,
-            p_max_sd_pa: table.optional(
-                row,
-                "p_max_sd_pa",
-                |v| v >= 0.0,
-                "a standard deviation in Pa, 0 or more",
-            )?,
+            mass_kg: table.number(row, "mass_kg")?,
+            cda_m2: table.number(row, "cda_m2")?,
+            air_c: table.number(row, "air_c")?,
+            air_pa: table.number(row, "air_pa")?,
+            session: table.stated_text(row, "session"),
+            ice_c: table.optional(row, "ice_c")?,
+            humidity_pct: table.optional(row, "humidity_pct")?,
+            rocker_radius_m: table.optional(row, "rocker_radius_m")?,
+            p_max_pa: table.optional(row, "p_max_pa")?,
+            p_max_sd_pa: table.optional(row, "p_max_sd_pa")?,
         });
     }
     if entries.is_empty() {
@@ -190,14 +154,14 @@ pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
             need: FEWEST,
         });
     }
-    let column = |name: &'static str, fits: fn(f64) -> bool, expected: &'static str| {
+    let column = |name: &'static str, range: (f64, f64), expected: &'static str| {
         (0..table.rows())
-            .map(|row| table.number(row, name, fits, expected))
+            .map(|row| table.number_within(row, name, range, expected))
             .collect::<Result<Vec<f64>, Error>>()
     };
-    let t = column("t_s", |_| true, "a time in s")?;
-    let speed = |v: f64| (-2.0..=60.0).contains(&v);
-    let v = column("v_mps", speed, "a speed in m/s, up to 60")?;
+    let finite = (f64::MIN, f64::MAX);
+    let t = column("t_s", finite, "a time in s")?;
+    let v = column("v_mps", (-2.0, 60.0), "a speed in m/s, up to 60")?;
     let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if let Some(at) = steps.iter().position(|step| *step <= 0.0) {
         let before = format!("a time after {} s", t[at]);
@@ -216,7 +180,7 @@ pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
     }
     let s_measured = table.header().iter().any(|name| name == "s_m");
     let s = if s_measured {
-        let s = column("s_m", |_| true, "a distance in m")?;
+        let s = column("s_m", finite, "a distance in m")?;
         if let Some(at) = s.windows(2).position(|pair| pair[1] < pair[0] - 0.05) {
             let expected = format!("a distance not below {} m", s[at]);
             return Err(table.bad(at + 1, "s_m", &s[at + 1].to_string(), &expected));

@@ -97,8 +97,8 @@ impl Sensitivity {
             _ => None,
         };
         let warmer = |c: &mut FilmConditions, step: f64| {
-            c.ice_temperature += step;
-            c.steel_temperature += step;
+            c.ice_c += step;
+            c.steel_c += step;
         };
         let temperature = film(&warmer, TEMPERATURE_STEP)?;
         let [by_speed, by_temperature] = ploughing.hardness_slopes(&grooved.hardness, stretch)?;

@@ -26,8 +26,10 @@ const ROUNDS: usize = 6;
 /// ```
 ///
 /// [`BoundaryContact`] states the second term of the shear; both kinds of friction melt, so that the one thickens the film for the
-/// other. [`HeatIntoIce`](crate::friction::film::HeatIntoIce) states `q_i`, [`squeeze_out_rate`](crate::friction::film::squeeze_out_rate) the last term. The film starts at
-/// 0 as [`self_similar_start`](crate::friction::film::self_similar_start). It never ends: where the walls take more heat than friction gives
+/// other. [`HeatIntoIce`](crate::friction::film::HeatIntoIce) states `q_i`. The last term is the
+/// squeeze film of a long strip, whose mean pressure is p (O. Reynolds, Phil. Trans. R. Soc. 177
+/// (1886)). The film starts at 0 as the root of `xi`.
+/// It never ends: where the walls take more heat than friction gives
 /// (`melt_rate` negative) it freezes and thins until `tau V` is as much, so that thickness goes to nanometres and below for a
 /// slow runner on cold ice, but not to 0. What the model then says is the heat that the ice can take, not that there is a film:
 /// [`Film::thinnest`] belongs beside roughness and the size of a molecule.
@@ -53,12 +55,9 @@ pub fn film(
     properties: &Properties,
     options: &FilmOptions,
 ) -> Result<Film, Error> {
-    conditions.check()?;
-    properties.check()?;
-    options.check()?;
     let on = |strip: &Strip| {
         let outflow = strip.pressure().to_vec();
-        along(&Track::new(strip, conditions, properties, outflow), options)
+        film_with_outflow(strip, outflow, conditions, properties, options)
     };
     let mut film = on(strip)?;
     if let Some(coarser) = strip.every_second() {
@@ -67,8 +66,26 @@ pub fn film(
     Ok(film)
 }
 
+/// As [`film`], with the water squeezed out as by the pressure `outflow` [Pa] at each station in place
+/// of the strip's own: for patches that are not much longer than wide.
+///
+/// # Errors
+/// As [`film`].
+pub fn film_with_outflow(
+    strip: &Strip,
+    outflow: Vec<f64>,
+    conditions: &FilmConditions,
+    properties: &Properties,
+    options: &FilmOptions,
+) -> Result<Film, Error> {
+    conditions.check()?;
+    properties.check()?;
+    options.check()?;
+    along(&Track::new(strip, conditions, properties, outflow), options)
+}
+
 /// The film along `track`.
-pub(crate) fn along(track: &Track<'_>, options: &FilmOptions) -> Result<Film, Error> {
+fn along(track: &Track<'_>, options: &FilmOptions) -> Result<Film, Error> {
     let mut tolerance = 0.1 * options.accuracy;
     let mut reached = f64::INFINITY;
     for _ in 0..ROUNDS {
@@ -247,7 +264,7 @@ const NARROWEST: f64 = 1e-3;
 /// ```text
 /// dh/ds = (4/V) [ (mu V^2/h + tau_b phi(h/sigma) V - q_i - q_s) s/(rho_w L) - s p h^3/(mu w^2) ]
 /// ```
-pub(crate) struct Track<'a> {
+struct Track<'a> {
     strip: &'a Strip,
     /// At the stations, the pressure that a long strip would have to have for the squeeze-out that there is [Pa].
     outflow_pressure: Vec<f64>,
@@ -255,7 +272,7 @@ pub(crate) struct Track<'a> {
     narrowest_squared: f64,
     heat_into_ice: HeatIntoIce,
     steel_transfer: f64,
-    steel_temperature: f64,
+    steel_c: f64,
     viscosity: f64,
     boundary: BoundaryContact,
     v: f64,
@@ -263,7 +280,7 @@ pub(crate) struct Track<'a> {
 }
 
 impl<'a> Track<'a> {
-    pub(crate) fn new(
+    fn new(
         strip: &'a Strip,
         conditions: &FilmConditions,
         properties: &'a Properties,
@@ -276,7 +293,7 @@ impl<'a> Track<'a> {
             narrowest_squared: (NARROWEST * strip.largest_width()).powi(2),
             heat_into_ice: HeatIntoIce::new(strip, conditions, properties),
             steel_transfer: steel_transfer(conditions, properties),
-            steel_temperature: conditions.steel_temperature,
+            steel_c: conditions.steel_c,
             viscosity: conditions.viscosity(properties),
             boundary: match conditions.boundary {
                 rough if rough.roughness > 0.0 => rough,
@@ -288,17 +305,17 @@ impl<'a> Track<'a> {
     }
 
     /// Heat that melts a kilogram of ice [J/kg], and that makes a cubic metre of water [J/m3].
-    pub(crate) fn heats(&self) -> [f64; 2] {
+    fn heats(&self) -> [f64; 2] {
         [self.properties.latent_heat, self.properties.heat_of_water()]
     }
 
     /// Segments between stations.
-    pub(crate) fn segments(&self) -> usize {
+    fn segments(&self) -> usize {
         self.strip.xi().len() - 1
     }
 
     /// Ends of segment `k` in `s = sqrt(xi)`.
-    pub(crate) fn segment(&self, k: usize) -> [f64; 2] {
+    fn segment(&self, k: usize) -> [f64; 2] {
         [self.strip.xi()[k].sqrt(), self.strip.xi()[k + 1].sqrt()]
     }
 
@@ -318,11 +335,11 @@ impl<'a> Track<'a> {
 
     fn heat_into_steel(&self, k: usize, xi: f64) -> f64 {
         let melting = self.properties.melting_temperature(self.pressure(k, xi));
-        self.steel_transfer * (melting - self.steel_temperature)
+        self.steel_transfer * (melting - self.steel_c)
     }
 
     /// The equation at `s` in segment `k`.
-    pub(crate) fn rate(&self, k: usize, s: f64) -> Rate {
+    fn rate(&self, k: usize, s: f64) -> Rate {
         let xi = s * s;
         let heat = self.properties.heat_of_water();
         let lost = self.heat_into_ice.scaled(xi) + s * self.heat_into_steel(k, xi);
@@ -336,7 +353,7 @@ impl<'a> Track<'a> {
     }
 
     /// What one metre of `s` adds to the totals, where the film is `h` thick; `mean_thickness` is the volume.
-    pub(crate) fn totals_rate(&self, k: usize, s: f64, h: f64) -> FilmTotals {
+    fn totals_rate(&self, k: usize, s: f64, h: f64) -> FilmTotals {
         let xi = s * s;
         let width = self.width_squared(k, xi).sqrt();
         let area = 2.0 * s * width;
@@ -367,7 +384,7 @@ impl<'a> Track<'a> {
     }
 
     /// The film at station `k`, not the first, where it is `h` thick.
-    pub(crate) fn station(&self, k: usize, h: f64, thickness_error: f64) -> FilmStation {
+    fn station(&self, k: usize, h: f64, thickness_error: f64) -> FilmStation {
         let xi = self.strip.xi()[k];
         let heat_into_ice = self.heat_into_ice.scaled(xi) / xi.sqrt();
         let heat_into_steel = self.heat_into_steel(k - 1, xi);
@@ -394,7 +411,7 @@ impl<'a> Track<'a> {
 
 /// The film's equation at one place: `dh/ds = alpha/h - beta - gamma h^3 + delta phi(h/sigma)`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rate {
+struct Rate {
     /// Friction heat that melts.
     pub alpha: f64,
     /// Heat that is lost.
@@ -436,13 +453,13 @@ impl Rate {
 }
 
 /// Where the stages stand in the step, the last at its end.
-pub(crate) fn nodes() -> [f64; 3] {
+fn nodes() -> [f64; 3] {
     let root = 6.0_f64.sqrt();
     [(4.0 - root) / 10.0, (4.0 + root) / 10.0, 1.0]
 }
 
 /// Weights of the stages in an integral over the step, exact for polynomials to the fourth degree.
-pub(crate) fn weights() -> [f64; 3] {
+fn weights() -> [f64; 3] {
     let root = 6.0_f64.sqrt();
     [(16.0 - root) / 36.0, (16.0 + root) / 36.0, 1.0 / 9.0]
 }
@@ -468,7 +485,7 @@ fn stages() -> Matrix3<f64> {
 /// The method is stable for any stiffness and never asks for the rate at the beginning of the step, where the film's is without
 /// bound at the leading edge; a thickness that grows linearly in `s` it meets exactly.
 /// Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996, section IV.5.
-pub(crate) fn step(before: f64, step: f64, rates: &[Rate; 3]) -> Option<[f64; 3]> {
+fn step(before: f64, step: f64, rates: &[Rate; 3]) -> Option<[f64; 3]> {
     let (nodes, stages) = (nodes(), stages());
     let mut h = Vector3::from_fn(|i, _| rates[i].implicit_euler(before, nodes[i] * step));
     for _ in 0..40 {
@@ -557,7 +574,7 @@ pub struct FilmTotals {
 
 impl FilmTotals {
     /// Field by field.
-    pub(crate) fn combined(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
+    fn combined(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
         FilmTotals {
             load: f(self.load, other.load),
             area: f(self.area, other.area),
@@ -578,14 +595,14 @@ impl FilmTotals {
     }
 
     /// Absolute differences, field by field.
-    pub(crate) fn difference(&self, other: &Self) -> Self {
+    fn difference(&self, other: &Self) -> Self {
         self.combined(other, |a, b| (a - b).abs())
     }
 
     /// The largest of these errors of `value`, relative to it; that of the boundary drag, which may be next to nothing, relative to both
     /// drags; those of heat and water, which may be small differences, relative to the power that is dissipated and to the water
     /// that it would melt, `heat_of_ice` [J/kg] and `heat_of_water` [J/m3].
-    pub(crate) fn largest_share(&self, value: &Self, heat_of_ice: f64, heat_of_water: f64) -> f64 {
+    fn largest_share(&self, value: &Self, heat_of_ice: f64, heat_of_water: f64) -> f64 {
         let power = value.dissipated;
         // Ahead of the first pressure no load is carried, without an error.
         let over = |error: f64, value: f64| if error == 0.0 { 0.0 } else { error / value };

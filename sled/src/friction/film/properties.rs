@@ -102,9 +102,9 @@ pub struct FilmConditions {
     /// Sliding speed [m/s].
     pub v: f64,
     /// Temperature of the ice before the runner comes [C].
-    pub ice_temperature: f64,
+    pub ice_c: f64,
     /// Temperature of the runner's steel before it slid [C].
-    pub steel_temperature: f64,
+    pub steel_c: f64,
     /// Time for which the runner has been sliding, in which heat went into its steel [s].
     pub sliding_time: f64,
     /// Factor on the viscosity of water: what a slurry of ice and water would have more.
@@ -115,11 +115,11 @@ pub struct FilmConditions {
 
 impl FilmConditions {
     /// A runner as cold as the ice, ten seconds after its start, over plain water.
-    pub fn new(v: f64, ice_temperature: f64) -> Self {
+    pub fn new(v: f64, ice_c: f64) -> Self {
         FilmConditions {
             v,
-            ice_temperature,
-            steel_temperature: ice_temperature,
+            ice_c,
+            steel_c: ice_c,
             sliding_time: 10.0,
             viscosity_factor: 1.0,
             boundary: BoundaryContact::NONE,
@@ -138,16 +138,11 @@ impl FilmConditions {
     pub fn check(&self) -> Result<(), Error> {
         let positive = "a positive number";
         in_range("v", self.v, self.v > 0.0, positive)?;
-        let ice = self.ice_temperature;
-        in_range(
-            "ice_temperature",
-            ice,
-            (-100.0..=0.0).contains(&ice),
-            "-100 to 0 C",
-        )?;
-        let steel = self.steel_temperature;
+        let ice = self.ice_c;
+        in_range("ice_c", ice, (-100.0..=0.0).contains(&ice), "-100 to 0 C")?;
+        let steel = self.steel_c;
         let steel_range = (-100.0..=100.0).contains(&steel);
-        in_range("steel_temperature", steel, steel_range, "-100 to 100 C")?;
+        in_range("steel_c", steel, steel_range, "-100 to 100 C")?;
         in_range(
             "sliding_time",
             self.sliding_time,
@@ -514,7 +509,7 @@ impl HeatIntoIce {
         let melting = |k: usize| properties.melting_temperature(p[k]);
         HeatIntoIce {
             factor,
-            first: melting(0) - conditions.ice_temperature,
+            first: melting(0) - conditions.ice_c,
             xi: xi.to_vec(),
             slopes: (1..xi.len())
                 .map(|k| (melting(k) - melting(k - 1)) / (xi[k] - xi[k - 1]))

@@ -43,8 +43,8 @@ proptest! {
         let ten = |x: f64| 10.0_f64.powf(x);
         let conditions = FilmConditions {
             v: ten(v),
-            ice_temperature: ice,
-            steel_temperature: steel,
+            ice_c: ice,
+            steel_c: steel,
             sliding_time: ten(time),
             viscosity_factor: ten(factor),
             boundary: match smooth {

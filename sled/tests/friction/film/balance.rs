@@ -7,7 +7,7 @@ use kufe_sled::friction::film::{FilmConditions, FilmOptions, HeatIntoIce, Strip,
 fn friction_heat_is_what_melts_and_what_the_walls_take_to_one_in_a_million() {
     for (v, ice) in [(30.0, -5.0), (3.0, -15.0), (30.0, 0.0)] {
         let conditions = FilmConditions {
-            steel_temperature: -12.0,
+            steel_c: -12.0,
             ..FilmConditions::new(v, ice)
         };
         let (width, pressure) = (1.0e-3, 14.0e6);
@@ -82,11 +82,11 @@ fn more_speed_viscosity_and_cold_change_the_film_the_way_they_must() {
         ..base
     });
     let colder = at(FilmConditions {
-        ice_temperature: -8.0,
+        ice_c: -8.0,
         ..base
     });
     let warm_steel = at(FilmConditions {
-        steel_temperature: 5.0,
+        steel_c: 5.0,
         ..base
     });
     let base = at(base);

@@ -1,8 +1,9 @@
 //! Mixed lubrication: its limits, its balances, and a plain integration of its equations.
 
+use super::closed_form::cold_friction;
 use super::groove::groove;
 use super::patches::{INSULATED, STEEL_INSULATED, WATER, hertz, rounding, solved, strip};
-use kufe_sled::friction::film::{BoundaryContact, FilmConditions, Strip, cold_friction};
+use kufe_sled::friction::film::{BoundaryContact, FilmConditions, Strip};
 
 fn rough(v: f64, ice: f64, roughness: f64, shear: f64) -> FilmConditions {
     FilmConditions {

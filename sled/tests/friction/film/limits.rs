@@ -1,10 +1,11 @@
 //! Closed forms: melting against squeeze-out, cold and slow ice, the start at the leading edge.
 
-use super::patches::{INSULATED, STEEL_INSULATED, WATER, hertz, solved};
-use kufe_sled::friction::film::{
-    FilmConditions, FilmOptions, Properties, Strip, cold_friction, film, film_pressure,
-    melt_and_squeeze_friction, melt_and_squeeze_thickness, self_similar_start, squeeze_out_rate,
+use super::closed_form::{
+    cold_friction, film_pressure, melt_and_squeeze_friction, melt_and_squeeze_thickness,
+    self_similar_start, squeeze_out_rate,
 };
+use super::patches::{INSULATED, STEEL_INSULATED, WATER, hertz, solved};
+use kufe_sled::friction::film::{FilmConditions, FilmOptions, Properties, Strip, film};
 use statrs::function::beta::beta;
 
 #[test]
@@ -161,7 +162,7 @@ fn pressure_across_a_long_strip_averages_to_what_squeezes_it() {
 #[test]
 fn radau_agrees_with_a_runge_kutta_method_of_tiny_steps() {
     let conditions = FilmConditions {
-        steel_temperature: -9.0,
+        steel_c: -9.0,
         ..FilmConditions::new(15.0, -6.0)
     };
     let (p, w, length) = (9.0e6, 0.8e-3, 0.04);

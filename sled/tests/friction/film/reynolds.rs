@@ -1,9 +1,10 @@
 //! The two-dimensional Reynolds equation beside the closure of a long strip.
 
+use super::closed_form::{film_pressure, squeeze_out_rate};
 use super::patches::{WATER, rounding};
-use kufe_sled::friction::film::{
-    FilmConditions, FilmOptions, PressureMap, film, film_pressure, reynolds_film, squeeze_out_rate,
-};
+use super::plane_film::reynolds_film;
+use super::pressure_map::PressureMap;
+use kufe_sled::friction::film::{FilmConditions, FilmOptions, film};
 
 const OPTIONS: FilmOptions = FilmOptions { accuracy: 1e-6 };
 
@@ -17,7 +18,6 @@ fn rectangle(length: f64, width: f64, rows: usize, columns: usize, peak: f64) ->
         columns,
         pressure.collect(),
     )
-    .expect("a map")
 }
 
 /// An ellipse with Hertz's pressures.
@@ -33,7 +33,6 @@ fn ellipse(length: f64, width: f64, rows: usize, columns: usize, peak: f64) -> P
         columns,
         pressure.collect(),
     )
-    .expect("a map")
 }
 
 /// Friction and mean thickness of the strip over those of the plane film, less 1, extrapolated to cells of no width: the error of

@@ -4,14 +4,12 @@ use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 
-use super::march::Film;
-use super::march::Track;
-use super::march::along;
+use kufe_sled::friction::Error;
+use kufe_sled::friction::film::{
+    Film, FilmConditions, FilmOptions, Properties, Strip, film_with_outflow,
+};
+
 use super::pressure_map::PressureMap;
-use super::properties::Properties;
-use super::properties::Strip;
-use super::properties::{FilmConditions, FilmOptions};
-use crate::friction::error::Error;
 
 /// Most passes between film and Reynolds equation.
 const MOST_PASSES: usize = 100;
@@ -33,7 +31,7 @@ pub struct ReynoldsFilm {
 
 /// The melt film on `map` with the two-dimensional Reynolds equation in place of the closure of a long strip.
 ///
-/// Thickness `h(xi)` is even across each row, melts and freezes as in [`film`](super::film), and carries each row's load:
+/// Thickness `h(xi)` is even across each row, melts and freezes as in [`film`](kufe_sled::friction::film::film), and carries each row's load:
 ///
 /// ```text
 /// div( h^3/(12 mu) grad p_f ) = (V/2) dh/dxi - (rho_i/rho_w) v_m,   p_f = 0 at the rim,   mean of p_f = mean of p in each row
@@ -44,24 +42,20 @@ pub struct ReynoldsFilm {
 /// patches at least as many cells long as wide.
 ///
 /// # Errors
-/// As [`film`](super::film); [`Error::NotConverged`] also where film and pressure do not settle.
+/// As [`film`](kufe_sled::friction::film::film); [`Error::NotConverged`] also where film and pressure do not settle.
 pub fn reynolds_film(
     map: &PressureMap,
     conditions: &FilmConditions,
     properties: &Properties,
     options: &FilmOptions,
 ) -> Result<ReynoldsFilm, Error> {
-    conditions.check()?;
-    properties.check()?;
-    options.check()?;
     let strip = map.strip()?;
     let rows = map.rows();
     let mut outflow = strip.pressure().to_vec();
     let mut before: Option<Vec<f64>> = None;
     let mut change = f64::INFINITY;
     for passes in 1..=MOST_PASSES {
-        let track = Track::new(&strip, conditions, properties, outflow.clone());
-        let film = along(&track, options)?;
+        let film = film_with_outflow(&strip, outflow.clone(), conditions, properties, options)?;
         let h: Vec<f64> = film.stations[..rows].iter().map(|s| s.thickness).collect();
         let losses = Losses::of(map, &h, &strip.pressure()[1..=rows])?;
         if let Some(before) = &before {

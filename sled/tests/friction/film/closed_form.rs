@@ -2,8 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::properties::FilmConditions;
-use super::properties::Properties;
+use kufe_sled::friction::film::{FilmConditions, Properties};
 
 /// Thickness at which melting and squeeze-out are in balance, all friction heat melting [m].
 ///
@@ -49,7 +48,7 @@ pub fn melt_and_squeeze_friction(
 ///
 /// The viscosity drops out. 0 where the ice is at its melting point.
 pub fn cold_friction(l: f64, p: f64, conditions: &FilmConditions, properties: &Properties) -> f64 {
-    let warmed = properties.melting_temperature(p) - conditions.ice_temperature;
+    let warmed = properties.melting_temperature(p) - conditions.ice_c;
     let spread = PI * properties.ice_diffusivity() * l * conditions.v;
     if warmed > 0.0 && properties.ice_conductivity > 0.0 {
         2.0 * properties.ice_conductivity * warmed / (p * spread.sqrt())
@@ -74,7 +73,7 @@ pub fn self_similar_start(
     properties: &Properties,
 ) -> f64 {
     let v = conditions.v;
-    let warmed = properties.melting_temperature(pressure) - conditions.ice_temperature;
+    let warmed = properties.melting_temperature(pressure) - conditions.ice_c;
     let heat = properties.heat_of_water();
     let mut c = 0.0;
     if properties.ice_conductivity > 0.0 {
@@ -102,16 +101,6 @@ pub fn self_similar_start(
 ///
 /// The factor is exactly 1 where `p` [Pa] is the pressure averaged over the width (8/12 of it stands for the peak, which is 3/2 of
 /// the mean). Source: the squeeze film between parallel plates, O. Reynolds, Phil. Trans. R. Soc. 177 (1886).
-///
-/// ```
-/// let s = kufe_sled::friction::film::squeeze_out_rate(10.0e6, 0.5e-6, 1.0e-3, 1.79e-3);
-/// assert!((film_mean(s) / 10.0e6 - 1.0).abs() < 1e-6);
-/// // The parabola's mean, summed over the width.
-/// fn film_mean(s: f64) -> f64 {
-///     let at = |i: i32| (i as f64 + 0.5) / 1000.0 * 1.0e-3 - 0.5e-3;
-///     (0..1000).map(|i| kufe_sled::friction::film::film_pressure(at(i), s, 0.5e-6, 1.0e-3, 1.79e-3)).sum::<f64>() / 1000.0
-/// }
-/// ```
 pub fn squeeze_out_rate(p: f64, h: f64, w: f64, viscosity: f64) -> f64 {
     p * h.powi(3) / (viscosity * w * w)
 }
@@ -121,4 +110,13 @@ pub fn squeeze_out_rate(p: f64, h: f64, w: f64, viscosity: f64) -> f64 {
 /// 0 at the sides `y = +-w/2`.
 pub fn film_pressure(y: f64, s: f64, h: f64, w: f64, viscosity: f64) -> f64 {
     6.0 * viscosity * s / h.powi(3) * (0.25 * w * w - y * y)
+}
+
+#[test]
+fn the_parabola_has_the_mean_pressure_of_the_squeeze_out() {
+    let s = squeeze_out_rate(10.0e6, 0.5e-6, 1.0e-3, 1.79e-3);
+    let at = |i: i32| (f64::from(i) + 0.5) / 1000.0 * 1.0e-3 - 0.5e-3;
+    let pressures = (0..1000).map(|i| film_pressure(at(i), s, 0.5e-6, 1.0e-3, 1.79e-3));
+    let mean = pressures.sum::<f64>() / 1000.0;
+    assert!((mean / 10.0e6 - 1.0).abs() < 1e-6, "{mean}");
 }
