@@ -11,7 +11,8 @@ pub struct Line {
     pub points: Vec<[f64; 2]>,
 }
 
-/// Lines over the size of what was measured, both axes logarithmic; `label` is what y is, with its unit.
+/// Lines over the size of what was measured, both axes logarithmic; `label` is what y is, with its
+/// unit.
 pub fn growth_panel(title: &str, label: &str, lines: Vec<Line>) -> Panel {
     let layers = lines.into_iter().zip(PALETTE).flat_map(|(line, colour)| {
         let points = || line.points.iter().map(|point| (point[0], point[1]));

@@ -105,9 +105,8 @@ impl Discovery {
 
     /// The report as a page.
     #[getter]
-    fn html(&self) -> PyResult<String> {
-        let data = self.report.page_data().map_err(bad_input)?;
-        Ok(kufe::report::discovery_page(&data))
+    fn html(&self) -> String {
+        kufe::report::discovery_page(&self.report)
     }
 
     fn __repr__(&self) -> String {

@@ -104,17 +104,15 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if !report.gaps.is_empty() {
         warn(&kufe_sled::gaps_line(&report.gaps));
     }
-    let document = serde_json::to_value(&report).map_err(Failure::bad_input)?;
-    let page = report.page_data().map_err(Failure::bad_input)?;
-    output.text("report.html", &kufe::report::discovery_page(&page))?;
+    output.text("report.html", &kufe::report::discovery_page(&report))?;
     output.text("model.next.toml", &next)?;
     if let Some(case) = case {
         output.text("case.next.toml", &case)?;
     }
-    output.json("report.json", &document)?;
+    let json = output.json("report.json", &report)?;
     output.commit()?;
     if global.json {
-        say(&format!("{document:#}\n"));
+        say(&json);
     } else if !global.quiet {
         tell(&report, &args.out);
     }

@@ -1,7 +1,7 @@
 //! The kinds of data of a campaign, their fits, and what they say of one effect.
 
 use crate::error::Error;
-use crate::finding::report::{Fitted, HeldOut};
+use crate::finding::{Fitted, HeldOut};
 use crate::joint::combine::{parted, together};
 use crate::joint::kept::Part;
 use crate::options::Options;

@@ -6,7 +6,7 @@
 //! effect are combined.
 
 use crate::error::Error;
-use crate::finding::report::Rival;
+use crate::finding::Rival;
 use crate::joint::combine::{chance, gain, parted};
 use crate::joint::kinds::{Joint, JointFit, Origin};
 use crate::procedure::beside::Amount;

@@ -1,7 +1,7 @@
 //! Classes split and chances combined, by kinds of data whose every word is stated.
 
 use crate::error::Error;
-use crate::finding::report::Rival;
+use crate::finding::Rival;
 use crate::joint::kept::{Kept, Part};
 use crate::joint::kinds::{Joint, JointFit, PartFit};
 use crate::options::Options;

@@ -1,6 +1,6 @@
 //! What a campaign's report tells: every kind's own part side by side, and one next model.
 
-use crate::finding::report::{Fitted, OfKind};
+use crate::finding::{Fitted, OfKind};
 use crate::joint::kinds::{Joint, PRESSURES, Said};
 use crate::procedure::evidence::{Account, Description, Words};
 

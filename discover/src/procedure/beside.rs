@@ -1,7 +1,7 @@
 //! What one kind of data of a campaign tells the others.
 
 use crate::error::Error;
-use crate::finding::report::Fitted;
+use crate::finding::Fitted;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Claim, Evidence};
 

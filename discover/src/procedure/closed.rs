@@ -1,6 +1,6 @@
 //! How much of the gap that can be explained is closed, seen along the direction in which it can.
 
-use crate::finding::report::Interval;
+use crate::finding::Interval;
 
 /// What the rows hold to judge by; all entries in units of their standard deviations.
 pub struct ClosedGap<'a> {

@@ -1,9 +1,9 @@
 //! What a search asks of data, whatever their kind.
 
 use crate::error::Error;
-use crate::finding::next_runs::NextRuns;
-use crate::finding::picture::Picture;
-use crate::finding::report::{
+use crate::finding::NextRuns;
+use crate::finding::Picture;
+use crate::finding::{
     Baseline, Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, ModelKind, Remaining,
     Rival, Step, Tolerated, Withheld,
 };

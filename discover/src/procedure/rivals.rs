@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::finding::report::Rival;
+use crate::finding::Rival;
 
 /// When a rival belongs to the class.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! The search: fit, screen, claim, add, refit, screen again; at the end, once, the locked-away data.
 
 use crate::error::Error;
-use crate::finding::report::{Interval, Report, Step};
+use crate::finding::{Interval, Report, Step};
 use crate::options::Options;
 use crate::procedure::evidence::{Account, Claim, Evidence};
 use crate::procedure::outlast::outlast;
@@ -70,7 +70,11 @@ pub fn search_evidence<E: Evidence>(
             // Another stretch or another amplitude of an effect belongs to the same step.
             Some(known) => {
                 let place = added.place.unwrap_or_default();
-                account.steps[known].join(&place, added.gap[1]);
+                let step = &mut account.steps[known];
+                if !place.is_empty() {
+                    step.place = format!("{}; {place}", step.place);
+                }
+                step.gap_after = added.gap[1];
                 account.remarks.extend(claim.remark);
             }
             None => {
@@ -209,7 +213,7 @@ fn step<A>(claim: Claim<A>, place: Option<String>, [gap_before, gap_after]: [f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::finding::report::Verdict;
+    use crate::finding::Verdict;
     use crate::procedure::candidate::Candidate;
     use crate::procedure::evidence::{Added, Description, Opened, Randomised, Screen};
     use crate::procedure::lowered::Lowered;

@@ -2,7 +2,7 @@
 
 use kufe::plot::{number4, quantity};
 
-use crate::finding::report::{Baseline, HeldOut, Interval, Remaining, Step, Verdict};
+use crate::finding::{Baseline, HeldOut, Interval, Remaining, Step, Verdict};
 use crate::procedure::evidence::{Account, Words};
 
 /// One sentence for the top of the report.

@@ -2,8 +2,8 @@
 
 use kufe::plot::number4;
 
-use crate::finding::next_runs::NextRuns;
-use crate::finding::report::{Bin, Verdict};
+use crate::finding::NextRuns;
+use crate::finding::{Bin, Verdict};
 use crate::procedure::evidence::{Account, Description};
 
 /// The outcome in one word.

@@ -117,7 +117,8 @@ fn grouped(
         .collect()
 }
 
-/// Relative loss increases (front, rear, air, total), a box for each name that `by` gives: a driver or a track.
+/// Relative loss increases (front, rear, air, total), a box for each name that `by` gives: a driver
+/// or a track.
 pub fn energy_picture(
     title: &str,
     runs: &[RunEvaluation],
@@ -137,7 +138,8 @@ pub fn energy_picture(
     Figure::new(1500.0, format!("{title} ({MEANING})")).row(400.0, panels)
 }
 
-/// Steering and slip angles by driver: their distributions, and the shares above 2 and 4 degrees by run.
+/// Steering and slip angles by driver: their distributions, and the shares above 2 and 4 degrees by
+/// run.
 pub fn angle_picture(runs: &[RunEvaluation]) -> Figure {
     type Angle = fn(&DrivingForce) -> f64;
     type Shares = fn(&RunEvaluation) -> &Angles;

@@ -8,11 +8,11 @@ use kufe_sled::quantile;
 
 use crate::plot::{Axis, Colour, Figure, INK, Layer, PALETTE, Panel, Point, Symbol};
 
-/// Kinetic energy, potential energy and work on the air of a gliding run, their sum, and the fitted line whose slope is
-/// the friction of the ice.
+/// Kinetic energy, potential energy and work on the air of a gliding run, their sum, and the fitted
+/// line whose slope is the friction of the ice.
 ///
-/// Energies are relative to the start of the glide; the sum falls by the work on the ice. The section that the line is
-/// fitted to is shaded.
+/// Energies are relative to the start of the glide; the sum falls by the work on the ice. The
+/// section that the line is fitted to is shaded.
 pub fn glide_picture(house: &IceHouse, run: &GlideRun) -> Figure {
     let potential = house.potential(run);
     let start = run.line.at(0.0);
@@ -58,8 +58,8 @@ pub fn glide_picture(house: &IceHouse, run: &GlideRun) -> Figure {
     Figure::new(900.0, title).row(420.0, [panel])
 }
 
-/// The coefficient of friction over the peak pressure: specimens with both standard deviations, the fit with its
-/// confidence band, and the law with its largest value, as simulations use it.
+/// The coefficient of friction over the peak pressure: specimens with both standard deviations, the
+/// fit with its confidence band, and the law with its largest value, as simulations use it.
 pub fn mu_picture(experiments: &[Experiment], fit: &MuFit, law: &PressureLaw) -> Figure {
     let mega = |pa: f64| 1e-6 * pa;
     let ends = |side: f64| {
@@ -134,8 +134,8 @@ pub fn mu_picture(experiments: &[Experiment], fit: &MuFit, law: &PressureLaw) ->
 /// Most points of a panel; more would only hide one another.
 const MOST_POINTS: usize = 6000;
 
-/// Lateral force over slip angle, measured and fitted: a panel for each third of the samples by their normal force,
-/// with the fitted law at the mean load of each.
+/// Lateral force over slip angle, measured and fitted: a panel for each third of the samples by
+/// their normal force, with the fitted law at the mean load of each.
 pub fn fit_picture(runner: &str, samples: &[LateralSample], law: &MagicFormula) -> Figure {
     let sorted = |of: fn(&LateralSample) -> f64| {
         let mut values: Vec<f64> = samples.iter().map(of).collect();

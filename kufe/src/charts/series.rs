@@ -84,8 +84,8 @@ pub fn run_picture(run: &Prepared) -> Figure {
     })
 }
 
-/// Speed, its difference, time lost, slip angle, yaw rate and roll split of run and model over the distance; shaded
-/// where run and model differ.
+/// Speed, its difference, time lost, slip angle, yaw rate and roll split of run and model over the
+/// distance; shaded where run and model differ.
 pub fn replay_picture(replay: &Replay) -> Figure {
     let over_distance = |name, colour, value: &dyn Fn(&Compared) -> f64| {
         line(name, colour, &replay.pieces, |i| {
@@ -137,7 +137,8 @@ pub fn replay_picture(replay: &Replay) -> Figure {
         })
 }
 
-/// Lateral force of a run over time, measured and by the model, with the largest differences marked.
+/// Lateral force of a run over time, measured and by the model, with the largest differences
+/// marked.
 pub fn lateral_force_picture(run: &RunValidation) -> Figure {
     let over_time = |name, colour, value: fn(&LateralForce) -> f64| {
         line(name, colour, &run.pieces, |i| {
@@ -175,7 +176,8 @@ pub fn lateral_force_picture(run: &RunValidation) -> Figure {
         .row(220.0, [panel("time [s]", "difference [N]", difference)])
 }
 
-/// Actual and ideal force against the motion over the distance of a run, with the slip angles below.
+/// Actual and ideal force against the motion over the distance of a run, with the slip angles
+/// below.
 pub fn force_picture(run: &RunEvaluation) -> Figure {
     let over_distance = |name, colour, value: fn(&DrivingForce) -> f64| {
         line(name, colour, &run.pieces, |i| {

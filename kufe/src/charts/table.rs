@@ -26,12 +26,14 @@ pub struct Slice {
     pub rocker_radius: Option<f64>,
     /// Speed where the table has that axis [m/s]; its middle breakpoint where absent.
     pub speed: Option<f64>,
-    /// Temperature of the ice where the table has that axis [C]; its middle breakpoint where absent.
+    /// Temperature of the ice where the table has that axis [C]; its middle breakpoint where
+    /// absent.
     pub ice_c: Option<f64>,
 }
 
 impl Slice {
-    /// The slice of a table: the middle breakpoints where none is stated, nothing where there is no axis.
+    /// The slice of a table: the middle breakpoints where none is stated, nothing where there is no
+    /// axis.
     fn of(self, table: &Table) -> Self {
         let on = |axis: Option<&[f64]>, value: Option<f64>| {
             axis.map(|axis| value.unwrap_or(axis[axis.len() / 2]))
@@ -87,8 +89,8 @@ fn shown_unit(quantity: Quantity) -> (f64, &'static str) {
     }
 }
 
-/// A quantity over curvature and (logarithmic) force: colours and contour lines of the smooth mode, dots at the nodes,
-/// crosses at the checks, and where `samples` of runs are.
+/// A quantity over curvature and (logarithmic) force: colours and contour lines of the smooth mode,
+/// dots at the nodes, crosses at the checks, and where `samples` of runs are.
 ///
 /// # Errors
 /// Those of a table that does not have the slice.
@@ -170,7 +172,7 @@ pub fn table_picture(
             0 => String::new(),
             count => format!(
                 "{count} samples (pink), {} of them outside the table (red)",
-                placed.beyond
+                placed.count_outside
             ),
         },
         x: Axis::new("track curvature [1/m]  (crest < 0 < valley; 0: straight)")
@@ -188,7 +190,7 @@ pub fn table_picture(
     );
     Ok(TablePicture {
         figure: Figure::new(1100.0, title).row(600.0, [panel]).bar(bar),
-        outside: placed.beyond,
+        outside: placed.count_outside,
     })
 }
 
@@ -202,16 +204,18 @@ fn wider([low, high]: [f64; 2], room: f64) -> [f64; 2] {
 
 /// Samples of runs as a picture shows them, place by place.
 struct Samples {
-    /// Forces [N] and curvatures [1/m] of the picture: those of the table, and of samples not far outside.
+    /// Forces [N] and curvatures [1/m] of the picture: those of the table, and of samples not far
+    /// outside.
     fz: [f64; 2],
     curvature: [f64; 2],
     /// Curvature and force of the places with samples in the table.
     inside: Vec<Point>,
-    /// The same of those outside of it, also by speed or temperature; what is farther out is at the border.
+    /// The same of those outside of it, also by speed or temperature; what is farther out is at the
+    /// border.
     outside: Vec<Point>,
     /// Samples, and how many of them are outside.
     count: usize,
-    beyond: usize,
+    count_outside: usize,
 }
 
 impl Samples {
@@ -227,10 +231,10 @@ impl Samples {
         let most = [curvature[0] - room, curvature[1] + room];
         let curvature = extended(curvature, most, samples.iter().map(|s| s.curvature));
         let mut places = [BTreeSet::new(), BTreeSet::new()];
-        let mut beyond = 0;
+        let mut count_outside = 0;
         for sample in samples {
             let outside = interpolator.at(*sample).out_of_range;
-            beyond += usize::from(outside);
+            count_outside += usize::from(outside);
             let x = (sample.curvature - curvature[0]) / (curvature[1] - curvature[0]);
             let y = (sample.fz.max(fz[0]) / fz[0]).ln() / (fz[1] / fz[0]).ln();
             let place = |share: f64| (share.clamp(0.0, 1.0) * PLACES) as u32;
@@ -250,7 +254,7 @@ impl Samples {
             inside,
             outside,
             count: samples.len(),
-            beyond,
+            count_outside,
         }
     }
 }
@@ -290,7 +294,7 @@ mod tests {
             at(f64::NAN, 0.01),
         ];
         let found = Samples::new(&samples, &lookup, [500.0, 4000.0], [0.0, 0.02]);
-        assert_eq!((found.count, found.beyond), (5, 3));
+        assert_eq!((found.count, found.count_outside), (5, 3));
         assert_eq!((found.inside.len(), found.outside.len()), (1, 2));
         assert_eq!(found.fz, [125.0, 6000.0]);
         assert_eq!(found.curvature, [0.0, 0.03]);

@@ -2,8 +2,8 @@
 
 /// Segments of the line where values on a grid equal `level`, in columns and rows of the grid.
 ///
-/// Each square of four nodes gives its crossings by linear interpolation; the two segments of a saddle are paired by
-/// the mean of the square.
+/// Each square of four nodes gives its crossings by linear interpolation; the two segments of a
+/// saddle are paired by the mean of the square.
 pub fn contour(
     [columns, rows]: [usize; 2],
     value: impl Fn(usize, usize) -> f64,
@@ -12,7 +12,8 @@ pub fn contour(
     let mut segments = Vec::new();
     for j in 0..rows.saturating_sub(1) {
         for i in 0..columns.saturating_sub(1) {
-            // Corners counter-clockwise from the lower left; edge k runs from corner k to corner k + 1.
+            // Corners counter-clockwise from the lower left; edge k runs from corner k to corner k
+            // + 1.
             let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
             let values = corners.map(|(i, j)| value(i, j));
             let above = values.map(|value| value > level);

@@ -172,7 +172,8 @@ pub enum Mark {
     },
     /// A filled polygon.
     Area(Vec<Point>),
-    /// Coloured cells, row by row from the upper left, between two values of x and two of y, equally spaced on the axes.
+    /// Coloured cells, row by row from the upper left, between two values of x and two of y,
+    /// equally spaced on the axes.
     Map {
         /// Left and right end, lower and upper end.
         window: [[f64; 2]; 2],
@@ -351,7 +352,8 @@ impl ColourBar {
         ColourBar::new(label, range, viridis)
     }
 
-    /// The colour of a value, that of the nearer end outside of the range; mid-grey of one that is no number.
+    /// The colour of a value, that of the nearer end outside of the range; mid-grey of one that is
+    /// no number.
     pub fn colour(&self, value: f64) -> Rgb {
         let [low, high] = self.range;
         let share = (value - low) / (high - low);

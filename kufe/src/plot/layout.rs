@@ -8,8 +8,8 @@ use crate::plot::font::width;
 use crate::plot::shape::{Place, Shape};
 use crate::plot::ticks::{axis_ticks, decades, short, tick_text};
 
-/// Lengths, as multiples of the size of the letters: a line of text, from an axis to its numbers, at the right of a
-/// panel, from a colour bar to the right edge.
+/// Lengths, as multiples of the size of the letters: a line of text, from an axis to its numbers,
+/// at the right of a panel, from a colour bar to the right edge.
 const LINE: f64 = 1.55;
 const TICK: f64 = 0.4;
 const RIGHT: f64 = 1.4;

@@ -1,9 +1,9 @@
 //! Pictures in one style, as PNG files and as SVG for pages.
 //!
-//! A picture states its data as a [`Figure`]: rows of panels, each with two axes and layers of lines, points, areas,
-//! maps and texts. Layout, ticks, legends, fonts and files are the same for all. Lines and points of a PNG are drawn to
-//! a fraction of a pixel, by an embedded font; an SVG takes the colour of the text of its page, and its texts are
-//! escaped.
+//! A picture states its data as a [`Figure`]: rows of panels, each with two axes and layers of
+//! lines, points, areas, maps and texts. Layout, ticks, legends, fonts and files are the same for
+//! all. Lines and points of a PNG are drawn to a fraction of a pixel, by an embedded font; an SVG
+//! takes the colour of the text of its page, and its texts are escaped.
 //!
 //! | item | purpose |
 //! |---|---|

@@ -171,7 +171,8 @@ impl Bitmap {
         }
     }
 
-    /// Gives each pixel the share of the colour that the line covers of it, once where the line crosses itself.
+    /// Gives each pixel the share of the colour that the line covers of it, once where the line
+    /// crosses itself.
     fn line(&mut self, points: &[Place], colour: Colour, width: f64) {
         let reach = 0.5 * width + 0.5;
         let finite = || {
@@ -265,7 +266,8 @@ mod tests {
         pixels
     }
 
-    /// A line that climbs a pixel in ten is as dark in every column; points rounded to pixels would give stairs.
+    /// A line that climbs a pixel in ten is as dark in every column; points rounded to pixels would
+    /// give stairs.
     #[test]
     fn a_flat_slope_is_drawn_without_stairs_and_not_across_a_gap() {
         let line = Shape::Line {

@@ -72,7 +72,8 @@ pub enum Shape {
     },
 }
 
-/// From the middle height of a text, which is that of its figures, to its baseline, as a share of the em square.
+/// From the middle height of a text, which is that of its figures, to its baseline, as a share of
+/// the em square.
 pub const BASELINE: f64 = 0.36;
 
 /// Lengths of a dash and of the gap behind it.

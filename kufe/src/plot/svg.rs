@@ -25,7 +25,8 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-/// An SVG element for a page; black is the colour of the page's text. `label` is read to those who do not see it.
+/// An SVG element for a page; black is the colour of the page's text. `label` is read to those who
+/// do not see it.
 pub fn svg(shapes: &[Shape], [width, height]: Place, letters: f64, label: &str) -> String {
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\" \

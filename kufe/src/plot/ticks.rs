@@ -47,8 +47,8 @@ pub fn tick_text(value: f64, span: f64) -> String {
     }
 }
 
-/// Once, twice and five times the powers of ten between two positive numbers, over more than three decades the powers
-/// alone; the ends themselves where none lies between.
+/// Once, twice and five times the powers of ten between two positive numbers, over more than three
+/// decades the powers alone; the ends themselves where none lies between.
 pub fn decades([low, high]: [f64; 2]) -> Vec<f64> {
     let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;
     let times: &[f64] = match high / low > 1e3 {

@@ -1,7 +1,5 @@
 //! Units as people write them: files have m2 and deg C.
 
-use serde_json::Value;
-
 /// A unit with powers and degrees by their signs.
 pub fn sign(unit: &str) -> String {
     match unit {
@@ -19,25 +17,8 @@ pub fn sign(unit: &str) -> String {
     letters.collect()
 }
 
-/// A document whose units are so written, wherever a key calls them that.
-pub fn signed(document: &Value) -> Value {
-    match document {
-        Value::Object(fields) => {
-            let each = fields.iter().map(|(key, value)| match value {
-                Value::String(unit) if key == "unit" => (key.clone(), sign(unit).into()),
-                other => (key.clone(), signed(other)),
-            });
-            Value::Object(each.collect())
-        }
-        Value::Array(values) => values.iter().map(signed).collect(),
-        other => other.clone(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-
     use super::*;
 
     #[test]
@@ -53,11 +34,5 @@ mod tests {
         ] {
             assert_eq!(sign(unit), shown);
         }
-        let document =
-            json!({ "unit": "m2", "steps": [{ "unit": "m/s2", "name": "m2", "size": 2 }] });
-        assert_eq!(
-            signed(&document),
-            json!({ "unit": "m²", "steps": [{ "unit": "m/s²", "name": "m2", "size": 2 }] })
-        );
     }
 }

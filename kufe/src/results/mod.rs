@@ -13,6 +13,7 @@
 //! | [`IceHouseResult`] | `icehouse.json` |
 //! | [`LateralFitDocument`], [`Evaluation`], [`Validation`] | `fit.json`, `evaluation.json`, `validation.json` of runs |
 //! | [`Simulation`], [`ReplayResult`] | `simulation.json` |
+//! | [`finding::Report`] | `report.json` of a search for missing effects |
 //! | [`CaseRecord`] | the case within a result |
 //!
 //! ```
@@ -24,6 +25,7 @@
 //! ```
 
 mod contact;
+pub mod finding;
 mod friction;
 mod quantity;
 mod record;

@@ -1,6 +1,8 @@
 //! The page of a finding, as a browser shows it.
 
-use serde_json::json;
+use kufe::results::finding::{
+    Maps, Picture, Place, Plot, Report, Scatter, Series, Strip, StripRun, Verdict,
+};
 
 use crate::kufe::Bench;
 use crate::pages::browser::{Browser, Look, chromium};
@@ -11,19 +13,61 @@ use crate::pages::browser::{Browser, Look, chromium};
 fn a_findings_pictures_are_whole_and_legible_on_a_phone() {
     let Some(program) = chromium() else { return };
     let line: Vec<f64> = (0..100).map(|k| f64::from(k % 17) - 8.0).collect();
-    let report = json!({
-        "verdict": "named",
-        "steps": [],
-        "pictures": [
-            { "title": "", "plot": { "kind": "strip", "channel": "yaw", "unit": "N m", "track": "east", "from_m": 0.0, "step_m": 10.0,
-                "places": [{ "effect": "wall-contact", "from": 100.0, "to": 120.0 }],
-                "runs": [{ "run": "a", "session": "d1", "before": line, "after": line }] } },
-            { "title": "speed over v_mps", "plot": { "kind": "scatter", "label": "", "x_name": "v_mps", "y_name": "mu without it [1e-3]",
-                "x": line, "series": [{ "name": "measured", "y": line, "sd": [] }] } },
-            { "title": "row 2", "plot": { "kind": "maps", "nx": 2, "ny": 2, "x0": 0.0, "y0": 0.0, "dx": 1e-3, "dy": 1e-5,
-                "measured": [1e6, 2e6, 3e6, 4e6], "before": [1e6, 2e6, 3e6, 3e6], "after": [1e6, 2e6, 3e6, 4e6] } },
+    let strip = Strip {
+        channel: "yaw".to_owned(),
+        unit: "N m".to_owned(),
+        track: "east".to_owned(),
+        from_m: 0.0,
+        step_m: 10.0,
+        places: vec![Place {
+            effect: "wall-contact".to_owned(),
+            from: 100.0,
+            to: 120.0,
+        }],
+        runs: vec![StripRun {
+            run: "a".to_owned(),
+            session: "d1".to_owned(),
+            before: line.clone(),
+            after: line.clone(),
+        }],
+    };
+    let scatter = Scatter {
+        label: String::new(),
+        x_name: "v_mps".to_owned(),
+        y_name: "mu without it [1e-3]".to_owned(),
+        x: line.clone(),
+        series: vec![Series {
+            name: "measured".to_owned(),
+            y: line,
+            sd: Vec::new(),
+        }],
+        curve: None,
+    };
+    let maps = Maps {
+        nx: 2,
+        ny: 2,
+        x0: 0.0,
+        y0: 0.0,
+        dx: 1e-3,
+        dy: 1e-5,
+        measured: vec![1e6, 2e6, 3e6, 4e6],
+        before: vec![1e6, 2e6, 3e6, 3e6],
+        after: vec![1e6, 2e6, 3e6, 4e6],
+    };
+    let picture = |title: &str, plot: Plot| Picture {
+        title: title.to_owned(),
+        caption: String::new(),
+        plot,
+    };
+    let report = Report {
+        verdict: Verdict::Named,
+        pictures: vec![
+            picture("", Plot::Strip(strip)),
+            picture("speed over v_mps", Plot::Scatter(scatter)),
+            picture("row 2", Plot::Maps(maps)),
         ],
-    });
+        ..Report::default()
+    };
     let bench = Bench::new();
     bench.write("finding.html", kufe::report::discovery_page(&report));
     let page = bench.path("finding.html");

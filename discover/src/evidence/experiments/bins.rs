@@ -4,7 +4,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::evidence::experiments::fit::{Fit, Setting};
 use crate::evidence::experiments::rows::Row;
-use crate::finding::report::Bin;
+use crate::finding::Bin;
 use crate::procedure::rules::ExperimentRules;
 
 /// Bins of measured less fitted mu that stand out, strongest first; p-values hold over all bins (Bonferroni).

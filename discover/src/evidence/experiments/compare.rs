@@ -4,7 +4,7 @@ use crate::evidence::experiments::candidates::FrictionChange;
 use crate::evidence::experiments::fit::{Fit, Setting, fit};
 use crate::evidence::experiments::rows::Row;
 use crate::evidence::experiments::screen::TableScreen;
-use crate::finding::report::Rival;
+use crate::finding::Rival;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rivals::NamedEffect;
 use crate::procedure::rules::ExperimentRules;

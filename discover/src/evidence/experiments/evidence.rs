@@ -21,7 +21,7 @@ use crate::evidence::experiments::known::Known;
 use crate::evidence::experiments::pictures::pictures;
 use crate::evidence::experiments::rows::{Row, read};
 use crate::evidence::experiments::screen::{TableScreen, screen_table};
-use crate::finding::report::{ChannelGap, Fitted, HeldOut};
+use crate::finding::{ChannelGap, Fitted, HeldOut};
 use crate::input::table::Table;
 use crate::options::{BEYOND, Options};
 use crate::procedure::beside::Chance;

@@ -5,7 +5,7 @@ use kufe_sled::Model;
 use crate::evidence::experiments::evidence::{Experiments, TableFit};
 use crate::evidence::experiments::fit::{Fit, fit};
 use crate::evidence::experiments::rows::Row;
-use crate::finding::report::{Fitted, Interval};
+use crate::finding::{Fitted, Interval};
 use crate::procedure::closed::ClosedGap;
 use crate::procedure::evidence::Account;
 

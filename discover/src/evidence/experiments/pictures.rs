@@ -1,8 +1,8 @@
-//! mu over pressure, and what is left of it over the columns that the named effects need.
+//! mu over pressure, and its residuals over the columns that the named effects need.
 
 use crate::evidence::experiments::fit::{Fit, Setting};
 use crate::evidence::experiments::rows::Row;
-use crate::finding::picture::{Curve, Picture, Plot, Series};
+use crate::finding::{Curve, Picture, Plot, Scatter, Series};
 
 /// The measured coefficients with the law, and each named effect over its strongest column.
 pub fn pictures(
@@ -45,11 +45,11 @@ fn driven(
     Some(Picture {
         title: format!("{effect} over {column}"),
         caption: format!(
-            "Points: what is left of each row when {effect} is taken out of the model, with a standard deviation. Line: what it adds, \
+            "Points: the residual of each row when {effect} is taken out of the model, with a standard deviation. Line: what it adds, \
              the mean of {ROWS} rows."
         ),
-        plot: Plot::Scatter {
-            label: format!("what is left of mu without {effect}"),
+        plot: Plot::Scatter(Scatter {
+            label: format!("residual of mu without {effect}"),
             x_name: column,
             y_name: "mu without it [1e-3]".to_owned(),
             x,
@@ -67,7 +67,7 @@ fn driven(
                 x: line_x,
                 y: line_y,
             }),
-        },
+        }),
     })
 }
 
@@ -89,7 +89,7 @@ fn law(setting: &Setting, rows: &[Row], first: &Fit) -> Picture {
     Picture {
         title: "Measured friction and the base law".to_owned(),
         caption: String::new(),
-        plot: Plot::Scatter {
+        plot: Plot::Scatter(Scatter {
             label: "friction over pressure".to_owned(),
             x_name: "largest pressure [MPa]".to_owned(),
             y_name: "mu [1e-3]".to_owned(),
@@ -104,7 +104,7 @@ fn law(setting: &Setting, rows: &[Row], first: &Fit) -> Picture {
                 x,
                 y,
             }),
-        },
+        }),
     }
 }
 

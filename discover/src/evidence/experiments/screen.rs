@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use crate::evidence::experiments::candidates::{FrictionChange, sessions};
 use crate::evidence::experiments::fit::{Setting, fit};
 use crate::evidence::experiments::rows::Row;
-use crate::finding::report::Detectable;
+use crate::finding::Detectable;
 use crate::null::gumbel::gumbel_tail;
 use crate::null::random::{normal, shuffle, stream};
 use crate::options::Options;

@@ -5,7 +5,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use crate::error::Error;
 use crate::evidence::maps::simulate::Simulations;
 use crate::evidence::maps::sized::SizedEffects;
-use crate::finding::report::Bin;
+use crate::finding::Bin;
 
 /// Bins of measured less simulated pressure that stand out, strongest first; p-values hold over all bins (Bonferroni).
 ///

@@ -5,7 +5,7 @@ use kufe::case::effects::Effect;
 use crate::evidence::maps::line::LineSearch;
 use crate::evidence::maps::screen::correlation;
 use crate::evidence::maps::simulate::{Misfit, Simulations};
-use crate::finding::report::Rival;
+use crate::finding::Rival;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Claim, Randomised};
 use crate::procedure::rivals::{NamedEffect, RivalRule};

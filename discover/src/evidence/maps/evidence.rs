@@ -28,7 +28,7 @@ use crate::evidence::maps::polish::polish;
 use crate::evidence::maps::screen::{Steps, detectable, screen_maps};
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
-use crate::finding::report::{ChannelGap, Fitted, HeldOut, Interval, Step};
+use crate::finding::{ChannelGap, Fitted, HeldOut, Interval, Step};
 use crate::options::Options;
 use crate::procedure::beside::Beside;
 use crate::procedure::closed::ClosedGap;

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::evidence::maps::simulate::Simulations;
 use crate::evidence::maps::sized::SizedEffects;
-use crate::finding::picture::{Peak, Picture, Plot};
+use crate::finding::{Maps, Peak, Picture, Plot};
 
 /// Most rows of a picture of peaks.
 const MOST_PEAKS: usize = 60;
@@ -36,7 +36,7 @@ pub fn pictures(
             pictures.push(Picture {
                 title: format!("{}, {kind}", simulations.rows[k].name),
                 caption: String::new(),
-                plot: Plot::Maps {
+                plot: Plot::Maps(Maps {
                     nx: measured.nx,
                     ny: measured.ny,
                     x0: measured.x0,
@@ -49,7 +49,7 @@ pub fn pictures(
                         true => Vec::new(),
                         false => after.pressure.clone(),
                     },
-                },
+                }),
             });
         }
     }
@@ -88,6 +88,6 @@ fn peaks(
     Ok((count > 0).then(|| Picture {
         title: "Peak pressure, measured and simulated".to_owned(),
         caption: format!("Bars: two standard deviations of what was measured.{shown}"),
-        plot: Plot::Peaks { rows },
+        plot: Plot::Peaks(rows),
     }))
 }

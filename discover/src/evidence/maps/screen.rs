@@ -7,7 +7,7 @@ use kufe::case::effects::{CATALOGUE, Effect, Growth};
 use crate::evidence::maps::line::LineSearch;
 use crate::evidence::maps::simulate::Simulations;
 use crate::evidence::maps::sized::SizedEffects;
-use crate::finding::report::Detectable;
+use crate::finding::Detectable;
 use crate::options::Options;
 use crate::procedure::rules::Rules;
 

@@ -27,7 +27,7 @@ use crate::evidence::runs::outcome::next_model::next_model;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::recordings::prepare::Data;
-use crate::finding::report::HeldOut;
+use crate::finding::HeldOut;
 use crate::options::Options;
 use crate::procedure::evidence::{
     Account, Added, Choice, Claim, Description, Evidence, Meaning, Opened, Screen, Words,

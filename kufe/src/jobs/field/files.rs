@@ -96,9 +96,10 @@ fn title(solution: &Solution) -> String {
         Length::DESCRIPTION.amount(solution.width),
     )
 }
-/// Writes result.json, pressure.exr, pressure.png, field.vtu, contact.vtp, hull.glb where the shape has ends, and runner.vtu and stress.png where the runner deforms; where it
-/// slides groove.exr, groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files;
-/// with `mat` result.mat. Returns the document and its text.
+/// Writes result.json, pressure.exr, pressure.png, field.vtu, contact.vtp, hull.glb where the shape
+/// has ends, and runner.vtu and stress.png where the runner deforms; where it slides groove.exr,
+/// groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum
+/// shear stress in the VTU files; with `mat` result.mat. Returns the document and its text.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the file that cannot be written.
@@ -126,8 +127,8 @@ pub fn write_contact(
     Ok((result, text))
 }
 
-/// Writes maps, fields and the surfaces, side by side; returns the largest pressure of the map and the largest compressive stress of the
-/// field [Pa].
+/// Writes maps, fields and the surfaces, side by side; returns the largest pressure of the map and
+/// the largest compressive stress of the field [Pa].
 fn fields(output: NewFiles, pressed: &SolvedContact) -> Result<(f64, f64), Failure> {
     let bodies = || rayon::join(|| volumes(output, pressed), || surfaces(output, pressed));
     let (maps, (volumes, surfaces)) = rayon::join(|| maps(output, pressed), bodies);
@@ -167,7 +168,8 @@ fn maps(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
     Ok(largest)
 }
 
-/// Writes the hexahedra of ice and runner; returns the largest compressive stress across the ice's surface [Pa].
+/// Writes the hexahedra of ice and runner; returns the largest compressive stress across the ice's
+/// surface [Pa].
 fn volumes(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
     let shear = pressed.line.is_some();
     let solution = &pressed.solution;
@@ -204,7 +206,8 @@ fn surfaces(output: NewFiles, pressed: &SolvedContact) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes every key of result.json as a variable and the map of pressure.exr: `x_m` and `y_m`, the pixels' centres, and `pressure_pa`, `map_gap_m` and
+/// Writes every key of result.json as a variable and the map of pressure.exr: `x_m` and `y_m`, the
+/// pixels' centres, and `pressure_pa`, `map_gap_m` and
 /// `map_uz_m`, rows along y and columns along x as `surf(x_m, y_m, pressure_pa)` takes them.
 ///
 /// # Errors

@@ -9,7 +9,8 @@ use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point};
 /// Places between two stations at which a line between them is drawn.
 const BETWEEN: u32 = 16;
 
-/// The three pictures one below the other; dots are at the nodes of the mesh, and at the stations of the film.
+/// The three pictures one below the other; dots are at the nodes of the mesh, and at the stations
+/// of the film.
 pub fn groove_picture(pressed: &SolvedContact, slid: &SolvedSliding) -> Figure {
     let groove = &slid.groove;
     let widths = groove.sections.iter().map(|section| section.width);
@@ -57,8 +58,8 @@ fn deepest_line(pressed: &SolvedContact, slid: &SolvedSliding) -> Vec<Point> {
         .collect()
 }
 
-/// Film, pressure and width over the stations. Between these the film's strip takes the pressure as linear, and the
-/// square of the width.
+/// Film, pressure and width over the stations. Between these the film's strip takes the pressure as
+/// linear, and the square of the width.
 fn along(slid: &SolvedSliding) -> Vec<Line> {
     let stations = &slid.film.film.stations;
     let dots = |value: fn(&FilmStation) -> f64| -> Vec<Point> {

@@ -135,7 +135,8 @@ mod tests {
             panic!("{:?}", panel.layers[1]);
         };
         assert_eq!(*window, [x, y]);
-        // The ellipse of half axes 25 and 0.14 mm covers this share of a window of 75 x 0.7 mm, but for its edge.
+        // The ellipse of half axes 25 and 0.14 mm covers this share of a window of 75 x 0.7 mm, but
+        // for its edge.
         let share = std::f64::consts::PI * 25.0 * 0.14 / (75.0 * 0.7);
         let coloured = cells.iter().flatten().count() as f64 / cells.len() as f64;
         assert!((coloured / share - 1.0).abs() < 0.01, "{coloured} {share}");

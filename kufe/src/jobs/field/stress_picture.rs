@@ -26,8 +26,8 @@ const TETRAHEDRA: [[usize; 4]; 6] = [
 /// Place [mm] and stress [MPa] of a corner in a section's own plane.
 type Corner = [f64; 3];
 
-/// The section along and the one across, and of that what is near the largest stress; where mirror planes were used,
-/// with the images.
+/// The section along and the one across, and of that what is near the largest stress; where mirror
+/// planes were used, with the images.
 pub fn stress_picture(field: &RunnerField, loads: &RunnerLoads, mirrored: [bool; 2]) -> Figure {
     let section = |axis| Section::new(&field.mesh, loads, axis, mirrored);
     let (along, across) = (section(1), section(0));
@@ -238,7 +238,8 @@ mod tests {
         (HexMesh { points, cells }, stress)
     }
 
-    /// A plane within, one through nodes, and those at both ends: a whole unit square each, with the linear field on it.
+    /// A plane within, one through nodes, and those at both ends: a whole unit square each, with
+    /// the linear field on it.
     #[test]
     fn a_section_is_whole_wherever_it_lies_and_has_the_stress_there() {
         let (mesh, von_mises_at_nodes) = bricks();

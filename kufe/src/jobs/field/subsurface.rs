@@ -26,8 +26,8 @@ const REACH: f64 = 6.0;
 /// Depths at which a curve is drawn.
 const DRAWN: u32 = 400;
 
-/// Maximum shear, von Mises and vertical stress against the depth: dots at the middles of the cells, and between them
-/// the stress by [`CentreLine::stress_at`].
+/// Maximum shear, von Mises and vertical stress against the depth: dots at the middles of the
+/// cells, and between them the stress by [`CentreLine::stress_at`].
 pub fn subsurface_picture(line: &CentreLine) -> Figure {
     let last = line.depth.last().copied().unwrap_or(1.0);
     let reach = line

@@ -1,14 +1,9 @@
 //! What a search for missing effects has found, as a page without scripts.
 
-mod bars;
-mod data;
-mod diagram;
-mod maps;
 mod page;
 mod parts;
-mod peaks;
+mod pictures;
 mod sections;
-mod strip;
 mod summary;
 
 pub use page::discovery_page;

@@ -2,163 +2,179 @@
 
 use std::fmt::Write as _;
 
-use crate::plot::quantity;
-use serde_json::Value;
-
-use super::bars;
-use super::data::Data;
-use super::diagram::{diagram, wide_diagram};
-use super::maps::comparison;
-use super::parts::{fold, list};
-use super::peaks::peaks;
-use super::sections::{bins, detectable, next_runs, parameters, runs, step};
-use super::strip::strip;
-use super::summary::summary;
-use crate::report::page::{escape, plain_page};
-use crate::report::sign::signed;
+use crate::plot::escape;
+use crate::report::discovery::parts::{amount, fold, list};
+use crate::report::discovery::pictures::{gaps, models, picture};
+use crate::report::discovery::sections::{bins, detectable, next_runs, parameters, runs, step};
+use crate::report::discovery::summary::summary;
+use crate::report::page::plain_page;
+use crate::results::finding::{Picture, Plot, Report, Strip};
 
 /// The page of a search for missing effects: one HTML file without scripts.
-///
-/// `report` is what `kufe discover` writes to `report.json`, with its `pictures` beside: each has a `title` and a `plot`,
-/// whose `kind` is `strip` (`runs` along a track, `places`), `scatter` (`x`, `y`, `series`, a `curve` or `zero`), `maps` (a
-/// measured and simulated maps on one grid) or `peaks` (`rows` with their largest pressures).
-pub fn discovery_page(report: &Value) -> String {
-    let report = signed(report);
-    let report = Data(&report);
+pub fn discovery_page(report: &Report) -> String {
     let mut out = String::new();
     summary(&mut out, report);
-    let (strips, others): (Vec<Data>, Vec<Data>) = report
-        .list("pictures")
-        .into_iter()
-        .partition(|picture| picture.part("plot").text("kind") == "strip");
-    along_tracks(&mut out, strips);
-    figures(&mut out, &others);
-    for (number, one) in report.list("steps").iter().enumerate() {
-        step(&mut out, number + 1, *one, report);
+    along_tracks(&mut out, &report.pictures);
+    figures(&mut out, &report.pictures);
+    for (k, one) in report.steps.iter().enumerate() {
+        step(&mut out, k + 1, one, report);
     }
     details(&mut out, report);
     let _ = writeln!(
         out,
         "<p><small>kufe {}, seed {}, data: {}</small></p>",
-        escape(report.text("version")),
-        report.count("seed"),
-        escape(report.text("data"))
+        escape(&report.version),
+        report.seed,
+        escape(&report.data)
     );
-    plain_page("What the model lacks", &out)
+    plain_page("What the model does not explain", &out)
 }
 
-/// What is left along the track where most effects are; along others, folded.
-fn along_tracks(out: &mut String, strips: Vec<Data>) {
-    let mut plots: Vec<Data> = strips.iter().map(|strip| strip.part("plot")).collect();
-    plots.sort_by_key(|plot| std::cmp::Reverse(plot.list("places").len()));
-    let mut plots = plots.into_iter();
-    if let Some(first) = plots.next() {
-        out.push_str(&strip(first));
-    }
-    for plot in plots {
-        let title = format!("The same along track {}", plot.text("track"));
-        fold(out, &title, |out| out.push_str(&strip(plot)));
+/// Residuals along the track with most effects; along the others, folded.
+fn along_tracks(out: &mut String, pictures: &[Picture]) {
+    let strips = pictures.iter().filter_map(|picture| match &picture.plot {
+        Plot::Strip(strip) => Some((strip, &picture.plot)),
+        _ => None,
+    });
+    let mut strips: Vec<(&Strip, &Plot)> = strips.collect();
+    strips.sort_by_key(|(strip, _)| std::cmp::Reverse(strip.places.len()));
+    for (k, (strip, plot)) in strips.into_iter().enumerate() {
+        let drawn = picture(plot, false);
+        match k {
+            0 => out.push_str(&drawn),
+            _ => fold(
+                out,
+                &format!("The same along track {}", strip.track),
+                |out| {
+                    out.push_str(&drawn);
+                },
+            ),
+        }
     }
 }
 
 /// Diagrams side by side, maps one below the other.
-fn figures(out: &mut String, pictures: &[Data]) {
-    if pictures.is_empty() {
-        return;
-    }
-    out.push_str("<div class=\"figures\">\n");
-    let is_whole = |picture: &&Data| ["maps", "peaks"].contains(&picture.part("plot").text("kind"));
-    // Diagrams stand in pairs; the one that has none beside it is as wide as the page.
-    let single = match pictures.iter().filter(|picture| !is_whole(picture)).count() % 2 {
-        1 => pictures.iter().position(|picture| !is_whole(&picture)),
-        _ => None,
-    };
-    for (k, picture) in pictures.iter().enumerate() {
-        let plot = picture.part("plot");
-        let (class, svg) = match plot.text("kind") {
-            _ if single == Some(k) => (" class=\"whole\"", wide_diagram(plot)),
-            "maps" => (" class=\"whole\"", comparison(plot)),
-            "peaks" => (" class=\"whole\"", peaks(plot)),
-            _ => ("", diagram(plot)),
+fn figures(out: &mut String, pictures: &[Picture]) {
+    let pictures = pictures
+        .iter()
+        .filter(|p| !matches!(p.plot, Plot::Strip(_)));
+    let is_diagram = |picture: &Picture| matches!(picture.plot, Plot::Scatter(_));
+    // Diagrams are in pairs; with an odd number of them the first is as wide as the page.
+    let mut is_single = pictures.clone().filter(|p| is_diagram(p)).count() % 2 == 1;
+    let mut drawn = String::new();
+    for one in pictures {
+        let is_one_of_a_pair = is_diagram(one) && !std::mem::take(&mut is_single);
+        let class = if is_one_of_a_pair {
+            ""
+        } else {
+            " class=\"whole\""
         };
-        let title = escape(picture.text("title"));
-        let _ = writeln!(out, "<div{class}><h2>{title}</h2>\n{svg}");
-        if !picture.text("caption").is_empty() {
-            let caption = escape(picture.text("caption"));
-            let _ = writeln!(out, "<p><small>{caption}</small></p>");
+        let title = escape(&one.title);
+        let svg = picture(&one.plot, is_one_of_a_pair);
+        let _ = writeln!(drawn, "<div{class}><h2>{title}</h2>\n{svg}");
+        if !one.caption.is_empty() {
+            let caption = escape(&one.caption);
+            let _ = writeln!(drawn, "<p><small>{caption}</small></p>");
         }
-        out.push_str("</div>\n");
+        drawn.push_str("</div>\n");
     }
-    out.push_str("</div>\n");
+    if !drawn.is_empty() {
+        let _ = writeln!(out, "<div class=\"figures\">\n{drawn}</div>");
+    }
 }
 
 /// Tables of numbers, folded.
-fn details(out: &mut String, report: Data) {
+fn details(out: &mut String, report: &Report) {
     out.push_str("<h2>In numbers</h2>\n");
-    let baselines = report.list("baselines");
-    if !baselines.is_empty() {
+    if !report.baselines.is_empty() {
         let title = "Three models on data that the search had not seen";
-        out.push_str(&bars::models(title, &baselines));
+        out.push_str(&models(title, &report.baselines));
     }
     fold(out, "The gap before and after, channel by channel", |out| {
-        gaps(out, report);
+        out.push_str(&gaps("On the data it was fitted to", &report.training));
+        let held_out = &report.held_out;
+        if !held_out.channels.is_empty() {
+            let title = "On data that the search had not seen";
+            out.push_str(&gaps(title, &held_out.channels));
+            let _ = writeln!(
+                out,
+                "<p><small>Not seen: {}. Root mean squares; no effect can close the noise.</small></p>",
+                escape(&held_out.runs.join(", "))
+            );
+        }
     });
-    fold(out, "Where it disagrees", |out| {
-        bins(out, &report.list("bins"));
-    });
-    if !report.list("steps").is_empty() {
-        fold(out, "What is left after", |out| {
-            bins(out, &report.list("bins_after"));
+    fold(out, "Where it disagrees", |out| bins(out, &report.bins));
+    if !report.steps.is_empty() {
+        fold(out, "What remains afterwards", |out| {
+            bins(out, &report.bins_after)
         });
     }
-    let plans = report.list("next_runs");
-    if !plans.is_empty() {
+    if !report.next_runs.is_empty() {
         fold(out, "Which runs to drive next", |out| {
-            next_runs(out, &plans)
+            next_runs(out, &report.next_runs)
         });
     }
-    let by_run = report.list("by_run");
-    if by_run.iter().any(|channel| channel.list("runs").len() >= 2) {
-        fold(out, "By run and by session", |out| runs(out, &by_run));
+    if report.by_run.iter().any(|channel| channel.runs.len() >= 2) {
+        fold(out, "By run and by session", |out| {
+            runs(out, &report.by_run)
+        });
     }
-    if !report.list("base").is_empty() {
+    if !report.base.is_empty() {
         fold(out, "Base parameters, refitted", |out| {
-            parameters(out, &report.list("base"));
+            parameters(out, &report.base)
         });
     }
-    let tolerated = report.list("within_tolerance").into_iter().map(|part| {
-        let size = quantity(part.number("size"), part.text("unit"));
-        format!("{}: {size}", part.text("what"))
-    });
+    let tolerated = report.within_tolerance.iter();
+    let tolerated =
+        tolerated.map(|part| format!("{}: {}", part.what, amount(part.size, &part.unit)));
     list(out, "Within the tolerance of the installation", tolerated);
-    if !report.list("minimum_detectable").is_empty() {
-        fold(out, "What could be told apart with these data", |out| {
-            detectable(out, &report.list("minimum_detectable"));
+    if !report.minimum_detectable.is_empty() {
+        fold(out, "What these data could distinguish", |out| {
+            detectable(out, &report.minimum_detectable);
         });
     }
-    let untestable = report.list("untestable").into_iter().map(|pair| {
-        let text = |k: usize| pair.0[k].as_str().unwrap_or_default();
-        format!("{}: {}", text(0), text(1))
-    });
+    let untestable = report.untestable.iter();
+    let untestable = untestable.map(|(effect, reason)| format!("{effect}: {reason}"));
     list(out, "Not testable with these data", untestable);
-    let remarks = report.texts("remarks").into_iter();
-    list(out, "Remarks", remarks.map(str::to_owned));
+    list(out, "Remarks", report.remarks.iter().cloned());
 }
 
-fn gaps(out: &mut String, report: Data) {
-    let title = "On the data it was learned from";
-    out.push_str(&bars::gap(title, &report.list("training")));
-    let held_out = report.part("held_out");
-    let channels = held_out.list("channels");
-    if !channels.is_empty() {
-        out.push_str(&bars::gap(
-            "On data that the search had not seen",
-            &channels,
-        ));
-        let _ = writeln!(
-            out,
-            "<p><small>Not seen: {}. Root mean squares; the noise cannot be closed by any effect.</small></p>",
-            escape(&held_out.texts("runs").join(", "))
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::finding::{Scatter, Series};
+
+    #[test]
+    fn names_of_foreign_files_are_text() {
+        let image = "<img src=x onerror=alert(1)>".to_owned();
+        let series = Series {
+            name: image.clone(),
+            y: vec![1.0, 2.0],
+            sd: Vec::new(),
+        };
+        let scatter = Scatter {
+            label: format!("'\"{image}"),
+            x_name: image.clone(),
+            y_name: image.clone(),
+            x: vec![0.0, 1.0],
+            series: vec![series],
+            curve: None,
+        };
+        let report = Report {
+            sentence: image.clone(),
+            remarks: vec![image.clone()],
+            pictures: vec![Picture {
+                title: image.clone(),
+                caption: image,
+                plot: Plot::Scatter(scatter),
+            }],
+            ..Report::default()
+        };
+        let page = discovery_page(&report);
+        assert!(
+            page.matches("onerror").count() > 6 && !page.contains("<img"),
+            "{page}"
         );
+        assert!(page.contains("default-src 'none'; style-src"));
     }
 }

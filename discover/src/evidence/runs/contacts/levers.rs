@@ -7,7 +7,7 @@ use crate::evidence::runs::contacts::of_run::OwnContact;
 use crate::evidence::runs::contacts::own::beneath;
 use crate::evidence::runs::model::residual_model::ChannelRows;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::finding::report::Interval;
+use crate::finding::Interval;
 use crate::null::random::{below, stream};
 
 /// Standard errors from which on a contact is strong: what noise its half wave has followed is a thirtieth of it.

@@ -4,7 +4,7 @@ use kufe_sled::effects::{Active, CATALOGUE, Effect, Kind};
 use kufe_sled::{as_expected, as_of_run, hits_of};
 
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::finding::report::Interval;
+use crate::finding::Interval;
 
 /// Contacts at places of tracks, one effect.
 #[derive(Clone, Debug)]

@@ -3,8 +3,9 @@
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::finding::picture::{Picture, Plot, Series};
-use crate::finding::report::{ContactPlace, DriverContacts, Fitted, RunContact, Step};
+use crate::finding::{
+    ContactPlace, DriverContacts, Fitted, Picture, Plot, RunContact, Scatter, Series, Step,
+};
 
 /// Fewest contacts that a picture is made of.
 const FEWEST: usize = 3;
@@ -18,7 +19,7 @@ impl Campaign<'_> {
         let Some(of_step) = contacts.step.and_then(|step| parameters.get_mut(step)) else {
             return;
         };
-        let fitted = |name: &str, unit: &str, x: &crate::finding::report::Interval| Fitted {
+        let fitted = |name: &str, unit: &str, x: &crate::finding::Interval| Fitted {
             name: name.to_owned(),
             value: x.value,
             low: x.low,
@@ -62,7 +63,7 @@ impl Campaign<'_> {
             (own.len() >= FEWEST).then(|| Picture {
                 title: format!("wall-contact by run on track {track}"),
                 caption: "The force of every contact, as the side balance of its own run shows it. Bars are its standard error, where they are longer than the dot.".to_owned(),
-                plot: Plot::Scatter {
+                plot: Plot::Scatter(Scatter {
                     label: format!("force of each run's contacts on track {track}"),
                     x_name: "distance along the track [m]".to_owned(),
                     y_name: "force [N]".to_owned(),
@@ -73,7 +74,7 @@ series: vec![Series {
                         sd: own.iter().map(|c| c.error_n).collect(),
                     }],
                     curve: None,
-                },
+                }),
             })
         };
         tracks.into_iter().filter_map(picture).collect()

@@ -20,7 +20,7 @@ use crate::evidence::runs::model::residual_model::{
     BALANCES, CHANNEL_NAMES, ChannelRows, ResidualModel,
 };
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::finding::report::{Interval, Remaining};
+use crate::finding::{Interval, Remaining};
 
 /// Places that are listed of each channel.
 const PLACES: usize = 3;

@@ -7,7 +7,7 @@ use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, CHANNELS, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::levels::{f_test, group};
-use crate::finding::report::{ByRun, RunMean};
+use crate::finding::{ByRun, RunMean};
 
 /// One entry a used channel, runs in the order of their sessions.
 pub fn by_run(

@@ -24,7 +24,7 @@ use crate::evidence::runs::model::residual_model::{
 use crate::evidence::runs::outcome::lowered::with_whole_side;
 use crate::evidence::runs::outcome::next_model::next_model;
 use crate::evidence::runs::screen::track::bins::rates;
-use crate::finding::report::{Baseline, Fitted, ModelKind, Withheld};
+use crate::finding::{Baseline, Fitted, ModelKind, Withheld};
 use crate::procedure::evidence::{Account, Choice};
 use crate::procedure::lowered::Lowered;
 use crate::procedure::rules::SearchRules;

@@ -12,7 +12,7 @@ use crate::evidence::runs::outcome::bins::stand_out;
 use crate::evidence::runs::outcome::explained::explainable_closed;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
-use crate::finding::report::{Bin, Fitted, Interval, Step};
+use crate::finding::{Bin, Fitted, Interval, Step};
 use crate::null::clusters::session_numbers;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Dependence, Meaning};

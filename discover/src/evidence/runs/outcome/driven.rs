@@ -12,7 +12,7 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::evidence::runs::recordings::smooth_run::{frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::Surveys;
-use crate::finding::next_runs::NextRuns;
+use crate::finding::NextRuns;
 
 /// What is changed, one thing at a time, against what was usual: what a team can change between two sessions.
 const SPEEDS: [f64; 2] = [0.7, 1.3];

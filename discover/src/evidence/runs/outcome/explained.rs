@@ -9,7 +9,7 @@ use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::finding::report::Interval;
+use crate::finding::Interval;
 use crate::null::random::{below, stream};
 use crate::procedure::rules::RunRules;
 use crate::regression::prior::Prior;

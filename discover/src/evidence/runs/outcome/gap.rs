@@ -9,7 +9,7 @@ use crate::evidence::runs::model::residual_model::{
 };
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::rates;
-use crate::finding::report::ChannelGap;
+use crate::finding::ChannelGap;
 
 /// Residuals of runs as they are judged: of the track channel rates within bins so wide \[m\].
 pub fn judged_rows(model: &ResidualModel, frames: &[Frame], track_bin_m: f64) -> Vec<ChannelRows> {

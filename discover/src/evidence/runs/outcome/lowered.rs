@@ -33,7 +33,7 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::gap::judged_rows;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::{gains, rates};
-use crate::finding::report::Interval;
+use crate::finding::Interval;
 use crate::procedure::lowered::Lowered;
 
 /// What noise alone keeps of a promise ([`kept_promise`]) no more often than it leaves what is normal beyond one standard error:

@@ -9,8 +9,9 @@ use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ChannelRows, ResidualModel};
 use crate::evidence::runs::outcome::bins::COLUMNS;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::finding::picture::{Curve, Picture, Place, Plot, Series, StripRun};
-use crate::finding::report::{ChannelGap, Step};
+use crate::finding::{
+    ChannelGap, Curve, Picture, Place, Plot, Scatter, Series, Step, Strip, StripRun,
+};
 
 /// Places along a track at which a strip has a value, at most.
 const PLACES: usize = 240;
@@ -85,7 +86,7 @@ fn strips(
             strips.push(Picture {
                 title: format!("{channel} on track {track}"),
                 caption: String::new(),
-                plot: Plot::Strip {
+                plot: Plot::Strip(Strip {
                     channel: channel.to_owned(),
                     unit: unit.to_owned(),
                     track: (*track).to_owned(),
@@ -101,7 +102,7 @@ fn strips(
                             after: along(&rows[1][i], &frames[i]),
                         })
                         .collect(),
-                },
+                }),
             });
         }
     }
@@ -196,14 +197,11 @@ fn driven(
     Some(Picture {
         title: format!("{} over {name}", active.effect_name()),
         caption: format!(
-            "Points: what is left on average when {} is taken out of the model, with one standard error over runs. Line: what it adds.",
+            "Points: mean residual when {} is taken out of the model, with one standard error over runs. Line: what it adds.",
             active.effect_name()
         ),
-        plot: Plot::Scatter {
-            label: format!(
-                "what is left of {quantity} without {}",
-                active.effect_name()
-            ),
+        plot: Plot::Scatter(Scatter {
+            label: format!("residual of {quantity} without {}", active.effect_name()),
             x_name: name.to_owned(),
             y_name: format!("{quantity} without it [{unit}]"),
             x: x.clone(),
@@ -223,7 +221,7 @@ fn driven(
                     .collect(),
                 x,
             }),
-        },
+        }),
     })
 }
 

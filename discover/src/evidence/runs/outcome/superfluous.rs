@@ -9,7 +9,7 @@ use crate::evidence::runs::laws::sums::{difference, total};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel, TRACK};
 use crate::evidence::runs::model::whiten::Whitener;
-use crate::finding::report::Step;
+use crate::finding::Step;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, SUPERFLUOUS};
 

@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::evidence::runs::campaign::{BESIDE_INSTALLATION, Campaign, RunFit};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::ResidualModel;
-use crate::finding::report::Tolerated;
+use crate::finding::Tolerated;
 use crate::procedure::evidence::Account;
 
 impl Campaign<'_> {

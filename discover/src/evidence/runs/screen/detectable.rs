@@ -2,7 +2,7 @@
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::screen::residual_screen::RunScreen;
-use crate::finding::report::Detectable;
+use crate::finding::Detectable;
 use crate::procedure::candidate::Candidate;
 
 /// One row a candidate that can be judged.

@@ -14,7 +14,7 @@ use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::screen::residual_screen::{RunScreen, ScreenOptions};
-use crate::finding::report::Rival;
+use crate::finding::Rival;
 use crate::null::clusters::{by_sessions, session_numbers};
 use crate::null::sign_flips::chances_of_gains;
 use crate::procedure::candidate::Candidate;

@@ -3,7 +3,7 @@
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::screen::residual_screen::RunScreen;
-use crate::finding::report::Rival;
+use crate::finding::Rival;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rivals::NamedEffect;
 

@@ -14,7 +14,7 @@ use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel,
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
 use crate::evidence::runs::screen::track::jumps;
-use crate::finding::report::{Fitted, Rival};
+use crate::finding::{Fitted, Rival};
 use crate::options::BEYOND;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Claim, Dependence, Randomised};

@@ -1,19 +1,18 @@
-//! What is written: the verdict, the steps, the gap before and after, and what the data could have shown.
+//! `report.json`: what a search for missing effects has found, with the pictures of its page.
+//!
+//! [`Report`] is the whole document; [`Picture`]s are on the page alone.
 
 use serde::Serialize;
 
-use crate::finding::next_runs::NextRuns;
-use crate::finding::picture::Picture;
-
 /// The outcome in one word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// One effect, told apart from all others.
+    /// One effect, distinguished from all others.
     Named,
     /// One of a class that these data cannot split.
     OneOf,
-    /// A law beyond the catalogue, written as a formula.
+    /// A law outside the catalogue, written as a formula.
     Law,
     /// The conclusion changes with the stated survey deviation.
     DependsOn,
@@ -21,7 +20,8 @@ pub enum Verdict {
     Located,
     /// A misfit that repeats from run to run, without a name or a significant bin.
     Inadequate,
-    /// Nothing stands out.
+    /// Nothing is significant.
+    #[default]
     None,
     /// Something differs, but these data cannot say what.
     NotIdentifiable,
@@ -39,7 +39,7 @@ pub struct Interval {
 }
 
 /// A fitted parameter.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Fitted {
     /// Key, as in `[effects.NAME]`.
     pub name: String,
@@ -79,9 +79,10 @@ pub struct Rival {
     pub t: f64,
     /// What it explains, in units of the noise's variance.
     pub gain: f64,
-    /// Correlation with the named effect beyond the base.
+    /// Partial correlation with the named effect, given the base.
     pub correlation: f64,
-    /// T of the named effect once the rival has taken its part; small: the data cannot tell them apart.
+    /// T of the named effect once the rival has taken its part; small: the data cannot tell them
+    /// apart.
     pub t_of_named_beyond: f64,
     /// Whether it is in the class.
     pub in_class: bool,
@@ -90,7 +91,7 @@ pub struct Rival {
 }
 
 /// One effect found.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Step {
     /// Name.
     pub effect: String,
@@ -103,7 +104,8 @@ pub struct Step {
     /// Where.
     #[serde(rename = "where")]
     pub place: String,
-    /// Beyond the catalogue: the formula as the next model has it, whose unit is that of the step's parameter.
+    /// Outside the catalogue: the formula as the next model has it, whose unit is that of the
+    /// step's parameter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<String>,
     /// p-value over all effects that were tested.
@@ -111,7 +113,8 @@ pub struct Step {
     /// The same where runs are independent of one another; absent where it was judged otherwise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub p_runs: Option<f64>,
-    /// The same where sessions are independent and the runs of one may share a fault; absent with a single session.
+    /// The same where sessions are independent and the runs of one may share a fault; absent with a
+    /// single session.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub p_sessions: Option<f64>,
     /// Parameters.
@@ -122,8 +125,8 @@ pub struct Step {
     pub gap_after: f64,
     /// Unit of the two.
     pub unit: String,
-    /// Share of the explainable gap that is closed on the held-out runs, by all steps of the channel; on the fitted ones where
-    /// there are too few to hold any out.
+    /// Share of the explainable gap that is closed on the held-out runs, by all steps of the
+    /// channel; on the fitted ones where there are too few to hold any out.
     pub explainable_gap_closed: Interval,
     /// The rivals, best first.
     pub rivals: Vec<Rival>,
@@ -142,7 +145,8 @@ pub struct OfKind {
     pub data: String,
     /// Sizes.
     pub parameters: Vec<Fitted>,
-    /// Whether it agrees with the other kinds: the step's parameters are then those of all together.
+    /// Whether it agrees with the other kinds: the step's parameters are then those of all
+    /// together.
     pub agrees: bool,
     /// Gap of this kind's locked-away data before.
     pub gap_before: f64,
@@ -205,16 +209,6 @@ pub struct RunContact {
     pub error_n: f64,
 }
 
-impl Step {
-    /// Another stretch or another amplitude of the same effect.
-    pub(crate) fn join(&mut self, place: &str, gap_after: f64) {
-        if !place.is_empty() {
-            self.place = format!("{}; {place}", self.place);
-        }
-        self.gap_after = gap_after;
-    }
-}
-
 /// The gap on runs that were locked away.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct HeldOut {
@@ -233,7 +227,7 @@ pub struct HeldOut {
 }
 
 /// The gap of one channel.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ChannelGap {
     /// Channel.
     pub channel: String,
@@ -258,7 +252,8 @@ pub struct Remaining {
     pub repeatable: f64,
     /// Its share of what repeats with friction and grip refitted alone, as mean squares.
     pub share: Interval,
-    /// Its share of the whole mean square of the channel; the sensors' noise and what differs from run to run are the rest.
+    /// Its share of the whole mean square of the channel; the sensors' noise and what differs from
+    /// run to run are the rest.
     pub of_misfit: Interval,
     /// Whether that share is small enough for the model to be adequate.
     pub is_small: bool,
@@ -315,20 +310,20 @@ pub struct Detectable {
     pub effect: String,
     /// Parameter.
     pub parameter: String,
-    /// Smallest size that would be claimed nine times in ten.
+    /// Smallest size that would be found nine times in ten.
     pub size: f64,
     /// Unit.
     pub unit: String,
     /// Share of the effect that a refit of the base leaves.
     pub left_after_refit: f64,
-    /// The candidate that looks most like it, and their correlation.
+    /// The candidate that resembles it most.
     pub most_like: String,
-    /// Correlation with it beyond the base.
+    /// Partial correlation with it, given the base.
     pub correlation: f64,
 }
 
-/// A bin in which the residual stands out.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// A bin in which the residual is significant.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Bin {
     /// Channel.
     pub channel: String,
@@ -355,7 +350,8 @@ pub struct ByRun {
     pub channel: String,
     /// Unit of the means.
     pub unit: String,
-    /// Probability that sessions differ this much by chance, before any effect was added; 1 where it cannot be told.
+    /// Probability that sessions differ this much by chance, before any effect was added; 1 where
+    /// it is not known.
     pub sessions_differ_before: f64,
     /// The same after.
     pub sessions_differ_after: f64,
@@ -379,13 +375,14 @@ pub struct RunMean {
 }
 
 /// The whole report.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Report {
     /// The outcome.
     pub verdict: Verdict,
     /// The outcome in a sentence.
     pub sentence: String,
-    /// What share of the repeatable misfit the answer explains, what remains and where; empty where the data are no runs.
+    /// What share of the repeatable misfit the answer explains, what remains and where; empty where
+    /// the data are no runs.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub explained: String,
     /// Whether nothing that repeats from run to run remains above a small share in any channel.
@@ -417,12 +414,13 @@ pub struct Report {
     /// The next runs that would split a class, by simulating them, the best first.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub next_runs: Vec<NextRuns>,
-    /// Base parameters as the next model states them, with intervals for what is true: as wide as what the installation leaves open of
-    /// them, and by as much as its errors, which a model file does not state, have moved them.
+    /// Base parameters as the next model states them, with intervals for what is true: as wide as
+    /// what the installation leaves open of them, and by as much as its errors, which a model file
+    /// does not state, have moved them.
     pub base: Vec<Fitted>,
-    /// Bins that stand out before any effect was added.
+    /// Significant bins before any effect was added.
     pub bins: Vec<Bin>,
-    /// Bins that stand out after.
+    /// Significant bins after.
     pub bins_after: Vec<Bin>,
     /// Mean residuals by run and session; empty where the data are no runs.
     pub by_run: Vec<ByRun>,
@@ -448,14 +446,180 @@ pub struct Report {
     pub version: String,
 }
 
-impl Report {
-    /// The report with its pictures, as the report's page takes it.
-    ///
-    /// # Errors
-    /// Those of the JSON writer.
-    pub fn page_data(&self) -> Result<serde_json::Value, serde_json::Error> {
-        let mut data = serde_json::to_value(self)?;
-        data["pictures"] = serde_json::to_value(&self.pictures)?;
-        Ok(data)
-    }
+/// Runs that could be driven next, and what they are expected to tell.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NextRuns {
+    /// How many, in one session.
+    pub runs: usize,
+    /// Track.
+    pub track: String,
+    /// What differs from the runs there are.
+    pub change: String,
+    /// Speed at the start \[m/s\].
+    pub start_speed_mps: f64,
+    /// Mass of the sled with its crew \[kg\].
+    pub mass_kg: f64,
+    /// Ice temperature \[deg C\].
+    pub ice_c: f64,
+    /// Air temperature \[deg C\].
+    pub air_c: f64,
+    /// Air pressure \[Pa\].
+    pub air_pa: f64,
+    /// Relative humidity \[%\], where it is known.
+    pub humidity_pct: Option<f64>,
+    /// The sensors' noise, where one of them is a better one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<kufe_sled::Noise>,
+    /// The two members of the class that they tell apart least.
+    pub between: [String; 2],
+    /// Logarithm of the likelihood ratio of these two that is to be expected.
+    pub expected_evidence: f64,
+    /// Whether that would tell them apart nine times in ten.
+    pub splits: bool,
+}
+
+/// A picture for the page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// What it shows.
+    pub title: String,
+    /// What its marks mean; empty where its key says it.
+    pub caption: String,
+    /// What is drawn.
+    pub plot: Plot,
+}
+
+/// What a picture draws.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Plot {
+    /// Points over one column.
+    Scatter(Scatter),
+    /// Residuals along a track, run by run, before and after.
+    Strip(Strip),
+    /// Largest pressures of measurements without a map, with the simulated ones.
+    Peaks(Vec<Peak>),
+    /// A measured map and the simulated ones.
+    Maps(Maps),
+}
+
+/// Points over one column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scatter {
+    /// What it is called for those who do not see it.
+    pub label: String,
+    /// Column of `x`, whose suffix states the unit.
+    pub x_name: String,
+    /// What the points are, with unit.
+    pub y_name: String,
+    /// Places along the column.
+    pub x: Vec<f64>,
+    /// Points at all places.
+    pub series: Vec<Series>,
+    /// A curve through them; a line at 0 where there is none.
+    pub curve: Option<Curve>,
+}
+
+/// Residuals along a track, run by run, before and after.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strip {
+    /// Channel.
+    pub channel: String,
+    /// Its unit.
+    pub unit: String,
+    /// Track.
+    pub track: String,
+    /// Where the first stretch begins [m].
+    pub from_m: f64,
+    /// Length of a stretch [m].
+    pub step_m: f64,
+    /// Where effects were found.
+    pub places: Vec<Place>,
+    /// The runs.
+    pub runs: Vec<StripRun>,
+}
+
+/// A measured map and the simulated ones on its pixels, row by row from the lower left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Maps {
+    /// Pixels along x.
+    pub nx: usize,
+    /// Pixels along y.
+    pub ny: usize,
+    /// Centre of the first pixel [m].
+    pub x0: f64,
+    /// Centre of the first pixel [m].
+    pub y0: f64,
+    /// Pixel length [m].
+    pub dx: f64,
+    /// Pixel width [m].
+    pub dy: f64,
+    /// Measured pressure [Pa].
+    pub measured: Vec<f64>,
+    /// Simulated before any effect was added [Pa].
+    pub before: Vec<f64>,
+    /// Simulated after [Pa]; empty where nothing was added.
+    pub after: Vec<f64>,
+}
+
+/// The largest pressure of one measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Peak {
+    /// Row, with force and radius.
+    pub name: String,
+    /// Whether the search had not seen it.
+    pub not_seen: bool,
+    /// Measured [Pa].
+    pub measured: f64,
+    /// Its standard deviation [Pa].
+    pub sd: f64,
+    /// Simulated before any effect was added [Pa].
+    pub before: f64,
+    /// Simulated after [Pa]; nothing where nothing was added.
+    pub after: Option<f64>,
+}
+
+/// Where an effect acts along a track.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// The effect.
+    pub effect: String,
+    /// From [m].
+    pub from: f64,
+    /// To [m].
+    pub to: f64,
+}
+
+/// One run along its track.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StripRun {
+    /// Run.
+    pub run: String,
+    /// Its session.
+    pub session: String,
+    /// Mean residual of each stretch before any effect was added; NaN where the run has none.
+    pub before: Vec<f64>,
+    /// After.
+    pub after: Vec<f64>,
+}
+
+/// One set of points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Name.
+    pub name: String,
+    /// Values.
+    pub y: Vec<f64>,
+    /// Their standard deviations; empty where they are not drawn.
+    pub sd: Vec<f64>,
+}
+
+/// A curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Name.
+    pub name: String,
+    /// Places.
+    pub x: Vec<f64>,
+    /// Values.
+    pub y: Vec<f64>,
 }
