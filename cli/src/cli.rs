@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::output::global::Global;
+use crate::terminal::Global;
 use crate::{about, bodies, friction, info, lut, press, records, report, runs, view};
 
 const EXAMPLES: &str = "\
@@ -10,7 +10,7 @@ Examples:
   kufe press                        solve a built-in bobsled runner into out/
   kufe init case.toml               write a commented case to edit
   kufe press case.toml -o out/      solve it
-  kufe report out/                  one page to look at: out/report.html
+  kufe report out/                  one page of it: out/report.html
   kufe view                         the same with sliders that solve again
   kufe info out/pressure.exr        figures of the pressure map
 
@@ -25,7 +25,7 @@ pub struct Cli {
     /// Options that every command takes.
     pub global: Global,
     #[command(subcommand)]
-    /// What is asked for.
+    /// What to do.
     pub command: Command,
 }
 
@@ -39,7 +39,7 @@ pub enum Command {
     Mesh(bodies::mesh::Args),
     /// Write a contact problem for another solver
     Export(bodies::export::Args),
-    /// Say what a file holds
+    /// Print the main figures of a file
     Info(info::Args),
     /// Make, draw, query and export lookup tables
     Lut(lut::Args),
@@ -53,21 +53,21 @@ pub enum Command {
     Fit(runs::fit::Args),
     /// Compare the friction model with runs it was not fitted to
     Validate(runs::validate::Args),
-    /// What each driver loses compared with a straight glide
+    /// Losses of each driver over a straight glide
     Evaluate(runs::evaluate::Args),
     /// Drive a sled down a track; make the sample data
     Simulate(runs::simulate::Args),
-    /// Find the effect that a model lacks, name it and add it
+    /// Find the effect that is missing in a model, name it and add it
     Discover(runs::discover::Args),
     /// Bring recordings of other programs into kufe's form
     Runs(records::Args),
-    /// Print the keys of case, table or model files as a JSON schema
+    /// Print the keys of files and results as JSON schemas
     Schema(about::schema::Args),
-    /// Write one page to look at, from what another command has written
+    /// Write one page of the results of another command
     Report(report::Args),
-    /// Look at a contact in the browser and solve it again with sliders
+    /// Show a contact in the browser and solve it again with sliders
     View(view::Args),
-    /// Say what this machine offers
+    /// Print threads, memory and optional programs of this machine
     Doctor(about::doctor::Args),
     /// Print a shell's completion script
     Completions(about::completions::Args),

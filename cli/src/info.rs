@@ -1,21 +1,21 @@
 //! `kufe info FILE`: a hull, a lookup table, a pressure map or a result in figures.
 
+use std::fmt::Display;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
-use kufe::jobs::{Failure, json_number, percent, table::read_table};
+use kufe::jobs::{Failure, percent, table::read_table};
 use kufe::plot::{number4, quantity, unit_of};
+use kufe::results::{Data, Datum, DocumentKind, TableInfo};
 use kufe_files::open_regular;
-use kufe_lut::{Method, Mode, Quantity, Table, read_fmu};
+use kufe_lut::read_fmu;
 use kufe_mesh::{HullOptions, load_hull};
-use serde_json::{Map, Value, json};
+use serde::Serialize;
 
-use crate::output::documents::{figures, known_as, without_idle_steel};
-use crate::output::global::Global;
-use crate::output::say::say;
 use crate::report::read_json;
+use crate::terminal::Global;
 
 /// Longest result [bytes].
 const LONGEST: u64 = 1 << 24;
@@ -27,35 +27,70 @@ pub struct Args {
     pub file: PathBuf,
 }
 
-/// Prints what the file contains.
+/// A hull, its coordinates taken as metres.
+#[derive(Serialize)]
+struct HullInfo {
+    kind: &'static str,
+    vertices: usize,
+    triangles: usize,
+    length_m: f64,
+    width_m: f64,
+    height_m: f64,
+    volume_m3: f64,
+    open_edges: usize,
+    flipped_edges: usize,
+    warnings: Vec<String>,
+}
+
+/// Size, channels and own attributes of a map.
+#[derive(Serialize)]
+struct MapInfo {
+    kind: &'static str,
+    width: usize,
+    height: usize,
+    channels: Vec<String>,
+    attributes: Data,
+}
+
+/// A result of a command.
+#[derive(Serialize)]
+struct ResultInfo {
+    kind: &'static str,
+    written_by: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    version: Option<Datum>,
+    #[serde(flatten)]
+    figures: Data,
+}
+
+/// Prints the contents of the file.
 ///
 /// # Errors
 /// [`Failure::BadInput`] where the file is missing, of an unknown kind, or broken.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let path = &args.file;
-    let failure =
-        |reason: &dyn std::fmt::Display| Failure::BadInput(format!("{}: {reason}", path.display()));
-    let found = path
-        .metadata()
-        .map_err(|error| failure(&format!("cannot be read: {error}")))?;
+    let failure = |reason: &dyn Display| Failure::BadInput(format!("{}: {reason}", path.display()));
+    let unreadable = |error: std::io::Error| failure(&format!("cannot be read: {error}"));
+    let found = path.metadata().map_err(unreadable)?;
     if found.is_dir() {
         let reason = "is a folder: expected a file; kufe report shows folders";
         return Err(failure(&reason));
     }
     let ending = path.extension().unwrap_or_default().to_string_lossy();
-    let described = match ending.to_ascii_lowercase().as_str() {
-        "obj" | "glb" | "gltf" | "stl" | "3mf" => hull(path)?,
-        "lut" => table(&read_table(path)?).map_err(|error| failure(&error))?,
-        "fmu" => {
-            let file =
-                open_regular(path).map_err(|error| failure(&format!("cannot be read: {error}")))?;
-            let unit = read_fmu(BufReader::new(file)).map_err(|error| failure(&error))?;
-            let mut facts = table(&unit.table).map_err(|error| failure(&error))?;
-            facts["platforms"] = json!(unit.platforms.join(", "));
-            facts
+    let contents = match ending.to_ascii_lowercase().as_str() {
+        "obj" | "glb" | "gltf" | "stl" | "3mf" => Datum::of(&hull(path)?),
+        "lut" => {
+            let table = read_table(path)?;
+            Datum::of(&TableInfo::new(&table, None).map_err(|error| failure(&error))?)
         }
-        "exr" => map(path).map_err(|error| failure(&error))?,
-        "json" => result(path)?,
+        "fmu" => {
+            let file = open_regular(path).map_err(unreadable)?;
+            let unit = read_fmu(BufReader::new(file)).map_err(|error| failure(&error))?;
+            let platforms = Some(unit.platforms.join(", "));
+            Datum::of(&TableInfo::new(&unit.table, platforms).map_err(|error| failure(&error))?)
+        }
+        "exr" => Datum::of(&map(path).map_err(|error| failure(&error))?),
+        "json" => Datum::of(&result(path)?),
         other => {
             return Err(failure(&format!(
                 "kind \".{other}\" is not known: expected a hull (.obj, .glb, .gltf, .stl, .3mf), a lookup \
@@ -63,202 +98,144 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             )));
         }
     };
-    let mut facts = json!({ "file": path.display().to_string(), "size_bytes": found.len() });
-    if let (Value::Object(facts), Value::Object(described)) = (&mut facts, described) {
-        facts.extend(described);
+    let mut info = vec![
+        ("file".to_owned(), Datum::Text(path.display().to_string())),
+        ("size_bytes".to_owned(), Datum::Large(found.len())),
+    ];
+    if let Datum::Group(Data(contents)) = contents.map_err(Failure::bad_input)? {
+        info.extend(contents);
     }
-    without_idle_steel(&mut facts);
-    say(&match global.json {
-        true => format!("{facts:#}\n"),
-        false => as_text(&facts, 0),
-    });
-    Ok(())
+    let info = Datum::Group(Data(info));
+    global.answer(&info, || text(&info, 0))
 }
 
 /// Size, holes and warnings of a hull, its coordinates taken as metres.
-fn hull(path: &Path) -> Result<Value, Failure> {
+fn hull(path: &Path) -> Result<HullInfo, Failure> {
     let (hull, report) = load_hull(path, &HullOptions::default()).map_err(Failure::bad_input)?;
-    let [length, width, height] = report.extent;
-    let warnings: Vec<String> = report.warnings.iter().map(ToString::to_string).collect();
-    Ok(json!({
-        "kind": "hull",
-        "vertices": hull.positions.len(),
-        "triangles": hull.triangles.len(),
-        "length_m": length,
-        "width_m": width,
-        "height_m": height,
-        "volume_m3": report.volume,
-        "open_edges": report.open_edges,
-        "flipped_edges": report.flipped_edges,
-        "warnings": warnings,
-    }))
+    let [length_m, width_m, height_m] = report.extent;
+    Ok(HullInfo {
+        kind: "hull",
+        vertices: hull.positions.len(),
+        triangles: hull.triangles.len(),
+        length_m,
+        width_m,
+        height_m,
+        volume_m3: report.volume,
+        open_edges: report.open_edges,
+        flipped_edges: report.flipped_edges,
+        warnings: report.warnings.iter().map(ToString::to_string).collect(),
+    })
 }
 
 /// Kind, command, version and figures of a result.
-fn result(path: &Path) -> Result<Value, Failure> {
-    let document = read_json(path, LONGEST)?;
-    let Some(known) = known_as(&document) else {
+fn result(path: &Path) -> Result<ResultInfo, Failure> {
+    let document: Datum = read_json(path, LONGEST)?;
+    let Some(kind) = DocumentKind::of(&document) else {
         return Err(Failure::BadInput(format!(
             "{}: not a result of kufe: expected result.json or another that a command writes",
             path.display()
         )));
     };
-    let mut facts = Map::new();
-    facts.insert("kind".into(), json!(known.kind));
-    facts.insert("written_by".into(), json!(known.command));
-    let version = document.get("version");
-    facts.extend(version.map(|version| ("version".to_owned(), version.clone())));
-    facts.extend(figures(&document));
-    Ok(Value::Object(facts))
+    let document = document.effective();
+    Ok(ResultInfo {
+        kind: kind.name,
+        written_by: kind.command,
+        version: document
+            .group()
+            .and_then(|group| group.get("version"))
+            .cloned(),
+        figures: document.summary(),
+    })
 }
 
 /// Size, channels and own attributes of a map; its pixels are not read.
-fn map(path: &Path) -> exr::error::Result<Value> {
+fn map(path: &Path) -> exr::error::Result<MapInfo> {
     let meta = MetaData::read_from_buffered(BufReader::new(open_regular(path)?), false)?;
     let header = meta.headers.first();
     let header = header.ok_or(exr::error::Error::Invalid("a map has a layer".into()))?;
-    let channels: Vec<String> = header
-        .channels
-        .list
-        .iter()
-        .map(|channel| channel.name.to_string())
-        .collect();
+    let channels = header.channels.list.iter();
     let own = header.own_attributes.other.iter();
-    let mut attributes: Vec<(String, Value)> = own
+    let mut attributes: Vec<(String, Datum)> = own
         .chain(&header.shared_attributes.other)
         .map(|(name, value)| (name.to_string(), attribute(value)))
         .collect();
     attributes.sort_by(|a, b| a.0.cmp(&b.0));
-    Ok(json!({
-        "kind": "map",
-        "width": header.layer_size.width(),
-        "height": header.layer_size.height(),
-        "channels": channels,
-        "attributes": Map::from_iter(attributes),
-    }))
+    Ok(MapInfo {
+        kind: "map",
+        width: header.layer_size.width(),
+        height: header.layer_size.height(),
+        channels: channels.map(|channel| channel.name.to_string()).collect(),
+        attributes: Data(attributes),
+    })
 }
 
-fn attribute(value: &AttributeValue) -> Value {
+fn attribute(value: &AttributeValue) -> Datum {
+    let number = |value: f64| {
+        if value.is_finite() {
+            Datum::Number(value)
+        } else {
+            Datum::Text(value.to_string().to_lowercase())
+        }
+    };
     match value {
-        AttributeValue::Text(text) => json!(text.to_string()),
-        AttributeValue::F64(value) => json_number(*value),
-        AttributeValue::F32(value) => json_number(f64::from(*value)),
-        AttributeValue::I32(number) => json!(number),
-        AttributeValue::FloatVec2(pair) => json!([pair.0, pair.1]),
-        other => json!(format!("{other:?}")),
-    }
-}
-
-/// Axes, quantities with their ranges and interpolation errors, the solver's error and the version.
-fn table(table: &Table) -> Result<Value, kufe_lut::Error> {
-    let mut quantities = Map::new();
-    for &quantity in table.quantities() {
-        quantities.insert(quantity.key().into(), range_of(table, quantity)?);
-    }
-    let mut axes = Map::new();
-    let range = table.axes().curvature_range(table.axes().fz()[0]);
-    axes.insert(
-        "curvature_1pm".into(),
-        json!({ "points": table.axes().curvature().len(), "from": range[0], "to": range[1] }),
-    );
-    for (name, _, values) in table.axes().named() {
-        if !name.ends_with("curvature_1pm") && name != "reduced_curvature" {
-            axes.insert(name.into(), axis(values));
+        AttributeValue::Text(text) => Datum::Text(text.to_string()),
+        AttributeValue::F64(value) => number(*value),
+        AttributeValue::F32(value) => number(f64::from(*value)),
+        AttributeValue::I32(value) => Datum::Whole(i64::from(*value)),
+        AttributeValue::FloatVec2(pair) => {
+            Datum::List(vec![number(pair.0.into()), number(pair.1.into())])
         }
+        other => Datum::Text(format!("{other:?}")),
     }
-    let solver = format!("solver_error_{}", table.judged().name());
-    Ok(json!({
-        "kind": "lookup table",
-        "written_by": "kufe lut",
-        "axes": axes,
-        "quantities": quantities,
-        "nodes": table.axes().node_count(),
-        "checks": table.checks().len(),
-        "by_boundary_elements": table.solved_by(Method::BoundaryElements),
-        solver: table.solver_error(),
-        "interpolation_requested": table.interpolation_requested,
-        "case_sha256": table.origin.case_sha256(),
-        "version": table.origin.version(),
-    }))
 }
 
-fn axis(values: &[f64]) -> Value {
-    json!({ "points": values.len(), "from": values.first(), "to": values.last() })
-}
-
-/// Smallest and largest value, and the largest relative error of each mode where there are checks.
-fn range_of(table: &Table, quantity: Quantity) -> Result<Value, kufe_lut::Error> {
-    let values = || table.values(quantity).unwrap_or_default().iter().copied();
-    let mut figures = Map::new();
-    figures.insert("min".into(), values().fold(f64::INFINITY, f64::min).into());
-    figures.insert(
-        "max".into(),
-        values().fold(f64::NEG_INFINITY, f64::max).into(),
-    );
-    for mode in Mode::ALL {
-        if let Some(measured) = table.interpolation_error(quantity, mode)? {
-            figures.insert(format!("{}_error", mode.name()), measured.max.into());
-        }
-    }
-    Ok(figures.into())
-}
-
-/// Objects as indented `key: value` lines, numbers with the units of their keys, ranges on a line.
-fn as_text(value: &Value, depth: usize) -> String {
-    let Value::Object(entries) = value else {
-        return format!("{value}\n");
+/// Groups as indented `key: value` lines, numbers with the units of their keys, ranges on a line.
+fn text(figure: &Datum, depth: usize) -> String {
+    let Some(figures) = figure.group() else {
+        return format!("{figure}\n");
     };
     let indent = "  ".repeat(depth);
-    entries
-        .iter()
-        .map(|(key, value)| match value {
-            Value::Object(inner) => match range(key, inner) {
-                Some(range) => format!("{indent}{key}: {range}\n"),
-                None => format!("{indent}{key}:\n{}", as_text(value, depth + 1)),
-            },
-            Value::Array(list) if list.iter().any(is_sentence) => {
-                let lines = list
-                    .iter()
-                    .map(|one| format!("{indent}  {}\n", single(key, one)));
-                format!("{indent}{key}:\n{}", lines.collect::<String>())
-            }
-            Value::Array(list) if !list.is_empty() && list.iter().all(Value::is_object) => {
-                let each = list.iter().enumerate();
-                let each = each.map(|(k, one)| {
-                    let inner = as_text(one, depth + 1);
-                    format!("{indent}{key} {}:\n{inner}", k + 1)
-                });
-                each.collect()
-            }
-            other => format!("{indent}{key}: {}\n", single(key, other)),
-        })
-        .collect()
-}
-
-fn is_sentence(value: &Value) -> bool {
-    value.as_str().is_some_and(|text| text.contains(' '))
-}
-
-/// What stands on a line: words as they are, numbers with their key's unit, lists of them.
-fn single(key: &str, value: &Value) -> String {
-    match value {
-        Value::String(text) if !text.is_empty() => text.clone(),
-        Value::Number(number) => with_unit(key, number.as_f64().unwrap_or(f64::NAN)),
-        Value::Array(list) if !list.is_empty() => {
-            let between = if list.iter().any(Value::is_array) {
-                "; "
-            } else {
-                ", "
-            };
-            let each: Vec<String> = list.iter().map(|one| single(key, one)).collect();
-            each.join(between)
+    let is_sentence = |figure: &Datum| figure.text().is_some_and(|text| text.contains(' '));
+    let line = |(key, figure): (&str, &Datum)| match figure {
+        Datum::Group(inner) => match range(key, figure, inner) {
+            Some(range) => format!("{indent}{key}: {range}\n"),
+            None => format!("{indent}{key}:\n{}", text(figure, depth + 1)),
+        },
+        Datum::List(list) if list.iter().any(is_sentence) => {
+            let lines = list
+                .iter()
+                .map(|one| format!("{indent}  {}\n", single(key, one)));
+            format!("{indent}{key}:\n{}", lines.collect::<String>())
         }
-        Value::Bool(holds) => holds.to_string(),
-        _ => "none".to_owned(),
+        Datum::List(list) if figure.is_table() => {
+            let each = list.iter().enumerate();
+            let each =
+                each.map(|(k, one)| format!("{indent}{key} {}:\n{}", k + 1, text(one, depth + 1)));
+            each.collect()
+        }
+        other => format!("{indent}{key}: {}\n", single(key, other)),
+    };
+    figures.iter().map(line).collect()
+}
+
+/// A figure on a line: words as they are, numbers with the unit of their key, lists of them.
+fn single(key: &str, figure: &Datum) -> String {
+    match figure {
+        Datum::List(list) if !list.is_empty() => {
+            let nested = list.iter().any(|one| !one.is_single());
+            let each: Vec<String> = list.iter().map(|one| single(key, one)).collect();
+            each.join(if nested { "; " } else { ", " })
+        }
+        Datum::Flag(flag) => flag.to_string(),
+        other => match (other.number(), other.text().filter(|text| !text.is_empty())) {
+            (Some(number), _) => with_unit(key, number),
+            (None, Some(text)) => text.to_owned(),
+            (None, None) => "none".to_owned(),
+        },
     }
 }
 
-/// A number with the unit that its key ends in; whole ones that need no digits more as they are.
+/// A number with the unit that its key ends in; whole ones without a unit in full.
 fn with_unit(key: &str, number: f64) -> String {
     let whole = number.fract() == 0.0 && number.abs() < 1e15;
     match &*unit_of(key) {
@@ -269,8 +246,8 @@ fn with_unit(key: &str, number: f64) -> String {
     }
 }
 
-/// "12 to 31 m/s, 3 missing" of what has nothing but these; "12 (11 to 13) N" of a value with its interval.
-fn range(key: &str, inner: &Map<String, Value>) -> Option<String> {
+/// "12 to 31 m/s, 3 points" of a range; "12 (11 to 13) N" of a value with its interval.
+fn range(key: &str, figure: &Datum, inner: &Data) -> Option<String> {
     const KEYS: [&str; 8] = [
         "points",
         "from",
@@ -281,10 +258,10 @@ fn range(key: &str, inner: &Map<String, Value>) -> Option<String> {
         "smooth_error",
         "bilinear_error",
     ];
-    let number = |key: &str| inner.get(key).and_then(Value::as_f64);
+    let number = |key: &str| inner.get(key).and_then(Datum::number);
     let between = |from: f64, to: f64| {
         let [from, to] = [from, to].map(|value| with_unit(key, value));
-        // The unit once, where it is that of both.
+        // The unit once, where both have the same.
         let unit = to.split_once(' ').map_or("", |(_, unit)| unit);
         let start = from.strip_suffix(unit).unwrap_or(&from).trim_end();
         if from == to {
@@ -293,26 +270,25 @@ fn range(key: &str, inner: &Map<String, Value>) -> Option<String> {
             format!("{start} to {to}")
         }
     };
-    if let (3, Some(value), Some(low), Some(high)) =
-        (inner.len(), number("value"), number("low"), number("high"))
-    {
+    if let Some([value, low, high]) = figure.interval() {
         let value = with_unit(key, value);
-        return Some(match low < high {
-            true => format!("{value} ({})", between(low, high)),
-            false => value,
+        return Some(if low < high {
+            format!("{value} ({})", between(low, high))
+        } else {
+            value
         });
     }
-    if inner.keys().any(|key| !KEYS.contains(&key.as_str())) {
+    if inner.iter().any(|(key, _)| !KEYS.contains(&key)) {
         return None;
     }
-    let ends = (
-        number("from").or(number("min")),
-        number("to").or(number("max")),
-    );
-    let mut parts = Vec::new();
-    if let (Some(from), Some(to)) = ends {
-        parts.push(between(from, to));
-    }
+    let ends = [["from", "to"], ["min", "max"]];
+    let ends = ends
+        .into_iter()
+        .find_map(|[from, to]| Some((number(from)?, number(to)?)));
+    let mut parts: Vec<String> = ends
+        .map(|(from, to)| between(from, to))
+        .into_iter()
+        .collect();
     for key in ["points", "missing"] {
         parts.extend(inner.get(key).map(|count| format!("{count} {key}")));
     }
@@ -320,8 +296,9 @@ fn range(key: &str, inner: &Map<String, Value>) -> Option<String> {
         let error = number(&format!("{mode}_error"));
         parts.extend(error.map(|error| format!("{mode} within {}", percent(error))));
     }
-    Some(match parts.is_empty() {
-        true => "none".to_owned(),
-        false => parts.join(", "),
+    Some(if parts.is_empty() {
+        "none".to_owned()
+    } else {
+        parts.join(", ")
     })
 }

@@ -11,6 +11,7 @@ mod press;
 mod records;
 mod report;
 mod runs;
+mod terminal;
 mod view;
 
 use std::process::ExitCode;
@@ -22,8 +23,8 @@ use crate::about::{completions, doctor, examples, init, schema};
 use crate::bodies::{export, hull, mesh};
 use crate::cli::{Cli, Command};
 use crate::friction::icehouse;
-use crate::output::say::{all_said, note};
 use crate::runs::{discover, evaluate, fit, simulate, validate};
+use crate::terminal::{all_said, note};
 
 fn run(cli: Cli) -> Result<(), Failure> {
     let Cli { global, command } = cli;

@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use crate::place::{folder_of, replaceable};
+use crate::place::replaceable;
 
 /// Why an output cannot be.
 #[derive(Debug, thiserror::Error)]
@@ -45,7 +45,10 @@ pub fn outputs_apart(
     inputs: &[impl AsRef<Path>],
     outputs: &[impl AsRef<Path>],
 ) -> Result<(), Clash> {
-    let inputs: Vec<PathBuf> = inputs.iter().map(|input| place(input.as_ref())).collect();
+    let inputs: Vec<PathBuf> = inputs
+        .iter()
+        .map(|input| resolved(input.as_ref()))
+        .collect();
     let mut taken: Vec<PathBuf> = Vec::new();
     for output in outputs.iter().map(AsRef::as_ref) {
         let named = || output.display().to_string();
@@ -53,7 +56,7 @@ pub fn outputs_apart(
             output: named(),
             reason,
         })?;
-        let place = place(output);
+        let place = resolved(output);
         if inputs.contains(&place) {
             return Err(Clash::Input { output: named() });
         }
@@ -67,34 +70,31 @@ pub fn outputs_apart(
 
 /// Whether two paths lead to one file, by links and by `..` too; they need not exist.
 pub fn same_file(a: &Path, b: &Path) -> bool {
-    place(a) == place(b)
+    resolved(a) == resolved(b)
 }
 
-/// One name for a file, whether it exists or not.
-fn place(path: &Path) -> PathBuf {
-    if let Ok(found) = path.canonicalize() {
-        return found;
-    }
-    match (folder_of(path).canonicalize(), path.file_name()) {
-        (Ok(folder), Some(name)) => folder.join(name),
-        _ => plain(path),
-    }
-}
-
-/// The path from the root, `.` and `..` taken out by their words.
-fn plain(path: &Path) -> PathBuf {
+/// The path from the root without `.`, `..` and links, as far as the file system has it.
+///
+/// Each existing part is resolved before `..` removes it: `link/..` is the folder that the link
+/// leads to. Parts that do not exist are taken as they are written: `new/../FILE` is `FILE`.
+pub fn resolved(path: &Path) -> PathBuf {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-    let mut plain = PathBuf::new();
+    let mut clean = PathBuf::new();
     for part in whole.components() {
         match part {
             Component::CurDir => {}
             Component::ParentDir => {
-                plain.pop();
+                clean.pop();
             }
-            part => plain.push(part),
+            part => {
+                clean.push(part);
+                if let Ok(found) = clean.canonicalize() {
+                    clean = found;
+                }
+            }
         }
     }
-    plain
+    clean
 }
 
 #[cfg(test)]

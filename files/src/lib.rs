@@ -19,7 +19,7 @@ mod place;
 mod read;
 mod whole;
 
-pub use apart::{Clash, outputs_apart, same_file};
+pub use apart::{Clash, outputs_apart, resolved, same_file};
 pub use leftovers::clear_temporaries;
 pub use place::replaceable;
 pub use read::{open_regular, read_regular, text_of_regular};

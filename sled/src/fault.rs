@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::record::run::Run;
 
 /// What is wrong with a channel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FaultKind {
     /// Values in another unit.
@@ -27,7 +27,7 @@ pub enum FaultKind {
 }
 
 /// Evidence that the values of a channel contradict its name, and the remedy.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Fault {
     /// The run.
     pub run: String,

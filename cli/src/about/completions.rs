@@ -7,10 +7,8 @@ use clap_complete::Shell;
 use kufe::jobs::Failure;
 
 use crate::about::reference;
-use crate::output::file::OutputFiles;
-use crate::output::folder::OutputDir;
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::output::{OutputDir, OutputFiles};
+use crate::terminal::{Global, say};
 
 /// Arguments of `kufe completions`.
 #[derive(clap::Args, Debug)]

@@ -1,15 +1,14 @@
-//! `kufe doctor`: what this machine offers.
+//! `kufe doctor`: threads, memory and optional programs of this machine.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use kufe::jobs::Failure;
-use serde_json::{Map, Value, json};
+use serde::Serialize;
 
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::terminal::Global;
 
-/// Programs that kufe works without, and what they would add.
+/// Programs that kufe works without, and their purpose.
 const OPTIONAL: [(&str, &str); 5] = [
     ("exrheader", "shows a pressure map's attributes"),
     ("paraview", "shows field.vtu"),
@@ -22,60 +21,76 @@ const OPTIONAL: [(&str, &str); 5] = [
 #[derive(clap::Args, Debug)]
 pub struct Args {}
 
-/// Prints versions, threads, memory and which optional programs are there.
+/// Versions, threads, memory and optional programs.
+#[derive(Serialize)]
+struct Machine {
+    version: &'static str,
+    system: &'static str,
+    architecture: &'static str,
+    threads: usize,
+    processors: usize,
+    cores: usize,
+    memory_bytes: Option<u64>,
+    memory_available_bytes: Option<u64>,
+    programs: BTreeMap<&'static str, Option<PathBuf>>,
+}
+
+/// Prints versions, threads, memory and which optional programs there are.
 ///
 /// # Errors
 /// None; the answer is the output.
 pub fn run(_args: &Args, global: &Global) -> Result<(), Failure> {
-    let threads = rayon::current_num_threads();
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
-    let cores = cores().unwrap_or(processors).min(processors);
-    let [total, available] = ["MemTotal:", "MemAvailable:"].map(memory);
-    let programs: Map<String, Value> = OPTIONAL
-        .iter()
-        .map(|(name, _)| (name.to_string(), json!(find(name))))
-        .collect();
-    if global.json {
-        let document = json!({
-            "version": env!("CARGO_PKG_VERSION"),
-            "system": std::env::consts::OS,
-            "architecture": std::env::consts::ARCH,
-            "threads": threads,
-            "processors": processors,
-            "cores": cores,
-            "memory_bytes": total,
-            "memory_available_bytes": available,
-            "programs": programs,
-        });
-        say(&format!("{document:#}\n"));
-        return Ok(());
-    }
-    let on = match cores < processors {
-        true => format!(
+    let machine = Machine {
+        version: env!("CARGO_PKG_VERSION"),
+        system: std::env::consts::OS,
+        architecture: std::env::consts::ARCH,
+        threads: rayon::current_num_threads(),
+        processors,
+        cores: cores().unwrap_or(processors).min(processors),
+        memory_bytes: memory("MemTotal:"),
+        memory_available_bytes: memory("MemAvailable:"),
+        programs: OPTIONAL
+            .iter()
+            .map(|(name, _)| (*name, find(name)))
+            .collect(),
+    };
+    global.answer(&machine, || text(&machine))
+}
+
+fn text(machine: &Machine) -> String {
+    let Machine {
+        processors,
+        cores,
+        threads,
+        ..
+    } = machine;
+    let on = if cores < processors {
+        format!(
             "{processors} processors (cores: {cores}; threads of one core share its arithmetic)"
-        ),
-        false => format!("{processors} cores"),
+        )
+    } else {
+        format!("{processors} cores")
     };
     let mut text = format!(
         "kufe {} on {} {}\nthreads   {threads} of {on}\n",
-        env!("CARGO_PKG_VERSION"),
-        std::env::consts::OS,
-        std::env::consts::ARCH
+        machine.version, machine.system, machine.architecture
     );
-    if let (Some(total), Some(available)) = (total, available) {
+    let memory = (machine.memory_bytes, machine.memory_available_bytes);
+    if let (Some(total), Some(available)) = memory {
         let [total, available] = [total, available].map(|bytes| bytes as f64 / 1e9);
         text += &format!("memory    {total:.1} GB, {available:.1} GB available\n");
     }
     text += "optional programs:\n";
     for (name, purpose) in OPTIONAL {
-        let place = find(name).map_or("not found".to_string(), |path| path.display().to_string());
+        let place = machine.programs[name].as_ref();
+        let place = place.map_or("not found".into(), |path| path.display().to_string());
         text += &format!("  {name:<10} {place} ({purpose})\n");
     }
-    say(&text);
-    Ok(())
+    text
 }
 
-/// Cores of this machine, of which one may be several processors, where Linux tells.
+/// Cores of this machine, of which one may be several processors, where Linux states them.
 fn cores() -> Option<usize> {
     let mut of_one_core = BTreeSet::new();
     for processor in std::fs::read_dir("/sys/devices/system/cpu").ok()? {

@@ -1,4 +1,4 @@
-//! An example for every command that has none beside its arguments.
+//! An example for every command whose arguments have none.
 
 use clap::Command;
 
@@ -114,7 +114,7 @@ const EXAMPLES: [(&str, &str); 21] = [
     (
         "completions",
         "Example:
-  kufe completions bash               print it; source it, or keep it where your shell looks",
+  kufe completions bash               print it; source it, or save it where your shell expects it",
     ),
     (
         "man",
@@ -150,7 +150,7 @@ mod tests {
     use crate::cli::Cli;
     use clap::CommandFactory;
 
-    /// The examples in a help text: lines that begin with two spaces and `kufe`, less what is said beside them.
+    /// The examples in a help text: lines that begin with two spaces and `kufe`, without the comments after them.
     fn lines(help: &str) -> Vec<Vec<String>> {
         help.lines()
             .filter_map(|line| line.strip_prefix("  kufe"))

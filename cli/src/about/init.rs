@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use kufe::jobs::{Failure, MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE};
 use kufe_telemetry::MAPPING_EXAMPLE;
+use serde::Serialize;
 
 use crate::about::schema::Kind;
-use crate::output::file::OutputFiles;
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::output::OutputFiles;
+use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -16,7 +16,7 @@ Examples:
   kufe init --kind table          table.toml: a lookup table of case.toml
   kufe init bob.toml --kind model  a sled and its friction
 
-Beside the file stands its schema, case.schema.json, which the file's first line names: editors that read such schemas
+The schema, case.schema.json, goes into the same folder; the file's first line names it: editors that read such schemas
 complete the keys and show what they mean.";
 
 /// Arguments of `kufe init`.
@@ -28,6 +28,13 @@ pub struct Args {
     /// What to start
     #[arg(long, value_enum, default_value_t = Kind::Case)]
     pub kind: Kind,
+}
+
+/// The files that were written.
+#[derive(Serialize)]
+struct WrittenFiles<'a> {
+    file: &'a Path,
+    schema: PathBuf,
 }
 
 /// Writes the example with its comments, and its schema.
@@ -64,11 +71,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         write!(writer, "#:schema ./{name}\n{example}")
     })?;
     files.commit()?;
-    if global.json {
-        let written = serde_json::json!({ "file": file, "schema": schema });
-        say(&format!("{written}\n"));
-    } else if !global.quiet {
-        say(&format!("{path} written; {next}\n"));
-    }
-    Ok(())
+    let written = WrittenFiles {
+        file: &file,
+        schema,
+    };
+    global.print(&written, || format!("{path} written; {next}\n"))
 }

@@ -8,14 +8,13 @@ use clap::{Arg, Command, CommandFactory};
 use crate::cli::Cli;
 
 /// What the name of an option ends in, by the unit that its help states: as keys of files do.
-const ENDS: [(&str, &str); 12] = [
+const ENDS: [(&str, &str); 11] = [
     ("m", "m"),
     ("N", "n"),
     ("rad", "rad"),
     ("1/m", "1pm"),
     ("m/s", "mps"),
     ("rad/s", "radps"),
-    ("degrees/s2", "degps2"),
     ("degrees Celsius", "c"),
     ("Pa", "pa"),
     ("%", "pct"),
@@ -24,7 +23,7 @@ const ENDS: [(&str, &str); 12] = [
 ];
 
 /// Numbers without a unit.
-const PURE: [&str; 6] = ["confidence", "e", "mu-cap", "p-max", "skill", "zeta"];
+const PURE: [&str; 3] = ["confidence", "p-max", "skill"];
 
 /// What each command says in words of its own: what it writes, and which runs it takes or makes.
 const OWN: [&str; 9] = [

@@ -11,7 +11,7 @@ pub fn page(command: &Command) -> String {
     let version = env!("CARGO_PKG_VERSION");
     let mut page = format!(
         "# The command\n\nWritten by kufe {version} (`kufe man --markdown`) from each command's `--help`. The options under `kufe` itself are every \
-         command's, and stand there alone.\n\n\
+         command's, and are listed only there.\n\n\
          Exit codes: 0 done; 2 wrong arguments; 3 bad input, or output that cannot be written; 4 accuracy not reached; \
          5 partly done, the same command resumes. An output folder receives all of its files or none.\n",
     );

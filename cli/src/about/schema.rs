@@ -1,17 +1,20 @@
-//! `kufe schema`: the files' keys as JSON schemas, for editors.
+//! `kufe schema`: the keys of files and results as JSON schemas, for editors and readers.
 
 use std::path::PathBuf;
 
 use kufe::case::Case;
 use kufe::jobs::Failure;
-use kufe::results::{ContactResult, SeriesRow};
+use kufe::results::{
+    Alignment, ContactResult, Evaluation, FrictionOptimum, FrictionTable, IceHouseResult,
+    LateralFitDocument, MeshQuality, PressureFit, ReplayResult, RunCheck, SampleTruth, SeriesRow,
+    Simulation, Validation,
+};
 use kufe_sled::Model;
 use kufe_telemetry::Mapping;
 use schemars::generate::SchemaSettings;
 
-use crate::output::file::OutputFiles;
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::output::OutputFiles;
+use crate::terminal::{Global, say};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -61,6 +64,32 @@ pub enum Document {
     Result,
     /// table.json: the contacts of a series
     Series,
+    /// quality.json: the quality of a mesh
+    Mesh,
+    /// friction.json: friction over speed and temperature
+    Friction,
+    /// friction.json of a search: the runner with the least friction
+    Optimum,
+    /// fit.json of friction over pressure
+    PressureFit,
+    /// icehouse.json: gliding runs in an ice house
+    Icehouse,
+    /// fit.json of lateral friction
+    LateralFit,
+    /// validation.json: model and measurement compared
+    Validation,
+    /// evaluation.json: losses of drivers
+    Evaluation,
+    /// simulation.json: simulated runs
+    Simulation,
+    /// simulation.json of a replay
+    Replay,
+    /// check.json: examined runs
+    Check,
+    /// align.json: aligned runs
+    Alignment,
+    /// truth.json: sample runs
+    Truth,
 }
 
 impl From<Kind> for Document {
@@ -102,6 +131,19 @@ impl Document {
             Document::Mapping => generator.root_schema_for::<Mapping>(),
             Document::Result => generator.root_schema_for::<ContactResult>(),
             Document::Series => generator.root_schema_for::<Vec<SeriesRow>>(),
+            Document::Mesh => generator.root_schema_for::<MeshQuality>(),
+            Document::Friction => generator.root_schema_for::<FrictionTable>(),
+            Document::Optimum => generator.root_schema_for::<FrictionOptimum>(),
+            Document::PressureFit => generator.root_schema_for::<PressureFit>(),
+            Document::Icehouse => generator.root_schema_for::<IceHouseResult>(),
+            Document::LateralFit => generator.root_schema_for::<LateralFitDocument>(),
+            Document::Validation => generator.root_schema_for::<Validation>(),
+            Document::Evaluation => generator.root_schema_for::<Evaluation>(),
+            Document::Simulation => generator.root_schema_for::<Simulation>(),
+            Document::Replay => generator.root_schema_for::<ReplayResult>(),
+            Document::Check => generator.root_schema_for::<RunCheck>(),
+            Document::Alignment => generator.root_schema_for::<Alignment>(),
+            Document::Truth => generator.root_schema_for::<SampleTruth>(),
         };
         format!("{:#}\n", schema.to_value())
     }

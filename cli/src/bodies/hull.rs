@@ -1,4 +1,4 @@
-//! `kufe hull`: parametric runners as hull files, and a look at scanned ones.
+//! `kufe hull`: parametric runners as hull files, and the examination of scanned ones.
 
 use std::path::PathBuf;
 
@@ -8,17 +8,16 @@ use kufe_mesh::{
     BobRunner, HullFormat, LugeSteel, MeshError, Rocker, Swept, load_points, tessellate,
     tessellate_turning,
 };
-use serde_json::json;
+use serde::Serialize;
 
 use crate::bodies::scan::{self, Check};
-use crate::output::file::OutputFiles;
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::output::OutputFiles;
+use crate::terminal::Global;
 
 /// Arguments of `kufe hull`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// What to make, or to look at
+    /// What to make or to examine
     #[command(subcommand)]
     kind: Kind,
 }
@@ -29,7 +28,7 @@ enum Kind {
     Bob(Bob),
     /// A luge steel on its rounded edge
     Luge(Luge),
-    /// Say whether a hull from a scanner can be pressed: unit, axes, spacing, noise, and which loads it resolves
+    /// Examine a hull from a scanner: unit, axes, spacing, noise, and which loads it resolves
     Check(Check),
 }
 
@@ -94,54 +93,56 @@ struct File {
 /// Largest turn over one facet of a steel on its edge, whose radius is of the size of the contact [rad].
 const EDGE_TURN: f64 = 0.01;
 
-/// Writes the hull, or looks at one.
+/// A hull that was written.
+#[derive(Serialize)]
+struct WrittenHull<'a> {
+    file: &'a PathBuf,
+    vertices: usize,
+    triangles: usize,
+}
+
+/// Writes the hull, or examines one.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for dimensions that do not fit and a file that cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let (name, swept, file, turn) = match &args.kind {
-        Kind::Bob(bob) => ("bob", bob.swept(bob.rocker()?), &bob.file, None),
-        Kind::Luge(luge) => ("luge", luge.swept(), &luge.file, Some(EDGE_TURN)),
+    let none = None;
+    let (name, swept, out, points, turn) = match &args.kind {
+        Kind::Bob(bob) => ("bob", bob.swept()?, &bob.file, &bob.rocker_points, None),
+        Kind::Luge(luge) => ("luge", luge.swept(), &luge.file, &none, Some(EDGE_TURN)),
         Kind::Check(check) => return scan::run(check, global),
     };
-    let path = file.out.display();
-    let told = |error: MeshError| Failure::BadInput(format!("kufe hull {name}: {error}"));
+    let File {
+        out: file,
+        edge_length_m,
+    } = out;
+    let path = file.display();
+    let refuse = |error: MeshError| Failure::BadInput(format!("kufe hull {name}: {error}"));
     let format =
-        HullFormat::of(&file.out).map_err(|error| Failure::BadInput(format!("{path}: {error}")))?;
-    let swept = swept.map_err(told)?;
-    let inputs = match &args.kind {
-        Kind::Bob(bob) => bob.rocker_points.as_slice(),
-        _ => &[],
-    };
-    let outputs = std::slice::from_ref(&file.out);
-    let files = OutputFiles::begin("hull", inputs, outputs, global.force)?;
+        HullFormat::of(file).map_err(|error| Failure::BadInput(format!("{path}: {error}")))?;
+    let swept = swept.map_err(refuse)?;
+    let outputs = std::slice::from_ref(file);
+    let files = OutputFiles::begin("hull", points.as_slice(), outputs, global.force)?;
     let hull = match turn {
-        Some(turn) => tessellate_turning(&swept, file.edge_length_m, turn),
-        None => tessellate(&swept, file.edge_length_m),
+        Some(turn) => tessellate_turning(&swept, *edge_length_m, turn),
+        None => tessellate(&swept, *edge_length_m),
     };
-    let hull = hull.map_err(told)?;
-    files.write(&file.out, |writer| format.write(&hull, writer))?;
+    let hull = hull.map_err(refuse)?;
+    files.write(file, |writer| format.write(&hull, writer))?;
     files.commit()?;
     let (vertices, triangles) = (hull.positions.len(), hull.triangles.len());
-    if global.json {
-        let document = json!({ "file": file.out, "vertices": vertices, "triangles": triangles });
-        say(&format!("{document:#}\n"));
-    } else if !global.quiet {
-        say(&format!(
-            "{path}: {vertices} vertices, {triangles} triangles\n"
-        ));
-    }
-    Ok(())
+    let written = WrittenHull {
+        file,
+        vertices,
+        triangles,
+    };
+    global.print(&written, || {
+        format!("{path}: {vertices} vertices, {triangles} triangles\n")
+    })
 }
 
 impl Bob {
-    /// The measured rocker, where one is given.
-    fn rocker(&self) -> Result<Option<Vec<[f64; 2]>>, Failure> {
-        let read = |path: &PathBuf| load_points(path, ["x_m", "z_m"]).map_err(Failure::bad_input);
-        self.rocker_points.as_ref().map(read).transpose()
-    }
-
-    fn swept(&self, rocker: Option<Vec<[f64; 2]>>) -> Result<Swept, MeshError> {
+    fn swept(&self) -> Result<Result<Swept, MeshError>, Failure> {
         let bob = BobRunner {
             length: self.length_m,
             rocker_radius: self.rocker_radius_m,
@@ -150,10 +151,11 @@ impl Bob {
             height: self.height_m,
             ..BobRunner::default()
         };
-        match rocker {
-            Some(points) => bob.swept_along(Rocker::points(&points)?),
-            None => bob.swept(),
-        }
+        let Some(path) = &self.rocker_points else {
+            return Ok(bob.swept());
+        };
+        let points = load_points(path, ["x_m", "z_m"]).map_err(Failure::bad_input)?;
+        Ok(Rocker::points(&points).and_then(|rocker| bob.swept_along(rocker)))
     }
 }
 

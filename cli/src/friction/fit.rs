@@ -10,10 +10,9 @@ use kufe_sled::friction::{
     read_experiments,
 };
 
-use crate::friction::failure::failure;
-use crate::output::folder::OutputDir;
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::friction::failure;
+use crate::output::OutputDir;
+use crate::terminal::Global;
 
 /// Arguments of `kufe friction fit`.
 #[derive(clap::Args, Debug)]
@@ -26,27 +25,9 @@ pub struct Args {
     /// Weigh every specimen alike, as the paper does, instead of by both errors
     #[arg(long)]
     pub unweighted: bool,
-    /// Largest coefficient of the law (E_x)
-    #[arg(long, value_name = "MU", default_value_t = PressureLaw::PUBLISHED.mu_cap)]
-    pub mu_cap: f64,
-    /// Asperity factor of the law
-    #[arg(long, value_name = "ZETA", default_value_t = 1.0)]
-    pub zeta: f64,
-    /// What the asperity factor multiplies
-    #[arg(long, value_enum, default_value_t = ZetaOn::Mu)]
-    pub zeta_acts_on: ZetaOn,
     /// Probability that intervals and band are to cover
     #[arg(long, value_name = "P", default_value_t = 0.95)]
     pub confidence: f64,
-}
-
-/// As [`ZetaActsOn`].
-#[derive(clap::ValueEnum, Clone, Copy, Debug)]
-pub enum ZetaOn {
-    /// The coefficient, as in the paper's formula
-    Mu,
-    /// The pressure, as in the paper's text
-    Pressure,
 }
 
 /// Fits and writes.
@@ -61,12 +42,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         );
         return Err(Failure::Usage(text));
     }
-    for (option, value, most) in [("mu-cap", args.mu_cap, 1.0), ("zeta", args.zeta, 100.0)] {
-        if !(value > 0.0 && value <= most) {
-            let text = format!("--{option} {value}: expected above 0, up to {most}");
-            return Err(Failure::Usage(text));
-        }
-    }
     let name = args.experiments.display().to_string();
     let file = kufe_files::open_regular(&args.experiments)
         .map_err(|error| Failure::BadInput(format!("{name}: cannot be read: {error}")))?;
@@ -79,11 +54,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let fit = fit_mu(&experiments, weighting, args.confidence)
         .map_err(|error| failure(&error).within(&name))?;
-    let acts_on = match args.zeta_acts_on {
-        ZetaOn::Mu => ZetaActsOn::Mu,
-        ZetaOn::Pressure => ZetaActsOn::Pressure,
-    };
-    let law = fit.law(args.mu_cap, args.zeta, acts_on);
+    let law = fit.law(PressureLaw::PUBLISHED.mu_cap, 1.0, ZetaActsOn::Mu);
     law.check().map_err(|error| failure(&error).within(&name))?;
     let result = PressureFit::new(&fit, &law, &experiments, args.confidence);
     let inputs = std::slice::from_ref(&args.experiments);
@@ -94,14 +65,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "mu.png",
         &kufe::charts::mu_picture(&experiments, &fit, &law),
     )?;
-    let json = output.json("fit.json", &result)?;
+    output.json("fit.json", &result)?;
     output.commit()?;
-    if global.json {
-        say(&json);
-    } else if !global.quiet {
-        say(&summary(&fit, args));
-    }
-    Ok(())
+    global.print(&result, || summary(&fit, args))
 }
 
 /// `[friction.longitudinal]` as a model file has it.
@@ -137,7 +103,7 @@ fn summary(fit: &MuFit, args: &Args) -> String {
             if p_value < 0.05 {
                 "a quadratic does not describe these data within their stated errors"
             } else {
-                "nothing left to explain"
+                "a quadratic describes these data"
             }
         );
     }

@@ -11,10 +11,9 @@ use kufe_sled::friction::{
     read_glide_index, write_experiments,
 };
 
-use crate::friction::failure::failure;
-use crate::output::folder::OutputDir;
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::friction::failure;
+use crate::output::OutputDir;
+use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
 glides.csv has one row a run: run, file, specimen, direction, mass_kg, cda_m2, air_c, air_pa;
@@ -57,30 +56,22 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let name = picture(i, &run.entry.run);
         output.picture(&name, &kufe::charts::glide_picture(&house, run))?;
     }
-    let json = output.json("icehouse.json", &result)?;
+    output.json("icehouse.json", &result)?;
     output.commit()?;
-    if global.json {
-        say(&json);
-    } else if !global.quiet {
-        say(&summary(&house, &args.out));
-    }
-    Ok(())
+    global.print(&result, || summary(&house, &args.out))
 }
 
 fn open(path: &Path) -> Result<BufReader<File>, Failure> {
-    let told = |error| Failure::BadInput(format!("{}: cannot be read: {error}", path.display()));
-    Ok(BufReader::new(
-        kufe_files::open_regular(path).map_err(told)?,
-    ))
+    let file = kufe_files::open_regular(path).map_err(|error| {
+        Failure::BadInput(format!("{}: cannot be read: {error}", path.display()))
+    })?;
+    Ok(BufReader::new(file))
 }
 
 fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, Failure> {
     let path = folder.join(&entry.file);
-    let in_index = |told: Failure| match told {
-        Failure::BadInput(text) => Failure::BadInput(format!("{index}, run {}: {text}", entry.run)),
-        other => other,
-    };
-    let reader = open(&path).map_err(in_index)?;
+    let reader =
+        open(&path).map_err(|failure| failure.within(&format!("{index}, run {}", entry.run)))?;
     let name = path.display().to_string();
     let trace = read_glide(&name, reader).map_err(|error| failure(&error))?;
     evaluate_glide(entry, &trace).map_err(|error| Failure::BadInput(format!("{name}: {error}")))
@@ -88,18 +79,15 @@ fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, 
 
 /// The picture's name: the run's number keeps names apart that differ only in signs a file cannot have.
 fn picture(number: usize, run: &str) -> String {
-    let plain: String = run
-        .chars()
-        .take(60)
-        .map(|c| {
-            if c.is_alphanumeric() || c == '-' {
-                c
-            } else {
-                '_'
-            }
-        })
-        .collect();
-    format!("energy_{:03}_{plain}.png", number + 1)
+    let plain = |c: char| {
+        if c.is_alphanumeric() || c == '-' {
+            c
+        } else {
+            '_'
+        }
+    };
+    let run: String = run.chars().take(60).map(plain).collect();
+    format!("energy_{:03}_{run}.png", number + 1)
 }
 
 /// Speed that no one reaches by pushing a sled in a hall [m/s]; km/h without a measured way cannot be proved.
@@ -127,12 +115,11 @@ fn summary(house: &IceHouse, out: &Path) -> String {
             s.v_mps,
         );
     }
-    let degrees = |rad: f64| rad.to_degrees();
     text += &format!(
         "rink: {:.4} degrees ({:.4} to {:.4}), positive where \"{}\" climbs\n",
-        degrees(house.slope_rad.value),
-        degrees(house.slope_rad.low),
-        degrees(house.slope_rad.high),
+        house.slope_rad.value.to_degrees(),
+        house.slope_rad.low.to_degrees(),
+        house.slope_rad.high.to_degrees(),
         house.directions[0],
     );
     text += &format!(
@@ -153,8 +140,8 @@ fn summary(house: &IceHouse, out: &Path) -> String {
             1e3 * s.mu.value / 3.6
         );
     }
-    let known = house.experiments().iter().all(|e| e.p_max_pa.is_finite());
-    if !known {
+    let experiments = house.experiments();
+    if experiments.iter().any(|e| !e.p_max_pa.is_finite()) {
         text += "experiments.csv: fill in p_max_pa and p_max_sd_pa (kufe press) before kufe friction fit\n";
     }
     text + &format!(

@@ -1,14 +1,64 @@
-//! Friction of a runner, and its fit to experiments and gliding runs.
+//! `kufe friction`: friction of a runner, and its fit to experiments and gliding runs.
 
-mod asked;
-mod command;
-mod failure;
 mod fit;
 pub mod icehouse;
 mod optimum;
 mod optimum_picture;
 mod point;
+mod request;
 mod sliding;
 mod sliding_picture;
 
-pub use command::{Args, run};
+use kufe::jobs::Failure;
+use kufe_sled::friction::Error;
+
+use crate::terminal::Global;
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe friction case.toml --v-mps 30 --alpha-rad 0.01      solve the contact; mu, F_x and the power lost
+  kufe friction case.toml --v-mps 30 --model model.toml    with the model's law and effects
+  kufe friction case.toml --groove --v-mps 5,20,35 --ice-c -10,-5,-1   groove and melt film over speed and temperature
+  kufe friction a.toml b.toml --groove --v-mps 30 --ice-c -8   two runners side by side
+  kufe friction case.toml --groove --v-mps 30 --ice-c -8 --optimise rocker_radius_m=15:60   the rocker with the least friction
+  kufe friction fit experiments.csv -o out/                fit mu over pressure, written in model.toml's form";
+
+/// Arguments of `kufe friction`.
+#[derive(clap::Args, Debug)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = EXAMPLES)]
+pub struct Args {
+    #[command(subcommand)]
+    task: Option<Task>,
+    #[command(flatten)]
+    point: point::Args,
+}
+
+#[derive(clap::Subcommand, Debug)]
+enum Task {
+    /// Fit a quadratic mu(p) to experiments, with errors in both
+    Fit(fit::Args),
+}
+
+/// Runs the fit, or solves the cases.
+///
+/// # Errors
+/// [`Failure::BadInput`], [`Failure::NotConverged`], [`Failure::Usage`].
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    if let Some(Task::Fit(args)) = &args.task {
+        return fit::run(args, global);
+    }
+    args.point.check_complete()?;
+    match args.point.sliding() {
+        Some(request) if request.optimise.is_empty() => sliding::run(&request, global),
+        Some(request) => optimum::run(&request, global),
+        None => point::run(&args.point, global),
+    }
+}
+
+/// A library's error as the command's.
+fn failure(error: &Error) -> Failure {
+    match error {
+        Error::NotConverged { .. } => Failure::NotConverged(error.to_string()),
+        _ => Failure::bad_input(error),
+    }
+}

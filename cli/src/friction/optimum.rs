@@ -4,49 +4,39 @@ use std::io::{self, Write};
 
 use kufe::jobs::Failure;
 use kufe::jobs::case_file::LoadedCase;
-use kufe::jobs::field::pretty;
 use kufe::jobs::slide::{Optimum, Parameter, optimise};
 use kufe::results::FrictionOptimum;
 use kufe_contact::Options;
 use kufe_sled::friction::Span;
 
-use crate::friction::asked::{Asked, begin};
 use crate::friction::optimum_picture::optimum_picture;
-use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::watched::watched;
+use crate::friction::request::Request;
+use crate::terminal::Global;
 
 /// Searches, prints and writes.
 ///
 /// # Errors
 /// [`Failure::Usage`] for a search over several cases, speeds or temperatures and for bounds that are none, else as [`optimise`].
-pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
-    let ([path], &[v_mps], &[ice_c]) = (asked.cases, asked.speeds, asked.temperatures) else {
+pub fn run(request: &Request, global: &Global) -> Result<(), Failure> {
+    let ([path], &[v_mps], &[ice_c]) = (request.cases, request.speeds, request.temperatures) else {
         let text = "--optimise: expected one case, one --v-mps and one --ice-c";
         return Err(Failure::Usage(text.into()));
     };
-    let parameters = asked.optimise.iter().map(|text| parameter(text));
+    let parameters = request.optimise.iter().map(|text| parameter(text));
     let parameters: Vec<Parameter> = parameters.collect::<Result<_, _>>()?;
     let loaded = LoadedCase::read(path)?;
-    let output = begin(asked, std::slice::from_ref(&loaded), global)?;
+    let output = request.output(std::slice::from_ref(&loaded), global)?;
     let options = Options::default();
-    let found = watched(global, |watch| {
-        optimise(&loaded, [v_mps, ice_c], &parameters, watch, &options)
-    })?;
+    let found =
+        global.watched(|watch| optimise(&loaded, [v_mps, ice_c], &parameters, watch, &options))?;
     let result = FrictionOptimum::new(&found, &loaded.case);
-    let mut json = pretty(&result)?;
     if let Some(output) = output {
         output.write("friction.csv", |file| write_csv(file, &found))?;
         output.picture("friction.png", &optimum_picture(&found))?;
-        json = output.json("friction.json", &result)?;
+        output.json("friction.json", &result)?;
         output.commit()?;
     }
-    if global.json {
-        say(&json);
-    } else if !global.quiet {
-        say(&text(&found));
-    }
-    Ok(())
+    global.print(&result, || text(&found))
 }
 
 /// `KEY=LOW:HIGH`.
@@ -111,7 +101,7 @@ fn text(found: &Optimum) -> String {
             None => "",
         };
         text += &format!(
-            "  {} = {:.4}{bound}; from {from:.4} to {to:.4} cannot be told from it\n",
+            "  {} = {:.4}{bound}; from {from:.4} to {to:.4} is as good within the errors\n",
             parameter.key, found.values[k]
         );
     }

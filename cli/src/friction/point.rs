@@ -1,20 +1,14 @@
-//! Friction of one runner under one load: the contact is solved and its peak pressure looked up in the law.
+//! Friction of one runner under one load: the contact is solved and its peak pressure inserted into the law.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
-use kufe::case::StatedProblem;
-use kufe::jobs::field::pretty;
-use kufe::jobs::{Failure, case_file::LoadedCase};
-use kufe::results::{FrictionByLaw, Measured};
-use kufe_contact::solve;
-use kufe_sled::effects::{Effects, Kind, OperatingPoint};
-use kufe_sled::friction::{Longitudinal, longitudinal_force};
-use kufe_sled::{Conditions, Model};
+use kufe::jobs::{Failure, FrictionLaw, case_file::LoadedCase};
+use kufe::results::FrictionByLaw;
+use kufe_sled::Conditions;
+use kufe_sled::effects::OperatingPoint;
 
-use crate::friction::asked::Asked;
-use crate::output::global::Global;
-use crate::output::say::{say, warn};
+use crate::friction::request::Request;
+use crate::terminal::Global;
 
 /// Options of a law over the pressure, and of no groove.
 const BY_LAW: [&str; 5] = ["alpha_rad", "model", "air_c", "air_pa", "humidity_pct"];
@@ -60,7 +54,7 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     pub alpha_rad: f64,
-    /// Model of the sled and its friction, whose [friction.longitudinal] and [effects] hold; the published law where absent
+    /// Model of the sled and its friction, whose [friction.longitudinal] and [effects] apply; the published law where absent
     #[arg(long, short, value_name = "MODEL.toml")]
     pub model: Option<PathBuf>,
     /// Air temperature [degrees Celsius], for effects that need it
@@ -75,11 +69,11 @@ pub struct Args {
 }
 
 impl Args {
-    /// What must stand beside the options given.
+    /// Checks that the options given are complete.
     ///
     /// # Errors
-    /// [`Failure::Usage`] that says what is missing, why, and what to give.
-    pub fn complete(&self) -> Result<(), Failure> {
+    /// [`Failure::Usage`] with what is missing, why, and what to give.
+    pub fn check_complete(&self) -> Result<(), Failure> {
         let tables = [
             (
                 self.out.is_some(),
@@ -94,24 +88,24 @@ impl Args {
         if self.v_mps.is_empty() {
             missing.push("--v-mps is missing: give the speed in m/s, as --v-mps 30".to_owned());
         }
-        let groove = self.groove;
-        let asked = tables.iter().find(|(asked, _)| *asked);
-        if let (false, Some((_, why))) = (groove, asked) {
+        let table = tables.iter().find(|(requested, _)| *requested);
+        if let (false, Some((_, why))) = (self.groove, table) {
             missing.push(format!("--groove is missing: {why}"));
         }
-        if (groove || asked.is_some()) && self.ice_c.is_empty() {
+        if (self.groove || table.is_some()) && self.ice_c.is_empty() {
             let how = "give the temperature of the ice in degrees Celsius, as --ice-c -5, or several as --ice-c -10,-5,-1";
             missing.push(format!("--ice-c is missing: {how}"));
         }
-        match missing.is_empty() {
-            true => Ok(()),
-            false => Err(Failure::Usage(missing.join("\n"))),
+        if missing.is_empty() {
+            Ok(())
+        } else {
+            Err(Failure::Usage(missing.join("\n")))
         }
     }
 
-    /// The table over speed and temperature, where one is asked for.
-    pub fn sliding(&self) -> Option<Asked<'_>> {
-        self.groove.then_some(Asked {
+    /// The table over speed and temperature, where one is requested.
+    pub fn sliding(&self) -> Option<Request<'_>> {
+        self.groove.then_some(Request {
             cases: &self.cases,
             speeds: &self.v_mps,
             temperatures: &self.ice_c,
@@ -133,134 +127,77 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         return Err(Failure::Usage(text.into()));
     };
     check(args, speed)?;
-    let (law, effects, drag_area) = model(args)?;
+    let law = match &args.model {
+        Some(path) => FrictionLaw::of_model(path)?,
+        None => FrictionLaw::published(),
+    };
     let loaded = LoadedCase::read(path)?;
-    let StatedProblem { problem, hull } = loaded.stated()?;
-    let warnings = loaded.hull_warnings(hull.as_ref());
-    let bar = global.progress();
-    bar.set_message("solving the contact");
-    let started = Instant::now();
-    let solved = solve(&problem, &loaded.case.options());
-    bar.finish_and_clear();
-    let solution = solved.map_err(|error| loaded.failure(&error))?;
-    loaded.fine_enough(hull.as_ref(), &solution)?;
-    for warning in &warnings {
-        warn(&warning.to_string());
-    }
-    let base = law.mu(solution.p_max);
-    let point = operating_point(args, speed, solution.fz, drag_area);
-    let (mu, applied, ignored) = with_effects(base, &effects, &point)?;
-    let capped =
-        matches!(law, Longitudinal::Pressure(law) if law.uncapped(solution.p_max) > law.mu_cap);
-    let error = match law {
-        Longitudinal::Pressure(law) => law.slope(solution.p_max).abs() * solution.p_max_error,
-        Longitudinal::Fixed(_) => 0.0,
-    };
-    let fx = longitudinal_force(solution.fz, args.alpha_rad, mu);
-    let result = FrictionByLaw {
-        p_max: Measured::new(solution.p_max, solution.p_max_error),
-        fz_n: solution.fz,
-        mu,
-        mu_base: base,
-        mu_error: error,
-        depends_on_pressure: law.needs_pressure(),
-        capped,
-        alpha_rad: args.alpha_rad,
-        fx_n: fx,
-        v_mps: speed,
-        power_w: fx * speed,
-        effects: applied,
-        effects_not_concerned: ignored,
-        seconds: started.elapsed().as_secs_f64(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-    };
-    if global.json {
-        say(&pretty(&result)?);
-        return Ok(());
-    }
-    let (applied, ignored) = (&result.effects, &result.effects_not_concerned);
+    let at = operating_point(args, speed, law.drag_area);
+    let result = global.watched(|watch| law.solve(&loaded, args.alpha_rad, at, watch))?;
+    global.print(&result, || text(&result))
+}
+
+fn text(result: &FrictionByLaw) -> String {
     let mut text = format!(
         "peak pressure  {:.3} MPa +- {:.3}\nnormal force   {:.1} N\nmu             {:.3}e-3 +- {:.3}e-3 (by the pressure's error)\nforce          {:.3} N along the runner, at a slip angle of {} rad\npower          {:.1} W lost at {} m/s\n",
-        solution.p_max * 1e-6,
-        solution.p_max_error * 1e-6,
-        solution.fz,
-        mu * 1e3,
-        error * 1e3,
-        fx,
-        args.alpha_rad,
-        -fx * speed,
-        speed,
+        result.p_max.value * 1e-6,
+        result.p_max.error * 1e-6,
+        result.fz_n,
+        result.mu * 1e3,
+        result.mu_error * 1e3,
+        result.fx_n,
+        result.alpha_rad,
+        -result.power_w,
+        result.v_mps,
     );
-    if capped {
-        text +=
-            "the pressure lies beyond those that the law was fitted to: this is its largest mu\n";
+    if result.capped {
+        text += "the pressure is outside those of the fit of the law: this is its largest mu\n";
     }
+    let (applied, ignored) = (&result.effects, &result.effects_not_concerned);
     if !applied.is_empty() {
         text += &format!(
             "effects        {} (mu before them {:.3}e-3)\n",
             applied.join(", "),
-            base * 1e3
+            result.mu_base * 1e3
         );
     }
     if !ignored.is_empty() {
         text += &format!("not of the friction coefficient: {}\n", ignored.join(", "));
     }
-    say(&text);
-    Ok(())
+    text
 }
 
+/// Checks the ranges of the options.
 fn check(args: &Args, speed: f64) -> Result<(), Failure> {
-    let told = |name: &str, value: f64, expected: &str| {
-        Err(Failure::Usage(format!(
-            "--{name} {value}: expected {expected}"
-        )))
-    };
-    if !(0.0..=100.0).contains(&speed) {
-        return told("v-mps", speed, "0 to 100 m/s");
-    }
-    if args.alpha_rad.is_nan() || args.alpha_rad.abs() > std::f64::consts::FRAC_PI_2 {
-        return told(
-            "alpha-rad",
-            args.alpha_rad,
-            "a slip angle in rad within a quarter turn",
-        );
-    }
-    for (name, value) in [
-        ("ice-c", args.ice_c.first().copied()),
-        ("air-c", args.air_c),
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let angle = "a slip angle in rad within a quarter turn";
+    let celsius = "degrees Celsius, -60 to 60";
+    let pressure = "an air pressure in Pa, 30000 to 120000";
+    let ice_c = args.ice_c.first().copied();
+    for (name, value, low, high, expected) in [
+        ("v-mps", Some(speed), 0.0, 100.0, "0 to 100 m/s"),
+        ("alpha-rad", Some(args.alpha_rad), -quarter, quarter, angle),
+        ("ice-c", ice_c, -60.0, 60.0, celsius),
+        ("air-c", args.air_c, -60.0, 60.0, celsius),
+        ("air-pa", args.air_pa, 30e3, 120e3, pressure),
+        ("humidity-pct", args.humidity_pct, 0.0, 100.0, "0 to 100"),
     ] {
-        if let Some(value) = value.filter(|v| !(-60.0..=60.0).contains(v)) {
-            return told(name, value, "degrees Celsius, -60 to 60");
+        if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
+            let text = format!("--{name} {value}: expected {expected}");
+            return Err(Failure::Usage(text));
         }
     }
-    if let Some(value) = args.air_pa.filter(|v| !(30e3..=120e3).contains(v)) {
-        return told("air-pa", value, "an air pressure in Pa, 30000 to 120000");
-    }
-    if let Some(value) = args.humidity_pct.filter(|v| !(0.0..=100.0).contains(v)) {
-        return told("humidity-pct", value, "0 to 100");
-    }
     Ok(())
 }
 
-fn model(args: &Args) -> Result<(Longitudinal, Effects, f64), Failure> {
-    let Some(path) = &args.model else {
-        return Ok((Longitudinal::PUBLISHED, Effects::default(), f64::NAN));
-    };
-    let told =
-        |error: &dyn std::fmt::Display| Failure::BadInput(format!("{}: {error}", path.display()));
-    let model = Model::load(path).map_err(Failure::bad_input)?;
-    let law = model.friction.longitudinal.model().map_err(|e| told(&e))?;
-    let effects = Effects::from_tables(&model.effects).map_err(|e| told(&e))?;
-    Ok((law, effects, model.sled.cda_m2))
-}
-
-fn operating_point(args: &Args, speed: f64, fz: f64, drag_area: f64) -> OperatingPoint {
-    let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
+/// The conditions as the options state them; the normal force is the contact's.
+fn operating_point(args: &Args, speed: f64, drag_area: f64) -> OperatingPoint {
+    let stated = |value: Option<f64>| value.unwrap_or(f64::NAN);
     let conditions = Conditions {
-        ice_c: known(args.ice_c.first().copied()),
-        air_c: known(args.air_c),
-        air_pa: known(args.air_pa),
-        humidity_pct: known(args.humidity_pct),
+        ice_c: stated(args.ice_c.first().copied()),
+        air_c: stated(args.air_c),
+        air_pa: stated(args.air_pa),
+        humidity_pct: stated(args.humidity_pct),
         distance_m: 0.0,
         mass_kg: f64::NAN,
     };
@@ -268,63 +205,10 @@ fn operating_point(args: &Args, speed: f64, fz: f64, drag_area: f64) -> Operatin
         t: 0.0,
         s: 0.0,
         v: speed,
-        fz,
+        fz: f64::NAN,
         conditions,
         air_density: conditions.air_density(),
         drag_area,
         film: f64::NAN,
     }
-}
-
-/// The coefficient after every effect on it, the names of those, and of the model's others.
-fn with_effects(
-    base: f64,
-    effects: &Effects,
-    at: &OperatingPoint,
-) -> Result<(f64, Vec<String>, Vec<String>), Failure> {
-    let (mut mu, mut applied, mut ignored) = (base, Vec::new(), Vec::new());
-    for active in &effects.active {
-        let Some(with) = active.coefficient(mu, at) else {
-            ignored.push(active.name.clone());
-            continue;
-        };
-        if let Kind::Custom(own) = &active.kind
-            && with.is_nan()
-        {
-            return Err(Failure::Usage(format!(
-                "the model's effect {} needs {}: a condition is not given, or belongs to a run",
-                active.name,
-                own.names().join(", ")
-            )));
-        }
-        for column in active.columns() {
-            let missing = match column {
-                "ice_c" => at.conditions.ice_c.is_nan().then_some("--ice-c"),
-                "air_c" => at.conditions.air_c.is_nan().then_some("--air-c"),
-                "air_pa" => at.conditions.air_pa.is_nan().then_some("--air-pa"),
-                "humidity_pct" => at
-                    .conditions
-                    .humidity_pct
-                    .is_nan()
-                    .then_some("--humidity-pct"),
-                "film" => Some("the tables of a sled's runners"),
-                _ => None,
-            };
-            if let Some(option) = missing {
-                return Err(Failure::Usage(format!(
-                    "the model's effect {} needs {option}",
-                    active.name
-                )));
-            }
-        }
-        mu = with;
-        if mu.is_nan() {
-            return Err(Failure::Usage(format!(
-                "the model's effect {} needs --air-c and --air-pa",
-                active.name
-            )));
-        }
-        applied.push(active.name.clone());
-    }
-    Ok((mu, applied, ignored))
 }

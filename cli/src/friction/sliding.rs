@@ -1,19 +1,16 @@
 //! `kufe friction CASES --groove --v-mps LIST --ice-c LIST`: the groove and the melt film's friction over speed and temperature, runners side by side.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use kufe::jobs::Failure;
 use kufe::jobs::case_file::LoadedCase;
-use kufe::jobs::field::pretty;
 use kufe::jobs::slide::{FrictionPoint, fastest, friction_table};
 use kufe::results::{CaseRecord, FastestRunners, FrictionRow, FrictionTable, write_csv};
 use kufe_contact::Options;
 
-use crate::friction::asked::{Asked, Runner, begin};
+use crate::friction::request::{Request, Runner};
 use crate::friction::sliding_picture::sliding_picture;
-use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::watched::watched;
+use crate::terminal::Global;
 
 /// Most points of a table, so that a slip of the hand does not run for days.
 const MOST: usize = 10_000;
@@ -22,23 +19,29 @@ const MOST: usize = 10_000;
 ///
 /// # Errors
 /// [`Failure::Usage`] for too long lists, else as [`friction_table`]; [`Failure::BadInput`] for an output that cannot be written.
-pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
-    let counts = [asked.speeds.len(), asked.temperatures.len()];
+pub fn run(request: &Request, global: &Global) -> Result<(), Failure> {
+    let counts = [request.speeds.len(), request.temperatures.len()];
     let count = counts
         .iter()
-        .fold(asked.cases.len(), |n, &k| n.saturating_mul(k));
+        .fold(request.cases.len(), |n, &k| n.saturating_mul(k));
     if count > MOST {
         let text = format!("{count} points: expected at most {MOST}");
         return Err(Failure::Usage(text));
     }
-    let cases = asked.cases.iter().map(|path| LoadedCase::read(path));
+    let cases = request.cases.iter().map(|path| LoadedCase::read(path));
     let cases: Vec<LoadedCase> = cases.collect::<Result<_, _>>()?;
-    let output = begin(asked, &cases, global)?;
+    let output = request.output(&cases, global)?;
     let options = Options::default();
-    let names = names(asked.cases);
-    let runners = watched(global, |watch| {
+    let names = names(request.cases);
+    let runners = global.watched(|watch| {
         let solved = cases.iter().zip(names).map(|(loaded, name)| {
-            let points = friction_table(loaded, asked.speeds, asked.temperatures, watch, &options)?;
+            let points = friction_table(
+                loaded,
+                request.speeds,
+                request.temperatures,
+                watch,
+                &options,
+            )?;
             Ok(Runner { name, points })
         });
         solved.collect::<Result<Vec<Runner>, Failure>>()
@@ -61,37 +64,28 @@ pub fn run(asked: &Asked, global: &Global) -> Result<(), Failure> {
             .collect(),
         fastest,
     };
-    let mut json = pretty(&result)?;
     if let Some(output) = output {
         output.write("friction.csv", |file| write_csv(file, &result.points))?;
         output.picture("friction.png", &sliding_picture(&runners))?;
-        json = output.json("friction.json", &result)?;
+        output.json("friction.json", &result)?;
         output.commit()?;
     }
-    if global.json {
-        say(&json);
-    } else if !global.quiet {
-        say(&text(&result));
-    }
-    Ok(())
+    global.print(&result, || text(&result))
 }
 
 /// The files' names without folder and ending, or the whole paths where two have the same.
 fn names(cases: &[PathBuf]) -> Vec<String> {
-    let stem = |path: &Path| {
-        path.file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned()
+    let stem = |path: &PathBuf| {
+        let stem = path.file_stem().unwrap_or_default();
+        stem.to_string_lossy().into_owned()
     };
-    let stems: Vec<String> = cases.iter().map(|path| stem(path)).collect();
+    let stems: Vec<String> = cases.iter().map(stem).collect();
     let twice = |name: &String| stems.iter().filter(|other| *other == name).count() > 1;
-    match stems.iter().any(twice) {
-        true => cases
-            .iter()
-            .map(|path| path.display().to_string())
-            .collect(),
-        false => stems,
+    if stems.iter().any(twice) {
+        let whole = cases.iter().map(|path| path.display().to_string());
+        whole.collect()
+    } else {
+        stems
     }
 }
 
@@ -136,7 +130,7 @@ fn text(result: &FrictionTable) -> String {
         let verdict = match &fastest.cases[..] {
             [one] => format!("{one} has the least friction"),
             several => format!(
-                "{} have the least friction and cannot be told apart within their errors",
+                "{} have the least friction, equal within their errors",
                 several.join(", ")
             ),
         };

@@ -3,7 +3,7 @@
 use kufe::jobs::slide::FrictionPoint;
 use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel, Point};
 
-use crate::friction::asked::Runner;
+use crate::friction::request::Runner;
 
 /// What the points of a line differ by.
 #[derive(Clone, Copy, PartialEq)]

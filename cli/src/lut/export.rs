@@ -4,12 +4,18 @@ use std::path::{Path, PathBuf};
 
 use kufe::jobs::{Failure, table::read_table};
 use kufe_lut::{Table, simulink_files};
+use serde::Serialize;
 
-use crate::output::file::OutputFiles;
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::output::OutputFiles;
+use crate::terminal::Global;
 
-/// Which forms to write beside a table.
+/// Files that were written.
+#[derive(Serialize)]
+struct Exported<'a> {
+    written: &'a [PathBuf],
+}
+
+/// Which forms of a table to write as well.
 #[derive(clap::Args, Debug, Default)]
 pub struct Forms {
     /// Write one row a node as CSV
@@ -21,7 +27,7 @@ pub struct Forms {
     /// Write a C99 header with arrays and functions
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub header: Option<Option<PathBuf>>,
-    /// Write a block for Simulink, beside the table: a C header, an S-function and the MATLAB script that builds both into a library
+    /// Write a block for Simulink into the folder of the table: a C header, an S-function and the MATLAB script that builds both into a library
     #[arg(long)]
     pub simulink: bool,
     /// Write an FMU (FMI 3.0, co-simulation and model exchange)
@@ -41,10 +47,10 @@ pub struct Args {
     forms: Forms,
 }
 
-/// Writes the forms asked for.
+/// Writes the requested forms.
 ///
 /// # Errors
-/// [`Failure::Usage`] where none is asked for, [`Failure::BadInput`] for files.
+/// [`Failure::Usage`] where none is requested, [`Failure::BadInput`] for files.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if args.forms.none() {
         return Err(Failure::Usage(
@@ -57,15 +63,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let table = read_table(&args.table)?;
     let written = args.forms.write(&table, &args.table, &files)?;
     files.commit()?;
-    if global.json {
-        let names: Vec<String> = written.iter().map(|p| p.display().to_string()).collect();
-        say(&format!("{}\n", serde_json::json!({ "written": names })));
-    } else if !global.quiet {
-        for path in written {
-            say(&format!("wrote {}\n", path.display()));
-        }
-    }
-    Ok(())
+    global.print(&Exported { written: &written }, || {
+        let lines = written
+            .iter()
+            .map(|path| format!("wrote {}\n", path.display()));
+        lines.collect()
+    })
 }
 
 impl Forms {
@@ -76,7 +79,7 @@ impl Forms {
             && !self.simulink
     }
 
-    /// Where the forms asked for go, each with what tells it: beside the table where they name no file.
+    /// The requested forms with their files: in the folder of the table where they name none.
     fn places(&self, sibling: &Path) -> Vec<(&'static str, PathBuf)> {
         let forms = [
             (&self.csv, "csv"),
@@ -107,13 +110,13 @@ impl Forms {
         places
     }
 
-    /// Where the forms asked for go.
+    /// The files of the requested forms.
     pub fn paths(&self, sibling: &Path) -> Vec<PathBuf> {
         let places = self.places(sibling).into_iter();
         places.map(|(_, path)| path).collect()
     }
 
-    /// Writes the forms, beside the table where they name no file; returns what was written.
+    /// Writes the requested forms; returns their files.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where a form cannot be made of this table or a file not be written.

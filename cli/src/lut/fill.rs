@@ -7,13 +7,12 @@ use kufe::jobs::{
     Failure,
     table::{Solver, TableSpec},
 };
+use kufe_files::resolved;
 
 use crate::lut::export::{Forms, write_table};
 use crate::lut::finish::{Spent, finish};
-use crate::output::file::OutputFiles;
-use crate::output::global::Global;
-use crate::output::paths::resolved;
-use crate::output::watched::watched;
+use crate::output::OutputFiles;
+use crate::terminal::Global;
 
 /// Arguments of `kufe lut` without a subcommand.
 #[derive(clap::Args, Debug)]
@@ -42,7 +41,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .clone()
         .unwrap_or_else(|| path.with_extension("lut"));
     let started = Instant::now();
-    let (solver, filled, files) = watched(global, |watch| {
+    let (solver, filled, files) = global.watched(|watch| {
         let solver = Solver::new(&spec, watch)?;
         let mut outputs = args.forms.paths(&out);
         outputs.push(out.clone());

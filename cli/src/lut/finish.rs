@@ -3,11 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::{Failure, percent};
-use kufe_lut::{Method, Mode, Point, Quantity, SweepResult, Table};
-use serde_json::{Value, json};
+use kufe::results::TableSummary;
+use kufe_lut::{Point, Quantity, SweepResult, Table};
 
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::terminal::Global;
 
 /// What a table cost.
 pub struct Spent {
@@ -29,16 +28,16 @@ pub fn finish(
     spent: Spent,
     global: &Global,
 ) -> Result<(), Failure> {
-    let summary = summary(&swept.table, &spent)?;
-    if global.json {
-        say(&format!("{summary:#}\n"));
-    } else if !global.quiet {
-        say(&format!("{}\n", out.display()));
+    let table = &swept.table;
+    let summary = TableSummary::new(table, spent.solves, spent.seconds);
+    let summary = summary.map_err(Failure::bad_input)?;
+    global.print(&summary, || {
+        let mut text = format!("{}\n", out.display());
         for path in written {
-            say(&format!("{}\n", path.display()));
+            text += &format!("{}\n", path.display());
         }
-        say(&format!("{}\n", in_words(&summary, swept.table.judged())));
-    }
+        text + &in_words(&summary, table)
+    })?;
     let interpolation = swept.shortfall.as_ref().map(ToString::to_string);
     let reasons: Vec<String> = interpolation
         .into_iter()
@@ -86,44 +85,18 @@ fn in_a_sentence(judged: Quantity) -> &'static str {
     }
 }
 
-fn summary(table: &Table, spent: &Spent) -> Result<Value, Failure> {
-    let error = |mode| {
-        let measured = table.interpolation_error(table.judged(), mode);
-        let measured = measured.map_err(Failure::bad_input)?;
-        Ok::<_, Failure>(measured.map(|measured| measured.max))
-    };
-    let solver = format!("solver_{}", table.judged().name());
-    Ok(json!({
-        "nodes": table.axes().node_count(),
-        "fz_values": table.axes().fz().len(),
-        "curvature_values": table.axes().curvature().len(),
-        "rocker_radius_values": table.axes().rocker_radius().map(<[f64]>::len),
-        "v_values": table.axes().speed().map(<[f64]>::len),
-        "ice_values": table.axes().ice_c().map(<[f64]>::len),
-        "checks": table.checks().len(),
-        "by_boundary_elements": table.solved_by(Method::BoundaryElements),
-        "interpolation_requested": table.interpolation_requested,
-        "interpolation_smooth": error(Mode::Smooth)?,
-        "interpolation_bilinear": error(Mode::Bilinear)?,
-        solver: table.solver_error(),
-        "solves": spent.solves,
-        "seconds": spent.seconds,
-        "version": table.origin.version(),
-    }))
-}
-
-fn in_words(summary: &Value, judged: Quantity) -> String {
-    let percent = |key: &str| match summary[key].as_f64() {
-        Some(value) => format!("{:.3} %", 100.0 * value),
+fn in_words(summary: &TableSummary, table: &Table) -> String {
+    let percent = |error: Option<f64>| match error {
+        Some(error) => format!("{:.3} %", 100.0 * error),
         None => "not measured".into(),
     };
     let (mut sizes, mut names) = (String::new(), String::from("force x curvature"));
-    for (key, name) in [
-        ("rocker_radius_values", "rocker radius"),
-        ("v_values", "speed"),
-        ("ice_values", "ice temperature"),
+    for (size, name) in [
+        (summary.rocker_radius_values, "rocker radius"),
+        (summary.v_values, "speed"),
+        (summary.ice_values, "ice temperature"),
     ] {
-        if let Some(n) = summary[key].as_u64() {
+        if let Some(n) = size {
             sizes += &format!(" x {n}");
             names += &format!(" x {name}");
         }
@@ -132,19 +105,19 @@ fn in_words(summary: &Value, judged: Quantity) -> String {
         "  nodes                 {} x {}{sizes} ({names}), {} checks between them\n  \
          solver error          {} of the {}, estimated\n  \
          interpolation error   {} smooth, {} bilinear, measured at the checks\n  \
-         time                  {:.1} s for {} solves{}",
-        summary["fz_values"],
-        summary["curvature_values"],
-        summary["checks"],
-        percent(&format!("solver_{}", judged.name())),
-        in_a_sentence(judged),
-        percent("interpolation_smooth"),
-        percent("interpolation_bilinear"),
-        summary["seconds"].as_f64().unwrap_or(0.0),
-        summary["solves"],
-        match summary["by_boundary_elements"].as_u64() {
-            Some(count @ 1..) => format!(", {count} of them by boundary elements"),
-            _ => String::new(),
+         time                  {:.1} s for {} solves{}\n",
+        summary.fz_values,
+        summary.curvature_values,
+        summary.checks,
+        percent(Some(table.solver_error())),
+        in_a_sentence(table.judged()),
+        percent(summary.interpolation_smooth),
+        percent(summary.interpolation_bilinear),
+        summary.seconds,
+        summary.solves,
+        match summary.by_boundary_elements {
+            0 => String::new(),
+            count => format!(", {count} of them by boundary elements"),
         }
     )
 }

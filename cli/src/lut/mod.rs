@@ -1,6 +1,5 @@
 //! `kufe lut`: lookup tables of contact figures, made, read, exported, and made in pieces.
 
-mod command;
 mod export;
 mod fill;
 mod finish;
@@ -8,4 +7,90 @@ mod plan;
 mod query;
 mod show;
 
-pub use command::{Args, explained, run};
+use std::path::Path;
+
+use clap::error::ErrorKind;
+use kufe::jobs::Failure;
+
+use crate::terminal::Global;
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe lut bob-table.toml -o front.lut --csv --fmu     solve and write the table
+  kufe lut show front.lut                              draw it
+  kufe lut show front.lut --runs runs.csv --model model.toml   with where the runs lie on it
+  kufe lut query front.lut --fz-n 1800 --radius-m 40   interpolate it at a contact
+  kufe lut plan bob-table.toml -o plan --shards 50     cut it into shards, then:
+  kufe lut run plan --shard 7/50                       solve one of them
+  kufe lut merge plan -o front.lut                     put them together";
+
+/// The subcommands.
+const SUBCOMMANDS: [&str; 6] = ["show", "query", "export", "plan", "run", "merge"];
+
+/// Arguments of `kufe lut`.
+#[derive(clap::Args, Debug)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = EXAMPLES)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    fill: fill::Args,
+}
+
+#[derive(clap::Subcommand, Debug)]
+enum Command {
+    /// Draw a table
+    Show(show::Args),
+    /// Interpolate a table at one contact
+    Query(query::Args),
+    /// Write a table's further forms
+    Export(export::Args),
+    /// Cut a table's points into shards
+    Plan(plan::PlanArgs),
+    /// Solve one shard of a plan
+    Run(plan::RunArgs),
+    /// Put a plan's results together
+    Merge(plan::MergeArgs),
+}
+
+/// An error of the arguments; where a misspelt subcommand was taken for a table's file, one that says so.
+pub fn explained(error: clap::Error) -> clap::Error {
+    let words: Vec<String> = std::env::args().skip(1).take(2).collect();
+    let [command, word] = &words[..] else {
+        return error;
+    };
+    let likeness = |name: &str| strsim::jaro_winkler(word, name);
+    let is_file = Path::new(word).extension().is_some() || Path::new(word).exists();
+    let like = SUBCOMMANDS
+        .into_iter()
+        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
+        .filter(|name| likeness(name) > 0.7);
+    match like {
+        Some(name)
+            if command == "lut" && !is_file && error.kind() == ErrorKind::ArgumentConflict =>
+        {
+            let text = format!(
+                "unrecognized subcommand '{word}'\n\n  tip: a similar subcommand exists: '{name}'\n"
+            );
+            clap::Error::raw(ErrorKind::InvalidSubcommand, text)
+        }
+        _ => error,
+    }
+}
+
+/// Runs the subcommand, or fills the table.
+///
+/// # Errors
+/// [`Failure::BadInput`] for files, [`Failure::NotConverged`] where a contact or the interpolation stays
+/// short of its accuracy, [`Failure::Partial`] where the rest can be resumed.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    match &args.command {
+        None => fill::run(&args.fill, global),
+        Some(Command::Show(args)) => show::run(args, global),
+        Some(Command::Query(args)) => query::run(args, global),
+        Some(Command::Export(args)) => export::run(args, global),
+        Some(Command::Plan(args)) => plan::plan(args, global),
+        Some(Command::Run(args)) => plan::run(args, global),
+        Some(Command::Merge(args)) => plan::merge(args, global),
+    }
+}

@@ -8,13 +8,12 @@ use kufe::jobs::{
     table::{PlanFile, PointStore, Solver, TableSpec},
 };
 use kufe_lut::{Origin, Progress, replay};
+use serde::Serialize;
 
 use crate::lut::export::{Forms, write_table};
 use crate::lut::finish::{Spent, finish};
-use crate::output::file::OutputFiles;
-use crate::output::global::Global;
-use crate::output::say::{say, warn};
-use crate::output::watched::watched;
+use crate::output::OutputFiles;
+use crate::terminal::{Global, say, warn};
 
 /// Arguments of `kufe lut plan`.
 #[derive(clap::Args, Debug)]
@@ -49,6 +48,26 @@ pub struct MergeArgs {
     out: PathBuf,
     #[command(flatten)]
     forms: Forms,
+}
+
+/// A plan that was written.
+#[derive(Clone, Copy, Serialize)]
+struct Planned {
+    round: usize,
+    points: usize,
+    shards: usize,
+}
+
+/// A shard of which every point has a result.
+#[derive(Clone, Copy, Serialize)]
+struct ShardSolved {
+    shard: usize,
+    of: usize,
+    /// Points that were solved now.
+    solved: usize,
+    /// Points that had a result before.
+    #[serde(rename = "kept")]
+    retained: usize,
 }
 
 fn shard_word(word: &str) -> Result<(usize, usize), String> {
@@ -88,7 +107,7 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
             let table = table.display().to_string();
             let plan = PlanFile::new(origin, table, round, args.shards as usize, points);
             write_plan(&args.out, &plan, files)?;
-            report(&args.out, &plan, global);
+            report(&args.out, &plan, global)?;
         }
         Progress::Finished(_) => {
             if !global.quiet {
@@ -116,20 +135,19 @@ pub fn run(args: &RunArgs, global: &Global) -> Result<(), Failure> {
         warn(&format!("{damage}; its point is solved again"));
     }
     let label = format!("round {}, shard {index}/{count}", plan.round);
-    let solved = watched(global, |watch| {
-        solver.solve_missing(&store, points, &label, watch)
-    })?;
-    let retained = points.len() - solved;
-    if global.json {
-        let report =
-            serde_json::json!({ "shard": index, "of": count, "solved": solved, "kept": retained });
-        say(&format!("{report}\n"));
-    } else if !global.quiet {
-        say(&format!(
-            "shard {index}/{count}: {solved} points solved, {retained} were there\n"
-        ));
-    }
-    Ok(())
+    let solved = global.watched(|watch| solver.solve_missing(&store, points, &label, watch))?;
+    let solved = ShardSolved {
+        shard: index,
+        of: count,
+        solved,
+        retained: points.len() - solved,
+    };
+    global.print(&solved, || {
+        let ShardSolved {
+            solved, retained, ..
+        } = solved;
+        format!("shard {index}/{count}: {solved} points solved, {retained} were there\n")
+    })
 }
 
 /// Puts the results together, or plans the next round of a table that is refined to a tolerance.
@@ -231,22 +249,20 @@ fn write_plan(folder: &Path, plan: &PlanFile, files: OutputFiles) -> Result<(), 
     files.commit()
 }
 
-fn report(folder: &Path, plan: &PlanFile, global: &Global) {
+fn report(folder: &Path, plan: &PlanFile, global: &Global) -> Result<(), Failure> {
+    let planned = Planned {
+        round: plan.round,
+        points: plan.points.len(),
+        shards: plan.shards,
+    };
     let folder = folder.display();
-    if global.json {
-        let report = serde_json::json!({
-            "round": plan.round, "points": plan.points.len(), "shards": plan.shards
-        });
-        say(&format!("{report}\n"));
-    } else if !global.quiet {
-        say(&format!(
+    global.print(&planned, || {
+        format!(
             "{folder}: round {}, {} points in {} shards\n  \
              Slurm          sbatch --wait {folder}/slurm.sh\n  \
              GNU parallel   sh {folder}/parallel.sh\n  \
              then           kufe lut merge {folder} -o TABLE.lut\n",
-            plan.round,
-            plan.points.len(),
-            plan.shards
-        ));
-    }
+            planned.round, planned.points, planned.shards
+        )
+    })
 }

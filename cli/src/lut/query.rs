@@ -1,15 +1,12 @@
-//! `kufe lut query`: one contact, looked up.
+//! `kufe lut query`: a table interpolated at one contact.
 
 use std::path::PathBuf;
 
 use kufe::jobs::{Failure, table::read_table};
-use kufe_lut::{
-    Interpolated, Interpolator, MIN_SPEED, Mode, Quantity, Sample, Table, curvature_from_pitch,
-};
-use serde_json::{Map, Value, json};
+use kufe::results::{Description, QUANTITIES, TableLookup};
+use kufe_lut::{MIN_SPEED, Mode, Sample, Table, curvature_from_pitch};
 
-use crate::output::global::Global;
-use crate::output::say::{say, warn};
+use crate::terminal::{Global, warn};
 
 /// Arguments of `kufe lut query`.
 #[derive(clap::Args, Debug)]
@@ -64,7 +61,7 @@ pub enum ModeWord {
     Bilinear,
 }
 
-/// Looks every quantity up and prints it.
+/// Interpolates every quantity and prints it.
 ///
 /// # Errors
 /// [`Failure::Usage`] where the track is not given, [`Failure::BadInput`] for the table, and for a force that presses nothing.
@@ -80,7 +77,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         (_, _, Some(pitch_rate), Some(v)) => {
             if v.abs() < MIN_SPEED && pitch_rate != 0.0 {
                 warn(&format!(
-                    "--v-mps {v}: below {MIN_SPEED} m/s a pitch rate tells nothing of the track, which is taken for ever straighter"
+                    "--v-mps {v}: below {MIN_SPEED} m/s a pitch rate does not determine the track, which is taken as ever straighter"
                 ));
             }
             curvature_from_pitch(v, pitch_rate)
@@ -105,8 +102,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             args.fz_n
         )));
     }
-    let told =
-        |error: kufe_lut::Error| Failure::BadInput(format!("{}: {error}", args.table.display()));
     let table = read_table(&args.table)?;
     let mode = match args.mode {
         ModeWord::Smooth => Mode::Smooth,
@@ -131,46 +126,15 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if args.strict {
         within(args, &table, curvature)?;
     }
-    let [v, ice_c] = [args.v_mps, args.ice_c].map(|value| value.unwrap_or(f64::NAN));
-    let mut answer = Map::new();
-    let mut out_of_range = false;
-    for &quantity in table.quantities() {
-        let interpolator =
-            Interpolator::new(&table, quantity, mode, args.rocker_radius_m).map_err(told)?;
-        let Interpolated {
-            value,
-            out_of_range: outside,
-        } = interpolator.at(Sample {
-            fz: args.fz_n,
-            curvature,
-            speed: v,
-            ice_c,
-        });
-        out_of_range |= outside;
-        answer.insert(quantity.key().into(), json!(value));
-        let error = relative_error(&table, quantity, mode).map_err(told)?;
-        answer.insert(
-            error_key(&table, quantity),
-            json!(error.map(|e| (e * value).abs())),
-        );
-    }
-    answer.insert("fz_n".into(), json!(args.fz_n));
-    answer.insert("curvature_1pm".into(), json!(curvature));
-    if table.axes().speed().is_some() {
-        answer.insert("v_mps".into(), json!(v));
-    }
-    if table.axes().ice_c().is_some() {
-        answer.insert("ice_c".into(), json!(ice_c));
-    }
-    answer.insert("mode".into(), json!(mode.name()));
-    answer.insert("out_of_range".into(), json!(out_of_range));
-    answer.insert("version".into(), json!(table.origin.version()));
-    if global.json {
-        say(&format!("{:#}\n", Value::Object(answer)));
-    } else {
-        say(&in_words(&answer, &table));
-    }
-    Ok(())
+    let at = Sample {
+        fz: args.fz_n,
+        curvature,
+        speed: args.v_mps.unwrap_or(f64::NAN),
+        ice_c: args.ice_c.unwrap_or(f64::NAN),
+    };
+    let found = TableLookup::new(&table, at, mode, args.rocker_radius_m)
+        .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
+    global.answer(&found, || text(&found, &table))
 }
 
 /// Refuses a place outside the table.
@@ -204,88 +168,46 @@ fn within(args: &Args, table: &Table, curvature: f64) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The key of a quantity's error, `p_max_error_pa` beside `p_max_pa`. Where the solver's own is not kept what is known is the error of
-/// looking it up, which the key says.
-fn error_key(table: &Table, quantity: Quantity) -> String {
-    let key = quantity.key();
-    let (name, unit) = match quantity.unit() {
-        "1" => (key, String::new()),
-        _ => key
-            .rsplit_once('_')
-            .map_or((key, String::new()), |(name, unit)| {
-                (name, format!("_{unit}"))
-            }),
-    };
-    match table.solver_error_of(quantity) {
-        Some(_) => format!("{name}_error{unit}"),
-        None => format!("{name}_interpolation_error{unit}"),
-    }
+/// What a quantity is called and how it is shown.
+fn description(key: &str) -> Description {
+    let found = QUANTITIES.iter().find(|quantity| quantity.key == key);
+    *found.expect("every quantity of a table is one of a result")
 }
 
-/// The largest interpolation error measured, relative, and the solver's largest estimated one where it is kept; `None` where
-/// none was measured.
-fn relative_error(
-    table: &Table,
-    quantity: Quantity,
-    mode: Mode,
-) -> Result<Option<f64>, kufe_lut::Error> {
-    let measured = table.interpolation_error(quantity, mode)?.map(|m| m.max);
-    Ok(match table.solver_error_of(quantity) {
-        Some(solver) => Some(solver + measured.unwrap_or(0.0)),
-        None => measured,
-    })
-}
-
-/// Name, scale, digits and unit of a quantity for reading.
-fn shown(quantity: Quantity) -> (&'static str, f64, usize, &'static str) {
-    match quantity {
-        Quantity::PMax => ("peak pressure", 1e-6, 2, "MPa"),
-        Quantity::PMean => ("mean pressure", 1e-6, 2, "MPa"),
-        Quantity::Area => ("contact area", 1e6, 4, "mm2"),
-        Quantity::Length => ("contact length", 1e3, 2, "mm"),
-        Quantity::Width => ("contact width", 1e3, 4, "mm"),
-        Quantity::Approach => ("approach", 1e6, 3, "µm"),
-        Quantity::Mu => ("friction mu", 1e3, 4, "1e-3"),
-        Quantity::MuPloughing => ("  of ploughing", 1e3, 4, "1e-3"),
-        Quantity::MuViscous => ("  of the film", 1e3, 4, "1e-3"),
-        Quantity::MuBoundary => ("  of the boundary", 1e3, 4, "1e-3"),
-        Quantity::GrooveDepth => ("groove", 1e6, 2, "µm deep"),
-        Quantity::FilmMean => ("film, mean", 1e6, 4, "µm"),
-    }
-}
-
-fn in_words(answer: &Map<String, Value>, table: &Table) -> String {
+fn text(found: &TableLookup, table: &Table) -> String {
     let mut text = String::new();
-    for &quantity in table.quantities() {
-        let (name, scale, digits, unit) = shown(quantity);
-        let error = match answer[&error_key(table, quantity)].as_f64() {
-            Some(error) => format!(" (+- {:.digits$})", scale * error),
-            None => String::new(),
-        };
-        let value = scale * answer[quantity.key()].as_f64().unwrap_or(f64::NAN);
-        text += &format!("{name:<17} {value:.digits$} {unit}{error}\n");
-    }
-    let kept = |q: &&Quantity| table.solver_error_of(**q).is_some();
-    let (with, without): (Vec<&Quantity>, Vec<&Quantity>) =
-        table.quantities().iter().partition(kept);
-    let of: Vec<&str> = with.iter().map(|q| shown(**q).0.trim()).collect();
-    text += &match without.is_empty() {
-        true => "in brackets: interpolation and the solver's error\n".to_owned(),
-        false => format!(
-            "in brackets: interpolation, and the solver's error too for the {}\n",
-            of.join(", ")
-        ),
-    };
-    if answer["out_of_range"] == json!(true) {
-        let fz = table.axes().fz();
-        let at = answer["fz_n"].as_f64().unwrap_or(fz[0]);
-        let [low, high] = table
-            .axes()
-            .curvature_range(at.clamp(fz[0], fz[fz.len() - 1]));
+    let (mut with, mut without) = (Vec::new(), false);
+    for one in &found.values {
+        let shown = description(one.quantity.key());
+        let error = one
+            .error
+            .map(|error| format!(" (+- {})", shown.number(error)));
         text += &format!(
-            "outside the table ({} to {} N; curvature {low:.4} to {high:.4} 1/m): clipped to its nearest value, whose errors these are\n",
-            fz[0],
-            fz[fz.len() - 1]
+            "{:<28} {}{}\n",
+            shown.label,
+            shown.amount(one.value),
+            error.unwrap_or_default()
+        );
+        if one.includes_solver {
+            with.push(shown.label);
+        } else {
+            without = true;
+        }
+    }
+    text += &if without {
+        format!(
+            "in brackets: interpolation, and the solver's error too for the {}\n",
+            with.join(", ")
+        )
+    } else {
+        "in brackets: interpolation and the solver's error\n".to_owned()
+    };
+    if found.out_of_range {
+        let axes = table.axes();
+        let [low, high] = [axes.fz()[0], axes.fz()[axes.fz().len() - 1]];
+        let [from, to] = axes.curvature_range(found.fz_n.clamp(low, high));
+        text += &format!(
+            "outside the table ({low} to {high} N; curvature {from:.4} to {to:.4} 1/m): clipped to its nearest value, whose errors these are\n"
         );
     }
     text

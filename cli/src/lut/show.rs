@@ -7,11 +7,10 @@ use kufe::jobs::runs::RunSelection;
 use kufe::jobs::{Failure, table::read_table};
 use kufe_lut::{Quantity, Sample};
 use kufe_sled::table_samples;
+use serde::Serialize;
 
-use crate::output::file::OutputFiles;
-use crate::output::global::Global;
-use crate::output::say::say;
-use crate::output::watched::watched;
+use crate::output::OutputFiles;
+use crate::terminal::Global;
 
 /// Arguments of `kufe lut show`.
 #[derive(clap::Args, Debug)]
@@ -34,10 +33,10 @@ pub struct Args {
     /// Ice temperature [degrees Celsius], where the table has that axis [default: the middle one, the upper of two]
     #[arg(long, value_name = "CELSIUS", allow_hyphen_values = true)]
     pub ice_c: Option<f64>,
-    /// Shows where the samples of these runs lie on the table, and counts those outside; needs --model
+    /// Show where the samples of these runs lie on the table, and count those outside; needs --model
     #[arg(long, value_name = "RUNS.csv", requires = "model")]
     pub runs: Option<PathBuf>,
-    /// Model of the sled and its friction, with --runs: mass and axles say what each runner bears
+    /// Model of the sled and its friction, with --runs: mass and axles determine the load of each runner
     #[arg(long, short, value_name = "MODEL.toml", requires = "runs")]
     pub model: Option<PathBuf>,
     /// With --runs: the runner that the table is of [default: both]
@@ -55,13 +54,13 @@ pub enum Runner {
 }
 
 impl Args {
-    /// What the runs asked for would ask the table; nothing where none are.
+    /// The places on the table of the samples of the runs, if any.
     fn samples(&self, global: &Global) -> Result<Vec<Sample>, Failure> {
         let (Some(runs), Some(model)) = (&self.runs, &self.model) else {
             return Ok(Vec::new());
         };
         let selection = RunSelection::all(runs.clone(), model.clone());
-        let loaded = watched(global, |watch| selection.load(watch, |_| true))?;
+        let loaded = global.watched(|watch| selection.load(watch, |_| true))?;
         let [front, rear] = table_samples(loaded.prepared.iter().flat_map(|run| &run.states));
         Ok(match self.runner {
             Some(Runner::Front) => front,
@@ -71,14 +70,24 @@ impl Args {
     }
 }
 
+/// A table that was drawn.
+#[derive(Serialize)]
+struct Drawn<'a> {
+    written: [&'a PathBuf; 1],
+    /// Samples of the runs.
+    samples: usize,
+    /// Those outside the table.
+    outside: usize,
+}
+
 /// Draws the table.
 ///
 /// # Errors
 /// [`Failure::Usage`] for an unknown quantity, [`Failure::BadInput`] for files.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let asked = args.quantity.as_deref().map(named).transpose()?;
+    let named = args.quantity.as_deref().map(quantity).transpose()?;
     let table = read_table(&args.table)?;
-    let quantity = asked.unwrap_or(table.judged());
+    let quantity = named.unwrap_or(table.judged());
     let out = args
         .out
         .clone()
@@ -98,26 +107,24 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let outside = picture.outside;
     files.write(&out, |writer| writer.write_all(&picture.figure.png()))?;
     files.commit()?;
-    if global.json {
-        let written = out.display().to_string();
-        say(&format!(
-            "{}\n",
-            serde_json::json!({ "written": [written], "samples": samples.len(), "outside": outside })
-        ));
-    } else if !global.quiet {
+    let drawn = Drawn {
+        written: [&out],
+        samples: samples.len(),
+        outside,
+    };
+    global.print(&drawn, || {
         let mut text = format!("wrote {}\n", out.display());
-        if !samples.is_empty() {
+        if drawn.samples > 0 {
             text += &format!(
                 "{outside} of {} samples lie outside the table\n",
-                samples.len()
+                drawn.samples
             );
         }
-        say(&text);
-    }
-    Ok(())
+        text
+    })
 }
 
-fn named(name: &str) -> Result<Quantity, Failure> {
+fn quantity(name: &str) -> Result<Quantity, Failure> {
     Quantity::from_name(name).ok_or_else(|| {
         let names: Vec<&str> = Quantity::ALL.iter().map(|q| q.name()).collect();
         let names = names.join(", ");

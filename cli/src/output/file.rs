@@ -4,17 +4,18 @@ use std::fmt::Display;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 
 use kufe::jobs::Failure;
-use tempfile::{NamedTempFile, TempPath};
+use kufe_files::{open_regular, outputs_apart, resolved};
 
-use crate::output::folder::FolderRecord;
-use crate::output::marks::is_marked;
-use crate::output::paths::{NewFolders, TEMPORARY, check_place, resolved, unwritable};
+use crate::output::{FolderRecord, Staging, unwritable};
 
 /// Endings of files that cannot state that kufe wrote them: they are compared once they are written.
 const UNMARKED: [&str; 6] = ["csv", "fmu", "json", "md", "parquet", "toml"];
+/// Length of a file's beginning that contains the mark of kufe [bytes].
+const HEAD: u64 = 1 << 13;
+/// Marks of plans and tables, apart from `kufe 1.2.3`.
+const FORMATS: [&str; 2] = ["\"kufe-lut", "--job-name=kufe-lut"];
 
 /// Files that a command writes at places of their own.
 ///
@@ -25,9 +26,6 @@ pub struct OutputFiles {
     inputs: Vec<PathBuf>,
     force: bool,
     outputs: Vec<Output>,
-    written: Mutex<Vec<(usize, TempPath)>>,
-    /// Removed on drop where they are still empty.
-    _made: Vec<NewFolders>,
 }
 
 struct Output {
@@ -35,6 +33,14 @@ struct Output {
     named: PathBuf,
     /// Its place, without links.
     place: PathBuf,
+    staging: Staging,
+}
+
+impl Output {
+    /// Where it is written before it is moved.
+    fn new_file(&self) -> PathBuf {
+        self.staging.hidden.path().join(name_of(&self.place))
+    }
 }
 
 impl OutputFiles {
@@ -49,37 +55,27 @@ impl OutputFiles {
         outputs: &[PathBuf],
         force: bool,
     ) -> Result<OutputFiles, Failure> {
+        outputs_apart(inputs, outputs).map_err(Failure::bad_input)?;
         let mut files = OutputFiles {
             command,
             inputs: inputs.to_vec(),
             force,
             outputs: Vec::new(),
-            written: Mutex::default(),
-            _made: Vec::new(),
         };
         for named in outputs {
-            let output = Output {
-                named: named.clone(),
-                place: resolved(named),
-            };
-            if files.outputs.iter().any(|one| one.place == output.place) {
-                return Err(unwritable(
-                    named,
-                    &"another output of this command goes there; expected another place",
-                ));
-            }
             let ending = named.extension().unwrap_or_default();
-            if UNMARKED.iter().any(|unmarked| ending == *unmarked) {
-                files.check_place(&output)?;
-            } else {
-                files.check(&output, None)?;
+            if !UNMARKED.iter().any(|unmarked| ending == *unmarked) {
+                files.check(named, &resolved(named), None)?;
             }
-            files.outputs.push(output);
         }
-        for output in &files.outputs {
-            let folder = folder_of(&output.place);
-            files._made.push(NewFolders::make(folder)?);
-            temporary_for(&output.place).map_err(|error| unwritable(&output.named, &error))?;
+        for named in outputs {
+            let place = resolved(named);
+            let staging = Staging::in_folder(folder_of(&place));
+            files.outputs.push(Output {
+                named: named.clone(),
+                staging: staging.map_err(|error| unwritable(named, &error))?,
+                place,
+            });
         }
         Ok(files)
     }
@@ -93,99 +89,63 @@ impl OutputFiles {
         path: &Path,
         write: impl FnOnce(&mut dyn Write) -> Result<(), E>,
     ) -> Result<(), Failure> {
+        let output = self.outputs.iter().find(|output| output.named == path);
+        let output = output.expect("an output that was stated at the beginning");
         let failure = |error: &dyn Display| unwritable(path, error);
-        self.draw(path, |to| {
-            let file = File::create(to).map_err(|error| failure(&error))?;
-            let mut writer = std::io::BufWriter::new(&file);
-            write(&mut writer).map_err(|error| failure(&error))?;
-            writer.flush().map_err(|error| failure(&error))?;
-            drop(writer);
-            file.sync_all().map_err(|error| failure(&error))
-        })
+        let file = File::create(output.new_file()).map_err(|error| failure(&error))?;
+        let mut writer = std::io::BufWriter::new(&file);
+        write(&mut writer).map_err(|error| failure(&error))?;
+        writer.flush().map_err(|error| failure(&error))?;
+        drop(writer);
+        file.sync_all().map_err(|error| failure(&error))
     }
 
-    /// Writes one of the outputs with a function that takes the path to write to.
-    ///
-    /// # Errors
-    /// Those of the function; [`Failure::BadInput`] where there is no place for a temporary file.
-    pub fn draw<E: Into<Failure>>(
-        &self,
-        path: &Path,
-        draw: impl FnOnce(&Path) -> Result<(), E>,
-    ) -> Result<(), Failure> {
-        let is_it = |output: &Output| output.named == path;
-        let k = self.outputs.iter().position(is_it);
-        let k = k.expect("an output that was stated at the beginning");
-        let temporary = temporary_for(&self.outputs[k].place)
-            .map_err(|error| unwritable(path, &error))?
-            .into_temp_path();
-        draw(&temporary).map_err(Into::into)?;
-        let mut written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
-        written.push((k, temporary));
-        Ok(())
-    }
-
-    /// Moves the files to their places, in the order in which they were written.
+    /// Moves the files that were written to their places.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with a path that is not as it was at the beginning.
     pub fn commit(self) -> Result<(), Failure> {
-        let mut written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
-        let written = std::mem::take(&mut *written);
-        for (k, temporary) in &written {
-            self.check(&self.outputs[*k], Some(temporary))?;
+        let written = || {
+            self.outputs
+                .iter()
+                .filter(|output| output.new_file().exists())
+        };
+        for output in written() {
+            let Output { named, place, .. } = output;
+            outputs_apart(&self.inputs, &[named]).map_err(Failure::bad_input)?;
+            if resolved(named) != *place {
+                return Err(unwritable(named, &"it has become a link"));
+            }
+            self.check(named, place, Some(&output.new_file()))?;
         }
-        for (k, temporary) in written {
-            let Output { named, place } = &self.outputs[k];
-            let moved = if place.exists() {
-                temporary.persist(place)
-            } else {
-                temporary.persist_noclobber(place)
-            };
-            moved.map_err(|error| unwritable(named, &error.error))?;
-            let name = place.file_name().unwrap_or_default().to_string_lossy();
-            FolderRecord::add(folder_of(place), &name, self.command);
-        }
-        Ok(())
-    }
-
-    /// Checks that an output is no input and leads where it led at the beginning.
-    fn check_place(&self, output: &Output) -> Result<(), Failure> {
-        check_place(&output.place, &self.inputs)
-            .map_err(|reason| unwritable(&output.named, &reason))?;
-        if resolved(&output.named) != output.place {
-            return Err(unwritable(&output.named, &"it has become a link"));
+        for output in written() {
+            let place = &output.place;
+            std::fs::rename(output.new_file(), place)
+                .map_err(|error| unwritable(&output.named, &error))?;
+            FolderRecord::add(folder_of(place), &name_of(place), self.command);
         }
         Ok(())
     }
 
-    /// Checks that an output may be replaced, by `content` if it is written already.
-    fn check(&self, output: &Output, content: Option<&Path>) -> Result<(), Failure> {
-        self.check_place(output)?;
-        if self.force || !output.place.exists() {
+    /// Checks that what is at `place` may be replaced, by `content` if it is written already.
+    fn check(&self, named: &Path, place: &Path, content: Option<&Path>) -> Result<(), Failure> {
+        if self.force || !place.exists() {
             return Ok(());
         }
-        let folder = folder_of(&output.place);
-        let name = output.place.file_name().unwrap_or_default();
-        let record = FolderRecord::read(folder);
-        let writer = record
-            .as_ref()
-            .and_then(|record| record.writer_of(folder, &name.to_string_lossy()));
-        let own = match writer {
+        let writer = FolderRecord::writer_of(folder_of(place), &name_of(place));
+        let begins_as = |content: &Path| head(content, 4) == head(place, 4);
+        let own = match &writer {
             Some(writer) => writer == self.command,
-            None => {
-                is_marked(&output.place)
-                    && content.is_none_or(|content| begin_alike(content, &output.place))
-            }
+            None => is_marked(place) && content.is_none_or(begins_as),
         };
-        if own || content.is_some_and(|content| are_equal(content, &output.place)) {
+        if own || content.is_some_and(|content| head(content, u64::MAX) == head(place, u64::MAX)) {
             return Ok(());
         }
         let reason = match writer {
             Some(writer) => format!("kufe {writer} wrote it; --force replaces it"),
             None => "it exists already; --force replaces it".to_owned(),
         };
-        Err(unwritable(&output.named, &reason))
+        Err(unwritable(named, &reason))
     }
 }
 
@@ -193,35 +153,30 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new("/"))
 }
 
-/// A temporary file in the folder of `place`, with its ending and the permissions of a new file.
-fn temporary_for(place: &Path) -> std::io::Result<NamedTempFile> {
-    let ending = place.extension().unwrap_or_default().to_string_lossy();
-    let suffix = format!(".{ending}");
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(TEMPORARY).suffix(&suffix);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // The system removes the bits of the process's umask.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder_of(place))
+fn name_of(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
 }
 
-/// Whether two files begin with the same bytes, as files of one format do.
-fn begin_alike(a: &Path, b: &Path) -> bool {
-    let head = |path: &Path| {
-        let mut head = Vec::new();
-        File::open(path)?.take(4).read_to_end(&mut head)?;
-        Ok::<_, std::io::Error>(head)
+/// Whether a file states near its beginning that kufe wrote it: by name and version, or a format.
+fn is_marked(path: &Path) -> bool {
+    let head = head(path, HEAD).unwrap_or_default();
+    let head = String::from_utf8_lossy(&head);
+    let is_version = |(at, mark): (usize, &str)| {
+        let rest = &head[at + mark.len()..];
+        let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.');
+        let version = rest[..end.unwrap_or(rest.len())].trim_end_matches('.');
+        version.split('.').count() == 3
     };
-    matches!((head(a), head(b)), (Ok(a), Ok(b)) if a == b)
+    head.match_indices("kufe ").any(is_version) || FORMATS.iter().any(|mark| head.contains(mark))
 }
 
-fn are_equal(a: &Path, b: &Path) -> bool {
-    let length = |path: &Path| path.metadata().map(|found| found.len()).ok();
-    let content = |path: &Path| std::fs::read(path).ok();
-    length(a) == length(b) && content(a).is_some_and(|bytes| Some(bytes) == content(b))
+/// The first bytes of a file, `None` where it cannot be read.
+fn head(path: &Path, bytes: u64) -> Option<Vec<u8>> {
+    let mut head = Vec::new();
+    let file = open_regular(path).ok()?;
+    file.take(bytes).read_to_end(&mut head).ok()?;
+    Some(head)
 }
 
 #[cfg(test)]

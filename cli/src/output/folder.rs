@@ -8,15 +8,13 @@ use std::path::{Path, PathBuf};
 use kufe::jobs::Failure;
 use kufe::jobs::field::NewFiles;
 use kufe::plot::Figure;
+use kufe_files::{outputs_apart, resolved, same_file};
 use serde::{Deserialize, Serialize};
-use tempfile::TempDir;
 
-use crate::output::paths::{NewFolders, TEMPORARY, check_place, resolved, same_file, unwritable};
+use crate::output::{NewFolders, Staging, TEMPORARY, unwritable};
 
-/// The file of an output folder that says which command wrote which files there.
+/// The file of an output folder that records which command wrote which files there.
 const RECORD: &str = ".kufe.json";
-/// How often a folder is made that other processes remove.
-const ATTEMPTS: usize = 20;
 /// The index of runs, which names other files of its folder.
 const INDEX: &str = "runs.csv";
 
@@ -32,31 +30,26 @@ pub struct FolderRecord {
 #[derive(Serialize, Deserialize, Clone, Debug)]
 struct FileRecord {
     command: String,
-    bytes: u64,
-    /// Length of the earlier file, until this one has taken its place.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    earlier_bytes: Option<u64>,
+    /// Its length; that of the earlier file too while this one takes its place.
+    bytes: Vec<u64>,
 }
 
 impl FileRecord {
-    fn new(command: &str, bytes: u64) -> Self {
-        FileRecord {
-            command: command.to_owned(),
-            bytes,
-            earlier_bytes: None,
-        }
+    /// Whether a file is as it was written.
+    fn describes(&self, path: &Path) -> bool {
+        let found = path.symlink_metadata();
+        found.is_ok_and(|found| found.is_file() && self.bytes.contains(&found.len()))
     }
 }
 
 impl FolderRecord {
     /// The record of `folder`; `None` where kufe did not write that folder.
-    pub fn read(folder: &Path) -> Option<FolderRecord> {
+    fn read(folder: &Path) -> Option<FolderRecord> {
         let path = folder.join(RECORD);
-        let found = path.symlink_metadata().ok()?;
-        if !found.is_file() || found.len() > 1 << 24 {
+        if path.is_symlink() {
             return None;
         }
-        serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()
+        serde_json::from_str(&kufe_files::text_of_regular(&path, 1 << 24).ok()?).ok()
     }
 
     fn write(&self, folder: &Path) -> std::io::Result<()> {
@@ -68,32 +61,31 @@ impl FolderRecord {
         Ok(())
     }
 
-    /// Names of the files that `command` wrote, and of pages that show them; other commands may
-    /// have added theirs.
-    fn files_of(&self, command: &str) -> impl Iterator<Item = &String> {
-        let is_of = move |file: &FileRecord| file.command == command || file.command == "report";
-        let files = self.files.iter().filter(move |(_, file)| is_of(file));
-        files.map(|(name, _)| name)
+    /// The files that `command` wrote, and pages that show them; other commands may have added theirs.
+    fn files_of(&self, command: &str) -> impl Iterator<Item = (&String, &FileRecord)> {
+        let files = self.files.iter();
+        files.filter(move |(_, file)| file.command == command || file.command == "report")
     }
 
-    /// The command that wrote `name`, where the file is as it was written.
-    pub fn writer_of(&self, folder: &Path, name: &str) -> Option<&str> {
-        let file = self.files.get(name)?;
-        let found = folder.join(name).symlink_metadata().ok()?;
-        let is_as_written = found.len() == file.bytes || Some(found.len()) == file.earlier_bytes;
-        (found.is_file() && is_as_written).then_some(&file.command)
+    /// The command that wrote the file `name` of `folder`, where the file is as it was written.
+    pub fn writer_of(folder: &Path, name: &str) -> Option<String> {
+        let record = FolderRecord::read(folder)?;
+        let file = record.files.get(name)?;
+        file.describes(&folder.join(name))
+            .then(|| file.command.clone())
     }
 
     /// Adds `name`, which `command` has written into `folder`, to the folder's record, if it has one.
     pub fn add(folder: &Path, name: &str, command: &str) {
         let _lock = lock(folder);
-        let Some(mut record) = FolderRecord::read(folder) else {
+        let record = FolderRecord::read(folder);
+        let (Some(mut record), Ok(found)) = (record, folder.join(name).metadata()) else {
             return;
         };
-        let Ok(found) = folder.join(name).metadata() else {
-            return;
+        let file = FileRecord {
+            command: command.to_owned(),
+            bytes: vec![found.len()],
         };
-        let file = FileRecord::new(command, found.len());
         record.files.insert(name.to_owned(), file);
         // Without its entry the file is only never replaced.
         let _ = record.write(folder);
@@ -115,9 +107,7 @@ pub struct OutputDir {
     target: PathBuf,
     inputs: Vec<PathBuf>,
     force: bool,
-    temporary: TempDir,
-    /// Dropped after the temporary folder in them.
-    made: NewFolders,
+    staging: Staging,
 }
 
 impl OutputDir {
@@ -135,27 +125,15 @@ impl OutputDir {
         force: bool,
     ) -> Result<OutputDir, Failure> {
         let output = OutputDir::prepare(command, inputs, target, force)?;
-        let hidden = output.temporary.path().to_path_buf();
-        let made = std::sync::Mutex::new(Some(output.made.clone()));
+        let hidden = output.staging.hidden.path().to_path_buf();
+        let made = output.staging.made.0.clone();
         // A process that handles interrupts already continues to do so.
         let _ = ctrlc::set_handler(move || {
             let _ = std::fs::remove_dir_all(&hidden);
-            drop(made.lock().ok().and_then(|mut made| made.take()));
+            drop(NewFolders(made.clone()));
             std::process::exit(130);
         });
         Ok(output)
-    }
-
-    /// Marks the folder as this command's before anything is in it, so that it can resume there.
-    ///
-    /// # Errors
-    /// [`Failure::BadInput`] where the mark cannot be written.
-    pub fn claim(&self) -> Result<(), Failure> {
-        let _lock = lock(&self.target);
-        let record = self.check(&[])?;
-        record
-            .write(&self.target)
-            .map_err(|error| unwritable(&self.named, &error))
     }
 
     /// As [`OutputDir::begin`], for a command that handles interrupts itself.
@@ -170,29 +148,12 @@ impl OutputDir {
     ) -> Result<OutputDir, Failure> {
         let named = target.to_path_buf();
         let target = resolved(target);
-        let begin = || {
-            let made = NewFolders::make(&target)?;
-            let temporary = tempfile::Builder::new()
-                .prefix(TEMPORARY)
-                .tempdir_in(&target)
-                .map_err(|error| unwritable(&named, &error))?;
-            Ok::<_, Failure>((temporary, made))
-        };
-        // Other processes that give up may remove the folder meanwhile.
-        let mut begun = begin();
-        for _ in 0..ATTEMPTS {
-            if begun.is_ok() {
-                break;
-            }
-            begun = begin();
-        }
-        let (temporary, made) = begun?;
+        let staging = Staging::in_folder(&target).map_err(|error| unwritable(&named, &error))?;
         let output = OutputDir {
             command,
             inputs: inputs.to_vec(),
             force,
-            temporary,
-            made,
+            staging,
             named,
             target,
         };
@@ -201,74 +162,87 @@ impl OutputDir {
         Ok(output)
     }
 
+    /// Records the folder as this command's before anything is in it, so that it can resume there.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where the record cannot be written.
+    pub fn record(&self) -> Result<(), Failure> {
+        let _lock = lock(&self.target);
+        let record = self.check(&[])?;
+        record
+            .write(&self.target)
+            .map_err(|error| unwritable(&self.named, &error))
+    }
+
     /// Checks that the folder may receive files of these names; returns the record of those that
     /// an earlier run of the command wrote there.
     fn check(&self, names: &[String]) -> Result<FolderRecord, Failure> {
-        let refuse = |reason: String| {
-            let place = self.named.display();
-            Failure::BadInput(format!(
-                "{place}: {reason}; expected another folder, or --force"
-            ))
-        };
-        let unreadable = |error: std::io::Error| unwritable(&self.named, &error);
-        let failure = |name: &str, reason: &str| unwritable(&self.named.join(name), &reason);
-        let own = match FolderRecord::read(&self.target) {
-            Some(record) if record.command == self.command => Some(record),
-            _ if self.force => None,
-            Some(record) => {
-                return Err(refuse(format!(
-                    "it holds results of kufe {}",
-                    record.command
-                )));
-            }
-            None => {
-                for entry in std::fs::read_dir(&self.target).map_err(unreadable)? {
-                    let name = entry.map_err(unreadable)?.file_name();
-                    let name = name.to_string_lossy();
-                    if !name.starts_with(TEMPORARY) && name != RECORD {
-                        return Err(refuse(format!(
-                            "it is not empty and kufe {} did not write it ({name})",
-                            self.command
-                        )));
-                    }
+        let found = FolderRecord::read(&self.target);
+        let own = match found {
+            Some(record) if record.command == self.command => record,
+            found => {
+                if let Some(reason) = self.foreign(found.as_ref()).filter(|_| !self.force) {
+                    let place = self.named.display();
+                    return Err(Failure::BadInput(format!(
+                        "{place}: {reason}; expected another folder, or --force"
+                    )));
                 }
-                None
+                FolderRecord {
+                    version: env!("CARGO_PKG_VERSION").to_owned(),
+                    command: self.command.to_owned(),
+                    files: BTreeMap::new(),
+                }
             }
         };
-        let own = own.unwrap_or_else(|| FolderRecord {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            command: self.command.to_owned(),
-            files: BTreeMap::new(),
-        });
-        for name in own.files_of(self.command) {
+        let failure = |name: &str, reason: &str| {
+            let reason = format!("{reason}; expected another folder");
+            Err(unwritable(&self.named.join(name), &reason))
+        };
+        for (name, file) in own.files_of(self.command) {
             let path = self.target.join(name);
             if self.inputs.iter().any(|input| same_file(input, &path)) {
-                return Err(failure(
-                    name,
-                    "this command reads it; expected another folder",
-                ));
+                return failure(name, "this command reads it");
             }
-            let changed =
-                path.symlink_metadata().is_ok() && own.writer_of(&self.target, name).is_none();
-            if changed && !self.force {
-                return Err(failure(
+            if !self.force && path.symlink_metadata().is_ok() && !file.describes(&path) {
+                return failure(
                     name,
-                    "it was changed since kufe wrote it; expected another folder, or --force",
-                ));
+                    "it was changed since kufe wrote it; --force replaces it",
+                );
             }
         }
         for name in names {
-            let path = self.target.join(name);
-            check_place(&path, &self.inputs).map_err(|reason| failure(name, reason))?;
-            let is_own = own.files_of(self.command).any(|one| one == name);
+            let path = self.named.join(name);
+            if path.is_symlink() {
+                return failure(name, "a link is in the way");
+            }
+            outputs_apart(&self.inputs, &[&path]).map_err(Failure::bad_input)?;
+            let is_own = own.files_of(self.command).any(|(one, _)| one == name);
             if path.exists() && !self.force && !is_own {
-                return Err(failure(
+                return failure(
                     name,
-                    "it exists and kufe did not write it; expected another folder, or --force",
-                ));
+                    "it exists and kufe did not write it; --force replaces it",
+                );
             }
         }
         Ok(own)
+    }
+
+    /// Why the folder is not this command's; `None` for an empty one.
+    fn foreign(&self, record: Option<&FolderRecord>) -> Option<String> {
+        if let Some(record) = record {
+            return Some(format!("it contains results of kufe {}", record.command));
+        }
+        let entries = std::fs::read_dir(&self.target).into_iter().flatten();
+        let mut names = entries.flatten().map(|entry| entry.file_name());
+        let name = names.find(|name| {
+            let name = name.to_string_lossy();
+            !name.starts_with(TEMPORARY) && name != RECORD
+        })?;
+        Some(format!(
+            "it is not empty and kufe {} did not write it ({})",
+            self.command,
+            name.to_string_lossy()
+        ))
     }
 
     /// Writes the file `name` with a function that takes the file.
@@ -295,7 +269,7 @@ impl OutputDir {
     /// The files before they are moved, for a library to write.
     pub fn files(&self) -> NewFiles<'_> {
         NewFiles {
-            hidden: self.temporary.path(),
+            hidden: self.staging.hidden.path(),
             named: &self.named,
         }
     }
@@ -310,12 +284,12 @@ impl OutputDir {
         })
     }
 
-    /// Writes a result as JSON; returns the text.
+    /// Writes a result as JSON.
     ///
     /// # Errors
     /// As [`OutputDir::write`].
-    pub fn json(&self, name: &str, result: &impl Serialize) -> Result<String, Failure> {
-        self.files().json(name, result)
+    pub fn json(&self, name: &str, result: &impl Serialize) -> Result<(), Failure> {
+        self.files().json(name, result).map(|_| ())
     }
 
     /// Moves every file into the output folder and removes those of an earlier run of the command.
@@ -327,45 +301,43 @@ impl OutputDir {
     pub fn commit(self) -> Result<(), Failure> {
         let failure = |error: std::io::Error| unwritable(&self.named, &error);
         let _lock = lock(&self.target);
-        let mut files = BTreeMap::new();
-        for entry in std::fs::read_dir(self.temporary.path()).map_err(failure)? {
-            let entry = entry.map_err(failure)?;
-            let bytes = entry.metadata().map_err(failure)?.len();
-            let file = FileRecord::new(self.command, bytes);
-            files.insert(entry.file_name().to_string_lossy().into_owned(), file);
+        let mut names = Vec::new();
+        for entry in std::fs::read_dir(self.staging.hidden.path()).map_err(failure)? {
+            let name = entry.map_err(failure)?.file_name();
+            names.push(name.to_string_lossy().into_owned());
         }
-        let mut names: Vec<String> = files.keys().cloned().collect();
         names.sort_by_key(|name| name == INDEX);
         let mut record = self.check(&names)?;
-        let is_new = |name: &String| files.contains_key(name);
-        let stale: Vec<String> = record.files_of(self.command).cloned().collect();
-        let stale: Vec<&String> = stale.iter().filter(|name| !is_new(name)).collect();
+        let own = record.files_of(self.command).map(|(name, _)| name);
+        let stale: Vec<String> = own.filter(|name| !names.contains(name)).cloned().collect();
         // Both sets of files are kufe's until the last is moved.
-        for (name, file) in &files {
-            let mut file = file.clone();
-            file.earlier_bytes = self.target.join(name).metadata().ok().map(|old| old.len());
+        for name in &names {
+            let places = [self.staging.hidden.path(), &self.target].map(|folder| folder.join(name));
+            let lengths = places.iter().flat_map(|path| path.metadata());
+            let file = FileRecord {
+                command: self.command.to_owned(),
+                bytes: lengths.map(|found| found.len()).collect(),
+            };
             record.files.insert(name.clone(), file);
         }
         record.write(&self.target).map_err(failure)?;
-        let index = files.keys().filter(|name| *name == INDEX);
-        for name in index.chain(stale.iter().copied()) {
+        let index = names.iter().filter(|name| *name == INDEX);
+        for name in index.chain(&stale) {
             let path = self.target.join(name);
-            match std::fs::remove_file(&path) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(unwritable(&path, &error));
-                }
-                _ => {}
+            if path.symlink_metadata().is_ok() {
+                std::fs::remove_file(&path).map_err(|error| unwritable(&path, &error))?;
             }
         }
         for name in &names {
             let to = self.target.join(name);
-            std::fs::rename(self.temporary.path().join(name), &to)
+            std::fs::rename(self.staging.hidden.path().join(name), &to)
                 .map_err(|error| unwritable(&to, &error))?;
         }
-        record.files.extend(files.clone());
-        for name in stale {
-            record.files.remove(name);
+        for name in &names {
+            let written = record.files.get_mut(name);
+            written.into_iter().for_each(|file| file.bytes.truncate(1));
         }
+        record.files.retain(|name, _| !stale.contains(name));
         record.write(&self.target).map_err(failure)
     }
 }
@@ -376,8 +348,8 @@ pub fn remove_outputs(folder: &Path) {
     let Some(record) = FolderRecord::read(folder) else {
         return;
     };
-    for name in record.files.keys() {
-        if record.writer_of(folder, name).is_some() {
+    for (name, file) in &record.files {
+        if file.describes(&folder.join(name)) {
             let _ = std::fs::remove_file(folder.join(name));
         }
     }

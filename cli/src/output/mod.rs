@@ -1,12 +1,83 @@
-//! What every command shares: global options, progress, messages, and outputs that are complete
-//! or absent.
+//! Outputs that are complete or absent, and that replace nothing but kufe's own earlier ones.
 
-pub mod documents;
-pub mod file;
-pub mod folder;
-pub mod global;
-pub mod marks;
-pub mod paths;
-mod progress;
-pub mod say;
-pub mod watched;
+mod file;
+mod folder;
+
+use std::path::{Path, PathBuf};
+
+use kufe::jobs::{Failure, case_file::LoadedCase};
+use kufe_files::resolved;
+use tempfile::TempDir;
+
+pub use file::OutputFiles;
+pub use folder::{FolderRecord, OutputDir, remove_outputs};
+
+/// Beginning of the names of temporary files and folders.
+const TEMPORARY: &str = ".kufe-";
+/// How often a folder is made that other processes remove.
+const ATTEMPTS: usize = 20;
+
+/// The failure to write `path`.
+fn unwritable(path: &Path, reason: &dyn std::fmt::Display) -> Failure {
+    Failure::BadInput(format!("{}: cannot be written: {reason}", path.display()))
+}
+
+/// Whether a file is a link that leads out of its folder.
+pub fn leads_out(file: &Path) -> bool {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    file.is_symlink() && !resolved(file).starts_with(resolved(folder))
+}
+
+/// The files that a command reads that solves a case: the case, and all that it names.
+///
+/// # Errors
+/// As [`LoadedCase::files`].
+pub fn case_inputs(case: Option<&Path>, loaded: &LoadedCase) -> Result<Vec<PathBuf>, Failure> {
+    let files = loaded.files()?;
+    let mut inputs: Vec<PathBuf> = files.into_iter().map(|(_, path)| path).collect();
+    inputs.extend(case.map(Path::to_path_buf));
+    Ok(inputs)
+}
+
+/// A hidden folder for new files in the folder that they are moved to; both are removed on drop,
+/// the latter where it was made for them and is empty.
+struct Staging {
+    /// Dropped before the folders that it is in.
+    hidden: TempDir,
+    made: NewFolders,
+}
+
+impl Staging {
+    /// A hidden folder in `folder`, which is made where it is missing.
+    fn in_folder(folder: &Path) -> std::io::Result<Staging> {
+        let attempt = || {
+            let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
+            let missing = folder.ancestors().take_while(missing);
+            let made = NewFolders(missing.map(Path::to_path_buf).collect());
+            std::fs::create_dir_all(folder)?;
+            let hidden = tempfile::Builder::new()
+                .prefix(TEMPORARY)
+                .tempdir_in(folder)?;
+            Ok::<_, std::io::Error>(Staging { hidden, made })
+        };
+        let mut staging = attempt();
+        // Other processes that give up may remove the folder meanwhile.
+        for _ in 0..ATTEMPTS {
+            if staging.is_err() {
+                staging = attempt();
+            }
+        }
+        staging
+    }
+}
+
+/// Folders that were made, the innermost first.
+struct NewFolders(Vec<PathBuf>);
+
+impl Drop for NewFolders {
+    fn drop(&mut self) {
+        for path in &self.0 {
+            let _ = std::fs::remove_dir(path);
+        }
+    }
+}

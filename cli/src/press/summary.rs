@@ -1,4 +1,4 @@
-//! What `kufe press` says in words.
+//! The results of `kufe press` as text.
 
 use std::path::Path;
 
@@ -18,10 +18,11 @@ pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path, writing
     rows.push(("on this mesh", on_mesh(result.p_max_mesh_pa, p_max_map)));
     let stress_max = result.stress_max_pa.unwrap_or(result.p_max_mesh_pa);
     let in_field = in_field(result.p_max_mesh_pa, stress_max);
-    rows.extend(in_field.map(|said| ("in field.vtu", said)));
-    let of_area = match result.p_max.value >= pressed.solution.bound() {
-        true => within(result.area, result.accuracy_reached),
-        false => String::new(),
+    rows.extend(in_field.map(|text| ("in field.vtu", text)));
+    let of_area = if result.p_max.value >= pressed.solution.bound() {
+        within(result.area, result.accuracy_reached)
+    } else {
+        String::new()
     };
     rows.extend([
         ("mean pressure", result.p_mean.to_string()),
@@ -112,12 +113,12 @@ fn peak(result: &ContactResult, bound: f64) -> Vec<(&'static str, String)> {
     rows
 }
 
-/// A relative error, and whether it is what the case asks for.
+/// A relative error, and whether it is what the case requests.
 fn within<Q: Quantity>(measured: Measured<Q>, reached: bool) -> String {
     let short = if reached {
         ""
     } else {
-        ": the accuracy asked was not reached"
+        ": the requested accuracy was not reached"
     };
     format!(
         " (estimated error {}){short}",
@@ -266,7 +267,7 @@ fn sliding(slid: &SolvedSliding) -> [(&'static str, String); 7] {
 }
 
 /// The steps of a series, a line each.
-pub fn series(rows: &[SeriesRow], kept: usize, out: &Path) -> String {
+pub fn series(rows: &[SeriesRow], retained: usize, out: &Path) -> String {
     let mut text = String::new();
     for row in rows {
         let varied = row.varied.named().into_iter();
@@ -281,9 +282,9 @@ pub fn series(rows: &[SeriesRow], kept: usize, out: &Path) -> String {
                 length(found.width.value),
                 row.error
                     .as_ref()
-                    .map_or("", |_| ", short of the accuracy asked")
+                    .map_or("", |_| ", requested accuracy not reached")
             ),
-            None => "short of the accuracy asked".to_owned(),
+            None => "requested accuracy not reached".to_owned(),
         };
         text.push_str(&format!(
             "  {}  {}: {said}\n",
@@ -291,12 +292,12 @@ pub fn series(rows: &[SeriesRow], kept: usize, out: &Path) -> String {
             varied.join(", ")
         ));
     }
-    let held = match kept {
+    let before = match retained {
         0 => String::new(),
-        kept => format!(", {kept} of them there already"),
+        retained => format!(", {retained} of them there already"),
     };
     text.push_str(&format!(
-        "  {} steps{held}; table.csv, table.json and series.pvd in {}\n",
+        "  {} steps{before}; table.csv, table.json and series.pvd in {}\n",
         rows.len(),
         out.display()
     ));

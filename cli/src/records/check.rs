@@ -1,14 +1,13 @@
-//! `kufe runs check`: what is provably wrong with recorded runs, what is odd, and what to do about it.
+//! `kufe runs check`: what is provably wrong in recorded runs, what is odd, and what to do about it.
 
 use std::path::PathBuf;
 
 use kufe::jobs::{Failure, runs::failure};
+use kufe::results::RunCheck;
 use kufe_sled::{Examination, examine};
-use serde_json::json;
 
-use crate::output::folder::OutputDir;
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::output::OutputDir;
+use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
 Example:
@@ -27,42 +26,32 @@ pub struct Args {
     pub out: PathBuf,
 }
 
-/// Examines, writes and tells.
+/// Examines and writes.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for the index, and, once the report is written, where something is provably wrong.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let inputs = std::slice::from_ref(&args.runs);
     let output = OutputDir::begin("runs check", inputs, &args.out, global.force)?;
-    let bar = global.progress();
-    bar.set_message("examining the runs");
-    let runs = examine(&args.runs).map_err(|error| failure(&error))?;
-    bar.finish_and_clear();
-    let wrong = runs.iter().filter(|run| run.is_wrong()).count();
-    let document = json!({
-        "index": args.runs.display().to_string(),
-        "wrong": wrong,
-        "runs": runs,
-        "version": env!("CARGO_PKG_VERSION"),
-    });
-    output.text("check.html", &kufe::report::record_page(&document))?;
-    output.json("check.json", &document)?;
+    let runs = global.during("examining the runs", || examine(&args.runs));
+    let runs = runs.map_err(|error| failure(&error))?;
+    let check = RunCheck::new(args.runs.display().to_string(), runs);
+    output.text("check.html", &kufe::report::record_page(&check))?;
+    output.json("check.json", &check)?;
     output.commit()?;
-    if global.json {
-        say(&format!("{document:#}\n"));
-    } else if !global.quiet {
-        say(&summary(&runs));
-        say(&format!("{}: check.json, check.html\n", args.out.display()));
+    global.print(&check, || {
+        summary(&check.runs) + &format!("{}: check.json, check.html\n", args.out.display())
+    })?;
+    if check.wrong == 0 {
+        return Ok(());
     }
-    match wrong {
-        0 => Ok(()),
-        wrong => Err(Failure::BadInput(format!(
-            "{}: {wrong} of {} runs are provably wrong: see {}",
-            args.runs.display(),
-            runs.len(),
-            args.out.join("check.html").display()
-        ))),
-    }
+    Err(Failure::BadInput(format!(
+        "{}: {} of {} runs are provably wrong: see {}",
+        args.runs.display(),
+        check.wrong,
+        check.runs.len(),
+        args.out.join("check.html").display()
+    )))
 }
 
 /// What is wrong, each kind once with its runs, and the worst of what is odd.

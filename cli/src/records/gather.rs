@@ -1,17 +1,15 @@
 //! `kufe runs gather`: the runs of several folders in one index.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
-use kufe_sled::{Entry, file_stem, track_file, write_index};
-use serde_json::json;
+use kufe::jobs::gather::{Gathered, UNNAMED, folder_of, gather, is_run, relative, track_tables};
+use kufe_sled::{Entry, file_stem, write_index};
+use serde::Serialize;
 
-use crate::output::file::OutputFiles;
-use crate::output::global::Global;
-use crate::output::paths::{leads_out, resolved, same_file};
-use crate::output::say::{say, warn};
-use crate::records::gathered::{Gathered, UNNAMED, gathered, is_run};
+use crate::output::{OutputFiles, leads_out};
+use crate::terminal::{Global, warn};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -20,8 +18,8 @@ Examples:
   kufe runs gather monday/runs.csv extra/late.csv -o all/runs.csv --copy into a folder of their own
 
 Of a folder its runs.csv is taken, or, without one, its files that are runs. The index names them by relative paths; runs whose
-names stand in several folders get the folder's before them. Tables of tracks (track_NAME.csv) are written beside the index,
-where commands look for them. Options fill in what is not stated and change nothing that is.";
+names occur in several folders get the folder's before them. Tables of tracks (track_NAME.csv) are written into the folder of
+the index, where commands expect them. Options fill in what is not stated and change nothing that is.";
 
 /// Arguments of `kufe runs gather`.
 #[derive(clap::Args, Debug)]
@@ -53,7 +51,19 @@ pub struct Args {
     pub driver_class: Option<String>,
 }
 
-/// Reads the indices, settles names and places, and writes one.
+/// An index that was written.
+#[derive(Serialize)]
+struct WrittenIndex<'a> {
+    written: &'a Path,
+    runs: usize,
+    renamed: &'a [String],
+    passed_over: &'a [String],
+    sessions: BTreeSet<&'a str>,
+    drivers: BTreeSet<&'a str>,
+    tracks: BTreeSet<&'a str>,
+}
+
+/// Reads the indices and writes one, with the tables of the tracks, and copies of the runs where requested.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with file and place; for runs of one name in folders of one name, and tables of one track that differ.
@@ -62,23 +72,18 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let text = format!("-o {}: expected a file", args.out.display());
         return Err(Failure::Usage(text));
     }
-    let folder = args
-        .out
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
+    let folder = args.out.parent();
+    let folder = folder.filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
-    let Gathered {
-        mut entries,
-        passed_over,
-    } = gathered(&args.from)?;
-    let renamed = with_own_names(&mut entries)?;
-    fill_in(args, &mut entries);
-    let tracks = track_tables(&entries, folder)?;
+    let mut gathered = gather(&args.from)?;
+    let entries = &mut gathered.entries;
+    fill_in(args, entries);
+    let tracks = track_tables(entries, folder)?;
     let inputs: Vec<PathBuf> = entries.iter().map(|entry| entry.file.clone()).collect();
     let copies: Vec<String> = entries.iter().map(copied_as).collect();
     let mut paths: Vec<PathBuf> = tracks.keys().map(|name| folder.join(name)).collect();
     if args.copy {
-        entries.iter().try_for_each(may_be_copied)?;
+        entries.iter().try_for_each(check_copied)?;
         paths.extend(copies.iter().map(|name| folder.join(name)));
     }
     paths.push(args.out.clone());
@@ -86,7 +91,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     for (name, bytes) in &tracks {
         output.write(&folder.join(name), |to| to.write_all(bytes))?;
     }
-    let base = resolved(folder);
     for (entry, copy) in entries.iter_mut().zip(&copies) {
         if args.copy {
             output.write(&folder.join(copy), |mut to| {
@@ -95,17 +99,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             })?;
             entry.file = PathBuf::from(copy);
         } else {
-            entry.file = relative(&resolved(&entry.file), &base);
+            entry.file = relative(&entry.file, folder);
         }
     }
-    output.write(&args.out, |file| write_index(file, &entries))?;
+    output.write(&args.out, |file| write_index(file, entries))?;
     output.commit()?;
-    tell(args, global, &entries, &renamed, &passed_over);
-    Ok(())
+    report(args, global, &gathered)
 }
 
-/// Refuses to copy what a foreign index or folder names and is no run of its own.
-fn may_be_copied(entry: &Entry) -> Result<(), Failure> {
+/// Refuses to copy files that are no runs, and links that lead out of their folder.
+fn check_copied(entry: &Entry) -> Result<(), Failure> {
     let refuse = |reason: &str| {
         let file = entry.file.display();
         Err(Failure::BadInput(format!(
@@ -115,35 +118,10 @@ fn may_be_copied(entry: &Entry) -> Result<(), Failure> {
     if leads_out(&entry.file) {
         return refuse("a link that leads out of its folder");
     }
-    match is_run(&entry.file)? {
-        true => Ok(()),
-        false => refuse("it has no columns t_s and v_mps"),
+    if !is_run(&entry.file)? {
+        return refuse("it has no columns t_s and v_mps");
     }
-}
-
-/// Puts the folder's name before every run's whose name another folder's run has; the new names.
-fn with_own_names(entries: &mut [Entry]) -> Result<Vec<String>, Failure> {
-    let mut count: BTreeMap<String, usize> = BTreeMap::new();
-    for entry in entries.iter() {
-        *count.entry(entry.run.clone()).or_default() += 1;
-    }
-    let mut renamed = Vec::new();
-    for entry in entries.iter_mut().filter(|entry| count[&entry.run] > 1) {
-        entry.run = format!("{}_{}", folder_of(&entry.file), entry.run);
-        renamed.push(entry.run.clone());
-    }
-    let mut seen: BTreeMap<&str, &Entry> = BTreeMap::new();
-    for entry in entries.iter() {
-        if let Some(first) = seen.insert(&entry.run, entry) {
-            return Err(Failure::BadInput(format!(
-                "{}: run {:?} is {} too: expected names that differ, or folders whose names do",
-                entry.file.display(),
-                entry.run,
-                first.file.display()
-            )));
-        }
-    }
-    Ok(renamed)
+    Ok(())
 }
 
 fn fill_in(args: &Args, entries: &mut [Entry]) {
@@ -164,51 +142,6 @@ fn fill_in(args: &Args, entries: &mut [Entry]) {
     }
 }
 
-/// The name of the folder that a file is in.
-fn folder_of(file: &Path) -> String {
-    let whole = std::path::absolute(file).unwrap_or_else(|_| file.into());
-    let folder = whole.parent().and_then(Path::file_name);
-    folder.map_or_else(String::new, |name| name.to_string_lossy().into_owned())
-}
-
-/// The tables of the tracks that stand beside the runs, by the name that they get beside the index; not those that are there already.
-fn track_tables(entries: &[Entry], folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, Failure> {
-    /// A track has some thousand rows [bytes].
-    const LONGEST: u64 = 1 << 26;
-    let mut tables: BTreeMap<String, (PathBuf, Vec<u8>)> = BTreeMap::new();
-    for entry in entries {
-        let name = track_file(&entry.track);
-        let beside = entry.file.parent().unwrap_or(Path::new("")).join(&name);
-        for path in [beside, folder.join(&name)] {
-            if !path.is_file() {
-                continue;
-            }
-            let bytes = kufe_files::read_regular(&path, LONGEST).map_err(|error| {
-                Failure::BadInput(format!("{}: cannot be read: {error}", path.display()))
-            })?;
-            match tables.get(&name) {
-                Some((first, known)) if *known != bytes => {
-                    return Err(Failure::BadInput(format!(
-                        "{}: another table of track {} than {}: expected one of each track",
-                        path.display(),
-                        entry.track,
-                        first.display()
-                    )));
-                }
-                Some(_) => {}
-                None => {
-                    tables.insert(name.clone(), (path, bytes));
-                }
-            }
-        }
-    }
-    let missing = |(name, (path, bytes)): (String, (PathBuf, Vec<u8>))| {
-        (!same_file(&path, &folder.join(&name)) && !folder.join(&name).exists())
-            .then_some((name, bytes))
-    };
-    Ok(tables.into_iter().filter_map(missing).collect())
-}
-
 /// The name of a run's copy.
 fn copied_as(entry: &Entry) -> String {
     let name = file_stem(&entry.run);
@@ -218,27 +151,11 @@ fn copied_as(entry: &Entry) -> String {
     }
 }
 
-/// The way from a folder to a file, both whole.
-fn relative(file: &Path, folder: &Path) -> PathBuf {
-    let (file, folder): (Vec<_>, Vec<_>) =
-        (file.components().collect(), folder.components().collect());
-    let shared = file.iter().zip(&folder).take_while(|(a, b)| a == b).count();
-    let up = folder[shared..]
-        .iter()
-        .map(|_| std::path::Component::ParentDir);
-    up.chain(file[shared..].iter().copied()).collect()
-}
-
 /// A name that an index states of a run.
 type Name = fn(&Entry) -> &str;
 
-fn tell(
-    args: &Args,
-    global: &Global,
-    entries: &[Entry],
-    renamed: &[String],
-    passed_over: &[String],
-) {
+fn report(args: &Args, global: &Global, gathered: &Gathered) -> Result<(), Failure> {
+    let entries = &gathered.entries;
     let stated = |of: Name| -> BTreeSet<&str> {
         entries
             .iter()
@@ -251,62 +168,52 @@ fn tell(
         ("driver", |entry| &entry.driver),
         ("track", |entry| &entry.track),
     ];
-    if !global.quiet {
-        for (name, of) in fields {
-            let without = entries.iter().filter(|entry| of(entry) == UNNAMED).count();
-            if without > 0 {
-                warn(&format!(
-                    "{without} of {} runs state no {name}: --{name} NAME does for them",
-                    entries.len()
-                ));
-            }
+    for (name, of) in fields.iter().filter(|_| !global.quiet) {
+        let without = entries.iter().filter(|entry| of(entry) == UNNAMED).count();
+        if without > 0 {
+            warn(&format!(
+                "{without} of {} runs state no {name}: --{name} NAME does for them",
+                entries.len()
+            ));
         }
     }
-    if global.json {
-        let document = json!({
-            "written": args.out,
-            "runs": entries.len(),
-            "renamed": renamed,
-            "passed_over": passed_over,
-            "sessions": stated(|entry| &entry.session),
-            "drivers": stated(|entry| &entry.driver),
-            "tracks": stated(|entry| &entry.track),
-        });
-        say(&format!("{document:#}\n"));
-    } else if !global.quiet {
-        let mut text = String::new();
-        for passed in passed_over {
-            text += &format!("passed over: {passed}\n");
-        }
-        if !renamed.is_empty() {
-            text += &format!(
-                "named by their folders, for others have their names: {}\n",
-                renamed.join(", ")
-            );
-        }
-        let counts = fields.map(|(name, of)| {
-            let count = stated(of).len();
-            format!("{count} {name}{}", if count == 1 { "" } else { "s" })
-        });
-        text += &format!(
-            "{}: {} runs, {}\n",
-            args.out.display(),
-            entries.len(),
-            counts.join(", ")
-        );
-        say(&text);
-    }
+    let [sessions, drivers, tracks] = fields.map(|(_, of)| stated(of));
+    let written = WrittenIndex {
+        written: &args.out,
+        runs: entries.len(),
+        renamed: &gathered.renamed,
+        passed_over: &gathered.passed_over,
+        sessions,
+        drivers,
+        tracks,
+    };
+    global.print(&written, || text(&written))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_way_from_an_index_to_a_run_goes_up_and_down() {
-        let way = |file: &str, folder: &str| relative(Path::new(file), Path::new(folder));
-        assert_eq!(way("/a/b/run.csv", "/a"), Path::new("b/run.csv"));
-        assert_eq!(way("/a/b/run.csv", "/a/c/d"), Path::new("../../b/run.csv"));
-        assert_eq!(way("/a/run.csv", "/a"), Path::new("run.csv"));
+fn text(written: &WrittenIndex) -> String {
+    let mut text = String::new();
+    for passed in written.passed_over {
+        text += &format!("passed over: {passed}\n");
     }
+    if !written.renamed.is_empty() {
+        text += &format!(
+            "named by their folders, for others have their names: {}\n",
+            written.renamed.join(", ")
+        );
+    }
+    let counts = [
+        ("session", written.sessions.len()),
+        ("driver", written.drivers.len()),
+        ("track", written.tracks.len()),
+    ];
+    let counts = counts.map(|(name, count)| {
+        let plural = if count == 1 { "" } else { "s" };
+        format!("{count} {name}{plural}")
+    });
+    text + &format!(
+        "{}: {} runs, {}\n",
+        written.written.display(),
+        written.runs,
+        counts.join(", ")
+    )
 }

@@ -5,7 +5,6 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
-use kufe::jobs::field::pretty;
 use kufe_sled::{RunFormat, file_stem, run_file, write_run};
 use kufe_telemetry::{
     ExcludedRun, Importer, Note, Plan, PlannedRun, RunFormatWord, index_csv, model_fragment, plan,
@@ -13,9 +12,8 @@ use kufe_telemetry::{
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::output::folder::OutputDir;
-use crate::output::global::Global;
-use crate::output::say::{note, say};
+use crate::output::OutputDir;
+use crate::terminal::{Global, note};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -34,22 +32,22 @@ A mapping names the files of each logger and what each column is made of:
   track = \"igls\"                     # and driver, driver_class, session, ice_c, air_c, air_pa
 
 Faster channels go through a low pass at 0.4 of the rate, slower ones are interpolated, gaps stay gaps. Several loggers are
-brought to one clock by what their channels share. RUN.import.json says what was done to each run. A run that cannot be
-imported is left out with its reason, and the command ends with 5.";
+brought to one clock by what their channels share. RUN.import.json describes how each run was made. A run that cannot be
+imported is excluded with its reason, and the command ends with 5.";
 
-/// What marks a folder that an import wrote, and lists its files.
+/// The list of an import's runs and files.
 const LIST: &str = "import.json";
 
 /// Arguments of `kufe runs import`.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
-    /// Which files the runs are in, and what their channels are called
+    /// The mapping: the files of the runs, and the names of their channels
     pub mapping: PathBuf,
     /// Folder for runs.csv and one file a run
     #[arg(long, short, value_name = "FOLDER")]
     pub out: PathBuf,
-    /// Refuse runs that miss files, values or rows, have uneven times or stand still, instead of leaving them out
+    /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of excluding them
     #[arg(long)]
     pub strict: bool,
 }
@@ -95,7 +93,7 @@ struct DelaySummary {
 ///
 /// # Errors
 /// [`Failure::BadInput`] with file, channel, row, value and what was expected; [`Failure::Partial`] where some runs are
-/// left out.
+/// excluded.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let file = args.mapping.display().to_string();
     let text = kufe_files::text_of_regular(&args.mapping, 1 << 24)
@@ -115,13 +113,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let fragment = model_fragment(importer.mapping(), &file).map_err(Failure::bad_input)?;
     let table = importer.mapping().index.table.as_deref();
     let output = begin(args, table, folder, &runs, global)?;
-    let bar = global.progress();
-    bar.set_message(format!("importing {} runs", runs.len()));
-    let written = runs
-        .par_iter()
-        .map(|run| write(&importer, run, format, &output))
-        .collect::<Vec<_>>();
-    bar.finish_and_clear();
+    let written: Vec<_> = global.during("importing the runs", || {
+        let written = runs.par_iter();
+        let written = written.map(|run| write(&importer, run, format, &output));
+        written.collect()
+    });
     let (mut notes, mut imported) = (Vec::new(), Vec::new());
     for (run, written) in runs.into_iter().zip(written) {
         match written? {
@@ -154,7 +150,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     output.json(LIST, &list)?;
     output.commit()?;
-    tell(args, global, &list, &notes);
+    report(args, global, &list, &notes)?;
     if list.excluded.is_empty() {
         return Ok(());
     }
@@ -166,7 +162,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     )))
 }
 
-/// The file of what was done to a run.
+/// The file that describes how a run was made.
 fn note_file(run: &str) -> String {
     format!("{}.import.json", file_stem(run))
 }
@@ -252,22 +248,24 @@ impl RunSummary {
     }
 }
 
-fn tell(args: &Args, global: &Global, list: &ImportList, notes: &[Note]) {
-    if !global.quiet {
-        for remark in notes.iter().flat_map(|note| &note.remarks) {
-            note(&format!("note: {remark}"));
-        }
+fn report(args: &Args, global: &Global, list: &ImportList, notes: &[Note]) -> Result<(), Failure> {
+    for remark in notes
+        .iter()
+        .flat_map(|note| &note.remarks)
+        .filter(|_| !global.quiet)
+    {
+        note(&format!("note: {remark}"));
     }
     for run in &list.excluded {
         note(&format!("run {} is not imported: {}", run.run, run.reason));
     }
-    if global.json {
-        say(&pretty(list).unwrap_or_default());
-        return;
-    }
-    if global.quiet {
-        return;
-    }
+    global.print(list, || {
+        let files = list.files.len() - 1;
+        text(list, notes) + &format!("{}: runs.csv and {files} more files\n", args.out.display())
+    })
+}
+
+fn text(list: &ImportList, notes: &[Note]) -> String {
     let seconds: f64 = list.runs.iter().map(|run| run.seconds).sum();
     let columns = notes.first().map_or(0, |note| note.channels.len());
     let rate = notes.first().map_or(0.0, |note| note.rate_hz);
@@ -299,9 +297,5 @@ fn tell(args: &Args, global: &Global, list: &ImportList, notes: &[Note]) {
             logger.delay_sd_s.unwrap_or(0.0)
         );
     }
-    say(&format!(
-        "{text}{}: runs.csv and {} more files\n",
-        args.out.display(),
-        list.files.len() - 1
-    ));
+    text
 }

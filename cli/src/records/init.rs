@@ -4,19 +4,19 @@ use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
 use kufe_telemetry::{TextOptions, guess_mapping, read_recording};
+use serde::Serialize;
 
 use crate::about::schema::Kind;
-use crate::output::file::OutputFiles;
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::output::OutputFiles;
+use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
 Examples:
   kufe runs init raw/monday_01.csv                          one logger: mapping.toml
   kufe runs init raw/imu_01.csv raw/gps_01.csv -o m.toml    two loggers of one run
 
-Names, units in the file and values tell what a channel may be; how sure that is stands beside it. What cannot be told is a
-line that begins with \"# ?\": answer the line below it.";
+Channels are identified by names, units in the file and values; a comment states how certain that is. What is not identified
+is a line that begins with \"# ?\": answer the line below it.";
 
 /// Arguments of `kufe runs init`.
 #[derive(clap::Args, Debug)]
@@ -28,6 +28,15 @@ pub struct Args {
     /// The mapping to write
     #[arg(long, short, value_name = "FILE", default_value = "mapping.toml")]
     pub out: PathBuf,
+}
+
+/// A mapping that was written.
+#[derive(Serialize)]
+struct WrittenMapping<'a> {
+    file: &'a Path,
+    schema: PathBuf,
+    /// Lines to answer.
+    questions: usize,
 }
 
 /// Guesses and writes.
@@ -49,7 +58,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         logs.push((from_mapping(sample, &args.out)?, log));
     }
     let text = guess_mapping(&logs);
-    let questions = text.matches("\n# ? ").count();
     files.write(&schema, |writer| {
         writer.write_all(Kind::Mapping.schema().as_bytes())
     })?;
@@ -57,19 +65,20 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         write!(writer, "#:schema ./mapping.schema.json\n{text}")
     })?;
     files.commit()?;
-    if global.json {
-        let written =
-            serde_json::json!({ "file": args.out, "schema": schema, "questions": questions });
-        say(&format!("{written}\n"));
-    } else if !global.quiet {
-        say(&format!(
-            "{path} written with {questions} questions (lines that begin with \"# ?\"); answered: kufe runs import {path} -o runs/\n"
-        ));
-    }
-    Ok(())
+    let written = WrittenMapping {
+        file: &args.out,
+        schema,
+        questions: text.matches("\n# ? ").count(),
+    };
+    global.print(&written, || {
+        format!(
+            "{path} written with {} questions (lines that begin with \"# ?\"); answered: kufe runs import {path} -o runs/\n",
+            written.questions
+        )
+    })
 }
 
-/// A sample's path as the mapping names it: as it is given where both stand in one folder, else from the root.
+/// A sample's path as the mapping names it: as it is given where both are in one folder, else from the root.
 fn from_mapping(sample: &Path, mapping: &Path) -> Result<PathBuf, Failure> {
     let folder = mapping.parent().unwrap_or(Path::new(""));
     if folder.as_os_str().is_empty() || sample.is_absolute() {

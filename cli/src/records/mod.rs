@@ -1,12 +1,55 @@
-//! `kufe runs`: recordings of other programs brought into kufe's form.
+//! `kufe runs`: recordings become runs, and runs are gathered, examined and aligned.
 
 mod align;
 mod check;
-mod command;
 mod gather;
-mod gathered;
 mod import;
 mod init;
 
-pub use command::{Args, run};
-pub use gathered::UNNAMED;
+use kufe::jobs::Failure;
+
+use crate::terminal::Global;
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe runs init raw/monday_01.csv -o mapping.toml     guess the channels
+  kufe runs import mapping.toml -o runs/               bring them into kufe's form
+  kufe runs gather monday/ tuesday/ -o runs.csv        bring the runs of several folders into one index
+  kufe runs check runs/runs.csv -o check/              examine them
+  kufe runs align runs/runs.csv --model model.toml -o aligned/   bring them to one distance along the track";
+
+/// Arguments of `kufe runs`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(clap::Subcommand, Debug)]
+enum Command {
+    /// Write a commented mapping, guessed from samples of the files
+    Init(init::Args),
+    /// Bring recordings of other programs into kufe's form
+    Import(import::Args),
+    /// Bring the runs of several folders into one index
+    Gather(gather::Args),
+    /// Examine runs: what is wrong, what is odd, and what mends it
+    Check(check::Args),
+    /// Bring runs to one distance along their track, or estimate the track from them
+    Align(align::Args),
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// [`Failure::BadInput`] with file and place.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    match &args.command {
+        Command::Init(args) => init::run(args, global),
+        Command::Import(args) => import::run(args, global),
+        Command::Gather(args) => gather::run(args, global),
+        Command::Check(args) => check::run(args, global),
+        Command::Align(args) => align::run(args, global),
+    }
+}

@@ -1,18 +1,17 @@
-//! What the commands on recorded runs share: their arguments, and runs read, chosen and prepared.
+//! Arguments of the commands on recorded runs, and the runs that they select.
 
 use std::path::PathBuf;
 
 use kufe::jobs::runs::Loaded;
-use kufe::jobs::{Failure, Watch, runs::RunSelection};
+use kufe::jobs::{Failure, runs::RunSelection};
 use kufe_sled::Run;
 
-use crate::output::global::Global;
-use crate::output::say::warn;
+use crate::terminal::Global;
 
 /// Arguments that every command on runs takes.
 #[derive(clap::Args, Debug)]
 pub struct RunArgs {
-    /// Index of the runs: run, file, and what is known of track, driver, driver_class, session, ice_c, air_c, air_pa
+    /// Index of the runs: run, file, and where known track, driver, driver_class, session, ice_c, air_c, air_pa
     pub runs: PathBuf,
     /// Model of the sled and its friction
     #[arg(long, short, value_name = "MODEL.toml")]
@@ -26,10 +25,10 @@ pub struct RunArgs {
     /// Only runs on these tracks (several with commas)
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub track: Vec<String>,
-    /// Leave runs with faulty files out and say so, instead of stopping at the first
+    /// Exclude runs with faulty files, with a warning, instead of stopping at the first
     #[arg(long)]
     pub leave_out_bad_runs: bool,
-    /// Refuse runs that miss files, values or rows, have uneven times or stand still, instead of leaving them out
+    /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of excluding them
     #[arg(long)]
     pub strict: bool,
     /// Frequency above which channels are smoothed, without delay [Hz]
@@ -43,7 +42,7 @@ impl RunArgs {
         vec![self.runs.clone(), self.model.clone()]
     }
 
-    /// Reads model and runs, keeps those that `unseen` and the options name, and prepares them.
+    /// Reads model and runs, selects those of the options that are `unseen`, and prepares them.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no filter.
@@ -57,16 +56,6 @@ impl RunArgs {
             strict: self.strict,
             cutoff_hz: self.cutoff_hz,
         };
-        let bar = global.progress();
-        let loaded = selection.load(
-            &Watch {
-                progress: Some(&|text| bar.set_message(text.to_owned())),
-                warn: Some(&|text| bar.suspend(|| warn(text))),
-                ..Watch::default()
-            },
-            unseen,
-        );
-        bar.finish_and_clear();
-        loaded
+        global.watched(|watch| selection.load(watch, unseen))
     }
 }

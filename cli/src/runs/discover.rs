@@ -1,15 +1,14 @@
-//! `kufe discover`: what the model lacks, by data.
+//! `kufe discover`: effects that are missing in the model, by data.
 
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
 use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
 
-use crate::output::folder::OutputDir;
-use crate::output::global::Global;
-use crate::output::say::{say, warn};
+use crate::output::OutputDir;
+use crate::terminal::{Global, warn};
 
-/// Find the effect that a model lacks, name it and add it
+/// Find the effect that is missing in a model, name it and add it
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// runs.csv, experiments.csv or pressures.csv; or a campaign.toml that names several of them and their model
@@ -26,29 +25,15 @@ pub struct Args {
     /// Simulated copies of the data with nothing hidden in them that each finding is compared with (at least 10)
     #[arg(long, default_value_t = 40)]
     twins: u64,
-    /// Effects to look for and no others, with commas between them; `unknown` stands for all that is beyond the catalogue
+    /// Effects to search for and no others, with commas between them; `unknown` is every effect outside the catalogue
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
     only: Vec<String>,
-    /// Refuse runs that miss files, values or rows, have uneven times or stand still, instead of leaving them out
+    /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of excluding them
     #[arg(long)]
     strict: bool,
-    /// Which channels of runs to use
-    #[arg(long, value_enum, default_value_t = Channels::All)]
-    channels: Channels,
     /// Rules of judgement that differ from the usual ones
     #[arg(long, value_name = "TOML")]
     rules: Option<PathBuf>,
-}
-
-/// Channels of runs.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-enum Channels {
-    /// Longitudinal and lateral
-    All,
-    /// Side force and yaw moment
-    Lateral,
-    /// Along the sled
-    Longitudinal,
 }
 
 /// Runs the command.
@@ -69,8 +54,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let options = Options {
         seed: args.seed,
         twins: args.twins,
-        longitudinal: args.channels != Channels::Lateral,
-        lateral: args.channels != Channels::Longitudinal,
         strict: args.strict,
         only: args.only.clone(),
         rules,
@@ -78,12 +61,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let campaign = args.data.extension().is_some_and(|ending| ending == "toml");
     if campaign == args.model.is_some() {
-        return Err(Failure::Usage(match campaign {
-            true => "--model: a campaign.toml names its model itself".to_owned(),
-            false => format!(
-                "--model is missing: expected the model that {} is held against (a campaign.toml names its own)",
+        return Err(Failure::Usage(if campaign {
+            "--model: a campaign.toml names its model itself".to_owned()
+        } else {
+            format!(
+                "--model is missing: expected the model that {} is compared with (a campaign.toml names its own)",
                 args.data.display()
-            ),
+            )
         }));
     }
     let mut inputs: Vec<PathBuf> = [Some(&args.data), args.model.as_ref(), args.rules.as_ref()]
@@ -95,46 +79,38 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         inputs.extend(CampaignFile::read(&args.data).map_err(failure)?.inputs());
     }
     let output = OutputDir::begin("discover", &inputs, &args.out, global.force)?;
-    let bar = global.progress();
-    let progress = |what: &str| bar.set_message(what.to_owned());
-    let found = kufe_discover::discover(&args.data, args.model.as_deref(), &options, &progress)
-        .map_err(failure)?;
-    let (report, next, case) = (found.report, found.next_model, found.next_case);
-    bar.finish_and_clear();
+    let found = global.watched(|watch| {
+        let progress = |what: &str| watch.progress(what);
+        kufe_discover::discover(&args.data, args.model.as_deref(), &options, &progress)
+    });
+    let found = found.map_err(failure)?;
+    let report = &found.report;
     if !report.gaps.is_empty() {
         warn(&kufe_sled::gaps_line(&report.gaps));
     }
-    output.text("report.html", &kufe::report::discovery_page(&report))?;
-    output.text("model.next.toml", &next)?;
-    if let Some(case) = case {
-        output.text("case.next.toml", &case)?;
+    output.text("report.html", &kufe::report::discovery_page(report))?;
+    output.text("model.next.toml", &found.next_model)?;
+    if let Some(case) = &found.next_case {
+        output.text("case.next.toml", case)?;
     }
-    let json = output.json("report.json", &report)?;
+    output.json("report.json", report)?;
     output.commit()?;
-    if global.json {
-        say(&json);
-    } else if !global.quiet {
-        tell(&report, &args.out);
-    }
-    Ok(())
+    global.print(report, || text(report, &args.out))
 }
 
 fn rules(path: &Path) -> Result<Rules, Failure> {
-    let told = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
+    let wrong = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
     let text =
-        kufe_files::text_of_regular(path, 1 << 20).map_err(|error| told(error.to_string()))?;
-    Rules::from_toml(&text).map_err(|error| told(error.to_string()))
+        kufe_files::text_of_regular(path, 1 << 20).map_err(|error| wrong(error.to_string()))?;
+    Rules::from_toml(&text).map_err(|error| wrong(error.to_string()))
 }
 
-fn tell(report: &Report, output: &Path) {
-    say(&format!("{}\n", report.sentence));
+fn text(report: &Report, output: &Path) -> String {
+    let mut text = format!("{}\n", report.sentence);
     if !report.explained.is_empty() {
-        say(&format!("{}\n", report.explained));
+        text += &format!("{}\n", report.explained);
     }
-    say(&format!(
-        "written: {}\n",
-        output.join("report.html").display()
-    ));
+    text + &format!("written: {}\n", output.join("report.html").display())
 }
 
 fn failure(error: Error) -> Failure {

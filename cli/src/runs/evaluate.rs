@@ -1,16 +1,15 @@
-//! `kufe evaluate`: what drivers lose beyond a straight glide.
+//! `kufe evaluate`: losses of drivers over a straight glide.
 
 use kufe::charts::{angle_picture, energy_picture, force_picture};
 use kufe::jobs::Failure;
 use kufe::plot::Figure;
-use kufe::results::{Evaluation, RunsUsed};
-use kufe_sled::{Group, RunEvaluation, distinct, evaluate, groups, table_samples};
+use kufe::results::{Evaluation, RunsUsed, write_evaluation_csv};
+use kufe_sled::{Group, RunEvaluation, distinct, evaluate, file_stem, groups, table_samples};
 
-use crate::output::folder::OutputDir;
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
-use crate::runs::tables::draw_tables;
+use crate::runs::files::draw_tables;
+use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
 Example:
@@ -29,9 +28,6 @@ pub struct Args {
     /// Run whose forces are drawn (default: the first)
     #[arg(long, value_name = "NAME")]
     run: Option<String>,
-    /// Compare tracks by the runs of this driver class only (default: every run)
-    #[arg(long, value_name = "CLASS")]
-    track_class: Option<String>,
     /// Seed of the random choices behind the intervals
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -57,136 +53,60 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let drawn = match &args.run {
         None => &runs[0],
         Some(name) => runs.iter().find(|run| run.run == *name).ok_or_else(|| {
-            let known: Vec<&str> = runs.iter().map(|run| run.run.as_str()).collect();
-            Failure::BadInput(format!("--run {name}: the runs are {}", known.join(", ")))
+            let names: Vec<&str> = runs.iter().map(|run| run.run.as_str()).collect();
+            Failure::BadInput(format!("--run {name}: the runs are {}", names.join(", ")))
         })?,
     };
-    output.write("evaluation.csv", |file| write_table(file, runs))?;
-    let mut drawn_files = draw(args, &output, runs, drawn)?;
+    output.write("evaluation.csv", |file| write_evaluation_csv(file, runs))?;
+    let mut pictures = draw(&output, runs, drawn)?;
     let states = loaded.prepared.iter().flat_map(|run| &run.states);
     let samples = table_samples(states);
-    drawn_files.extend(draw_tables(&output, &loaded.vehicle, &samples)?);
-    let json = output.json("evaluation.json", &document)?;
+    pictures.extend(draw_tables(&output, &loaded.vehicle, &samples)?);
+    output.json("evaluation.json", &document)?;
     output.commit()?;
-    if global.json {
-        say(&json);
-    } else if !global.quiet {
-        say(&summary(&document.groups));
-        say(&format!(
-            "{}: evaluation.json, evaluation.csv, {}\n",
-            args.runs.out.display(),
-            drawn_files.join(", ")
-        ));
-    }
-    Ok(())
+    global.print(&document, || {
+        summary(&document.groups)
+            + &format!(
+                "{}: evaluation.json, evaluation.csv, {}\n",
+                args.runs.out.display(),
+                pictures.join(", ")
+            )
+    })
 }
 
+/// Draws the losses on each track and by track, the angles, and the forces of one run; returns the
+/// names of the pictures.
 fn draw(
-    args: &Args,
     output: &OutputDir,
     runs: &[RunEvaluation],
     drawn: &RunEvaluation,
 ) -> Result<Vec<String>, Failure> {
     let mut files = Vec::new();
-    let mut picture = |name: String, figure: Figure| -> Result<(), Failure> {
-        output.picture(&name, &figure)?;
+    let mut picture = |name: String, figure: &Figure| -> Result<(), Failure> {
+        output.picture(&name, figure)?;
         files.push(name);
         Ok(())
     };
     let tracks = distinct(runs, |run| &run.track);
     for track in &tracks {
-        let here: Vec<RunEvaluation> = runs
-            .iter()
-            .filter(|run| run.track == *track)
-            .cloned()
-            .collect();
+        let here = runs.iter().filter(|run| run.track == *track);
+        let here: Vec<RunEvaluation> = here.cloned().collect();
+        let title = format!("Drivers on {track}");
         picture(
-            format!("energy_{}.png", kufe_sled::file_stem(track)),
-            energy_picture(&format!("Drivers on {track}"), &here, |run| &run.driver),
+            format!("energy_{}.png", file_stem(track)),
+            &energy_picture(&title, &here, |run| &run.driver),
         )?;
     }
     if tracks.len() > 1 {
-        let class = args.track_class.as_deref();
-        let of: Vec<RunEvaluation> = runs
-            .iter()
-            .filter(|run| class.is_none_or(|class| run.driver_class == class))
-            .cloned()
-            .collect();
-        if of.is_empty() {
-            let classes = distinct(runs, |run| &run.driver_class).join(", ");
-            return Err(Failure::BadInput(format!(
-                "--track-class {}: the classes are {classes}",
-                class.unwrap_or_default()
-            )));
-        }
-        let title = match class {
-            Some(class) => format!("Tracks, drivers of class {class}"),
-            None => "Tracks, every driver".to_string(),
-        };
         picture(
-            "energy_tracks.png".to_string(),
-            energy_picture(&title, &of, |run| &run.track),
+            "energy_tracks.png".to_owned(),
+            &energy_picture("Tracks, every driver", runs, |run| &run.track),
         )?;
     }
-    picture("angles.png".to_string(), angle_picture(runs))?;
-    picture(
-        format!("forces_{}.png", kufe_sled::file_stem(&drawn.run)),
-        force_picture(drawn),
-    )?;
+    picture("angles.png".to_owned(), &angle_picture(runs))?;
+    let forces = format!("forces_{}.png", file_stem(&drawn.run));
+    picture(forces, &force_picture(drawn))?;
     Ok(files)
-}
-
-fn write_table(file: &std::fs::File, runs: &[RunEvaluation]) -> Result<(), csv::Error> {
-    let mut table = csv::Writer::from_writer(file);
-    table.write_record([
-        "run",
-        "track",
-        "driver",
-        "driver_class",
-        "session",
-        "time_s",
-        "e_tot_loss_j",
-        "increase_front",
-        "increase_rear",
-        "increase_aero",
-        "increase_total",
-        "steering_above_2deg",
-        "steering_above_4deg",
-        "slip_front_above_2deg",
-        "slip_front_above_4deg",
-        "slip_rear_above_2deg",
-        "slip_rear_above_4deg",
-    ])?;
-    for run in runs {
-        let names = [
-            &run.run,
-            &run.track,
-            &run.driver,
-            &run.driver_class,
-            &run.session,
-        ];
-        let numbers = [
-            run.time_s,
-            run.e_tot_loss_j,
-            run.increase_front,
-            run.increase_rear,
-            run.increase_aero,
-            run.increase_total,
-            run.steering.share_above_2deg,
-            run.steering.share_above_4deg,
-            run.slip_front.share_above_2deg,
-            run.slip_front.share_above_4deg,
-            run.slip_rear.share_above_2deg,
-            run.slip_rear.share_above_4deg,
-        ];
-        let cells = names
-            .into_iter()
-            .cloned()
-            .chain(numbers.iter().map(ToString::to_string));
-        table.write_record(cells)?;
-    }
-    table.flush()?;
-    Ok(())
 }
 
 fn summary(groups: &[Group]) -> String {

@@ -6,10 +6,9 @@ use kufe::results::{LateralFitDocument, RunsUsed};
 use kufe_sled::friction::{LateralFit, MagicFormula};
 use kufe_sled::{FitOptions, Model, Vehicle, find_contacts, lateral_samples};
 
-use crate::output::folder::OutputDir;
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
+use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
 Example:
@@ -37,13 +36,7 @@ enum What {
 pub struct LateralArgs {
     #[command(flatten)]
     runs: RunArgs,
-    /// Leave samples out whose roll acceleration is larger than this [degrees/s2]
-    #[arg(long, value_name = "LIMIT", default_value_t = 100.0)]
-    roll_acceleration_degps2: f64,
-    /// Curvature factor E of the magic formula, which is held
-    #[arg(long, default_value_t = 0.99)]
-    e: f64,
-    /// Keep samples at which something outside, such as a wall, seems to push
+    /// Retain samples with an external force, such as that of a wall
     #[arg(long)]
     keep_contacts: bool,
 }
@@ -54,24 +47,17 @@ pub struct LateralArgs {
 /// [`Failure::BadInput`] with file and place, [`Failure::NotConverged`], [`Failure::Usage`].
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let What::Lateral(args) = &args.what;
-    if args.roll_acceleration_degps2.is_nan() || args.roll_acceleration_degps2 <= 0.0 {
-        return Err(Failure::Usage(format!(
-            "--roll-acceleration-degps2 {}: expected a positive number of degrees/s2",
-            args.roll_acceleration_degps2
-        )));
-    }
     let options = FitOptions {
-        most_roll_accel_radps2: args.roll_acceleration_degps2.to_radians(),
-        e: args.e,
         leave_out_contacts: !args.keep_contacts,
+        ..FitOptions::default()
     };
     let inputs = args.runs.inputs();
     let output = OutputDir::begin("fit lateral", &inputs, &args.runs.out, global.force)?;
     let loaded = args.runs.load(global, |_| true)?;
-    let bar = global.progress();
-    bar.set_message("fitting");
-    let fit = kufe_sled::fit(&loaded.prepared, &loaded.vehicle, &options)
-        .map_err(|error| failure(&error))?;
+    let fit = global.during("fitting", || {
+        kufe_sled::fit(&loaded.prepared, &loaded.vehicle, &options)
+    });
+    let fit = fit.map_err(|error| failure(&error))?;
     let document = LateralFitDocument {
         fit: fit.result(),
         used: RunsUsed::new(&loaded),
@@ -84,7 +70,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } = loaded;
     let fitted = fit.applied_to(&model);
     let written = fitted.to_toml();
-    // What is handed out can be read.
+    // The written model is valid.
     Model::from_toml(&written, "model.fit.toml")
         .and_then(|model| Vehicle::with_effects(&model))
         .map_err(|error| failure(&error))?;
@@ -104,14 +90,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     ] {
         output.picture(name, &fit_picture(runner, samples, law))?;
     }
-    let json = output.json("fit.json", &document)?;
+    output.json("fit.json", &document)?;
     output.commit()?;
-    bar.finish_and_clear();
-    if global.json {
-        say(&json);
-    } else if !global.quiet {
+    global.print(&document, || {
         let mut text = format!(
-            "{} runs, {} samples, {} left out for roll acceleration, {} for a push from outside\n",
+            "{} runs, {} samples, {} excluded for roll acceleration, {} for an external force\n",
             fit.runs.len(),
             fit.total,
             fit.excluded,
@@ -120,13 +103,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         text += &line("front", &fit.front, &model.friction.front);
         text += &line("rear", &fit.rear, &model.friction.rear);
         text += "mu_y and zeta_y act only as their product mu_zeta; at the slips driven, mu_zeta and c almost only as mu_zeta c\n";
-        text += &format!(
+        text + &format!(
             "{}: fit.json, model.fit.toml, fit_front.png, fit_rear.png\n",
             args.runs.out.display()
-        );
-        say(&text);
-    }
-    Ok(())
+        )
+    })
 }
 
 fn line(runner: &str, fit: &LateralFit, before: &MagicFormula) -> String {
@@ -147,7 +128,7 @@ fn line(runner: &str, fit: &LateralFit, before: &MagicFormula) -> String {
         fit.residual_rms,
         if fit.c_held {
             format!(
-                "held at the model's {:.4}: the data do not determine it",
+                "fixed at the model's {:.4}: the data do not determine it",
                 fit.c.value
             )
         } else {

@@ -1,10 +1,11 @@
-//! Recorded runs: simulated, fitted, held against the model, and searched for what it lacks.
+//! Recorded runs: simulated, fitted, compared with the model, and searched for missing effects.
 
 mod arguments;
 pub mod discover;
 pub mod evaluate;
+mod files;
 pub mod fit;
-mod series;
 pub mod simulate;
-pub mod tables;
 pub mod validate;
+
+pub use files::{TABLE_PICTURES, run_format, write_runs};

@@ -1,19 +1,18 @@
 //! `kufe validate`: the friction model against runs that it was not fitted to.
 
 use std::collections::BTreeSet;
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use kufe::charts::{lateral_force_picture, rmse_picture};
-use kufe::jobs::Failure;
+use kufe::jobs::{Failure, force_series, write_document_mat};
 use kufe::results::{LateralFitDocument, RunsUsed, Validation};
 use kufe_sled::friction::MagicFormula;
 use kufe_sled::{RunValidation, RunnerFitResult, by_track, validate};
 
-use crate::output::folder::OutputDir;
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
-use crate::runs::series::write_forces;
+use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
 Example:
@@ -27,7 +26,7 @@ Writes validation.json, rmse.png, and for each track the lateral force over time
 pub struct Args {
     #[command(flatten)]
     runs: RunArgs,
-    /// A fit.json: its lateral laws replace the model's, and the runs it was fitted to are left out
+    /// A fit.json: its lateral laws replace the model's, and the runs of the fit are excluded
     #[arg(long, value_name = "FIT.json")]
     fit: Option<PathBuf>,
     /// Draw these runs besides each track's worst (several with commas)
@@ -74,14 +73,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         drawn.extend(worst);
     }
     for name in &args.run {
-        let known = || {
-            runs.iter()
-                .map(|run| run.run.as_str())
-                .collect::<Vec<_>>()
-                .join(", ")
-        };
         let run = runs.iter().find(|run| run.run == *name).ok_or_else(|| {
-            Failure::BadInput(format!("--run {name}: the runs compared are {}", known()))
+            let names: Vec<&str> = runs.iter().map(|run| run.run.as_str()).collect();
+            let names = names.join(", ");
+            Failure::BadInput(format!("--run {name}: the runs compared are {names}"))
         })?;
         if !drawn.iter().any(|drawn| drawn.run == run.run) {
             drawn.push(run);
@@ -93,50 +88,48 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         output.picture(&name, &lateral_force_picture(run))?;
     }
     if args.mat {
-        write_forces(&output, &document, runs)?;
+        output.write("validation.mat", |file| {
+            let series = vec![force_series(runs)];
+            write_document_mat(&mut BufWriter::new(file), &document, series)
+        })?;
     }
-    let json = output.json("validation.json", &document)?;
+    output.json("validation.json", &document)?;
     output.commit()?;
-    if global.json {
-        say(&json);
-    } else if !global.quiet {
-        let mut text = String::from("track          runs  RMSE [N]  Braghin [N]\n");
-        for track in tracks {
-            text += &format!(
-                "{:14} {:4}  {:8.1}  {:11.1}\n",
-                track.track, track.runs, track.rmse_n, track.rmse_braghin_n
-            );
-        }
-        for run in &drawn {
-            let places: Vec<String> = run
-                .largest
-                .iter()
-                .map(|d| format!("{:.0} m ({:.0} N)", d.s_m, d.rms_n))
-                .collect();
-            if !places.is_empty() {
-                text += &format!(
-                    "{}: largest disagreements, root mean square over half a second, at {}\n",
-                    run.run,
-                    places.join(", ")
-                );
-            }
-        }
-        text += &match &args.fit {
-            Some(path) => format!(
-                "laws of {}; the {} runs it was fitted to are left out\n",
-                path.display(),
-                document.left_out_as_fitted.len()
-            ),
-            None => "laws of the model; give --fit to leave fitted runs out\n".to_string(),
-        };
+    global.print(&document, || text(args, &document, &drawn))
+}
+
+fn text(args: &Args, document: &Validation, drawn: &[&RunValidation]) -> String {
+    let mut text = String::from("track          runs  RMSE [N]  Braghin [N]\n");
+    for track in &document.tracks {
         text += &format!(
-            "{}: validation.json, rmse.png, {} force pictures\n",
-            args.runs.out.display(),
-            drawn.len()
+            "{:14} {:4}  {:8.1}  {:11.1}\n",
+            track.track, track.runs, track.rmse_n, track.rmse_braghin_n
         );
-        say(&text);
     }
-    Ok(())
+    for run in drawn.iter().filter(|run| !run.largest.is_empty()) {
+        let places = run.largest.iter();
+        let places: Vec<String> = places
+            .map(|d| format!("{:.0} m ({:.0} N)", d.s_m, d.rms_n))
+            .collect();
+        text += &format!(
+            "{}: largest disagreements, root mean square over half a second, at {}\n",
+            run.run,
+            places.join(", ")
+        );
+    }
+    text += &match &args.fit {
+        Some(path) => format!(
+            "laws of {}; the {} runs of the fit are excluded\n",
+            path.display(),
+            document.left_out_as_fitted.len()
+        ),
+        None => "laws of the model; give --fit to exclude the runs of a fit\n".to_string(),
+    };
+    text + &format!(
+        "{}: validation.json, rmse.png, {} force pictures\n",
+        args.runs.out.display(),
+        drawn.len()
+    )
 }
 
 struct Fit {

@@ -11,8 +11,7 @@ use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe::report::{Kind, page};
 use serde::Serialize;
 
-use crate::output::global::Global;
-use crate::output::say::say;
+use crate::terminal::{Global, say};
 use crate::view::form::Form;
 use crate::view::server::{Server, Solved, serve, solved};
 use crate::view::turn::Turn;

@@ -6,7 +6,7 @@ use kufe::case::{Case, Shape, TiltWord};
 use kufe_mesh::{BobRunner, LugeSteel};
 use serde::{Deserialize, Serialize};
 
-/// Each number's ends; what the sliders span and nothing beyond.
+/// Ranges of the sliders: from, to.
 const RANGES: [(&str, f64, f64); 6] = [
     ("rocker_radius_m", 2.0, 200.0),
     ("section_radius_m", 1e-3, 0.05),
@@ -40,7 +40,7 @@ pub struct Form {
     pub section_radius_m: f64,
     /// Radius of a luge steel's edge [m].
     pub edge_radius_m: f64,
-    /// Held roll of a bobsled runner, tilt of a luge steel's underside [rad].
+    /// Fixed roll of a bobsled runner, tilt of a luge steel's underside [rad].
     pub tilt_rad: f64,
     /// Normal force [N].
     pub fz_n: f64,

@@ -6,13 +6,14 @@
 //!
 //! | item | the job |
 //! |---|---|
-//! | [`case_file::LoadedCase`], [`Contact`] | a case and its solution, with what there is to say about it |
-//! | [`field`] | the maps, pictures and bodies of a solved contact, as files |
+//! | [`case_file::LoadedCase`], [`Contact`] | a case and its solution, with its warnings |
+//! | [`Step`] | one contact of a series |
+//! | [`field`], [`export`], [`CaseMeshes`] | the maps, pictures and bodies of a case, as files |
+//! | [`check_hull`] | whether a scanned hull can be pressed |
+//! | [`FrictionLaw`] | friction of a contact by a law over its pressure |
 //! | [`slide`] | a case's groove, melt film and friction, and friction over speed and temperature |
 //! | [`table`] | a table file and the lookup table that it specifies |
-//! | [`runs`] | recorded runs, chosen and prepared |
-//! | [`Failure`] | how a job fails: in a sentence, of one of four kinds |
-//! | [`Watch`] | who receives progress and warnings, and may stop the job |
+//! | [`runs`], [`gather`], [`align`] | recorded runs, selected and prepared, gathered, aligned |
 //!
 //! ```
 //! use kufe::jobs::{Contact, case_file::LoadedCase};
@@ -21,24 +22,33 @@
 //! # Ok::<(), kufe::jobs::Failure>(())
 //! ```
 
+pub mod align;
 pub mod case_file;
-mod case_json;
 mod document_mat;
+pub mod export;
 pub mod failure;
 pub mod field;
+pub mod gather;
+mod hull_check;
+mod law_friction;
+mod meshes;
 mod press;
 pub mod runs;
+mod series;
 pub mod slide;
 pub mod table;
 mod watch;
 mod write_whole;
 
-pub use case_json::{case_json, json_number, toml_json};
-pub use document_mat::write_document_mat;
+pub use document_mat::{channel_series, force_series, write_document_mat};
 pub use failure::Failure;
+pub use hull_check::check_hull;
+pub use law_friction::FrictionLaw;
+pub use meshes::{CaseMeshes, write_mesh_quality};
 pub use press::{
     Contact, Prepared, SolvedContact, newtons, percent, press_prepared, time_left, with_progress,
 };
+pub use series::Step;
 pub use watch::Watch;
 pub use write_whole::write_whole;
 

@@ -94,7 +94,7 @@ impl Grid<'_> {
     }
 }
 
-/// Every k-th of `0..count` with `kept` among them, at most `most` of them.
+/// Every k-th of `0..count` with `retained` among them, at most `most` of them.
 fn every(count: usize, most: usize, retained: usize) -> Vec<usize> {
     let stride = count.div_ceil(most.max(1)).max(1);
     (retained % stride..count).step_by(stride).collect()

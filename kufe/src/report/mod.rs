@@ -8,12 +8,13 @@
 //! | item | purpose |
 //! |---|---|
 //! | [`page`] | the whole page of one [`Kind`] from its title and data |
-//! | [`discovery_page`] | what a search for missing effects has found: tables and diagrams without scripts |
-//! | [`results_page`] | what any other command has written: its pictures, and its figures as tables |
-//! | [`record_page`] | what is wrong and odd in recorded runs, worst first, without scripts |
+//! | [`discovery_page`] | the findings of a search for missing effects: tables and diagrams without scripts |
+//! | [`results_page`] | any other document: its pictures, and its figures as tables |
+//! | [`record_page`] | faults and oddities of recorded runs, worst first, without scripts |
+//! | [`index_page`] | an index of runs |
 //! | [`Grid`] | fields on a regular grid, thinned and packed for a page |
 //! | [`pack`] | numbers as the page's scripts read them |
-//! | [`ContactPage`], [`SeriesPage`] | the data of two kinds |
+//! | [`ContactPage`], [`SeriesPage`], [`TablePage`] | the data of three kinds |
 //!
 //! ```
 //! use kufe::report::{Kind, page};
@@ -26,16 +27,20 @@
 mod contact;
 mod discovery;
 mod grid;
+mod index;
 mod pack;
 mod page;
 mod record;
 mod results;
 mod sign;
+mod table;
 
 pub use contact::{ContactPage, PackedHull, SeriesPage};
 pub use discovery::discovery_page;
 pub use grid::{Grid, PackedGrid};
+pub use index::index_page;
 pub use pack::{Packed, pack};
 pub use page::{Kind, page};
 pub use record::record_page;
 pub use results::{Picture, picture_url, results_page};
+pub use table::TablePage;

@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
-/// Largest code of a finite value; the next one stands for infinity.
+/// Largest code of a finite value; the next one represents infinity.
 const TOP: f64 = 65534.0;
 /// The code of a value that is not finite.
 const NONE: u16 = 65535;

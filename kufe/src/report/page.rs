@@ -93,7 +93,7 @@ const VERSION: &str = concat!("kufe ", env!("CARGO_PKG_VERSION"));
 pub fn page(kind: Kind, title: &str, data: &impl Serialize) -> String {
     let (script, policy) = (kind.script(), kind.policy());
     let style = [STYLE, PICTURE].concat();
-    // The data come last: a text in them that looks like a slot is not filled.
+    // The data come last: a text in them that has the form of a slot is not filled.
     let slots = [
         ("{{policy}}", policy.as_str()),
         ("{{title}}", &escape(title)),

@@ -4,13 +4,14 @@ use kufe_sled::friction::{
     Estimate, Experiment, GlidePair, IceHouse, LeastFriction, MuFit, PressureLaw, SHARE_LEFT_OUT,
     SpecimenFriction, Weighting, ZetaActsOn,
 };
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::results::quantity::*;
 use crate::results::record::CaseRecord;
 
 /// Friction of one runner at one speed and temperature.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FrictionRow {
     /// The runner.
     pub case: String,
@@ -40,7 +41,7 @@ pub struct FrictionRow {
 }
 
 /// Runners that have the least friction at one speed and temperature, within their errors.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FastestRunners {
     /// Speed [m/s].
     pub v_mps: f64,
@@ -51,7 +52,7 @@ pub struct FastestRunners {
 }
 
 /// Friction over speed and temperature.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FrictionTable {
     /// The points of all runners.
     pub points: Vec<FrictionRow>,
@@ -65,7 +66,7 @@ pub struct FrictionTable {
 }
 
 /// The runner with the least friction.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FrictionOptimum {
     /// Speed [m/s].
     pub v_mps: f64,
@@ -95,7 +96,7 @@ pub struct FrictionOptimum {
 }
 
 /// A parameter at the optimum.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OptimalParameter {
     /// Its key.
     pub key: String,
@@ -114,7 +115,7 @@ pub struct OptimalParameter {
 }
 
 /// A runner that was solved for a search.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SolvedRunner {
     /// Values of the parameters.
     pub values: Vec<f64>,
@@ -124,7 +125,7 @@ pub struct SolvedRunner {
 }
 
 /// Friction of one runner under one load, by a law over the pressure.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FrictionByLaw {
     /// Peak pressure.
     #[serde(flatten)]
@@ -160,7 +161,7 @@ pub struct FrictionByLaw {
 }
 
 /// A fit of friction over pressure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PressureFit {
     /// The coefficients with their intervals.
     pub parameters: QuadraticLaw,
@@ -193,7 +194,7 @@ pub struct PressureFit {
 }
 
 /// Coefficients of a quadratic law with their intervals.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct QuadraticLaw {
     /// Quadratic coefficient.
     pub b: Estimate,
@@ -204,7 +205,7 @@ pub struct QuadraticLaw {
 }
 
 /// A specimen and the fitted coefficient with its band.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct FittedSpecimen {
     /// The specimen.
     pub specimen: String,
@@ -268,7 +269,7 @@ impl PressureFit {
 }
 
 /// Gliding runs in an ice house.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct IceHouseResult {
     /// Friction by specimen.
     pub specimens: Vec<SpecimenFriction>,
@@ -289,7 +290,7 @@ pub struct IceHouseResult {
 }
 
 /// One gliding run.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct GlideResult {
     /// The run.
     pub run: String,

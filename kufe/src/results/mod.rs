@@ -13,8 +13,12 @@
 //! | [`IceHouseResult`] | `icehouse.json` |
 //! | [`LateralFitDocument`], [`Evaluation`], [`Validation`] | `fit.json`, `evaluation.json`, `validation.json` of runs |
 //! | [`Simulation`], [`ReplayResult`] | `simulation.json` |
+//! | [`RunCheck`], [`Alignment`], [`SampleTruth`] | `check.json`, `align.json`, `truth.json` |
+//! | [`HullCheck`], [`MeshQuality`] | an examined hull; `quality.json` |
+//! | [`TableSummary`], [`TableInfo`], [`TableLookup`] | a lookup table, and its values at one contact |
 //! | [`finding::Report`] | `report.json` of a search for missing effects |
 //! | [`CaseRecord`] | the case within a result |
+//! | [`Datum`], [`DocumentKind`] | any document as a tree of figures, and its kind |
 //!
 //! ```
 //! use kufe::results::{Measured, PeakPressure};
@@ -24,17 +28,25 @@
 //! # Ok::<(), serde_json::Error>(())
 //! ```
 
+mod bodies;
 mod contact;
+mod datum;
+mod document;
 pub mod finding;
 mod friction;
 mod quantity;
 mod record;
 mod runs;
 mod series;
+mod table;
 
+pub use bodies::*;
 pub use contact::*;
+pub use datum::{Data, Datum};
+pub use document::{DOCUMENT_KINDS, DocumentKind};
 pub use friction::*;
 pub use quantity::*;
 pub use record::{CaseRecord, write_csv};
 pub use runs::*;
 pub use series::*;
+pub use table::*;

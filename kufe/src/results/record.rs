@@ -4,10 +4,10 @@ use std::fmt;
 use std::io::Write;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
 use crate::case::Case;
+use crate::results::datum::Datum;
 
 /// A case, key by key.
 ///
@@ -44,6 +44,13 @@ impl CaseRecord {
     }
 }
 
+/// The case as JSON.
+impl fmt::Display for CaseRecord {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&serde_json::to_string(self).unwrap_or_default())
+    }
+}
+
 fn write_infinity(value: &mut toml::Value) {
     match value {
         toml::Value::Float(number) if !number.is_finite() => {
@@ -58,56 +65,6 @@ fn write_infinity(value: &mut toml::Value) {
     }
 }
 
-/// One value of a record.
-#[derive(Debug, Deserialize)]
-#[serde(untagged)]
-enum Cell {
-    Absent(()),
-    Flag(bool),
-    Whole(i64),
-    Number(f64),
-    Text(String),
-}
-
-impl fmt::Display for Cell {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Cell::Absent(()) => Ok(()),
-            Cell::Flag(flag) => flag.fmt(f),
-            Cell::Whole(number) => number.fmt(f),
-            // As JSON has it.
-            Cell::Number(number) => f.write_str(&serde_json::to_string(number).unwrap_or_default()),
-            Cell::Text(text) => text.fmt(f),
-        }
-    }
-}
-
-/// The keys and values of a document, in order.
-#[derive(Debug)]
-struct Cells(Vec<(String, Cell)>);
-
-impl<'de> Deserialize<'de> for Cells {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct InOrder;
-        impl<'de> Visitor<'de> for InOrder {
-            type Value = Cells;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object of single values")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Cells, A::Error> {
-                let mut cells = Vec::new();
-                while let Some(cell) = map.next_entry()? {
-                    cells.push(cell);
-                }
-                Ok(Cells(cells))
-            }
-        }
-        deserializer.deserialize_map(InOrder)
-    }
-}
-
 /// Writes documents of single values as CSV: their keys are the columns.
 ///
 /// The longest document names the columns; the others have empty cells where they have no such key.
@@ -117,20 +74,26 @@ impl<'de> Deserialize<'de> for Cells {
 pub fn write_csv<T: Serialize>(writer: impl Write, rows: &[T]) -> std::io::Result<()> {
     let mut records = Vec::new();
     for row in rows {
-        let text = serde_json::to_string(row)?;
-        let Cells(cells) = serde_json::from_str(&text)?;
-        records.push(cells);
+        match Datum::of(row)? {
+            Datum::Group(cells) if cells.iter().all(|(_, cell)| cell.is_single()) => {
+                records.push(cells);
+            }
+            other => {
+                let text = format!("{other}: expected an object of single values");
+                return Err(std::io::Error::other(text));
+            }
+        }
     }
-    let Some(longest) = records.iter().max_by_key(|cells| cells.len()) else {
+    let Some(longest) = records.iter().max_by_key(|cells| cells.0.len()) else {
         return Ok(());
     };
-    let columns: Vec<&String> = longest.iter().map(|(key, _)| key).collect();
+    let columns: Vec<&str> = longest.iter().map(|(key, _)| key).collect();
     let mut csv = csv::Writer::from_writer(writer);
     csv.write_record(&columns)?;
     for cells in &records {
         csv.write_record(columns.iter().map(|column| {
-            let cell = cells.iter().find(|(key, _)| key == *column);
-            cell.map_or(String::new(), |(_, cell)| cell.to_string())
+            let cell = cells.get(column);
+            cell.map_or(String::new(), Datum::to_string)
         }))?;
     }
     csv.flush()

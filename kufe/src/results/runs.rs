@@ -1,20 +1,24 @@
-//! Documents made of recorded and simulated runs: fit, evaluation, validation, replay and simulation.
+//! Documents of recorded and simulated runs.
 
 use std::collections::BTreeSet;
+use std::io::Write;
 use std::path::PathBuf;
 
+use kufe_sled::sample_data::{DRIVERS, Planned, sample_driver};
 use kufe_sled::{
-    EnergyBalance, FitResult, Group, OutsideTable, Replay, RunEvaluation, RunValidation,
-    SampleCoverage, TrackValidation,
+    AlignedRun, EnergyBalance, Examination, FitResult, Group, OutsideTable, Replay, RunEvaluation,
+    RunValidation, SampleCoverage, TrackEstimate, TrackValidation,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::results::record::write_csv;
 
 /// What a result made of recorded runs states of them.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct RunsUsed {
-    /// Runs left out and why.
+    /// Excluded runs with the reason.
     pub left_out: Vec<String>,
     /// Tables of the model that do not span every sample.
     pub outside_tables: Vec<OutsideTable>,
@@ -52,6 +56,55 @@ pub struct Evaluation {
     pub used: RunsUsed,
 }
 
+/// A row of `evaluation.csv`.
+#[derive(Serialize)]
+struct EvaluationRow<'a> {
+    run: &'a str,
+    track: &'a str,
+    driver: &'a str,
+    driver_class: &'a str,
+    session: &'a str,
+    time_s: f64,
+    e_tot_loss_j: f64,
+    increase_front: f64,
+    increase_rear: f64,
+    increase_aero: f64,
+    increase_total: f64,
+    steering_above_2deg: f64,
+    steering_above_4deg: f64,
+    slip_front_above_2deg: f64,
+    slip_front_above_4deg: f64,
+    slip_rear_above_2deg: f64,
+    slip_rear_above_4deg: f64,
+}
+
+/// Writes `evaluation.csv`: a row a run.
+///
+/// # Errors
+/// Those of the writer.
+pub fn write_evaluation_csv(writer: impl Write, runs: &[RunEvaluation]) -> std::io::Result<()> {
+    let rows = runs.iter().map(|run| EvaluationRow {
+        run: &run.run,
+        track: &run.track,
+        driver: &run.driver,
+        driver_class: &run.driver_class,
+        session: &run.session,
+        time_s: run.time_s,
+        e_tot_loss_j: run.e_tot_loss_j,
+        increase_front: run.increase_front,
+        increase_rear: run.increase_rear,
+        increase_aero: run.increase_aero,
+        increase_total: run.increase_total,
+        steering_above_2deg: run.steering.share_above_2deg,
+        steering_above_4deg: run.steering.share_above_4deg,
+        slip_front_above_2deg: run.slip_front.share_above_2deg,
+        slip_front_above_4deg: run.slip_front.share_above_4deg,
+        slip_rear_above_2deg: run.slip_rear.share_above_2deg,
+        slip_rear_above_4deg: run.slip_rear.share_above_4deg,
+    });
+    write_csv(writer, &rows.collect::<Vec<_>>())
+}
+
 /// `validation.json`: measured and modelled lateral force.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "validation.json")]
@@ -60,7 +113,7 @@ pub struct Validation {
     pub runs: Vec<RunValidation>,
     /// Track by track.
     pub tracks: Vec<TrackValidation>,
-    /// Runs left out because the laws were fitted to them.
+    /// Runs excluded because the laws were fitted to them.
     pub left_out_as_fitted: BTreeSet<String>,
     /// The runs.
     #[serde(flatten)]
@@ -68,7 +121,8 @@ pub struct Validation {
 }
 
 /// `simulation.json` of a replay: a measured run driven again by the model.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[schemars(title = "simulation.json of a replay")]
 pub struct ReplayResult<'a> {
     /// Both runs compared.
     pub replay: &'a Replay,
@@ -181,4 +235,214 @@ impl SimulatedRun {
 
 fn version() -> String {
     env!("CARGO_PKG_VERSION").to_owned()
+}
+
+/// `check.json`: an examination of recorded runs.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[schemars(title = "check.json")]
+pub struct RunCheck {
+    /// Index of the runs.
+    pub index: String,
+    /// Runs in which something is provably wrong.
+    pub wrong: usize,
+    /// Run by run, the worst first.
+    pub runs: Vec<Examination>,
+    /// Version of the program.
+    pub version: String,
+}
+
+impl RunCheck {
+    /// Of the examined runs of an index.
+    pub fn new(index: impl Into<String>, runs: Vec<Examination>) -> Self {
+        RunCheck {
+            index: index.into(),
+            wrong: runs.iter().filter(|run| run.is_wrong()).count(),
+            runs,
+            version: version(),
+        }
+    }
+}
+
+/// `align.json`: runs on one distance along their track.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[schemars(title = "align.json")]
+pub struct Alignment {
+    /// Index of the runs.
+    pub index: String,
+    /// Track by track.
+    pub tracks: Vec<AlignedTrack>,
+    /// Version of the program.
+    pub version: String,
+    /// Runs with gaps, and how much of them takes part.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gaps: Vec<SampleCoverage>,
+}
+
+/// The runs of one track.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct AlignedTrack {
+    /// Name of the track.
+    pub track: String,
+    /// Whether the runs are aligned with a survey; else with one another.
+    pub surveyed: bool,
+    /// Run by run.
+    pub runs: Vec<AlignedRun>,
+    /// Errors of the track where it is estimated from the runs.
+    pub estimate: Option<TrackErrors>,
+}
+
+/// Extent and standard errors of an estimated track, root mean squares along it.
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
+pub struct TrackErrors {
+    /// Start [m].
+    pub from_m: f64,
+    /// End [m].
+    pub to_m: f64,
+    /// Of the slope [rad].
+    pub slope_sd_rad: f64,
+    /// Of the curvature [1/m].
+    pub curvature_sd_1pm: f64,
+    /// Of the bank [rad].
+    pub bank_sd_rad: f64,
+}
+
+impl TrackErrors {
+    /// Of an estimate.
+    pub fn of(estimate: &TrackEstimate) -> Self {
+        let mean = |sd: &[f64]| (sd.iter().map(|x| x * x).sum::<f64>() / sd.len() as f64).sqrt();
+        let [slope_sd_rad, curvature_sd_1pm, bank_sd_rad] =
+            estimate.sd.each_ref().map(|sd| mean(sd));
+        let s = &estimate.track.s_m;
+        TrackErrors {
+            from_m: s[0],
+            to_m: s[s.len() - 1],
+            slope_sd_rad,
+            curvature_sd_1pm,
+            bank_sd_rad,
+        }
+    }
+}
+
+/// `truth.json`: what the sample runs were driven with.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+#[schemars(title = "truth.json")]
+pub struct SampleTruth {
+    /// Seed of the data set.
+    pub seed: u64,
+    /// The model.
+    pub model: String,
+    /// The drivers.
+    pub drivers: Vec<SampleDriver>,
+    /// Run by run.
+    pub runs: Vec<SampleRun>,
+    /// Version of the program.
+    pub version: String,
+}
+
+/// A driver of the sample runs.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct SampleDriver {
+    /// Name.
+    pub driver: String,
+    /// Class.
+    pub class: String,
+    /// Number of runs.
+    pub runs: usize,
+    /// Part of the steering that anticipates the track.
+    pub feedforward: f64,
+    /// How far ahead the driver sees [s].
+    pub preview_s: f64,
+    /// Steering for an offset from the line [rad/m].
+    pub line_gain_rad_per_m: f64,
+    /// Steering for an angle to the line.
+    pub course_gain: f64,
+    /// Lag of the steering [s].
+    pub lag_s: f64,
+    /// Largest steering angle [rad].
+    pub most_rad: f64,
+    /// Noise of the steering [rad].
+    pub noise_rad: f64,
+    /// Standard deviation of the line that is driven [m].
+    pub wander_m: f64,
+    /// Length over which that line changes [m].
+    pub length_m: f64,
+}
+
+/// One sample run.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct SampleRun {
+    /// Name of the run.
+    pub run: String,
+    /// Track.
+    pub track: String,
+    /// Session.
+    pub session: String,
+    /// Seed of driver and sensors.
+    pub seed: u64,
+    /// Speed at the start [m/s].
+    pub start_speed_mps: f64,
+    /// Contacts with walls, which the model does not have.
+    pub wall_contacts: Vec<SampleContact>,
+}
+
+/// A contact with a wall.
+#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
+pub struct SampleContact {
+    /// Place along the track [m].
+    pub s_m: f64,
+    /// Length [m].
+    pub length_m: f64,
+    /// Force [N].
+    pub force_n: f64,
+    /// Place along the sled [m].
+    pub x_m: f64,
+}
+
+impl SampleTruth {
+    /// Of a plan of runs.
+    pub fn new(seed: u64, plan: &[Planned]) -> Self {
+        let drivers = DRIVERS.iter().map(|&(name, class, runs)| {
+            let driver = sample_driver(name);
+            SampleDriver {
+                driver: name.to_owned(),
+                class: class.to_owned(),
+                runs,
+                feedforward: driver.feedforward,
+                preview_s: driver.preview_s,
+                line_gain_rad_per_m: driver.line_gain,
+                course_gain: driver.course_gain,
+                lag_s: driver.lag_s,
+                most_rad: driver.most_rad,
+                noise_rad: driver.noise_rad,
+                wander_m: driver.wander_m,
+                length_m: driver.length_m,
+            }
+        });
+        let runs = plan.iter().map(|run| SampleRun {
+            run: run.run.clone(),
+            track: run.track.to_string(),
+            session: run.session.to_string(),
+            seed: run.options.seed,
+            start_speed_mps: run.options.start_speed_mps,
+            wall_contacts: run
+                .options
+                .contacts
+                .iter()
+                .map(|contact| SampleContact {
+                    s_m: contact.s_m,
+                    length_m: contact.length_m,
+                    force_n: contact.force_n,
+                    x_m: contact.x_m,
+                })
+                .collect(),
+        });
+        SampleTruth {
+            seed,
+            model: "model.toml, and beside it the contacts with walls that each run lists here"
+                .to_owned(),
+            drivers: drivers.collect(),
+            runs: runs.collect(),
+            version: version(),
+        }
+    }
 }

@@ -25,19 +25,6 @@ pub struct SeriesRow {
     pub error: Option<String>,
 }
 
-impl SeriesRow {
-    /// A row without numbers.
-    pub fn new(step: usize, folder: String, varied: VariedKeys) -> Self {
-        SeriesRow {
-            step,
-            folder,
-            varied,
-            result: None,
-            error: None,
-        }
-    }
-}
-
 /// The keys of a case that a series varies; absent where it does not.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct VariedKeys {
@@ -78,17 +65,24 @@ impl From<f64> for Radius {
     }
 }
 
+impl Radius {
+    /// The radius, infinite on a straight [m].
+    pub fn metres(&self) -> f64 {
+        match self {
+            Radius::Finite(radius) => *radius,
+            Radius::Word(word) => word.parse().unwrap_or(f64::NAN),
+        }
+    }
+}
+
 impl VariedKeys {
     /// The keys and their values, in order.
     pub fn named(&self) -> Vec<(&'static str, String)> {
         let number = |value: Option<f64>| value.map(|value| value.to_string());
-        let radius = self.radius_m.as_ref().map(|radius| match radius {
-            Radius::Finite(radius) => radius.to_string(),
-            Radius::Word(word) => word.clone(),
-        });
+        let radius = self.radius_m.as_ref().map(Radius::metres);
         [
             ("rocker_radius_m", number(self.rocker_radius_m)),
-            ("radius_m", radius),
+            ("radius_m", number(radius)),
             ("pitch_rad", number(self.pitch_rad)),
             ("roll_rad", number(self.roll_rad)),
             ("fz_n", number(self.fz_n)),

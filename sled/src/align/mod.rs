@@ -25,7 +25,7 @@ const ELSEWHERE: f64 = 1.5;
 const ROUNDS: usize = 3;
 
 /// Where a run lies along its track.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct AlignedRun {
     /// Name of the run.
     pub run: String,

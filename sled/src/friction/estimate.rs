@@ -201,7 +201,9 @@ fn terms(u: &[f64]) -> Vec<f64> {
 }
 
 /// An estimate with its confidence interval.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 pub struct Estimate {
     /// Best value.
     pub value: f64,

@@ -217,7 +217,7 @@ pub(crate) fn integrate(x: &[f64], y: &[f64]) -> Vec<f64> {
 }
 
 /// An uphill and a downhill run of one specimen.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct GlidePair {
     /// The specimen.
     pub specimen: String,
@@ -236,7 +236,7 @@ pub struct GlidePair {
 }
 
 /// Coefficient of friction of one specimen.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct SpecimenFriction {
     /// The specimen.
     pub specimen: String,

@@ -187,7 +187,7 @@ pub fn gaps_line(runs: &[SampleCoverage]) -> String {
 const STRETCH: usize = 8;
 
 /// What a channel shows of its end stops.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Saturation {
     /// The stop, in the channel's unit: the one at which the channel stays longest.
     pub at: f64,

@@ -16,7 +16,7 @@ use crate::simulate::dynamics::{COUNT, TIME, Unknowns, World};
 use crate::track::table::TrackShape;
 
 /// A run and what the model makes of its start and its steering.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Replay {
     /// Name of the run.
     pub run: String,

@@ -1,41 +1,40 @@
 //! Runs of one driver on one track.
 
+use std::io::BufWriter;
 use std::path::Path;
 
 use kufe::charts::run_picture;
-use kufe::jobs::{Failure, runs::failure};
+use kufe::jobs::{Failure, channel_series, runs::failure, write_document_mat};
 use kufe::results::{SimulatedRun, Simulation};
 use kufe_lut::Sample;
 use kufe_sled::sample_data::{DRIVERS, sample_driver};
 use kufe_sled::{
-    Driver, EnergyBalance, Model, OutsideTable, PrepareOptions, Run, SimulateOptions, Track,
-    TrackShape, Vehicle, outside_tables, prepare, record, simulate, simulated_entry, table_samples,
-    together,
+    Driver, Model, PrepareOptions, Run, SimulateOptions, Track, TrackShape, Vehicle,
+    outside_tables, prepare, record, simulate, simulated_entry, table_samples, together,
 };
 use rayon::prelude::*;
 
-use crate::output::folder::OutputDir;
-use crate::output::global::Global;
-use crate::output::say::{say, warn};
-use crate::runs::series::write_channels;
-use crate::runs::simulate::args::Args;
-use crate::runs::simulate::written::{write_runs, write_track};
-use crate::runs::tables::draw_tables;
+use crate::output::OutputDir;
+use crate::runs::files::{draw_tables, run_format, write_runs, write_track};
+use crate::runs::simulate::Args;
+use crate::terminal::{Global, warn};
 
 /// Runs whose samples are drawn on the model's tables.
 const DRAWN: u32 = 20;
 
-/// A run driven: as recorded, its energies, whether it reached the finish, and what lies outside the tables, with what they were asked.
-type Driven = (
-    Run,
-    EnergyBalance,
-    bool,
-    Vec<OutsideTable>,
-    [Vec<Sample>; 2],
-);
+/// A simulated run as recorded, and what belongs to it.
+struct Driven {
+    run: Run,
+    row: SimulatedRun,
+    /// Its samples on the tables of both runners, where they are drawn.
+    samples: [Vec<Sample>; 2],
+}
 
-/// Drives and writes them.
-pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> Result<(), Failure> {
+/// Drives the runs and writes them.
+///
+/// # Errors
+/// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for options out of range.
+pub fn run(args: &Args, model_file: &Path, track: &Path, global: &Global) -> Result<(), Failure> {
     let refusal = |error: kufe_sled::Error| failure(&error);
     let inputs = [model_file.to_path_buf(), track.to_path_buf()];
     let model = Model::load(model_file).map_err(refusal)?;
@@ -48,110 +47,91 @@ pub fn drive(args: &Args, model_file: &Path, track: &Path, global: &Global) -> R
         warn(&format!("{}: {text}", model_file.display()));
     }
     let output = OutputDir::begin("simulate", &inputs, &args.out, global.force)?;
-    let bar = global.progress();
-    bar.set_message(format!("driving {} runs", args.runs));
     let start = std::time::Instant::now();
     let tabled = vehicle.tables().iter().any(Option::is_some);
-    let driven: Vec<Driven> = (0..args.runs)
-        .into_par_iter()
-        .map(|number| {
-            let options = SimulateOptions {
-                step_s: args.step_s,
-                rate_hz: args.rate_hz,
-                start_speed_mps: args.start_speed_mps,
-                most_s: args.most_s,
-                conditions,
-                seed: args.seed.wrapping_add(u64::from(number)),
-                ..SimulateOptions::default()
-            };
-            let simulated = simulate(&vehicle, &shape, &driver, &options)?;
-            let name = format!("run_{:03}", number + 1);
-            let mut entry = simulated_entry(&name, &track, &driver_name, conditions);
-            entry.session.clone_from(&args.session);
-            let noise = model.noise.as_ref().filter(|_| !args.no_noise);
-            let run = record(&simulated, &vehicle, noise, entry, options.seed);
-            let states = simulated.instants.iter().map(|instant| &instant.state);
-            let outside = outside_tables(&vehicle, states.clone());
-            let requested = match tabled && number < DRAWN {
-                true => table_samples(states),
-                false => [Vec::new(), Vec::new()],
-            };
-            Ok((
-                run,
-                simulated.energy,
-                simulated.finished,
-                outside,
-                requested,
-            ))
+    let drive = |number: u32| -> Result<Driven, kufe_sled::Error> {
+        let options = SimulateOptions {
+            step_s: args.step_s,
+            rate_hz: args.rate_hz,
+            start_speed_mps: args.start_speed_mps,
+            most_s: args.most_s,
+            conditions,
+            seed: args.seed.wrapping_add(u64::from(number)),
+            ..SimulateOptions::default()
+        };
+        let simulated = simulate(&vehicle, &shape, &driver, &options)?;
+        let name = format!("run_{:03}", number + 1);
+        let mut entry = simulated_entry(&name, &track, &driver_name, conditions);
+        entry.session.clone_from(&args.session);
+        let noise = model.noise.as_ref().filter(|_| !args.no_noise);
+        let run = record(&simulated, &vehicle, noise, entry, options.seed);
+        let states = simulated.instants.iter().map(|instant| &instant.state);
+        let outside = outside_tables(&vehicle, states.clone());
+        let (finished, energy) = (simulated.finished, &simulated.energy);
+        Ok(Driven {
+            row: SimulatedRun::new(&run, options.seed, finished, energy, outside),
+            run,
+            samples: if tabled && number < DRAWN {
+                table_samples(states)
+            } else {
+                [Vec::new(), Vec::new()]
+            },
         })
-        .collect::<Vec<_>>()
-        .into_iter()
-        .collect::<Result<_, _>>()
-        .map_err(refusal)?;
+    };
+    let driven = global.during("driving the runs", || {
+        let driven: Vec<_> = (0..args.runs).into_par_iter().map(drive).collect();
+        driven.into_iter().collect::<Result<Vec<Driven>, _>>()
+    });
     let seconds = start.elapsed().as_secs_f64();
-    let simulated_s: f64 = driven
-        .iter()
-        .map(|(run, ..)| run.len() as f64 * run.dt_s)
-        .sum();
-    let mut runs: Vec<Run> = Vec::new();
-    let mut rows: Vec<SimulatedRun> = Vec::new();
+    let (mut runs, mut rows) = (Vec::new(), Vec::new());
     let mut samples = [Vec::new(), Vec::new()];
-    let mut left_tables: Vec<OutsideTable> = Vec::new();
-    for (number, (run, energy, finished, outside, requested)) in driven.into_iter().enumerate() {
-        left_tables.extend(outside.iter().cloned());
-        let seed = args.seed.wrapping_add(number as u64);
-        rows.push(SimulatedRun::new(&run, seed, finished, &energy, outside));
-        runs.push(run);
-        for (all, own) in samples.iter_mut().zip(requested) {
+    for driven in driven.map_err(refusal)? {
+        runs.push(driven.run);
+        rows.push(driven.row);
+        for (all, own) in samples.iter_mut().zip(driven.samples) {
             all.extend(own);
         }
     }
-    for (outside, runs) in together(left_tables) {
+    let outside = rows.iter().flat_map(|row| row.outside_tables.clone());
+    for (outside, runs) in together(outside.collect()) {
         warn(&format!("{outside}, in {runs} of {} runs", args.runs));
     }
+    let simulated_s: f64 = runs.iter().map(|run| run.len() as f64 * run.dt_s).sum();
     let document = Simulation::new(rows, &track.name, &driver_name, simulated_s, seconds);
-    bar.set_message("writing");
-    write_runs(&output, &mut runs, args.format())?;
+    write_runs(&output, &mut runs, run_format(args.parquet))?;
     write_track(&output, &track)?;
     if args.mat {
-        write_channels(&output, &document, &runs)?;
+        output.write("simulation.mat", |file| {
+            let series = vec![channel_series(&runs)];
+            write_document_mat(&mut BufWriter::new(file), &document, series)
+        })?;
     }
     let mut pictures = draw_first(&output, &runs, &model, &vehicle)?;
     pictures.extend(draw_tables(&output, &vehicle, &samples)?);
-    let json = output.json("simulation.json", &document)?;
+    output.json("simulation.json", &document)?;
     output.commit()?;
-    bar.finish_and_clear();
-    if global.json {
-        say(&json);
-    } else if !global.quiet {
+    global.print(&document, || {
         let mut text = String::new();
         for run in document.runs.iter().take(20) {
+            let finish = if run.finished {
+                ""
+            } else {
+                ", finish not reached"
+            };
             text += &format!(
-                "{}  {:.2} s{}  energy kept to {:.1e} of it\n",
-                run.run,
-                run.time_s,
-                if run.finished {
-                    ""
-                } else {
-                    ", finish not reached"
-                },
-                run.energy_balance_relative_error,
+                "{}  {:.2} s{finish}  energy balanced to {:.1e} of it\n",
+                run.run, run.time_s, run.energy_balance_relative_error,
             );
         }
-        text += &format!(
-            "{}: runs.csv, {} run{}, {}, simulation.json{}\n",
+        let plural = if runs.len() == 1 { "" } else { "s" };
+        let pictures: String = pictures.iter().map(|name| format!(", {name}")).collect();
+        text + &format!(
+            "{}: runs.csv, {} run{plural}, {}, simulation.json{pictures}\n",
             args.out.display(),
             runs.len(),
-            if runs.len() == 1 { "" } else { "s" },
             kufe_sled::track_file(&track.name),
-            pictures
-                .iter()
-                .map(|name| format!(", {name}"))
-                .collect::<String>()
-        );
-        say(&text);
-    }
-    Ok(())
+        )
+    })
 }
 
 fn driver(args: &Args) -> Result<(Driver, String), Failure> {

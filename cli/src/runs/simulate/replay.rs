@@ -1,9 +1,10 @@
 //! A measured run driven again by the model.
 
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use kufe::charts::replay_picture;
-use kufe::jobs::{Failure, runs::failure};
+use kufe::jobs::{Failure, channel_series, runs::failure, write_document_mat};
 use kufe::plot::unit_of;
 use kufe::results::ReplayResult;
 use kufe_sled::{
@@ -12,19 +13,16 @@ use kufe_sled::{
     replay, table_samples,
 };
 
-use crate::output::folder::OutputDir;
-use crate::output::global::Global;
-use crate::output::say::{say, warn};
-use crate::runs::series::write_channels;
-use crate::runs::simulate::args::Args;
-use crate::runs::simulate::written::{write_runs, write_track};
-use crate::runs::tables::draw_tables;
+use crate::output::OutputDir;
+use crate::runs::files::{draw_tables, run_format, write_runs, write_track};
+use crate::runs::simulate::Args;
+use crate::terminal::{Global, warn};
 
-/// Drives the run again and writes both beside each other.
+/// Drives the run again and writes it with the measurement.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for options out of range.
-pub fn replay_run(
+pub fn run(
     args: &Args,
     model_file: &Path,
     track_file: &Path,
@@ -66,15 +64,22 @@ pub fn replay_run(
     let outside = outside_tables(&vehicle, states.clone());
     beside_measured(&mut driven, &measured);
     let document = ReplayResult::new(&done, run.entry.file.clone(), outside.clone());
-    write_runs(&output, std::slice::from_mut(&mut driven), args.format())?;
+    write_runs(
+        &output,
+        std::slice::from_mut(&mut driven),
+        run_format(args.parquet),
+    )?;
     write_track(&output, &track)?;
     if args.mat {
-        write_channels(&output, &document, std::slice::from_ref(&driven))?;
+        output.write("simulation.mat", |file| {
+            let series = vec![channel_series(std::slice::from_ref(&driven))];
+            write_document_mat(&mut BufWriter::new(file), &document, series)
+        })?;
     }
     output.picture("replay.png", &replay_picture(&done))?;
     let samples = table_samples(states);
     let tables = draw_tables(&output, &vehicle, &samples)?;
-    let json = output.json("simulation.json", &document)?;
+    output.json("simulation.json", &document)?;
     output.commit()?;
     for outside in &outside {
         warn(&format!("{}: {outside}", done.run));
@@ -91,22 +96,16 @@ pub fn replay_run(
     if let Some(reason) = &done.stopped {
         warn(&format!("{}: {reason}; compared up to there", done.run));
     }
-    if global.json {
-        say(&json);
-    } else if !global.quiet {
-        say(&summary(&done));
-        say(&format!(
-            "{}: runs.csv, {}, {}, simulation.json, replay.png{}\n",
-            args.out.display(),
-            driven.entry.file.display(),
-            kufe_sled::track_file(&track.name),
-            tables
-                .iter()
-                .map(|name| format!(", {name}"))
-                .collect::<String>()
-        ));
-    }
-    Ok(())
+    global.print(&document, || {
+        let tables: String = tables.iter().map(|name| format!(", {name}")).collect();
+        summary(&done)
+            + &format!(
+                "{}: runs.csv, {}, {}, simulation.json, replay.png{tables}\n",
+                args.out.display(),
+                driven.entry.file.display(),
+                kufe_sled::track_file(&track.name),
+            )
+    })
 }
 
 /// The run's row: of the index where one is named by `--run`, else made of the options.
@@ -169,7 +168,7 @@ fn summary(done: &Replay) -> String {
             &format!("{column:18} {rms:17.4} {end:17.4} {largest:17.4} at {largest_at_m:.0} m\n");
     }
     text += &format!(
-        "the model lacks {:.1} N along the sled on average\n",
+        "the model misses {:.1} N along the sled on average\n",
         done.mean_force_n
     );
     for section in &done.sections {

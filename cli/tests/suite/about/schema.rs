@@ -8,7 +8,7 @@ use kufe::jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE};
 use kufe_sled::Model;
 use kufe_telemetry::{MAPPING_EXAMPLE, Mapping};
 
-use crate::kufe::Bench;
+use crate::kufe::{Bench, CASE};
 
 const VALIDATE: &str = "
 import json, sys, tomllib, jsonschema
@@ -55,31 +55,60 @@ fn schemas(bench: &Bench) -> impl Fn(&str) -> PathBuf {
     move |kind: &str| bench.path(&place(kind))
 }
 
-/// A result fits its schema, each quantity with its description.
+/// Results fit their schemas, each quantity with its description.
 #[test]
-fn a_result_has_a_schema() {
+fn results_have_schemas() {
     let bench = Bench::new();
-    bench.succeeds(&["schema", "result", "-q", "-o", "result.schema.json"]);
-    let schema = std::fs::read_to_string(bench.path("result.schema.json")).expect("a schema");
-    assert!(schema.contains("\"peak pressure [Pa]\""), "{schema}");
-    bench.succeeds(&["press", "-q"]);
-    let Some(python) = kufe_outside::python("jsonschema") else {
-        return;
-    };
-    let script = "import json, jsonschema\n\
-        schema, result = [json.load(open(name)) for name in ('result.schema.json', 'out/result.json')]\n\
-        jsonschema.Draft7Validator.check_schema(schema)\n\
-        jsonschema.Draft7Validator(schema).validate(result)\n";
-    let output = Command::new(python)
-        .args(["-c", script])
-        .current_dir(bench.folder.path())
-        .output()
-        .expect("Python");
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    bench.write("case.toml", CASE);
+    for (document, words, file) in [
+        ("result", "press case.toml", "out/result.json"),
+        (
+            "series",
+            "press case.toml -o series --fz-n 800,1000 --radius-m inf,60",
+            "series/table.json",
+        ),
+        ("mesh", "mesh case.toml -o mesh", "mesh/quality.json"),
+        (
+            "truth",
+            "simulate --sample-data sample",
+            "sample/truth.json",
+        ),
+        (
+            "check",
+            "runs check sample/runs.csv -o check",
+            "check/check.json",
+        ),
+    ] {
+        bench.succeeds(&["schema", document, "-q", "-o", "schema.json", "--force"]);
+        let schema = std::fs::read_to_string(bench.path("schema.json")).expect("a schema");
+        let described = schema.contains("\"peak pressure [Pa]\"");
+        assert_eq!(
+            described,
+            ["result", "series"].contains(&document),
+            "{schema}"
+        );
+        let words: Vec<&str> = words.split(' ').chain(["-q"]).collect();
+        bench.succeeds(&words);
+        let Some(python) = kufe_outside::python("jsonschema") else {
+            return;
+        };
+        let script = format!(
+            "import json, jsonschema\n\
+            schema, result = [json.load(open(name)) for name in ('schema.json', '{file}')]\n\
+            jsonschema.Draft7Validator.check_schema(schema)\n\
+            jsonschema.Draft7Validator(schema).validate(result)\n"
+        );
+        let output = Command::new(python)
+            .args(["-c", &script])
+            .current_dir(bench.folder.path())
+            .output()
+            .expect("Python");
+        assert!(
+            output.status.success(),
+            "{document}: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+    }
 }
 
 /// Every TOML file below the repository's own folders that states a case, a table or a model.

@@ -261,12 +261,6 @@ fn bad_input_is_named_and_leaves_nothing_behind() -> Outcome {
         2,
         &["--confidence 95"],
     )?;
-    refused(
-        at,
-        &["friction", "fit", "t.csv", "--mu-cap", "7"],
-        2,
-        &["--mu-cap 7", "up to 1"],
-    )?;
     std::fs::write(at.join("case.toml"), case(200.0))?;
     refused(at, &["friction", "case.toml"], 2, &["--v-mps"])?;
     refused(

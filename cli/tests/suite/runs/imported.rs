@@ -138,7 +138,7 @@ fn an_import_is_whole_or_absent_and_replaces_only_its_own() {
     std::fs::rename(bench.path("monday_2.csv"), bench.path("kept.csv")).expect("a file");
     refused(
         &["runs", "import", "mapping.toml", "-o", "raw"],
-        "it holds results of kufe simulate",
+        "it contains results of kufe simulate",
     );
     std::fs::create_dir(bench.path("in")).expect("a folder");
     std::fs::rename(bench.path("kept.csv"), bench.path("in/2.csv")).expect("a file");

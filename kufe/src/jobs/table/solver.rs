@@ -10,7 +10,6 @@ use kufe_contact::{Load, Options, Problem, Runner, Solution};
 use kufe_lut::{AxisKind, Figures, Origin, Point, Solve, SweepResult, check_finite, each, sha256};
 
 use crate::jobs::case_file::LoadedCase;
-use crate::jobs::case_json::case_json;
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::at;
 use crate::jobs::table::anchors::Anchors;
@@ -18,6 +17,7 @@ use crate::jobs::table::best::{best, by_boundary_elements, figures};
 use crate::jobs::table::points::PointStore;
 use crate::jobs::table::spec::TableSpec;
 use crate::jobs::watch::Watch;
+use crate::results::CaseRecord;
 
 /// Why a point has no result.
 #[derive(Debug, thiserror::Error)]
@@ -137,7 +137,7 @@ impl Solver {
         if let Some(sliding) = &mut case.sliding {
             sliding.previous = None;
         }
-        let marks = format!("{}\n{}", case_json(&case), self.content);
+        let marks = format!("{}\n{}", CaseRecord::of(&case), self.content);
         let version = env!("CARGO_PKG_VERSION").into();
         Origin::new(version, sha256(marks.as_bytes())).map_err(Failure::bad_input)
     }
@@ -265,7 +265,7 @@ impl Solver {
     /// # Errors
     /// As [`origin`](Self::origin).
     pub fn finished(&self, mut swept: SweepResult) -> Result<SweepResult, Failure> {
-        swept.table.case = case_json(&self.loaded.case).to_string();
+        swept.table.case = CaseRecord::of(&self.loaded.case).to_string();
         swept.table.origin = self.origin()?;
         Ok(swept)
     }

@@ -1,4 +1,4 @@
-//! Numbers in the unit in which they are easily read.
+//! Numbers in the unit that suits their size.
 
 use std::borrow::Cow;
 
@@ -6,7 +6,8 @@ use crate::plot::number4;
 
 use crate::report::sign::sign;
 
-/// A unit as files have it, and what stands for it from which size on, the largest first: the least size, how many of it make one, and its sign.
+/// A unit as files have it, and the units in which it is shown, the largest first: the least size,
+/// the factor, and the symbol.
 type Ladder = (&'static str, &'static [(f64, f64, &'static str)]);
 
 const LADDERS: [Ladder; 14] = [
@@ -72,7 +73,7 @@ impl Scale {
     /// The one that suits numbers of which the largest has this size.
     pub fn of(unit: Cow<'static, str>, largest: f64) -> Scale {
         let steps = LADDERS.iter().find(|(known, _)| *known == unit);
-        // Nothing is nothing of the usual unit.
+        // Zero is shown in the usual unit.
         let fits = |(least, ..): &&(f64, f64, &str)| largest >= *least;
         if let Some((_, steps)) = steps {
             let usual = steps.iter().find(|(_, times, _)| *times == 1.0);
@@ -124,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_stand_in_the_unit_that_suits_their_size() {
+    fn numbers_have_the_unit_that_suits_their_size() {
         for (value, unit, shown) in [
             (1.395e8_f64, "Pa", "139.5 MPa"),
             (94_700.0, "Pa", "94.70 kPa"),

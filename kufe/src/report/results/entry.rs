@@ -1,54 +1,54 @@
-//! One figure of a document: what it is called, and how it is written.
+//! One figure of a document: its name, and how it is written.
 
 use std::borrow::Cow;
-
-use serde_json::{Map, Value};
 
 use crate::report::page::escape;
 use crate::report::results::amount::Scale;
 use crate::report::results::label::{error_keys, name_of, unit_of};
+use crate::results::{Data, Datum};
 
-/// Most values of a list that are shown without being asked for.
+/// Most values of a list that are shown at once.
 const MOST_VALUES: usize = 8;
 
-/// A figure, which may stand within others.
+/// A figure, which may be part of others.
 #[derive(Clone)]
 pub struct Entry<'a> {
-    /// What it is called, with what it is part of before it.
+    /// Its name, after the names of what it is part of.
     pub name: String,
     /// Its own key.
     pub key: &'a str,
     /// A number, a word, a flag, an interval or a list of such.
-    pub value: &'a Value,
-    /// Its error, where one stands beside it.
+    pub value: &'a Datum,
+    /// Its error, where the document states one.
     pub error: Option<f64>,
 }
 
-/// The figures of an object, those of what it holds after their names; tables within it and what is empty are left out.
-pub fn entries(fields: &Map<String, Value>) -> Vec<Entry<'_>> {
+/// The figures of a group, and those of the groups in it after their names; tables and empty
+/// figures are omitted.
+pub fn entries(figures: &Data) -> Vec<Entry<'_>> {
     let mut all = Vec::new();
-    collect(&mut all, "", fields);
+    collect(&mut all, "", figures);
     all
 }
 
-fn collect<'a>(all: &mut Vec<Entry<'a>>, of: &str, fields: &'a Map<String, Value>) {
-    let errors: Vec<(&str, String)> = fields
+fn collect<'a>(all: &mut Vec<Entry<'a>>, of: &str, figures: &'a Data) {
+    let errors: Vec<(&str, String)> = figures
         .iter()
-        .filter(|(_, value)| value.is_number() || interval(value).is_some())
-        .flat_map(|(key, _)| error_keys(key).map(|error| (key.as_str(), error)))
-        .filter(|(_, error)| fields.get(error).is_some_and(Value::is_number))
+        .filter(|(_, value)| is_number(value))
+        .flat_map(|(key, _)| error_keys(key).map(|error| (key, error)))
+        .filter(|(_, error)| figures.get(error).and_then(Datum::number).is_some())
         .collect();
-    for (key, value) in fields {
+    for (key, value) in figures.iter() {
         let name = format!("{of}{}", name_of(key));
         match value {
-            Value::Object(inner) if interval(value).is_none() => {
+            Datum::Group(inner) if value.interval().is_none() => {
                 collect(all, &format!("{name}: "), inner);
             }
-            _ if is_empty(value) || is_table(value) => {}
+            _ if value.is_empty() || value.is_table() => {}
             _ if errors.iter().any(|(_, error)| error == key) => {}
             _ => {
-                let error = errors.iter().find(|(of, _)| of == key);
-                let error = error.and_then(|(_, error)| fields[error].as_f64());
+                let error = errors.iter().find(|(of, _)| *of == key);
+                let error = error.and_then(|(_, error)| figures.get(error)?.number());
                 all.push(Entry {
                     name,
                     key,
@@ -60,44 +60,25 @@ fn collect<'a>(all: &mut Vec<Entry<'a>>, of: &str, fields: &'a Map<String, Value
     }
 }
 
-/// Whether a value says nothing.
-pub fn is_empty(value: &Value) -> bool {
-    match value {
-        Value::Null => true,
-        Value::String(text) => text.is_empty(),
-        Value::Array(values) => values.is_empty(),
-        Value::Object(fields) => fields.is_empty(),
-        _ => false,
-    }
-}
-
-/// Whether a value is rows of a table.
-pub fn is_table(value: &Value) -> bool {
-    let rows = value.as_array();
-    rows.is_some_and(|rows| rows.iter().any(Value::is_object))
-}
-
-/// A value with the ends of its interval.
-fn interval(value: &Value) -> Option<[f64; 3]> {
-    let fields = value.as_object().filter(|fields| fields.len() == 3)?;
-    let number = |key: &str| fields.get(key)?.as_f64();
-    Some([number("value")?, number("low")?, number("high")?])
+/// Whether a figure is a number, with or without an interval.
+fn is_number(figure: &Datum) -> bool {
+    figure.number().is_some() || figure.interval().is_some()
 }
 
 impl Entry<'_> {
-    /// The size of its largest number; 0 where it holds none.
+    /// The size of its largest number; 0 where there is none.
     pub fn largest(&self) -> f64 {
-        let size = |value: &Value| value.as_f64().map_or(0.0, f64::abs);
-        match (interval(self.value), self.value) {
+        let size = |value: &Datum| value.number().map_or(0.0, f64::abs);
+        match (self.value.interval(), self.value) {
             (Some(numbers), _) => numbers.iter().fold(0.0, |most, x| x.abs().max(most)),
-            (None, Value::Array(values)) => values.iter().map(size).fold(0.0, f64::max),
+            (None, Datum::List(values)) => values.iter().map(size).fold(0.0, f64::max),
             (None, value) => size(value),
         }
     }
 
     /// Whether it is a number, with or without an interval.
     pub fn is_number(&self) -> bool {
-        self.value.is_number() || interval(self.value).is_some()
+        is_number(self.value)
     }
 
     /// The unit that its key ends in.
@@ -107,10 +88,7 @@ impl Entry<'_> {
 
     /// The figure with the unit of this scale, as HTML.
     pub fn in_unit(&self, scale: &Scale) -> String {
-        let numbers = match self.value {
-            Value::Array(values) => values.iter().any(Value::is_number),
-            _ => self.is_number(),
-        };
+        let numbers = self.is_number() || self.value.list().iter().any(is_number);
         let number = self.number(scale);
         match (numbers, &*scale.unit) {
             (false, _) | (_, "") => number,
@@ -125,32 +103,33 @@ impl Entry<'_> {
 
     /// The figure without its unit, as HTML.
     pub fn number(&self, scale: &Scale) -> String {
-        if let Some([value, low, high]) = interval(self.value) {
+        if let Some([value, low, high]) = self.value.interval() {
             let [value, low, high] = [value, low, high].map(|x| scale.number(x));
-            return match low == high {
-                true => value,
-                false => format!("{value} ({low} to {high})"),
+            return if low == high {
+                value
+            } else {
+                format!("{value} ({low} to {high})")
             };
         }
         let error = self.error.map(|error| format!(" ± {}", scale.error(error)));
-        let single = |value: &Value| match value {
-            Value::Bool(truth) => if *truth { "yes" } else { "no" }.to_owned(),
-            // Counts and seeds that are longer than a number's digits stay whole.
-            Value::Number(count)
-                if count.as_f64().is_some_and(|x| x.abs() >= 1e7)
-                    && scale.times == 1.0
-                    && !count.is_f64() =>
+        let single = |value: &Datum| match value {
+            Datum::Flag(true) => "yes".to_owned(),
+            Datum::Flag(false) => "no".to_owned(),
+            // Counts and seeds that are longer than a number's digits are shown in full.
+            Datum::Whole(_) | Datum::Large(_)
+                if scale.times == 1.0 && value.number().is_some_and(|x| x.abs() >= 1e7) =>
             {
-                count.to_string()
+                value.to_string()
             }
-            Value::Number(number) => scale.number(number.as_f64().unwrap_or(f64::NAN)),
-            // What stands in a column of names is a column or a key itself.
-            Value::String(text) if ["column", "key"].contains(&self.key) => escape(&name_of(text)),
-            Value::String(text) => escape(text),
-            other => escape(&other.to_string()),
+            // A text of such a column is itself the name of a column or key.
+            Datum::Text(text) if ["column", "key"].contains(&self.key) => escape(&name_of(text)),
+            other => match other.number() {
+                Some(number) => scale.number(number),
+                None => escape(&other.to_string()),
+            },
         };
         match self.value {
-            Value::Array(values) => {
+            Datum::List(values) => {
                 let all = values.iter().map(single).collect::<Vec<_>>().join(", ");
                 match values.len() {
                     ..=MOST_VALUES => all,

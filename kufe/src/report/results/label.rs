@@ -32,14 +32,14 @@ const NAMES: [(&str, &str); 46] = [
     ("k_n_per_rad", "stiffness over slip, K"),
     ("mu_zeta_c", "mu zeta C"),
     ("slip_sd_rad", "noise of the slip angle"),
-    ("residual_rms_n", "left of the lateral force, r.m.s."),
+    ("residual_rms_n", "residual of the lateral force, r.m.s."),
     ("rmse_n", "error of the lateral force, r.m.s."),
     ("rmse_braghin_n", "the same of Braghin's law"),
     ("along_n", "along"),
     ("side_n", "sideways"),
     ("yaw_nm", "yaw"),
-    ("balances_left_rms", "what is left of the balances, r.m.s."),
-    ("left_rms", "left, r.m.s."),
+    ("balances_left_rms", "residuals of the balances, r.m.s."),
+    ("left_rms", "residual, r.m.s."),
     ("times_rmse", "times the r.m.s."),
     ("times_rms", "times the usual"),
     ("run", "run"),
@@ -56,7 +56,7 @@ const NAMES: [(&str, &str); 46] = [
     ("gravity_j", "gained from gravity"),
     ("ice_j", "lost to the ice"),
     ("air_j", "lost to the air"),
-    ("mean_force_n", "force that the model lacks, mean"),
+    ("mean_force_n", "missing force, mean"),
     ("specimen", "specimen"),
     ("index", "index of the runs"),
     ("replay", "replay"),
@@ -122,7 +122,7 @@ fn stem(key: &str) -> (&str, &str) {
     key.split_at(at)
 }
 
-/// Keys under which the error of a key's number may stand.
+/// Keys of the error of a key's number.
 pub fn error_keys(key: &str) -> [String; 3] {
     let (stem, ending) = stem(key);
     ["error", "se", "sd"].map(|word| format!("{stem}_{word}{ending}"))

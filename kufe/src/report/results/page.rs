@@ -1,13 +1,13 @@
-//! The page itself.
+//! The page of any document: its pictures and its figures.
 
 use std::fmt::Write as _;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use serde_json::Value;
 
 use crate::report::page::{escape, plain_page};
 use crate::report::results::sections::{capital, document};
+use crate::results::Datum;
 
 /// A picture of a page.
 pub struct Picture {
@@ -17,16 +17,16 @@ pub struct Picture {
     pub png: Vec<u8>,
 }
 
-/// A PNG file as the address of a picture that stands in the page itself.
+/// A PNG file as the address of a picture in the page itself.
 pub fn picture_url(png: &[u8]) -> String {
     format!("data:image/png;base64,{}", STANDARD.encode(png))
 }
 
-/// Pictures that stand before the figures; more are folded behind them.
+/// Pictures that are shown before the figures; more are folded behind them.
 const FIRST_PICTURES: usize = 3;
 
 /// The page of documents, each with what it is.
-pub fn results_page(title: &str, pictures: &[Picture], documents: &[(String, Value)]) -> String {
+pub fn results_page(title: &str, pictures: &[Picture], documents: &[(String, Datum)]) -> String {
     let mut out = format!("<h1>{}</h1>\n", escape(title));
     let (first, further) = pictures.split_at(pictures.len().min(FIRST_PICTURES));
     first.iter().for_each(|picture| shown(&mut out, picture));
@@ -45,7 +45,7 @@ pub fn results_page(title: &str, pictures: &[Picture], documents: &[(String, Val
     }
     let version = documents
         .iter()
-        .find_map(|(_, value)| value["version"].as_str());
+        .find_map(|(_, document)| document.group()?.get("version")?.text());
     if let Some(version) = version {
         let _ = writeln!(out, "<p><small>kufe {}</small></p>", escape(version));
     }
@@ -68,7 +68,8 @@ mod tests {
 
     use super::*;
 
-    fn page(document: Value) -> String {
+    fn page(document: serde_json::Value) -> String {
+        let document = Datum::of(&document).expect("figures");
         results_page("a <b>", &[], &[("friction".into(), document)])
     }
 
@@ -108,7 +109,7 @@ mod tests {
         }));
         for part in [
             "<tr><th><th>front<th>rear\n<tr><td>stiffness over slip, K<td>10.54 (10.50 to 10.58) kN/rad<td>49.83 (49.74 to 49.92) kN/rad\n",
-            "<tr><th>track<th class=n>left, r.m.s.: along [N]\n<tr><td>east<td class=n>21\n",
+            "<tr><th>track<th class=n>residual, r.m.s.: along [N]\n<tr><td>east<td class=n>21\n",
             "<tr><th>track<th>run<th class=n>standard deviation [m]\n<tr><td>east<td>A1<td class=n>1.200\n",
             "<tr><td>time<td class=n>1.400 ms<td class=n>880\n<tr><td>slip angle<td class=n>7.800 mrad<td class=n>497\n",
             "<details><summary>Case, as stated</summary>\n<div class=\"wide\"><table>\n<tr><td>ice.youngs_modulus_pa<td>9e9\n",
@@ -156,18 +157,15 @@ mod tests {
             png: vec![0; k],
         };
         let pictures: Vec<Picture> = (0..5).map(picture).collect();
-        let page = results_page(
-            "a",
-            &pictures,
-            &[("figures".into(), json!({ "mu": 0.004 }))],
-        );
+        let figures = Datum::of(&json!({ "mu": 0.004 })).expect("figures");
+        let page = results_page("a", &pictures, &[("figures".into(), figures)]);
         let at = |text: &str| {
             page.find(text)
                 .unwrap_or_else(|| panic!("{text} in {page}"))
         };
         assert!(
-            at("picture 2") < at("<h2>Figures")
-                && at("<h2>Figures") < at("<summary>2 more pictures")
+            at("picture 2") < at("<h2>Data")
+                && at("<h2>Data") < at("<summary>2 more pictures")
                 && at("more pictures") < at("picture 3")
         );
     }

@@ -3,23 +3,22 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-use serde_json::{Map, Value};
-
 use crate::report::page::escape;
 use crate::report::results::amount::Scale;
-use crate::report::results::entry::{Entry, entries, is_table};
+use crate::report::results::entry::{Entry, entries};
 use crate::report::results::label::unit_of;
+use crate::results::{Data, Datum};
 
 /// Most rows of a table that a page shows.
 const MOST_ROWS: usize = 200;
 
 /// The unit of a figure in a row that names the column or key which it is of.
 ///
-/// Where two runs part in their speed, the force that is lacking is told.
-fn own_unit(row: &Map<String, Value>, entry: &Entry) -> Cow<'static, str> {
+/// Where the speeds of two runs differ, the size is the missing force.
+fn own_unit(row: &Data, entry: &Entry) -> Cow<'static, str> {
     let of = ["column", "key"]
         .iter()
-        .find_map(|key| row.get(*key)?.as_str());
+        .find_map(|key| row.get(key)?.text());
     let unit = entry.unit();
     match (&*unit, of) {
         ("", Some("v_mps")) if entry.key == "size" => Cow::Borrowed("N"),
@@ -28,9 +27,9 @@ fn own_unit(row: &Map<String, Value>, entry: &Entry) -> Cow<'static, str> {
     }
 }
 
-/// The table; tables within rows are left to [`within`].
-pub fn records(out: &mut String, rows: &[Value]) {
-    let rows: Vec<&Map<String, Value>> = rows.iter().filter_map(Value::as_object).collect();
+/// The table; tables within rows are those of [`within`].
+pub fn records(out: &mut String, rows: &[Datum]) {
+    let rows: Vec<&Data> = rows.iter().filter_map(Datum::group).collect();
     let shown = &rows[..rows.len().min(MOST_ROWS)];
     let cells: Vec<Vec<Entry>> = shown.iter().map(|row| entries(row)).collect();
     let mut names: Vec<&str> = Vec::new();
@@ -47,27 +46,27 @@ pub fn records(out: &mut String, rows: &[Value]) {
     let mut head = String::new();
     for name in names {
         let column = column(name);
-        let there = || column.iter().flatten();
-        let unit = there()
+        let present = || column.iter().flatten();
+        let unit = present()
             .next()
             .map_or(Cow::Borrowed(""), |entry| entry.unit());
         let scale = Scale::of(
             unit.clone(),
-            there().map(|entry| entry.largest()).fold(0.0, f64::max),
+            present().map(|entry| entry.largest()).fold(0.0, f64::max),
         );
-        // Rows that tell what they are of have units of their own.
+        // Rows that name a column or key have units of their own.
         let own = unit.is_empty()
             && shown
                 .iter()
-                .any(|row| row.contains_key("column") || row.contains_key("key"));
-        let numbers = there().all(|entry| entry.is_number());
+                .any(|row| row.get("column").or(row.get("key")).is_some());
+        let numbers = present().all(|entry| entry.is_number());
         let class = if numbers { " class=n" } else { "" };
-        let said = if scale.unit.is_empty() {
+        let unit = if scale.unit.is_empty() {
             String::new()
         } else {
             format!(" [{}]", escape(&scale.unit))
         };
-        let _ = write!(head, "<th{class}>{}{said}", escape(name));
+        let _ = write!(head, "<th{class}>{}{unit}", escape(name));
         let texts: Vec<String> = column
             .iter()
             .zip(shown)
@@ -99,27 +98,23 @@ pub fn records(out: &mut String, rows: &[Value]) {
     }
 }
 
-/// The tables within rows, those of one key as one table: each of their rows begins with the first word of the row that it is of.
-pub fn within(rows: &[Value]) -> Vec<(&str, Vec<Value>)> {
-    let mut tables: Vec<(&str, Vec<Value>)> = Vec::new();
-    for row in rows.iter().filter_map(Value::as_object) {
-        let word = row.iter().find(|(_, value)| value.is_string());
-        for (key, table) in row.iter().filter(|(_, value)| is_table(value)) {
-            let place = tables.iter().position(|(known, _)| known == key);
+/// The tables within rows, those of one key as one table: each of their rows begins with the first
+/// text of the row that it belongs to.
+pub fn within(rows: &[Datum]) -> Vec<(&str, Vec<Datum>)> {
+    let mut tables: Vec<(&str, Vec<Datum>)> = Vec::new();
+    for row in rows.iter().filter_map(Datum::group) {
+        let first = row.iter().find(|(_, value)| value.text().is_some());
+        let first = first.map(|(key, value)| (key.to_owned(), value.clone()));
+        for (key, table) in row.iter().filter(|(_, value)| value.is_table()) {
+            let place = tables.iter().position(|(known, _)| *known == key);
             let place = place.unwrap_or_else(|| {
                 tables.push((key, Vec::new()));
                 tables.len() - 1
             });
-            let inner = table.as_array().into_iter().flatten();
-            for inner in inner.filter_map(Value::as_object) {
-                let mut whole: Map<String, Value> = Map::new();
-                whole.extend(word.map(|(key, value)| (key.clone(), value.clone())));
-                whole.extend(
-                    inner
-                        .iter()
-                        .map(|(key, value)| (key.clone(), value.clone())),
-                );
-                tables[place].1.push(Value::Object(whole));
+            for inner in table.list().iter().filter_map(Datum::group) {
+                let of = first.iter().filter(|(key, _)| inner.get(key).is_none());
+                let whole = of.chain(&inner.0).cloned().collect();
+                tables[place].1.push(Datum::Group(Data(whole)));
             }
         }
     }

@@ -70,7 +70,7 @@ pub fn fit_mu(
 }
 
 /// How the points are weighted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Weighting {
     /// By the stated errors of both mu and p: orthogonal distance regression.
@@ -106,7 +106,7 @@ pub struct MuFit {
 }
 
 /// Place and height of the least friction.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct LeastFriction {
     /// Pressure [Pa], interval by Fieller's theorem.
     pub p_pa: Estimate,

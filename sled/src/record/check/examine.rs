@@ -30,7 +30,7 @@ const REST_S: f64 = 1.0;
 const LATE_S: f64 = 0.05;
 
 /// Something odd that no one can prove wrong from the run alone.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Note {
     /// The channel; empty for the whole run.
     pub column: String,
@@ -43,7 +43,7 @@ pub struct Note {
 }
 
 /// Faults, notes and channels of one run.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Examination {
     /// Name of the run.
     pub run: String,

@@ -10,7 +10,7 @@ use crate::series::noise_sd_within;
 const DROPOUT_S: f64 = 0.5;
 
 /// Noise of an octave of frequencies.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Octave {
     /// Upper end [Hz]; the lower one is half of it.
     pub to_hz: f64,
@@ -19,7 +19,7 @@ pub struct Octave {
 }
 
 /// Profile of a recorded channel, in its own unit.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Profile {
     /// Values that are NaN or empty in rows that hold others.
     pub missing: usize,

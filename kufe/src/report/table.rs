@@ -1,30 +1,18 @@
-//! The page of a lookup table.
+//! Data of the page of a lookup table.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use kufe::jobs::{Failure, table::read_table};
-use kufe::report::{Kind, page as html};
-use kufe_lut::{Axes, CurvatureScaling, Method, Mode, Quantity, Table};
+use kufe_lut::{Axes, CurvatureScaling, Error, Method, Mode, Quantity, Table};
 use serde::Serialize;
 
-use crate::output::documents::without_idle_steel;
+use crate::results::CaseRecord;
 
 /// Most forces, curvatures and layers (rocker radii, speeds, temperatures of the ice) that the page carries; more are thinned.
 const MOST: [usize; 3] = [60, 60, 30];
 
-/// The page of a `.lut` file.
-pub fn page(path: &Path) -> Result<String, Failure> {
-    let table = read_table(path)?;
-    let failure = |error| Failure::BadInput(format!("{}: {error}", path.display()));
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let data = data(&table, &name).map_err(failure)?;
-    Ok(html(Kind::Table, &format!("{name}, lookup table"), &data))
-}
-
 /// Data of the page of a table.
-#[derive(Serialize)]
-struct TablePage<'a> {
+#[derive(Clone, Debug, Serialize)]
+pub struct TablePage<'a> {
     name: &'a str,
     fz: Vec<f64>,
     curvature: Vec<f64>,
@@ -41,13 +29,13 @@ struct TablePage<'a> {
     solver_error: f64,
     judged: &'static str,
     interpolation_requested: Option<f64>,
-    case: serde_json::Value,
+    case: CaseRecord,
     case_sha256: &'a str,
     version: &'a str,
 }
 
 /// A quantity of a table.
-#[derive(Serialize)]
+#[derive(Clone, Debug, Serialize)]
 struct QuantityData {
     name: &'static str,
     unit: &'static str,
@@ -57,61 +45,66 @@ struct QuantityData {
     values: Vec<Vec<Vec<f64>>>,
 }
 
-fn data<'a>(table: &'a Table, name: &'a str) -> Result<TablePage<'a>, kufe_lut::Error> {
-    let axes = table.axes();
-    let taken = [
-        thinned(axes.fz().len(), MOST[0]),
-        thinned(axes.curvature().len(), MOST[1]),
-        thinned(axes.layers(), MOST[2]),
-    ];
-    let pick = |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect();
-    let (layered, layers) = layers(axes, &taken[2]).unzip();
-    let mut quantities = Vec::new();
-    for &quantity in table.quantities() {
-        let mut errors = BTreeMap::new();
-        for mode in Mode::ALL {
-            let measured = table.interpolation_error(quantity, mode)?;
-            errors.insert(mode.name(), measured.map(|m| m.max));
+impl<'a> TablePage<'a> {
+    /// Of a table that is shown by this name.
+    ///
+    /// # Errors
+    /// Those of the interpolation at the checks.
+    pub fn new(table: &'a Table, name: &'a str) -> Result<Self, Error> {
+        let axes = table.axes();
+        let taken = [
+            thinned(axes.fz().len(), MOST[0]),
+            thinned(axes.curvature().len(), MOST[1]),
+            thinned(axes.layers(), MOST[2]),
+        ];
+        let pick = |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect();
+        let (layered, layers) = layers(axes, &taken[2]).unzip();
+        let mut quantities = Vec::new();
+        for &quantity in table.quantities() {
+            let mut errors = BTreeMap::new();
+            for mode in Mode::ALL {
+                let measured = table.interpolation_error(quantity, mode)?;
+                errors.insert(mode.name(), measured.map(|m| m.max));
+            }
+            quantities.push(QuantityData {
+                name: quantity.name(),
+                unit: quantity.unit(),
+                errors,
+                values: values(table, axes, quantity, &taken),
+            });
         }
-        quantities.push(QuantityData {
-            name: quantity.name(),
-            unit: quantity.unit(),
-            errors,
-            values: values(table, axes, quantity, &taken),
-        });
+        let case: CaseRecord = serde_json::from_str(&table.case).unwrap_or_default();
+        Ok(TablePage {
+            name,
+            fz: pick(axes.fz(), &taken[0]),
+            curvature: pick(axes.curvature(), &taken[1]),
+            flush: axes.flush().map(CurvatureScaling::numbers),
+            layers,
+            layered,
+            thinned: table.axes().node_count() > taken.iter().map(Vec::len).product(),
+            nodes: table.axes().node_count(),
+            check_count: table.checks().len(),
+            by_boundary_elements: table.solved_by(Method::BoundaryElements),
+            quantities,
+            solver_error: table.solver_error(),
+            judged: table.judged().name(),
+            interpolation_requested: table.interpolation_requested,
+            case: case.effective(),
+            case_sha256: table.origin.case_sha256(),
+            version: table.origin.version(),
+        })
     }
-    let mut case: serde_json::Value = serde_json::from_str(&table.case).unwrap_or_default();
-    without_idle_steel(&mut case);
-    Ok(TablePage {
-        name,
-        fz: pick(axes.fz(), &taken[0]),
-        curvature: pick(axes.curvature(), &taken[1]),
-        flush: axes.flush().map(CurvatureScaling::numbers),
-        layers,
-        layered,
-        thinned: table.axes().node_count() > taken.iter().map(Vec::len).product(),
-        nodes: table.axes().node_count(),
-        check_count: table.checks().len(),
-        by_boundary_elements: table.solved_by(Method::BoundaryElements),
-        quantities,
-        solver_error: table.solver_error(),
-        judged: table.judged().name(),
-        interpolation_requested: table.interpolation_requested,
-        case,
-        case_sha256: table.origin.case_sha256(),
-        version: table.origin.version(),
-    })
 }
 
-/// What the axes beyond force and curvature are called, and each of their combinations that is taken.
+/// Names of the axes besides force and curvature, and of each of their combinations that is taken.
 fn layers(axes: &Axes, taken: &[usize]) -> Option<(String, Vec<String>)> {
     let named = [
         ("rocker radius", "m", axes.rocker_radius()),
         ("speed", "m/s", axes.speed()),
         ("ice", "C", axes.ice_c()),
     ];
-    let there = named.into_iter().filter(|(_, _, axis)| axis.is_some());
-    let titles: Vec<&str> = there.map(|(title, _, _)| title).collect();
+    let present = named.into_iter().filter(|(_, _, axis)| axis.is_some());
+    let titles: Vec<&str> = present.map(|(title, _, _)| title).collect();
     let first = axes.points();
     let name = |&k: &usize| {
         let point = first[k];

@@ -1,7 +1,7 @@
 //! A two-body contact problem as an input deck of CalculiX (www.calculix.de; the cards are Abaqus's).
 //!
-//! In millimetres, newtons and megapascals: CalculiX looks for contact within lengths that are absolute, and in metres it
-//! finds none.
+//! In millimetres, newtons and megapascals: CalculiX searches contacts within absolute lengths, and
+//! in metres it finds none.
 
 use std::io::{BufWriter, Write};
 
@@ -9,10 +9,10 @@ use kufe_contact::{Mount, SurfaceField};
 use kufe_mesh::{HexMesh, TensorGrid};
 
 /// What a deck states; here lengths in m, moduli in Pa.
-pub struct Deck<'a> {
+pub(super) struct Deck<'a> {
     /// First line of the heading.
     pub title: String,
-    /// The ice, top at z = 0; its lower face and its sides that are no mirror planes are held.
+    /// The ice, top at z = 0; its lower face and its sides that are no mirror planes are fixed.
     pub grid: &'a TensorGrid,
     /// Young's modulus and Poisson's ratio of the ice.
     pub ice: [f64; 2],
@@ -20,7 +20,7 @@ pub struct Deck<'a> {
     pub runner: &'a HexMesh,
     /// Young's modulus and Poisson's ratio of the runner.
     pub steel: [f64; 2],
-    /// What holds the runner's top.
+    /// The mount of the runner's top.
     pub mount: &'a Mount,
     /// Mirror planes x = 0 and y = 0.
     pub symmetry: [bool; 2],
@@ -32,7 +32,8 @@ pub struct Deck<'a> {
     pub surface: &'a SurfaceField,
 }
 
-/// Stiffness of the contact over E / half width, of which the ice's own is about 1. Contact that is called hard is far softer.
+/// Stiffness of the contact over E / half width, of which the ice's own is about 1. CalculiX's hard
+/// contact is far softer.
 const PENALTY: f64 = 1e4;
 /// Faces may touch whose lowest node is less than this many approaches above the ice.
 const NEAR: f64 = 30.0;
@@ -41,15 +42,17 @@ const MM: f64 = 1e3;
 /// Megapascals in a pascal.
 const MPA: f64 = 1e-6;
 
-/// Writes the deck: nodes, elements (C3D8 for the ice; C3D8I, which bends, for a runner held at places), materials, supports,
-/// the contact of the faces near each other by CalculiX's mortar method without friction, and one step that presses
-/// the mount down by the approach and prints the forces on mount and bed and the contact's pressures.
+/// Writes the deck: nodes, elements (C3D8 for the ice; C3D8I, which bends, for a runner that is
+/// mounted at places), materials, supports, the contact of the faces near each other by CalculiX's
+/// mortar method without friction, and one step that presses the mount down by the approach and
+/// prints the forces on mount and bed and the contact's pressures.
 ///
-/// It ends with kufe's own pressures as comments, a line a node of the underside that it found in contact: `** node, MPa`.
+/// It ends with kufe's own pressures as comments, a line for each node of the underside in contact:
+/// `** node, MPa`.
 ///
 /// # Errors
 /// The writer's own.
-pub fn write_deck(deck: &Deck, writer: impl Write) -> std::io::Result<()> {
+pub(super) fn write_deck(deck: &Deck, writer: impl Write) -> std::io::Result<()> {
     let mut out = BufWriter::new(writer);
     let ice = deck.grid.hex_mesh();
     let [nx, ny, nz] = deck.grid.shape();
@@ -82,7 +85,7 @@ pub fn write_deck(deck: &Deck, writer: impl Write) -> std::io::Result<()> {
         writeln!(out, "*SOLID SECTION, ELSET={name}, MATERIAL={name}")?;
     }
     let of_ice = |node: usize| [node % nx, node / nx % ny, node / nx / ny];
-    let held = |&node: &usize| {
+    let fixed = |&node: &usize| {
         let [i, j, k] = of_ice(node);
         k == 0
             || i == nx - 1
@@ -90,7 +93,7 @@ pub fn write_deck(deck: &Deck, writer: impl Write) -> std::io::Result<()> {
             || (i == 0 && !deck.symmetry[0])
             || (j == 0 && !deck.symmetry[1])
     };
-    node_set(&mut out, "BED", (0..offset).filter(held))?;
+    node_set(&mut out, "BED", (0..offset).filter(fixed))?;
     let top = deck
         .runner
         .points
@@ -180,7 +183,7 @@ pub fn write_deck(deck: &Deck, writer: impl Write) -> std::io::Result<()> {
     out.flush()
 }
 
-/// kufe's pressures as comments; the underside's nodes are the mesh's first, and stand in the surface's columns.
+/// kufe's pressures as comments; the underside's nodes are the mesh's first, in the surface's columns.
 fn own_pressures(out: &mut impl Write, deck: &Deck, offset: usize) -> std::io::Result<()> {
     writeln!(out, "** contact pressures by kufe: node, MPa")?;
     let SurfaceField { x, y, pressure, .. } = deck.surface;

@@ -1,0 +1,242 @@
+//! What every command shares at the terminal: its global options, progress, messages, and Ctrl-C.
+
+use std::borrow::Cow;
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use kufe::jobs::field::pretty;
+use kufe::jobs::{Failure, Watch};
+use serde::Serialize;
+
+/// Most threads on a core: more only take memory.
+const THREADS_A_CORE: usize = 4;
+/// Why standard output takes no more.
+static LOST: OnceLock<std::io::Error> = OnceLock::new();
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Options that every command takes.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Global {
+    /// Print the result as JSON on standard output
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Number of threads (default: one a core)
+    #[arg(long, global = true, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Print nothing but the result, warnings and errors
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// Replace files that kufe did not write, or that another of its commands wrote
+    #[arg(long, global = true)]
+    pub force: bool,
+    /// Print each step on standard error, a line a step
+    #[arg(long, short, global = true, conflicts_with = "quiet")]
+    pub verbose: bool,
+}
+
+impl Global {
+    /// Starts the threads: as many as `--threads` or `RAYON_NUM_THREADS` states, else one a core.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] where `--threads` is out of range, [`Failure::BadInput`] where the system
+    /// does not permit that many.
+    pub fn apply(&self) -> Result<(), Failure> {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let most = (THREADS_A_CORE * cores).max(16);
+        if let Some(threads) = self.threads.filter(|threads| !(1..=most).contains(threads)) {
+            return Err(Failure::Usage(format!(
+                "--threads {threads}: expected 1 to {most} on this machine"
+            )));
+        }
+        let stated = std::env::var("RAYON_NUM_THREADS").ok();
+        let stated = stated.and_then(|text| text.parse().ok());
+        let threads = self.threads.or(stated.filter(|threads| *threads > 0));
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.unwrap_or(cores).min(most))
+            .build_global()
+            .map_err(|error| Failure::BadInput(format!("threads cannot be started: {error}")))
+    }
+
+    /// A progress line on the terminal, invisible with `--quiet` or where standard error is no
+    /// terminal; with `--verbose` a line for each step instead, terminal or not.
+    pub fn progress(&self) -> Progress {
+        let shown = !self.quiet && !self.verbose && std::io::stderr().is_terminal();
+        let bar = if shown {
+            ProgressBar::new_spinner()
+        } else {
+            ProgressBar::hidden()
+        };
+        if shown {
+            if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed_precise} {msg}") {
+                bar.set_style(style);
+            }
+            bar.enable_steady_tick(Duration::from_millis(100));
+        }
+        Progress {
+            bar,
+            lines: self.verbose,
+            begun: Instant::now(),
+        }
+    }
+
+    /// Does `work` while the progress line shows `text`.
+    pub fn during<T>(&self, text: &'static str, work: impl FnOnce() -> T) -> T {
+        let bar = self.progress();
+        bar.set_message(text);
+        let done = work();
+        bar.finish_and_clear();
+        done
+    }
+
+    /// Does `work` with a progress line that is removed at its end.
+    ///
+    /// Ctrl-C lets the points in hand finish and begins no others; a second one exits at once.
+    pub fn watched<T>(&self, work: impl FnOnce(&Watch) -> T) -> T {
+        // A process has one handler: that it is set already is no error.
+        let _ = ctrlc::set_handler(|| {
+            if INTERRUPTED.swap(true, Ordering::Relaxed) {
+                std::process::exit(5);
+            }
+        });
+        let bar = self.progress();
+        let done = work(&Watch {
+            progress: Some(&|text| bar.set_message(text.to_owned())),
+            warn: Some(&|text| bar.bar.suspend(|| warn(text))),
+            stop: Some(&INTERRUPTED),
+        });
+        bar.finish_and_clear();
+        done
+    }
+
+    /// Prints what a command has done: as JSON with `--json`, else as text, with `--quiet` not at all.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] for a result that JSON cannot state.
+    pub fn print(
+        &self,
+        result: &impl Serialize,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        if self.json || !self.quiet {
+            self.answer(result, text)?;
+        }
+        Ok(())
+    }
+
+    /// Prints the answer to a question: as JSON with `--json`, else as text.
+    ///
+    /// # Errors
+    /// As [`print`](Self::print).
+    pub fn answer(
+        &self,
+        result: &impl Serialize,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        if self.json {
+            say(&pretty(result)?);
+        } else {
+            say(&text());
+        }
+        Ok(())
+    }
+}
+
+/// How far a command is, on standard error.
+#[derive(Clone)]
+pub struct Progress {
+    bar: ProgressBar,
+    lines: bool,
+    begun: Instant,
+}
+
+impl Progress {
+    /// Shows what is being done.
+    pub fn set_message(&self, text: impl Into<Cow<'static, str>>) {
+        let text = text.into();
+        if self.lines {
+            let seconds = self.begun.elapsed().as_secs_f64();
+            note(&format!("{seconds:.2} s: {text}"));
+        }
+        self.bar.set_message(text);
+    }
+
+    /// Removes the line.
+    pub fn finish_and_clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Prints on standard output.
+///
+/// Where that takes no more, the command continues its work and fails at its end, in [`all_said`].
+pub fn say(text: &str) {
+    if LOST.get().is_some() {
+        return;
+    }
+    let mut out = std::io::stdout().lock();
+    let text = printable(text);
+    if let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        let _ = LOST.set(error);
+    }
+}
+
+/// Prints a line on standard error, after the command's name.
+///
+/// A text of several lines is indented, so that each line of its own begins with `kufe: `.
+/// What standard error does not take is lost, and no failure.
+pub fn note(text: &str) {
+    let text = printable(text).trim_end().replace('\n', "\n  ");
+    let _ = writeln!(std::io::stderr().lock(), "kufe: {text}");
+}
+
+/// Prints a warning on standard error.
+pub fn warn(text: &str) {
+    note(&format!("warning: {text}"));
+}
+
+/// Whether standard output has taken all; a reader that has read enough is no failure.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the reason where something was lost.
+pub fn all_said() -> Result<(), Failure> {
+    match LOST.get() {
+        Some(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::BadInput(format!(
+            "standard output: cannot be written: {error}"
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// The text with control characters escaped, which names in foreign files may have: they would
+/// change the terminal or the direction of writing. Line breaks and tabulators are unchanged.
+fn printable(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        let harmless = matches!(c, '\n' | '\t') || !c.is_control();
+        let reorders = matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        if harmless && !reorders {
+            shown.push(c);
+        } else {
+            shown.extend(c.escape_unicode());
+        }
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::printable;
+
+    #[test]
+    fn control_characters_are_escaped() {
+        assert_eq!(printable("Königssee 5 µm\n\ta"), "Königssee 5 µm\n\ta");
+        for c in [
+            '\u{1b}', '\r', '\u{7f}', '\u{85}', '\u{9b}', '\u{202e}', '\0',
+        ] {
+            assert!(!printable(&format!("a{c}b")).contains(c), "{c:?}");
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Friction of one runner under one load: the peak pressure of its contact in the law of a model.
+
+use std::path::Path;
+use std::time::Instant;
+
+use kufe_contact::solve;
+use kufe_sled::Model;
+use kufe_sled::effects::{Effects, Kind, OperatingPoint};
+use kufe_sled::friction::{Longitudinal, longitudinal_force};
+
+use crate::case::StatedProblem;
+use crate::jobs::case_file::LoadedCase;
+use crate::jobs::failure::Failure;
+use crate::jobs::watch::Watch;
+use crate::results::{FrictionByLaw, Measured};
+
+/// A law of friction over pressure with the effects on it.
+#[derive(Clone, Debug)]
+pub struct FrictionLaw {
+    law: Longitudinal,
+    effects: Effects,
+    /// Drag area of the sled [m2]; not a number without a sled.
+    pub drag_area: f64,
+}
+
+impl FrictionLaw {
+    /// The published law without effects.
+    pub fn published() -> FrictionLaw {
+        FrictionLaw {
+            law: Longitudinal::PUBLISHED,
+            effects: Effects::default(),
+            drag_area: f64::NAN,
+        }
+    }
+
+    /// `[friction.longitudinal]` and `[effects]` of a model file.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with file and place.
+    pub fn of_model(path: &Path) -> Result<FrictionLaw, Failure> {
+        let failure = |error: &dyn std::fmt::Display| {
+            Failure::BadInput(format!("{}: {error}", path.display()))
+        };
+        let model = Model::load(path).map_err(Failure::bad_input)?;
+        Ok(FrictionLaw {
+            law: model
+                .friction
+                .longitudinal
+                .model()
+                .map_err(|e| failure(&e))?,
+            effects: Effects::from_tables(&model.effects).map_err(|e| failure(&e))?,
+            drag_area: model.sled.cda_m2,
+        })
+    }
+
+    /// Solves a case and evaluates the law at its peak pressure, at a slip angle [rad]; `at` states
+    /// all conditions but the normal force, which is the contact's.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] for a condition that an effect needs and that is not stated,
+    /// [`Failure::BadInput`] for the case, [`Failure::NotConverged`] where the solver stops short.
+    pub fn solve(
+        &self,
+        loaded: &LoadedCase,
+        alpha_rad: f64,
+        at: OperatingPoint,
+        watch: &Watch,
+    ) -> Result<FrictionByLaw, Failure> {
+        let StatedProblem { problem, hull } = loaded.stated()?;
+        watch.progress("solving the contact");
+        let started = Instant::now();
+        let solution =
+            solve(&problem, &loaded.case.options()).map_err(|error| loaded.failure(&error))?;
+        loaded.fine_enough(hull.as_ref(), &solution)?;
+        for warning in loaded.hull_warnings(hull.as_ref()) {
+            watch.warn(&warning);
+        }
+        let at = OperatingPoint {
+            fz: solution.fz,
+            ..at
+        };
+        let (p_max, mu_base) = (solution.p_max, self.law.mu(solution.p_max));
+        let (mu, effects, effects_not_concerned) = self.with_effects(mu_base, &at)?;
+        let (capped, mu_error) = match self.law {
+            Longitudinal::Pressure(law) => (
+                law.uncapped(p_max) > law.mu_cap,
+                law.slope(p_max).abs() * solution.p_max_error,
+            ),
+            Longitudinal::Fixed(_) => (false, 0.0),
+        };
+        let fx_n = longitudinal_force(solution.fz, alpha_rad, mu);
+        Ok(FrictionByLaw {
+            p_max: Measured::new(p_max, solution.p_max_error),
+            fz_n: solution.fz,
+            mu,
+            mu_base,
+            mu_error,
+            depends_on_pressure: self.law.needs_pressure(),
+            capped,
+            alpha_rad,
+            fx_n,
+            v_mps: at.v,
+            power_w: fx_n * at.v,
+            effects,
+            effects_not_concerned,
+            seconds: started.elapsed().as_secs_f64(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        })
+    }
+
+    /// The coefficient after every effect on it, the names of those, and of the model's others.
+    fn with_effects(
+        &self,
+        mut mu: f64,
+        at: &OperatingPoint,
+    ) -> Result<(f64, Vec<String>, Vec<String>), Failure> {
+        let (mut applied, mut ignored) = (Vec::new(), Vec::new());
+        for active in &self.effects.active {
+            let Some(with) = active.coefficient(mu, at) else {
+                ignored.push(active.name.clone());
+                continue;
+            };
+            let needs = |what: &str| {
+                let name = &active.name;
+                Err(Failure::Usage(format!(
+                    "the model's effect {name} needs {what}"
+                )))
+            };
+            if let Kind::Custom(own) = &active.kind
+                && with.is_nan()
+            {
+                let names = own.names().join(", ");
+                return needs(&format!(
+                    "{names}: a condition is not given, or belongs to a run"
+                ));
+            }
+            for column in active.columns() {
+                let stated = &at.conditions;
+                let missing = match column {
+                    "ice_c" => stated.ice_c.is_nan().then_some("--ice-c"),
+                    "air_c" => stated.air_c.is_nan().then_some("--air-c"),
+                    "air_pa" => stated.air_pa.is_nan().then_some("--air-pa"),
+                    "humidity_pct" => stated.humidity_pct.is_nan().then_some("--humidity-pct"),
+                    "film" => Some("the tables of a sled's runners"),
+                    _ => None,
+                };
+                if let Some(option) = missing {
+                    return needs(option);
+                }
+            }
+            mu = with;
+            if mu.is_nan() {
+                return needs("--air-c and --air-pa");
+            }
+            applied.push(active.name.clone());
+        }
+        Ok((mu, applied, ignored))
+    }
+}

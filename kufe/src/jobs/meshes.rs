@@ -1,0 +1,106 @@
+//! The hexahedra of ice and runner for a case.
+
+use std::fs::File;
+
+use kufe_contact::solve;
+use kufe_mesh::{HexMesh, MeshError, VtuField, graded_levels, mapped_runner_mesh, write_vtu};
+
+use crate::case::{Shape, StatedProblem};
+use crate::jobs::case_file::LoadedCase;
+use crate::jobs::failure::Failure;
+use crate::jobs::watch::Watch;
+
+/// Layers of cells between the underside and the top of the runner, and the ratio of their heights.
+const LAYERS: usize = 8;
+const GROWTH: f64 = 1.6;
+/// Part of a scanned hull's width and length that its columns cover, away from its ragged sides.
+const INSET: f64 = 0.97;
+
+/// The hexahedra of a case.
+pub struct CaseMeshes {
+    /// Of the ice, graded to the contact.
+    pub ice: HexMesh,
+    /// Of a runner with a top.
+    pub runner: Option<HexMesh>,
+}
+
+impl CaseMeshes {
+    /// Solves a case, to whose contact the grid is graded, and fills ice and runner with hexahedra.
+    ///
+    /// # Errors
+    /// Those of the solver, and [`Failure::BadInput`] where no hexahedra fit into the hull.
+    pub fn of(loaded: &LoadedCase, watch: &Watch) -> Result<CaseMeshes, Failure> {
+        let stated = loaded.stated()?;
+        for warning in loaded.hull_warnings(stated.hull.as_ref()) {
+            watch.warn(&warning);
+        }
+        watch.progress("finding the contact that the grid is graded to");
+        let solved = solve(&stated.problem, &loaded.case.options());
+        let grid = solved.map_err(|error| loaded.failure(&error))?.volume.grid;
+        let runner = top(loaded, &stated).map(|top| {
+            let underside = &stated.problem.runner.underside;
+            let part = if stated.hull.is_some() { INSET } else { 1.0 };
+            let [x0, x1, y0, y1] = underside.extent().map(|end| part * end);
+            let (x, y) = (columns(&grid.x, x0, x1), columns(&grid.y, y0, y1));
+            graded_levels(LAYERS, GROWTH)
+                .and_then(|levels| mapped_runner_mesh(&x, &y, underside.as_ref(), top, &levels))
+        });
+        let failure =
+            |error: MeshError| Failure::BadInput(format!("{}: runner: {error}", loaded.name));
+        Ok(CaseMeshes {
+            ice: grid.hex_mesh(),
+            runner: runner.transpose().map_err(failure)?,
+        })
+    }
+}
+
+/// Height of the runner's flat top over its lowest point [m]; none for a paraboloid, which has no end.
+fn top(loaded: &LoadedCase, stated: &StatedProblem) -> Option<f64> {
+    if loaded.case.runner.mesh.is_some() {
+        return None;
+    }
+    let filled = stated.problem.runner.elastic.as_ref().map(|e| e.top);
+    if let Some(top) = filled.filter(|top| top.is_finite()) {
+        return Some(top);
+    }
+    match (&stated.hull, &loaded.case.runner.shape) {
+        (Some(hull), _) => Some(hull.report.extent[2]),
+        (None, Some(Shape::Bob { height_m, .. } | Shape::Luge { height_m, .. })) => Some(*height_m),
+        (None, _) => None,
+    }
+}
+
+/// The grid's columns under the hull, and its two ends (a mirror plane is an end already).
+fn columns(nodes: &[f64], from: f64, to: f64) -> Vec<f64> {
+    let first = nodes.first().map_or(from, |&first| first.max(from));
+    let mut columns = vec![first];
+    let room = 1e-3 * (to - first);
+    columns.extend(nodes.iter().filter(|&&x| x > first + room && x < to - room));
+    columns.push(to);
+    columns
+}
+
+/// Writes a mesh with the smallest scaled Jacobian and the volume of each cell.
+///
+/// # Errors
+/// Those of the file.
+pub fn write_mesh_quality(mesh: &HexMesh, file: &File) -> Result<(), MeshError> {
+    let smallest = |cell| {
+        let corners = mesh.corner_jacobians(cell);
+        let scaled = corners.iter().map(|corner| corner[1]);
+        scaled.fold(f64::INFINITY, f64::min)
+    };
+    let jacobians: Vec<f64> = mesh.cells.iter().map(smallest).collect();
+    let volumes = mesh.cells.iter().map(|cell| mesh.cell_volume(cell));
+    let volumes: Vec<f64> = volumes.collect();
+    let field = |name, values| VtuField {
+        name,
+        components: 1,
+        values,
+    };
+    let fields = [
+        field("scaled_jacobian", &jacobians),
+        field("volume_m3", &volumes),
+    ];
+    write_vtu(mesh, &[], &fields, &[], file)
+}

@@ -1,0 +1,97 @@
+//! The page of an index of runs.
+
+use std::path::Path;
+
+use kufe_sled::Entry;
+use serde::Serialize;
+
+use crate::jobs::gather::UNNAMED;
+use crate::report::results::results_page;
+use crate::results::{Data, Datum};
+
+/// A run as the page lists it; what an index does not state is absent.
+#[derive(Serialize)]
+struct IndexRow<'a> {
+    run: &'a str,
+    track: Option<&'a str>,
+    driver: Option<&'a str>,
+    driver_class: Option<&'a str>,
+    session: Option<&'a str>,
+    ice_c: f64,
+    air_c: f64,
+    air_pa: f64,
+    humidity_pct: f64,
+    mass_kg: f64,
+    file: String,
+    missing: Option<&'static str>,
+}
+
+impl<'a> IndexRow<'a> {
+    fn new(entry: &'a Entry, folder: &Path) -> Self {
+        let stated = |name: &'a String| (name != UNNAMED).then_some(name.as_str());
+        let at = &entry.conditions;
+        let file = entry.file.strip_prefix(folder).unwrap_or(&entry.file);
+        IndexRow {
+            run: &entry.run,
+            track: stated(&entry.track),
+            driver: stated(&entry.driver),
+            driver_class: stated(&entry.driver_class),
+            session: stated(&entry.session),
+            ice_c: at.ice_c,
+            air_c: at.air_c,
+            air_pa: at.air_pa,
+            humidity_pct: at.humidity_pct,
+            mass_kg: at.mass_kg,
+            file: file.display().to_string(),
+            missing: (!entry.file.is_file()).then_some("there is no such file"),
+        }
+    }
+}
+
+/// The page of the runs of an index in `folder`, called `name`: sessions, tracks and drivers with
+/// their numbers of runs, and each run.
+///
+/// # Errors
+/// Those of a number that JSON cannot state.
+pub fn index_page(name: &str, folder: &Path, entries: &[Entry]) -> serde_json::Result<String> {
+    let count = entries.len();
+    let plural = if count == 1 { "" } else { "s" };
+    let rows: Vec<IndexRow> = entries
+        .iter()
+        .map(|entry| IndexRow::new(entry, folder))
+        .collect();
+    let documents = [
+        (
+            "sessions",
+            counts(entries, "session", |entry| &entry.session),
+        ),
+        ("tracks", counts(entries, "track", |entry| &entry.track)),
+        ("drivers", counts(entries, "driver", |entry| &entry.driver)),
+        ("every run", Datum::of(&rows)?),
+    ];
+    let documents = documents.map(|(name, figures)| (name.to_owned(), figures));
+    Ok(results_page(
+        &format!("{name}: {count} run{plural}"),
+        &[],
+        &documents,
+    ))
+}
+
+/// Names in the order in which they come, each with its number of runs.
+fn counts(entries: &[Entry], key: &str, of: fn(&Entry) -> &String) -> Datum {
+    let mut counts: Vec<(&str, i64)> = Vec::new();
+    for entry in entries {
+        let name = of(entry).as_str();
+        match counts.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((name, 1)),
+        }
+    }
+    let row = |(name, count): (&str, i64)| {
+        Datum::Group(Data(vec![
+            (key.to_owned(), Datum::Text(name.to_owned())),
+            ("runs".to_owned(), Datum::Whole(count)),
+        ]))
+    };
+    Datum::List(counts.into_iter().map(row).collect())
+}

@@ -1,0 +1,153 @@
+//! Documents of bodies: an examined hull, and the quality of hexahedra.
+
+use std::path::PathBuf;
+
+use kufe_mesh::{HexMesh, HullOptions};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A value with its uncertainty (95 %).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Angle {
+    /// The value [rad].
+    pub value: f64,
+    /// Its uncertainty [rad].
+    pub error: f64,
+}
+
+/// A scanned hull: its frame, its sampling, and the loads that it resolves.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(title = "kufe hull check --json")]
+#[non_exhaustive]
+pub struct HullCheck {
+    /// The hull.
+    pub file: PathBuf,
+    /// Metres in one unit of the file.
+    pub scale: f64,
+    /// The file's axis that points up.
+    pub up: String,
+    /// The file's axis that points forward, or backward: the shape does not show which.
+    pub forward: String,
+    /// Rotation about z into runner axes; none where the shape does not show it.
+    pub yaw_rad: Option<Angle>,
+    /// Rotation about y.
+    pub pitch_rad: Option<Angle>,
+    /// Rotation about x.
+    pub roll_rad: Option<Angle>,
+    /// Length of the triangles where they are long strips [m].
+    pub strips_m: Option<f64>,
+    /// Extent along the runner [m].
+    pub length_m: f64,
+    /// Extent across the runner [m].
+    pub width_m: f64,
+    /// Extent upwards [m].
+    pub height_m: f64,
+    /// Radius of the rocker [m].
+    pub rocker_radius_m: f64,
+    /// Radius of the section where it is lowest [m].
+    pub section_radius_m: f64,
+    /// Vertices.
+    pub vertices: usize,
+    /// Triangles.
+    pub triangles: usize,
+    /// Middle of a hull, along and across, that is not over the file's origin [m].
+    pub beyond_origin_m: Option<[f64; 2]>,
+    /// Edges of one triangle only.
+    pub open_edges: usize,
+    /// Median length of the triangles' edges near the keel [m].
+    pub spacing_m: f64,
+    /// Standard deviation of the vertices' noise [m].
+    pub noise_m: f64,
+    /// Standard deviation of the noise that would not be detected [m].
+    pub unseen_noise_m: f64,
+    /// Load by load, where a smooth underside could be fitted.
+    pub loads: Option<Vec<ResolvedLoad>>,
+    /// Why no smooth underside could be fitted.
+    pub no_underside: Option<String>,
+    /// What a user of the hull should know.
+    pub warnings: Vec<String>,
+    /// The case that was written.
+    pub written: Option<PathBuf>,
+    /// Whether the rotation into runner axes could be found.
+    #[serde(skip)]
+    pub oriented: bool,
+    /// Relative error of the peak that the case requests.
+    #[serde(skip)]
+    pub p_max: f64,
+    /// How the file is to be read.
+    #[serde(skip)]
+    pub options: HullOptions,
+    /// Place of the load, along and across, where it is not over the file's origin [m].
+    #[serde(skip)]
+    pub offset_m: [Option<f64>; 2],
+}
+
+/// Whether a hull is fine enough for a load.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct ResolvedLoad {
+    /// Normal force [N].
+    pub fz_n: f64,
+    /// Approach under it [m].
+    pub approach_m: f64,
+    /// Whether the hull is fine enough.
+    pub resolved: bool,
+    /// Estimated error of the surface where it touches [m].
+    pub error_m: f64,
+    /// Largest error allowed, where the hull is too coarse [m].
+    pub allowed_m: Option<f64>,
+    /// Noise that would be small enough at this spacing [m].
+    pub noise_that_would_do_m: Option<f64>,
+    /// Spacing that would be small enough at this noise [m].
+    pub spacing_that_would_do_m: Option<f64>,
+}
+
+/// `quality.json`: the quality of a case's hexahedra.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(title = "quality.json")]
+pub struct MeshQuality {
+    /// Version of kufe.
+    pub version: String,
+    /// Of the ice.
+    pub ice: HexQuality,
+    /// Of a runner with a top.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub runner: Option<HexQuality>,
+}
+
+/// The quality of hexahedra.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct HexQuality {
+    /// Nodes.
+    pub nodes: usize,
+    /// Cells.
+    pub cells: usize,
+    /// Cells of negative volume.
+    pub inverted: usize,
+    /// Smallest scaled Jacobian.
+    pub min_scaled_jacobian: f64,
+    /// Mean over the cells of their smallest scaled Jacobian.
+    pub mean_scaled_jacobian: f64,
+    /// Largest ratio of edges.
+    pub max_aspect: f64,
+    /// Smallest volume of a cell [m3].
+    pub min_volume_m3: f64,
+    /// Volume [m3].
+    pub volume_m3: f64,
+}
+
+impl From<&HexMesh> for HexQuality {
+    fn from(mesh: &HexMesh) -> Self {
+        let quality = mesh.quality();
+        HexQuality {
+            nodes: mesh.points.len(),
+            cells: quality.cells,
+            inverted: quality.inverted,
+            min_scaled_jacobian: quality.min_scaled_jacobian,
+            mean_scaled_jacobian: quality.mean_scaled_jacobian,
+            max_aspect: quality.max_aspect,
+            min_volume_m3: quality.min_volume,
+            volume_m3: quality.volume,
+        }
+    }
+}

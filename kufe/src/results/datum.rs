@@ -1,0 +1,248 @@
+//! Any document as a tree of data, for tables, pages and summaries of results.
+
+use std::fmt;
+
+use serde::de::{Deserializer, MapAccess, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
+
+/// Keys of a summary that are shown in full.
+const IN_FULL: [&str; 3] = ["case", "warnings", "remarks"];
+/// Keys that a summary does not show: they concern files.
+const ASIDE: [&str; 3] = ["version", "content_sha256", "files"];
+
+/// A datum of a document: a single value, a list or a group.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Datum {
+    /// None: JSON's null.
+    Absent(()),
+    /// Whether something holds.
+    Flag(bool),
+    /// A whole number.
+    Whole(i64),
+    /// A whole number that is larger than the largest of [`Whole`](Self::Whole).
+    Large(u64),
+    /// Any other number.
+    Number(f64),
+    /// Words.
+    Text(String),
+    /// Data without names.
+    List(Vec<Datum>),
+    /// Data with names.
+    Group(Data),
+}
+
+/// Data with their keys, in the order of the document.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Data(pub Vec<(String, Datum)>);
+
+impl Datum {
+    /// The data of a document.
+    ///
+    /// # Errors
+    /// Those of a document that JSON cannot state.
+    pub fn of(document: &impl Serialize) -> serde_json::Result<Datum> {
+        serde_json::from_str(&serde_json::to_string(document)?)
+    }
+
+    /// A number.
+    pub fn number(&self) -> Option<f64> {
+        match *self {
+            Datum::Whole(number) => Some(number as f64),
+            Datum::Large(number) => Some(number as f64),
+            Datum::Number(number) => Some(number),
+            _ => None,
+        }
+    }
+
+    /// Words.
+    pub fn text(&self) -> Option<&str> {
+        match self {
+            Datum::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// The data of a list; none where it is no list.
+    pub fn list(&self) -> &[Datum] {
+        match self {
+            Datum::List(list) => list,
+            _ => &[],
+        }
+    }
+
+    /// Data with names.
+    pub fn group(&self) -> Option<&Data> {
+        match self {
+            Datum::Group(data) => Some(data),
+            _ => None,
+        }
+    }
+
+    /// Whether it is neither a list nor a group.
+    pub fn is_single(&self) -> bool {
+        !matches!(self, Datum::List(_) | Datum::Group(_))
+    }
+
+    /// Whether it is the rows of a table: a list with groups in it.
+    pub fn is_table(&self) -> bool {
+        self.list().iter().any(|row| row.group().is_some())
+    }
+
+    /// Whether it contains nothing.
+    pub fn is_empty(&self) -> bool {
+        match self {
+            Datum::Absent(()) => true,
+            Datum::Text(text) => text.is_empty(),
+            Datum::List(list) => list.is_empty(),
+            Datum::Group(Data(data)) => data.is_empty(),
+            _ => false,
+        }
+    }
+
+    /// A value with the ends of its interval: a group of `value`, `low` and `high` alone.
+    pub fn interval(&self) -> Option<[f64; 3]> {
+        let data = self.group().filter(|data| data.0.len() == 3)?;
+        let number = |key: &str| data.get(key)?.number();
+        Some([number("value")?, number("low")?, number("high")?])
+    }
+
+    /// Removes the elastic constants of rigid runners, which have no effect, from every case in it.
+    #[must_use]
+    pub fn effective(self) -> Datum {
+        match self {
+            Datum::List(list) => Datum::List(list.into_iter().map(Datum::effective).collect()),
+            Datum::Group(Data(mut data)) => {
+                if data.contains(&("elastic".to_owned(), Datum::Flag(false))) {
+                    let idle = ["youngs_modulus_pa", "poissons_ratio"];
+                    data.retain(|(key, _)| !idle.contains(&key.as_str()));
+                }
+                let data = data.into_iter();
+                let data = data.map(|(key, datum)| (key, datum.effective()));
+                Datum::Group(Data(data.collect()))
+            }
+            single => single,
+        }
+    }
+
+    /// The main data of a document: single ones as they are, the lengths of lists, of groups
+    /// their single data and values with intervals; the case, warnings and remarks in full.
+    pub fn summary(self) -> Data {
+        let entries = |count: usize| {
+            let plural = if count == 1 { "entry" } else { "entries" };
+            Datum::Text(format!("{count} {plural}"))
+        };
+        let Datum::Group(Data(data)) = self else {
+            let rows = Datum::Whole(self.list().len() as i64);
+            return Data(vec![("rows".to_owned(), rows)]);
+        };
+        let shown = |(key, datum): (String, Datum)| {
+            let datum = match datum {
+                datum if IN_FULL.contains(&key.as_str()) => datum,
+                Datum::List(list) if list.len() > 3 || !list.iter().all(Datum::is_single) => {
+                    entries(list.len())
+                }
+                Datum::Group(Data(mut main)) => {
+                    let count = main.len();
+                    main.retain(|(_, datum)| match datum {
+                        Datum::Group(data) => data.get("value").is_some(),
+                        other => other.is_single(),
+                    });
+                    if main.is_empty() {
+                        entries(count)
+                    } else {
+                        Datum::Group(Data(main))
+                    }
+                }
+                other => other,
+            };
+            (key, datum)
+        };
+        let data = data
+            .into_iter()
+            .filter(|(key, _)| !ASIDE.contains(&key.as_str()));
+        Data(data.map(shown).collect())
+    }
+}
+
+/// Single data as a table of text has them; others as JSON.
+impl fmt::Display for Datum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Datum::Absent(()) => Ok(()),
+            Datum::Text(text) => f.write_str(text),
+            other => f.write_str(&serde_json::to_string(other).unwrap_or_default()),
+        }
+    }
+}
+
+impl Data {
+    /// The datum of a key.
+    pub fn get(&self, key: &str) -> Option<&Datum> {
+        let found = self.0.iter().find(|(known, _)| known == key);
+        found.map(|(_, datum)| datum)
+    }
+
+    /// Keys and data in order.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &Datum)> + Clone {
+        self.0.iter().map(|(key, datum)| (key.as_str(), datum))
+    }
+}
+
+impl Serialize for Data {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.iter())
+    }
+}
+
+impl<'de> Deserialize<'de> for Data {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct InOrder;
+        impl<'de> Visitor<'de> for InOrder {
+            type Value = Data;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("an object")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Data, A::Error> {
+                let mut data = Vec::new();
+                while let Some(datum) = map.next_entry()? {
+                    data.push(datum);
+                }
+                Ok(Data(data))
+            }
+        }
+        deserializer.deserialize_map(InOrder)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_document_is_read_in_order_and_written_as_it_was() {
+        let text = r#"{"z":1.5,"a":[1,-2,18446744073709551615],"n":null,"t":"x","of":{"y":true,"b":0.25}}"#;
+        let data: Datum = serde_json::from_str(text).expect("data");
+        assert_eq!(serde_json::to_string(&data).expect("JSON"), text);
+        let keys: Vec<&str> = data
+            .group()
+            .expect("a group")
+            .iter()
+            .map(|(key, _)| key)
+            .collect();
+        assert_eq!(keys, ["z", "a", "n", "t", "of"]);
+    }
+
+    #[test]
+    fn constants_of_a_rigid_runner_are_removed_and_no_others() {
+        let text =
+            r#"[{"elastic":false,"poissons_ratio":0.3},{"elastic":true,"poissons_ratio":0.3}]"#;
+        let data: Datum = serde_json::from_str(text).expect("data");
+        assert_eq!(
+            data.effective().to_string(),
+            r#"[{"elastic":false},{"elastic":true,"poissons_ratio":0.3}]"#
+        );
+    }
+}

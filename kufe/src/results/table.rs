@@ -1,0 +1,303 @@
+//! Documents of lookup tables: what one contains, and its values at one contact.
+
+use std::collections::BTreeMap;
+
+use kufe_lut::{Error, Interpolated, Interpolator, Method, Mode, Quantity, Sample, Table};
+use schemars::JsonSchema;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+/// A table that was solved, and what it cost.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(title = "kufe lut --json")]
+#[non_exhaustive]
+pub struct TableSummary {
+    /// Nodes.
+    pub nodes: usize,
+    /// Breakpoints of the force.
+    pub fz_values: usize,
+    /// Breakpoints of the curvature.
+    pub curvature_values: usize,
+    /// Breakpoints of the rocker radius, where it is an axis.
+    pub rocker_radius_values: Option<usize>,
+    /// Breakpoints of the speed, where it is an axis.
+    pub v_values: Option<usize>,
+    /// Breakpoints of the temperature of the ice, where it is an axis.
+    pub ice_values: Option<usize>,
+    /// Points between the nodes at which the interpolation was measured.
+    pub checks: usize,
+    /// Solutions by boundary elements.
+    pub by_boundary_elements: usize,
+    /// Requested relative error of the interpolation.
+    pub interpolation_requested: Option<f64>,
+    /// Largest measured relative error of smooth interpolation.
+    pub interpolation_smooth: Option<f64>,
+    /// Largest measured relative error of bilinear interpolation.
+    pub interpolation_bilinear: Option<f64>,
+    /// Largest estimated relative error of the solver's peak pressure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solver_p_max: Option<f64>,
+    /// Largest estimated relative error of the solver's coefficient of friction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solver_mu: Option<f64>,
+    /// Contacts solved.
+    pub solves: usize,
+    /// Wall time [s].
+    pub seconds: f64,
+    /// Version of kufe.
+    pub version: String,
+}
+
+impl TableSummary {
+    /// Of a table for which so many contacts were solved in so many seconds.
+    ///
+    /// # Errors
+    /// Those of the interpolation at the checks.
+    pub fn new(table: &Table, solves: usize, seconds: f64) -> Result<Self, Error> {
+        let error = |mode| {
+            let measured = table.interpolation_error(table.judged(), mode)?;
+            Ok::<_, Error>(measured.map(|measured| measured.max))
+        };
+        let axes = table.axes();
+        let solver = |of| (table.judged() == of).then(|| table.solver_error());
+        Ok(TableSummary {
+            nodes: axes.node_count(),
+            fz_values: axes.fz().len(),
+            curvature_values: axes.curvature().len(),
+            rocker_radius_values: axes.rocker_radius().map(<[f64]>::len),
+            v_values: axes.speed().map(<[f64]>::len),
+            ice_values: axes.ice_c().map(<[f64]>::len),
+            checks: table.checks().len(),
+            by_boundary_elements: table.solved_by(Method::BoundaryElements),
+            interpolation_requested: table.interpolation_requested,
+            interpolation_smooth: error(Mode::Smooth)?,
+            interpolation_bilinear: error(Mode::Bilinear)?,
+            solver_p_max: solver(Quantity::PMax),
+            solver_mu: solver(Quantity::Mu),
+            solves,
+            seconds,
+            version: table.origin.version().to_owned(),
+        })
+    }
+}
+
+/// The axes, quantities and errors of a table.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(title = "kufe info TABLE --json")]
+#[non_exhaustive]
+pub struct TableInfo {
+    /// "lookup table".
+    pub kind: &'static str,
+    /// The command that writes it.
+    pub written_by: &'static str,
+    /// The axes by key.
+    #[serde(serialize_with = "in_order")]
+    #[schemars(with = "BTreeMap<String, AxisRange>")]
+    pub axes: Vec<(&'static str, AxisRange)>,
+    /// The quantities by key.
+    #[serde(serialize_with = "in_order")]
+    #[schemars(with = "BTreeMap<String, QuantityRange>")]
+    pub quantities: Vec<(&'static str, QuantityRange)>,
+    /// Nodes.
+    pub nodes: usize,
+    /// Points between the nodes at which the interpolation was measured.
+    pub checks: usize,
+    /// Solutions by boundary elements.
+    pub by_boundary_elements: usize,
+    /// Largest estimated relative error of the solver's peak pressure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solver_error_p_max: Option<f64>,
+    /// Largest estimated relative error of the solver's coefficient of friction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solver_error_mu: Option<f64>,
+    /// Requested relative error of the interpolation.
+    pub interpolation_requested: Option<f64>,
+    /// SHA-256 of the case and its files.
+    pub case_sha256: String,
+    /// Version of kufe that made the table.
+    pub version: String,
+    /// Platforms of an FMU.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub platforms: Option<String>,
+}
+
+/// The extent of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct AxisRange {
+    /// Breakpoints.
+    pub points: usize,
+    /// The first.
+    pub from: f64,
+    /// The last.
+    pub to: f64,
+}
+
+/// The range of a quantity, and its largest relative errors of interpolation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct QuantityRange {
+    /// Smallest value at a node.
+    pub min: f64,
+    /// Largest value at a node.
+    pub max: f64,
+    /// Of smooth interpolation, where it was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smooth_error: Option<f64>,
+    /// Of bilinear interpolation, where it was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bilinear_error: Option<f64>,
+}
+
+fn in_order<T: Serialize, S: Serializer>(
+    entries: &[(&'static str, T)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(entries.iter().map(|(key, value)| (key, value)))
+}
+
+impl TableInfo {
+    /// Of a table, within an FMU for these platforms.
+    ///
+    /// # Errors
+    /// Those of the interpolation at the checks.
+    pub fn new(table: &Table, platforms: Option<String>) -> Result<Self, Error> {
+        let axes = table.axes();
+        let [from, to] = axes.curvature_range(axes.fz()[0]);
+        let points = axes.curvature().len();
+        let mut ranges = vec![("curvature_1pm", AxisRange { points, from, to })];
+        for (name, _, values) in axes.named() {
+            if !name.ends_with("curvature_1pm") && name != "reduced_curvature" {
+                let (points, from, to) = (values.len(), values[0], values[values.len() - 1]);
+                ranges.push((name, AxisRange { points, from, to }));
+            }
+        }
+        let mut quantities = Vec::new();
+        for &quantity in table.quantities() {
+            let values = || table.values(quantity).unwrap_or_default().iter().copied();
+            let error = |mode| {
+                let measured = table.interpolation_error(quantity, mode)?;
+                Ok::<_, Error>(measured.map(|measured| measured.max))
+            };
+            let range = QuantityRange {
+                min: values().fold(f64::INFINITY, f64::min),
+                max: values().fold(f64::NEG_INFINITY, f64::max),
+                smooth_error: error(Mode::Smooth)?,
+                bilinear_error: error(Mode::Bilinear)?,
+            };
+            quantities.push((quantity.key(), range));
+        }
+        let solver = |of| (table.judged() == of).then(|| table.solver_error());
+        Ok(TableInfo {
+            kind: "lookup table",
+            written_by: "kufe lut",
+            axes: ranges,
+            quantities,
+            nodes: axes.node_count(),
+            checks: table.checks().len(),
+            by_boundary_elements: table.solved_by(Method::BoundaryElements),
+            solver_error_p_max: solver(Quantity::PMax),
+            solver_error_mu: solver(Quantity::Mu),
+            interpolation_requested: table.interpolation_requested,
+            case_sha256: table.origin.case_sha256().to_owned(),
+            version: table.origin.version().to_owned(),
+            platforms,
+        })
+    }
+}
+
+/// The values of a table at one contact.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(title = "kufe lut query --json")]
+#[non_exhaustive]
+pub struct TableLookup {
+    /// The quantities with their errors.
+    #[serde(flatten, serialize_with = "by_key")]
+    #[schemars(with = "BTreeMap<String, Option<f64>>")]
+    pub values: Vec<LookupValue>,
+    /// Normal force [N].
+    pub fz_n: f64,
+    /// Curvature of the track [1/m].
+    pub curvature_1pm: f64,
+    /// Speed, where it is an axis [m/s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub v_mps: Option<f64>,
+    /// Temperature of the ice, where it is an axis [deg C].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ice_c: Option<f64>,
+    /// The interpolation.
+    pub mode: &'static str,
+    /// Whether the place is outside the table; the values are those of the nearest place inside.
+    pub out_of_range: bool,
+    /// Version of kufe that made the table.
+    pub version: String,
+}
+
+/// The value of one quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LookupValue {
+    /// The quantity.
+    pub quantity: Quantity,
+    /// Its value, in SI units.
+    pub value: f64,
+    /// Largest error of the interpolation at this value, where it was measured, and of the solver.
+    pub error: Option<f64>,
+    /// Whether the error includes the solver's; else it is that of the interpolation alone.
+    pub includes_solver: bool,
+}
+
+fn by_key<S: Serializer>(values: &[LookupValue], serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(None)?;
+    for value in values {
+        map.serialize_entry(value.quantity.key(), &value.value)?;
+        let key = value.quantity.error_key();
+        if value.includes_solver {
+            map.serialize_entry(key, &value.error)?;
+        } else {
+            let key = key.replacen("_error", "_interpolation_error", 1);
+            map.serialize_entry(&key, &value.error)?;
+        }
+    }
+    map.end()
+}
+
+impl TableLookup {
+    /// Interpolates every quantity of a table; the radius of the rocker [m] is needed where it is an axis.
+    ///
+    /// # Errors
+    /// Those of the interpolation.
+    pub fn new(
+        table: &Table,
+        at: Sample,
+        mode: Mode,
+        rocker_radius: Option<f64>,
+    ) -> Result<Self, Error> {
+        let (mut values, mut out_of_range) = (Vec::new(), false);
+        for &quantity in table.quantities() {
+            let interpolator = Interpolator::new(table, quantity, mode, rocker_radius)?;
+            let Interpolated {
+                value,
+                out_of_range: outside,
+            } = interpolator.at(at);
+            out_of_range |= outside;
+            let measured = table.interpolation_error(quantity, mode)?.map(|m| m.max);
+            let solver = table.solver_error_of(quantity);
+            let relative = solver.map_or(measured, |s| Some(s + measured.unwrap_or(0.0)));
+            values.push(LookupValue {
+                quantity,
+                value,
+                error: relative.map(|relative| (relative * value).abs()),
+                includes_solver: solver.is_some(),
+            });
+        }
+        let axes = table.axes();
+        Ok(TableLookup {
+            values,
+            fz_n: at.fz,
+            curvature_1pm: at.curvature,
+            v_mps: axes.speed().map(|_| at.speed),
+            ice_c: axes.ice_c().map(|_| at.ice_c),
+            mode: mode.name(),
+            out_of_range,
+            version: table.origin.version().to_owned(),
+        })
+    }
+}
