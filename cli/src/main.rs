@@ -24,7 +24,7 @@ use crate::bodies::{export, hull, mesh};
 use crate::cli::{Cli, Command};
 use crate::friction::icehouse;
 use crate::runs::{discover, evaluate, fit, simulate, validate};
-use crate::terminal::{all_said, note};
+use crate::terminal::{check_stdout, note};
 
 fn run(cli: Cli) -> Result<(), Failure> {
     let Cli { global, command } = cli;
@@ -66,7 +66,7 @@ fn main() -> ExitCode {
         .try_get_matches()
         .unwrap_or_else(|error| lut::explained(error).exit());
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    match run(cli).and_then(|()| all_said()) {
+    match run(cli).and_then(|()| check_stdout()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             note(&failure.to_string());

@@ -171,7 +171,7 @@ impl Progress {
 
 /// Prints on standard output.
 ///
-/// Where that takes no more, the command continues its work and fails at its end, in [`all_said`].
+/// Where that takes no more, the command continues its work and fails at its end, in [`check_stdout`].
 pub fn say(text: &str) {
     if LOST.get().is_some() {
         return;
@@ -201,7 +201,7 @@ pub fn warn(text: &str) {
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the reason where something was lost.
-pub fn all_said() -> Result<(), Failure> {
+pub fn check_stdout() -> Result<(), Failure> {
     match LOST.get() {
         Some(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::BadInput(format!(
             "standard output: cannot be written: {error}"

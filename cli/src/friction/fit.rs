@@ -45,17 +45,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let name = args.experiments.display().to_string();
     let file = kufe_files::open_regular(&args.experiments)
         .map_err(|error| Failure::BadInput(format!("{name}: cannot be read: {error}")))?;
-    let experiments =
-        read_experiments(&name, BufReader::new(file)).map_err(|error| failure(&error))?;
+    let experiments = read_experiments(&name, BufReader::new(file)).map_err(failure)?;
     let weighting = if args.unweighted {
         Weighting::None
     } else {
         Weighting::Both
     };
     let fit = fit_mu(&experiments, weighting, args.confidence)
-        .map_err(|error| failure(&error).within(&name))?;
+        .map_err(|error| failure(error).within(&name))?;
     let law = fit.law(PressureLaw::PUBLISHED.mu_cap, 1.0, ZetaActsOn::Mu);
-    law.check().map_err(|error| failure(&error).within(&name))?;
+    law.check().map_err(|error| failure(error).within(&name))?;
     let result = PressureFit::new(&fit, &law, &experiments, args.confidence);
     let inputs = std::slice::from_ref(&args.experiments);
     let output = OutputDir::begin("friction fit", inputs, &args.out, global.force)?;

@@ -56,7 +56,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 }
 
 /// A library's error as the command's.
-fn failure(error: &Error) -> Failure {
+fn failure(error: Error) -> Failure {
     match error {
         Error::NotConverged { .. } => Failure::NotConverged(error.to_string()),
         _ => Failure::bad_input(error),

@@ -34,7 +34,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let inputs = std::slice::from_ref(&args.runs);
     let output = OutputDir::begin("runs check", inputs, &args.out, global.force)?;
     let runs = global.during("examining the runs", || examine(&args.runs));
-    let runs = runs.map_err(|error| failure(&error))?;
+    let runs = runs.map_err(failure)?;
     let check = RunCheck::new(args.runs.display().to_string(), runs);
     output.text("check.html", &kufe::report::record_page(&check))?;
     output.json("check.json", &check)?;

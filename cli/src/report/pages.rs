@@ -156,7 +156,7 @@ pub fn evaluation(folder: &Path) -> Result<String, Failure> {
 
 /// The page of an index of runs.
 pub fn index(folder: &Path) -> Result<String, Failure> {
-    let entries = read_index(&folder.join(INDEX)).map_err(|error| failure(&error))?;
+    let entries = read_index(&folder.join(INDEX)).map_err(failure)?;
     index_page(&folder_name(folder), folder, &entries).map_err(Failure::bad_input)
 }
 

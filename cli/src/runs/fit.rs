@@ -57,7 +57,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let fit = global.during("fitting", || {
         kufe_sled::fit(&loaded.prepared, &loaded.vehicle, &options)
     });
-    let fit = fit.map_err(|error| failure(&error))?;
+    let fit = fit.map_err(failure)?;
     let document = LateralFitDocument {
         fit: fit.result(),
         used: RunsUsed::new(&loaded),
@@ -73,7 +73,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     // The written model is valid.
     Model::from_toml(&written, "model.fit.toml")
         .and_then(|model| Vehicle::with_effects(&model))
-        .map_err(|error| failure(&error))?;
+        .map_err(failure)?;
     output.text("model.fit.toml", &written)?;
     let marked = if options.leave_out_contacts {
         find_contacts(

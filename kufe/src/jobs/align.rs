@@ -4,13 +4,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use kufe_sled::{
-    Entry, Error, Model, Needs, OnGaps, PrepareOptions, Prepared, Run, SampleCoverage, Track,
-    TrackEstimate, TrackShape, Vehicle, align, prepare_all, read_index, read_runs, state_places,
-    track_file,
+    Entry, Model, Needs, PrepareOptions, Prepared, Run, SampleCoverage, Track, TrackEstimate,
+    TrackShape, Vehicle, align, prepare_all, read_index, read_runs, state_places, track_file,
 };
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::failure;
+use crate::jobs::runs::{failure, on_gaps};
 use crate::jobs::watch::Watch;
 use crate::results::{AlignedTrack, Alignment, TrackErrors};
 
@@ -80,23 +79,17 @@ impl RunsToAlign {
     /// # Errors
     /// [`Failure::BadInput`] with file and place.
     pub fn read(options: AlignOptions) -> Result<RunsToAlign, Failure> {
-        let refusal = |error: Error| failure(&error);
-        let model = Model::load(&options.model).map_err(refusal)?;
-        let vehicle = Vehicle::with_effects(&model).map_err(refusal)?;
-        let on_gaps = if options.strict {
-            OnGaps::Refuse
-        } else {
-            OnGaps::LeaveOut
-        };
+        let model = Model::load(&options.model).map_err(failure)?;
+        let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
         let surveyed =
             |entry: &Entry| !options.estimate && options.survey_file(&entry.track).exists();
-        let entries = read_index(&options.runs).map_err(refusal)?;
+        let entries = read_index(&options.runs).map_err(failure)?;
         let needs = if entries.iter().all(surveyed) {
             Needs::PLACE
         } else {
             Needs::TRACK
         };
-        let runs = read_runs(&options.runs, &needs, on_gaps).map_err(refusal)?;
+        let runs = read_runs(&options.runs, &needs, on_gaps(options.strict)).map_err(failure)?;
         Ok(RunsToAlign {
             options,
             model,
@@ -121,14 +114,13 @@ impl RunsToAlign {
     /// # Errors
     /// [`Failure::BadInput`] for a run that is not on its track, or on several places of it.
     pub fn align(mut self, watch: &Watch) -> Result<AlignedRuns, Failure> {
-        let refusal = |error: Error| failure(&error);
         watch.progress(&format!("aligning {} runs", self.runs.len()));
         let options = PrepareOptions {
             needs: self.needs,
             ..PrepareOptions::default()
         };
         let noise = self.model.noise.as_ref();
-        let prepared = prepare_all(&self.runs, &self.vehicle, noise, &options).map_err(refusal)?;
+        let prepared = prepare_all(&self.runs, &self.vehicle, noise, &options).map_err(failure)?;
         let mut members: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for (i, run) in prepared.iter().enumerate() {
             members.entry(&run.entry.track).or_default().push(i);
@@ -141,13 +133,13 @@ impl RunsToAlign {
             let survey = if self.options.estimate || !path.exists() {
                 None
             } else {
-                Some(Track::load(&path).map_err(refusal)?)
+                Some(Track::load(&path).map_err(failure)?)
             };
             let shape = survey.as_ref().map(TrackShape::new);
             let aligned =
-                align(&of, &self.vehicle, shape.as_ref(), &tolerances).map_err(refusal)?;
+                align(&of, &self.vehicle, shape.as_ref(), &tolerances).map_err(failure)?;
             for (i, found) in members.iter().zip(&aligned.runs) {
-                state_places(&mut self.runs[*i], &found.warp).map_err(refusal)?;
+                state_places(&mut self.runs[*i], &found.warp).map_err(failure)?;
             }
             documents.push(AlignedTrack {
                 track: name.to_owned(),

@@ -86,7 +86,7 @@ impl Gathered {
     }
 
     fn index(&mut self, index: &Path) -> Result<(), Failure> {
-        for entry in read_index(index).map_err(|error| failure(&error))? {
+        for entry in read_index(index).map_err(failure)? {
             if !entry.file.is_file() {
                 return Err(wrong(
                     index,
@@ -133,7 +133,7 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
             .map_err(|error| wrong(path, &error.to_string()))?;
         header.iter().map(str::to_owned).collect()
     } else {
-        let columns = read_columns(path, &[]).map_err(|error| failure(&error))?;
+        let columns = read_columns(path, &[]).map_err(failure)?;
         columns.into_keys().collect()
     };
     let has = |name: &&str| names.iter().any(|known| known == name);

@@ -67,7 +67,6 @@ impl FrictionLaw {
         watch: &Watch,
     ) -> Result<FrictionByLaw, Failure> {
         let StatedProblem { problem, hull } = loaded.stated()?;
-        watch.progress("solving the contact");
         let started = Instant::now();
         let solution =
             solve(&problem, &loaded.case.options()).map_err(|error| loaded.failure(&error))?;

@@ -22,9 +22,9 @@ pub struct RunSelection {
     pub session: Vec<String>,
     /// Only runs on these tracks; all where empty.
     pub track: Vec<String>,
-    /// Leave runs with faulty files out instead of stopping at the first.
+    /// Exclude runs with faulty files instead of stopping at the first.
     pub leave_out_bad_runs: bool,
-    /// Refuse runs with gaps instead of leaving out what stands beside them.
+    /// Refuse runs with gaps instead of excluding the samples next to them.
     pub strict: bool,
     /// Corner of the zero-phase low pass [Hz].
     pub cutoff_hz: f64,
@@ -38,7 +38,7 @@ pub struct Loaded {
     pub vehicle: Vehicle,
     /// The runs.
     pub prepared: Vec<Prepared>,
-    /// Runs left out and why.
+    /// Excluded runs, each with the reason.
     pub left_out: Vec<String>,
     /// Runs with gaps: what is not there, and how much takes part.
     pub gaps: Vec<SampleCoverage>,
@@ -59,12 +59,21 @@ impl RunsUsed {
 }
 
 /// The failure that a sled error is.
-pub fn failure(error: &Error) -> Failure {
+pub fn failure(error: Error) -> Failure {
     match error {
         Error::Friction(kufe_sled::friction::Error::NotConverged { .. }) => {
             Failure::NotConverged(error.to_string())
         }
         _ => Failure::BadInput(error.to_string()),
+    }
+}
+
+/// How runs with gaps are read: refused with `strict`, else without the samples next to a gap.
+pub fn on_gaps(strict: bool) -> OnGaps {
+    if strict {
+        OnGaps::Refuse
+    } else {
+        OnGaps::LeaveOut
     }
 }
 
@@ -90,36 +99,32 @@ impl RunSelection {
         }
     }
 
-    /// Reads model and runs, keeps those selected that the laws were not fitted to, as `unseen`
-    /// tells, and prepares them; remarks on runs are told as warnings.
+    /// Reads model and runs, selects those that the fit of the laws has not seen, as `unseen`
+    /// states, and prepares them. Remarks on runs become warnings.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no
     /// filter.
     pub fn load(&self, watch: &Watch, unseen: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
-        // Nothing of a curve is left below a tenth of a hertz, and of a run of some ten seconds no
-        // period.
+        // A corner below a tenth of a hertz removes every curve, and a run of some ten seconds has
+        // no period of it.
         if !(0.1..=1e4).contains(&self.cutoff_hz) {
             return Err(Failure::Usage(format!(
                 "--cutoff-hz {}: expected 0.1 to 10000 Hz",
                 self.cutoff_hz
             )));
         }
-        let model = Model::load(&self.model).map_err(|error| failure(&error))?;
-        let vehicle = Vehicle::with_effects(&model).map_err(|error| failure(&error))?;
+        let model = Model::load(&self.model).map_err(failure)?;
+        let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
         watch.progress(&format!("reading {}", self.runs.display()));
-        let on_gaps = if self.strict {
-            OnGaps::Refuse
-        } else {
-            OnGaps::LeaveOut
-        };
+        let on_gaps = on_gaps(self.strict);
         let (mut runs, left_out) = if self.leave_out_bad_runs {
-            let (runs, bad) = kufe_sled::read_good_runs(&self.runs, &Needs::FORCES, on_gaps)
-                .map_err(|error| failure(&error))?;
+            let (runs, bad) =
+                kufe_sled::read_good_runs(&self.runs, &Needs::FORCES, on_gaps).map_err(failure)?;
             (runs, bad.iter().map(ToString::to_string).collect())
         } else {
-            let runs = kufe_sled::read_runs(&self.runs, &Needs::FORCES, on_gaps)
-                .map_err(|error| failure(&error))?;
+            let runs =
+                kufe_sled::read_runs(&self.runs, &Needs::FORCES, on_gaps).map_err(failure)?;
             (runs, Vec::new())
         };
         let tracks = tracks(&runs);
@@ -140,7 +145,7 @@ impl RunSelection {
                 all => format!("the laws were fitted to all {all}; leave some out of the fit"),
             };
             return Err(Failure::BadInput(format!(
-                "{}: no run is left of those asked for: {why}",
+                "{}: no run remains of those requested: {why}",
                 self.runs.display()
             )));
         }
@@ -152,8 +157,8 @@ impl RunSelection {
             cutoff_hz: self.cutoff_hz,
             ..PrepareOptions::default()
         };
-        let prepared = prepare_all(&runs, &vehicle, model.noise.as_ref(), &options)
-            .map_err(|error| failure(&error))?;
+        let prepared =
+            prepare_all(&runs, &vehicle, model.noise.as_ref(), &options).map_err(failure)?;
         let gaps: Vec<SampleCoverage> = prepared
             .iter()
             .map(|run| run.taking_part.clone())

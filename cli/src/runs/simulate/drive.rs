@@ -35,11 +35,10 @@ struct Driven {
 /// # Errors
 /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for options out of range.
 pub fn run(args: &Args, model_file: &Path, track: &Path, global: &Global) -> Result<(), Failure> {
-    let refusal = |error: kufe_sled::Error| failure(&error);
     let inputs = [model_file.to_path_buf(), track.to_path_buf()];
-    let model = Model::load(model_file).map_err(refusal)?;
-    let vehicle = Vehicle::with_effects(&model).map_err(refusal)?;
-    let track = Track::load(track).map_err(refusal)?;
+    let model = Model::load(model_file).map_err(failure)?;
+    let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
+    let track = Track::load(track).map_err(failure)?;
     let shape = TrackShape::new(&track);
     let (driver, driver_name) = driver(args)?;
     let conditions = vehicle.conditions.complete(&args.conditions()?);
@@ -85,7 +84,7 @@ pub fn run(args: &Args, model_file: &Path, track: &Path, global: &Global) -> Res
     let seconds = start.elapsed().as_secs_f64();
     let (mut runs, mut rows) = (Vec::new(), Vec::new());
     let mut samples = [Vec::new(), Vec::new()];
-    for driven in driven.map_err(refusal)? {
+    for driven in driven.map_err(failure)? {
         runs.push(driven.run);
         rows.push(driven.row);
         for (all, own) in samples.iter_mut().zip(driven.samples) {

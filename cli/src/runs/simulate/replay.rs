@@ -4,13 +4,14 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use kufe::charts::replay_picture;
-use kufe::jobs::{Failure, channel_series, runs::failure, write_document_mat};
+use kufe::jobs::runs::{failure, on_gaps};
+use kufe::jobs::{Failure, channel_series, write_document_mat};
 use kufe::plot::unit_of;
 use kufe::results::ReplayResult;
 use kufe_sled::{
-    Difference, Entry, Error, Inputs, Model, OnGaps, Replay, SimulateOptions, Track, TrackShape,
-    Vehicle, beside_measured, gaps_line, outside_tables, read_for_replay, read_index, record,
-    replay, table_samples,
+    Difference, Entry, Inputs, Model, Replay, SimulateOptions, Track, TrackShape, Vehicle,
+    beside_measured, gaps_line, outside_tables, read_for_replay, read_index, record, replay,
+    table_samples,
 };
 
 use crate::output::OutputDir;
@@ -28,10 +29,9 @@ pub fn run(
     track_file: &Path,
     global: &Global,
 ) -> Result<(), Failure> {
-    let refusal = |error: Error| failure(&error);
-    let model = Model::load(model_file).map_err(refusal)?;
-    let vehicle = Vehicle::with_effects(&model).map_err(refusal)?;
-    let track = Track::load(track_file).map_err(refusal)?;
+    let model = Model::load(model_file).map_err(failure)?;
+    let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
+    let track = Track::load(track_file).map_err(failure)?;
     let mut inputs: Vec<PathBuf> = vec![model_file.to_path_buf(), track_file.to_path_buf()];
     inputs.extend(args.replay.clone());
     let entry = entry(args, &track)?;
@@ -40,12 +40,7 @@ pub fn run(
         warn(&format!("{}: {text}", model_file.display()));
     }
     let output = OutputDir::begin("simulate --replay", &inputs, &args.out, global.force)?;
-    let on_gaps = if args.strict {
-        OnGaps::Refuse
-    } else {
-        OnGaps::LeaveOut
-    };
-    let run = read_for_replay(&entry, on_gaps).map_err(refusal)?;
+    let run = read_for_replay(&entry, on_gaps(args.strict)).map_err(failure)?;
     for remark in &run.remarks {
         warn(remark);
     }
@@ -56,8 +51,8 @@ pub fn run(
         conditions: entry.conditions,
         ..SimulateOptions::default()
     };
-    let measured = Inputs::of(&run, &vehicle, track.s_m[0]).map_err(refusal)?;
-    let done = replay(&measured, &vehicle, &TrackShape::new(&track), &options).map_err(refusal)?;
+    let measured = Inputs::of(&run, &vehicle, track.s_m[0]).map_err(failure)?;
+    let done = replay(&measured, &vehicle, &TrackShape::new(&track), &options).map_err(failure)?;
     let mut driven = record(&done.simulated, &vehicle, None, entry, 0);
     driven.t0_s = measured.readings[0].t_s;
     let states = done.simulated.instants.iter().map(|instant| &instant.state);
@@ -127,7 +122,7 @@ fn entry(args: &Args, track: &Track) -> Result<Entry, Failure> {
             conditions: args.conditions()?,
         });
     };
-    let entries = read_index(&file).map_err(|error| failure(&error))?;
+    let entries = read_index(&file).map_err(failure)?;
     let known: Vec<&str> = entries.iter().map(|entry| entry.run.as_str()).collect();
     let Some(entry) = entries.iter().find(|entry| entry.run == *name) else {
         return Err(Failure::BadInput(format!(

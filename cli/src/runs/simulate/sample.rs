@@ -19,9 +19,8 @@ pub fn run(
     model_file: Option<&Path>,
     global: &Global,
 ) -> Result<(), Failure> {
-    let refusal = |error: kufe_sled::Error| failure(&error);
     let model = match model_file {
-        Some(path) => Model::load(path).map_err(refusal)?,
+        Some(path) => Model::load(path).map_err(failure)?,
         None => Model::published(),
     };
     let inputs: Vec<PathBuf> = model_file.map(Path::to_path_buf).into_iter().collect();
@@ -30,7 +29,7 @@ pub fn run(
     let plan = sample_plan(args.seed);
     let mut runs = global
         .during("driving 44 runs", || drive_sample(&plan, &model))
-        .map_err(refusal)?;
+        .map_err(failure)?;
     write_runs(&output, &mut runs, run_format(args.parquet))?;
     for name in ["east", "west"] {
         write_track(&output, &sample_track(name))?;

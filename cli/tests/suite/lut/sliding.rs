@@ -74,7 +74,7 @@ fn a_node_is_what_press_says_of_that_load_track_speed_and_ice() {
         "-4",
     ]);
     assert!(
-        outside.contains("outside the table") && outside.contains("friction mu"),
+        outside.contains("outside the table") && outside.contains("coefficient of friction"),
         "{outside}"
     );
     let output = bench.kufe(&[

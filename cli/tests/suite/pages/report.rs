@@ -311,7 +311,7 @@ fn what_cannot_be_reported_on_is_refused_by_name() {
     bench.write("half/pressure.exr", "no image");
     for (what, parts) in [
         ("nowhere", vec!["nowhere", "no such file"]),
-        ("empty", vec!["empty", "nothing to report on"]),
+        ("empty", vec!["empty", "no results: expected"]),
         ("case.toml", vec!["case.toml", "expected a folder"]),
         (
             "broken",

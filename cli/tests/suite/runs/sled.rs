@@ -66,7 +66,7 @@ fn sample_data_goes_through_fit_validation_and_evaluation() {
     let seen = ["validate", runs, "--fit", "fit/fit.json", "--session", "d1"];
     let seen = with(&seen);
     let seen: Vec<&str> = seen.iter().map(String::as_str).collect();
-    refused(folder, &seen, 3, &["no run is left", "fitted to all"]);
+    refused(folder, &seen, 3, &["no run remains", "fitted to all"]);
     for track in validation["tracks"].as_array().expect("tracks") {
         let (ours, braghin) = (track["rmse_n"].as_f64(), track["rmse_braghin_n"].as_f64());
         assert!(ours < braghin, "{track}");
