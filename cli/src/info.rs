@@ -23,7 +23,8 @@ const LONGEST: u64 = 1 << 24;
 /// Arguments of `kufe info`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// A hull (.obj, .glb, .gltf, .stl, .3mf), a lookup table (.lut, .fmu), a map (.exr) or a result (.json)
+    /// A hull (.obj, .glb, .gltf, .stl, .3mf), a lookup table (.lut, .fmu), a map (.exr) or a
+    /// result (.json)
     pub file: PathBuf,
 }
 

@@ -111,7 +111,8 @@ impl Global {
         done
     }
 
-    /// Prints what a command has done: as JSON with `--json`, else as text, with `--quiet` not at all.
+    /// Prints what a command has done: as JSON with `--json`, else as text, with `--quiet` not at
+    /// all.
     ///
     /// # Errors
     /// [`Failure::BadInput`] for a result that JSON cannot state.
@@ -171,7 +172,8 @@ impl Progress {
 
 /// Prints on standard output.
 ///
-/// Where that takes no more, the command continues its work and fails at its end, in [`check_stdout`].
+/// Where that takes no more, the command continues its work and fails at its end, in
+/// [`check_stdout`].
 pub fn say(text: &str) {
     if LOST.get().is_some() {
         return;

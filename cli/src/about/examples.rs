@@ -150,7 +150,8 @@ mod tests {
     use crate::cli::Cli;
     use clap::CommandFactory;
 
-    /// The examples in a help text: lines that begin with two spaces and `kufe`, without the comments after them.
+    /// The examples in a help text: lines that begin with two spaces and `kufe`, without the
+    /// comments after them.
     fn lines(help: &str) -> Vec<Vec<String>> {
         help.lines()
             .filter_map(|line| line.strip_prefix("  kufe"))

@@ -1,4 +1,5 @@
-//! What the command says of itself and of its files: examples to start from, schemas, manual pages, the machine.
+//! What the command says of itself and of its files: examples to start from, schemas, manual pages,
+//! the machine.
 
 pub mod completions;
 pub mod doctor;

@@ -13,10 +13,12 @@ use crate::terminal::Global;
 pub struct Args {
     /// The case
     pub case: PathBuf,
-    /// Write an input deck of CalculiX, of an elastic runner mounted at its top or at places, level, on ice on a rigid bed
+    /// Write an input deck of CalculiX, of an elastic runner mounted at its top or at places,
+    /// level, on ice on a rigid bed
     #[arg(long, value_name = "FILE", conflicts_with = "stiffness")]
     pub calculix: Option<PathBuf>,
-    /// Write the assembled stiffness of its bodies on the mesh that it is solved on, in Matrix Market form
+    /// Write the assembled stiffness of its bodies on the mesh that it is solved on, in Matrix
+    /// Market form
     #[arg(long, value_name = "FILE")]
     pub stiffness: Option<PathBuf>,
     /// Cells across half the contact patch, instead of the accuracy that the case requests

@@ -90,7 +90,8 @@ struct File {
     edge_length_m: f64,
 }
 
-/// Largest turn over one facet of a steel on its edge, whose radius is of the size of the contact [rad].
+/// Largest turn over one facet of a steel on its edge, whose radius is of the size of the contact
+/// [rad].
 const EDGE_TURN: f64 = 0.01;
 
 /// A hull that was written.

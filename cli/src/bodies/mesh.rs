@@ -18,7 +18,8 @@ pub struct Args {
     pub out: PathBuf,
 }
 
-/// Solves the case, since the grid is graded to its contact, and writes the meshes with their quality.
+/// Solves the case, since the grid is graded to its contact, and writes the meshes with their
+/// quality.
 ///
 /// # Errors
 /// Those of `kufe press`, and [`Failure::BadInput`] where no hexahedra fit into the hull.

@@ -18,8 +18,8 @@ pub struct Check {
     /// Normal force [N], one or several, for which it is examined
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_values_t = [250.0, 500.0, 1000.0, 2000.0, 4000.0])]
     fz_n: Vec<f64>,
-    /// Relative error of the peak pressure for which it is examined, and that the case requests [default: 0.05, and 0.01 in the case
-    /// of a hull without noise]
+    /// Relative error of the peak pressure for which it is examined, and that the case requests
+    /// [default: 0.05, and 0.01 in the case of a hull without noise]
     #[arg(long, value_name = "SHARE")]
     p_max: Option<f64>,
     /// Write the case that reads it so
@@ -30,8 +30,8 @@ pub struct Check {
 /// Examines the hull, prints its properties, and writes the case.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for a hull that cannot be read or has no rounded underside, a force that is not positive, and a case that exists
-/// or cannot be written.
+/// [`Failure::BadInput`] for a hull that cannot be read or has no rounded underside, a force that
+/// is not positive, and a case that exists or cannot be written.
 pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
     if let Some(fz) = check.fz_n.iter().find(|fz| !(**fz > 0.0 && fz.is_finite())) {
         let text = format!("--fz-n {fz}: expected positive forces [N]");

@@ -33,7 +33,8 @@ pub struct Args {
 /// Fits and writes.
 ///
 /// # Errors
-/// [`Failure::Usage`], [`Failure::BadInput`] for the table and the output, [`Failure::NotConverged`].
+/// [`Failure::Usage`], [`Failure::BadInput`] for the table and the output,
+/// [`Failure::NotConverged`].
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if !(args.confidence > 0.0 && args.confidence < 1.0) {
         let text = format!(

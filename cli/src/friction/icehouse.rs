@@ -77,7 +77,8 @@ fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, 
     evaluate_glide(entry, &trace).map_err(|error| Failure::BadInput(format!("{name}: {error}")))
 }
 
-/// The picture's name: the run's number keeps names apart that differ only in signs a file cannot have.
+/// The picture's name: the run's number keeps names apart that differ only in signs a file cannot
+/// have.
 fn picture(number: usize, run: &str) -> String {
     let plain = |c: char| {
         if c.is_alphanumeric() || c == '-' {
@@ -90,7 +91,8 @@ fn picture(number: usize, run: &str) -> String {
     format!("energy_{:03}_{run}.png", number + 1)
 }
 
-/// Speed that no one reaches by pushing a sled in a hall [m/s]; km/h without a measured way cannot be proved.
+/// Speed that no one reaches by pushing a sled in a hall [m/s]; km/h without a measured way cannot
+/// be proved.
 const MOST_SPEED: f64 = 15.0;
 
 fn summary(house: &IceHouse, out: &Path) -> String {

@@ -1,4 +1,5 @@
-//! `kufe friction CASE --groove --v-mps V --ice-c T --optimise KEY=LOW:HIGH,...`: the runner with the least friction within bounds.
+//! `kufe friction CASE --groove --v-mps V --ice-c T --optimise KEY=LOW:HIGH,...`: the runner with
+//! the least friction within bounds.
 
 use std::io::{self, Write};
 
@@ -16,7 +17,8 @@ use crate::terminal::Global;
 /// Searches, prints and writes.
 ///
 /// # Errors
-/// [`Failure::Usage`] for a search over several cases, speeds or temperatures and for bounds that are none, else as [`optimise`].
+/// [`Failure::Usage`] for a search over several cases, speeds or temperatures and for bounds that
+/// are none, else as [`optimise`].
 pub fn run(request: &Request, global: &Global) -> Result<(), Failure> {
     let ([path], &[v_mps], &[ice_c]) = (request.cases, request.speeds, request.temperatures) else {
         let text = "--optimise: expected one case, one --v-mps and one --ice-c";

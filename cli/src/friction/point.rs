@@ -1,4 +1,5 @@
-//! Friction of one runner under one load: the contact is solved and its peak pressure inserted into the law.
+//! Friction of one runner under one load: the contact is solved and its peak pressure inserted into
+//! the law.
 
 use std::path::PathBuf;
 
@@ -27,7 +28,8 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     pub v_mps: Vec<f64>,
-    /// Ice temperature [degrees Celsius], for effects that need it; with --groove one or several, as -10,-5,-1
+    /// Ice temperature [degrees Celsius], for effects that need it; with --groove one or several,
+    /// as -10,-5,-1
     #[arg(
         long,
         value_name = "LIST",
@@ -35,12 +37,12 @@ pub struct Args {
         allow_hyphen_values = true
     )]
     pub ice_c: Vec<f64>,
-    /// Friction of the groove that the runner ploughs and of the melt film in it, over all speeds and temperatures of the ice, instead of
-    /// a law over the pressure
+    /// Friction of the groove that the runner ploughs and of the melt film in it, over all speeds
+    /// and temperatures of the ice, instead of a law over the pressure
     #[arg(long, conflicts_with_all = BY_LAW)]
     pub groove: bool,
-    /// With --groove, one speed and one case: the runner with the least friction, by one or two numbers of its shape within bounds, as
-    /// rocker_radius_m=15:60,section_radius_m=0.004:0.008
+    /// With --groove, one speed and one case: the runner with the least friction, by one or two
+    /// numbers of its shape within bounds, as rocker_radius_m=15:60,section_radius_m=0.004:0.008
     #[arg(long, value_name = "KEY=LOW:HIGH", value_delimiter = ',')]
     pub optimise: Vec<String>,
     /// With --groove: folder for friction.csv, friction.json and friction.png
@@ -54,7 +56,8 @@ pub struct Args {
         allow_negative_numbers = true
     )]
     pub alpha_rad: f64,
-    /// Model of the sled and its friction, whose [friction.longitudinal] and [effects] apply; the published law where absent
+    /// Model of the sled and its friction, whose [friction.longitudinal] and [effects] apply; the
+    /// published law where absent
     #[arg(long, short, value_name = "MODEL.toml")]
     pub model: Option<PathBuf>,
     /// Air temperature [degrees Celsius], for effects that need it

@@ -1,4 +1,5 @@
-//! `kufe friction CASES --groove --v-mps LIST --ice-c LIST`: the groove and the melt film's friction over speed and temperature, runners side by side.
+//! `kufe friction CASES --groove --v-mps LIST --ice-c LIST`: the groove and the melt film's
+//! friction over speed and temperature, runners side by side.
 
 use std::path::PathBuf;
 
@@ -18,7 +19,8 @@ const MOST: usize = 10_000;
 /// Solves, prints and writes.
 ///
 /// # Errors
-/// [`Failure::Usage`] for too long lists, else as [`friction_table`]; [`Failure::BadInput`] for an output that cannot be written.
+/// [`Failure::Usage`] for too long lists, else as [`friction_table`]; [`Failure::BadInput`] for an
+/// output that cannot be written.
 pub fn run(request: &Request, global: &Global) -> Result<(), Failure> {
     let counts = [request.speeds.len(), request.temperatures.len()];
     let count = counts

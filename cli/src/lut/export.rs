@@ -27,7 +27,8 @@ pub struct Forms {
     /// Write a C99 header with arrays and functions
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub header: Option<Option<PathBuf>>,
-    /// Write a block for Simulink into the folder of the table: a C header, an S-function and the MATLAB script that builds both into a library
+    /// Write a block for Simulink into the folder of the table: a C header, an S-function and the
+    /// MATLAB script that builds both into a library
     #[arg(long)]
     pub simulink: bool,
     /// Write an FMU (FMI 3.0, co-simulation and model exchange)

@@ -53,7 +53,8 @@ enum Command {
     Merge(plan::MergeArgs),
 }
 
-/// An error of the arguments; where a misspelt subcommand was taken for a table's file, one that says so.
+/// An error of the arguments; where a misspelt subcommand was taken for a table's file, one that
+/// says so.
 pub fn explained(error: clap::Error) -> clap::Error {
     let words: Vec<String> = std::env::args().skip(1).take(2).collect();
     let [command, word] = &words[..] else {
@@ -81,8 +82,8 @@ pub fn explained(error: clap::Error) -> clap::Error {
 /// Runs the subcommand, or fills the table.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for files, [`Failure::NotConverged`] where a contact or the interpolation stays
-/// short of its accuracy, [`Failure::Partial`] where the rest can be resumed.
+/// [`Failure::BadInput`] for files, [`Failure::NotConverged`] where a contact or the interpolation
+/// stays short of its accuracy, [`Failure::Partial`] where the rest can be resumed.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     match &args.command {
         None => fill::run(&args.fill, global),

@@ -124,7 +124,8 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
 /// Solves the points of one shard that have no result.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where plan, case or results do not belong together; as [`Solver::solve_missing`].
+/// [`Failure::BadInput`] where plan, case or results do not belong together; as
+/// [`Solver::solve_missing`].
 pub fn run(args: &RunArgs, global: &Global) -> Result<(), Failure> {
     let (plan, solver, _) = open_plan(&args.plan)?;
     let (index, count) = args.shard;
@@ -153,8 +154,9 @@ pub fn run(args: &RunArgs, global: &Global) -> Result<(), Failure> {
 /// Puts the results together, or plans the next round of a table that is refined to a tolerance.
 ///
 /// # Errors
-/// [`Failure::Partial`] where points are missing or a further round is needed; [`Failure::BadInput`] with the
-/// damaged or foreign file; [`Failure::NotConverged`] as for a table made in one process.
+/// [`Failure::Partial`] where points are missing or a further round is needed;
+/// [`Failure::BadInput`] with the damaged or foreign file; [`Failure::NotConverged`] as for a table
+/// made in one process.
 pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
     let started = Instant::now();
     let (plan, solver, spec) = open_plan(&args.plan)?;

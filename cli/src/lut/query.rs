@@ -64,7 +64,8 @@ pub enum ModeWord {
 /// Interpolates every quantity and prints it.
 ///
 /// # Errors
-/// [`Failure::Usage`] where the track is not given, [`Failure::BadInput`] for the table, and for a force that presses nothing.
+/// [`Failure::Usage`] where the track is not given, [`Failure::BadInput`] for the table, and for a
+/// force that presses nothing.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let curvature = match (
         args.curvature_1pm,

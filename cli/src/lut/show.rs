@@ -20,8 +20,9 @@ pub struct Args {
     /// Where the picture goes [default: the table's name with .png]
     #[arg(long, short, value_name = "PNG")]
     pub out: Option<PathBuf>,
-    /// What is drawn: p_max, p_mean, area, length, width, approach; of a runner that slides also mu, mu_ploughing, mu_viscous, mu_boundary, groove_depth,
-    /// film_mean [default: p_max, or mu of a runner that slides]
+    /// What is drawn: p_max, p_mean, area, length, width, approach; of a runner that slides also
+    /// mu, mu_ploughing, mu_viscous, mu_boundary, groove_depth, film_mean [default: p_max, or mu of
+    /// a runner that slides]
     #[arg(long)]
     pub quantity: Option<String>,
     /// Radius of the rocker [m], where the table has that axis
@@ -30,13 +31,16 @@ pub struct Args {
     /// Speed [m/s], where the table has that axis [default: the middle one, the upper of two]
     #[arg(long, value_name = "M_PER_S")]
     pub v_mps: Option<f64>,
-    /// Ice temperature [degrees Celsius], where the table has that axis [default: the middle one, the upper of two]
+    /// Ice temperature [degrees Celsius], where the table has that axis [default: the middle one,
+    /// the upper of two]
     #[arg(long, value_name = "CELSIUS", allow_hyphen_values = true)]
     pub ice_c: Option<f64>,
-    /// Show where the samples of these runs lie on the table, and count those outside; needs --model
+    /// Show where the samples of these runs lie on the table, and count those outside; needs
+    /// --model
     #[arg(long, value_name = "RUNS.csv", requires = "model")]
     pub runs: Option<PathBuf>,
-    /// Model of the sled and its friction, with --runs: mass and axles determine the load of each runner
+    /// Model of the sled and its friction, with --runs: mass and axles determine the load of each
+    /// runner
     #[arg(long, short, value_name = "MODEL.toml", requires = "runs")]
     pub model: Option<PathBuf>,
     /// With --runs: the runner that the table is of [default: both]

@@ -10,7 +10,8 @@ use kufe_files::{open_regular, outputs_apart, resolved};
 
 use crate::output::{FolderRecord, Staging, unwritable};
 
-/// Endings of files that cannot state that kufe wrote them: they are compared once they are written.
+/// Endings of files that cannot state that kufe wrote them: they are compared once they are
+/// written.
 const UNMARKED: [&str; 6] = ["csv", "fmu", "json", "md", "parquet", "toml"];
 /// Length of a file's beginning that contains the mark of kufe [bytes].
 const HEAD: u64 = 1 << 13;

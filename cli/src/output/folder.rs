@@ -61,7 +61,8 @@ impl FolderRecord {
         Ok(())
     }
 
-    /// The files that `command` wrote, and pages that show them; other commands may have added theirs.
+    /// The files that `command` wrote, and pages that show them; other commands may have added
+    /// theirs.
     fn files_of(&self, command: &str) -> impl Iterator<Item = (&String, &FileRecord)> {
         let files = self.files.iter();
         files.filter(move |(_, file)| file.command == command || file.command == "report")
@@ -75,7 +76,8 @@ impl FolderRecord {
             .then(|| file.command.clone())
     }
 
-    /// Adds `name`, which `command` has written into `folder`, to the folder's record, if it has one.
+    /// Adds `name`, which `command` has written into `folder`, to the folder's record, if it has
+    /// one.
     pub fn add(folder: &Path, name: &str, command: &str) {
         let _lock = lock(folder);
         let record = FolderRecord::read(folder);

@@ -19,12 +19,13 @@ use crate::terminal::{Global, warn};
 pub struct Args {
     /// The case; a built-in bobsled runner on flat ice where none is given
     pub case: Option<PathBuf>,
-    /// Folder for result.json, pressure.exr, pressure.png, field.vtu, contact.vtp and hull.glb (runner.vtu and stress.png too where the runner deforms, groove.exr, groove.png and
-    /// film.csv where it slides)
+    /// Folder for result.json, pressure.exr, pressure.png, field.vtu, contact.vtp and hull.glb
+    /// (runner.vtu and stress.png too where the runner deforms, groove.exr, groove.png and film.csv
+    /// where it slides)
     #[arg(long, short, value_name = "FOLDER", default_value = "out")]
     pub out: PathBuf,
-    /// Stress on the line under the peak too: subsurface.csv and subsurface.png, figures in result.json, maximum shear in
-    /// the VTU files
+    /// Stress on the line under the peak too: subsurface.csv and subsurface.png, figures in
+    /// result.json, maximum shear in the VTU files
     #[arg(long)]
     pub subsurface: bool,
     /// Figures, errors and maps for MATLAB too: result.mat
@@ -37,7 +38,8 @@ pub struct Args {
 /// Solves the case and writes its files, all or none.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for the case and for an output that cannot be written, [`Failure::NotConverged`] where the solver does not reach the requested accuracy.
+/// [`Failure::BadInput`] for the case and for an output that cannot be written,
+/// [`Failure::NotConverged`] where the solver does not reach the requested accuracy.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let loaded = match &args.case {
         Some(path) => LoadedCase::read(path)?,

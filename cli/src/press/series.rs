@@ -1,5 +1,5 @@
-//! A series: lists of loads, radii and tilts, each combination solved in a folder of its own, and one
-//! table of all.
+//! A series: lists of loads, radii and tilts, each combination solved in a folder of its own, and
+//! one table of all.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -44,13 +44,15 @@ struct Tried {
     short: Option<String>,
 }
 
-/// Solves every combination into a folder of its own; results that are in the output folder already stay.
+/// Solves every combination into a folder of its own; results that are in the output folder already
+/// stay.
 ///
 /// A step that does not reach its accuracy is reported in the table, and the others are solved.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for a combination that is no case, before anything is solved; [`Failure::Partial`] where steps are
-/// missing at the end, after an interrupt or without the requested accuracy; [`Failure::NotConverged`] where all are.
+/// [`Failure::BadInput`] for a combination that is no case, before anything is solved;
+/// [`Failure::Partial`] where steps are missing at the end, after an interrupt or without the
+/// requested accuracy; [`Failure::NotConverged`] where all are.
 pub fn run(
     args: &Args,
     loaded: &LoadedCase,
@@ -105,7 +107,8 @@ fn remove_other_steps(out: &Path, steps: &[Step]) {
     }
 }
 
-/// How a series ends of whose `steps` so many are `tried` and `done`; `short` is the last reason for insufficient accuracy.
+/// How a series ends of whose `steps` so many are `tried` and `done`; `short` is the last reason
+/// for insufficient accuracy.
 fn ending(
     [done, tried, steps]: [usize; 3],
     short: Option<String>,
@@ -152,7 +155,8 @@ impl Series<'_> {
             .then_some(result)
     }
 
-    /// Solves the steps that have no result. Of warnings that differ in their numbers alone the first is printed.
+    /// Solves the steps that have no result. Of warnings that differ in their numbers alone the
+    /// first is printed.
     fn solve(&self, steps: &[Step], watch: &Watch, tried: &mut Tried) -> Result<(), Failure> {
         let warned = Mutex::new(BTreeMap::new());
         let warn_once = |text: &str| {
@@ -214,7 +218,8 @@ impl Series<'_> {
     }
 }
 
-/// Writes table.csv, table.json and series.pvd (runner.pvd where runners deform) over the steps that are solved.
+/// Writes table.csv, table.json and series.pvd (runner.pvd where runners deform) over the steps
+/// that are solved.
 fn write_overview(
     output: &OutputDir,
     out: &Path,
@@ -242,10 +247,12 @@ fn write_overview(
 /// The lists of a series; every combination is solved, the load running fastest.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct Lists {
-    /// Normal force [N], or several as 500,1000,2000: a series in folders of its own, with series.pvd and table.csv
+    /// Normal force [N], or several as 500,1000,2000: a series in folders of its own, with
+    /// series.pvd and table.csv
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub fz_n: Vec<f64>,
-    /// Track radius in the vertical plane [m], positive in a valley, inf on a straight; one or several
+    /// Track radius in the vertical plane [m], positive in a valley, inf on a straight; one or
+    /// several
     #[arg(
         long,
         value_name = "LIST",

@@ -80,7 +80,8 @@ pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path, writing
     text
 }
 
-/// The peak with its whole error, the parts of that, and the second answer; where the ice yields at `bound` [Pa] its hardness is the peak.
+/// The peak with its whole error, the parts of that, and the second answer; where the ice yields at
+/// `bound` [Pa] its hardness is the peak.
 fn peak(result: &ContactResult, bound: f64) -> Vec<(&'static str, String)> {
     let total = result.peak();
     if total.value >= bound {

@@ -35,7 +35,8 @@ pub struct Args {
     /// Estimate every track from its runs, also where there is a survey
     #[arg(long)]
     pub estimate: bool,
-    /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of excluding them
+    /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of
+    /// excluding them
     #[arg(long)]
     pub strict: bool,
     /// Write Parquet instead of CSV

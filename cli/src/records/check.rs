@@ -1,4 +1,5 @@
-//! `kufe runs check`: what is provably wrong in recorded runs, what is odd, and what to do about it.
+//! `kufe runs check`: what is provably wrong in recorded runs, what is odd, and what to do about
+//! it.
 
 use std::path::PathBuf;
 
@@ -29,7 +30,8 @@ pub struct Args {
 /// Examines and writes.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for the index, and, once the report is written, where something is provably wrong.
+/// [`Failure::BadInput`] for the index, and, once the report is written, where something is
+/// provably wrong.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let inputs = std::slice::from_ref(&args.runs);
     let output = OutputDir::begin("runs check", inputs, &args.out, global.force)?;

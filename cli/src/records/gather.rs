@@ -63,10 +63,12 @@ struct WrittenIndex<'a> {
     tracks: BTreeSet<&'a str>,
 }
 
-/// Reads the indices and writes one, with the tables of the tracks, and copies of the runs where requested.
+/// Reads the indices and writes one, with the tables of the tracks, and copies of the runs where
+/// requested.
 ///
 /// # Errors
-/// [`Failure::BadInput`] with file and place; for runs of one name in folders of one name, and tables of one track that differ.
+/// [`Failure::BadInput`] with file and place; for runs of one name in folders of one name, and
+/// tables of one track that differ.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if args.out.file_name().is_none() {
         let text = format!("-o {}: expected a file", args.out.display());

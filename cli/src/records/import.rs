@@ -47,7 +47,8 @@ pub struct Args {
     /// Folder for runs.csv and one file a run
     #[arg(long, short, value_name = "FOLDER")]
     pub out: PathBuf,
-    /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of excluding them
+    /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of
+    /// excluding them
     #[arg(long)]
     pub strict: bool,
 }
@@ -92,8 +93,8 @@ struct DelaySummary {
 /// Reads, converts, resamples and writes.
 ///
 /// # Errors
-/// [`Failure::BadInput`] with file, channel, row, value and what was expected; [`Failure::Partial`] where some runs are
-/// excluded.
+/// [`Failure::BadInput`] with file, channel, row, value and what was expected; [`Failure::Partial`]
+/// where some runs are excluded.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let file = args.mapping.display().to_string();
     let text = kufe_files::text_of_regular(&args.mapping, 1 << 24)

@@ -78,7 +78,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     })
 }
 
-/// A sample's path as the mapping names it: as it is given where both are in one folder, else from the root.
+/// A sample's path as the mapping names it: as it is given where both are in one folder, else from
+/// the root.
 fn from_mapping(sample: &Path, mapping: &Path) -> Result<PathBuf, Failure> {
     let folder = mapping.parent().unwrap_or(Path::new(""));
     if folder.as_os_str().is_empty() || sample.is_absolute() {

@@ -50,7 +50,8 @@ struct Written {
 /// Writes the page.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where there is nothing to report on, a file of it is broken, or the page cannot be written.
+/// [`Failure::BadInput`] where there is nothing to report on, a file of it is broken, or the page
+/// cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let (kind, default, html) = html(&args.result)?;
     let out = args.out.clone().unwrap_or(default);

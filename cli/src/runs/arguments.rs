@@ -11,7 +11,8 @@ use crate::terminal::Global;
 /// Arguments that every command on runs takes.
 #[derive(clap::Args, Debug)]
 pub struct RunArgs {
-    /// Index of the runs: run, file, and where known track, driver, driver_class, session, ice_c, air_c, air_pa
+    /// Index of the runs: run, file, and where known track, driver, driver_class, session, ice_c,
+    /// air_c, air_pa
     pub runs: PathBuf,
     /// Model of the sled and its friction
     #[arg(long, short, value_name = "MODEL.toml")]
@@ -28,7 +29,8 @@ pub struct RunArgs {
     /// Exclude runs with faulty files, with a warning, instead of stopping at the first
     #[arg(long)]
     pub leave_out_bad_runs: bool,
-    /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of excluding them
+    /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of
+    /// excluding them
     #[arg(long)]
     pub strict: bool,
     /// Frequency above which channels are smoothed, without delay [Hz]
@@ -45,7 +47,8 @@ impl RunArgs {
     /// Reads model and runs, selects those of the options that are `unseen`, and prepares them.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no filter.
+    /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no
+    /// filter.
     pub fn load(&self, global: &Global, unseen: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
         let selection = RunSelection {
             runs: self.runs.clone(),

@@ -11,24 +11,30 @@ use crate::terminal::{Global, warn};
 /// Find the effect that is missing in a model, name it and add it
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// runs.csv, experiments.csv or pressures.csv; or a campaign.toml that names several of them and their model
+    /// runs.csv, experiments.csv or pressures.csv; or a campaign.toml that names several of them
+    /// and their model
     data: PathBuf,
-    /// Model of the sled and its friction, or for pressures the case.toml; a campaign.toml names its own
+    /// Model of the sled and its friction, or for pressures the case.toml; a campaign.toml names
+    /// its own
     #[arg(long, short, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
-    /// Folder for report.json, report.html and model.next.toml, and case.next.toml for pressures in a campaign
+    /// Folder for report.json, report.html and model.next.toml, and case.next.toml for pressures in
+    /// a campaign
     #[arg(short, long, value_name = "FOLDER", default_value = "out")]
     out: PathBuf,
     /// Seed of all random numbers
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Simulated copies of the data with nothing hidden in them that each finding is compared with (at least 10)
+    /// Simulated copies of the data with nothing hidden in them that each finding is compared with
+    /// (at least 10)
     #[arg(long, default_value_t = 40)]
     twins: u64,
-    /// Effects to search for and no others, with commas between them; `unknown` is every effect outside the catalogue
+    /// Effects to search for and no others, with commas between them; `unknown` is every effect
+    /// outside the catalogue
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
     only: Vec<String>,
-    /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of excluding them
+    /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of
+    /// excluding them
     #[arg(long)]
     strict: bool,
     /// Rules of judgement that differ from the usual ones

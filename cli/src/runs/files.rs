@@ -44,7 +44,8 @@ pub fn write_track(output: &OutputDir, track: &Track) -> Result<(), Failure> {
     })
 }
 
-/// Draws the tables of the model with the samples of the runs on them; returns the names of the pictures.
+/// Draws the tables of the model with the samples of the runs on them; returns the names of the
+/// pictures.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for a table that cannot be read, or a picture that cannot be written.

@@ -53,7 +53,8 @@ struct Listening {
 /// Serves the page until it is interrupted.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for the case and a port that is taken, [`Failure::NotConverged`] where the first solve stops short.
+/// [`Failure::BadInput`] for the case and a port that is taken, [`Failure::NotConverged`] where the
+/// first solve stops short.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let base = match &args.case {
         Some(path) => LoadedCase::read(path)?,

@@ -138,7 +138,8 @@ impl Form {
                     length_m,
                     rocker_radius_m: self.rocker_radius_m,
                     section_radius_m: self.section_radius_m,
-                    // A section no wider than its diameter keeps the blade's sides less than upright.
+                    // A section no wider than its diameter keeps the blade's sides less than
+                    // upright.
                     width_m: width_m.min(2.0 * self.section_radius_m),
                     height_m,
                 });

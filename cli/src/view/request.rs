@@ -12,7 +12,8 @@ const LONGEST_HEAD: usize = 16 << 10;
 const MOST_HEADERS: usize = 64;
 /// How long a connection may be idle.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// How long and how much is read after the answer, so that it arrives before the connection ends [bytes].
+/// How long and how much is read after the answer, so that it arrives before the connection ends
+/// [bytes].
 const LINGER: Duration = Duration::from_secs(1);
 const MOST_UNREAD: u64 = 1 << 20;
 
@@ -32,7 +33,8 @@ impl Request {
     /// Waits for the head of a request.
     ///
     /// # Errors
-    /// The system's where the connection ends or stays idle; [`ErrorKind::InvalidData`] for no head of a request.
+    /// The system's where the connection ends or stays idle; [`ErrorKind::InvalidData`] for no head
+    /// of a request.
     pub fn read(mut stream: TcpStream) -> Result<Request> {
         stream.set_read_timeout(Some(PATIENCE))?;
         stream.set_write_timeout(Some(PATIENCE))?;

@@ -178,7 +178,8 @@ fn wrong(path: &Path, reason: &str) -> Failure {
     Failure::BadInput(format!("{}: {reason}", path.display()))
 }
 
-/// Puts the folder's name before every run's whose name another folder's run has; returns the new names.
+/// Puts the folder's name before every run's whose name another folder's run has; returns the new
+/// names.
 fn with_own_names(entries: &mut [Entry]) -> Result<Vec<String>, Failure> {
     let mut count: BTreeMap<String, usize> = BTreeMap::new();
     for entry in entries.iter() {
@@ -210,7 +211,8 @@ pub fn folder_of(file: &Path) -> String {
     folder.map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
-/// The tables of the runs' tracks, in the folders of the runs, that the index's folder does not have yet: their names and contents.
+/// The tables of the runs' tracks, in the folders of the runs, that the index's folder does not
+/// have yet: their names and contents.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for tables of one track that differ.

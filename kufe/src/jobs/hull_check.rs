@@ -19,7 +19,8 @@ const WITHOUT_NOISE: f64 = 0.01;
 /// Plane-strain modulus of ice as cases have it by default, 9 GPa/(1 - 0.33^2) [Pa].
 const ICE: f64 = 9.0e9 / (1.0 - 0.33 * 0.33);
 
-/// Examines the hull in `file` under `forces` [N]; `p_max` is the requested relative error of the peak.
+/// Examines the hull in `file` under `forces` [N]; `p_max` is the requested relative error of the
+/// peak.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for a hull that cannot be read or has no rounded underside.

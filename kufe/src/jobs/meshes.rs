@@ -54,7 +54,8 @@ impl CaseMeshes {
     }
 }
 
-/// Height of the runner's flat top over its lowest point [m]; none for a paraboloid, which has no end.
+/// Height of the runner's flat top over its lowest point [m]; none for a paraboloid, which has no
+/// end.
 fn top(loaded: &LoadedCase, stated: &StatedProblem) -> Option<f64> {
     if loaded.case.runner.mesh.is_some() {
         return None;

@@ -53,9 +53,11 @@ pub struct PackedGrid {
 }
 
 impl Grid<'_> {
-    /// At most about `most` columns and rows, every k-th of them and the ones of the peak among them.
+    /// At most about `most` columns and rows, every k-th of them and the ones of the peak among
+    /// them.
     ///
-    /// Values are taken, not averaged: what the page shows at a grid point is what the file holds there.
+    /// Values are taken, not averaged: what the page shows at a grid point is what the file holds
+    /// there.
     ///
     /// # Panics
     /// Where the fields do not have `nx * ny` values.

@@ -1,9 +1,9 @@
 //! Results as one self-contained page.
 //!
-//! A page is one HTML file that needs no network: its data, style, scripts and, where it turns bodies in space,
-//! the library three.js are all in it. Text of users and files becomes text: in HTML, in SVG and
-//! within the script of the data it passes one escaping function. The content security policy allows
-//! the page's own script alone.
+//! A page is one HTML file that needs no network: its data, style, scripts and, where it turns
+//! bodies in space, the library three.js are all in it. Text of users and files becomes text: in
+//! HTML, in SVG and within the script of the data it passes one escaping function. The content
+//! security policy allows the page's own script alone.
 //!
 //! | item | purpose |
 //! |---|---|

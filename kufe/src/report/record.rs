@@ -1,4 +1,5 @@
-//! The page of recorded runs: what is wrong, what is odd, what to do, and the properties of every channel.
+//! The page of recorded runs: what is wrong, what is odd, what to do, and the properties of every
+//! channel.
 
 use std::fmt::Write;
 

@@ -7,7 +7,8 @@ use serde::Serialize;
 
 use crate::results::CaseRecord;
 
-/// Most forces, curvatures and layers (rocker radii, speeds, temperatures of the ice) that the page carries; more are thinned.
+/// Most forces, curvatures and layers (rocker radii, speeds, temperatures of the ice) that the page
+/// carries; more are thinned.
 const MOST: [usize; 3] = [60, 60, 30];
 
 /// Data of the page of a table.

@@ -238,7 +238,8 @@ pub struct MeshResult {
 }
 
 impl MeshResult {
-    /// The last state of a mesh, with the iterations, sweeps and accelerations of all its contact sets; `None` without any.
+    /// The last state of a mesh, with the iterations, sweeps and accelerations of all its contact
+    /// sets; `None` without any.
     pub(crate) fn of(sets: &[Iterate]) -> Option<Self> {
         let last = sets.last()?;
         let sum = |count: fn(&Iterate) -> usize| sets.iter().map(count).sum();

@@ -9,7 +9,8 @@ pub struct DocumentKind {
     pub name: &'static str,
     /// The command that writes it.
     pub command: &'static str,
-    /// The keys that it has and no earlier kind of [`DOCUMENT_KINDS`] has all of; of a list, its first row.
+    /// The keys that it has and no earlier kind of [`DOCUMENT_KINDS`] has all of; of a list, its
+    /// first row.
     keys: &'static [&'static str],
 }
 

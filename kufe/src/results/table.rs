@@ -260,7 +260,8 @@ fn by_key<S: Serializer>(values: &[LookupValue], serializer: S) -> Result<S::Ok,
 }
 
 impl TableLookup {
-    /// Interpolates every quantity of a table; the radius of the rocker [m] is needed where it is an axis.
+    /// Interpolates every quantity of a table; the radius of the rocker [m] is needed where it is
+    /// an axis.
     ///
     /// # Errors
     /// Those of the interpolation.

@@ -38,13 +38,15 @@ pub struct Args {
     /// Make the sample data set in this folder instead
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["track", "runs", "skill", "driver"])]
     pub sample_data: Option<PathBuf>,
-    /// Drive with the start and the steering of a measured run: its file, or a runs.csv together with --run
+    /// Drive with the start and the steering of a measured run: its file, or a runs.csv together
+    /// with --run
     #[arg(long, value_name = "RUN", conflicts_with_all = ["sample_data", "runs", "skill", "driver", "seed", "start_speed_mps", "no_noise"])]
     pub replay: Option<PathBuf>,
     /// Which run of the runs.csv
     #[arg(long, value_name = "NAME", requires = "replay")]
     pub run: Option<String>,
-    /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of excluding them
+    /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of
+    /// excluding them
     #[arg(long, requires = "replay")]
     pub strict: bool,
     /// Seed of drivers and sensors; each run adds its number
@@ -97,7 +99,8 @@ pub struct Args {
     /// Relative humidity [%], for effects that need it; else from the model's [conditions]
     #[arg(long, value_name = "PCT")]
     pub humidity_pct: Option<f64>,
-    /// Distance run on this finish of the runners before the run [m], for effects that need it; else from the model's [conditions]
+    /// Distance run on this finish of the runners before the run [m], for effects that need it;
+    /// else from the model's [conditions]
     #[arg(long, value_name = "METRES")]
     pub distance_m: Option<f64>,
     /// Name of the session in runs.csv

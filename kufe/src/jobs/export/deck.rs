@@ -1,4 +1,5 @@
-//! A two-body contact problem as an input deck of CalculiX (www.calculix.de; the cards are Abaqus's).
+//! A two-body contact problem as an input deck of CalculiX (www.calculix.de; the cards are
+//! Abaqus's).
 //!
 //! In millimetres, newtons and megapascals: CalculiX searches contacts within absolute lengths, and
 //! in metres it finds none.
@@ -183,7 +184,8 @@ pub(super) fn write_deck(deck: &Deck, writer: impl Write) -> std::io::Result<()>
     out.flush()
 }
 
-/// kufe's pressures as comments; the underside's nodes are the mesh's first, in the surface's columns.
+/// kufe's pressures as comments; the underside's nodes are the mesh's first, in the surface's
+/// columns.
 fn own_pressures(out: &mut impl Write, deck: &Deck, offset: usize) -> std::io::Result<()> {
     writeln!(out, "** contact pressures by kufe: node, MPa")?;
     let SurfaceField { x, y, pressure, .. } = deck.surface;

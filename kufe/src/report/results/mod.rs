@@ -1,4 +1,5 @@
-//! A page of what any command has written: its pictures, and its figures as tables that an engineer reads.
+//! A page of what any command has written: its pictures, and its figures as tables that an engineer
+//! reads.
 
 mod amount;
 mod entry;
