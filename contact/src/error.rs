@@ -5,7 +5,7 @@ use crate::grid::patch::COARSE;
 use crate::options::AREA_WEIGHT;
 
 /// A number in no more digits than it needs.
-fn plain(value: f64) -> String {
+pub(crate) fn plain(value: f64) -> String {
     if value == 0.0 || (1e-4..1e9).contains(&value.abs()) {
         return value.to_string();
     }
@@ -77,62 +77,17 @@ pub enum Error {
         /// What it must be.
         expected: &'static str,
     },
-    /// A runner that nothing but loads hold was given an approach, or tilts.
-    #[error("a runner without a mount needs a normal force and free tilt")]
-    LoadsNeedFreeTilt,
-    /// The runner cannot rest on the track under this load.
-    #[error(
-        "the load's line of action at x = {} m, y = {} m misses the hull, which spans x {} to {} m and y {} to {} m",
-        short(*x), short(*y), short(*x_min), short(*x_max), short(*y_min), short(*y_max)
-    )]
-    LoadMissesHull {
-        /// Line of action along the runner [m].
-        x: f64,
-        /// Line of action across [m].
-        y: f64,
-        /// Start of the hull [m].
-        x_min: f64,
-        /// End of the hull [m].
-        x_max: f64,
-        /// Right side of the hull [m].
-        y_min: f64,
-        /// Left side of the hull [m].
-        y_max: f64,
-    },
-    /// The load acts on the hull's rim, where a runner that may tilt finds no balance.
-    #[error(
-        "the load's line of action at {axis} = {at} m runs along the rim of the hull, which spans {low} to {high} m: expected it \
-         within the hull; half a runner is mirrored first"
-    )]
-    LoadOnRim {
-        /// `"x"` or `"y"`.
-        axis: &'static str,
-        /// Line of action [m].
-        at: f64,
-        /// Start of the hull [m].
-        low: f64,
-        /// End of the hull [m].
-        high: f64,
-    },
-    /// The track is curved so tightly that the hull does not fit.
-    #[error("a track of radius {} m does not take a hull that reaches to x = {reach} m", plain(*radius))]
-    TrackTooTight {
-        /// Track radius [m].
-        radius: f64,
-        /// Farthest point of the hull [m].
-        reach: f64,
-    },
+    /// A problem that has no answer, or none by this method, with its numbers and what is expected.
+    #[error("{0}")]
+    Unsuitable(String),
+    /// A problem that may have an answer, which no mesh gave; with what is expected instead.
+    #[error("{0}")]
+    Unsolved(String),
     /// The problem is none of steady sliding.
     #[error("steady sliding does not take {reason}")]
     NotSliding {
         /// What it does not take.
         reason: &'static str,
-    },
-    /// The runner cannot be meshed on the ice's columns.
-    #[error("the elastic runner cannot be meshed: {reason}")]
-    RunnerMesh {
-        /// The mesher's own words, with their numbers.
-        reason: String,
     },
     /// The load exceeds what the hull bears: at rest its whole underside, sliding what lies ahead
     /// of its lowest point and a little behind.
@@ -159,30 +114,6 @@ pub enum Error {
         /// Requested spacing, or the least that rounding allows there [m].
         spacing: f64,
     },
-    /// The coarsest mesh of the contact is larger than memory takes.
-    #[error(
-        "a mesh of {} x {} x {} nodes is the coarsest that resolves the contact, {limit} nodes are the most: expected lengths (ice, \
-         runner, waves, mount) that are nearer to one another, or less accuracy",
-        shape[0], shape[1], shape[2]
-    )]
-    MeshTooLarge {
-        /// Nodes along, across and down.
-        shape: [usize; 3],
-        /// Most nodes.
-        limit: usize,
-    },
-    /// More nodes of the contact plane may touch under a sliding runner than the stored matrices of
-    /// the plane with memory take.
-    #[error(
-        "{nodes} nodes of the contact plane may touch while the runner slides, {limit} are the most: expected a shorter contact, longer \
-         waves, or less accuracy"
-    )]
-    TooManyTouch {
-        /// Nodes that may touch.
-        nodes: usize,
-        /// Most nodes.
-        limit: usize,
-    },
     /// The meshes give no contact that carries the load.
     #[error("no contact was found: {name} = {value:.6e}, expected {expected}")]
     NoAnswer {
@@ -192,30 +123,6 @@ pub enum Error {
         value: f64,
         /// What it must be.
         expected: &'static str,
-    },
-    /// The solution of a mesh violates equilibrium or the contact conditions somewhere on the
-    /// plane.
-    #[error(
-        "equilibrium and contact conditions are violated by {residual:.2e} (relative; all nodes of the contact plane), {most:.1e} is the most"
-    )]
-    ConditionsViolated {
-        /// Largest relative violation.
-        residual: f64,
-        /// Largest that passes.
-        most: f64,
-    },
-    /// The runner touches at too many places that were found late, or is too rough for any mesh.
-    #[error(
-        "the runner also touches the ice at x = {x} m, y = {y} m, by {depth:.2e} m, far from where contact was expected or \
-         between the nodes there: expected a hull that touches at fewer places, or is smoother"
-    )]
-    PenetrationOutsideMesh {
-        /// Where, along the runner [m].
-        x: f64,
-        /// Where, across it [m].
-        y: f64,
-        /// How deep runner and ice would lie in one another there [m].
-        depth: f64,
     },
     /// The caller stopped the solve.
     #[error("stopped before the end")]
@@ -242,14 +149,6 @@ pub enum Error {
         rounds: usize,
         /// Relative change of the force between the last two.
         change: f64,
-    },
-    /// No patch settles under the load.
-    #[error(
-        "no patch settles under the load in {rounds} rounds: expected a line of action farther from the hull's ends, or gentler ice"
-    )]
-    NoPatch {
-        /// Times that the contact plane was solved.
-        rounds: usize,
     },
     /// The requested accuracy was not reached within the largest mesh allowed.
     #[error(
@@ -302,10 +201,16 @@ pub enum Error {
 
 impl Error {
     /// A runner that cannot be meshed, in the mesher's own words.
-    pub(crate) fn runner_mesh(reason: impl std::fmt::Display) -> Self {
-        Error::RunnerMesh {
-            reason: reason.to_string(),
-        }
+    pub(crate) fn runner_mesh<E: std::fmt::Display>(reason: E) -> Self {
+        Error::Unsuitable(format!("the elastic runner cannot be meshed: {reason}"))
+    }
+
+    /// No patch settled in this many solutions of the contact plane.
+    pub(crate) fn no_patch(rounds: usize) -> Self {
+        Error::Unsolved(format!(
+            "no patch settles under the load in {rounds} rounds: expected a line of action farther \
+             from the hull's ends, or gentler ice"
+        ))
     }
 
     /// A number of the problem outside its range.
@@ -316,11 +221,6 @@ impl Error {
             expected,
         }
     }
-}
-
-/// A length of four digits, without zeros at its end [m].
-fn short(length: f64) -> f64 {
-    format!("{length:.3e}").parse().unwrap_or(length)
 }
 
 #[cfg(test)]

@@ -14,13 +14,12 @@ use crate::{Error, Load, Options, Problem, Solution};
 /// pressure is below `options.p_max_tolerance`.
 ///
 /// # Errors
-/// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::TrackTooTight`] and
-/// [`Error::LoadExceedsHardness`] for problems without an answer; [`Error::NotConverged`] where a
-/// mesh's equations are not solved, and [`Error::AccuracyNotReached`], with the best solution in
-/// it, where the largest mesh allowed does not do; [`Error::ConditionsViolated`] and
-/// [`Error::PenetrationOutsideMesh`] where the solution of the last mesh violates the contact
-/// conditions; [`Error::TooFine`] and [`Error::MeshTooLarge`] where no mesh can be had,
-/// [`Error::NoAnswer`] where the meshes give no contact under the load.
+/// [`Error::OutOfRange`], [`Error::Unsuitable`] and [`Error::LoadExceedsHardness`] for problems
+/// without an answer; [`Error::NotConverged`] where a mesh's equations are not solved, and
+/// [`Error::AccuracyNotReached`], with the best solution in it, where the largest mesh allowed does
+/// not do; [`Error::TooFine`] and [`Error::Unsolved`] where no mesh can be had, or where the solution
+/// of the last one violates the contact conditions; [`Error::NoAnswer`] where the meshes give no
+/// contact under the load.
 pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     // Among the workers from the start: every parallel loop begun outside would wait for one to
     // wake up.
@@ -55,9 +54,7 @@ fn refined(problem: &Problem, options: &Options, mut meshes: Meshes) -> Result<S
 /// Checks a problem as far as that goes without solving it.
 ///
 /// # Errors
-/// [`Error::OutOfRange`], [`Error::LoadMissesHull`], [`Error::LoadOnRim`],
-/// [`Error::TrackTooTight`], [`Error::LoadExceedsHardness`], and those of what does not go
-/// together.
+/// [`Error::OutOfRange`], [`Error::Unsuitable`], [`Error::LoadExceedsHardness`].
 pub fn check_problem(problem: &Problem, options: &Options) -> Result<(), Error> {
     check(problem, options)?;
     Gap::new(problem)?;
@@ -79,10 +76,11 @@ fn verified(solution: Solution, options: &Options) -> Result<Solution, Error> {
     if solution.kkt_residual <= most {
         return Ok(solution);
     }
-    Err(Error::ConditionsViolated {
-        residual: solution.kkt_residual,
-        most,
-    })
+    Err(Error::Unsolved(format!(
+        "equilibrium and contact conditions are violated by {:.2e} (relative; all nodes of the \
+         contact plane), {most:.1e} is the most",
+        solution.kkt_residual
+    )))
 }
 
 const POSITIVE: &str = "a positive number";

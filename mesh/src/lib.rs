@@ -37,14 +37,13 @@ pub use hexahedra::{
     mesh_over_heights, read_gmsh, read_vtu, write_pvd, write_vtp, write_vtu,
 };
 pub use hull::{
-    Axis, Hull, HullFormat, HullOptions, HullReport, HullWarning, check_hull, hull_files,
-    load_hull, read_3mf, read_gltf, read_obj, read_stl, size_warnings, tessellate,
-    tessellate_turning, write_obj,
+    Axis, Hull, HullFormat, HullOptions, HullReport, check_hull, hull_files, load_hull, read_3mf,
+    read_gltf, read_obj, read_stl, size_warnings, tessellate, tessellate_turning, write_obj,
 };
 pub use ice::{ExrImage, HeightMap, IceSurface, Interpolation, Waviness, load_height_map};
 pub use scan::{
     Estimate, Noise, Orientation, Sampling, ScanFrame, noise_of_faces, noise_of_hull,
-    strips_of_hull,
+    strips_of_hull, strips_warning,
 };
 pub use shapes::{
     BobRunner, Ends, LugeSteel, Paraboloid, Profile, Rocker, Section, Swept, Underside, load_points,

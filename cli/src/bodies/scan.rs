@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use kufe::jobs::{Failure, check_hull};
 use kufe::results::{Angle, HullCheck, ResolvedLoad};
-use kufe_mesh::HullWarning;
+use kufe_mesh::strips_warning;
 
 use crate::output::OutputFiles;
 use crate::terminal::Global;
@@ -89,7 +89,7 @@ fn text(found: &HullCheck) -> String {
         let _ = writeln!(text, "  into runner axes by {}", angles.join(", "));
     }
     if let Some(length) = found.strips_m {
-        let _ = writeln!(text, "  {}", HullWarning::Strips { length });
+        let _ = writeln!(text, "  {}", strips_warning(length));
     }
     let noise = match (found.noise_m, found.unseen_noise_m) {
         (0.0, 0.0) => "none".to_owned(),

@@ -58,7 +58,7 @@ pub(crate) fn find_patch(
             return Ok((patch, Forces::of(&mesh, &state)));
         }
     }
-    Err(Error::NoPatch { rounds: ROUNDS })
+    Err(Error::no_patch(ROUNDS))
 }
 
 /// Whether a grid made for one patch resolves the other.

@@ -236,15 +236,16 @@ impl<'a> Meshes<'a> {
     /// Searches contact at these places too, from the first mesh's cells on.
     ///
     /// # Errors
-    /// [`Error::PenetrationOutsideMesh`] where it was widened often enough.
+    /// [`Error::Unsolved`] where it was widened often enough.
     pub fn widen(&mut self, contact: &Contact, found: &[Penetration]) -> Result<(), Error> {
         let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
         if let Some(deepest) = deepest.filter(|_| self.widened.len() == WIDENINGS) {
-            return Err(Error::PenetrationOutsideMesh {
-                x: deepest.at[0],
-                y: deepest.at[1],
-                depth: deepest.depth,
-            });
+            let ([x, y], depth) = (deepest.at, deepest.depth);
+            return Err(Error::Unsolved(format!(
+                "the runner also touches the ice at x = {x} m, y = {y} m, by {depth:.2e} m, far from \
+                 where contact was expected or between the nodes there: expected a hull that touches \
+                 at fewer places, or is smoother"
+            )));
         }
         // Meshes without that place say nothing of this contact.
         self.solved = FigureHistory::new(self.problem.ice.hardness, error_floor(self.own));

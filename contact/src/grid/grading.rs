@@ -189,10 +189,12 @@ pub(crate) fn increasing(nodes: Vec<f64>) -> Result<Vec<f64>, Error> {
 pub(crate) fn storable(shape: [usize; 3]) -> Result<(), Error> {
     let nodes = shape.iter().fold(1usize, |n, &k| n.saturating_mul(k));
     if nodes > MOST_NODES {
-        return Err(Error::MeshTooLarge {
-            shape,
-            limit: MOST_NODES,
-        });
+        let [nx, ny, nz] = shape;
+        return Err(Error::Unsolved(format!(
+            "a mesh of {nx} x {ny} x {nz} nodes is the coarsest that resolves the contact, \
+             {MOST_NODES} nodes are the most: expected lengths (ice, runner, waves, mount) that are \
+             nearer to one another, or less accuracy"
+        )));
     }
     Ok(())
 }

@@ -106,7 +106,10 @@ impl MeshContact<'_> {
         let nodes = contact.candidates.len();
         let limit = StorageLimit::USUAL.mounted;
         if nodes > limit {
-            return Err(Error::TooManyTouch { nodes, limit });
+            return Err(Error::Unsolved(format!(
+                "{nodes} nodes of the contact plane may touch while the runner slides, {limit} are \
+                 the most: expected a shorter contact, longer waves, or less accuracy"
+            )));
         }
         let [_, green] = contact.dense_greens();
         Ok(green)

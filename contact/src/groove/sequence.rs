@@ -104,7 +104,7 @@ impl<'a> SlidingMeshes<'a> {
                 });
             }
         }
-        Err(Error::NoPatch { rounds: ROUNDS })
+        Err(Error::no_patch(ROUNDS))
     }
 
     /// Solves mesh after mesh until two agree, and puts together what they say.
@@ -341,7 +341,7 @@ fn unfolded(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
 /// [`Error::NotSliding`] for ice without a hardness or of varying height, a checking method; those
 /// of [`solve`](crate::solve()) for problems without an answer and answers that are none:
 /// [`Error::LoadExceedsHardness`] too where the hull bears the load at rest but not sliding;
-/// [`Error::NotConverged`], [`Error::NoPatch`], and [`Error::SlidingAccuracyNotReached`] where the
+/// [`Error::NotConverged`], [`Error::Unsolved`], and [`Error::SlidingAccuracyNotReached`] where the
 /// largest mesh allowed does not do.
 ///
 /// ```

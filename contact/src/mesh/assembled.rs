@@ -27,7 +27,7 @@ pub struct AssembledBody {
 ///
 /// # Errors
 /// [`Error::StiffnessTooLarge`] where the bodies together would need more than `limit` bytes,
-/// [`Error::RunnerMesh`].
+/// [`Error::Unsuitable`].
 pub(crate) fn assemble(
     mesh: &mut Discretisation,
     element: Option<ElementKind>,

@@ -19,32 +19,31 @@ pub(crate) enum Inverse {
     Factored(FactoredInverse),
 }
 
+/// Calls a method of whichever inverse it is.
+macro_rules! each {
+    ($self:ident, $method:ident($($argument:expr),*)) => {
+        match $self {
+            Inverse::Planewise(inverse) => inverse.$method($($argument),*),
+            Inverse::Mounted(inverse) => inverse.$method($($argument),*),
+            Inverse::Factored(inverse) => inverse.$method($($argument),*),
+        }
+    };
+}
+
 impl Inverse {
     /// Vectors for the methods below.
     pub fn work(&self) -> InverseWork {
-        match self {
-            Inverse::Planewise(inverse) => inverse.work(),
-            Inverse::Mounted(inverse) => inverse.work(),
-            Inverse::Factored(inverse) => inverse.work(),
-        }
+        each!(self, work())
     }
 
-    /// `closing` += B M^-1 `residual`, and keeps M^-1 `residual` in `work`.
+    /// `closing` += B M^-1 `residual`; M^-1 `residual` stays in `work`.
     pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut InverseWork) {
-        match self {
-            Inverse::Planewise(inverse) => inverse.begin(residual, closing, work),
-            Inverse::Mounted(inverse) => inverse.begin(residual, closing, work),
-            Inverse::Factored(inverse) => inverse.begin(residual, closing, work),
-        }
+        each!(self, begin(residual, closing, work))
     }
 
     /// `step` = M^-1 (residual - B^T m) for the forces m on nodes.
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
-        match self {
-            Inverse::Planewise(inverse) => inverse.finish(multipliers, step, work),
-            Inverse::Mounted(inverse) => inverse.finish(multipliers, step, work),
-            Inverse::Factored(inverse) => inverse.finish(multipliers, step, work),
-        }
+        each!(self, finish(multipliers, step, work))
     }
 
     /// `closing` += B M^-1 B^T f for the forces f on nodes.
@@ -59,10 +58,6 @@ impl Inverse {
     /// B M^-1 B^T between plane nodes, and that with the fast-diagonalisation part scaled to
     /// elasticity's response.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
-        match self {
-            Inverse::Planewise(inverse) => inverse.green(nodes),
-            Inverse::Mounted(inverse) => inverse.green(nodes),
-            Inverse::Factored(inverse) => inverse.green(nodes),
-        }
+        each!(self, green(nodes))
     }
 }

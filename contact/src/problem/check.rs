@@ -189,7 +189,9 @@ fn check_mount(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error> 
         ..
     } = problem.load
     else {
-        return Err(Error::LoadsNeedFreeTilt);
+        return Err(Error::Unsuitable(
+            "a runner without a mount needs a normal force and free tilt".into(),
+        ));
     };
     let sum = |f: &dyn Fn(&LoadedPlace) -> f64| loads.iter().map(f).sum::<f64>();
     let (share, line) = (sum(&|l| l.share), sum(&|l| l.share * l.place.x));

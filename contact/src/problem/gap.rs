@@ -1,5 +1,6 @@
 //! The gap between the undeformed runner and the ice.
 
+use crate::error::plain;
 use crate::{Error, Load, Problem, Tilt};
 
 /// Undeformed gap g(x, y) = height of the underside - height of the track - height of the ice on
@@ -48,14 +49,12 @@ impl<'a> Gap<'a> {
         if free_motion[0]
             && !(extent[0] <= x0 && x0 <= extent[1] && extent[2] <= y0 && y0 <= extent[3])
         {
-            return Err(Error::LoadMissesHull {
-                x: x0,
-                y: y0,
-                x_min: extent[0],
-                x_max: extent[1],
-                y_min: extent[2],
-                y_max: extent[3],
-            });
+            let [x, y] = [x0, y0].map(short);
+            let [x_min, x_max, y_min, y_max] = extent.map(short);
+            return Err(Error::Unsuitable(format!(
+                "the load's line of action at x = {x} m, y = {y} m misses the hull, which spans x \
+                 {x_min} to {x_max} m and y {y_min} to {y_max} m"
+            )));
         }
         // Hexahedra that end at the load are half a runner, whatever holds its tilt.
         let elastic = problem.runner.elastic.as_ref();
@@ -67,10 +66,10 @@ impl<'a> Gap<'a> {
         let reach = extent[0].abs().max(extent[1].abs());
         let curvature = problem.track_curvature;
         if reach.is_finite() && reach * curvature.abs() >= 0.5 {
-            return Err(Error::TrackTooTight {
-                radius: 1.0 / curvature,
-                reach,
-            });
+            return Err(Error::Unsuitable(format!(
+                "a track of radius {} m does not take a hull that reaches to x = {reach} m",
+                plain(1.0 / curvature)
+            )));
         }
         let mut gap = Gap {
             problem,
@@ -191,12 +190,10 @@ fn off_the_rim(axis: &'static str, at: f64, low: f64, high: f64) -> Result<(), E
     // An unbounded hull has no rim.
     let near = RIM * (high - low);
     if near.is_finite() && (at - low < near || high - at < near) {
-        return Err(Error::LoadOnRim {
-            axis,
-            at,
-            low,
-            high,
-        });
+        return Err(Error::Unsuitable(format!(
+            "the load's line of action at {axis} = {at} m runs along the rim of the hull, which spans \
+             {low} to {high} m: expected it within the hull; half a runner is mirrored first"
+        )));
     }
     Ok(())
 }
@@ -207,4 +204,9 @@ fn off_the_rim(axis: &'static str, at: f64, low: f64, high: f64) -> Result<(), E
 pub fn track_height(curvature: f64, x: f64) -> f64 {
     let sine = curvature * x;
     curvature * x * x / (1.0 + (1.0 - sine * sine).max(0.0).sqrt())
+}
+
+/// A length of four digits, without zeros at its end [m].
+fn short(length: f64) -> f64 {
+    format!("{length:.3e}").parse().unwrap_or(length)
 }

@@ -53,7 +53,7 @@ impl RunnerSolid {
     /// The underside is what faces down and hangs together with the lowest face.
     ///
     /// # Errors
-    /// [`Error::RunnerMesh`] where a cell is inside out, no node is fixed, the fixed nodes leave a
+    /// [`Error::Unsuitable`] where a cell is inside out, no node is fixed, the fixed nodes leave a
     /// mechanism, or nothing faces down.
     pub fn new(
         mesh: HexMesh,
@@ -61,10 +61,8 @@ impl RunnerSolid {
         poissons_ratio: f64,
         fixed: impl Fn([f64; 3]) -> bool,
     ) -> Result<Self, Error> {
-        let bad = |reason: String| Error::RunnerMesh { reason };
-        let said = |error: kufe_fem::Error| Error::RunnerMesh {
-            reason: error.to_string(),
-        };
+        let bad = Error::runner_mesh::<String>;
+        let said = Error::runner_mesh::<kufe_fem::Error>;
         let material = Material::new(youngs_modulus, poissons_ratio).map_err(said)?;
         if let Some(wrong) = wrong_in(&mesh) {
             return Err(bad(wrong));

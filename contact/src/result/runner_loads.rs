@@ -46,14 +46,12 @@ pub struct MountForce {
 /// the rim of a fixed part they are singular, so that they grow there with finer meshes.
 ///
 /// # Errors
-/// [`Error::RunnerMesh`] where the solution's mesh is no body.
+/// [`Error::Unsuitable`] where the solution's mesh is no body.
 pub fn runner_loads(problem: &Problem, solution: &Solution) -> Result<Option<RunnerLoads>, Error> {
     let (Some(elastic), Some(field)) = (&problem.runner.elastic, &solution.runner_volume) else {
         return Ok(None);
     };
-    let said = |error: kufe_fem::Error| Error::RunnerMesh {
-        reason: error.to_string(),
-    };
+    let said = Error::runner_mesh::<kufe_fem::Error>;
     let material = Material::new(elastic.youngs_modulus, elastic.poissons_ratio).map_err(said)?;
     let body = Body::uniform(field.mesh.clone(), material, elastic.element_kind()).map_err(said)?;
     let displacement: Vec<f64> = field.displacement.iter().flatten().copied().collect();

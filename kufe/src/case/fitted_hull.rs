@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use kufe_mesh::{
-    Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, HullWarning, MeshError, Noise,
-    ScanFrame, Underside, check_hull, load_hull, noise_of_hull, strips_of_hull,
+    Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, MeshError, Noise, ScanFrame,
+    Underside, check_hull, load_hull, noise_of_hull, strips_of_hull, strips_warning,
 };
 
 use crate::case::table::{FileAxis, RunnerTable};
@@ -65,10 +65,10 @@ fn fit(
 ) -> Result<(FittedHull, Option<Filled>), MeshError> {
     let started = Instant::now();
     let strips = strips_of_hull(&hull);
-    let strips_warning = strips.map(|length| HullWarning::Strips { length });
+    let unlike = unlike_runner(&hull)?;
     report
         .warnings
-        .extend(strips_warning.or(unlike_runner(&hull)?));
+        .extend(strips.map(strips_warning).or(unlike));
     let noise = runner.noise(&mut report, || noise_of_hull(&hull));
     let mut underside = FittedUnderside::new(&hull, noise.found)?;
     if runner.elastic && report.open_edges > 0 {
@@ -77,7 +77,11 @@ fn fit(
         let extent = underside.extent();
         let [long, wide] = [0, 2].map(|k| (extent[k + 1] - extent[k]) / (whole[k + 1] - whole[k]));
         if long * wide < 0.99 {
-            report.warnings.push(HullWarning::Trimmed { extent });
+            let [x0, x1, y0, y1] = extent.map(|end| 1e3 * end);
+            report.warnings.push(format!(
+                "the elastic body fills x = {x0:.1} to {x1:.1} mm, y = {y0:.2} to {y1:.2} mm: the \
+                 rims outside are ragged"
+            ));
         }
     }
     let fill = || Filled::of(&hull, &report, &underside, runner.height_m);
@@ -99,17 +103,26 @@ fn fit(
 const ROCKER_OVER_SECTION: f64 = 10.0;
 
 /// Why a hull, x forward and z up, is unlike a runner, before time is spent on it.
-fn unlike_runner(hull: &Hull) -> Result<Option<HullWarning>, MeshError> {
+fn unlike_runner(hull: &Hull) -> Result<Option<String>, MeshError> {
     let Some(found) = ScanFrame::of(hull)? else {
         return Ok(None);
     };
     let up = found.options.up.filter(|up| *up != Axis::Z);
-    let radii = [found.rocker_radius, found.section_radius];
-    let round = radii[0] < ROCKER_OVER_SECTION * radii[1];
-    Ok(match up {
-        _ if round => Some(HullWarning::NoRunner { radii }),
-        up => up.map(|up| HullWarning::NotRounded { up }),
-    })
+    let [along, across] = [found.rocker_radius, found.section_radius];
+    if along < ROCKER_OVER_SECTION * across {
+        return Ok(Some(format!(
+            "this seems not to be a runner: radii of {:.1} mm along and {:.1} mm across at its lowest \
+             place",
+            1e3 * along,
+            1e3 * across
+        )));
+    }
+    Ok(up.map(|up| {
+        format!(
+            "the side that is rounded as a runner's underside does not face down: up = \"{up}\" \
+             would turn it so"
+        )
+    }))
 }
 
 impl RunnerTable {
@@ -127,8 +140,11 @@ impl RunnerTable {
         };
         let noise = stated.or_else(&found).unwrap_or(none);
         if stated.is_none() && noise.found > 0.0 {
-            let noise = noise.found;
-            report.warnings.push(HullWarning::Noisy { noise });
+            report.warnings.push(format!(
+                "the underside's vertices scatter by {:.3} µm about a smooth surface: taken for noise \
+                 and smoothed; noise_m states another",
+                1e6 * noise.found
+            ));
         }
         noise
     }

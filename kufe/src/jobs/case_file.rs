@@ -282,13 +282,9 @@ impl LoadedCase {
         match error {
             Error::NotConverged { .. }
             | Error::AccuracyNotReached { .. }
-            | Error::MeshTooLarge { .. }
-            | Error::TooManyTouch { .. }
-            | Error::NoPatch { .. }
+            | Error::Unsolved(_)
             | Error::FarField { .. }
             | Error::NoAnswer { .. }
-            | Error::ConditionsViolated { .. }
-            | Error::PenetrationOutsideMesh { .. }
             | Error::SlidingAccuracyNotReached { .. } => Failure::NotConverged(text),
             Error::Stopped => Failure::Partial(text),
             _ => Failure::BadInput(text),

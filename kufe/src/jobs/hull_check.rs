@@ -5,8 +5,8 @@ use std::path::Path;
 
 use kufe_contact::hertz;
 use kufe_mesh::{
-    Axis, Estimate, FittedUnderside, Hull, HullOptions, HullWarning, Orientation, Sampling,
-    ScanFrame, load_hull, noise_of_hull, smaller_by, strips_of_hull,
+    Axis, Estimate, FittedUnderside, Hull, HullOptions, Orientation, Sampling,
+    ScanFrame, load_hull, noise_of_hull, smaller_by, strips_of_hull, strips_warning,
 };
 
 use crate::jobs::failure::Failure;
@@ -104,7 +104,7 @@ fn not_rounded(file: &Path, hull: &Hull) -> Failure {
             "no side of it is rounded along and across, as the underside of a runner is (rocker and section)"
                 .to_owned()
         },
-        |length| HullWarning::Strips { length }.to_string(),
+        strips_warning,
     );
     Failure::BadInput(format!("{}: {reason}", file.display()))
 }

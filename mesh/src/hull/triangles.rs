@@ -326,150 +326,21 @@ pub struct HullReport {
     /// Signed volume [m^3]; of little meaning where edges are open.
     pub volume: f64,
     /// What the caller should show.
-    pub warnings: Vec<HullWarning>,
-}
-
-/// Something about a hull that may be meant, and more often is a mistake.
-#[derive(Clone, Debug, PartialEq)]
-pub enum HullWarning {
-    /// The hull is so large that its unit is likely millimetres.
-    TooLarge {
-        /// Largest extent [m].
-        extent: f64,
-    },
-    /// The hull is so small that its scale is likely wrong.
-    TooSmall {
-        /// Largest extent [m].
-        extent: f64,
-    },
-    /// The surface has holes.
-    Open {
-        /// Edges that only one triangle uses.
-        edges: usize,
-    },
-    /// The hull is longer across than along.
-    Across {
-        /// Extents along x and y [m].
-        extent: [f64; 2],
-    },
-    /// The file holds several surfaces that share no vertex.
-    Apart {
-        /// How many.
-        bodies: usize,
-    },
-    /// The vertices of the underside scatter about a smooth surface.
-    Noisy {
-        /// Their standard deviation [m].
-        noise: f64,
-    },
-    /// The underside's triangles are long strips, between whose ends nothing is known.
-    Strips {
-        /// Their length along x [m].
-        length: f64,
-    },
-    /// The side that is rounded along and across does not face down.
-    NotRounded {
-        /// The file's axis that points away from the rounded side.
-        up: Axis,
-    },
-    /// The lowest place is about as round along as across.
-    NoRunner {
-        /// Radii along and across [m].
-        radii: [f64; 2],
-    },
-    /// An open elastic hull is a solid over this rectangle only.
-    Trimmed {
-        /// `[x_min, x_max, y_min, y_max]` [m].
-        extent: [f64; 4],
-    },
-    /// Neighbouring triangles disagree about the outside.
-    Flipped {
-        /// Edges where they do.
-        edges: usize,
-    },
-}
-
-impl fmt::Display for HullWarning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooLarge { extent } => write!(
-                f,
-                "the hull is {extent:.4} m large; if the file is in millimetres, set scale = 0.001"
-            ),
-            Self::TooSmall { extent } => {
-                write!(
-                    f,
-                    "the hull is only {extent:.3e} m large; check its scale (metres in one unit of the file)"
-                )
-            }
-            Self::Open { edges } => {
-                write!(
-                    f,
-                    "the hull is open: {edges} edges belong to one triangle only; its downward-facing part is used"
-                )
-            }
-            Self::Across { extent: [x, y] } => {
-                write!(
-                    f,
-                    "the hull is {y:.4} m across and {x:.4} m along: a runner that points along y needs forward = \"y\""
-                )
-            }
-            Self::Apart { bodies } => {
-                write!(
-                    f,
-                    "the file holds {bodies} bodies apart: the one with the lowest vertex is the runner, the others take no part"
-                )
-            }
-            Self::Noisy { noise } => write!(
-                f,
-                "the underside's vertices scatter by {:.3} µm about a smooth surface: taken for noise and smoothed; noise_m states another",
-                1e6 * noise
-            ),
-            Self::Strips { length } => write!(
-                f,
-                "the underside's triangles are strips of {:.0} mm along the runner: export it with edges of a few millimetres along",
-                1e3 * length
-            ),
-            Self::NotRounded { up } => write!(
-                f,
-                "the side that is rounded as a runner's underside does not face down: up = \"{up}\" would turn it so"
-            ),
-            Self::NoRunner {
-                radii: [along, across],
-            } => write!(
-                f,
-                "this seems not to be a runner: radii of {:.1} mm along and {:.1} mm across at its lowest place",
-                1e3 * along,
-                1e3 * across
-            ),
-            Self::Trimmed {
-                extent: [x0, x1, y0, y1],
-            } => write!(
-                f,
-                "the elastic body fills x = {:.1} to {:.1} mm, y = {:.2} to {:.2} mm: the rims outside are ragged",
-                1e3 * x0,
-                1e3 * x1,
-                1e3 * y0,
-                1e3 * y1
-            ),
-            Self::Flipped { edges } => {
-                write!(
-                    f,
-                    "the hull's triangles disagree about the outside along {edges} edges; unify their winding"
-                )
-            }
-        }
-    }
+    pub warnings: Vec<String>,
 }
 
 /// What is odd about the size of a hull or of a mesh, along x, y and z [m].
-pub fn size_warnings(extent: [f64; 3]) -> Vec<HullWarning> {
+pub fn size_warnings(extent: [f64; 3]) -> Vec<String> {
     let size = extent.iter().copied().fold(0.0, f64::max);
     if size > LARGEST_EXTENT {
-        return vec![HullWarning::TooLarge { extent: size }];
+        return vec![format!(
+            "the hull is {size:.4} m large; if the file is in millimetres, set scale = 0.001"
+        )];
     }
     if size < SMALLEST_EXTENT {
-        return vec![HullWarning::TooSmall { extent: size }];
+        return vec![format!(
+            "the hull is only {size:.3e} m large; check its scale (metres in one unit of the file)"
+        )];
     }
     Vec::new()
 }
@@ -505,22 +376,31 @@ pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
     }
     let mut warnings = size_warnings(extent);
     if open_edges > 0 {
-        warnings.push(HullWarning::Open { edges: open_edges });
+        warnings.push(format!(
+            "the hull is open: {open_edges} edges belong to one triangle only; its downward-facing \
+             part is used"
+        ));
     }
     // A disc or a ball is as wide as it is long.
-    if extent[1] > 1.5 * extent[0] {
-        warnings.push(HullWarning::Across {
-            extent: [extent[0], extent[1]],
-        });
+    let [x, y, _] = extent;
+    if y > 1.5 * x {
+        warnings.push(format!(
+            "the hull is {y:.4} m across and {x:.4} m along: a runner that points along y needs \
+             forward = \"y\""
+        ));
     }
     let bodies = bodies(hull);
     if bodies > 1 {
-        warnings.push(HullWarning::Apart { bodies });
+        warnings.push(format!(
+            "the file holds {bodies} bodies apart: the one with the lowest vertex is the runner, the \
+             others take no part"
+        ));
     }
     if flipped_edges > 0 {
-        warnings.push(HullWarning::Flipped {
-            edges: flipped_edges,
-        });
+        warnings.push(format!(
+            "the hull's triangles disagree about the outside along {flipped_edges} edges; unify \
+             their winding"
+        ));
     }
     Ok(HullReport {
         open_edges,
@@ -674,7 +554,7 @@ mod tests {
         hull.triangles[0].swap(1, 2);
         let report = check_hull(&hull).unwrap();
         assert_eq!((report.open_edges, report.flipped_edges), (3, 2));
-        assert!(report.warnings[0].to_string().contains("scale = 0.001"));
+        assert!(report.warnings[0].contains("scale = 0.001"));
         assert_eq!(report.warnings.len(), 3);
     }
 }

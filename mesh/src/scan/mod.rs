@@ -6,5 +6,5 @@ pub(crate) mod noise;
 pub(crate) mod orientation;
 
 pub use frame::ScanFrame;
-pub use noise::{Noise, Sampling, noise_of_faces, noise_of_hull, strips_of_hull};
+pub use noise::{Noise, Sampling, noise_of_faces, noise_of_hull, strips_of_hull, strips_warning};
 pub use orientation::{Estimate, Orientation};

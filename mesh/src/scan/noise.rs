@@ -301,6 +301,15 @@ pub fn strips_of_hull(hull: &Hull) -> Option<f64> {
     (MANY * long > high[0] - low[0] && long > MANY * wide).then_some(long)
 }
 
+/// What a hull of triangles that are strips of this length along x [m] needs.
+pub fn strips_warning(length: f64) -> String {
+    format!(
+        "the underside's triangles are strips of {:.0} mm along the runner: export it with edges of a \
+         few millimetres along",
+        1e3 * length
+    )
+}
+
 /// Places along the keel at which the vertices are examined.
 const PLACES: usize = 9;
 /// Half the length of such a place over that of the hull.
