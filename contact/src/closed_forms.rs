@@ -1,6 +1,7 @@
 //! Hertz's closed form for smooth bodies that touch at a point.
 
 use crate::Error;
+use crate::bisection::bisect;
 use crate::problem::check::positive;
 
 /// Elliptic point contact of two smooth elastic bodies.
@@ -54,15 +55,9 @@ pub fn hertz(
     }
     // The radii's ratio grows as k = b/a falls: bisect on ln k.
     let radii = radius_x / radius_y;
-    let (mut low, mut high) = (1e-9f64.ln(), 0.0f64);
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        if radius_ratio(middle.exp()) > radii {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    let [low, high] = bisect([1e-9f64.ln(), 0.0], 200, |middle| {
+        radius_ratio(middle.exp()) > radii
+    });
     let k = (0.5 * (low + high)).exp();
     let (first, second) = elliptic_integrals(k);
     // The sum of Johnson's two curvature equations is (1/radius_x + 1/radius_y) / 2 = (p_max / E*)

@@ -59,6 +59,7 @@
 
 mod accuracy;
 mod active_set;
+mod bisection;
 mod bodies;
 mod boundary_elements;
 mod closed_forms;

@@ -52,23 +52,28 @@ impl Serialize for Solve {
 
 impl<'de> Deserialize<'de> for Solve {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(SolveVisitor)
+        deserializer.deserialize_map(SolveVisitor { figures: true })
     }
 }
 
 impl<'de> Deserialize<'de> for Point {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(PointVisitor)
+        let solve = deserializer.deserialize_map(SolveVisitor { figures: false })?;
+        Ok(solve.point)
     }
 }
 
-struct SolveVisitor;
+/// Reads a solve, or a point without `figures`.
+struct SolveVisitor {
+    figures: bool,
+}
 
 impl<'de> Visitor<'de> for SolveVisitor {
     type Value = Solve;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("an object with the coordinates and figures of a point")
+        let figures = if self.figures { " and figures" } else { "" };
+        write!(f, "an object with the coordinates{figures} of a point")
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Solve, A::Error> {
@@ -77,7 +82,12 @@ impl<'de> Visitor<'de> for SolveVisitor {
         while let Some(key) = map.next_key::<String>()? {
             let is = |known: &str| key == known;
             if coordinates.read(&key, &mut map)? {
-            } else if let Some(quantity) = Quantity::ALL.into_iter().find(|q| is(q.key())) {
+                continue;
+            }
+            if !self.figures {
+                return Err(A::Error::custom(format!("unknown key {key}")));
+            }
+            if let Some(quantity) = Quantity::ALL.into_iter().find(|q| is(q.key())) {
                 let value = map.next_value()?;
                 if let Some(expected) = quantity.expectation(value) {
                     let text = format!("{key} = {value}: expected {expected}");
@@ -102,29 +112,9 @@ impl<'de> Visitor<'de> for SolveVisitor {
             figures,
         };
         match figures.not_finite() {
-            None => Ok(solve),
-            Some((key, _)) => Err(A::Error::custom(format!("missing key {key}"))),
+            Some((key, _)) if self.figures => Err(A::Error::custom(format!("missing key {key}"))),
+            _ => Ok(solve),
         }
-    }
-}
-
-struct PointVisitor;
-
-impl<'de> Visitor<'de> for PointVisitor {
-    type Value = Point;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("an object with the coordinates of a point")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Point, A::Error> {
-        let mut coordinates = Coordinates::default();
-        while let Some(key) = map.next_key::<String>()? {
-            if !coordinates.read(&key, &mut map)? {
-                return Err(A::Error::custom(format!("unknown key {key}")));
-            }
-        }
-        coordinates.point()
     }
 }
 

@@ -1,6 +1,8 @@
 //! Estimators of the discretisation error: Richardson extrapolation with an observed order, the
 //! grid convergence index, and the range of values that show no order.
 
+use crate::bisection::bisect;
+
 /// A figure on one mesh.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeshValue {
@@ -160,15 +162,9 @@ pub(crate) fn range(values: &[f64]) -> f64 {
 /// The order between [`LOWEST_ORDER`] and [`FORMAL_ORDER`] whose `ratio` of steps, which falls with
 /// it, is the observed one.
 fn order_of(observed: f64, ratio: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (LOWEST_ORDER, FORMAL_ORDER);
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if ratio(middle) > observed {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    let [low, high] = bisect([LOWEST_ORDER, FORMAL_ORDER], 50, |middle| {
+        ratio(middle) > observed
+    });
     0.5 * (low + high)
 }
 

@@ -1,5 +1,6 @@
 //! The rectangle of the contact plane that is divided into cells.
 
+use crate::bisection::{bisect, bisect_scales};
 use crate::boundary_elements::operator::Layer;
 use crate::problem::gap::Gap;
 use crate::{Foundation, Load, Problem};
@@ -45,17 +46,10 @@ impl Window {
         let cut = match problem.load {
             Load::Approach { approach, .. } => line.cut(gap, approach),
             Load::Force { fz, .. } => {
-                let (mut low, mut high) = (1e-12f64.ln(), 1.0f64.ln());
-                for _ in 0..HALVINGS {
-                    let middle = 0.5 * (low + high);
+                let [_, high] = bisect([1e-12f64.ln(), 1.0f64.ln()], HALVINGS, |middle| {
                     let [from, to, right, left] = line.cut(gap, middle.exp());
-                    let bears = modulus * middle.exp() * ((to - from) * (left - right)).sqrt();
-                    if bears < fz {
-                        low = middle
-                    } else {
-                        high = middle
-                    }
-                }
+                    modulus * middle.exp() * ((to - from) * (left - right)).sqrt() < fz
+                });
                 line.cut(gap, high.exp())
             }
         };
@@ -255,16 +249,11 @@ impl Line {
             if below(end) {
                 return end;
             }
-            let (mut low, mut high) = (1e-9f64.min((end - self.y).abs()), (end - self.y).abs());
-            for _ in 0..HALVINGS {
-                let middle = (low * high).sqrt();
-                if below(self.y + (end - self.y).signum() * middle) {
-                    low = middle
-                } else {
-                    high = middle
-                }
-            }
-            self.y + (end - self.y).signum() * high
+            let (far, sign) = ((end - self.y).abs(), (end - self.y).signum());
+            let [_, high] = bisect_scales([1e-9f64.min(far), far], HALVINGS, |middle| {
+                below(self.y + sign * middle)
+            });
+            self.y + sign * high
         });
         [from, to, right, left]
     }

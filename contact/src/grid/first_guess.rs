@@ -2,6 +2,7 @@
 
 use kufe_mesh::Underside;
 
+use crate::bisection::{bisect, bisect_scales};
 use crate::grid::patch::{Patch, corners};
 use crate::grid::stretch::Stretch;
 use crate::problem::gap::Gap;
@@ -23,20 +24,14 @@ pub(crate) fn guess(problem: &Problem, gap: &Gap, most: &dyn Fn(f64, f64) -> f64
     let guess = match problem.load {
         Load::Approach { approach, .. } => stations.cut(gap, approach.max(1e-12)),
         Load::Force { fz, .. } => {
-            let (mut low, mut high) = (1e-12f64.ln(), 1.0f64.ln());
-            for _ in 0..60 {
-                let middle = 0.5 * (low + high);
+            let [low, high] = bisect([1e-12f64.ln(), 1.0f64.ln()], 60, |middle| {
                 let depth = middle.exp();
                 let patch = stations.cut(gap, depth);
                 let length: f64 = patch.x.iter().map(|s| 2.0 * s.half()).sum();
                 let width = 2.0 * patch.y.half();
                 let elastic = contact_modulus * depth * (length * width).sqrt();
-                if elastic.min(most(length, width)) < fz {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
+                elastic.min(most(length, width)) < fz
+            });
             stations.cut(gap, (0.5 * (low + high)).exp())
         }
     };
@@ -170,18 +165,11 @@ impl Stations {
                 self.y_range[0]
             } - self.y0;
             let below = |d: f64| gap.at(deepest, self.y0 + d) - self.lowest < depth;
-            let (mut low, mut high) = (1e-9f64.min(end.abs()), end.abs());
-            if below(sign * high) {
+            let ends = [1e-9f64.min(end.abs()), end.abs()];
+            if below(sign * ends[1]) {
                 return end;
             }
-            for _ in 0..60 {
-                let middle = (low * high).sqrt();
-                if below(sign * middle) {
-                    low = middle
-                } else {
-                    high = middle
-                }
-            }
+            let [_, high] = bisect_scales(ends, 60, |middle| below(sign * middle));
             sign * high
         };
         let x = x
