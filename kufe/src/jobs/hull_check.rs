@@ -5,8 +5,8 @@ use std::path::Path;
 
 use kufe_contact::hertz;
 use kufe_mesh::{
-    Axis, Estimate, FittedUnderside, Hull, HullOptions, Orientation, Sampling,
-    ScanFrame, load_hull, noise_of_hull, smaller_by, strips_of_hull, strips_warning,
+    Axis, Estimate, FittedUnderside, Hull, HullOptions, Orientation, Sampling, ScanFrame,
+    load_hull, noise_of_hull, smaller_by, strips_of_hull, strips_warning,
 };
 
 use crate::jobs::failure::Failure;
