@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
 use kufe_files::{open_regular, outputs_apart, resolved};
+use tempfile::TempDir;
 
-use crate::output::{FolderRecord, Staging, unwritable};
+use crate::output::{FolderRecord, NewFolders, Staging, unwritable};
 
 /// Endings of files that cannot state that kufe wrote them: they are compared once they are
 /// written.
@@ -27,6 +28,8 @@ pub struct OutputFiles {
     inputs: Vec<PathBuf>,
     force: bool,
     outputs: Vec<Output>,
+    /// Dropped after the hidden folders in them.
+    _made: Vec<NewFolders>,
 }
 
 struct Output {
@@ -34,13 +37,14 @@ struct Output {
     named: PathBuf,
     /// Its place, without links.
     place: PathBuf,
-    staging: Staging,
+    /// A folder in that of the place.
+    hidden: TempDir,
 }
 
 impl Output {
     /// Where it is written before it is moved.
     fn new_file(&self) -> PathBuf {
-        self.staging.hidden.path().join(name_of(&self.place))
+        self.hidden.path().join(name_of(&self.place))
     }
 }
 
@@ -62,6 +66,7 @@ impl OutputFiles {
             inputs: inputs.to_vec(),
             force,
             outputs: Vec::new(),
+            _made: Vec::new(),
         };
         for named in outputs {
             let ending = named.extension().unwrap_or_default();
@@ -72,10 +77,12 @@ impl OutputFiles {
         for named in outputs {
             let place = resolved(named);
             let staging = Staging::in_folder(folder_of(&place));
+            let Staging { hidden, made } = staging.map_err(|error| unwritable(named, &error))?;
+            files._made.insert(0, made);
             files.outputs.push(Output {
                 named: named.clone(),
-                staging: staging.map_err(|error| unwritable(named, &error))?,
                 place,
+                hidden,
             });
         }
         Ok(files)

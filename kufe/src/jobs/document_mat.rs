@@ -7,6 +7,7 @@ use kufe_sled::{LateralForce, Run, RunValidation};
 use serde::Serialize;
 
 use crate::jobs::failure::Failure;
+use crate::results::{Data, Datum};
 
 /// Writes every key of `document` and `more` as variables.
 ///
@@ -17,13 +18,53 @@ pub fn write_document_mat(
     document: &impl Serialize,
     more: Vec<(String, MatValue)>,
 ) -> Result<(), Failure> {
-    let document = serde_json::to_value(document).map_err(Failure::bad_input)?;
-    let keys = document.as_object().into_iter().flatten();
+    let document = Datum::of(document).map_err(Failure::bad_input)?;
+    let keys = document.group().into_iter().flat_map(Data::iter);
     let mut variables: Vec<(String, MatValue)> = keys
-        .map(|(key, value)| (key.clone(), MatValue::of_json(value)))
+        .map(|(key, datum)| (key.to_owned(), mat_value(datum)))
         .collect();
     variables.extend(more);
     write_mat_file(writer, env!("CARGO_PKG_VERSION"), variables).map_err(Failure::bad_input)
+}
+
+/// A datum as a MATLAB value: numbers, true as 1, absent ones as NaN; lists of numbers as rows, of
+/// groups as rows of structures with the fields of them all (an empty array where one has none),
+/// other lists as cells; groups as structures.
+fn mat_value(datum: &Datum) -> MatValue {
+    let number = |datum: &Datum| match datum {
+        Datum::Absent(()) => Some(f64::NAN),
+        Datum::Flag(flag) => Some(f64::from(u8::from(*flag))),
+        other => other.number(),
+    };
+    match datum {
+        Datum::Text(text) => MatValue::Text(text.clone()),
+        Datum::Group(_) => structures(std::slice::from_ref(datum)),
+        Datum::List(list) => {
+            if let Some(numbers) = list.iter().map(number).collect() {
+                MatValue::row(numbers)
+            } else if list.iter().all(|datum| datum.group().is_some()) {
+                structures(list)
+            } else {
+                MatValue::Cells(list.iter().map(mat_value).collect())
+            }
+        }
+        other => MatValue::number(number(other).unwrap_or(f64::NAN)),
+    }
+}
+
+fn structures(list: &[Datum]) -> MatValue {
+    let groups = || list.iter().filter_map(Datum::group);
+    let mut names: Vec<String> = Vec::new();
+    for (name, _) in groups().flat_map(Data::iter) {
+        if !names.iter().any(|known| known == name) {
+            names.push(name.to_owned());
+        }
+    }
+    let empty = || MatValue::Numbers(vec![0, 0], Vec::new());
+    let of = |group: &Data, name: &String| group.get(name).map_or_else(empty, mat_value);
+    let rows = groups().map(|group| names.iter().map(|name| of(group, name)).collect());
+    let rows = rows.collect();
+    MatValue::Structures(names, rows)
 }
 
 /// The value of a column at an instant.

@@ -28,7 +28,7 @@ const fn kind(
 
 /// All kinds of documents.
 #[rustfmt::skip]
-pub const DOCUMENT_KINDS: [DocumentKind; 20] = [
+const DOCUMENT_KINDS: [DocumentKind; 20] = [
     kind("a solved contact", "kufe press", &["p_max_pa", "kkt_residual", "history"]),
     kind("a series of contacts", "kufe press", &["step", "folder"]),
     kind("an evaluation of drivers", "kufe evaluate", &["runs", "groups", "interval"]),

@@ -43,7 +43,7 @@ mod table;
 pub use bodies::*;
 pub use contact::*;
 pub use datum::{Data, Datum};
-pub use document::{DOCUMENT_KINDS, DocumentKind};
+pub use document::DocumentKind;
 pub use friction::*;
 pub use quantity::*;
 pub use record::{CaseRecord, write_csv};

@@ -6,8 +6,6 @@
 
 use std::io::{Error, Result, Write};
 
-use serde_json::Value;
-
 use crate::table::Table;
 use crate::unit::unit_of;
 
@@ -55,31 +53,6 @@ impl MatValue {
         MatValue::Structures(names, vec![values])
     }
 
-    /// What JSON holds: numbers, true as 1, null as NaN; lists of numbers as rows, of objects as
-    /// rows of structures with the fields of them all (an empty array where one has none), other
-    /// lists as cells; objects as structures.
-    pub fn of_json(value: &Value) -> Self {
-        let number = |value: &Value| match value {
-            Value::Null => Some(f64::NAN),
-            Value::Bool(holds) => Some(f64::from(u8::from(*holds))),
-            value => value.as_f64(),
-        };
-        match value {
-            Value::String(text) => MatValue::Text(text.clone()),
-            Value::Object(_) => objects(std::slice::from_ref(value)),
-            Value::Array(list) => {
-                if let Some(numbers) = list.iter().map(number).collect() {
-                    MatValue::row(numbers)
-                } else if list.iter().all(Value::is_object) {
-                    objects(list)
-                } else {
-                    MatValue::Cells(list.iter().map(MatValue::of_json).collect())
-                }
-            }
-            value => MatValue::number(number(value).unwrap_or(f64::NAN)),
-        }
-    }
-
     fn element(&self, name: &str) -> Vec<u8> {
         match self {
             MatValue::Numbers(shape, values) => doubles(name, shape, values),
@@ -106,22 +79,6 @@ impl MatValue {
             }
         }
     }
-}
-
-fn objects(list: &[Value]) -> MatValue {
-    let mut names: Vec<String> = Vec::new();
-    for key in list.iter().filter_map(Value::as_object).flatten() {
-        if !names.contains(key.0) {
-            names.push(key.0.clone());
-        }
-    }
-    let of = |object: &Value, name: &String| match object.get(name) {
-        Some(value) => MatValue::of_json(value),
-        None => MatValue::Numbers(vec![0, 0], Vec::new()),
-    };
-    let row = |object: &Value| names.iter().map(|name| of(object, name)).collect();
-    let rows = list.iter().map(row).collect();
-    MatValue::Structures(names, rows)
 }
 
 /// Writes variables as a MAT-file of version 5, `version` being that of kufe, and after them
