@@ -6,8 +6,7 @@ use kufe::jobs::{Failure, MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE};
 use kufe_telemetry::MAPPING_EXAMPLE;
 use serde::Serialize;
 
-use crate::about::schema::Kind;
-use crate::output::OutputFiles;
+use crate::about::schema::{Kind, write_with_schema};
 use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
@@ -48,10 +47,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         None => PathBuf::from(format!("{kind}.toml")),
     };
     let path = file.display();
-    let name = format!("{kind}.schema.json");
-    let schema = file.parent().unwrap_or(Path::new("")).join(&name);
-    let outputs = [schema.clone(), file.clone()];
-    let files = OutputFiles::begin("init", &[], &outputs, global.force)?;
     let (example, next) = match args.kind {
         Kind::Case => (EXAMPLE, format!("solve it with: kufe press {path} -o out/")),
         Kind::Table => (TABLE_EXAMPLE, format!("fill it with: kufe lut {path}")),
@@ -64,13 +59,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             format!("import with it: kufe runs import {path} -o runs/"),
         ),
     };
-    files.write(&schema, |writer| {
-        writer.write_all(args.kind.schema().as_bytes())
-    })?;
-    files.write(&file, |writer| {
-        write!(writer, "#:schema ./{name}\n{example}")
-    })?;
-    files.commit()?;
+    let schema = write_with_schema("init", args.kind, &[], &file, example, global.force)?;
     let written = WrittenFiles {
         file: &file,
         schema,

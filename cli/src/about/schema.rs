@@ -1,6 +1,6 @@
 //! `kufe schema`: the keys of files and results as JSON schemas, for editors and readers.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use kufe::case::Case;
 use kufe::jobs::Failure;
@@ -113,11 +113,30 @@ impl Kind {
             Kind::Mapping => "mapping",
         }
     }
+}
 
-    /// The schema of the file.
-    pub fn schema(self) -> String {
-        Document::from(self).schema()
-    }
+/// Writes a file of a kind with its schema, which its first line names, into one folder; returns
+/// the schema's path.
+///
+/// # Errors
+/// [`Failure::BadInput`] where one of them exists or cannot be written.
+pub fn write_with_schema(
+    command: &'static str,
+    kind: Kind,
+    inputs: &[PathBuf],
+    file: &Path,
+    text: &str,
+    force: bool,
+) -> Result<PathBuf, Failure> {
+    let name = format!("{}.schema.json", kind.name());
+    let schema = file.parent().unwrap_or(Path::new("")).join(&name);
+    let outputs = [schema.clone(), file.to_path_buf()];
+    let files = OutputFiles::begin(command, inputs, &outputs, force)?;
+    let content = Document::from(kind).schema();
+    files.write(&schema, |writer| writer.write_all(content.as_bytes()))?;
+    files.write(file, |writer| write!(writer, "#:schema ./{name}\n{text}"))?;
+    files.commit()?;
+    Ok(schema)
 }
 
 impl Document {

@@ -6,8 +6,7 @@ use kufe::jobs::Failure;
 use kufe_telemetry::{TextOptions, guess_mapping, read_recording};
 use serde::Serialize;
 
-use crate::about::schema::Kind;
-use crate::output::OutputFiles;
+use crate::about::schema::{Kind, write_with_schema};
 use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
@@ -45,26 +44,14 @@ struct WrittenMapping<'a> {
 /// [`Failure::BadInput`] with the file.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let path = args.out.display();
-    let schema = args
-        .out
-        .parent()
-        .unwrap_or(Path::new(""))
-        .join("mapping.schema.json");
-    let outputs = [schema.clone(), args.out.clone()];
-    let files = OutputFiles::begin("runs init", &args.samples, &outputs, global.force)?;
     let mut logs = Vec::new();
     for sample in &args.samples {
         let log = read_recording(sample, TextOptions::default()).map_err(Failure::bad_input)?;
         logs.push((from_mapping(sample, &args.out)?, log));
     }
     let text = guess_mapping(&logs);
-    files.write(&schema, |writer| {
-        writer.write_all(Kind::Mapping.schema().as_bytes())
-    })?;
-    files.write(&args.out, |writer| {
-        write!(writer, "#:schema ./mapping.schema.json\n{text}")
-    })?;
-    files.commit()?;
+    let (kind, inputs) = (Kind::Mapping, &args.samples);
+    let schema = write_with_schema("runs init", kind, inputs, &args.out, &text, global.force)?;
     let written = WrittenMapping {
         file: &args.out,
         schema,

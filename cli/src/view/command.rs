@@ -6,12 +6,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use kufe::jobs::field::pretty;
 use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe::report::{Kind, page};
 use serde::Serialize;
 
-use crate::terminal::{Global, say};
+use crate::terminal::Global;
 use crate::view::form::Form;
 use crate::view::server::{Server, Solved, serve, solved};
 use crate::view::turn::Turn;
@@ -67,10 +66,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ))
     })?;
     let port = listener.local_addr().map_err(Failure::bad_input)?.port();
-    let bar = global.progress();
-    bar.set_message("solving the first contact");
-    let solved = solved(base.clone(), &Arc::new(AtomicBool::new(false)))?;
-    bar.finish_and_clear();
+    let solved = global.during("solving the first contact", || {
+        solved(base.clone(), &Arc::new(AtomicBool::new(false)))
+    })?;
     let title = solved.page.title.clone();
     let data = ViewPage {
         solved,
@@ -84,11 +82,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         turn: Turn::default(),
     };
     let address = format!("http://127.0.0.1:{port}/");
-    if global.json {
-        say(&pretty(&Listening { address })?);
-    } else {
-        say(&format!("{address}\n"));
-    }
+    let listening = Listening { address };
+    global.answer(&listening, || format!("{}\n", listening.address))?;
     serve(&listener, &server);
     Ok(())
 }
