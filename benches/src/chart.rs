@@ -1,6 +1,6 @@
 //! Lines on logarithmic axes.
 
-use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel};
+use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel, Ticks};
 
 /// One line: x and y by point.
 #[derive(Clone, Debug)]
@@ -21,13 +21,9 @@ pub fn growth_panel(title: &str, label: &str, lines: Vec<Line>) -> Panel {
             Layer::dots(3.0, points(), colour),
         ]
     });
-    Panel {
-        title: title.to_owned(),
-        x: Axis::logarithmic("size: unknowns, points, nodes, runs, candidates [1]"),
-        y: Axis::logarithmic(label),
-        layers: layers.collect(),
-        ..Panel::default()
-    }
+    let size = "size: unknowns, points, nodes, runs, candidates [1]";
+    let axis = |label: &str| Axis::with(label, Ticks::Logarithmic);
+    Panel::new(axis(size), axis(label), layers.collect()).titled(title)
 }
 
 /// Panels side by side.

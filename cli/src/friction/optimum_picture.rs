@@ -2,7 +2,7 @@
 
 use kufe::jobs::slide::Optimum;
 use kufe::plot::{
-    Axis, Colour, ColourBar, Figure, Layer, Mark, PALETTE, Panel, Point, contour, viridis,
+    Axis, Cells, Colour, ColourBar, Figure, Layer, PALETTE, Panel, Point, contour, extent, viridis,
 };
 
 /// Places along a parameter at which the curve is drawn.
@@ -44,71 +44,59 @@ fn curve(found: &Optimum) -> Panel {
     let errors = solved.iter().map(|(x, mu)| {
         [-1.0, 1.0].map(|side| -> Point { (*x, 1e3 * (mu.value + side * mu.error)) })
     });
-    let errors: Vec<[Point; 2]> = errors.collect();
-    let low = errors
-        .iter()
-        .map(|ends| ends[0].1)
-        .fold(f64::INFINITY, f64::min);
-    let high = errors.iter().map(|ends| ends[1].1).fold(0.0, f64::max);
+    let [low, high] = extent(errors.clone().flatten().map(|end| end.1));
     let margin = 0.1 * (high - low);
     let points = solved.iter().map(|(x, mu)| (*x, 1e3 * mu.value));
     let [blue, red, green] = [PALETTE[0], PALETTE[1], PALETTE[2]];
-    Panel {
-        x: Axis::new(&found.parameters[0].key).within([from, to]),
-        y: Axis::new(MU).within([low - margin, high + margin]),
-        layers: vec![
-            Layer::stretch(found.flat()[0], green.alpha(0.18))
-                .named("not distinguishable from the best"),
-            Layer::line(2.0, surface, blue).named("smooth curve through them"),
-            Layer::segments(1.0, errors, red),
-            Layer::dots(4.0, points, red).named("other runners solved"),
-            Layer::dots(7.0, [(best.0, 1e3 * best.1.value)], red).named("best runner, solved"),
-        ],
-        ..Panel::default()
-    }
+    let flat = Layer::stretch(found.flat()[0], green.alpha(0.18));
+    let least = Layer::dots(7.0, [(best.0, 1e3 * best.1.value)], red);
+    let layers = vec![
+        flat.named("not distinguishable from the best"),
+        Layer::line(2.0, surface, blue).named("smooth curve through them"),
+        Layer::segments(1.0, errors, red),
+        Layer::dots(4.0, points, red).named("other runners solved"),
+        least.named("best runner, solved"),
+    ];
+    let x = Axis::new(&found.parameters[0].key).within([from, to]);
+    let y = Axis::new(MU).within([low - margin, high + margin]);
+    Panel::new(x, y, layers)
 }
 
 fn map(found: &Optimum) -> (Panel, ColourBar) {
-    let [x, y] = [0, 1].map(|k| found.parameters[k].span.bounds());
-    let at = |[from, to]: [f64; 2], k: f64| from + (to - from) * k / CELLS as f64;
-    let nodes: Vec<f64> = (0..=CELLS)
-        .flat_map(|row| (0..=CELLS).map(move |column| [column as f64, row as f64]))
-        .map(|[column, row]| found.response.at(&[at(x, column), at(y, row)]))
-        .collect();
+    let window = [0, 1].map(|k| found.parameters[k].span.bounds());
+    let at = |axis: usize, k: f64| {
+        let [from, to] = window[axis];
+        from + (to - from) * k / CELLS as f64
+    };
+    let places = (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| [column, row]));
+    let nodes = places.map(|[column, row]| {
+        found
+            .response
+            .at(&[at(0, column as f64), at(1, row as f64)])
+    });
+    let nodes: Vec<f64> = nodes.collect();
     let value = |column: usize, row: usize| nodes[row * (CELLS + 1) + column];
-    let least = nodes.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = nodes.iter().copied().fold(least * (1.0 + 1e-9), f64::max);
+    let [least, most] = extent(nodes.iter().copied());
+    let most = most.max(least * (1.0 + 1e-9));
     let bands = |share: f64| viridis((BANDS * share).floor().min(BANDS - 1.0) / (BANDS - 1.0));
     let bar = ColourBar::new(MU, [1e3 * least, 1e3 * most], bands);
-    let cells = (0..CELLS)
-        .rev()
-        .flat_map(|row| (0..CELLS).map(move |column| (column, row)));
-    let cells = cells.map(|(column, row)| Some(bar.colour(1e3 * value(column, row))));
-    let map = Mark::Map {
-        window: [x, y],
-        size: [CELLS; 2],
-        cells: cells.collect(),
-    };
+    let cells = Cells::new([CELLS; 2], |i, j| Some(bar.colour(1e3 * value(i, j))));
     let alike = least * (1.0 + found.indistinct());
     let bound = contour([CELLS + 1; 2], value, alike).into_iter();
-    let bound = bound.map(|ends| ends.map(|(i, j)| (at(x, i), at(y, j))));
+    let bound = bound.map(|ends| ends.map(|(i, j)| (at(0, i), at(1, j))));
     let [best, others] = [PALETTE[1], Colour::new(255, 105, 190)];
+    let bound = Layer::segments(1.5, bound, others);
     let solved = found
         .solved
         .iter()
         .map(|(values, _)| (values[0], values[1]));
-    let panel = Panel {
-        x: Axis::new(&found.parameters[0].key).within(x),
-        y: Axis::new(&found.parameters[1].key).within(y),
-        layers: vec![
-            Layer::new(map, others),
-            Layer::segments(1.5, bound, others)
-                .named("bound of what is not distinguishable from the best"),
-            Layer::dots(4.0, solved, others).named("other runners solved"),
-            Layer::dots(8.0, [(found.values[0], found.values[1])], best)
-                .named("best runner, solved"),
-        ],
-        ..Panel::default()
-    };
-    (panel, bar)
+    let least = Layer::dots(8.0, [(found.values[0], found.values[1])], best);
+    let layers = vec![
+        Layer::map(window, cells),
+        bound.named("bound of what is not distinguishable from the best"),
+        Layer::dots(4.0, solved, others).named("other runners solved"),
+        least.named("best runner, solved"),
+    ];
+    let axis = |k: usize| Axis::new(&found.parameters[k].key).within(window[k]);
+    (Panel::new(axis(0), axis(1), layers), bar)
 }

@@ -1,7 +1,7 @@
 //! `friction.png`: mu of each runner over speed, over temperature, or runner by runner.
 
 use kufe::jobs::slide::FrictionPoint;
-use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel, Point};
+use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, extent};
 
 use crate::friction::request::Runner;
 
@@ -25,21 +25,12 @@ pub fn sliding_picture(runners: &[Runner]) -> Figure {
     };
     let lines = lines(runners, over);
     let places = || lines.iter().flat_map(|(_, line)| line);
-    let most = places()
-        .map(|[_, mu, error]| mu + error)
-        .fold(0.0, f64::max);
-    let least = places()
-        .map(|[_, mu, error]| mu - error)
-        .fold(f64::INFINITY, f64::min);
-    let fastest = places().map(|at| at[0]).fold(0.0, f64::max);
-    let coldest = places().map(|at| at[0]).fold(0.0, f64::min);
+    let [least, most] = extent(places().flat_map(|[_, mu, error]| [mu - error, mu + error]));
+    let [left, right] = extent(places().map(|at| at[0]).chain([0.0]));
     let x = match over {
-        Over::Speed => Axis::new("speed [m/s]").within([0.0, 1.05 * fastest]),
-        Over::Temperature => Axis::new("temperature of the ice [C]").within([1.05 * coldest, 0.0]),
-        Over::Runner => Axis {
-            label: "runner".to_owned(),
-            ..Axis::names(runners.iter().map(|runner| &*runner.name))
-        },
+        Over::Speed => Axis::new("speed [m/s]").within([0.0, 1.05 * right]),
+        Over::Temperature => Axis::new("temperature of the ice [C]").within([1.05 * left, 0.0]),
+        Over::Runner => Axis::names("runner", runners.iter().map(|runner| &*runner.name)),
     };
     // Runner by runner the differences matter, else the size.
     let room = 0.2 * (most - least);
@@ -59,13 +50,9 @@ pub fn sliding_picture(runners: &[Runner]) -> Figure {
         }
         layers.push(Layer::dots(4.0, line.iter().map(point), *colour));
     }
-    let panel = Panel {
-        x,
-        y: Axis::new("coefficient of friction mu [1e-3]").within(y),
-        layers,
-        ..Panel::default()
-    };
-    Figure::new(900.0, "friction of groove and melt film").row(460.0, [panel])
+    let y = Axis::new("coefficient of friction mu [1e-3]").within(y);
+    let title = "friction of groove and melt film";
+    Figure::new(900.0, title).row(460.0, [Panel::new(x, y, layers)])
 }
 
 /// A line: its name, and place, mu and error of its points [1e-3].

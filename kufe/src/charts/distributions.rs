@@ -2,7 +2,7 @@
 
 use kufe_sled::{Angles, DrivingForce, RunEvaluation, RunValidation, by_track, distinct, quantile};
 
-use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point};
+use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, extent};
 
 /// Fewest values of which quartiles are drawn; fewer are drawn as points alone.
 const FEWEST: usize = 5;
@@ -21,36 +21,20 @@ struct Category {
 
 /// A panel of boxes over categories; a note where there is no value but zero.
 fn boxes(title: impl Into<String>, unit: &str, categories: &[Category]) -> Panel {
-    let mut layers = Vec::new();
-    for (k, category) in categories.iter().enumerate() {
-        layers.extend(one_box(k as f64 + 0.5, category));
-    }
-    let title = title.into();
     if !has_values(categories) {
         let note = Layer::text((0.5, 0.5), "0 in every run", [0.0; 2], PALETTE[6]);
-        return Panel {
-            title,
-            x: Axis::blank([0.0, 1.0]),
-            y: Axis::blank([0.0, 1.0]),
-            layers: vec![note],
-            ..Panel::default()
-        };
+        let [x, y] = [[0.0, 1.0]; 2].map(Axis::blank);
+        return Panel::new(x, y, vec![note]).titled(title);
     }
-    let values = || {
-        categories
-            .iter()
-            .flat_map(|category| &category.values)
-            .copied()
-    };
-    let (low, high) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
+    let boxes = categories.iter().enumerate();
+    let layers = boxes.flat_map(|(k, category)| one_box(k as f64 + 0.5, category));
+    let values = categories.iter().flat_map(|category| &category.values);
+    let [low, high] = extent(values.copied().chain([0.0]));
     let margin = 0.06 * (high - low);
-    Panel {
-        title,
-        x: Axis::names(categories.iter().map(|category| &*category.name)),
-        y: Axis::new(unit).within([if low < 0.0 { low - margin } else { 0.0 }, high + margin]),
-        layers,
-        ..Panel::default()
-    }
+    let bottom = if low < 0.0 { low - margin } else { 0.0 };
+    let x = Axis::names("", categories.iter().map(|category| &*category.name));
+    let y = Axis::new(unit).within([bottom, high + margin]);
+    Panel::new(x, y, layers.collect()).titled(title)
 }
 
 fn has_values(categories: &[Category]) -> bool {
@@ -178,10 +162,8 @@ pub fn angle_picture(runs: &[RunEvaluation]) -> Figure {
         .filter(|row| row.iter().any(|panel| has_values(&panel.2)));
     let figure = Figure::new(1600.0, format!("Angles by driver ({MEANING})"));
     rows.fold(figure, |figure, row| {
-        figure.row(
-            330.0,
-            row.map(|(title, unit, categories)| boxes(title, unit, &categories)),
-        )
+        let panels = row.map(|(title, unit, categories)| boxes(title, unit, &categories));
+        figure.row(330.0, panels)
     })
 }
 

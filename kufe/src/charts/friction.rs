@@ -6,7 +6,7 @@ use kufe_sled::friction::{
 };
 use kufe_sled::quantile;
 
-use crate::plot::{Axis, Colour, Figure, INK, Layer, PALETTE, Panel, Point, Symbol};
+use crate::plot::{Axis, Figure, INK, Layer, PALETTE, Panel, Point, extent};
 
 /// Kinetic energy, potential energy and work on the air of a gliding run, their sum, and the fitted
 /// line whose slope is the friction of the ice.
@@ -17,65 +17,59 @@ pub fn glide_picture(house: &IceHouse, run: &GlideRun) -> Figure {
     let potential = house.potential(run);
     let start = run.line.at(0.0);
     let kinetic: Vec<f64> = run.kinetic.iter().map(|e| e - start).collect();
-    let sum: Vec<f64> = (0..run.s.len())
-        .map(|i| kinetic[i] + potential[i] + run.aero[i])
+    let parts = kinetic.iter().zip(&potential).zip(&run.aero);
+    let sum: Vec<f64> = parts
+        .map(|((kinetic, potential), air)| kinetic + potential + air)
         .collect();
     let weight = run.entry.mass_kg * GRAVITY;
     let climb = potential.last().copied().unwrap_or(0.0) / run.s.last().copied().unwrap_or(1.0);
     let friction = -(run.line.slope + climb);
+    let mu = friction / (weight * house.slope_rad.value.cos());
+    let entry = &run.entry;
     let title = format!(
-        "{}, run {} ({}): friction {:.2} N, mu {:.2}e-3",
-        run.entry.specimen,
-        run.entry.run,
-        run.entry.direction,
-        friction,
-        1e3 * friction / (weight * house.slope_rad.value.cos()),
+        "{}, run {} ({}): friction {friction:.2} N, mu {:.2}e-3",
+        entry.specimen,
+        entry.run,
+        entry.direction,
+        1e3 * mu,
     );
-    let (first, last) = (run.s[run.section.start], run.s[run.section.end - 1]);
-    let section = Layer::stretch([first, last], INK.alpha(0.09));
-    let energies = [
-        ("kinetic", &kinetic, 2),
-        ("potential", &potential, 3),
-        ("given to the air", &run.aero, 4),
-        ("sum of the three", &sum, 0),
-    ];
-    let energies = energies.map(|(name, values, colour)| {
-        let points = run.s.iter().copied().zip(values.iter().copied());
-        Layer::line(1.0, points, PALETTE[colour]).named(name)
-    });
-    let fitted = [first, last].map(|s| (s, run.line.at(s) - start + climb * s));
-    let fitted = Layer::line(2.0, fitted, PALETTE[1]).named("line fitted to the sum");
+    let section = [run.s[run.section.start], run.s[run.section.end - 1]];
+    let shaded = Layer::stretch(section, INK.alpha(0.09));
+    let mut layers = vec![shaded.named("section that it is fitted to")];
+    layers.extend(
+        [
+            ("kinetic", &kinetic, 2),
+            ("potential", &potential, 3),
+            ("given to the air", &run.aero, 4),
+            ("sum of the three", &sum, 0),
+        ]
+        .map(|(name, values, colour)| {
+            let points = run.s.iter().copied().zip(values.iter().copied());
+            Layer::line(1.0, points, PALETTE[colour]).named(name)
+        }),
+    );
+    let fitted = section.map(|s| (s, run.line.at(s) - start + climb * s));
+    layers.push(Layer::line(2.0, fitted, PALETTE[1]).named("line fitted to the sum"));
     let length = run.s.iter().copied().fold(0.0, f64::max);
-    let mut layers = vec![section.named("section that it is fitted to")];
-    layers.extend(energies);
-    layers.push(fitted);
-    let panel = Panel {
-        x: Axis::new("distance s [m]").within([0.0, length]),
-        y: Axis::new("energy relative to the start [J]"),
-        layers,
-        ..Panel::default()
-    };
-    Figure::new(900.0, title).row(420.0, [panel])
+    let x = Axis::new("distance s [m]").within([0.0, length]);
+    let y = Axis::new("energy relative to the start [J]");
+    Figure::new(900.0, title).row(420.0, [Panel::new(x, y, layers)])
 }
 
 /// The coefficient of friction over the peak pressure: specimens with both standard deviations, the
 /// fit with its confidence band, and the law with its largest value, as simulations use it.
 pub fn mu_picture(experiments: &[Experiment], fit: &MuFit, law: &PressureLaw) -> Figure {
-    let mega = |pa: f64| 1e-6 * pa;
-    let ends = |side: f64| {
-        experiments
-            .iter()
-            .map(move |e| mega(e.p_max_pa + side * e.p_max_sd_pa))
-    };
-    let low = ends(-1.0).fold(f64::INFINITY, f64::min);
-    let high = ends(1.0).fold(0.0, f64::max);
+    let at = |e: &Experiment| -> Point { (1e-6 * e.p_max_pa, 1e3 * e.mu) };
+    let sd = |e: &Experiment| [1e-6 * e.p_max_sd_pa, 1e3 * e.mu_sd];
+    let ends = experiments
+        .iter()
+        .flat_map(|e| [at(e).0 - sd(e)[0], at(e).0 + sd(e)[0]]);
+    let [low, high] = extent(ends);
     let margin = 0.08 * (high - low);
     let (low, high) = ((low - margin).max(0.0), high + margin);
-    let largest = experiments.iter().map(|e| 1e3 * (e.mu + e.mu_sd));
+    let largest = experiments.iter().map(|e| at(e).1 + sd(e)[1]);
     let top = 1.08 * largest.fold(1e3 * law.mu_cap, f64::max);
-    let grid: Vec<f64> = (0..=200)
-        .map(|i| low + (high - low) * f64::from(i) / 200.0)
-        .collect();
+    let place = |k: i32| low + (high - low) * f64::from(k) / 200.0;
     let [blue, red, grey] = [PALETTE[0], PALETTE[1], PALETTE[6]];
     let asperities = match (law.zeta == 1.0, law.zeta_acts_on) {
         (true, _) => String::new(),
@@ -86,49 +80,40 @@ pub fn mu_picture(experiments: &[Experiment], fit: &MuFit, law: &PressureLaw) ->
         "{:.4} p² − {:.3} p + {:.2}{asperities}",
         fit.b, fit.c, fit.d
     );
-    let lower = grid.iter().map(|&p| (p, 1e3 * fit.band(1e6 * p).low));
-    let upper = grid
-        .iter()
+    let curve = (0..=200).map(|k| (place(k), 1e3 * law.mu(1e6 * place(k))));
+    let lower = (0..=200).map(|k| (place(k), 1e3 * fit.band(1e6 * place(k)).low));
+    let upper = (0..=200)
         .rev()
-        .map(|&p| (p, 1e3 * fit.band(1e6 * p).high));
+        .map(|k| (place(k), 1e3 * fit.band(1e6 * place(k)).high));
     let band = format!("{:.0} % band of the fit", 100.0 * fit.confidence);
-    let at = |e: &Experiment| -> Point { (mega(e.p_max_pa), 1e3 * e.mu) };
     let bars = experiments.iter().flat_map(|e| {
-        let ((p, mu), p_sd, sd) = (at(e), mega(e.p_max_sd_pa), 1e3 * e.mu_sd);
+        let ((p, mu), [p_sd, mu_sd]) = (at(e), sd(e));
         [
             [(p - p_sd, mu), (p + p_sd, mu)],
-            [(p, mu - sd), (p, mu + sd)],
+            [(p, mu - mu_sd), (p, mu + mu_sd)],
         ]
     });
+    let specimens = Layer::dots(4.0, experiments.iter().map(at), red);
     let mut layers = vec![
         Layer::area(lower.chain(upper), blue.alpha(0.15)).named(band),
-        Layer::line(2.0, grid.iter().map(|&p| (p, 1e3 * law.mu(1e6 * p))), blue).named(formula),
-        Layer::line(1.0, [low, high].map(|p| (p, 1e3 * law.mu_cap)), grey)
-            .dashed()
-            .named("cap"),
+        Layer::line(2.0, curve, blue).named(formula),
+        Layer::line(1.0, [low, high].map(|p| (p, 1e3 * law.mu_cap)), grey).named("cap"),
         Layer::segments(1.0, bars, red),
-        Layer::dots(4.0, experiments.iter().map(at), red)
-            .named("specimens, one standard deviation"),
+        specimens.named("specimens, one standard deviation"),
     ];
     if experiments.len() <= 24 {
         layers.extend(experiments.iter().map(|e| {
             // Above a point above the curve, below one below; leftwards near the right edge.
-            let right = if at(e).0 > low + 0.85 * (high - low) {
-                -0.5
-            } else {
-                0.5
-            };
+            let is_right = at(e).0 > low + 0.85 * (high - low);
+            let right = if is_right { -0.5 } else { 0.5 };
             let up = if e.mu < law.mu(e.p_max_pa) { -0.8 } else { 0.8 };
             Layer::text(at(e), &*e.specimen, [right, up], INK)
         }));
     }
-    let panel = Panel {
-        x: Axis::new("peak pressure p_max [MPa]").within([low, high]),
-        y: Axis::new("coefficient of friction mu [1e-3]").within([0.0, top]),
-        layers,
-        ..Panel::default()
-    };
-    Figure::new(900.0, "Friction over peak contact pressure").row(460.0, [panel])
+    let x = Axis::new("peak pressure p_max [MPa]").within([low, high]);
+    let y = Axis::new("coefficient of friction mu [1e-3]").within([0.0, top]);
+    let title = "Friction over peak contact pressure";
+    Figure::new(900.0, title).row(460.0, [Panel::new(x, y, layers)])
 }
 
 /// Most points of a panel; more would only hide one another.
@@ -150,37 +135,30 @@ pub fn fit_picture(runner: &str, samples: &[LateralSample], law: &MagicFormula) 
     let panel = |third: usize| {
         let (low, high) = (cuts[third], cuts[third + 1]);
         let inside = |fz: f64| fz >= low && (fz < high || third == 2);
-        let here: Vec<&LateralSample> = samples.iter().filter(|sample| inside(sample.fz)).collect();
+        let here: Vec<&LateralSample> = samples.iter().filter(|s| inside(s.fz)).collect();
         let mean = here.iter().map(|sample| sample.fz).sum::<f64>() / here.len().max(1) as f64;
+        let force = |degrees: f64| (degrees, law.force(degrees.to_radians(), mean));
         let points = || {
             let points = here
                 .iter()
                 .map(|sample| (sample.alpha.to_degrees(), sample.fy));
             points.filter(|(degrees, _)| degrees.abs() <= reach)
         };
-        let at_reach = law.force(reach.to_radians(), mean);
-        let most = 1.05 * points().map(|(_, fy)| fy.abs()).fold(at_reach, f64::max);
+        let most = points()
+            .map(|(_, fy)| fy.abs())
+            .fold(force(reach).1, f64::max);
         let every = here.len().div_ceil(MOST_POINTS).max(1);
-        let curve = (-200..=200).map(|i| {
-            let degrees = reach * f64::from(i) / 200.0;
-            (degrees, law.force(degrees.to_radians(), mean))
-        });
-        let measured: Colour = PALETTE[5].alpha(0.5);
-        Panel {
-            title: format!(
-                "{runner} runner, {:.1} to {:.1} kN",
-                1e-3 * low,
-                1e-3 * high
-            ),
-            x: Axis::new("slip angle [degrees]").within([-reach, reach]),
-            y: Axis::new("lateral force [N]").within([-most, most]),
-            layers: vec![
-                Layer::symbols(Symbol::Disc, 1.0, points().step_by(every), measured)
-                    .named("measured"),
-                Layer::line(3.0, curve, PALETTE[1]).named(format!("fit at {:.1} kN", 1e-3 * mean)),
-            ],
-            ..Panel::default()
-        }
+        let curve = (-200..=200).map(|k| force(reach * f64::from(k) / 200.0));
+        let measured = Layer::dots(1.0, points().step_by(every), PALETTE[5].alpha(0.5));
+        let fitted = Layer::line(3.0, curve, PALETTE[1]);
+        let layers = vec![
+            measured.named("measured"),
+            fitted.named(format!("fit at {:.1} kN", 1e-3 * mean)),
+        ];
+        let x = Axis::new("slip angle [degrees]").within([-reach, reach]);
+        let y = Axis::new("lateral force [N]").within([-1.05 * most, 1.05 * most]);
+        let range = format!("{:.1} to {:.1} kN", 1e-3 * low, 1e-3 * high);
+        Panel::new(x, y, layers).titled(format!("{runner} runner, {range}"))
     };
     Figure::new(1500.0, "").row(420.0, [0, 1, 2].map(panel))
 }

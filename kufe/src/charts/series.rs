@@ -1,12 +1,10 @@
 //! Runs over time or distance: one panel below the other.
 
-use std::ops::Range;
-
 use kufe_sled::{
     Compared, DrivingForce, LateralForce, Prepared, Replay, RunEvaluation, RunValidation,
 };
 
-use crate::plot::{Axis, Figure, INK, Layer, Mark, PALETTE, Panel, Point, broken};
+use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, broken, extent};
 
 /// Width of the pictures [pixels].
 const WIDTH: f64 = 1500.0;
@@ -18,39 +16,21 @@ const RANGES: usize = 4;
 /// A line of a panel: its name, its place in the palette, and its points.
 type Line = (&'static str, usize, Vec<Point>);
 
-/// A line through the pieces of a series.
-fn line(
-    name: &'static str,
-    colour: usize,
-    pieces: &[Range<usize>],
-    point: impl Fn(usize) -> Point,
-) -> Line {
-    (name, colour, broken(pieces, point).collect())
-}
-
 /// Lines over time or distance; a line that is alone is named by its axis.
 fn panel(x: &str, y: &str, lines: Vec<Line>) -> Panel {
-    let places = lines.iter().flat_map(|line| &line.2).map(|point| point.0);
-    let (from, to) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-        (low.min(x), high.max(x))
-    });
+    let range = extent(lines.iter().flat_map(|line| &line.2).map(|point| point.0));
     let is_named = lines.len() > 1;
     let layers = lines.into_iter().map(|(name, colour, points)| {
         Layer::line(1.0, points, PALETTE[colour]).named(if is_named { name } else { "" })
     });
-    Panel {
-        x: Axis::new(x).within([from, to.max(from + 1e-9)]),
-        y: Axis::new(y),
-        layers: layers.collect(),
-        ..Panel::default()
-    }
+    Panel::new(Axis::new(x).within(range), Axis::new(y), layers.collect())
 }
 
 /// Slip angles, accelerations at the centre of gravity, speed and steering of a run over time.
 pub fn run_picture(run: &Prepared) -> Figure {
     let (s, m) = (&run.states, &run.motions);
     let series = |name, colour, value: &dyn Fn(usize) -> f64| {
-        line(name, colour, &run.pieces, |i| (s[i].t_s, value(i)))
+        (name, colour, broken(&run.pieces, |i| (s[i].t_s, value(i))))
     };
     let panels = [
         (
@@ -77,21 +57,23 @@ pub fn run_picture(run: &Prepared) -> Figure {
             ],
         ),
     ];
-    let figure = Figure::new(WIDTH, format!("{} on {}", run.entry.run, run.entry.track));
-    let panels = panels.into_iter();
-    panels.fold(figure, |figure, (name, lines)| {
-        figure.row(220.0, [panel("time [s]", name, lines)])
-    })
+    let panels = panels
+        .into_iter()
+        .map(|(name, lines)| panel("time [s]", name, lines));
+    let title = format!("{} on {}", run.entry.run, run.entry.track);
+    Figure::new(WIDTH, title).column(220.0, panels)
 }
 
 /// Speed, its difference, time lost, slip angle, yaw rate and roll split of run and model over the
 /// distance; shaded where run and model differ.
 pub fn replay_picture(replay: &Replay) -> Figure {
     let over_distance = |name, colour, value: &dyn Fn(&Compared) -> f64| {
-        line(name, colour, &replay.pieces, |i| {
-            let at = &replay.compared[i];
-            (at.s_m, value(at))
-        })
+        let point = |at: &Compared| (at.s_m, value(at));
+        (
+            name,
+            colour,
+            broken(&replay.pieces, |i| point(&replay.compared[i])),
+        )
     };
     let degrees = f64::to_degrees(1.0);
     let columns = [
@@ -116,34 +98,29 @@ pub fn replay_picture(replay: &Replay) -> Figure {
     let lost = over_distance("run behind model", 0, &|at| at.t_s[0] - at.t_s[1]);
     panels.insert(1, ("v_mps", "run less model [m/s]", vec![faster]));
     panels.insert(2, ("t_s", "run behind model [s]", vec![lost]));
-    let figure = Figure::new(
-        WIDTH,
-        format!("{} on {}, driven again", replay.run, replay.track),
-    );
-    panels
-        .into_iter()
-        .fold(figure, |figure, (column, name, lines)| {
-            let mut panel = panel("distance [m]", name, lines);
-            let sections = replay
-                .sections
-                .iter()
-                .filter(|section| section.column == column);
-            let shaded = sections.map(|section| {
-                Layer::stretch([section.from_m, section.to_m], PALETTE[RANGES].alpha(0.25))
-                    .named("where run and model differ")
-            });
-            panel.layers.splice(0..0, shaded);
-            figure.row(190.0, [panel])
-        })
+    let title = format!("{} on {}, driven again", replay.run, replay.track);
+    let panels = panels.into_iter().map(|(column, name, lines)| {
+        let mut panel = panel("distance [m]", name, lines);
+        let sections = replay
+            .sections
+            .iter()
+            .filter(|section| section.column == column);
+        let shaded = sections.map(|section| {
+            let range = [section.from_m, section.to_m];
+            Layer::stretch(range, PALETTE[RANGES].alpha(0.25)).named("where run and model differ")
+        });
+        panel.layers.splice(0..0, shaded);
+        panel
+    });
+    Figure::new(WIDTH, title).column(190.0, panels)
 }
 
 /// Lateral force of a run over time, measured and by the model, with the largest differences
 /// marked.
 pub fn lateral_force_picture(run: &RunValidation) -> Figure {
     let over_time = |name, colour, value: fn(&LateralForce) -> f64| {
-        line(name, colour, &run.pieces, |i| {
-            (run.series[i].t_s, value(&run.series[i]))
-        })
+        let point = |f: &LateralForce| (f.t_s, value(f));
+        (name, colour, broken(&run.pieces, |i| point(&run.series[i])))
     };
     let forces = vec![
         over_time("measured", 6, |f| f.measured_n),
@@ -153,20 +130,15 @@ pub fn lateral_force_picture(run: &RunValidation) -> Figure {
         f.measured_n - f.model_n
     })];
     let mut above = panel("time [s]", "lateral force [N]", forces);
-    let largest = run.largest.iter();
-    let upright = largest.map(|d| [(d.t_s, f64::NEG_INFINITY), (d.t_s, f64::INFINITY)]);
-    let places = run
-        .largest
-        .iter()
-        .map(|d| (d.t_s, format!("{:.0} m", d.s_m)));
-    let marks = Layer::segments(1.0, upright, PALETTE[MARKS]);
-    above.layers.splice(
-        0..0,
+    let marks = run.largest.iter().flat_map(|d| {
+        let line = Layer::upright(d.t_s, PALETTE[MARKS]);
+        let name = "largest differences, with their place on the track";
         [
-            marks.named("largest differences, with their place on the track"),
-            Layer::new(Mark::Above(places.collect()), INK),
-        ],
-    );
+            line.named(name),
+            Layer::above(d.t_s, format!("{:.0} m", d.s_m)),
+        ]
+    });
+    above.layers.splice(0..0, marks);
     let title = format!(
         "{} on {}: RMSE {:.0} N (Braghin's law {:.0} N)",
         run.run, run.track, run.rmse_n, run.rmse_braghin_n
@@ -180,9 +152,8 @@ pub fn lateral_force_picture(run: &RunValidation) -> Figure {
 /// below.
 pub fn force_picture(run: &RunEvaluation) -> Figure {
     let over_distance = |name, colour, value: fn(&DrivingForce) -> f64| {
-        line(name, colour, &run.pieces, |i| {
-            (run.series[i].s_m, value(&run.series[i]))
-        })
+        let point = |f: &DrivingForce| (f.s_m, value(f));
+        (name, colour, broken(&run.pieces, |i| point(&run.series[i])))
     };
     let forces = vec![
         over_distance("as driven", 1, |f| f.actual_n),

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
 
 use crate::plot::{
-    Axis, Colour, ColourBar, Figure, INK, Layer, Mark, Panel, Point, Symbol, axis_ticks, contour,
-    short,
+    Axis, Cells, Colour, ColourBar, Figure, INK, Layer, Panel, Point, Symbol, Ticks, axis_ticks,
+    contour, extent, short,
 };
 
 /// Cells of the map along each axis.
@@ -120,28 +120,16 @@ pub fn table_picture(
         .map(|node| factor * interpolator.at(slice.sample(place(node))).value)
         .collect();
     let value = |column: usize, row: usize| nodes[row * (CELLS + 1) + column];
-    let low = nodes.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = nodes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let [low, high] = extent(nodes.iter().copied());
     let range = [low, if high > low { high } else { low + 1.0 }];
     let name = format!("{} [{unit}]", quantity.title());
     let bar = ColourBar::viridis(&*name, range);
-    let cells = (0..CELLS)
-        .rev()
-        .flat_map(|row| (0..CELLS).map(move |column| (column, row)));
-    let cells = cells.map(|(column, row)| {
+    let cells = Cells::new([CELLS; 2], |column, row| {
         let corners = [(0, 0), (1, 0), (0, 1), (1, 1)];
-        let sum: f64 = corners
-            .iter()
-            .map(|(i, j)| value(column + i, row + j))
-            .sum();
-        Some(bar.colour(0.25 * sum))
+        let corners = corners.map(|(i, j)| value(column + i, row + j));
+        Some(bar.colour(0.25 * corners.iter().sum::<f64>()))
     });
-    let map = Mark::Map {
-        window: [curvature, fz],
-        size: [CELLS; 2],
-        cells: cells.collect(),
-    };
-    let mut layers = vec![Layer::new(map, INK)];
+    let mut layers = vec![Layer::map([curvature, fz], cells)];
     for level in axis_ticks(range[0], range[1], 8) {
         let segments = contour([CELLS + 1; 2], value, level);
         let segments: Vec<[Point; 2]> = segments.into_iter().map(|ends| ends.map(place)).collect();
@@ -164,23 +152,16 @@ pub fn table_picture(
         INK,
     ));
     if curvature[0] < 0.0 && curvature[1] > 0.0 {
-        let straight = fz.map(|force| (0.0, force));
-        layers.push(Layer::line(1.0, straight, WHITE.alpha(0.9)).dashed());
+        layers.push(Layer::upright(0.0, WHITE.alpha(0.9)));
     }
-    let panel = Panel {
-        title: match placed.count {
-            0 => String::new(),
-            count => format!(
-                "{count} samples (pink), {} of them outside the table (red)",
-                placed.count_outside
-            ),
-        },
-        x: Axis::new("track curvature [1/m]  (crest < 0 < valley; 0: straight)")
-            .within(placed.curvature),
-        y: Axis::logarithmic("normal force [N]").within(placed.fz),
-        layers,
-        ..Panel::default()
-    };
+    let x = Axis::new("track curvature [1/m]  (crest < 0 < valley; 0: straight)");
+    let y = Axis::with("normal force [N]", Ticks::Logarithmic);
+    let (x, y) = (x.within(placed.curvature), y.within(placed.fz));
+    let outside = placed.count_outside;
+    let panel = Panel::new(x, y, layers).titled(match placed.count {
+        0 => String::new(),
+        count => format!("{count} samples (pink), {outside} of them outside the table (red)"),
+    });
     let title = format!(
         "{name}{}: {} x {} nodes (dots), {} checks (crosses)",
         slice.in_words(),
@@ -190,7 +171,7 @@ pub fn table_picture(
     );
     Ok(TablePicture {
         figure: Figure::new(1100.0, title).row(600.0, [panel]).bar(bar),
-        outside: placed.count_outside,
+        outside,
     })
 }
 

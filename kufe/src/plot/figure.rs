@@ -1,8 +1,11 @@
 //! What a picture shows, as data.
 
+use std::ops::Range;
+
 use crate::plot::colour::{Colour, INK, Rgb, viridis};
 use crate::plot::layout::laid_out;
 use crate::plot::png::png;
+use crate::plot::shape::Cells;
 use crate::plot::svg::svg;
 
 /// A point in the units of a panel's axes.
@@ -35,14 +38,12 @@ pub struct Row {
 }
 
 /// Axes and what is drawn on them; its legend has each named layer.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
     /// What it shows; may be empty.
     pub title: String,
-    /// The axis to the right.
-    pub x: Axis,
-    /// The axis upwards.
-    pub y: Axis,
+    /// The axis to the right, and the one upwards.
+    pub axes: [Axis; 2],
     /// What is drawn, from the lowest layer to the highest.
     pub layers: Vec<Layer>,
     /// How the scales of two axes of the same unit compare.
@@ -50,10 +51,9 @@ pub struct Panel {
 }
 
 /// How the scales of a panel's axes compare.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scales {
     /// Not at all.
-    #[default]
     Independent,
     /// The label of y states how many times it is stretched.
     Stretched,
@@ -87,40 +87,32 @@ pub enum Ticks {
 impl Axis {
     /// A linear axis.
     pub fn new(label: impl Into<String>) -> Self {
+        Axis::with(label, Ticks::Linear)
+    }
+
+    /// An axis with any ticks.
+    pub fn with(label: impl Into<String>, ticks: Ticks) -> Self {
+        let (label, range) = (label.into(), None);
         Axis {
-            label: label.into(),
-            ..Axis::default()
+            label,
+            range,
+            ticks,
         }
     }
 
-    /// A logarithmic axis.
-    pub fn logarithmic(label: impl Into<String>) -> Self {
-        Axis {
-            ticks: Ticks::Logarithmic,
-            ..Axis::new(label)
-        }
-    }
-
-    /// Names at 0.5, 1.5 and so on, from the left; see [`reversed`](Self::reversed).
-    pub fn names(names: impl IntoIterator<Item = impl Into<String>>) -> Self {
+    /// Names at 0.5, 1.5 and so on; see [`reversed`](Self::reversed).
+    pub fn names(label: &str, names: impl IntoIterator<Item = impl Into<String>>) -> Self {
         let names = names.into_iter().enumerate();
         let names: Vec<_> = names
             .map(|(k, name)| (k as f64 + 0.5, name.into()))
             .collect();
-        Axis {
-            label: String::new(),
-            range: Some([0.0, names.len() as f64]),
-            ticks: Ticks::Names(names),
-        }
+        let range = [0.0, names.len() as f64];
+        Axis::with(label, Ticks::Names(names)).within(range)
     }
 
     /// An axis without ticks and label.
     pub fn blank(range: [f64; 2]) -> Self {
-        Axis {
-            range: Some(range),
-            ticks: Ticks::Names(Vec::new()),
-            ..Axis::default()
-        }
+        Axis::with("", Ticks::Names(Vec::new())).within(range)
     }
 
     /// The axis with this range.
@@ -132,6 +124,31 @@ impl Axis {
     /// The axis from its last to its first value: names from above.
     pub fn reversed(mut self) -> Self {
         self.range = self.range.map(|[from, to]| [to, from]);
+        self
+    }
+}
+
+impl Panel {
+    /// A panel without title.
+    pub fn new(x: Axis, y: Axis, layers: Vec<Layer>) -> Self {
+        let (title, scales) = (String::new(), Scales::Independent);
+        Panel {
+            title,
+            axes: [x, y],
+            layers,
+            scales,
+        }
+    }
+
+    /// The panel with a title.
+    pub fn titled(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    /// The panel with these scales.
+    pub fn scaled(mut self, scales: Scales) -> Self {
+        self.scales = scales;
         self
     }
 }
@@ -152,47 +169,17 @@ pub struct Layer {
 /// Shape of a layer. Infinite coordinates are at the ends of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mark {
-    /// A line, broken at points that are no numbers.
-    Line {
-        /// Its points.
-        points: Vec<Point>,
-        /// Its width \[pixels\].
-        width: f64,
-        /// Whether it is dashed.
-        dashed: bool,
-    },
-    /// Points.
-    Dots {
-        /// Their places.
-        points: Vec<Point>,
-        /// Their radius \[pixels\].
-        radius: f64,
-        /// Their shape.
-        symbol: Symbol,
-    },
+    /// A line of a width \[pixels\], broken at points that are no numbers.
+    Line(Vec<Point>, f64),
+    /// Points of a radius \[pixels\].
+    Dots(Vec<Point>, f64, Symbol),
     /// A filled polygon.
     Area(Vec<Point>),
-    /// Coloured cells, row by row from the upper left, between two values of x and two of y,
-    /// equally spaced on the axes.
-    Map {
-        /// Left and right end, lower and upper end.
-        window: [[f64; 2]; 2],
-        /// Columns and rows.
-        size: [usize; 2],
-        /// The colours; nothing is transparent.
-        cells: Vec<Option<Rgb>>,
-    },
-    /// A text next to a place, or at it.
-    Text {
-        /// The place.
-        at: Point,
-        /// The text.
-        text: String,
-        /// By how much it is moved to the right and up, in heights of its letters.
-        shift: [f64; 2],
-    },
-    /// Texts above the panel.
-    Above(Vec<(f64, String)>),
+    /// Coloured cells between two values of x and two of y, equally spaced on the axes.
+    Map([[f64; 2]; 2], Cells),
+    /// A text at a place, moved to the right and up by multiples of the height of its letters.
+    /// Above the panel where its y is infinite.
+    Text(Point, String, [f64; 2]),
 }
 
 /// Shape of a point.
@@ -211,9 +198,10 @@ pub enum Symbol {
 impl Layer {
     /// A layer without a name.
     pub fn new(mark: Mark, colour: Colour) -> Self {
+        let (name, hint) = (String::new(), String::new());
         Layer {
-            name: String::new(),
-            hint: String::new(),
+            name,
+            hint,
             colour,
             mark,
         }
@@ -221,13 +209,7 @@ impl Layer {
 
     /// A line of this width.
     pub fn line(width: f64, points: impl IntoIterator<Item = Point>, colour: Colour) -> Self {
-        let points = points.into_iter().collect();
-        let mark = Mark::Line {
-            points,
-            width,
-            dashed: false,
-        };
-        Layer::new(mark, colour)
+        Layer::new(Mark::Line(points.into_iter().collect(), width), colour)
     }
 
     /// Separate straight lines of this width.
@@ -253,13 +235,10 @@ impl Layer {
         points: impl IntoIterator<Item = Point>,
         colour: Colour,
     ) -> Self {
-        let points = points.into_iter().collect();
-        let mark = Mark::Dots {
-            points,
-            radius,
-            symbol,
-        };
-        Layer::new(mark, colour)
+        Layer::new(
+            Mark::Dots(points.into_iter().collect(), radius, symbol),
+            colour,
+        )
     }
 
     /// A filled polygon.
@@ -277,16 +256,30 @@ impl Layer {
         Layer::rectangle(range, [f64::NEG_INFINITY, f64::INFINITY], colour)
     }
 
-    /// A text next to a place, or at it.
+    /// Coloured cells between two values of x and two of y.
+    pub fn map(window: [[f64; 2]; 2], cells: Cells) -> Self {
+        Layer::new(Mark::Map(window, cells), INK)
+    }
+
+    /// A text next to a place, or at it; see [`Mark::Text`].
     pub fn text(at: Point, text: impl Into<String>, shift: [f64; 2], colour: Colour) -> Self {
-        let text = text.into();
-        Layer::new(Mark::Text { at, text, shift }, colour)
+        Layer::new(Mark::Text(at, text.into(), shift), colour)
+    }
+
+    /// A text above the panel.
+    pub fn above(x: f64, text: impl Into<String>) -> Self {
+        Layer::text((x, f64::INFINITY), text, [0.0, 0.75], INK)
     }
 
     /// A horizontal line over the whole width.
     pub fn level(y: f64) -> Self {
         let ends = [(f64::NEG_INFINITY, y), (f64::INFINITY, y)];
         Layer::line(1.0, ends, INK.alpha(0.4))
+    }
+
+    /// A vertical line over the whole height.
+    pub fn upright(x: f64, colour: Colour) -> Self {
+        Layer::line(1.0, [(x, f64::NEG_INFINITY), (x, f64::INFINITY)], colour)
     }
 
     /// The layer with a name in the legend.
@@ -300,30 +293,16 @@ impl Layer {
         self.hint = hint.into();
         self
     }
-
-    /// A line, dashed.
-    pub fn dashed(mut self) -> Self {
-        if let Mark::Line { dashed, .. } = &mut self.mark {
-            *dashed = true;
-        }
-        self
-    }
 }
 
 /// The points of a series, with a break between its pieces.
-pub fn broken(
-    pieces: &[std::ops::Range<usize>],
-    point: impl Fn(usize) -> Point,
-) -> impl Iterator<Item = Point> {
-    let gap = std::iter::once((f64::NAN, f64::NAN));
-    let pieces = pieces.iter().cloned();
-    pieces.flat_map(move |piece| {
-        piece
-            .map(&point)
-            .collect::<Vec<_>>()
-            .into_iter()
-            .chain(gap.clone())
-    })
+pub fn broken(pieces: &[Range<usize>], point: impl Fn(usize) -> Point) -> Vec<Point> {
+    let mut points = Vec::new();
+    for piece in pieces {
+        points.extend(piece.clone().map(&point));
+        points.push((f64::NAN, f64::NAN));
+    }
+    points
 }
 
 /// What the colours of a map mean.
@@ -340,10 +319,12 @@ pub struct ColourBar {
 impl ColourBar {
     /// A bar of a colour map over the share of the range.
     pub fn new(label: impl Into<String>, range: [f64; 2], map: impl Fn(f64) -> Rgb) -> Self {
+        let colours = (0..256).map(|k| map(f64::from(k) / 255.0)).collect();
+        let label = label.into();
         ColourBar {
-            label: label.into(),
+            label,
             range,
-            colours: (0..256).map(|k| map(f64::from(k) / 255.0)).collect(),
+            colours,
         }
     }
 
@@ -355,13 +336,11 @@ impl ColourBar {
     /// The colour of a value, that of the nearer end outside of the range; mid-grey of one that is
     /// no number.
     pub fn colour(&self, value: f64) -> Rgb {
-        let [low, high] = self.range;
-        let share = (value - low) / (high - low);
-        if share.is_nan() {
-            return [128; 3];
+        let share = (value - self.range[0]) / (self.range[1] - self.range[0]);
+        match share.is_nan() {
+            true => [128; 3],
+            false => self.colours[(share.clamp(0.0, 1.0) * 255.0).round() as usize],
         }
-        let last = self.colours.len() - 1;
-        self.colours[(share.clamp(0.0, 1.0) * last as f64).round() as usize]
     }
 }
 
@@ -379,12 +358,19 @@ impl Figure {
 
     /// The picture with a further row, whose plotting areas have this height \[pixels\].
     pub fn row(mut self, height: f64, panels: impl IntoIterator<Item = Panel>) -> Self {
+        let panels = panels.into_iter().collect();
         self.rows.push(Row {
             height,
-            panels: panels.into_iter().collect(),
+            panels,
             bar: None,
         });
         self
+    }
+
+    /// The picture with a further row for each panel.
+    pub fn column(self, height: f64, panels: impl IntoIterator<Item = Panel>) -> Self {
+        let panels = panels.into_iter();
+        panels.fold(self, |figure, panel| figure.row(height, [panel]))
     }
 
     /// The picture with a colour bar at the right of its last row.
@@ -419,11 +405,9 @@ mod tests {
 
     #[test]
     fn a_series_is_broken_between_its_pieces() {
-        let points: Vec<Point> = broken(&[0..2, 5..6], |i| (i as f64, 0.0)).collect();
-        let known: Vec<Option<f64>> = points
-            .iter()
-            .map(|p| p.0.is_finite().then_some(p.0))
-            .collect();
+        let points = broken(&[0..2, 5..6], |i| (i as f64, 0.0));
+        let known = |p: &Point| p.0.is_finite().then_some(p.0);
+        let known: Vec<Option<f64>> = points.iter().map(known).collect();
         assert_eq!(known, [Some(0.0), Some(1.0), None, Some(5.0), None]);
     }
 

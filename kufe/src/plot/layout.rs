@@ -5,8 +5,8 @@ use crate::plot::figure::{
     Axis, ColourBar, Figure, Layer, Mark, Panel, Point, Row, Scales, Symbol, Ticks,
 };
 use crate::plot::font::width;
-use crate::plot::shape::{Place, Shape};
-use crate::plot::ticks::{axis_ticks, decades, short, tick_text};
+use crate::plot::shape::{Cells, Place, Shape, Style};
+use crate::plot::ticks::{axis_ticks, decades, extent, short, tick_text};
 
 /// Lengths, as multiples of the size of the letters: a line of text, from an axis to its numbers,
 /// at the right of a panel, from a colour bar to the right edge.
@@ -14,6 +14,8 @@ const LINE: f64 = 1.55;
 const TICK: f64 = 0.4;
 const RIGHT: f64 = 1.4;
 const BAR: f64 = 7.5;
+/// Space between two names of the legend.
+const KEYS: f64 = 1.5;
 
 /// Height of a row of a panel with names along y, next to it or above it.
 const NAMED: f64 = 1.6;
@@ -31,58 +33,45 @@ const GRID: Colour = INK.alpha(0.1);
 /// The shapes of a figure, and its height.
 pub fn laid_out(figure: &Figure) -> (Vec<Shape>, f64) {
     let size = figure.letters;
-    let mut page = Page {
-        shapes: Vec::new(),
-        size,
-    };
+    let shapes = Vec::new();
+    let mut page = Page { shapes, size };
     let mut top = 0.4 * size;
     if !figure.title.is_empty() {
         top = page.title(&figure.title, 1.25 * size, [0.0, figure.width], top) + 0.3 * size;
     }
     for row in &figure.rows {
         let share = share(figure, row);
+        // Rows of as many panels are aligned.
+        let count = row.panels.len();
         let alike = figure
             .rows
             .iter()
-            .filter(|other| other.panels.len() == row.panels.len());
-        let margins = alike.flat_map(|row| {
-            row.panels
-                .iter()
-                .map(|panel| page.left(panel, share, row.height))
-        });
-        let left = margins.fold(0.0, f64::max);
-        let sides = |k: usize| {
-            let from = k as f64 * share;
-            [snapped(from + left), snapped(from + share - RIGHT * size)]
-        };
-        let heads = row.panels.iter().enumerate().map(|(k, panel)| {
-            let [left, right] = sides(k);
-            page.head(panel, right - left)
-        });
-        let head = heads.fold(0.0, f64::max);
-        let heights = row
-            .panels
-            .iter()
-            .map(|panel| page.height(panel, share, row.height));
-        let height = heights.fold(0.0, f64::max);
-        let feet = row.panels.iter().map(|panel| page.foot(&panel.x));
-        let foot = feet.fold(0.0, f64::max);
+            .filter(|other| other.panels.len() == count);
+        let panels = alike.flat_map(|row| row.panels.iter().map(|panel| (panel, row.height)));
+        let left = largest(panels.map(|(panel, height)| page.left(panel, share, height)));
+        let wide = share - left - RIGHT * size;
+        let head = largest(row.panels.iter().map(|panel| page.head(panel, wide)));
+        let tall = |panel| page.height(panel, share, row.height);
+        let height = largest(row.panels.iter().map(tall));
+        let foot = largest(row.panels.iter().map(|panel| page.foot(panel)));
         for (k, panel) in row.panels.iter().enumerate() {
-            let [left, right] = sides(k);
-            let area = Area {
-                left,
-                right,
-                top: snapped(top + head),
-                bottom: snapped(top + head + height),
-            };
-            page.panel(panel, &area, [k as f64 * share, share]);
+            let from = k as f64 * share;
+            let x = [from + left, from + left + wide].map(snapped);
+            let y = [top + head, top + head + height].map(snapped);
+            page.panel(
+                panel,
+                &Area {
+                    from,
+                    share,
+                    wide,
+                    x,
+                    y,
+                },
+            );
         }
         if let Some(bar) = &row.bar {
-            page.bar(
-                bar,
-                figure.width - BAR * size,
-                [top + head, top + head + height],
-            );
+            let sides = [top + head, top + head + height].map(snapped);
+            page.bar(bar, figure.width - BAR * size, sides);
         }
         top += head + height + foot;
     }
@@ -91,12 +80,12 @@ pub fn laid_out(figure: &Figure) -> (Vec<Shape>, f64) {
 
 /// Width of each panel of a row.
 fn share(figure: &Figure, row: &Row) -> f64 {
-    let bar = if row.bar.is_some() {
-        BAR * figure.letters
-    } else {
-        0.0
-    };
+    let bar = BAR * figure.letters * f64::from(row.bar.is_some());
     (figure.width - bar) / row.panels.len().max(1) as f64
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, f64::max)
 }
 
 /// The middle of a pixel, where lines are sharp.
@@ -104,12 +93,16 @@ fn snapped(at: f64) -> f64 {
     at.floor() + 0.5
 }
 
-/// The plotting area of a panel.
+/// The part of the picture that a panel has, and its plotting area.
 struct Area {
-    left: f64,
-    right: f64,
-    top: f64,
-    bottom: f64,
+    from: f64,
+    share: f64,
+    /// Width of the plotting area.
+    wide: f64,
+    /// Its left and right side.
+    x: [f64; 2],
+    /// Its upper and lower side.
+    y: [f64; 2],
 }
 
 /// From values of an axis to pixels.
@@ -121,14 +114,6 @@ struct Scale {
 }
 
 impl Scale {
-    fn new(axis: &Axis, values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
-        Scale {
-            range: range(axis, values),
-            ends,
-            logarithmic: axis.ticks == Ticks::Logarithmic,
-        }
-    }
-
     fn at(&self, value: f64) -> f64 {
         let [low, high] = self.range;
         let share = if value.is_infinite() {
@@ -147,54 +132,40 @@ impl Scale {
 
     /// Extends the range to both sides until a pixel is at least this long.
     fn extend(&mut self, per_pixel: f64) {
-        let more = per_pixel / self.per_pixel();
-        if more > 1.0 {
-            let [low, high] = self.range;
-            let (middle, half) = (0.5 * (low + high), 0.5 * more * (high - low));
-            self.range = [middle - half, middle + half];
-        }
+        let more = (per_pixel / self.per_pixel()).max(1.0);
+        let [low, high] = self.range;
+        let (middle, half) = (0.5 * (low + high), 0.5 * more * (high - low));
+        self.range = [middle - half, middle + half];
     }
 }
 
-/// The range of an axis: the stated one, or that of the values with a margin.
-fn range(axis: &Axis, values: impl Iterator<Item = f64>) -> [f64; 2] {
-    if let Some(range) = axis.range {
+/// The range of a panel's axis: the stated one, or that of its lines, points and areas with a margin.
+fn range(panel: &Panel, axis: usize) -> [f64; 2] {
+    if let Some(range) = panel.axes[axis].range {
         return range;
     }
-    let (low, high) = values
-        .filter(|value| value.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(value), high.max(value))
-        });
+    let points = panel.layers.iter().flat_map(|layer| match &layer.mark {
+        Mark::Line(points, _) | Mark::Dots(points, ..) | Mark::Area(points) => &points[..],
+        _ => &[],
+    });
+    let [low, high] = extent(points.map(|(x, y)| [*x, *y][axis]));
     if low > high {
         return [0.0, 1.0];
     }
-    if axis.ticks == Ticks::Logarithmic {
+    if panel.axes[axis].ticks == Ticks::Logarithmic {
         return [low / 1.1, high * 1.1];
     }
     let margin = (0.05 * (high - low)).max(1e-6 * high.abs()).max(1e-12);
     [low - margin, high + margin]
 }
 
-/// The points that decide on the ranges of a panel's axes.
-fn points(panel: &Panel) -> impl Iterator<Item = &Point> {
-    panel.layers.iter().flat_map(|layer| match &layer.mark {
-        Mark::Line { points, .. } | Mark::Dots { points, .. } | Mark::Area(points) => &points[..],
-        _ => &[],
-    })
-}
-
 fn scales(panel: &Panel, area: &Area) -> [Scale; 2] {
-    let mut x = Scale::new(
-        &panel.x,
-        points(panel).map(|p| p.0),
-        [area.left, area.right],
-    );
-    let mut y = Scale::new(
-        &panel.y,
-        points(panel).map(|p| p.1),
-        [area.bottom, area.top],
-    );
+    let scale = |axis: usize, ends: [f64; 2]| Scale {
+        range: range(panel, axis),
+        ends,
+        logarithmic: panel.axes[axis].ticks == Ticks::Logarithmic,
+    };
+    let (mut x, mut y) = (scale(0, area.x), scale(1, [area.y[1], area.y[0]]));
     if panel.scales == Scales::Equal {
         x.extend(y.per_pixel());
         y.extend(x.per_pixel());
@@ -202,26 +173,32 @@ fn scales(panel: &Panel, area: &Area) -> [Scale; 2] {
     [x, y]
 }
 
-/// Ticks of an axis of this length and their texts.
+/// Ticks of an axis, about `count`, and their texts.
 fn ticks(axis: &Axis, [low, high]: [f64; 2], count: f64) -> Vec<(f64, String)> {
+    let texts = |values: Vec<f64>, text: &dyn Fn(f64) -> String| {
+        values.into_iter().map(|at| (at, text(at))).collect()
+    };
     match &axis.ticks {
         Ticks::Names(names) => names.clone(),
-        Ticks::Logarithmic => decades([low, high])
-            .into_iter()
-            .map(|at| (at, short(at)))
-            .collect(),
-        Ticks::Linear => axis_ticks(low, high, count.clamp(5.0, 12.0) as usize)
-            .into_iter()
-            .map(|at| (at, tick_text(at, high - low)))
-            .collect(),
+        Ticks::Logarithmic => texts(decades([low, high]), &short),
+        Ticks::Linear => {
+            let count = count.clamp(5.0, 12.0) as usize;
+            texts(axis_ticks(low, high, count), &|at| {
+                tick_text(at, high - low)
+            })
+        }
     }
 }
 
-/// A named layer in the legend, from left to right.
-struct Entry<'a> {
-    left: f64,
-    row: usize,
-    layer: &'a Layer,
+/// Whether an axis has names, and whether they are above their rows.
+fn names(panel: &Panel, share: f64, size: f64) -> Option<(usize, bool)> {
+    match &panel.axes[1].ticks {
+        Ticks::Names(names) if !names.is_empty() => {
+            let widest = largest(names.iter().map(|(_, name)| width(name, size)));
+            Some((names.len(), widest > MOST_NAMES * share))
+        }
+        _ => None,
+    }
 }
 
 /// Shapes, and the size of the letters.
@@ -231,69 +208,65 @@ struct Page {
 }
 
 impl Page {
-    fn text(&mut self, at: Place, text: &str, anchor: f64, colour: Colour) {
-        self.shapes.push(Shape::Text {
-            at,
-            text: text.to_owned(),
-            size: self.size,
+    fn style(&self, anchor: f64, colour: Colour) -> Style {
+        let (size, turned, bold) = (self.size, false, false);
+        Style {
+            size,
             anchor,
-            turned: false,
-            bold: false,
+            turned,
+            bold,
             colour,
-        });
+        }
     }
 
-    fn line(&mut self, points: impl Into<Vec<Place>>, colour: Colour, width: f64) {
-        self.shapes.push(Shape::Line {
-            points: points.into(),
-            colour,
-            width,
-            dashed: false,
-        });
+    fn text(&mut self, at: Place, text: &str, anchor: f64) {
+        if !text.is_empty() {
+            let style = self.style(anchor, INK);
+            self.shapes.push(Shape::Text(at, text.to_owned(), style));
+        }
+    }
+
+    fn line<const N: usize>(&mut self, points: [Place; N], colour: Colour) {
+        self.shapes.push(Shape::Line(points.to_vec(), 1.0, colour));
     }
 
     /// Writes a title between two places; returns where it ends.
     fn title(&mut self, text: &str, size: f64, [from, to]: [f64; 2], top: f64) -> f64 {
-        let lines = wrapped(text, BOLD * size, to - from);
-        for (k, line) in lines.iter().enumerate() {
-            self.shapes.push(Shape::Text {
-                at: [0.5 * (from + to), top + LINE * size * (k as f64 + 0.5)],
-                text: line.clone(),
-                size,
-                anchor: 0.5,
-                turned: false,
-                bold: true,
-                colour: INK,
-            });
+        let style = Style {
+            size,
+            bold: true,
+            ..self.style(0.5, INK)
+        };
+        let mut middle = top + 0.5 * LINE * size;
+        for line in wrapped(text, BOLD * size, to - from) {
+            self.shapes
+                .push(Shape::Text([0.5 * (from + to), middle], line, style));
+            middle += LINE * size;
         }
-        top + LINE * size * lines.len() as f64
+        middle - 0.5 * LINE * size
     }
 
-    /// A text that reads upwards, with its middle at a place.
-    fn upwards(&mut self, at: Place, text: &str) {
-        self.shapes.push(Shape::Text {
-            at,
-            text: text.to_owned(),
-            size: self.size,
-            anchor: 0.5,
+    /// Writes a label that reads upwards, with its middle at a place.
+    fn upwards(&mut self, at: Place, label: String) {
+        let style = Style {
             turned: true,
-            bold: false,
-            colour: INK,
-        });
+            ..self.style(0.5, INK)
+        };
+        self.shapes.push(Shape::Text(at, label, style));
     }
 
-    /// Width of the labels at the left of a panel of this width.
-    fn left(&self, panel: &Panel, wide: f64, height: f64) -> f64 {
-        if is_above(panel, wide, self.size) {
+    /// Width of the labels at the left of a panel.
+    fn left(&self, panel: &Panel, share: f64, height: f64) -> f64 {
+        if let Some((_, true)) = names(panel, share, self.size) {
             return 0.6 * self.size;
         }
-        let range = range(&panel.y, points(panel).map(|p| p.1));
-        let texts = ticks(&panel.y, range, height / (2.6 * self.size));
-        let widest = texts
-            .iter()
-            .map(|(_, text)| width(text, self.size))
-            .fold(0.0, f64::max);
-        let label = if panel.y.label.is_empty() { 0.3 } else { LINE };
+        let texts = ticks(&panel.axes[1], range(panel, 1), height / (2.6 * self.size));
+        let widest = largest(texts.iter().map(|(_, text)| width(text, self.size)));
+        let label = if panel.axes[1].label.is_empty() {
+            0.3
+        } else {
+            LINE
+        };
         widest + (label + 2.0 * TICK) * self.size
     }
 
@@ -303,352 +276,245 @@ impl Page {
             true => 0,
             false => wrapped(&panel.title, BOLD * 1.1 * self.size, wide).len(),
         };
-        let rows = self
-            .entries(panel, wide)
-            .last()
-            .map_or(0, |entry| entry.row + 1);
-        let above = panel
-            .layers
-            .iter()
-            .any(|layer| matches!(layer.mark, Mark::Above(_)));
-        LINE * self.size * (1.1 * title as f64 + rows as f64 + f64::from(above)) + 0.5 * self.size
+        let rows = self.legend(panel, wide).len();
+        let is_above = |layer: &Layer| matches!(layer.mark, Mark::Text((_, f64::INFINITY), ..));
+        let above = panel.layers.iter().any(is_above);
+        let lines = 1.1 * title as f64 + rows as f64 + f64::from(above);
+        (LINE * lines + 0.5) * self.size
     }
 
     /// Height of the plotting area.
-    fn height(&self, panel: &Panel, wide: f64, stated: f64) -> f64 {
-        match &panel.y.ticks {
-            Ticks::Names(names) if !names.is_empty() => {
-                let row = if is_above(panel, wide, self.size) {
-                    NAMED_ABOVE
-                } else {
-                    NAMED
-                };
-                row * self.size * names.len() as f64
-            }
-            _ => stated,
-        }
+    fn height(&self, panel: &Panel, share: f64, stated: f64) -> f64 {
+        names(panel, share, self.size).map_or(stated, |(count, above)| {
+            let row = if above { NAMED_ABOVE } else { NAMED };
+            row * self.size * count as f64
+        })
     }
 
     /// Height of what is below the plotting area: numbers and the axis's name.
-    fn foot(&self, x: &Axis) -> f64 {
-        let numbers = if x.ticks == Ticks::Names(Vec::new()) {
-            0.4
+    fn foot(&self, panel: &Panel) -> f64 {
+        let blank = panel.axes[0].ticks == Ticks::Names(Vec::new());
+        let numbers = if blank { 0.4 } else { LINE + TICK };
+        let label = if panel.axes[0].label.is_empty() {
+            0.0
         } else {
-            LINE + TICK
+            LINE
         };
-        let label = if x.label.is_empty() { 0.0 } else { LINE };
         (numbers + label) * self.size
     }
 
-    /// The legend: each name once, in rows.
-    fn entries<'a>(&self, panel: &'a Panel, wide: f64) -> Vec<Entry<'a>> {
-        let mut entries: Vec<Entry> = Vec::new();
-        let mut left = 0.0;
-        let mut row = 0;
+    /// Width of a layer's part of the legend.
+    fn key(&self, layer: &Layer) -> f64 {
+        2.2 * self.size + width(&layer.name, self.size)
+    }
+
+    /// The rows of the legend: each name once.
+    fn legend<'a>(&self, panel: &'a Panel, wide: f64) -> Vec<Vec<&'a Layer>> {
+        let mut rows: Vec<Vec<&Layer>> = Vec::new();
         for layer in panel.layers.iter().filter(|layer| !layer.name.is_empty()) {
-            if entries.iter().any(|entry| entry.layer.name == layer.name) {
+            if rows.iter().flatten().any(|other| other.name == layer.name) {
                 continue;
             }
-            let own = 2.2 * self.size + width(&layer.name, self.size);
-            if left > 0.0 && left + own > wide {
-                (left, row) = (0.0, row + 1);
-            }
-            entries.push(Entry { left, row, layer });
-            left += own + 1.5 * self.size;
-        }
-        entries
-    }
-
-    fn legend(&mut self, panel: &Panel, [from, to]: [f64; 2], top: f64) {
-        let entries = self.entries(panel, to - from);
-        for entry in &entries {
-            let end = |e: &Entry| e.left + 2.2 * self.size + width(&e.layer.name, self.size);
-            let ends = entries.iter().filter(|e| e.row == entry.row).map(end);
-            let long = ends.fold(0.0, f64::max);
-            let left = from + 0.5 * (to - from - long).max(0.0) + entry.left;
-            let y = snapped(top + LINE * self.size * (entry.row as f64 + 0.5));
-            let (right, middle) = (left + 1.7 * self.size, [left + 0.85 * self.size, y]);
-            let Layer { colour, mark, .. } = entry.layer;
-            match mark {
-                Mark::Line { width, dashed, .. } => self.shapes.push(Shape::Line {
-                    points: vec![[left, y], [right, y]],
-                    colour: *colour,
-                    width: width.max(2.0),
-                    dashed: *dashed,
-                }),
-                Mark::Dots { radius, symbol, .. } => {
-                    self.symbol(*symbol, middle, radius.max(3.0), *colour)
+            match rows.last_mut() {
+                Some(row) if self.length(row) + KEYS * self.size + self.key(layer) <= wide => {
+                    row.push(layer);
                 }
-                _ => {
-                    let half = 0.45 * self.size;
-                    let corners = vec![
-                        [left, y - half],
-                        [right, y - half],
-                        [right, y + half],
-                        [left, y + half],
-                    ];
-                    self.shapes.push(Shape::Polygon {
-                        corners,
-                        colour: *colour,
-                    });
-                }
+                _ => rows.push(vec![layer]),
             }
-            self.text([left + 2.2 * self.size, y], &entry.layer.name, 0.0, INK);
         }
+        rows
     }
 
-    fn symbol(&mut self, symbol: Symbol, [x, y]: Place, radius: f64, colour: Colour) {
-        let r = radius;
-        match symbol {
-            Symbol::Disc | Symbol::Ring => self.shapes.push(Shape::Circle {
-                centre: [x, y],
-                radius,
-                colour,
-                ring: symbol == Symbol::Ring,
-            }),
-            Symbol::Cross => {
-                let gap = [f64::NAN; 2];
-                let points = [
-                    [x - r, y - r],
-                    [x + r, y + r],
-                    gap,
-                    [x - r, y + r],
-                    [x + r, y - r],
-                ];
-                self.line(points, colour, 1.0);
-            }
-            Symbol::Stroke => self.line([[x, y - r], [x, y + r]], colour, 2.0),
-        }
+    /// Width of a row of the legend.
+    fn length(&self, row: &[&Layer]) -> f64 {
+        let keys: f64 = row.iter().map(|layer| self.key(layer)).sum();
+        keys + KEYS * self.size * (row.len() as f64 - 1.0)
     }
 
-    /// Draws a panel whose part of the picture begins at `from` and is `wide`.
-    fn panel(&mut self, panel: &Panel, area: &Area, [from, wide]: [f64; 2]) {
-        let Area {
-            left,
-            right,
-            top,
-            bottom,
-        } = *area;
+    fn draw_legend(&mut self, panel: &Panel, area: &Area, top: f64) {
         let size = self.size;
-        let mut head = top - self.head(panel, right - left);
+        for (k, row) in self.legend(panel, area.wide).iter().enumerate() {
+            let y = snapped(top + LINE * size * (k as f64 + 0.5));
+            let mut left = area.x[0] + 0.5 * (area.wide - self.length(row)).max(0.0);
+            for layer in row {
+                let (right, colour) = (left + 1.7 * size, layer.colour);
+                self.shapes.push(match &layer.mark {
+                    Mark::Line(_, width) => {
+                        Shape::Line(vec![[left, y], [right, y]], width.max(2.0), colour)
+                    }
+                    Mark::Dots(_, radius, symbol) => {
+                        let middle = [0.5 * (left + right), y];
+                        symbol_shape(*symbol, middle, radius.max(3.0), colour)
+                    }
+                    _ => {
+                        let half = 0.45 * size;
+                        Shape::Polygon(rectangle([left, right], [y - half, y + half]), colour)
+                    }
+                });
+                self.text([left + 2.2 * size, y], &layer.name, 0.0);
+                left += self.key(layer) + KEYS * size;
+            }
+        }
+    }
+
+    fn panel(&mut self, panel: &Panel, area: &Area) {
+        let size = self.size;
+        let ([left, right], [top, bottom]) = (area.x, area.y);
+        let mut head = top - self.head(panel, area.wide);
         if !panel.title.is_empty() {
-            head = self.title(&panel.title, 1.1 * size, [left, right], head);
+            let sides = [left, left + area.wide];
+            head = self.title(&panel.title, 1.1 * size, sides, head);
         }
-        self.legend(panel, [left, right], head);
+        self.draw_legend(panel, area, head);
         let [x, y] = scales(panel, area);
-        let columns = ticks(&panel.x, x.range, (right - left) / (6.0 * size));
-        let is_named = matches!(&panel.y.ticks, Ticks::Names(names) if !names.is_empty());
-        let rows = ticks(&panel.y, y.range, (bottom - top) / (2.6 * size));
-        if !matches!(panel.x.ticks, Ticks::Names(_)) {
-            for (value, _) in &columns {
-                let at = snapped(x.at(*value));
-                self.line([[at, top], [at, bottom]], GRID, 1.0);
-            }
+        let [across, up] = &panel.axes;
+        let columns = ticks(across, x.range, (right - left) / (6.0 * size));
+        let rows = ticks(up, y.range, (bottom - top) / (2.6 * size));
+        let has_grid = |axis: &Axis| !matches!(axis.ticks, Ticks::Names(_));
+        for (value, _) in columns.iter().filter(|_| has_grid(across)) {
+            let at = snapped(x.at(*value));
+            self.line([[at, top], [at, bottom]], GRID);
         }
-        if !is_named {
-            for (value, _) in &rows {
-                let at = snapped(y.at(*value));
-                self.line([[left, at], [right, at]], GRID, 1.0);
-            }
+        for (value, _) in rows.iter().filter(|_| has_grid(up)) {
+            let at = snapped(y.at(*value));
+            self.line([[left, at], [right, at]], GRID);
         }
         for layer in &panel.layers {
-            self.layer(layer, [x, y], area);
+            let shapes = self.layer(layer, [x, y], area);
+            match layer.hint.is_empty() {
+                true => self.shapes.extend(shapes),
+                false => self.shapes.push(Shape::Group(layer.hint.clone(), shapes)),
+            }
         }
-        let corners = [
-            [left, top],
-            [right, top],
-            [right, bottom],
-            [left, bottom],
-            [left, top],
-        ];
-        self.line(corners, FRAME, 1.0);
+        let mut frame = rectangle(area.x, area.y);
+        frame.push(frame[0]);
+        self.shapes.push(Shape::Line(frame, 1.0, FRAME));
         let mut end = f64::NEG_INFINITY;
         for (value, text) in &columns {
             let (at, half) = (snapped(x.at(*value)), 0.5 * width(text, size));
             if at - half > end + 0.5 * size {
-                self.line([[at, bottom], [at, bottom + TICK * size]], FRAME, 1.0);
-                self.text([at, bottom + (TICK + 0.7) * size], text, 0.5, INK);
+                self.line([[at, bottom], [at, bottom + TICK * size]], FRAME);
+                self.text([at, bottom + (TICK + 0.7) * size], text, 0.5);
                 end = at + half;
             }
         }
-        let above = is_above(panel, wide, size);
+        let above = names(panel, area.share, size).is_some_and(|(_, above)| above);
         for (value, text) in &rows {
             let at = snapped(y.at(*value));
-            if is_named && above {
-                let text = shortened(text, size, right - left - TICK * size);
-                self.text([left + TICK * size, at - 0.95 * size], &text, 0.0, INK);
+            if above {
+                self.text([left + TICK * size, at - 0.95 * size], text, 0.0);
             } else {
-                self.line([[left - TICK * size, at], [left, at]], FRAME, 1.0);
-                self.text([left - 1.7 * TICK * size, at], text, 1.0, INK);
+                self.line([[left - TICK * size, at], [left, at]], FRAME);
+                self.text([left - 1.7 * TICK * size, at], text, 1.0);
             }
         }
-        if !panel.x.label.is_empty() {
-            let below = self.foot(&panel.x) - 0.6 * size;
-            self.text(
-                [0.5 * (left + right), bottom + below],
-                &panel.x.label,
-                0.5,
-                INK,
-            );
-        }
-        if !panel.y.label.is_empty() {
-            let label = match panel.scales {
-                Scales::Independent => panel.y.label.clone(),
-                _ => format!(
-                    "{}, {}",
-                    panel.y.label,
-                    stretch_text(x.per_pixel() / y.per_pixel())
-                ),
-            };
-            self.upwards([from + 0.8 * size, 0.5 * (top + bottom)], &label);
-        }
+        let below = bottom + self.foot(panel) - 0.6 * size;
+        self.text([0.5 * (left + right), below], &across.label, 0.5);
+        let label = match panel.scales {
+            Scales::Independent => up.label.clone(),
+            _ => up.label.clone() + &stretch_text(x.per_pixel() / y.per_pixel()),
+        };
+        self.upwards([area.from + 0.8 * size, 0.5 * (top + bottom)], label);
     }
 
-    fn layer(&mut self, layer: &Layer, [x, y]: [Scale; 2], area: &Area) {
-        let outer = std::mem::take(&mut self.shapes);
+    /// The shapes of a layer.
+    fn layer(&self, layer: &Layer, [x, y]: [Scale; 2], area: &Area) -> Vec<Shape> {
         let place = |(a, b): &Point| [x.at(*a), y.at(*b)];
-        let Area {
-            left,
-            right,
-            top,
-            bottom,
-        } = *area;
+        let ([left, right], [top, bottom]) = (area.x, area.y);
         let colour = layer.colour;
         match &layer.mark {
-            Mark::Line {
-                points,
-                width,
-                dashed,
-            } => {
+            Mark::Line(points, width) => {
                 let points: Vec<Place> = points.iter().map(place).collect();
-                self.shapes.push(Shape::Line {
-                    points: clipped(&points, area),
-                    colour,
-                    width: *width,
-                    dashed: *dashed,
-                });
+                vec![Shape::Line(clipped(&points, area), *width, colour)]
             }
-            Mark::Dots {
-                points,
-                radius,
-                symbol,
-            } => {
+            Mark::Dots(points, radius, symbol) => {
                 let inside =
                     |[a, b]: &Place| (left..=right).contains(a) && (top..=bottom).contains(b);
-                for at in points.iter().map(place).filter(inside) {
-                    self.symbol(*symbol, at, *radius, colour);
-                }
+                let places = points.iter().map(place).filter(inside);
+                places
+                    .map(|at| symbol_shape(*symbol, at, *radius, colour))
+                    .collect()
             }
             Mark::Area(corners) => {
                 let corners = corners.iter().map(place);
-                let corners = corners.map(|[a, b]| [a.clamp(left, right), b.clamp(top, bottom)]);
-                let corners = corners.collect();
-                self.shapes.push(Shape::Polygon { corners, colour });
+                let corners =
+                    corners.map(|[a, b]| [a.max(left).min(right), b.max(top).min(bottom)]);
+                vec![Shape::Polygon(corners.collect(), colour)]
             }
-            Mark::Map {
-                window: [across, up],
-                size,
-                cells,
-            } => self.shapes.push(Shape::Image {
-                corners: [place(&(across[0], up[1])), place(&(across[1], up[0]))],
-                size: *size,
-                pixels: cells.clone(),
-            }),
-            Mark::Text { at, text, shift } => {
+            Mark::Map([across, up], cells) => {
+                let corners = [(across[0], up[1]), (across[1], up[0])];
+                vec![Shape::Image(
+                    corners.map(|corner| place(&corner)),
+                    cells.clone(),
+                )]
+            }
+            Mark::Text(at, text, shift) => {
                 let [a, b] = place(at);
-                let at = [a + shift[0] * self.size, b - shift[1] * self.size];
                 let anchor = match shift[0] {
                     0.0 => 0.5,
                     right => f64::from(right < 0.0),
                 };
-                self.text(at, text, anchor, colour);
+                // Within the panel, as far as there is room.
+                let before = anchor * width(text, self.size);
+                let a = (a + shift[0] * self.size)
+                    .min(right - before)
+                    .max(left + before);
+                let at = [a, b - shift[1] * self.size];
+                vec![Shape::Text(at, text.clone(), self.style(anchor, colour))]
             }
-            Mark::Above(texts) => {
-                let mut end = f64::NEG_INFINITY;
-                for (value, text) in texts {
-                    let half = 0.5 * width(text, self.size);
-                    let at = x.at(*value).min(right - half).max(left + half);
-                    if at - half > end {
-                        self.text([at, top - 0.75 * self.size], text, 0.5, colour);
-                        end = at + half + 0.5 * self.size;
-                    }
-                }
-            }
-        }
-        let shapes = std::mem::replace(&mut self.shapes, outer);
-        if layer.hint.is_empty() {
-            self.shapes.extend(shapes);
-        } else {
-            let hint = layer.hint.clone();
-            self.shapes.push(Shape::Group { hint, shapes });
         }
     }
 
     /// Draws a colour bar, its numbers and its label between two heights.
     fn bar(&mut self, bar: &ColourBar, left: f64, [top, bottom]: [f64; 2]) {
         let size = self.size;
-        let (right, top, bottom) = (left + 1.8 * size, snapped(top), snapped(bottom));
-        self.shapes.push(Shape::Image {
-            corners: [[left, top], [right, bottom]],
-            size: [1, bar.colours.len()],
-            pixels: bar
-                .colours
-                .iter()
-                .rev()
-                .map(|colour| Some(*colour))
-                .collect(),
-        });
+        let right = left + 1.8 * size;
+        let cells = Cells::new([1, bar.colours.len()], |_, row| Some(bar.colours[row]));
+        self.shapes
+            .push(Shape::Image([[left, top], [right, bottom]], cells));
+        let (range, ends, logarithmic) = (bar.range, [bottom, top], false);
         let scale = Scale {
-            range: bar.range,
-            ends: [bottom, top],
-            logarithmic: false,
+            range,
+            ends,
+            logarithmic,
         };
-        let mut widest = 0.0f64;
-        for (value, text) in ticks(&Axis::default(), bar.range, (bottom - top) / (2.6 * size)) {
-            let at = snapped(scale.at(value));
-            self.line([[right, at], [right + TICK * size, at]], FRAME, 1.0);
-            self.text([right + 1.7 * TICK * size, at], &text, 0.0, INK);
-            widest = widest.max(width(&text, size));
+        let numbers = ticks(&Axis::default(), range, (bottom - top) / (2.6 * size));
+        for (value, text) in &numbers {
+            let at = snapped(scale.at(*value));
+            self.line([[right, at], [right + TICK * size, at]], FRAME);
+            self.text([right + 1.7 * TICK * size, at], text, 0.0);
         }
+        let widest = largest(numbers.iter().map(|(_, text)| width(text, size)));
         let at = right + widest + (1.7 * TICK + 0.9) * size;
-        self.upwards([at, 0.5 * (top + bottom)], &bar.label);
+        self.upwards([at, 0.5 * (top + bottom)], bar.label.clone());
     }
 }
 
-/// Whether the names along y are above their rows.
-fn is_above(panel: &Panel, wide: f64, size: f64) -> bool {
-    let Ticks::Names(names) = &panel.y.ticks else {
-        return false;
-    };
-    let widest = names
-        .iter()
-        .map(|(_, name)| width(name, size))
-        .fold(0.0, f64::max);
-    widest > MOST_NAMES * wide
+fn rectangle([left, right]: [f64; 2], [top, bottom]: [f64; 2]) -> Vec<Place> {
+    vec![[left, top], [right, top], [right, bottom], [left, bottom]]
+}
+
+fn symbol_shape(symbol: Symbol, at: Place, radius: f64, colour: Colour) -> Shape {
+    let by = |x: f64, y: f64| [at[0] + x * radius, at[1] + y * radius];
+    match symbol {
+        Symbol::Disc => Shape::Disc(at, radius, colour),
+        Symbol::Ring => Shape::Ring(at, radius, colour),
+        Symbol::Stroke => Shape::Line(vec![by(0.0, -1.0), by(0.0, 1.0)], 2.0, colour),
+        Symbol::Cross => {
+            let gap = [f64::NAN; 2];
+            let [a, b, c, d] = [by(-1.0, -1.0), by(1.0, 1.0), by(-1.0, 1.0), by(1.0, -1.0)];
+            Shape::Line(vec![a, b, gap, c, d], 1.0, colour)
+        }
+    }
 }
 
 /// How many times the upright axis is stretched.
 fn stretch_text(stretch: f64) -> String {
-    if (0.9..=1.1).contains(&stretch) {
-        "to scale".to_owned()
-    } else if stretch >= 10.0 {
-        format!("stretched {stretch:.0}x")
-    } else {
-        format!("stretched {stretch:.1}x")
+    match stretch {
+        0.9..=1.1 => ", to scale".to_owned(),
+        10.0.. => format!(", stretched {stretch:.0}x"),
+        _ => format!(", stretched {stretch:.1}x"),
     }
-}
-
-/// The first letters of a text that is too long.
-fn shortened(text: &str, size: f64, wide: f64) -> String {
-    let mut letters: Vec<char> = text.chars().collect();
-    let cut = |letters: &[char]| letters.iter().chain(&['…']).collect::<String>();
-    if width(text, size) <= wide {
-        return text.to_owned();
-    }
-    while !letters.is_empty() && width(&cut(&letters), size) > wide {
-        letters.pop();
-    }
-    cut(&letters)
 }
 
 /// The words of a text in lines of at most this width.
@@ -657,8 +523,7 @@ fn wrapped(text: &str, size: f64, wide: f64) -> Vec<String> {
     for word in text.split(' ') {
         match lines.last_mut() {
             Some(line) if width(&format!("{line} {word}"), size) <= wide => {
-                line.push(' ');
-                line.push_str(word);
+                *line = format!("{line} {word}");
             }
             _ => lines.push(word.to_owned()),
         }
@@ -668,35 +533,27 @@ fn wrapped(text: &str, size: f64, wide: f64) -> Vec<String> {
 
 /// The parts of a line within a panel, with a break between them (Liang and Barsky, 1984).
 fn clipped(points: &[Place], area: &Area) -> Vec<Place> {
-    let bounds = [[area.left, area.right], [area.top, area.bottom]];
+    let bounds = [area.x, area.y];
     let mut parts: Vec<Place> = Vec::new();
     for pair in points.windows(2) {
         let [from, to] = [pair[0], pair[1]];
         let along = [to[0] - from[0], to[1] - from[1]];
-        if !(along[0] + along[1]).is_finite() {
-            continue;
-        }
         let (mut first, mut last) = (0.0f64, 1.0f64);
         for axis in 0..2 {
-            for (step, room) in [
-                (-along[axis], from[axis] - bounds[axis][0]),
-                (along[axis], bounds[axis][1] - from[axis]),
-            ] {
-                if step < 0.0 {
-                    first = first.max(room / step);
-                } else if step > 0.0 {
-                    last = last.min(room / step);
-                } else if room < 0.0 {
-                    last = -1.0;
-                }
+            let ends = bounds[axis].map(|bound| (bound - from[axis]) / along[axis]);
+            if along[axis] != 0.0 {
+                first = first.max(ends[0].min(ends[1]));
+                last = last.min(ends[0].max(ends[1]));
+            } else if from[axis] < bounds[axis][0] || from[axis] > bounds[axis][1] {
+                last = -1.0;
             }
         }
-        if first <= last {
+        if first <= last && (along[0] + along[1]).is_finite() {
             let at = |share: f64| [from[0] + share * along[0], from[1] + share * along[1]];
+            if parts.last().is_some_and(|end| *end != at(first)) {
+                parts.push([f64::NAN; 2]);
+            }
             if parts.last() != Some(&at(first)) {
-                if !parts.is_empty() {
-                    parts.push([f64::NAN; 2]);
-                }
                 parts.push(at(first));
             }
             parts.push(at(last));
@@ -711,20 +568,25 @@ mod tests {
 
     fn texts(shapes: &[Shape]) -> Vec<(String, Place, f64)> {
         let text = |shape: &Shape| match shape {
-            Shape::Text {
-                text, at, anchor, ..
-            } => Some((text.clone(), *at, *anchor)),
+            Shape::Text(at, text, style) => Some((text.clone(), *at, style.anchor)),
             _ => None,
         };
         shapes.iter().filter_map(text).collect()
     }
 
     fn panel(layers: Vec<Layer>) -> Panel {
-        Panel {
-            x: Axis::new("x [m]").within([0.0, 10.0]),
-            y: Axis::new("y [m]").within([0.0, 10.0]),
-            layers,
-            ..Panel::default()
+        let axis = |label: &str| Axis::new(label).within([0.0, 10.0]);
+        Panel::new(axis("x [m]"), axis("y [m]"), layers)
+    }
+
+    fn area(x: [f64; 2], y: [f64; 2]) -> Area {
+        let wide = x[1] - x[0];
+        Area {
+            from: 0.0,
+            share: wide,
+            wide,
+            x,
+            y,
         }
     }
 
@@ -749,18 +611,12 @@ mod tests {
 
     #[test]
     fn no_text_runs_out_of_a_narrow_picture() {
-        let rows = [
-            "a name that is so much longer than a phone is wide that it is cut",
-            "short",
-        ];
-        let named = Panel {
-            title: "a title that is too long for one line of a telephone's narrow screen"
-                .to_owned(),
-            x: Axis::new("peak pressure [MPa]").within([0.0, 1e3]),
-            y: Axis::names(rows).reversed(),
-            layers: vec![Layer::dots(4.0, [(10.0, 0.5), (1e3, 1.5)], INK)],
-            ..Panel::default()
-        };
+        let rows = ["a name that is nearly as long as a phone is wide", "short"];
+        let names = Axis::names("", rows).reversed();
+        let dots = Layer::dots(4.0, [(10.0, 0.5), (1e3, 1.5)], INK);
+        let x = Axis::new("peak pressure [MPa]").within([0.0, 1e3]);
+        let title = "a title that is too long for one line of a telephone's narrow screen";
+        let named = Panel::new(x, names, vec![dots, Layer::above(999.0, "the end")]).titled(title);
         let (shapes, _) = laid_out(&Figure::new(400.0, "").row(0.0, [named]));
         for (text, at, anchor) in texts(&shapes) {
             let wide = width(&text, 14.0);
@@ -775,12 +631,7 @@ mod tests {
 
     #[test]
     fn a_line_is_cut_where_it_leaves_the_panel_and_comes_back() {
-        let area = Area {
-            left: 0.0,
-            right: 10.0,
-            top: 0.0,
-            bottom: 10.0,
-        };
+        let area = area([0.0, 10.0], [0.0, 10.0]);
         let parts = clipped(&[[5.0, 5.0], [15.0, 5.0], [15.0, 9.0], [5.0, 9.0]], &area);
         let known: Vec<Place> = parts.iter().filter(|p| p[0].is_finite()).copied().collect();
         assert_eq!(known, [[5.0, 5.0], [10.0, 5.0], [10.0, 9.0], [5.0, 9.0]]);
@@ -798,7 +649,7 @@ mod tests {
         let dots: Vec<Place> = shapes
             .iter()
             .filter_map(|shape| match shape {
-                Shape::Circle { centre, .. } => Some(*centre),
+                Shape::Disc(centre, ..) => Some(*centre),
                 _ => None,
             })
             .collect();
@@ -809,7 +660,7 @@ mod tests {
         let corners = shapes
             .iter()
             .find_map(|shape| match shape {
-                Shape::Polygon { corners, .. } => Some(corners.clone()),
+                Shape::Polygon(corners, _) => Some(corners.clone()),
                 _ => None,
             })
             .unwrap();
@@ -820,17 +671,8 @@ mod tests {
 
     #[test]
     fn equal_scales_have_square_pixels() {
-        let square = Panel {
-            scales: Scales::Equal,
-            ..panel(Vec::new())
-        };
-        let area = Area {
-            left: 0.0,
-            right: 300.0,
-            top: 0.0,
-            bottom: 100.0,
-        };
-        let [x, y] = scales(&square, &area);
+        let square = panel(Vec::new()).scaled(Scales::Equal);
+        let [x, y] = scales(&square, &area([0.0, 300.0], [0.0, 100.0]));
         assert!((x.per_pixel() / y.per_pixel() - 1.0).abs() < 1e-12);
         assert_eq!((x.range, y.range), ([-10.0, 20.0], [0.0, 10.0]));
     }

@@ -17,12 +17,8 @@
 //! ```
 //! use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel};
 //! let sine = (0..64).map(|i| 0.1 * f64::from(i)).map(|x| (x, x.sin()));
-//! let panel = Panel {
-//!     x: Axis::new("x [rad]"),
-//!     y: Axis::new("sin x"),
-//!     layers: vec![Layer::line(2.0, sine, PALETTE[0])],
-//!     ..Panel::default()
-//! };
+//! let line = Layer::line(2.0, sine, PALETTE[0]);
+//! let panel = Panel::new(Axis::new("x [rad]"), Axis::new("sin x"), vec![line]);
 //! let figure = Figure::new(320.0, "sine & <line>").row(200.0, [panel]);
 //! assert!(figure.svg().contains("sine &amp; &lt;line&gt;"));
 //! assert_eq!(&figure.png()[1..4], b"PNG");
@@ -46,5 +42,6 @@ pub use figure::{
 };
 pub use kufe_lut::unit_of;
 pub use number::{number4, quantity, usual};
+pub use shape::Cells;
 pub use svg::escape;
-pub use ticks::{axis_ticks, short, tick_text};
+pub use ticks::{axis_ticks, extent, short, tick_text};

@@ -2,7 +2,8 @@
 
 use crate::plot::colour::{Colour, Rgb};
 use crate::plot::font;
-use crate::plot::shape::{BASELINE, DASH, Place, Shape};
+use crate::plot::shape::{BASELINE, Cells, Place, Shape, Style};
+use crate::plot::ticks::extent;
 
 /// The bytes of a PNG file.
 ///
@@ -62,98 +63,58 @@ impl Bitmap {
         low.floor().clamp(0.0, end) as usize..end as usize
     }
 
-    /// Gives each pixel the share of the colour that `cover` says of its middle.
-    fn cover(&mut self, [low, high]: [Place; 2], colour: Colour, cover: impl Fn(Place) -> f64) {
-        for row in self.range(1, low[1], high[1]) {
-            for column in self.range(0, low[0], high[0]) {
-                let share = cover([column, row].map(|k| k as f64 + 0.5));
-                if share > 0.0 {
-                    self.blend([column, row].map(|k| k as i64), colour, share.min(1.0));
-                }
+    fn add(&mut self, shape: &Shape) {
+        match shape {
+            Shape::Polygon(corners, colour) => self.polygon(corners, *colour),
+            Shape::Line(points, width, colour) => self.line(points, *width, *colour),
+            // A point drawn with a broad pen.
+            Shape::Disc(at, radius, colour) => self.line(&[*at; 2], 2.0 * radius, *colour),
+            Shape::Ring([x, y], radius, colour) => {
+                let angles = (0..=32).map(|k| std::f64::consts::TAU * f64::from(k) / 32.0);
+                let points = angles.map(|a| [x + radius * a.cos(), y + radius * a.sin()]);
+                self.line(&points.collect::<Vec<Place>>(), 2.0, *colour);
             }
+            Shape::Text(at, text, style) => self.text(*at, text, style),
+            Shape::Image(corners, cells) => self.image(*corners, cells),
+            Shape::Group(_, shapes) => shapes.iter().for_each(|shape| self.add(shape)),
         }
     }
 
-    fn add(&mut self, shape: &Shape) {
-        match shape {
-            Shape::Polygon { corners, colour } => self.polygon(corners, *colour),
-            Shape::Line {
-                points,
-                colour,
-                width,
-                dashed,
-            } => match dashed {
-                true => self.line(&dashes(points), *colour, *width),
-                false => self.line(points, *colour, *width),
-            },
-            Shape::Circle {
-                centre,
-                radius,
-                colour,
-                ring,
-            } => {
-                let around = [-1.0, 1.0].map(|side| centre.map(|at| at + side * (radius + 2.0)));
-                self.cover(around, *colour, |[x, y]| {
-                    let distance = (x - centre[0]).hypot(y - centre[1]);
-                    match ring {
-                        true => 1.5 - (distance - radius).abs(),
-                        false => radius + 0.5 - distance,
-                    }
-                });
-            }
-            Shape::Text {
-                at: [x, y],
-                text,
-                size,
-                anchor,
-                turned,
-                colour,
-                ..
-            } => {
-                let before = anchor * font::width(text, *size);
-                let lower = BASELINE * size;
-                let start = match turned {
-                    true => [x + lower, y + before],
-                    false => [x - before, y + lower],
-                };
-                let [x, y] = start.map(|at| at.round() as i64);
-                font::rasterise(text, *size, |right, down, share| {
-                    let at = match turned {
-                        true => [x + down, y - right],
-                        false => [x + right, y + down],
-                    };
-                    self.blend(at, *colour, share);
-                });
-            }
-            Shape::Image {
-                corners: [[left, top], [right, bottom]],
-                size,
-                pixels,
-            } => {
-                for row in self.range(1, top.round(), bottom.round()) {
-                    for column in self.range(0, left.round(), right.round()) {
-                        let share = [
-                            (column as f64 + 0.5 - left) / (right - left),
-                            (row as f64 + 0.5 - top) / (bottom - top),
-                        ];
-                        let [i, j] = [0, 1].map(|axis| {
-                            let cell = (share[axis] * size[axis] as f64).max(0.0) as usize;
-                            cell.min(size[axis] - 1)
-                        });
-                        if let Some(rgb) = pixels[j * size[0] + i] {
-                            self.pixels[row * self.size[0] + column] = rgb;
-                        }
-                    }
+    fn text(&mut self, [x, y]: Place, text: &str, style: &Style) {
+        let before = style.anchor * font::width(text, style.size);
+        let lower = BASELINE * style.size;
+        let start = match style.turned {
+            true => [x + lower, y + before],
+            false => [x - before, y + lower],
+        };
+        let [x, y] = start.map(|at| at.round() as i64);
+        font::rasterise(text, style.size, |right, down, share| {
+            let at = match style.turned {
+                true => [x + down, y - right],
+                false => [x + right, y + down],
+            };
+            self.blend(at, style.colour, share);
+        });
+    }
+
+    fn image(&mut self, [from, to]: [Place; 2], cells: &Cells) {
+        let cell = |axis: usize, pixel: usize| {
+            let share = (pixel as f64 + 0.5 - from[axis]) / (to[axis] - from[axis]);
+            let cell = (share * cells.size[axis] as f64).max(0.0) as usize;
+            cell.min(cells.size[axis] - 1)
+        };
+        for row in self.range(1, from[1].round(), to[1].round()) {
+            for column in self.range(0, from[0].round(), to[0].round()) {
+                if let Some(rgb) = cells.colours[cell(1, row) * cells.size[0] + cell(0, column)] {
+                    self.pixels[row * self.size[0] + column] = rgb;
                 }
             }
-            Shape::Group { shapes, .. } => shapes.iter().for_each(|shape| self.add(shape)),
         }
     }
 
     /// Fills the pixels whose middles are inside.
     fn polygon(&mut self, corners: &[Place], colour: Colour) {
-        let rows = corners.iter().map(|corner| corner[1]);
-        let (top, bottom) = rows.fold((f64::INFINITY, 0.0f64), |(a, b), y| (a.min(y), b.max(y)));
+        let [top, bottom] = extent(corners.iter().map(|corner| corner[1]));
         for row in self.range(1, top, bottom) {
             let y = row as f64 + 0.5;
             let next = corners.iter().cycle().skip(1);
@@ -173,21 +134,13 @@ impl Bitmap {
 
     /// Gives each pixel the share of the colour that the line covers of it, once where the line
     /// crosses itself.
-    fn line(&mut self, points: &[Place], colour: Colour, width: f64) {
+    fn line(&mut self, points: &[Place], width: f64, colour: Colour) {
         let reach = 0.5 * width + 0.5;
-        let finite = || {
-            points
-                .iter()
-                .filter(|p| p[0].is_finite() && p[1].is_finite())
+        let around = |bitmap: &Self, points: &[Place], axis: usize| {
+            let [low, high] = extent(points.iter().map(|point| point[axis]));
+            bitmap.range(axis, low - reach, high + reach)
         };
-        let ends = |axis: usize| {
-            let places = finite().map(|point| point[axis]);
-            let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), at| {
-                (a.min(at), b.max(at))
-            });
-            self.range(axis, low - reach, high + reach)
-        };
-        let (columns, rows) = (ends(0), ends(1));
+        let (columns, rows) = (around(self, points, 0), around(self, points, 1));
         let mut shares = vec![0.0f32; columns.len() * rows.len()];
         for pair in points.windows(2) {
             let [from, to] = [pair[0], pair[1]];
@@ -196,60 +149,25 @@ impl Bitmap {
             if !square.is_finite() {
                 continue;
             }
-            let range = |axis: usize| {
-                let (low, high) = (from[axis].min(to[axis]), from[axis].max(to[axis]));
-                self.range(axis, low - reach, high + reach)
-            };
-            for row in range(1) {
-                for column in range(0) {
+            for row in around(self, pair, 1) {
+                for column in around(self, pair, 0) {
                     let off = [column as f64 + 0.5 - from[0], row as f64 + 0.5 - from[1]];
-                    let share = match square > 0.0 {
-                        true => ((off[0] * along[0] + off[1] * along[1]) / square).clamp(0.0, 1.0),
-                        false => 0.0,
-                    };
+                    let share = (off[0] * along[0] + off[1] * along[1]) / square.max(1e-12);
+                    let share = share.clamp(0.0, 1.0);
                     let distance = (off[0] - share * along[0]).hypot(off[1] - share * along[1]);
                     let pixel = (row - rows.start) * columns.len() + column - columns.start;
                     shares[pixel] = shares[pixel].max((reach - distance).min(1.0) as f32);
                 }
             }
         }
-        for (pixel, share) in shares
-            .into_iter()
-            .enumerate()
-            .filter(|(_, share)| *share > 0.0)
-        {
-            let at = [
-                columns.start + pixel % columns.len(),
-                rows.start + pixel / columns.len(),
-            ];
-            self.blend(at.map(|k| k as i64), colour, f64::from(share));
-        }
-    }
-}
-
-/// A line cut into dashes.
-fn dashes(points: &[Place]) -> Vec<Place> {
-    let mut dashes = Vec::new();
-    let (mut done, period) = (0.0, DASH[0] + DASH[1]);
-    for pair in points.windows(2) {
-        let length = (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
-        let at =
-            |along: f64| [0, 1].map(|k| pair[0][k] + along / length * (pair[1][k] - pair[0][k]));
-        let mut along = 0.0;
-        while along < length {
-            let phase = (done + along) % period;
-            let step = if phase < DASH[0] { DASH[0] } else { period } - phase;
-            let end = (along + step.max(1e-6)).min(length);
-            if phase < DASH[0] {
-                dashes.extend([at(along), at(end), [f64::NAN; 2]]);
+        for (pixel, share) in shares.into_iter().enumerate() {
+            let column = columns.start + pixel % columns.len();
+            let row = rows.start + pixel / columns.len();
+            if share > 0.0 {
+                self.blend([column, row].map(|k| k as i64), colour, f64::from(share));
             }
-            along = end;
-        }
-        if length.is_finite() {
-            done += length;
         }
     }
-    dashes
 }
 
 #[cfg(test)]
@@ -270,18 +188,9 @@ mod tests {
     /// give stairs.
     #[test]
     fn a_flat_slope_is_drawn_without_stairs_and_not_across_a_gap() {
-        let line = Shape::Line {
-            points: vec![
-                [10.0, 7.3],
-                [60.0, 12.3],
-                [f64::NAN, 0.0],
-                [80.0, 8.0],
-                [90.0, 9.0],
-            ],
-            colour: INK,
-            width: 2.0,
-            dashed: false,
-        };
+        let gap = [f64::NAN, 0.0];
+        let points = vec![[10.0, 7.3], [60.0, 12.3], gap, [80.0, 8.0], [90.0, 9.0]];
+        let line = Shape::Line(points, 2.0, INK);
         let pixels = pixels(&[line], [101.0, 21.0]);
         let ink = |column: usize| {
             let rows = (0..21).map(|row| 255 - i32::from(pixels[3 * (101 * row + column)]));
@@ -301,15 +210,10 @@ mod tests {
     #[test]
     fn a_polygon_covers_its_pixels_and_an_image_is_stretched_over_its_rectangle() {
         let colour = Colour::new(10, 20, 30);
-        let polygon = Shape::Polygon {
-            corners: vec![[2.0, 1.0], [4.0, 1.0], [4.0, 3.0], [2.0, 3.0]],
-            colour,
-        };
-        let image = Shape::Image {
-            corners: [[4.0, 3.0], [6.0, 5.0]],
-            size: [2, 1],
-            pixels: vec![Some([1, 2, 3]), None],
-        };
+        let corners = vec![[2.0, 1.0], [4.0, 1.0], [4.0, 3.0], [2.0, 3.0]];
+        let polygon = Shape::Polygon(corners, colour);
+        let cells = Cells::new([2, 1], |column, _| (column == 0).then_some([1, 2, 3]));
+        let image = Shape::Image([[4.0, 3.0], [6.0, 5.0]], cells);
         let found = pixels(&[polygon, image], [7.0, 5.0]);
         for (place, pixel) in found.chunks(3).enumerate() {
             let drawn = match (place % 7, place / 7) {
@@ -321,20 +225,20 @@ mod tests {
         }
     }
 
-    /// Of 24 pixels, two dashes of 7.
     #[test]
-    fn a_dashed_line_has_its_share_of_ink() {
-        let line = |dashed| Shape::Line {
-            points: vec![[0.0, 2.5], [24.0, 2.5]],
-            colour: INK,
-            width: 1.0,
-            dashed,
+    fn a_disc_and_a_ring_have_the_ink_of_their_areas() {
+        let ink = |shape: Shape| {
+            let pixels = pixels(&[shape], [31.0, 31.0]);
+            pixels
+                .iter()
+                .map(|value| f64::from(255 - value) / 765.0)
+                .sum::<f64>()
         };
-        let dark = |dashed| {
-            let row = pixels(&[line(dashed)], [24.0, 5.0])[3 * 48..3 * 72].to_vec();
-            row.iter().filter(|value| **value < 128).count() / 3
-        };
-        assert_eq!(dark(false), 24);
-        assert!((14..=16).contains(&dark(true)), "{}", dark(true));
+        let disc = ink(Shape::Disc([15.0, 16.0], 10.0, INK)) / (100.0 * std::f64::consts::PI);
+        let ring = ink(Shape::Ring([15.0, 16.0], 10.0, INK)) / (40.0 * std::f64::consts::PI);
+        assert!(
+            (disc - 1.0).abs() < 0.02 && (ring - 1.0).abs() < 0.03,
+            "{disc} {ring}"
+        );
     }
 }

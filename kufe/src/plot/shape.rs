@@ -9,72 +9,55 @@ pub type Place = [f64; 2];
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// A filled polygon.
-    Polygon {
-        /// Its corners.
-        corners: Vec<Place>,
-        /// Its colour.
-        colour: Colour,
-    },
-    /// A line, broken at points that are no numbers.
-    Line {
-        /// Its points.
-        points: Vec<Place>,
-        /// Its colour.
-        colour: Colour,
-        /// Its width.
-        width: f64,
-        /// Whether it is dashed.
-        dashed: bool,
-    },
-    /// A disc, or a ring of width 2.
-    Circle {
-        /// Its centre.
-        centre: Place,
-        /// Its radius.
-        radius: f64,
-        /// Its colour.
-        colour: Colour,
-        /// Whether it is a ring.
-        ring: bool,
-    },
-    /// A text of one line.
-    Text {
-        /// Where its middle height is.
-        at: Place,
-        /// The text.
-        text: String,
-        /// Height of the em square.
-        size: f64,
-        /// The share of it that is before `at`: 0, 0.5 or 1.
-        anchor: f64,
-        /// Whether it reads upwards.
-        turned: bool,
-        /// Whether it is bold on a page; the embedded font has one weight.
-        bold: bool,
-        /// Its colour.
-        colour: Colour,
-    },
-    /// Pixels, row by row from the upper left, stretched over a rectangle.
-    Image {
-        /// Upper left and lower right corner.
-        corners: [Place; 2],
-        /// Columns and rows.
-        size: [usize; 2],
-        /// The colours; nothing is transparent.
-        pixels: Vec<Option<Rgb>>,
-    },
+    Polygon(Vec<Place>, Colour),
+    /// A line of a width, broken at points that are no numbers.
+    Line(Vec<Place>, f64, Colour),
+    /// A disc of a radius.
+    Disc(Place, f64, Colour),
+    /// A ring of a radius, two pixels wide.
+    Ring(Place, f64, Colour),
+    /// A text of one line, with its middle height at a place.
+    Text(Place, String, Style),
+    /// Cells stretched over a rectangle, between its upper left and its lower right corner.
+    Image([Place; 2], Cells),
     /// Shapes with a text that a page shows when the pointer is over them.
-    Group {
-        /// The text.
-        hint: String,
-        /// The shapes.
-        shapes: Vec<Shape>,
-    },
+    Group(String, Vec<Shape>),
+}
+
+/// How a text is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Style {
+    /// Height of the em square.
+    pub size: f64,
+    /// The share of the text that is before its place: 0, 0.5 or 1.
+    pub anchor: f64,
+    /// Whether it reads upwards.
+    pub turned: bool,
+    /// Whether it is bold on a page; the embedded font has one weight.
+    pub bold: bool,
+    /// Its colour.
+    pub colour: Colour,
+}
+
+/// Coloured cells, row by row from the upper left; a cell without a colour is transparent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cells {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// The colours.
+    pub colours: Vec<Option<Rgb>>,
+}
+
+impl Cells {
+    /// Cells whose colours follow from their column and their row, counted from the lower left.
+    pub fn new(size: [usize; 2], colour: impl Fn(usize, usize) -> Option<Rgb>) -> Self {
+        let rows = (0..size[1]).rev();
+        let places = rows.flat_map(|row| (0..size[0]).map(move |column| (column, row)));
+        let colours = places.map(|(column, row)| colour(column, row)).collect();
+        Cells { size, colours }
+    }
 }
 
 /// From the middle height of a text, which is that of its figures, to its baseline, as a share of
 /// the em square.
 pub const BASELINE: f64 = 0.36;
-
-/// Lengths of a dash and of the gap behind it.
-pub const DASH: [f64; 2] = [7.0, 5.0];

@@ -1,4 +1,12 @@
-//! Round tick positions and their texts.
+//! Ranges, round tick positions and their texts.
+
+/// The least and the greatest of the finite values; infinite and in reverse order where there is none.
+pub fn extent(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    })
+}
 
 /// Ticks at 1, 2 or 5 times a power of ten between two values, about `count` of them.
 ///

@@ -4,7 +4,7 @@ use kufe_contact::PressureMap;
 use kufe_mesh::Hull;
 use serde::Serialize;
 
-use crate::report::grid::{Grid, PackedGrid};
+use crate::report::grid::PackedGrid;
 use crate::report::pack::{Packed, pack};
 use crate::results::{ContactResult, Description, ErrorPart, SeriesResult, SeriesRow};
 
@@ -62,7 +62,10 @@ impl ContactPage {
             peak_error_pa: result.peak().error,
             peak_error_parts: result.peak_error_parts(),
             result,
-            maps: maps.iter().map(|map| grid(map).thinned(most)).collect(),
+            maps: maps
+                .iter()
+                .map(|map| PackedGrid::thinned(map, most))
+                .collect(),
             hull: hull.map(PackedHull::from),
         }
     }
@@ -77,20 +80,6 @@ impl From<&Hull> for PackedHull {
             z: axis(2),
             triangles: hull.triangles.clone(),
         }
-    }
-}
-
-fn grid(map: &PressureMap) -> Grid<'_> {
-    Grid {
-        nx: map.nx,
-        ny: map.ny,
-        x0: map.x0,
-        y0: map.y0,
-        dx: map.dx,
-        dy: map.dy,
-        pressure: &map.pressure,
-        gap: &map.gap,
-        uz: &map.uz,
     }
 }
 

@@ -12,7 +12,7 @@
 //! | [`results_page`] | any other document: its pictures, and its figures as tables |
 //! | [`record_page`] | faults and oddities of recorded runs, worst first, without scripts |
 //! | [`index_page`] | an index of runs |
-//! | [`Grid`] | fields on a regular grid, thinned and packed for a page |
+//! | [`PackedGrid`] | fields on a regular grid, thinned and packed for a page |
 //! | [`pack`] | numbers as the page's scripts read them |
 //! | [`ContactPage`], [`SeriesPage`], [`TablePage`] | the data of three kinds |
 //!
@@ -37,7 +37,7 @@ mod table;
 
 pub use contact::{ContactPage, PackedHull, SeriesPage};
 pub use discovery::discovery_page;
-pub use grid::{Grid, PackedGrid};
+pub use grid::PackedGrid;
 pub use index::index_page;
 pub use pack::{Packed, pack};
 pub use page::{Kind, page};

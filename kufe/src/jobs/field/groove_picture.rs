@@ -35,10 +35,7 @@ pub fn groove_picture(pressed: &SolvedContact, slid: &SolvedSliding) -> Figure {
             along(slid),
         ),
     ];
-    let figure = Figure::new(1100.0, "");
-    panels
-        .into_iter()
-        .fold(figure, |figure, panel| figure.row(300.0, [panel]))
+    Figure::new(1100.0, "").column(300.0, panels)
 }
 
 /// Plastic depth along the line on which the groove is deepest, as far as the patch reaches.
@@ -116,11 +113,5 @@ fn panel(title: &str, [x, y]: [&str; 2], lines: Vec<Line>) -> Panel {
             Layer::dots(3.0, line.dots, colour),
         ]
     });
-    Panel {
-        title: title.to_owned(),
-        x: Axis::new(x),
-        y: Axis::new(y),
-        layers: layers.collect(),
-        ..Panel::default()
-    }
+    Panel::new(Axis::new(x), Axis::new(y), layers.collect()).titled(title)
 }

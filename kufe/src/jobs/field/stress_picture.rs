@@ -5,7 +5,7 @@ use kufe_mesh::HexMesh;
 
 use crate::jobs::field::map_picture::GROUND;
 use crate::plot::{
-    Axis, ColourBar, Figure, INK, Layer, Mark, PALETTE, Panel, Rgb, Scales, Symbol, number4,
+    Axis, Cells, ColourBar, Figure, Layer, PALETTE, Panel, Rgb, Scales, Symbol, extent, number4,
 };
 
 /// The closer view reaches this many times as far around the largest stress as the cells there.
@@ -46,14 +46,13 @@ pub fn stress_picture(field: &RunnerField, loads: &RunnerLoads, mirrored: [bool;
         &bar,
     );
     let whole = across.panel(caption, across.window(), &bar);
-    let equal = |panel| Panel {
-        scales: Scales::Equal,
-        ..panel
-    };
     Figure::new(1500.0, title)
         .row(370.0, [upper])
         .bar(bar.clone())
-        .row(370.0, [equal(whole), equal(close)])
+        .row(
+            370.0,
+            [whole, close].map(|panel| panel.scaled(Scales::Equal)),
+        )
         .bar(bar)
 }
 
@@ -125,9 +124,7 @@ impl Section {
     fn window(&self) -> [[f64; 2]; 2] {
         [0, 1].map(|axis| {
             let places = self.triangles.iter().flatten().map(|corner| corner[axis]);
-            let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
-                (low.min(at), high.max(at))
-            });
+            let [low, high] = extent(places);
             let margin = 0.05 * (high - low);
             [low - margin, high + margin]
         })
@@ -157,30 +154,26 @@ impl Section {
         let [[u0, u1], [v0, v1]] = window;
         let scale = [CELLS[0] as f64 / (u1 - u0), CELLS[1] as f64 / (v1 - v0)];
         let cell = |[u, v, stress]: Corner| [(u - u0) * scale[0], (v1 - v) * scale[1], stress];
-        let mut cells: Vec<Option<Rgb>> = vec![None; CELLS[0] * CELLS[1]];
+        let mut colours: Vec<Option<Rgb>> = vec![None; CELLS[0] * CELLS[1]];
         for triangle in &self.triangles {
             for ([column, row], stress) in pixels(triangle.map(cell), CELLS) {
-                cells[row * CELLS[0] + column] = Some(bar.colour(stress));
+                colours[row * CELLS[0] + column] = Some(bar.colour(stress));
             }
         }
-        let map = Mark::Map {
-            window,
-            size: CELLS,
-            cells,
-        };
+        let size = CELLS;
+        let cells = Cells { size, colours };
         let largest = [(self.largest[0], self.largest[1])];
         let whole = [f64::NEG_INFINITY, f64::INFINITY];
-        Panel {
-            title,
-            x: Axis::new(["x along [mm]", "y across [mm]"][self.flat]).within(window[0]),
-            y: Axis::new("z [mm]").within(window[1]),
-            layers: vec![
-                Layer::rectangle(whole, whole, GROUND),
-                Layer::new(map, INK),
-                Layer::symbols(Symbol::Ring, 8.0, largest, PALETTE[1]),
-            ],
-            scales: Scales::Stretched,
-        }
+        let layers = vec![
+            Layer::rectangle(whole, whole, GROUND),
+            Layer::map(window, cells),
+            Layer::symbols(Symbol::Ring, 8.0, largest, PALETTE[1]),
+        ];
+        let x = Axis::new(["x along [mm]", "y across [mm]"][self.flat]).within(window[0]);
+        let y = Axis::new("z [mm]").within(window[1]);
+        Panel::new(x, y, layers)
+            .titled(title)
+            .scaled(Scales::Stretched)
     }
 }
 

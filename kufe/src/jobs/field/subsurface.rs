@@ -70,11 +70,8 @@ pub fn subsurface_picture(line: &CentreLine) -> Figure {
         layers.push(Layer::dots(5.0, [at], PALETTE[0]));
         layers.push(Layer::text(at, text, [1.0, 1.0], INK));
     }
-    let panel = Panel {
-        x: Axis::new(format!("depth [{unit}]")).within([0.0, deepest]),
-        y: Axis::new("stress [MPa]").within([0.0, 1.05 * highest]),
-        layers,
-        ..Panel::default()
-    };
-    Figure::new(900.0, "stress under the peak pressure").row(540.0, [panel])
+    let x = Axis::new(format!("depth [{unit}]")).within([0.0, deepest]);
+    let y = Axis::new("stress [MPa]").within([0.0, 1.05 * highest]);
+    let title = "stress under the peak pressure";
+    Figure::new(900.0, title).row(540.0, [Panel::new(x, y, layers)])
 }

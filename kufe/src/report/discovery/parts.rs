@@ -90,13 +90,14 @@ pub fn list(out: &mut String, title: &str, items: impl Iterator<Item = String>) 
     }
 }
 
-/// A table. Columns whose name begins with `#` are numbers; rows are shaded where their flag is
-/// set.
+/// A table of the columns `NAME|NAME|..`, of which those with a `#` are numbers; rows are shaded
+/// where their flag is set.
 pub fn table<const N: usize>(
     out: &mut String,
-    columns: [&str; N],
+    columns: &str,
     rows: impl IntoIterator<Item = (bool, [String; N])>,
 ) {
+    let columns: Vec<&str> = columns.split('|').collect();
     let class = |k: usize| {
         if columns[k].starts_with('#') {
             " class=n"
@@ -106,12 +107,8 @@ pub fn table<const N: usize>(
     };
     out.push_str("<div class=\"wide\"><table><tr>");
     for (k, column) in columns.iter().enumerate() {
-        let _ = write!(
-            out,
-            "<th{}>{}",
-            class(k),
-            escape(column.trim_start_matches('#'))
-        );
+        let column = escape(column.trim_start_matches('#'));
+        let _ = write!(out, "<th{}>{column}", class(k));
     }
     out.push_str("</tr>\n");
     for (shaded, cells) in rows {
@@ -169,13 +166,11 @@ mod tests {
         let mut out = String::new();
         table(
             &mut out,
-            ["name", "#p"],
+            "name|#p",
             [(true, ["<a>".to_owned(), p_value(1e-9)])],
         );
         assert!(out.contains("<th>name<th class=n>p</tr>"), "{out}");
-        assert!(
-            out.contains("<tr class=in><td>&lt;a&gt;<td class=n>&lt; 1e-6</tr>"),
-            "{out}"
-        );
+        let row = "<tr class=in><td>&lt;a&gt;<td class=n>&lt; 1e-6</tr>";
+        assert!(out.contains(row), "{out}");
     }
 }

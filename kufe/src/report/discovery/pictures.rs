@@ -1,8 +1,8 @@
 //! Pictures of the page. Each is drawn for a page and for a phone.
 
 use crate::plot::{
-    AFTER, Axis, BEFORE, Colour, ColourBar, Figure, INK, Layer, Mark, Panel, Point, Symbol, Ticks,
-    diverging, number4, unit_of, usual,
+    AFTER, Axis, BEFORE, Cells, Colour, ColourBar, Figure, INK, Layer, Panel, Point, Symbol, Ticks,
+    diverging, extent, number4, unit_of, usual,
 };
 use crate::report::discovery::parts::{channel_label, range, shown};
 use crate::report::sign::sign;
@@ -10,10 +10,11 @@ use crate::results::finding::{
     Baseline, Bin, ByRun, ChannelGap, Maps, Peak, Plot, Scatter, Strip, StripRun,
 };
 
-/// Widths of a map, of a picture next to another, of one as wide as the page, and of one on a
-/// phone.
+/// Widths of a map, of a picture next to another, of one that is alone, of one as wide as the page,
+/// and of one on a phone.
 const MAP: f64 = 290.0;
 const HALF: f64 = 480.0;
+const ALONE: f64 = 640.0;
 const WHOLE: f64 = 940.0;
 const PHONE: f64 = 400.0;
 
@@ -25,12 +26,16 @@ const PLACES: Colour = Colour::new(224, 168, 0).alpha(0.3);
 const MOST_BINS: usize = 12;
 const MOST_SESSIONS: usize = 10;
 
-fn figure(width: f64, label: &str) -> Figure {
+/// A figure of panels one below the other.
+fn column(width: f64, title: &str, label: &str, height: f64, panels: Vec<Panel>) -> Figure {
+    let (letters, label) = (13.0, label.to_owned());
+    let figure = Figure::new(width, title);
     Figure {
-        letters: 13.0,
-        label: label.to_owned(),
-        ..Figure::new(width, "")
+        letters,
+        label,
+        ..figure
     }
+    .column(height, panels)
 }
 
 /// A picture for a page and for a phone: the page shows the one that fits.
@@ -43,29 +48,25 @@ fn for_both(page: f64, drawn: impl Fn(f64) -> Figure) -> String {
 pub fn picture(plot: &Plot, is_one_of_a_pair: bool) -> String {
     match plot {
         Plot::Scatter(plot) => {
-            let drawn = |width| figure(width, &plot.label).row(230.0, [diagram(plot)]);
+            let drawn = |width| column(width, "", &plot.label, 230.0, vec![diagram(plot)]);
             match is_one_of_a_pair {
                 true => drawn(HALF).svg(),
                 false => for_both(WHOLE, drawn),
             }
         }
-        Plot::Strip(plot) => for_both(WHOLE, |width| {
-            let title = format!(
-                "measured less simulated, {} [{}], along track {}, by session",
-                plot.channel,
-                sign(&plot.unit),
-                plot.track
-            );
-            let figure = Figure {
-                title,
-                ..figure(width, "")
-            };
-            let figure = figure.row(120.0, [strip(plot, false)]);
-            figure.row(120.0, [strip(plot, true)])
-        }),
-        Plot::Peaks(rows) => for_both(WHOLE, |width| {
-            figure(width, "peak pressure by row").row(0.0, [peaks(rows)])
-        }),
+        Plot::Strip(plot) => {
+            let channel = format!("{} [{}]", plot.channel, sign(&plot.unit));
+            let along = format!("along track {}, by session", plot.track);
+            let title = format!("measured less simulated, {channel}, {along}");
+            let panels = || [false, true].map(|after| strip(plot, after)).to_vec();
+            for_both(WHOLE, |width| column(width, &title, "", 120.0, panels()))
+        }
+        Plot::Peaks(rows) => {
+            let label = "peak pressure by row";
+            for_both(WHOLE, |width| {
+                column(width, "", label, 0.0, vec![peaks(rows)])
+            })
+        }
         Plot::Maps(plot) => format!("<div class=\"panels\">\n{}</div>\n", maps(plot)),
     }
 }
@@ -73,36 +74,28 @@ pub fn picture(plot: &Plot, is_one_of_a_pair: bool) -> String {
 /// Points in up to two series over a column, with their standard deviations, and a curve or the
 /// level 0.
 fn diagram(plot: &Scatter) -> Panel {
+    let pairs =
+        |x: &[f64], y: &[f64]| -> Vec<Point> { x.iter().copied().zip(y.iter().copied()).collect() };
     let mut layers = vec![match &plot.curve {
-        Some(curve) => {
-            let points = curve.x.iter().copied().zip(curve.y.iter().copied());
-            Layer::line(2.0, points, AFTER).named(&*curve.name)
-        }
+        Some(curve) => Layer::line(2.0, pairs(&curve.x, &curve.y), AFTER).named(&*curve.name),
         None => Layer::level(0.0),
     }];
     for (one, colour) in plot.series.iter().zip([BEFORE, AFTER]) {
-        let points = || plot.x.iter().copied().zip(one.y.iter().copied());
-        let bars = points()
-            .zip(&one.sd)
-            .map(|((x, y), sd)| [(x, y - sd), (x, y + sd)]);
+        let points = pairs(&plot.x, &one.y);
+        let bars = points.iter().zip(&one.sd);
+        let bars = bars.map(|((x, y), sd)| [(*x, y - sd), (*x, y + sd)]);
         layers.push(Layer::segments(1.0, bars, colour.alpha(0.7)));
-        layers.push(Layer::dots(3.5, points(), colour).named(&*one.name));
+        layers.push(Layer::dots(3.5, points, colour).named(&*one.name));
     }
-    Panel {
-        x: Axis::new(match &*sign(&unit_of(&plot.x_name)) {
-            "" => plot.x_name.clone(),
-            unit => format!("{} [{unit}]", plot.x_name),
-        }),
-        y: Axis::new(&*plot.y_name),
-        layers,
-        ..Panel::default()
-    }
+    let x = match &*sign(&unit_of(&plot.x_name)) {
+        "" => plot.x_name.clone(),
+        unit => format!("{} [{unit}]", plot.x_name),
+    };
+    Panel::new(Axis::new(x), Axis::new(&*plot.y_name), layers)
 }
 
 /// Every run along a track in its session's colour, the mean of all, and the places of effects.
 fn strip(plot: &Strip, after: bool) -> Panel {
-    let (from, step) = (plot.from_m, plot.step_m);
-    let (runs, places) = (&plot.runs, &plot.places);
     let values = |run: &StripRun| {
         if after {
             run.after.clone()
@@ -110,179 +103,147 @@ fn strip(plot: &Strip, after: bool) -> Panel {
             run.before.clone()
         }
     };
-    let count = runs.iter().map(|run| run.before.len()).max().unwrap_or(0);
-    let both = runs
+    let count = plot
+        .runs
+        .iter()
+        .map(|run| run.before.len())
+        .max()
+        .unwrap_or(0);
+    let end = plot.from_m + plot.step_m * count as f64;
+    let both = plot
+        .runs
         .iter()
         .flat_map(|run| run.before.iter().chain(&run.after));
-    let largest = both
-        .filter(|v| v.is_finite())
-        .fold(1e-300_f64, |m, v| m.max(v.abs()));
-    let line = |values: &[f64]| -> Vec<Point> {
-        let places = (0..values.len()).map(|k| from + step * (k as f64 + 0.5));
-        places.zip(values.iter().copied()).collect()
+    let [_, largest] = extent(both.map(|value| value.abs()).chain([1e-300]));
+    let line = |values: Vec<f64>, width: f64, colour: Colour| {
+        let at = |k: usize| plot.from_m + plot.step_m * (k as f64 + 0.5);
+        let points = values.into_iter().enumerate();
+        Layer::line(width, points.map(|(k, value)| (at(k), value)), colour)
     };
+    let mut layers = Vec::new();
+    for place in &plot.places {
+        // At least wide enough to be seen.
+        let to = place.to.max(place.from + 0.002 * (end - plot.from_m));
+        let [low, high] = [place.from, place.to].map(number4);
+        let hint = format!("{}, {low} to {high} m", place.effect);
+        layers.push(Layer::stretch([place.from, to], PLACES).hinted(hint));
+        if !after {
+            layers.push(Layer::above(0.5 * (place.from + place.to), &*place.effect));
+        }
+    }
     let mut sessions: Vec<&str> = Vec::new();
-    for run in runs {
+    for run in &plot.runs {
         if !sessions.contains(&&*run.session) {
             sessions.push(&run.session);
         }
     }
-    let mut layers: Vec<Layer> = places
-        .iter()
-        .map(|place| {
-            // At least wide enough to be seen.
-            let least = 0.002 * step * count as f64;
-            let ends = [place.from, place.to.max(place.from + least)];
-            let [low, high] = [place.from, place.to].map(number4);
-            Layer::stretch(ends, PLACES).hinted(format!("{}, {low} to {high} m", place.effect))
-        })
-        .collect();
-    let names = places
-        .iter()
-        .map(|place| (0.5 * (place.from + place.to), place.effect.clone()));
-    if !after {
-        layers.push(Layer::new(Mark::Above(names.collect()), INK));
-    }
-    let mean = |k: usize| {
-        let at = runs.iter().filter_map(|run| values(run).get(k).copied());
-        let (sum, n) = at
-            .filter(|v| v.is_finite())
-            .fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
-        sum / n
-    };
-    let means: Vec<f64> = (0..count).map(mean).collect();
-    let named = |layer: Layer, name: &str| layer.named(if after { "" } else { name });
-    for run in runs {
-        let session = sessions
-            .iter()
-            .position(|session| *session == run.session)
-            .unwrap_or(0);
+    let named = |layer: Layer, name: &str| if after { layer } else { layer.named(name) };
+    for run in &plot.runs {
+        let session = sessions.iter().position(|session| *session == run.session);
+        let session = session.unwrap_or(0);
         let colour = Colour::hue(session, sessions.len()).alpha(0.6);
-        let layer = Layer::line(0.9, line(&values(run)), colour).hinted(&*run.run);
-        layers.push(match session < MOST_SESSIONS {
-            true => named(layer, &run.session),
-            false => layer,
-        });
+        let layer = line(values(run), 0.9, colour).hinted(&*run.run);
+        let name = if session < MOST_SESSIONS {
+            &*run.session
+        } else {
+            ""
+        };
+        layers.push(named(layer, name));
     }
     if sessions.len() > MOST_SESSIONS {
         let more = format!("and {} sessions", sessions.len() - MOST_SESSIONS);
-        layers.push(named(Layer::line(1.0, [], INK.alpha(0.0)), &more));
+        layers.push(named(line(Vec::new(), 1.0, INK.alpha(0.0)), &more));
     }
-    layers.push(named(
-        Layer::line(1.8, line(&means), INK),
-        "mean of all runs",
-    ));
-    Panel {
-        title: if after { "after" } else { "before" }.to_owned(),
-        x: match after {
-            true => Axis::new("distance along the track [m]"),
-            false => Axis::default(),
-        }
-        .within([from, from + step * count as f64]),
-        y: Axis::default().within([-1.05 * largest, 1.05 * largest]),
-        layers,
-        ..Panel::default()
-    }
+    let mean = |k: usize| {
+        let at = plot
+            .runs
+            .iter()
+            .filter_map(|run| values(run).get(k).copied());
+        let at: Vec<f64> = at.filter(|value| value.is_finite()).collect();
+        at.iter().sum::<f64>() / at.len() as f64
+    };
+    let means = line((0..count).map(mean).collect(), 1.8, INK);
+    layers.push(named(means, "mean of all runs"));
+    let x = Axis::new(if after {
+        "distance along the track [m]"
+    } else {
+        ""
+    });
+    let y = Axis::new("").within([-1.05 * largest, 1.05 * largest]);
+    let panel = Panel::new(x.within([plot.from_m, end]), y, layers);
+    panel.titled(if after { "after" } else { "before" })
 }
 
 /// Peak pressures, measured (a stroke with two standard deviations) and simulated before (a ring)
 /// and after (a disc).
 fn peaks(rows: &[Peak]) -> Panel {
     let mega = |pa: f64| 1e-6 * pa;
+    let mut layers = Vec::new();
+    for (k, row) in rows.iter().enumerate() {
+        let y = k as f64 + 0.5;
+        let ends = [-2.0, 2.0].map(|side| (mega(row.measured + side * row.sd), y));
+        layers.push(Layer::segments(1.5, [ends], INK));
+        let points = [
+            ("measured", Some(row.measured), Symbol::Stroke, 7.0, INK),
+            ("before", Some(row.before), Symbol::Ring, 4.0, BEFORE),
+            ("after", row.after, Symbol::Disc, 4.0, AFTER),
+        ];
+        for (name, pressure, symbol, radius, colour) in points {
+            let Some(pressure) = pressure.map(mega) else {
+                continue;
+            };
+            let layer = Layer::symbols(symbol, radius, [(pressure, y)], colour);
+            let hint = format!("{name} {} MPa", number4(pressure));
+            layers.push(layer.named(name).hinted(hint));
+        }
+    }
     let names = rows.iter().map(|row| match row.not_seen {
         true => format!("{}, not seen", row.name),
         false => row.name.clone(),
     });
-    let mut layers = Vec::new();
-    for (k, row) in rows.iter().enumerate() {
-        let y = k as f64 + 0.5;
-        let [low, high] = [-2.0, 2.0].map(|side| (mega(row.measured + side * row.sd), y));
-        let mut hint = format!(
-            "measured {}, before {}",
-            number4(mega(row.measured)),
-            number4(mega(row.before))
-        );
-        if let Some(after) = row.after {
-            hint += &format!(", after {}", number4(mega(after)));
-        }
-        let point = |symbol, radius, pressure, colour| {
-            Layer::symbols(symbol, radius, [(mega(pressure), y)], colour)
-                .hinted(format!("{hint} [MPa]"))
-        };
-        layers.push(Layer::segments(1.5, [[low, high]], INK));
-        layers.push(point(Symbol::Stroke, 7.0, row.measured, INK).named("measured"));
-        layers.push(point(Symbol::Ring, 4.0, row.before, BEFORE).named("before"));
-        let after = row
-            .after
-            .map(|after| point(Symbol::Disc, 4.0, after, AFTER));
-        layers.extend(after.map(|layer| layer.named("after")));
-    }
-    Panel {
-        x: Axis::new("peak pressure [MPa]"),
-        y: Axis::names(names).reversed(),
-        layers,
-        ..Panel::default()
-    }
+    let x = Axis::new("peak pressure [MPa]");
+    Panel::new(x, Axis::names("", names).reversed(), layers)
 }
 
 /// Measured pressure, and measured less simulated before and, where that is another one, after.
 fn maps(plot: &Maps) -> String {
-    let mega = |values: Vec<f64>| -> Vec<f64> { values.into_iter().map(|pa| 1e-6 * pa).collect() };
-    let less = |simulated: &[f64]| {
-        mega(
-            plot.measured
-                .iter()
-                .zip(simulated)
-                .map(|(m, s)| m - s)
-                .collect(),
-        )
+    let mega = |values: &[f64], less: Option<&[f64]>| -> Vec<f64> {
+        let less = |k: usize| less.map_or(0.0, |less| less[k]);
+        let values = values.iter().enumerate();
+        values.map(|(k, pa)| 1e-6 * (pa - less(k))).collect()
     };
     let largest = |values: &[f64]| values.iter().fold(1e-6_f64, |m, v| m.max(v.abs()));
     let span = |from: f64, step: f64, count: usize| {
-        [
-            1e3 * (from - 0.5 * step),
-            1e3 * (from + (count as f64 - 0.5) * step),
-        ]
+        [-0.5, count as f64 - 0.5].map(|k| 1e3 * (from + k * step))
     };
     let window = [
         span(plot.x0, plot.dx, plot.nx),
         span(plot.y0, plot.dy, plot.ny),
     ];
     let map = |title: &str, values: Vec<f64>, bar: ColourBar| {
-        // Maps have their rows from below.
-        let rows = values.chunks(plot.nx.max(1)).rev();
-        let cells = rows
-            .flatten()
-            .map(|value| Some(bar.colour(*value)))
-            .collect();
-        let size = [plot.nx, plot.ny];
-        let cells = Mark::Map {
-            window,
-            size,
-            cells,
-        };
-        let panel = Panel {
-            title: title.to_owned(),
-            x: Axis::new("x [mm]").within(window[0]),
-            y: Axis::new("y [mm]").within(window[1]),
-            layers: vec![Layer::new(cells, INK)],
-            ..Panel::default()
-        };
-        let figure = Figure {
+        let cells = Cells::new([plot.nx, plot.ny], |column, row| {
+            Some(bar.colour(values[row * plot.nx + column]))
+        });
+        let x = Axis::new("x [mm]").within(window[0]);
+        let y = Axis::new("y [mm]").within(window[1]);
+        let panel = Panel::new(x, y, vec![Layer::map(window, cells)]).titled(title);
+        let figure = column(MAP, "", title, 150.0, vec![panel]).bar(bar);
+        Figure {
             letters: 12.0,
-            ..figure(MAP, title)
-        };
-        figure.row(150.0, [panel]).bar(bar).svg()
+            ..figure
+        }
+        .svg()
     };
-    let pressure = mega(plot.measured.clone());
+    let pressure = mega(&plot.measured, None);
     let bar = ColourBar::viridis("p [MPa]", [0.0, largest(&pressure)]);
     let mut out = map("measured", pressure, bar);
-    let first = less(&plot.before);
-    let off = largest(&first);
+    let before = mega(&plot.measured, Some(&plot.before));
+    let off = largest(&before);
     let bar = || ColourBar::new("p [MPa]", [-off, off], |share| diverging(2.0 * share - 1.0));
-    out += &map("measured less simulated, before", first, bar());
+    out += &map("measured less simulated, before", before, bar());
     if !plot.after.is_empty() {
-        out += &map("measured less simulated, after", less(&plot.after), bar());
+        let after = mega(&plot.measured, Some(&plot.after));
+        out += &map("measured less simulated, after", after, bar());
     }
     out
 }
@@ -292,106 +253,73 @@ fn bars(title: String, unit: &str, values: &[(&str, f64, Colour)]) -> Panel {
     let largest = values
         .iter()
         .fold(1e-300_f64, |m, (_, value, _)| m.max(*value));
-    let mut layers = Vec::new();
-    for (k, (_, value, colour)) in values.iter().enumerate() {
-        let y = k as f64;
-        layers.push(Layer::rectangle(
-            [0.0, value / largest],
-            [y + 0.15, y + 0.85],
-            *colour,
-        ));
-        let text = shown(*value, unit);
-        layers.push(Layer::text(
-            (value / largest, y + 0.5),
-            text,
-            [0.4, 0.0],
-            INK,
-        ));
-    }
-    Panel {
-        title,
-        x: Axis::blank([0.0, 1.25]),
-        y: Axis::names(values.iter().map(|(name, ..)| *name)).reversed(),
-        layers,
-        ..Panel::default()
-    }
-}
-
-fn bar_chart(title: &str, panels: &dyn Fn() -> Vec<Panel>) -> String {
-    for_both(640.0, |width| {
-        let figure = Figure {
-            title: title.to_owned(),
-            ..figure(width, "")
-        };
-        panels()
-            .into_iter()
-            .fold(figure, |figure, panel| figure.row(0.0, [panel]))
-    })
+    let layers = values
+        .iter()
+        .enumerate()
+        .flat_map(|(k, (_, value, colour))| {
+            let (y, end) = (k as f64, value / largest);
+            [
+                Layer::rectangle([0.0, end], [y + 0.15, y + 0.85], *colour),
+                Layer::text((end, y + 0.5), shown(*value, unit), [0.4, 0.0], INK),
+            ]
+        });
+    let names = Axis::names("", values.iter().map(|(name, ..)| *name));
+    let x = Axis::blank([0.0, 1.25]);
+    Panel::new(x, names.reversed(), layers.collect()).titled(title)
 }
 
 /// The gap of each channel before and after, and what the sensors' noise alone would give.
 pub fn gaps(title: &str, channels: &[ChannelGap]) -> String {
-    bar_chart(title, &|| {
-        let one = |c: &ChannelGap| {
-            let values = [
-                ("before", c.before, BEFORE),
-                ("after", c.after, AFTER),
-                ("sensor noise", c.noise, NEUTRAL),
-            ];
-            bars(channel_label(&c.channel, &c.unit), &c.unit, &values)
-        };
-        channels.iter().map(one).collect()
-    })
+    let panel = |c: &ChannelGap| {
+        let values = [
+            ("before", c.before, BEFORE),
+            ("after", c.after, AFTER),
+            ("sensor noise", c.noise, NEUTRAL),
+        ];
+        bars(channel_label(&c.channel, &c.unit), &c.unit, &values)
+    };
+    let panels: Vec<Panel> = channels.iter().map(panel).collect();
+    for_both(ALONE, |width| column(width, title, "", 0.0, panels.clone()))
 }
 
 /// The gap of each quantity by three models; a model that cannot be simulated has no bar.
 pub fn models(title: &str, baselines: &[Baseline]) -> String {
-    bar_chart(title, &|| {
-        let one = |b: &Baseline| {
-            let values = [
-                Some(("as given", b.as_given, BEFORE)),
-                b.refitted.map(|gap| ("base refitted", gap, NEUTRAL)),
-                b.with_effect.map(|gap| ("with the effect", gap, AFTER)),
-            ];
-            let values: Vec<_> = values.into_iter().flatten().collect();
-            bars(channel_label(&b.quantity, &b.unit), &b.unit, &values)
-        };
-        baselines.iter().map(one).collect()
-    })
+    let panel = |b: &Baseline| {
+        let refitted = b.refitted.map(|gap| ("base refitted", gap, NEUTRAL));
+        let with_effect = b.with_effect.map(|gap| ("with the effect", gap, AFTER));
+        let mut values = vec![("as given", b.as_given, BEFORE)];
+        values.extend(refitted.into_iter().chain(with_effect));
+        bars(channel_label(&b.quantity, &b.unit), &b.unit, &values)
+    };
+    let panels: Vec<Panel> = baselines.iter().map(panel).collect();
+    for_both(ALONE, |width| column(width, title, "", 0.0, panels.clone()))
 }
 
 /// Mean residuals with two standard errors, relative to the largest of their channel, most
 /// significant bins first.
 pub fn bins(bins: &[Bin]) -> String {
     let bins = &bins[..bins.len().min(MOST_BINS)];
-    let mut errors = Vec::new();
-    let mut means = Vec::new();
+    let mut layers = vec![Layer::upright(0.0, INK.alpha(0.4))];
     for (k, bin) in bins.iter().enumerate() {
         let same = bins.iter().filter(|other| other.channel == bin.channel);
-        let largest = same.fold(1e-300_f64, |m, b| m.max(b.mean.abs() + 2.0 * b.error));
+        let reach = same.map(|b| b.mean.abs() + 2.0 * b.error);
+        let largest = reach.fold(1e-300, f64::max);
         let at = |side: f64| ((bin.mean + side * bin.error) / largest, k as f64 + 0.5);
-        errors.push([at(-2.0), at(2.0)]);
-        means.push(at(0.0));
+        layers.push(Layer::segments(2.0, [[at(-2.0), at(2.0)]], AFTER));
+        layers.push(Layer::dots(4.0, [at(0.0)], BEFORE));
     }
-    let zero = [(0.0, f64::NEG_INFINITY), (0.0, f64::INFINITY)];
-    for_both(640.0, |width| {
-        let panel = Panel {
-            title: "mean residual with two standard errors, relative to the largest of its channel"
-                .to_owned(),
-            x: Axis::blank([-1.05, 1.05]),
-            y: Axis::names(
-                bins.iter()
-                    .map(|bin| format!("{}: {}", bin.channel, range(bin))),
-            )
-            .reversed(),
-            layers: vec![
-                Layer::line(1.0, zero, INK.alpha(0.4)),
-                Layer::segments(2.0, errors.iter().copied(), AFTER),
-                Layer::dots(4.0, means.iter().copied(), BEFORE),
-            ],
-            ..Panel::default()
-        };
-        figure(width, "mean residual by bin").row(0.0, [panel])
+    let names = bins
+        .iter()
+        .map(|bin| format!("{}: {}", bin.channel, range(bin)));
+    let (x, y) = (
+        Axis::blank([-1.05, 1.05]),
+        Axis::names("", names).reversed(),
+    );
+    let title = "mean residual with two standard errors, relative to the largest of its channel";
+    let panel = Panel::new(x, y, layers).titled(title);
+    let label = "mean residual by bin";
+    for_both(ALONE, |width| {
+        column(width, "", label, 0.0, vec![panel.clone()])
     })
 }
 
@@ -412,26 +340,16 @@ pub fn runs(of: &ByRun) -> String {
     for (k, run) in of.runs.iter().enumerate() {
         let point = |value: f64| [(k as f64 + 0.5, usual(value, &of.unit).0)];
         let before = Layer::symbols(Symbol::Ring, 4.0, point(run.before), BEFORE);
+        let after = Layer::dots(3.0, point(run.after), AFTER);
         layers.push(before.named("before").hinted(&*run.run));
-        layers.push(
-            Layer::dots(3.0, point(run.after), AFTER)
-                .named("after")
-                .hinted(&*run.run),
-        );
+        layers.push(after.named("after").hinted(&*run.run));
     }
     let title = format!("mean residual {}", channel_label(&of.channel, &of.unit));
-    for_both(640.0, |width| {
-        let panel = Panel {
-            title: title.clone(),
-            x: Axis {
-                label: "session".to_owned(),
-                range: Some([0.0, of.runs.len().max(1) as f64]),
-                ticks: Ticks::Names(names.clone()),
-            },
-            layers: layers.clone(),
-            ..Panel::default()
-        };
-        figure(width, &format!("{title} by run")).row(120.0, [panel])
+    let x = Axis::with("session", Ticks::Names(names)).within([0.0, from.max(1) as f64]);
+    let label = format!("{title} by run");
+    let panel = Panel::new(x, Axis::new(""), layers).titled(title);
+    for_both(ALONE, |width| {
+        column(width, "", &label, 120.0, vec![panel.clone()])
     })
 }
 
@@ -534,7 +452,8 @@ mod tests {
         // 1.05 of the half height.
         assert_eq!(path.len(), 4);
         assert!(((path[3] - path[1]) * 1.05 - 60.0).abs() < 0.5, "{path:?}");
-        assert!(path[0] > 600.0 && path[2] > path[0]);
+        let quarter = path[2] - path[0];
+        assert!((2.0 * quarter - 0.5 * 880.0).abs() < 10.0, "{path:?}");
     }
 
     #[test]

@@ -76,16 +76,7 @@ fn rivals(out: &mut String, rivals: &[Rival]) {
         "<p>Shaded: these data cannot distinguish it from the named effect. <i>Explains</i>: what the rival alone explains, in units of the noise. \
 <i>Named given it</i>: how many of its errors the named effect is away from 0 once the rival has taken its part; small means alike.</p>\n",
     );
-    let columns = [
-        "rival",
-        "parameter",
-        "#size alone",
-        "#size / error",
-        "#explains",
-        "#correlation",
-        "#named given it",
-        "what would decide",
-    ];
+    let columns = "rival|parameter|#size alone|#size / error|#explains|#correlation|#named given it|what would decide";
     let row = |r: &Rival| {
         let cells = [
             r.effect.clone(),
@@ -118,7 +109,7 @@ pub fn parameters(out: &mut String, fitted: &[Fitted]) {
     };
     table(
         out,
-        ["parameter", "#value", "#95 % interval", "unit"],
+        "parameter|#value|#95 % interval|unit",
         fitted.iter().map(row),
     );
 }
@@ -137,14 +128,7 @@ fn evidence(out: &mut String, kinds: &[OfKind]) {
         }
     };
     let _ = writeln!(out, "<p>{message}</p>");
-    let columns = [
-        "data",
-        "parameter",
-        "#by itself",
-        "#95 % interval",
-        "unit",
-        "#gap not seen before, and after",
-    ];
+    let columns = "data|parameter|#by itself|#95 % interval|unit|#gap not seen before, and after";
     let row = |(kind, p): (&OfKind, &Fitted)| {
         let [value, low, high] = [p.value, p.low, p.high].map(|value| shown(value, &p.unit));
         let [before, after] = [kind.gap_before, kind.gap_after].map(|gap| amount(gap, &kind.unit));
@@ -180,7 +164,7 @@ likelihood ratio of the two that the runs would distinguish least; shaded where 
         ];
         (plan.splits, cells)
     };
-    let columns = ["runs", "track", "what differs", "between", "#expected"];
+    let columns = "runs|track|what differs|between|#expected";
     table(out, columns, plans.iter().map(row));
 }
 
@@ -203,14 +187,7 @@ pub fn bins(out: &mut String, bins: &[Bin]) {
         ];
         (false, cells)
     };
-    let columns = [
-        "channel",
-        "bin",
-        "#mean residual",
-        "#standard error",
-        "unit",
-        "#p over all bins",
-    ];
+    let columns = "channel|bin|#mean residual|#standard error|unit|#p over all bins";
     table(out, columns, bins.iter().take(MOST_BINS).map(row));
     if bins.len() > MOST_BINS {
         let _ = writeln!(
@@ -253,13 +230,6 @@ the share of each effect that a refit of the base leaves, and the effect that re
         ];
         (false, cells)
     };
-    let columns = [
-        "effect",
-        "parameter",
-        "#smallest size",
-        "#share left",
-        "most like",
-        "#correlation",
-    ];
+    let columns = "effect|parameter|#smallest size|#share left|most like|#correlation";
     table(out, columns, effects.iter().map(row));
 }
