@@ -139,7 +139,8 @@ impl Scale {
     }
 }
 
-/// The range of a panel's axis: the stated one, or that of its lines, points and areas with a margin.
+/// The range of a panel's axis: the stated one, or that of its lines, points and areas with a
+/// margin.
 fn range(panel: &Panel, axis: usize) -> [f64; 2] {
     if let Some(range) = panel.axes[axis].range {
         return range;

@@ -1,6 +1,7 @@
 //! Ranges, round tick positions and their texts.
 
-/// The least and the greatest of the finite values; infinite and in reverse order where there is none.
+/// The least and the greatest of the finite values; infinite and in reverse order where there is
+/// none.
 pub fn extent(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     let finite = values.into_iter().filter(|value| value.is_finite());
     finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
