@@ -17,7 +17,9 @@ const UNMARKED: [&str; 6] = ["csv", "fmu", "json", "md", "parquet", "toml"];
 /// Length of a file's beginning that contains the mark of kufe [bytes].
 const HEAD: u64 = 1 << 13;
 /// Marks of plans and tables, apart from `kufe 1.2.3`.
-const FORMATS: [&str; 2] = ["\"kufe-lut", "--job-name=kufe-lut"];
+const FORMATS: [&str; 1] = ["\"kufe-lut"];
+/// Bytes before the mark that two files of one kind have in common.
+const BEFORE: usize = 8;
 
 /// Files that a command writes at places of their own.
 ///
@@ -141,10 +143,10 @@ impl OutputFiles {
             return Ok(());
         }
         let writer = FolderRecord::writer_of(folder_of(place), &name_of(place));
-        let begins_as = |content: &Path| head(content, 4) == head(place, 4);
         let own = match &writer {
             Some(writer) => writer == self.command,
-            None => is_marked(place) && content.is_none_or(begins_as),
+            None => mark(place)
+                .is_some_and(|found| content.is_none_or(|new| mark(new) == Some(found))),
         };
         if own || content.is_some_and(|content| head(content, u64::MAX) == head(place, u64::MAX)) {
             return Ok(());
@@ -166,17 +168,23 @@ fn name_of(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// Whether a file states near its beginning that kufe wrote it: by name and version, or a format.
-fn is_marked(path: &Path) -> bool {
-    let head = head(path, HEAD).unwrap_or_default();
-    let head = String::from_utf8_lossy(&head);
-    let is_version = |(at, mark): (usize, &str)| {
-        let rest = &head[at + mark.len()..];
-        let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.');
-        let version = rest[..end.unwrap_or(rest.len())].trim_end_matches('.');
-        version.split('.').count() == 3
+/// What a file states near its beginning to be kufe's, by name and version or a format: its first
+/// bytes and those before the mark, which are equal in files of one kind.
+fn mark(path: &Path) -> Option<(Vec<u8>, Vec<u8>)> {
+    let head = head(path, HEAD)?;
+    let is_version = |rest: &[u8]| {
+        let end = rest.iter().position(|c| !c.is_ascii_digit() && *c != b'.');
+        let version = String::from_utf8_lossy(&rest[..end.unwrap_or(rest.len())]);
+        version.trim_end_matches('.').split('.').count() == 3
     };
-    head.match_indices("kufe ").any(is_version) || FORMATS.iter().any(|mark| head.contains(mark))
+    let is_mark = |at: &usize| {
+        let rest = &head[*at..];
+        rest.strip_prefix(b"kufe ").is_some_and(is_version)
+            || FORMATS.iter().any(|mark| rest.starts_with(mark.as_bytes()))
+    };
+    let at = (0..head.len()).find(is_mark)?;
+    let before = &head[at.saturating_sub(BEFORE)..at];
+    Some((head[..4.min(at)].to_vec(), before.to_vec()))
 }
 
 /// The first bytes of a file, `None` where it cannot be read.
@@ -219,7 +227,9 @@ mod tests {
         write("new/a.csv", "3", false)?;
         write("a.html", "<html> kufe 0.1.0", false)?;
         write("a.html", "<html> kufe 0.1.0, again", false)?;
-        assert!(write("a.html", "# kufe 0.1.0", false).is_err());
+        for other in ["# kufe 0.1.0", "<html> Lists, kufe 0.1.0", "<html>"] {
+            assert!(write("a.html", other, false).is_err(), "{other}");
+        }
         for name in ["in", "./in", "none/../in"] {
             assert!(
                 write(name, "x", true).unwrap_err().contains("reads it"),

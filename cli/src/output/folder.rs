@@ -6,10 +6,11 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
-use kufe::jobs::field::NewFiles;
+use kufe::jobs::field::{NewFiles, is_plain};
 use kufe::plot::Figure;
 use kufe_files::{outputs_apart, resolved, same_file};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use crate::output::{NewFolders, Staging, TEMPORARY, unwritable};
 
@@ -30,16 +31,25 @@ pub struct FolderRecord {
 #[derive(Serialize, Deserialize, Clone, Debug)]
 struct FileRecord {
     command: String,
-    /// Its length; that of the earlier file too while this one takes its place.
-    bytes: Vec<u64>,
+    /// SHA-256 of its bytes; that of the earlier file too while this one takes its place.
+    sha256: Vec<String>,
 }
 
 impl FileRecord {
     /// Whether a file is as it was written.
     fn describes(&self, path: &Path) -> bool {
-        let found = path.symlink_metadata();
-        found.is_ok_and(|found| found.is_file() && self.bytes.contains(&found.len()))
+        hash(path).is_some_and(|found| self.sha256.contains(&found))
     }
+}
+
+/// SHA-256 of a file; `None` for links and what is no file.
+fn hash(path: &Path) -> Option<String> {
+    let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
+    let mut file = is_file.then(|| File::open(path).ok()).flatten()?;
+    let mut hash = Sha256::new();
+    std::io::copy(&mut file, &mut hash).ok()?;
+    let bytes = hash.finalize();
+    Some(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 impl FolderRecord {
@@ -49,7 +59,11 @@ impl FolderRecord {
         if path.is_symlink() {
             return None;
         }
-        serde_json::from_str(&kufe_files::text_of_regular(&path, 1 << 24).ok()?).ok()
+        let text = kufe_files::text_of_regular(&path, 1 << 24).ok()?;
+        let mut record: FolderRecord = serde_json::from_str(&text).ok()?;
+        // A record from elsewhere may name files outside its folder.
+        record.files.retain(|name, _| is_plain(name));
+        Some(record)
     }
 
     fn write(&self, folder: &Path) -> std::io::Result<()> {
@@ -81,12 +95,12 @@ impl FolderRecord {
     pub fn add(folder: &Path, name: &str, command: &str) {
         let _lock = lock(folder);
         let record = FolderRecord::read(folder);
-        let (Some(mut record), Ok(found)) = (record, folder.join(name).metadata()) else {
+        let (Some(mut record), Some(hash)) = (record, hash(&folder.join(name))) else {
             return;
         };
         let file = FileRecord {
             command: command.to_owned(),
-            bytes: vec![found.len()],
+            sha256: vec![hash],
         };
         record.files.insert(name.to_owned(), file);
         // Without its entry the file is only never replaced.
@@ -315,10 +329,9 @@ impl OutputDir {
         // Both sets of files are kufe's until the last is moved.
         for name in &names {
             let places = [self.staging.hidden.path(), &self.target].map(|folder| folder.join(name));
-            let lengths = places.iter().flat_map(|path| path.metadata());
             let file = FileRecord {
                 command: self.command.to_owned(),
-                bytes: lengths.map(|found| found.len()).collect(),
+                sha256: places.iter().filter_map(|path| hash(path)).collect(),
             };
             record.files.insert(name.clone(), file);
         }
@@ -337,7 +350,7 @@ impl OutputDir {
         }
         for name in &names {
             let written = record.files.get_mut(name);
-            written.into_iter().for_each(|file| file.bytes.truncate(1));
+            written.into_iter().for_each(|file| file.sha256.truncate(1));
         }
         record.files.retain(|name, _| !stale.contains(name));
         record.write(&self.target).map_err(failure)
@@ -347,6 +360,9 @@ impl OutputDir {
 /// Removes the files that kufe wrote into `folder` and that nobody changed, and then the folder,
 /// if nothing else is in it.
 pub fn remove_outputs(folder: &Path) {
+    if folder.is_symlink() {
+        return;
+    }
     let Some(record) = FolderRecord::read(folder) else {
         return;
     };

@@ -139,6 +139,12 @@ impl Series<'_> {
     /// The output folder of a step.
     fn output_of(&self, step: &Step) -> Result<OutputDir, Failure> {
         let folder = self.args.out.join(&step.folder);
+        if folder.is_symlink() {
+            return Err(Failure::BadInput(format!(
+                "{}: it is a link; expected a folder of the series",
+                folder.display()
+            )));
+        }
         OutputDir::prepare("press", &self.inputs, &folder, self.force)
     }
 

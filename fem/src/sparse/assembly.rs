@@ -232,7 +232,7 @@ pub fn write_matrix_market(
 ) -> io::Result<()> {
     writeln!(out, "%%MatrixMarket matrix coordinate real symmetric")?;
     for comment in comments {
-        writeln!(out, "% {comment}")?;
+        writeln!(out, "% {}", comment.replace(char::is_control, " "))?;
     }
     let dofs: usize = bodies.iter().map(|body| body.dofs()).sum();
     // Every row has its diagonal, and every other entry its mirror.

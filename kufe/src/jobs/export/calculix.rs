@@ -80,7 +80,7 @@ impl<'a> CalculixDeck<'a> {
         let deck = Deck {
             title: format!(
                 "{}, by kufe {}",
-                self.loaded.name,
+                self.loaded.name.replace(char::is_control, " "),
                 env!("CARGO_PKG_VERSION")
             ),
             grid: &solution.volume.grid,

@@ -22,6 +22,12 @@ use crate::jobs::slide::SolvedSliding;
 use crate::plot::Figure;
 use crate::results::{ContactResult, Length, Quantity};
 
+/// Whether a name is that of a file within its folder, and of no hidden one.
+pub fn is_plain(name: &str) -> bool {
+    let refused = |c: char| c.is_control() || "/\\:".contains(c);
+    !(name.is_empty() || name.starts_with('.') || name.contains(refused))
+}
+
 /// Files of a result in a folder that nobody sees yet; the caller moves them to their place.
 #[derive(Clone, Copy)]
 pub struct NewFiles<'a> {
@@ -42,8 +48,7 @@ impl NewFiles<'_> {
         name: &str,
         write: impl FnOnce(&File) -> Result<(), E>,
     ) -> Result<(), Failure> {
-        let refused = |c: char| c.is_control() || "/\\:".contains(c);
-        if name.is_empty() || name.starts_with('.') || name.contains(refused) {
+        if !is_plain(name) {
             return Err(self.failure(name, &"it is not the plain name of a file"));
         }
         let failure = |error: &dyn Display| self.failure(name, error);

@@ -14,5 +14,5 @@ pub mod subsurface;
 pub mod volume_vtu;
 pub mod write_exr;
 
-pub use files::{NewFiles, pretty, write_contact};
+pub use files::{NewFiles, is_plain, pretty, write_contact};
 pub use placed_hull::placed_hull;

@@ -88,6 +88,16 @@ impl PlanFile {
         Ok(plan)
     }
 
+    /// Whether the files of a folder are those of this plan, without a change.
+    pub fn is_unchanged(&self, folder: &Path) -> bool {
+        let same = |(name, text): (&str, String)| {
+            let found = kufe_files::text_of_regular(&folder.join(name), MAX_BYTES);
+            found.is_ok_and(|found| found == text)
+        };
+        self.files(folder)
+            .is_ok_and(|files| files.into_iter().all(same))
+    }
+
     /// The points of shard `index` (from 1) of `count`: neighbours stay together.
     ///
     /// # Errors

@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufRead, BufReader, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -18,6 +18,8 @@ use crate::jobs::failure::Failure;
 
 /// Most bytes of a line.
 const MAX_LINE: u64 = 1 << 14;
+/// How a file of points begins.
+const BEGINNING: &[u8] = br#"{"origin":{"#;
 /// Ending of the files of points in a folder.
 const ENDING: &str = "jsonl";
 
@@ -73,7 +75,7 @@ impl PointStore {
             damaged: Vec::new(),
             state: Mutex::default(),
         };
-        if path.exists() {
+        if path.symlink_metadata().is_ok() {
             store.read(path)?;
         }
         Ok(store)
@@ -103,7 +105,25 @@ impl PointStore {
     }
 
     fn read(&mut self, path: &Path) -> Result<(), Failure> {
-        let file = kufe_files::open_regular(path).map_err(cannot("be read", path))?;
+        let foreign = |found: &str| {
+            let expected = "expected a file of solved points, or none";
+            Err(Failure::BadInput(format!(
+                "{}: {found}; {expected}",
+                path.display()
+            )))
+        };
+        if path.is_symlink() {
+            return foreign("it is a link");
+        }
+        let mut file = kufe_files::open_regular(path).map_err(cannot("be read", path))?;
+        let mut begins = Vec::new();
+        let mut head = file.by_ref().take(BEGINNING.len() as u64);
+        head.read_to_end(&mut begins)
+            .map_err(cannot("be read", path))?;
+        if !BEGINNING.starts_with(&begins) {
+            return foreign("kufe did not write it");
+        }
+        file.rewind().map_err(cannot("be read", path))?;
         let mut reader = BufReader::new(file);
         for number in 1.. {
             let mut line = Vec::new();
