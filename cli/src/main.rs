@@ -24,7 +24,7 @@ use crate::bodies::{export, hull, mesh};
 use crate::cli::{Cli, Command};
 use crate::friction::icehouse;
 use crate::runs::{discover, evaluate, fit, simulate, validate};
-use crate::terminal::{check_stdout, note};
+use crate::terminal::{check_stdout, error_text, note};
 
 fn run(cli: Cli) -> Result<(), Failure> {
     let Cli { global, command } = cli;
@@ -61,11 +61,21 @@ fn run(cli: Cli) -> Result<(), Failure> {
     }
 }
 
+/// Prints an error of the arguments, or the help, and ends the process. Control characters of the
+/// arguments do not reach the terminal.
+fn exit(error: clap::Error) -> ! {
+    if std::env::args().any(|word| word.contains(char::is_control)) {
+        error_text(&error.render().to_string());
+        std::process::exit(error.exit_code());
+    }
+    error.exit()
+}
+
 fn main() -> ExitCode {
     let matches = examples::added(Cli::command())
         .try_get_matches()
-        .unwrap_or_else(|error| lut::explained(error).exit());
-    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+        .unwrap_or_else(|error| exit(lut::explained(error)));
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| exit(error));
     match run(cli).and_then(|()| check_stdout()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

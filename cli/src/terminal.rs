@@ -1,7 +1,8 @@
 //! What every command shares at the terminal: its global options, progress, messages, and Ctrl-C.
 
 use std::borrow::Cow;
-use std::io::{ErrorKind, IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Read, Seek, SeekFrom, Write};
+use std::path::Path;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -192,6 +193,29 @@ pub fn say(text: &str) {
 pub fn note(text: &str) {
     let text = printable(text).trim_end().replace('\n', "\n  ");
     let _ = writeln!(std::io::stderr().lock(), "kufe: {text}");
+}
+
+/// Prints text on standard error as it is, but for control characters.
+pub fn error_text(text: &str) {
+    let _ = write!(std::io::stderr().lock(), "{}", printable(text));
+}
+
+/// Warns of a table whose last line has no end: the file may be cut within its last number.
+pub fn warn_if_cut(path: &Path) {
+    let last_byte = || {
+        let mut file = kufe_files::open_regular(path).ok()?;
+        file.seek(SeekFrom::End(-1)).ok()?;
+        let mut byte = [0];
+        file.read_exact(&mut byte).ok()?;
+        Some(byte[0])
+    };
+    let is_csv = path.extension().is_some_and(|ending| ending == "csv");
+    if is_csv && last_byte().is_some_and(|byte| !matches!(byte, b'\n' | b'\r')) {
+        warn(&format!(
+            "{}: the last line has no line end; if the file was cut, its last value is wrong",
+            path.display()
+        ));
+    }
 }
 
 /// Prints a warning on standard error.

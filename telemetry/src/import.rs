@@ -17,8 +17,8 @@ use crate::resample::{Base, resample};
 use crate::text::TextOptions;
 use crate::unit::{column_unit, conversion};
 
-/// Largest number of a column in its unit: products of such are finite.
-const LARGEST: f64 = 1e30;
+/// Largest number of a column in its unit, as of a run's file.
+const LARGEST: f64 = 1e6;
 
 /// Most rows of a run: a day at 100 Hz and more.
 const MOST_ROWS: f64 = 1e7;

@@ -12,7 +12,7 @@ use kufe_sled::friction::{
 
 use crate::friction::failure;
 use crate::output::OutputDir;
-use crate::terminal::Global;
+use crate::terminal::{Global, warn_if_cut};
 
 /// Arguments of `kufe friction fit`.
 #[derive(clap::Args, Debug)]
@@ -46,6 +46,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let name = args.experiments.display().to_string();
     let file = kufe_files::open_regular(&args.experiments)
         .map_err(|error| Failure::BadInput(format!("{name}: cannot be read: {error}")))?;
+    warn_if_cut(&args.experiments);
     let experiments = read_experiments(&name, BufReader::new(file)).map_err(failure)?;
     let weighting = if args.unweighted {
         Weighting::None

@@ -13,7 +13,7 @@ use kufe_sled::friction::{
 
 use crate::friction::failure;
 use crate::output::OutputDir;
-use crate::terminal::Global;
+use crate::terminal::{Global, warn_if_cut};
 
 const EXAMPLES: &str = "\
 glides.csv has one row a run: run, file, specimen, direction, mass_kg, cda_m2, air_c, air_pa;
@@ -65,6 +65,7 @@ fn open(path: &Path) -> Result<BufReader<File>, Failure> {
     let file = kufe_files::open_regular(path).map_err(|error| {
         Failure::BadInput(format!("{}: cannot be read: {error}", path.display()))
     })?;
+    warn_if_cut(path);
     Ok(BufReader::new(file))
 }
 

@@ -11,6 +11,7 @@ use kufe_files::resolved;
 
 use crate::lut::export::{Forms, write_table};
 use crate::lut::finish::{Spent, finish};
+use crate::lut::misspelt;
 use crate::output::OutputFiles;
 use crate::terminal::Global;
 
@@ -35,6 +36,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let Some(path) = &args.table else {
         return Err(Failure::Usage("kufe lut: which table file?".into()));
     };
+    if let Some(text) = misspelt(&path.to_string_lossy()) {
+        return Err(Failure::Usage(text));
+    }
     let spec = TableSpec::read(path)?;
     let out = args
         .out

@@ -60,23 +60,28 @@ pub fn explained(error: clap::Error) -> clap::Error {
     let [command, word] = &words[..] else {
         return error;
     };
-    let likeness = |name: &str| strsim::jaro_winkler(word, name);
-    let is_file = Path::new(word).extension().is_some() || Path::new(word).exists();
-    let like = SUBCOMMANDS
-        .into_iter()
-        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
-        .filter(|name| likeness(name) > 0.7);
-    match like {
-        Some(name)
-            if command == "lut" && !is_file && error.kind() == ErrorKind::ArgumentConflict =>
-        {
-            let text = format!(
-                "unrecognized subcommand '{word}'\n\n  tip: a similar subcommand exists: '{name}'\n"
-            );
-            clap::Error::raw(ErrorKind::InvalidSubcommand, text)
+    match misspelt(word) {
+        Some(text) if command == "lut" && error.kind() == ErrorKind::ArgumentConflict => {
+            clap::Error::raw(ErrorKind::InvalidSubcommand, format!("{text}\n"))
         }
         _ => error,
     }
+}
+
+/// What to say of a word that is no file and nearly a subcommand.
+fn misspelt(word: &str) -> Option<String> {
+    if Path::new(word).extension().is_some() || Path::new(word).exists() {
+        return None;
+    }
+    let likeness = |name: &str| strsim::jaro_winkler(word, name);
+    let like = SUBCOMMANDS.map(|name| (likeness(name), name));
+    let (_, name) = like
+        .into_iter()
+        .filter(|(likeness, _)| *likeness > 0.7)
+        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(format!(
+        "unrecognized subcommand '{word}'\n\n  tip: a similar subcommand exists: '{name}'"
+    ))
 }
 
 /// Runs the subcommand, or fills the table.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use kufe::charts::{Slice, table_picture};
-use kufe::jobs::runs::RunSelection;
+use kufe::jobs::runs::{RunSelection, run_inputs};
 use kufe::jobs::{Failure, table::read_table};
 use kufe_lut::{Quantity, Sample};
 use kufe_sled::table_samples;
@@ -96,8 +96,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .out
         .clone()
         .unwrap_or_else(|| args.table.with_extension("png"));
-    let inputs = [&Some(args.table.clone()), &args.runs, &args.model];
-    let inputs: Vec<PathBuf> = inputs.into_iter().flatten().cloned().collect();
+    let mut inputs = vec![args.table.clone()];
+    inputs.extend(args.runs.iter().flat_map(|index| run_inputs(index)));
+    inputs.extend(args.model.clone());
     let outputs = std::slice::from_ref(&out);
     let files = OutputFiles::begin("lut show", &inputs, outputs, global.force)?;
     let samples = args.samples(global)?;

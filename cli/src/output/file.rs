@@ -145,8 +145,9 @@ impl OutputFiles {
         let writer = FolderRecord::writer_of(folder_of(place), &name_of(place));
         let own = match &writer {
             Some(writer) => writer == self.command,
-            None => mark(place)
-                .is_some_and(|found| content.is_none_or(|new| mark(new) == Some(found))),
+            None => {
+                mark(place).is_some_and(|found| content.is_none_or(|new| mark(new) == Some(found)))
+            }
         };
         if own || content.is_some_and(|content| head(content, u64::MAX) == head(place, u64::MAX)) {
             return Ok(());

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
@@ -47,7 +48,14 @@ fn hash(path: &Path) -> Option<String> {
     let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
     let mut file = is_file.then(|| File::open(path).ok()).flatten()?;
     let mut hash = Sha256::new();
-    std::io::copy(&mut file, &mut hash).ok()?;
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        let read = file.read(&mut buffer).ok()?;
+        if read == 0 {
+            break;
+        }
+        hash.update(&buffer[..read]);
+    }
     let bytes = hash.finalize();
     Some(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
 use kufe::jobs::gather::{Gathered, UNNAMED, folder_of, gather, is_run, relative, track_tables};
+use kufe::jobs::runs::run_inputs;
 use kufe_sled::{Entry, file_stem, write_index};
 use serde::Serialize;
 
@@ -81,7 +82,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let entries = &mut gathered.entries;
     fill_in(args, entries);
     let tracks = track_tables(entries, folder)?;
-    let inputs: Vec<PathBuf> = entries.iter().map(|entry| entry.file.clone()).collect();
+    let mut inputs: Vec<PathBuf> = entries.iter().map(|entry| entry.file.clone()).collect();
+    for path in &args.from {
+        inputs.extend(run_inputs(path));
+        inputs.extend(run_inputs(&path.join("runs.csv")));
+    }
     let copies: Vec<String> = entries.iter().map(copied_as).collect();
     let mut paths: Vec<PathBuf> = tracks.keys().map(|name| folder.join(name)).collect();
     if args.copy {

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use kufe::jobs::runs::Loaded;
-use kufe::jobs::{Failure, runs::RunSelection};
+use kufe::jobs::Failure;
+use kufe::jobs::runs::{Loaded, RunSelection, run_inputs};
 use kufe_sled::Run;
 
 use crate::terminal::Global;
@@ -39,9 +39,11 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
-    /// The files that are named on the command line.
+    /// The files that are read: the model, the index and what it names.
     pub fn inputs(&self) -> Vec<PathBuf> {
-        vec![self.runs.clone(), self.model.clone()]
+        let mut inputs = run_inputs(&self.runs);
+        inputs.push(self.model.clone());
+        inputs
     }
 
     /// Reads model and runs, selects those of the options that are `unseen`, and prepares them.

@@ -6,7 +6,7 @@ use kufe::jobs::Failure;
 use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
 
 use crate::output::OutputDir;
-use crate::terminal::{Global, warn};
+use crate::terminal::{Global, warn, warn_if_cut};
 
 /// Find the effect that is missing in a model, name it and add it
 #[derive(clap::Args, Debug)]
@@ -84,6 +84,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if campaign {
         inputs.extend(CampaignFile::read(&args.data).map_err(failure)?.inputs());
     }
+    warn_if_cut(&args.data);
     let output = OutputDir::begin("discover", &inputs, &args.out, global.force)?;
     let found = global.watched(|watch| {
         let progress = |what: &str| watch.progress(what);

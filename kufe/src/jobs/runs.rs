@@ -1,10 +1,11 @@
 //! Recorded runs: read, chosen and prepared.
 
-use std::path::PathBuf;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 use kufe_sled::{
     Error, Model, Needs, OnGaps, OutsideTable, PrepareOptions, Prepared, Run, SampleCoverage,
-    Vehicle, gaps_line, outside_tables, prepare_all,
+    Vehicle, gaps_line, outside_tables, prepare_all, read_index, track_file,
 };
 
 use crate::jobs::failure::Failure;
@@ -56,6 +57,18 @@ impl RunsUsed {
             version: env!("CARGO_PKG_VERSION").to_owned(),
         }
     }
+}
+
+/// The files that an index of runs names, itself among them: runs and tables of tracks.
+pub fn run_inputs(index: &Path) -> Vec<PathBuf> {
+    let folder = index.parent().unwrap_or(Path::new(""));
+    let entries = read_index(index).unwrap_or_default();
+    let tracks: BTreeSet<String> = entries.iter().map(|run| track_file(&run.track)).collect();
+    let runs = entries.into_iter().map(|run| run.file);
+    std::iter::once(index.to_path_buf())
+        .chain(runs)
+        .chain(tracks.iter().map(|name| folder.join(name)))
+        .collect()
 }
 
 /// The failure that a sled error is.

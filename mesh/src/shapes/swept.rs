@@ -107,7 +107,7 @@ impl Swept {
     }
 
     /// The same with ends of `end_radius` [m] that rise by half the distance between the
-    /// underside's corners and the top.
+    /// underside's corners and the top, or less where the runner is too short for that.
     ///
     /// # Errors
     /// As [`Swept::new`].
@@ -120,12 +120,15 @@ impl Swept {
     ) -> Result<Self, MeshError> {
         let [y0, y1] = section.extent();
         let sides = section.height(y0).max(section.height(y1));
-        let [keel, _] = rocker.height_and_slope(0.5 * length);
+        let [keel, slope] = rocker.height_and_slope(0.5 * length);
         // A runner with no room for ends is refused by `new`, which names why.
         let rise = (0.5 * (top - sides - keel)).clamp(1e-3 * end_radius, 0.5 * end_radius);
+        // The ends meet at the middle at most, and stay less than upright.
+        let steepest = 0.99 - slope.abs() / slope.hypot(1.0);
+        let by_rise = (rise * (2.0 * end_radius - rise)).sqrt();
         let ends = Ends {
             radius: end_radius,
-            length: (rise * (2.0 * end_radius - rise)).sqrt(),
+            length: by_rise.min(0.5 * length).min(steepest * end_radius),
         };
         Self::new(rocker, section, Some(ends), length, top)
     }

@@ -62,8 +62,8 @@ const NUMBERS: [(&str, f64, f64, &str); 14] = [
     (
         "p_max_sd_pa",
         0.0,
-        f64::MAX,
-        "a standard deviation in Pa, 0 or more",
+        1e11,
+        "a standard deviation in Pa, 0 to 1e11",
     ),
     ("mu", -1.0, 1.0, "a coefficient of friction (0.004)"),
     ("mu_sd", 0.0, 1.0, "a standard deviation (0.0004), 0 to 1"),

@@ -146,7 +146,8 @@ pub(crate) fn integrate(
         before = world.before(&instant, &before, h);
         past.rotate_right(1);
         past[0] = rates;
-        if steps % every == 0 {
+        let finished = y[0] >= finish_m;
+        if steps % every == 0 || finished {
             if let Some(what) = world.trouble(&y) {
                 trouble = Some(Error::Stopped {
                     s_m: y[0],
@@ -155,11 +156,13 @@ pub(crate) fn integrate(
                 });
                 break false;
             }
+        }
+        if steps % every == 0 {
             instant.state.t_s = start_s + (steps / every) as f64 / options.rate_hz;
             instants.push(instant);
             offset_m.push(y[1]);
         }
-        if y[0] >= finish_m {
+        if finished {
             break true;
         }
         if steps >= most {

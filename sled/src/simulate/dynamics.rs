@@ -55,6 +55,9 @@ impl WallContact {
     }
 }
 
+/// Speed that no sled reaches [m/s]: the equations of motion are no longer solved.
+const MOST_SPEED: f64 = 200.0;
+
 /// All that the equations of motion need besides the unknowns.
 pub(crate) struct World<'a> {
     pub vehicle: &'a Vehicle,
@@ -307,6 +310,12 @@ impl World<'_> {
         if y[VX] < 0.5 {
             return Some(format!(
                 "speed {:.2} m/s, expected above 0.5 (slope_rad is positive downhill)",
+                y[VX]
+            ));
+        }
+        if y[VX] > MOST_SPEED {
+            return Some(format!(
+                "speed {:.1e} m/s, expected below {MOST_SPEED}",
                 y[VX]
             ));
         }

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::output::OutputDir;
 use crate::runs::files::{draw_tables, run_format, write_runs, write_track};
 use crate::runs::simulate::Args;
-use crate::terminal::{Global, warn};
+use crate::terminal::{Global, warn, warn_if_cut};
 
 /// Runs whose samples are drawn on the model's tables.
 const DRAWN: u32 = 20;
@@ -38,6 +38,7 @@ pub fn run(args: &Args, model_file: &Path, track: &Path, global: &Global) -> Res
     let inputs = [model_file.to_path_buf(), track.to_path_buf()];
     let model = Model::load(model_file).map_err(failure)?;
     let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
+    warn_if_cut(track);
     let track = Track::load(track).map_err(failure)?;
     let shape = TrackShape::new(&track);
     let (driver, driver_name) = driver(args)?;

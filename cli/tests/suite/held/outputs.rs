@@ -86,6 +86,91 @@ fn no_command_writes_over_what_it_reads_also_with_force() {
     );
 }
 
+/// Folders, records and points that others made lead no command to another file.
+#[cfg(unix)]
+#[test]
+fn foreign_records_links_and_points_lead_to_no_other_file() {
+    use std::os::unix::fs::symlink;
+    let bench = bench();
+    bench.write("precious", "mine, all\n");
+    for hash in ["", "0"] {
+        std::fs::create_dir_all(bench.path("out")).expect("a folder");
+        let record = format!(
+            r#"{{"version":"0.1.0","command":"press","files":{{"../precious":{{"command":"press","sha256":["{hash}"]}}}}}}"#
+        );
+        bench.write("out/.kufe.json", record);
+        bench.succeeds(&["press", "case.toml", "-o", "out", "-q", "--force"]);
+        assert!(bench.path("precious").exists());
+    }
+    bench.succeeds(&["press", "case.toml", "-o", "archive", "-q"]);
+    let archived = content(&bench.path("archive"));
+    for (step, name) in [("step-001", "step-001"), ("step-002", "step-002")] {
+        let series = bench.path(&format!("series-{name}"));
+        std::fs::create_dir(&series).expect("a folder");
+        bench.write(
+            &format!("series-{name}/.kufe.json"),
+            r#"{"version":"0.1.0","command":"press (series)","files":{}}"#,
+        );
+        symlink("../archive", series.join(step)).expect("a link");
+        let out = format!("series-{name}");
+        // A step of the series is refused where it is a link; one that the series does not have stays.
+        let words = ["press", "case.toml", "--fz-n", "500", "-o", &out, "-q"];
+        bench.kufe(&words);
+        assert!(content(&bench.path("archive")) == archived, "{step}");
+    }
+    for (output, points) in [("t.lut", "t.lut.points"), ("u.lut", "u.lut.points")] {
+        if output == "u.lut" {
+            symlink("precious", bench.path(points)).expect("a link");
+        } else {
+            bench.write(points, "mine\n");
+        }
+        is_refused(&bench, &["lut", "t.toml", "-o", output], &[points]);
+    }
+    bench.succeeds(&["lut", "plan", "t.toml", "-o", "plan", "-q"]);
+    bench.succeeds(&["lut", "plan", "t.toml", "-o", "plan", "-q"]);
+    let script = std::fs::read_to_string(bench.path("plan/slurm.sh")).expect("a script");
+    bench.write("plan/slurm.sh", script + "# mine\n");
+    is_refused(
+        &bench,
+        &["lut", "plan", "t.toml", "-o", "plan"],
+        &["slurm.sh", "--force"],
+    );
+}
+
+#[test]
+fn runs_and_tracks_that_an_index_names_are_inputs() {
+    let bench = bench();
+    bench.succeeds(&["lut", "t.toml", "-o", "t.lut", "-q"]);
+    bench.succeeds(&["init", "model.toml", "--kind", "model", "-q"]);
+    std::fs::create_dir(bench.path("runs")).expect("a folder");
+    bench.write("runs/runs.csv", "run,file,track\na,a.csv,t\n");
+    bench.write("runs/a.csv", "t_s,v_mps\n0,10\n0.01,10\n0.02,10\n");
+    bench.write(
+        "runs/track_t.csv",
+        "s_m,slope_rad,curvature_1pm,bank_rad\n0,0.1,0,0\n200,0.1,0,0\n400,0.1,0,0\n600,0.1,0,0\n",
+    );
+    for output in ["runs.csv", "a.csv", "track_t.csv"] {
+        let output = format!("runs/{output}");
+        for words in [
+            vec!["runs", "gather", "runs", "-o", &output],
+            vec![
+                "lut",
+                "show",
+                "t.lut",
+                "--runs",
+                "runs/runs.csv",
+                "--model",
+                "model.toml",
+                "-o",
+                &output,
+            ],
+        ] {
+            let words = [&words[..], &["--force"]].concat();
+            is_refused(&bench, &words, &[&output, "reads it"]);
+        }
+    }
+}
+
 #[test]
 fn files_that_commands_name_by_themselves_replace_nothing() {
     let bench = bench();

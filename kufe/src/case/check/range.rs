@@ -123,7 +123,7 @@ ranges! {
     "runner.shape.rocker_radius_m" "a radius in metres" 0.05, ANY_RADIUS;
     "runner.shape.section_radius_m" "a radius in metres" 1e-4, ANY_RADIUS;
     "runner.shape.edge_radius_m" "a radius in metres" 1e-4, 1.0;
-    "runner.shape.tilt_rad" "an angle in radians" -1.0, 1.0;
+    "runner.shape.tilt_rad" "an angle in radians" 0.0, 0.8;
     "runner.shape.width_m" "a width in metres" 1e-4, 1.0;
     "runner.shape.height_m" "a height in metres" 0.001, 1.0;
     "runner.section.worn_m" "a depth in metres" 0.0, 0.01;

@@ -117,7 +117,7 @@ impl PointStore {
         }
         let mut file = kufe_files::open_regular(path).map_err(cannot("be read", path))?;
         let mut begins = Vec::new();
-        let mut head = file.by_ref().take(BEGINNING.len() as u64);
+        let mut head = Read::by_ref(&mut file).take(BEGINNING.len() as u64);
         head.read_to_end(&mut begins)
             .map_err(cannot("be read", path))?;
         if !BEGINNING.starts_with(&begins) {

@@ -12,6 +12,9 @@ use crate::friction::estimate::{Estimate, student_quantile};
 use crate::friction::experiments::Experiment;
 use crate::friction::longitudinal::law::{PressureLaw, ZetaActsOn};
 
+/// The least standard deviation of a coefficient of friction that a weight is made of.
+const LEAST_SD: f64 = 1e-9;
+
 /// Fits the quadratic to experiments.
 ///
 /// `Weighting::Both` minimises `sum ((mu_i - q(xi_i))/s_mu)^2 + ((p_i - xi_i)/s_p)^2` over the coefficients and the true
@@ -19,7 +22,7 @@ use crate::friction::longitudinal::law::{PressureLaw, ZetaActsOn};
 /// coefficients' block of `(J^T J)^-1` with the errors taken as stated.
 ///
 /// # Errors
-/// [`Error::TooFew`] below four experiments, [`Error::OutOfRange`] where a weighted fit meets `mu_sd = 0`,
+/// [`Error::TooFew`] below four experiments, [`Error::OutOfRange`] where a weighted fit meets `mu_sd` below 1e-9,
 /// [`Error::Undetermined`] below three different pressures, [`Error::NotConverged`].
 pub fn fit_mu(
     experiments: &[Experiment],
@@ -49,11 +52,11 @@ pub fn fit_mu(
             (confidence, quantile),
         ));
     }
-    if let Some(exact) = experiments.iter().find(|e| e.mu_sd <= 0.0) {
+    if let Some(exact) = experiments.iter().find(|e| e.mu_sd < LEAST_SD) {
         return Err(Error::OutOfRange {
             name: "mu_sd",
             value: exact.mu_sd,
-            expected: "positive in a weighted fit",
+            expected: "at least 1e-9 in a weighted fit",
         });
     }
     let (coefficients, inverse, chi2) = points.orthogonal(plain)?;

@@ -142,8 +142,11 @@ fn explained(grams: &[DMatrix<f64>], prior: &Prior, rules: &RunRules) -> DVector
             u.component_mul(&scale)
         })
         .collect();
-    let eigen = scaled.symmetric_eigen();
     let mut coefficients = DVector::zeros(m - 1);
+    if q == 0 {
+        return coefficients;
+    }
+    let eigen = scaled.symmetric_eigen();
     for (k, value) in eigen.eigenvalues.iter().enumerate() {
         let along = eigen.eigenvectors.column(k);
         let of_runs = scores.iter().map(|u| along.dot(u));
