@@ -1,7 +1,8 @@
 //! What a bob runner's melt film does over speed and temperature of the ice.
 //!
-//! Under a runner the ice is at its melting point. Shear heats the film; what the ice does not conduct away melts more of it; the
-//! load squeezes it out sideways. The film's thickness follows, and with it the drag.
+//! Under a runner the ice is at its melting point. Shear heats the film; what the ice does not
+//! conduct away melts more of it; the load squeezes it out sideways. The film's thickness follows,
+//! and with it the drag.
 
 use kufe_sled::friction::film::{FilmConditions, FilmOptions, Properties, Strip, film};
 

@@ -14,14 +14,17 @@ use crate::simulate::dynamics::WallContact;
 const LENGTHS_M: [f64; 9] = [4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 32.0];
 /// Share of the runs that miss a place and are taken for hits by chance. Chosen.
 const TAKEN_FOR_HITS: f64 = 0.05;
-/// Independent ways a metre, beyond the shortest half wave, in which a half wave lies within a stretch: so many give the largest of all on
-/// white noise the 95 % quantile that it has on stretches of 10 m to 80 m, within 0.1 standard errors.
+/// Independent ways a metre, above the shortest half wave, in which a half wave lies within a
+/// stretch: so many give the largest of all on white noise the 95 % quantile that it has on
+/// stretches of 10 m to 80 m, within 0.1 standard errors.
 const WAYS_A_METRE: f64 = 4.0 / 3.0;
-/// Times the force of a hit beyond which a push is of another kind: hits scatter by a factor of two or three. Chosen.
+/// Times the force of a hit above which a push is of another kind: hits scatter by a factor of two
+/// or three. Chosen.
 pub const HARDEST: f64 = 5.0;
 /// Ways in which a half wave follows noise: its force, its place and its length.
 const FOLLOWED: f64 = 3.0;
-/// Share of the force of a hit by which hits differ from one another. Chosen: a factor of two either way is within two of it.
+/// Share of the force of a hit by which hits differ from one another. Chosen: a factor of two
+/// either way is within two of it.
 pub const HITS_DIFFER: f64 = 0.5;
 /// Neighbouring samples that noise is shared by: the low pass before the balances leaves so many.
 const CORRELATED: f64 = 2.0;
@@ -33,12 +36,13 @@ pub struct Push {
     pub contact: WallContact,
     /// Standard error of its force \[N\].
     pub error_n: f64,
-    /// Whether it is a hit of the place, and no push of another kind: more than [`HARDEST`] times as hard.
+    /// Whether it is a hit of the place, and no push of another kind: more than [`HARDEST`] times
+    /// as hard.
     pub is_hit: bool,
 }
 
-/// A contact as it is expected where the force of hits is known, give or take half of it: with the variance V of the force that was found,
-/// which followed noise in place and length, too,
+/// A contact as it is expected where the force of hits is known, give or take half of it: with the
+/// variance V of the force that was found, which followed noise in place and length, too,
 ///
 /// ```text
 /// (F / V + hit / (hit / 2)^2) / (1 / V + 1 / (hit / 2)^2)        V = 3 error^2
@@ -54,8 +58,9 @@ pub fn as_expected(found: WallContact, error_n: f64, hit_n: f64) -> WallContact 
     }
 }
 
-/// The half wave that leaves least of a side balance within a stretch \[m\]; `None` where none stands out of `scatter_n`, a standard
-/// deviation of a sample \[N\]. `hit_n` is the force of a hit, left positive, and says the side; 0 where that is not known.
+/// The half wave that best fits a side balance within a stretch \[m\]; `None` where none exceeds
+/// `scatter_n`, a standard deviation of a sample \[N\]. `hit_n` is the force of a hit, left
+/// positive, and says the side; 0 where that is not known.
 ///
 /// ```text
 /// F = sum w y / sum w^2        w = sin^2(pi (s - s_0) / length)        error = scatter sqrt(2 / sum w^2)
@@ -96,7 +101,8 @@ pub fn push_within(
     let ways = ways(stretch_m, hit_n != 0.0);
     let (_, contact, error_n) = best?;
     let push_n = contact.force_n.abs();
-    // A hit that noise could have made in so many ways must be likelier than all of them: beside strong hits a weak push is noise.
+    // A hit that noise could have made in so many ways must be likelier than all of them: next to
+    // strong hits a weak push is noise.
     let as_hit = || {
         likelier(
             contact.force_n,
@@ -113,13 +119,14 @@ pub fn push_within(
     })
 }
 
-/// The share of runs that hit a place, and the force of a hit \[N\], by the law of two points that has a mean m over runs and a spread s:
+/// The share of runs that hit a place, and the force of a hit \[N\], by the law of two points that
+/// has a mean m over runs and a spread s:
 ///
 /// ```text
 /// pi = m^2 / (m^2 + s^2)        F = m / pi
 /// ```
 ///
-/// Beside a spread of five times the mean or more no side is known: 0.
+/// With a spread of five times the mean or more no side is known: 0.
 pub fn hits_of(effect: &Active) -> (f64, f64) {
     let (mean, spread) = (effect.values[0], effect.values[5]);
     let hits = mean * mean / (mean * mean + spread * spread);
@@ -135,7 +142,8 @@ fn ways(stretch_m: [f64; 2], one_side: bool) -> f64 {
     (WAYS_A_METRE * spare_m).max(1.0) * if one_side { 1.0 } else { 2.0 }
 }
 
-/// Standard errors that the largest force of a run that misses is beyond by chance in [`TAKEN_FOR_HITS`] of all runs.
+/// Standard errors that the largest force of a run that misses exceeds by chance in
+/// [`TAKEN_FOR_HITS`] of all runs.
 fn stands_out(ways: f64) -> f64 {
     match Normal::standard().inverse_cdf(1.0 - TAKEN_FOR_HITS / ways) {
         least if least.is_finite() => least,
@@ -143,7 +151,8 @@ fn stands_out(ways: f64) -> f64 {
     }
 }
 
-/// The logarithm of how much likelier a force F with its variance V is as one of about A, give or take T, than as noise:
+/// The logarithm of how much likelier a force F with its variance V is as one of about A, give or
+/// take T, than as noise:
 ///
 /// ```text
 /// (F^2 / V - (F - A)^2 / (V + T^2) - ln(1 + T^2 / V)) / 2
@@ -154,7 +163,8 @@ pub fn likelier(force_n: f64, variance: f64, about_n: f64, differ_n: f64) -> f64
     0.5 * (force_n * force_n / variance - away - (spread / variance).ln_1p())
 }
 
-/// Half waves of 1 N within a stretch \[m\], with their lever 0: on a grid of a metre, of lengths from 4 m to 32 m.
+/// Half waves of 1 N within a stretch \[m\], with their lever 0: on a grid of a metre, of lengths
+/// from 4 m to 32 m.
 pub fn half_waves(stretch_m: [f64; 2]) -> impl Iterator<Item = WallContact> {
     let [from_m, to_m] = stretch_m;
     LENGTHS_M
@@ -185,7 +195,8 @@ pub fn scatter(values: &[f64]) -> f64 {
     1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// An effect that varies from run to run, as the contact of one run has it; off where the run missed.
+/// An effect that varies from run to run, as the contact of one run has it; off where the run
+/// missed.
 pub fn as_of_run(effect: &Active, contact: Option<&WallContact>) -> Active {
     let mut own = effect.clone();
     own.values[0] = contact.map_or(0.0, |c| c.force_n);
@@ -195,15 +206,17 @@ pub fn as_of_run(effect: &Active, contact: Option<&WallContact>) -> Active {
     own
 }
 
-/// The stretch on which a run's own contact is looked for \[m\].
+/// The stretch on which a run's own contact is searched for \[m\].
 pub fn stretch_of(effect: &Active) -> [f64; 2] {
     let v = &effect.values;
     [v[1] - v[6], v[2] + v[6]]
 }
 
-/// The vehicle on a run, each effect that varies from run to run with the force and the stretch of this run.
+/// The vehicle on a run, each effect that varies from run to run with the force and the stretch of
+/// this run.
 ///
-/// The side balance of the run sets them ([`push_within`]); what they leave along and about the vertical judges them.
+/// The side balance of the run sets them ([`push_within`]); what they leave along and about the
+/// vertical judges them.
 pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
     let mut own = vehicle.on_run(&run.entry.track, &run.entry.conditions);
     if !own.effects.active.iter().any(Active::varies) {
@@ -232,9 +245,10 @@ pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
 
 /// Samples at which something other than ice and air pushes, one mark a sample and run.
 ///
-/// The residual of the lateral force at the centre of gravity, model against measurement, beyond six robust standard
-/// deviations (1.4826 times its median magnitude over all runs), and a fifth of a second around it. Sensor noise reaches six
-/// deviations less than once in 10^8 samples; a wall contact of a few hundred newtons always does.
+/// The residual of the lateral force at the centre of gravity, model against measurement, above six
+/// robust standard deviations (1.4826 times its median magnitude over all runs), and a fifth of a
+/// second around it. Sensor noise reaches six deviations less than once in 10^8 samples; a wall
+/// contact of a few hundred newtons always does.
 pub fn find_contacts(runs: &[Prepared], vehicle: &Vehicle) -> Vec<Vec<bool>> {
     let residuals: Vec<Vec<f64>> = runs
         .par_iter()

@@ -28,9 +28,9 @@ pub enum Error {
         file: String,
         /// The key with its table.
         key: String,
-        /// What stands there.
+        /// The value found.
         value: f64,
-        /// What should stand there.
+        /// The value expected.
         expected: &'static str,
     },
     /// A required column is absent.
@@ -66,9 +66,9 @@ pub enum Error {
         row: u64,
         /// The column.
         column: String,
-        /// What stands there.
+        /// The value found.
         found: String,
-        /// What should stand there.
+        /// The value expected.
         expected: String,
     },
     /// Values are missing (NaN or empty); nothing is filled in.
@@ -92,7 +92,7 @@ pub enum Error {
         total: usize,
     },
     /// The values of a column are not in its unit.
-    #[error("{file}: column {column}: {found}, which looks like {looks_like}; expected {expected}")]
+    #[error("{file}: column {column}: {found}, which resembles {looks_like}; expected {expected}")]
     Unit {
         /// The file.
         file: String,
@@ -141,7 +141,7 @@ pub enum Error {
         /// Samples needed.
         needed: usize,
     },
-    /// The sled stands still, where no slip angle exists.
+    /// The sled does not move, where no slip angle exists.
     #[error(
         "{file}: row {row}: v_mps = {v_mps} at t = {t_s:.3} s, expected more than {least} m/s (no slip angle exists at standstill: cut that part off)"
     )]
@@ -179,27 +179,27 @@ pub enum Error {
         /// The other.
         second: String,
     },
-    /// What was asked for is not among the data.
+    /// What was requested is not among the data.
     #[error("{what} {found:?} is not among the data: there are {known}")]
     Unknown {
-        /// What was asked for.
+        /// What was requested.
         what: &'static str,
         /// What was given.
         found: String,
         /// What there is.
         known: String,
     },
-    /// After filters and exclusions too little is left.
-    #[error("{what}: {found} left, expected at least {needed}")]
+    /// After filters and exclusions too little remains.
+    #[error("{what}: {found}, expected at least {needed}")]
     TooFew {
         /// What there is too little of.
         what: String,
-        /// How many are left.
+        /// How many remain.
         found: usize,
         /// How many are needed.
         needed: usize,
     },
-    /// The simulated sled came to rest or left the range of the model.
+    /// The simulated sled came to rest or went out of the range of the model.
     #[error("simulation stopped at s = {s_m:.1} m, t = {t_s:.2} s: {what}")]
     Stopped {
         /// Where [m].
@@ -227,7 +227,7 @@ pub enum Error {
     },
     /// A run has no certain place along its track.
     #[error(
-        "{file}: looks like no place of track {track}, or like two: {misfit:.2} of its curvature and bank is left at the best place and {elsewhere:.2} at another, expected below 0.5 and half as much again elsewhere"
+        "{file}: matches no place of track {track}, or two: {misfit:.2} of its curvature and bank is unexplained at the best place and {elsewhere:.2} at another, expected below 0.5 and half as much again elsewhere"
     )]
     Unplaced {
         /// The file.

@@ -37,8 +37,8 @@ pub struct Fault {
     pub columns: Vec<String>,
     /// What is wrong.
     pub kind: FaultKind,
-    /// Whether the evidence is a proof. A fault that is not proved is advice: no command refuses the
-    /// run.
+    /// Whether the evidence is a proof. A fault that is not proved is advice: no command refuses
+    /// the run.
     pub proven: bool,
     /// What the values seem to be.
     pub looks_like: String,
@@ -81,13 +81,13 @@ impl Fault {
 
 impl std::fmt::Display for Fault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (several, looks) = match self.columns.len() {
-            1 => ("", "looks"),
-            _ => ("s", "look"),
+        let (several, verb) = match self.columns.len() {
+            1 => ("", "resembles"),
+            _ => ("s", "resemble"),
         };
         write!(
             f,
-            "{}: column{several} {} {looks} like {} ({}); in a mapping: {}",
+            "{}: column{several} {} {verb} {} ({}); in a mapping: {}",
             self.file,
             self.columns.join(", "),
             self.looks_like,

@@ -25,23 +25,26 @@ pub struct SledFit {
     pub rear: LateralFit,
     /// Runs used.
     pub runs: Vec<String>,
-    /// Samples left out for their roll acceleration.
+    /// Samples excluded for their roll acceleration.
     pub excluded: usize,
-    /// Samples left out because something outside pushed.
+    /// Samples excluded because something outside pushed.
     pub contacts: usize,
-    /// Samples before anything was left out.
+    /// Samples before any was excluded.
     pub total: usize,
-    /// Root mean square of what the balances leave of all runs with the fitted laws, contacts and effects included.
+    /// Root mean square of what the balances leave of all runs with the fitted laws, contacts and
+    /// effects included.
     pub residual: BalanceResidual,
 }
 
 /// Fits both runners to prepared runs.
 ///
-/// The forces come from [`crate::one_track::inverse`], which takes the longitudinal friction from `vehicle`; its lateral laws play no part
-/// but for C, held where the data do not determine it. Noise in the slip angles is corrected for as each run states it.
+/// The forces come from [`crate::one_track::inverse`], which takes the longitudinal friction from
+/// `vehicle`; its lateral laws play no part but for C, fixed where the data do not determine it.
+/// Noise in the slip angles is corrected for as each run states it.
 ///
 /// # Errors
-/// [`Error::Friction`] where the data do not determine a runner's stiffness; [`Error::TooFew`] without runs.
+/// [`Error::Friction`] where the data do not determine a runner's stiffness; [`Error::TooFew`]
+/// without runs.
 pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result<SledFit, Error> {
     if runs.is_empty() {
         return Err(Error::TooFew {
@@ -60,22 +63,22 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
         slip_sd: slip_sd(axle),
         ..LateralFitOptions::default()
     };
-    let held = [vehicle.front.lateral, vehicle.rear.lateral];
+    let fixed = [vehicle.front.lateral, vehicle.rear.lateral];
     let both = |contacts: &[Vec<bool>],
                 vehicle: &Vehicle|
      -> Result<(LateralFit, LateralFit, usize), Error> {
         let ([front, rear], excluded) = lateral_samples(runs, vehicle, contacts, options);
         let (front, rear) = rayon::join(
-            || fit_lateral(&front, &with(&held[0], 0)),
-            || fit_lateral(&rear, &with(&held[1], 1)),
+            || fit_lateral(&front, &with(&fixed[0], 0)),
+            || fit_lateral(&rear, &with(&fixed[1], 1)),
         );
         Ok((front?, rear?, excluded))
     };
     let (mut front, mut rear, excluded) = both(&[], vehicle)?;
     let mut contacts = 0;
     let mut marked = Vec::new();
-    // The first fit is pulled by what is looked for; the second round finds with a better one. Effects that grow with the
-    // stiffness of the laws are taken off with that of the round before.
+    // The first fit is biased by what it is to find; the second round finds with a better one.
+    // Effects that grow with the stiffness of the laws are taken off with that of the round before.
     let rounds = if options.leave_out_contacts || !vehicle.effects.is_empty() {
         2
     } else {
@@ -113,7 +116,8 @@ impl SledFit {
         fitted
     }
 
-    /// `fit.json`: for `front` and `rear` the model's keys with value, low and high, what is identifiable, and the runs.
+    /// `fit.json`: for `front` and `rear` the model's keys with value, low and high, what is
+    /// identifiable, and the runs.
     pub fn result(&self) -> FitResult {
         FitResult {
             front: RunnerFitResult::new(&self.front),
@@ -142,11 +146,11 @@ pub struct FitResult {
     pub confidence: f64,
     /// Runs used.
     pub runs: Vec<String>,
-    /// Samples before anything was left out.
+    /// Samples before any was excluded.
     pub samples: usize,
-    /// Samples left out for their roll acceleration.
+    /// Samples excluded for their roll acceleration.
     pub excluded_roll_acceleration: usize,
-    /// Samples left out because something outside pushed.
+    /// Samples excluded because something outside pushed.
     pub excluded_contacts: usize,
     /// Root mean square residuals of the balances with the fitted laws.
     pub balances_left_rms: BalanceResidual,
@@ -214,7 +218,7 @@ impl RunnerFitResult {
         RunnerFitResult {
             mu_zeta: (&fit.mu_zeta).into(),
             c: (&fit.c).into(),
-            e: (&Estimate::held(fit.model.e)).into(),
+            e: (&Estimate::fixed(fit.model.e)).into(),
             k_n_per_rad: (&fit.k_n_per_rad).into(),
             mu_zeta_c: (&fit.mu_zeta_c).into(),
             c_held: fit.c_held,
@@ -248,11 +252,12 @@ impl RunnerFitResult {
 /// How samples are chosen and fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitOptions {
-    /// Samples with a larger roll acceleration are left out [rad/s2]; the paper's 100 degrees/s2.
+    /// Samples with a larger roll acceleration are excluded [rad/s2]; the paper's 100 degrees/s2.
     pub most_roll_accel_radps2: f64,
     /// Predefined curvature factor E of both runners.
     pub e: f64,
-    /// Whether stretches with a force from outside, such as a wall, are found and left out ([`crate::find_contacts`]).
+    /// Whether stretches with a force from outside, such as a wall, are found and excluded
+    /// ([`crate::find_contacts`]).
     pub leave_out_contacts: bool,
 }
 
@@ -266,10 +271,11 @@ impl Default for FitOptions {
     }
 }
 
-/// Samples of both runners (front, rear): what is left to the base laws once the vehicle's effects have given their share,
-/// and how many were left out for their roll acceleration.
+/// Samples of both runners (front, rear): the remainder for the base laws once the vehicle's
+/// effects have given their share, and how many were excluded for their roll acceleration.
 ///
-/// `contacts` marks samples to leave out, a run; empty for none. A cluster is a run where there are at least twelve, else a stretch of four seconds of one.
+/// `contacts` marks samples to leave out, a run; empty for none. A cluster is a run where there are
+/// at least twelve, else a stretch of four seconds of one.
 pub fn lateral_samples(
     runs: &[Prepared],
     vehicle: &Vehicle,

@@ -8,19 +8,22 @@ use sci_rs::signal::filter::design::{
 };
 use sci_rs::signal::filter::sosfiltfilt_dyn;
 
-/// Order of the Butterworth filter; run forwards and backwards, its amplitude is that of twice the order.
+/// Order of the Butterworth filter; run forwards and backwards, its amplitude is that of twice the
+/// order.
 pub const ORDER: usize = 4;
 /// Fewest samples that the filter's odd extension at the ends needs.
 pub const LEAST_SAMPLES: usize = 16;
 
-/// Butterworth low pass of order 4, run forwards and backwards: no phase, amplitude -6 dB at the corner.
+/// Butterworth low pass of order 4, run forwards and backwards: no phase, amplitude -6 dB at the
+/// corner.
 ///
 /// The ends are extended oddly by 15 samples and the filter starts in its steady state, as SciPy's
-/// `sosfiltfilt(butter(4, cutoff, fs=rate, output="sos"), x)` does, to which it is equal within 1e-12.
-/// A corner at or above half the rate leaves the signal as it is.
+/// `sosfiltfilt(butter(4, cutoff, fs=rate, output="sos"), x)` does, to which it is equal within
+/// 1e-12. A corner at or above half the rate leaves the signal as it is.
 ///
 /// # Panics
-/// Where there are fewer than 16 samples; [`crate::record::check::LEAST_SAMPLES`] keeps runs above that.
+/// Where there are fewer than 16 samples; [`crate::record::check::LEAST_SAMPLES`] keeps runs above
+/// that.
 pub fn low_pass(values: &[f64], rate_hz: f64, cutoff_hz: f64) -> Vec<f64> {
     if cutoff_hz >= 0.5 * rate_hz {
         return values.to_vec();
@@ -44,18 +47,21 @@ fn sections(rate_hz: f64, cutoff_hz: f64) -> Vec<Sos<f64>> {
     );
     match filter {
         DigitalFilter::Sos(filter) => filter.sos,
-        _ => unreachable!("second-order sections were asked for"),
+        _ => unreachable!("second-order sections were requested"),
     }
 }
 
-/// Share of white noise at `rate_hz` that [`low_pass`] lets through, as a ratio of standard deviations.
+/// Share of white noise at `rate_hz` that [`low_pass`] lets through, as a ratio of standard
+/// deviations.
 ///
-/// The root of the summed squares of the impulse response; used to tell how noisy a filtered sensor is.
+/// The root of the summed squares of the impulse response; used to tell how noisy a filtered sensor
+/// is.
 pub fn noise_gain(rate_hz: f64, cutoff_hz: f64) -> f64 {
     if cutoff_hz >= 0.5 * rate_hz {
         return 1.0;
     }
-    // Long enough for the response to die out: its slowest pole decays over about a period of the corner.
+    // Long enough for the response to die out: its slowest pole decays over about a period of the
+    // corner.
     let half = ((20.0 * rate_hz / cutoff_hz) as usize).clamp(200, 200_000);
     let mut impulse = vec![0.0; 2 * half + 1];
     impulse[half] = 1.0;
@@ -66,7 +72,8 @@ pub fn noise_gain(rate_hz: f64, cutoff_hz: f64) -> f64 {
         .sqrt()
 }
 
-/// Samples at `from_hz` for one at the lower `to_hz`: whole where it is within a thousandth of a whole number.
+/// Samples at `from_hz` for one at the lower `to_hz`: whole where it is within a thousandth of a
+/// whole number.
 pub fn ratio(from_hz: f64, to_hz: f64) -> f64 {
     let ratio = from_hz / to_hz;
     let whole = ratio.round();
@@ -77,17 +84,18 @@ pub fn ratio(from_hz: f64, to_hz: f64) -> f64 {
     }
 }
 
-/// Brings a signal to a lower rate: low pass at 0.4 of the new rate, then every k-th sample, or, where the rates are
-/// no multiples of each other, cubic interpolation (Catmull-Rom) of the low-passed signal.
+/// Brings a signal to a lower rate: low pass at 0.4 of the new rate, then every k-th sample, or,
+/// where the rates are no multiples of each other, cubic interpolation (Catmull-Rom) of the
+/// low-passed signal.
 ///
-/// A rate at or below the new one is left as it is: nothing is invented between samples.
+/// A rate at or below the new one is returned as it is: nothing is invented between samples.
 pub fn resample(values: &[f64], from_hz: f64, to_hz: f64) -> Vec<f64> {
     resample_from(values, from_hz, to_hz, 0.0)
 }
 
 /// The same with the first sample of the result `offset` samples after the first of `values`.
 pub fn resample_from(values: &[f64], from_hz: f64, to_hz: f64, offset: f64) -> Vec<f64> {
-    // Rates told by rounded times: 99.99 Hz is 100 Hz.
+    // Rates computed from rounded times: 99.99 Hz is 100 Hz.
     if to_hz >= from_hz * (1.0 - 1e-3) {
         return values.to_vec();
     }
@@ -152,14 +160,16 @@ static WEIGHTS: LazyLock<[[f64; WIDTH]; WIDTH]> = LazyLock::new(|| {
     weights
 });
 
-/// Derivative of a uniformly sampled signal: a quartic through seven samples by least squares (Savitzky and Golay).
+/// Derivative of a uniformly sampled signal: a quartic through seven samples by least squares
+/// (Savitzky and Golay).
 ///
 /// ```text
 /// y'_i = ( 22 (y_{i-3} - y_{i+3}) - 67 (y_{i-2} - y_{i+2}) - 58 (y_{i-1} - y_{i+1}) ) / (252 dt)
 /// ```
 ///
-/// Exact for polynomials up to degree 4; white noise of deviation sd comes out with 0.51 sd / dt. The three samples at
-/// each end take the slope of the first or last window's quartic. Unit: that of `values` per second.
+/// Exact for polynomials up to degree 4; white noise of deviation sd comes out with 0.51 sd / dt.
+/// The three samples at each end take the slope of the first or last window's quartic. Unit: that
+/// of `values` per second.
 ///
 /// Source: A. Savitzky, M. Golay, Anal. Chem. 36 (1964) 1627, table of quartic first derivatives.
 ///
@@ -192,8 +202,8 @@ pub fn derivative(values: &[f64], dt_s: f64) -> Vec<f64> {
 /// var(y_{i+3} - 3 y_{i+2} + 3 y_{i+1} - y_i) = 20 sd^2   for white noise
 /// ```
 ///
-/// What the signal itself does within four samples is mostly cancelled; the median makes the rest of little weight.
-/// 0 where there are fewer than four samples. Unit: that of the signal.
+/// What the signal itself does within four samples is mostly cancelled; the median makes the rest
+/// of little weight. 0 where there are fewer than four samples. Unit: that of the signal.
 pub fn white_noise_sd(values: &[f64]) -> f64 {
     noise_sd_within(std::iter::once(values))
 }
@@ -213,9 +223,11 @@ pub fn noise_sd_within<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> f64 {
     median / 0.674_489_75 / 20.0_f64.sqrt()
 }
 
-/// A column without its gaps: a straight line across each, level beyond its ends; 0 where it has no value at all.
+/// A column without its gaps: a straight line across each, level outside its ends; 0 where it has
+/// no value at all.
 ///
-/// For what must be a number everywhere but of which nothing beside a gap is used, and for the way across a gap.
+/// For what must be a number everywhere but of which nothing near a gap is used, and for the way
+/// across a gap.
 pub fn bridged(column: &[f64]) -> Vec<f64> {
     let mut filled = column.to_vec();
     let mut before: Option<usize> = None;

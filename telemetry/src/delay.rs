@@ -3,46 +3,53 @@
 use std::collections::BTreeMap;
 
 use kufe_sled::Saturation;
+use serde::Serialize;
 
 use crate::error::Error;
 use crate::mapping::{ClockWord, Mapping};
 use crate::plan::PlannedRun;
 use crate::relation::{LoggerSeries, Pair, Place, Relation, Sides, pairs};
 
-/// A logger's clock against that of the runs.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Aligned {
+/// A logger's clock relative to that of the runs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct LoggerClock {
     /// Whose it is: "the runs'", "shared", "stated" or "found".
-    pub clock: &'static str,
-    /// By how much it is late [s].
+    #[serde(rename = "clock")]
+    pub source: &'static str,
+    /// Its delay: an event is this much later in it than in the runs' clock [s].
     pub delay_s: f64,
     /// Standard error of that [s], where it was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub delay_sd_s: Option<f64>,
-    /// What it was found from.
+    /// Further part of a delay that was found, which its error does not include.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delay_includes: Option<&'static str>,
+    /// The relations that it was found from.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub relations: Vec<Relation>,
-    /// What is odd about it.
-    pub remark: Option<String>,
 }
 
-/// The delay of every logger of a run: none for the lead, what is stated, or what is found.
+/// The clock of every logger of a run, and remarks: no delay for the lead, the stated one, or the
+/// one that is found.
 ///
-/// A clock is found from what its channels share with those of loggers whose clocks are known already: the same column in
-/// both, and the motion of a rigid body, `a_x = dv/dt`, `a_y = r v - d(alpha v)/dt + x dr/dt`, `a_z = g - q v - x dq/dt` with x
-/// from the accelerometer's place. What these leave open, an unknown place (0.2 m over the speed) or unmeasured slip
-/// (0.03 s), is part of the error that is stated.
+/// A clock is found from the channels that its logger shares with loggers whose clocks are known:
+/// the same column in both, and the motion of a rigid body, `a_x = dv/dt`,
+/// `a_y = r v - d(alpha v)/dt + x dr/dt`, `a_z = g - q v - x dq/dt` with x from the accelerometer's
+/// place. An unknown place (0.2 m over the speed) and unmeasured slip (0.03 s) are part of the
+/// stated error.
 ///
 /// # Errors
 /// [`Error::Clock`] where a logger has a clock of its own and its delay cannot be found.
-pub fn align(
+pub(crate) fn align(
     mapping: &Mapping,
     planned: &PlannedRun,
     series: &[LoggerSeries],
-) -> Result<BTreeMap<String, Aligned>, Error> {
-    let mut aligned = BTreeMap::new();
+) -> Result<(BTreeMap<String, LoggerClock>, Vec<String>), Error> {
+    let (mut clocks, mut remarks) = (BTreeMap::new(), Vec::new());
     let mut open: Vec<&str> = Vec::new();
     for (name, logger) in &mapping.logger {
         let stated = planned.delay_s.get(name).copied().or(logger.delay_s);
-        let (clock, delay_s) = match (stated, logger.clock) {
+        let (source, delay_s) = match (stated, logger.clock) {
             (Some(delay), _) => ("stated", delay),
             (None, _) if name == mapping.lead() => ("the runs'", 0.0),
             (None, ClockWord::Shared) => ("shared", 0.0),
@@ -51,25 +58,20 @@ pub fn align(
                 continue;
             }
         };
-        aligned.insert(
-            name.clone(),
-            Aligned {
-                clock,
-                delay_s,
-                ..Aligned::default()
-            },
-        );
+        let clock = LoggerClock {
+            source,
+            delay_s,
+            ..LoggerClock::default()
+        };
+        clocks.insert(name.clone(), clock);
     }
     if open.is_empty() {
-        return Ok(aligned);
+        return Ok((clocks, remarks));
     }
     let series: Vec<LoggerSeries> = series.iter().map(without_saturation).collect();
     let place = |column: &str| {
-        mapping
-            .channels
-            .get(column)
-            .and_then(|c| c.place_m)
-            .map(|[x, ..]| x)
+        let [x, ..] = mapping.channels.get(column)?.place_m?;
+        Some(x)
     };
     let mut known: Vec<LoggerSeries> = Vec::new();
     let add = |name: &str, delay_s: f64, known: &mut Vec<LoggerSeries>| {
@@ -79,8 +81,8 @@ pub fn align(
             known.push(own);
         }
     };
-    for (name, one) in &aligned {
-        add(name, one.delay_s, &mut known);
+    for (name, clock) in &clocks {
+        add(name, clock.delay_s, &mut known);
     }
     // One that is related to no known logger may be related to one that is found meanwhile.
     while !open.is_empty() {
@@ -92,19 +94,16 @@ pub fn align(
             match delay(&late, &known, &place, mapping.logger[name].largest_delay_s) {
                 Ok(found) => {
                     add(name, found.delay_s, &mut known);
-                    let remark = found
-                        .remark
-                        .map(|text| format!("run {}: logger {name}: {text}", planned.name));
-                    aligned.insert(
-                        name.to_string(),
-                        Aligned {
-                            clock: "found",
-                            delay_s: found.delay_s,
-                            delay_sd_s: Some(found.sd_s),
-                            relations: found.relations,
-                            remark,
-                        },
-                    );
+                    let remark = |text| format!("run {}: logger {name}: {text}", planned.name);
+                    remarks.extend(found.remark.map(remark));
+                    let clock = LoggerClock {
+                        source: "found",
+                        delay_s: found.delay_s,
+                        delay_sd_s: Some(found.sd_s),
+                        delay_includes: Some("the lag of the sensors that it was found from"),
+                        relations: found.relations,
+                    };
+                    clocks.insert(name.to_string(), clock);
                 }
                 Err(reason) => {
                     reasons.push(reason);
@@ -124,7 +123,7 @@ pub fn align(
         }
         open = still;
     }
-    Ok(aligned)
+    Ok((clocks, remarks))
 }
 
 /// Corner of the low pass at most [Hz]: a sled's own motion is below, its shaking above.
@@ -173,7 +172,8 @@ pub(crate) struct Delay {
     pub remark: Option<String>,
 }
 
-/// Finds the delay of a logger: each relation's own within the best common fit, then their mean by their errors.
+/// Finds the delay of a logger: each relation's own within the best common fit, then their mean by
+/// their errors.
 ///
 /// # Errors
 /// Why none is found, in words.
@@ -218,8 +218,9 @@ pub(crate) fn delay(
     Ok(mean(&found))
 }
 
-/// One relation's delay, the band of its sides doubled from that of the first search up to their own; of these the one
-/// with the least error: a wide band is sharper where the sides are clean, a narrow one where they are noisy.
+/// One relation's delay, the band of its sides doubled from that of the first search up to their
+/// own; of these the one with the least error: a wide band is sharper where the sides are clean, a
+/// narrow one where they are noisy.
 fn sharpened(pair: &Pair, guess: f64, first_hz: f64, corner_hz: f64) -> Option<Refined> {
     let mut corner = first_hz.min(corner_hz);
     let mut best: Option<Refined> = None;
@@ -235,7 +236,7 @@ fn sharpened(pair: &Pair, guess: f64, first_hz: f64, corner_hz: f64) -> Option<R
     }
 }
 
-/// A first delay by all relations together, and the corner that they were searched with [Hz].
+/// A first delay by all relations together, and the corner of that search [Hz].
 fn guess(pairs: &[Pair], corners: &[f64], within: Option<f64>) -> Result<(f64, f64), String> {
     let corner = corners.iter().copied().fold(0.0, f64::max);
     let spans = pairs
@@ -268,7 +269,7 @@ fn length(spans: &[[f64; 2]; 2]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The mean by errors, with what the relations themselves cannot know.
+/// The mean weighted by errors, which include the doubt of each relation.
 fn mean(found: &[(&Pair, Refined)]) -> Delay {
     let sd = |(pair, refined): &(&Pair, Refined)| f64::hypot(refined.sd_s, pair.doubt_s).max(1e-9);
     let weight: f64 = found.iter().map(|one| sd(one).powi(-2)).sum();
@@ -337,8 +338,9 @@ pub(crate) fn first_rate(spans: [[f64; 2]; 2], most_hz: f64) -> f64 {
     most_hz.min(MOST / longest)
 }
 
-/// The delay at which all sides together fit best: the largest sum of `-n ln(1 - rho^2)` over relations with a positive
-/// correlation rho of n samples. What is recorded with the right sign correlates positively.
+/// The delay at which all sides together fit best: the largest sum of `-n ln(1 - rho^2)` over
+/// relations with a positive correlation rho of n samples. Channels with the right sign correlate
+/// positively.
 ///
 /// `within` bounds the delay [s].
 pub(crate) fn search(sides: &[Sides], rate_hz: f64, within: Option<f64>) -> Found {
@@ -346,11 +348,11 @@ pub(crate) fn search(sides: &[Sides], rate_hz: f64, within: Option<f64>) -> Foun
     // Delays by which any two sides overlap.
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
     for side in sides {
-        let [left, right] = side.spans();
+        let [lhs, rhs] = side.spans();
         let (late, known) = if side.ahead(1.0) > 0.0 {
-            (left, right)
+            (lhs, rhs)
         } else {
-            (right, left)
+            (rhs, lhs)
         };
         range = [
             range[0].min(late[0] - known[1]),
@@ -398,46 +400,47 @@ pub(crate) fn search(sides: &[Sides], rate_hz: f64, within: Option<f64>) -> Foun
 
 /// Both sides at uniform times of their own clocks; NaN where there is none.
 struct Sampled {
-    left: Vec<f64>,
-    right: Vec<f64>,
-    /// From the first right time to the first left time [s].
+    lhs: Vec<f64>,
+    rhs: Vec<f64>,
+    /// From the first time of the right side to the first of the left one [s].
     apart: f64,
     step: f64,
 }
 
 impl Sampled {
     fn of(side: &Sides, step: f64) -> Sampled {
-        let [left, right] = side.spans();
+        let [lhs, rhs] = side.spans();
         let count = |span: [f64; 2]| ((span[1] - span[0]) / step) as usize + 1;
         let at = |span: [f64; 2], i: usize| span[0] + i as f64 * step;
         Sampled {
-            left: (0..count(left))
-                .map(|i| side.left(at(left, i)).map_or(f64::NAN, |l| l[0]))
+            lhs: (0..count(lhs))
+                .map(|i| side.lhs(at(lhs, i)).map_or(f64::NAN, |l| l[0]))
                 .collect(),
-            // The speed of the other clock varies slowly; it is brought into place when the delay is refined.
-            right: (0..count(right))
+            // The speed of the other clock varies slowly; it is brought into place when the delay
+            // is refined.
+            rhs: (0..count(rhs))
                 .map(|i| {
-                    side.right(at(right, i), left[0] - right[0])
+                    side.rhs(at(rhs, i), lhs[0] - rhs[0])
                         .map_or(f64::NAN, |r| r[0])
                 })
                 .collect(),
-            apart: left[0] - right[0],
+            apart: lhs[0] - rhs[0],
             step,
         }
     }
 
     /// Pairs and correlation with the right side brought ahead by so much [s].
     fn fit(&self, ahead: f64) -> Option<(f64, f64)> {
-        // Right sample j belongs to left sample j + shift.
+        // Sample j of the right side belongs to sample j + shift of the other.
         let shift = ((ahead - self.apart) / self.step).round() as i64;
         let from = (-shift).max(0);
-        let to = (self.left.len() as i64 - shift).min(self.right.len() as i64);
+        let to = (self.lhs.len() as i64 - shift).min(self.rhs.len() as i64);
         if to <= from {
             return None;
         }
         let mut sums = [0.0; 6];
         for j in from..to {
-            let (a, b) = (self.left[(j + shift) as usize], self.right[j as usize]);
+            let (a, b) = (self.lhs[(j + shift) as usize], self.rhs[j as usize]);
             if a.is_nan() || b.is_nan() {
                 continue;
             }
@@ -446,7 +449,7 @@ impl Sampled {
             }
         }
         let [n, a, b, aa, bb, ab] = sums;
-        let shorter = self.left.len().min(self.right.len()) as f64;
+        let shorter = self.lhs.len().min(self.rhs.len()) as f64;
         if n < LEAST_PAIRS as f64 || n < LEAST_SHARE * shorter {
             return None;
         }
@@ -470,10 +473,11 @@ pub(crate) struct Refined {
     pub correlation: f64,
 }
 
-/// Fits `left(t) = a + b right(t - ahead)` over a, b and the delay from a first guess.
+/// Fits `lhs(t) = a + b rhs(t - ahead)` over a, b and the delay from a first guess.
 ///
-/// Standard error by the residuals' own covariance (Newey and West 1987, Bartlett's weights over 2 s), since they are no
-/// white noise. `None` where the fit leaves the neighbourhood of the guess (`reach_s`) or too few samples overlap.
+/// Standard error by the residuals' own covariance (Newey and West 1987, Bartlett's weights over 2
+/// s), since they are no white noise. `None` where the fit departs from the guess by more than
+/// `reach_s` or too few samples overlap.
 pub(crate) fn refine(sides: &Sides, guess_s: f64, rate_hz: f64, reach_s: f64) -> Option<Refined> {
     let mut delay = guess_s;
     let mut last = None;
@@ -503,14 +507,14 @@ struct Linear {
     correlation: f64,
 }
 
-/// One step of Newton's: with `e = left - a - b right` and the right side's derivative freed of the side itself, the delay is
-/// where their product sums to zero. Its change with the delay is, by parts, the product of both sides' derivatives: noise of
-/// either side, which the other does not have, adds nothing to that.
+/// One step of Newton's method: with `e = lhs - a - b rhs` and the derivative of `rhs` orthogonal
+/// to `rhs`, the delay is where their product sums to zero. Its change with the delay is, by parts,
+/// the product of both sides' derivatives: independent noise of the sides adds nothing to that.
 fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Linear> {
     let ahead = sides.ahead(delay);
-    let [left, right] = sides.spans();
-    let from = left[0].max(right[0] + ahead);
-    let to = left[1].min(right[1] + ahead);
+    let [lhs, rhs] = sides.spans();
+    let from = lhs[0].max(rhs[0] + ahead);
+    let to = lhs[1].min(rhs[1] + ahead);
     let count = ((to - from) * rate_hz).floor();
     if !(20.0..1e7).contains(&count) {
         return None;
@@ -518,7 +522,7 @@ fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Linear> {
     let mut rows: Vec<[f64; 4]> = Vec::new();
     for i in 0..=count as usize {
         let t = from + i as f64 / rate_hz;
-        if let (Some([a, da]), Some([b, db])) = (sides.left(t), sides.right(t - ahead, ahead)) {
+        if let (Some([a, da]), Some([b, db])) = (sides.lhs(t), sides.rhs(t - ahead, ahead)) {
             rows.push([a, da, b, db]);
         }
     }
@@ -535,7 +539,7 @@ fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Linear> {
     let (b, slope) = (ab / bb, dot(2, 3) / bb);
     let scores: Vec<f64> = rows
         .iter()
-        .map(|[a, _, right, d]| (a - b * right) * (d - slope * right))
+        .map(|[a, _, rhs, d]| (a - b * rhs) * (d - slope * rhs))
         .collect();
     let change = dot(1, 3);
     if !(b > 0.0 && change > 0.0) {
@@ -554,7 +558,7 @@ fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Linear> {
     }
     let shift = -scores.iter().sum::<f64>() / change;
     Some(Linear {
-        // The shift moves the right side, which is early where the left side's clock is late.
+        // The shift moves `rhs`, which is early where the clock of `lhs` is late.
         change: if sides.ahead(1.0) > 0.0 {
             shift
         } else {

@@ -1,4 +1,4 @@
-//! What the channels of a sample may be, and how sure that is: a mapping to edit.
+//! Columns that the channels of a sample may be, and how sure that is: a mapping to edit.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -18,27 +18,23 @@ struct Logger {
     sample: Sample,
 }
 
-/// A commented `mapping.toml` for recordings like these: files of one run, one a logger, with their paths from the mapping.
+/// A commented `mapping.toml` for recordings like these: files of one run, one a logger, with their
+/// paths from the mapping.
 ///
-/// Every line says how sure it is and why. An open question is a comment that begins with `# ?`, with the line that
-/// answers it below, to be completed and freed of its `#`.
+/// Every line says how sure it is and why. An open question is a comment that begins with `# ?`,
+/// above the line that answers it, to be completed and freed of its `#`.
 pub fn guess_mapping(files: &[(PathBuf, Log)]) -> String {
     let (names, run) = split_names(files);
-    let loggers: Vec<Logger> = files
-        .iter()
-        .zip(names)
-        .map(|((path, log), (name, last))| Logger {
-            name,
-            pattern: path
-                .parent()
-                .unwrap_or(Path::new(""))
-                .join(last)
-                .display()
-                .to_string()
-                .replace('\\', "/"),
-            sample: Sample::of(log),
-        })
-        .collect();
+    let logger = |((path, log), (name, last)): (&(PathBuf, Log), _)| Logger {
+        name,
+        pattern: path
+            .with_file_name::<String>(last)
+            .display()
+            .to_string()
+            .replace('\\', "/"),
+        sample: Sample::of(log),
+    };
+    let loggers: Vec<Logger> = files.iter().zip(names).map(logger).collect();
     let mut text = String::from(
         "# What the channels of these recordings are. Lines that begin with \"# ?\" are questions: answer the line below each and\n\
          # take its # away. Then: kufe runs import THIS -o runs/\n\nrate_hz = 100.0          # of the runs\n",
@@ -145,7 +141,7 @@ fn head(text: &mut String, logger: &Logger, run: &str) {
             }
         }
         None if logger.sample.clocked => {}
-        None => text.push_str("# ? no channel looks like a time: name it, or state the rate of the samples\n# rate_hz = 100.0\n"),
+        None => text.push_str("# ? no channel seems to be a time: name it, or state the rate of the samples\n# rate_hz = 100.0\n"),
     }
 }
 
@@ -175,25 +171,17 @@ fn line(column: &str, guess: &Guess, logger: Option<&String>) -> String {
     }
 }
 
-/// A name for each file's logger with the pattern of its last part, and the run's name: what all files' names share.
+/// A name for each file's logger with the pattern of its last part, and the run's name: the part
+/// that all files' names share.
 fn split_names(files: &[(PathBuf, Log)]) -> (Vec<(String, String)>, String) {
     let part = |path: &Path, of: fn(&Path) -> Option<&std::ffi::OsStr>| {
         of(path).map_or(String::new(), |s| s.to_string_lossy().to_string())
     };
-    let stems: Vec<String> = files
-        .iter()
-        .map(|(path, _)| part(path, Path::file_stem))
-        .collect();
-    let endings: Vec<String> = files
-        .iter()
-        .map(|(path, _)| part(path, Path::extension))
-        .collect();
-    let ending = |i: usize| {
-        if endings[i].is_empty() {
-            String::new()
-        } else {
-            format!(".{}", endings[i])
-        }
+    let stem = |(path, _): &(PathBuf, Log)| part(path, Path::file_stem);
+    let stems: Vec<String> = files.iter().map(stem).collect();
+    let ending = |i: usize| match part(&files[i].0, Path::extension) {
+        none if none.is_empty() => none,
+        ending => format!(".{ending}"),
     };
     if files.len() == 1 {
         return (
@@ -212,26 +200,16 @@ fn split_names(files: &[(PathBuf, Log)]) -> (Vec<(String, String)>, String) {
         return (distinct(names.collect()), stems[0].clone());
     }
     let first: Vec<char> = stems[0].chars().collect();
-    let shared = |of: &dyn Fn(&str, &str) -> bool, parts: Vec<String>| {
+    let shared = |of: fn(&str, &str) -> bool, part: &dyn Fn(usize) -> String| {
+        let parts = (1..first.len()).map(part);
         parts
-            .into_iter()
             .filter(|p| stems.iter().all(|s| of(s, p) && s.len() > p.len()))
             .max_by_key(String::len)
+            .unwrap_or_default()
     };
-    let prefix = shared(
-        &|s, p| s.starts_with(p),
-        (1..first.len())
-            .map(|n| first[..n].iter().collect())
-            .collect(),
-    );
-    let suffix = shared(
-        &|s, p| s.ends_with(p),
-        (1..first.len())
-            .map(|n| first[n..].iter().collect())
-            .collect(),
-    );
+    let prefix = shared(|s, p| s.starts_with(p), &|n| first[..n].iter().collect());
+    let suffix = shared(|s, p| s.ends_with(p), &|n| first[n..].iter().collect());
     let bare = |text: &str| text.trim_matches(['_', '-', '.', ' ']).to_string();
-    let (prefix, suffix) = (prefix.unwrap_or_default(), suffix.unwrap_or_default());
     let by_suffix = bare(&suffix).len() >= bare(&prefix).len();
     let run = bare(if by_suffix { &suffix } else { &prefix });
     let names = stems.iter().enumerate().map(|(i, stem)| {
@@ -259,7 +237,7 @@ fn logger_name(text: &str, i: usize) -> String {
     }
 }
 
-/// Puts the place of a logger behind a name that one before it has.
+/// Appends the place of a logger to a name that one before it has.
 fn distinct(mut names: Vec<(String, String)>) -> Vec<(String, String)> {
     for i in 1..names.len() {
         let (before, own) = names.split_at_mut(i);
@@ -276,13 +254,14 @@ pub(crate) struct Guess {
     pub from: String,
     /// The unit to write; none where the file states it.
     pub unit: Option<&'static str>,
-    /// -1 where the values say so.
+    /// Whether the values have the other sign.
     pub negative: bool,
     /// Weight of the name.
     pub weight: usize,
     /// Samples with a value.
     pub samples: usize,
-    /// Change of the slope from sample to sample as a share of the slope: small where a filter smoothed the values.
+    /// Change of the slope from sample to sample as a share of the slope: small where a filter
+    /// smoothed the values.
     pub roughness: f64,
     /// How sure, and why.
     pub why: String,
@@ -291,7 +270,8 @@ pub(crate) struct Guess {
 }
 
 impl Guess {
-    /// Better is kufe's own name, then the faster channel, then the one that no filter smoothed, then the surer name.
+    /// Better is kufe's own name, then the faster channel, then the one that no filter smoothed,
+    /// then the surer name.
     fn compare(&self, other: &Guess) -> Ordering {
         let by = |a: f64, b: f64, ratio: f64| match (a > ratio * b, b > ratio * a) {
             (true, _) => Ordering::Greater,
@@ -318,15 +298,15 @@ const SMOOTHED: &str = "filt,smooth,avg,average,mean,lowpass,calc";
 /// Weight of a name of kufe's own.
 const OWN: usize = 1000;
 
-/// What a file's channels may be.
+/// Columns that a file's channels may be.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Sample {
-    /// The time channel, its unit where the file does not say it, and why.
+    /// The time channel, its unit where the file does not state it, and why.
     pub time: Option<(String, Option<&'static str>, String)>,
     /// Whether the file has times of its own.
     pub clocked: bool,
     pub columns: BTreeMap<&'static str, Guess>,
-    /// Channels that are nothing known.
+    /// Channels that are no column.
     pub others: Vec<String>,
 }
 
@@ -387,7 +367,8 @@ impl Sample {
     }
 }
 
-/// The axes of one accelerometer, and of one gyroscope, have one unit: that of the first whose values decide.
+/// The axes of one accelerometer, and of one gyroscope, have one unit: that of the first whose
+/// values decide.
 fn share_unit(columns: &mut BTreeMap<&'static str, Guess>, axes: &[&'static str]) {
     let decided = axes.iter().find_map(|axis| {
         let guess = columns.get(axis).filter(|guess| guess.open.is_none())?;
@@ -444,7 +425,7 @@ fn roughness(values: &[f64]) -> f64 {
     changes.sum::<f64>() / slopes.max(f64::MIN_POSITIVE)
 }
 
-/// What values say.
+/// The unit of values.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Said {
     /// A unit, and why.
@@ -465,7 +446,8 @@ pub(crate) fn extent(values: &[f64]) -> Option<[f64; 2]> {
     Some([median, largest])
 }
 
-/// The unit of a column's values by their size: a body at rest feels 9.81 m/s2, no sled or car exceeds 70 m/s or turns by 12 rad/s.
+/// The unit of a column's values by their size: a body at rest has a specific force of 9.81 m/s2,
+/// no sled or car exceeds 70 m/s or turns by 12 rad/s.
 pub(crate) fn unit_by_values(column: &str, values: &[f64]) -> Option<Said> {
     let [median, largest] = extent(values)?;
     let by_largest = format!("largest magnitude {largest:.4}");

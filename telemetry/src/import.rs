@@ -1,4 +1,5 @@
-//! One run: its recordings read, converted, brought to one clock and one rate, and what was done.
+//! One run: its recordings read, converted, brought to one clock and one rate, with a note of the
+//! steps.
 
 use std::collections::BTreeMap;
 
@@ -6,13 +7,13 @@ use kufe_sled::{Columns, Gaps, Run};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use crate::delay::{Aligned, align};
+use crate::delay::{LoggerClock, align};
 use crate::error::Error;
 use crate::log::{Channel, Log};
 use crate::mapping::{ChannelSource, LoggerFiles, Mapping};
 use crate::plan::PlannedRun;
 use crate::recording::{bytes_of, read_log};
-use crate::relation::{LoggerSeries, Relation, Series};
+use crate::relation::{LoggerSeries, Series};
 use crate::resample::{Base, resample};
 use crate::text::TextOptions;
 use crate::unit::{column_unit, conversion};
@@ -36,7 +37,7 @@ pub struct Importer {
 pub struct Imported {
     /// The run; its entry has the conditions as far as the mapping states them.
     pub run: Run,
-    /// What was done.
+    /// The steps.
     pub note: Note,
 }
 
@@ -65,16 +66,17 @@ impl Importer {
         &self.mapping
     }
 
-    /// Imports one run: reads its recordings, converts, brings them to the clock of the mapping's lead and to its rate.
+    /// Imports one run: reads its recordings, converts, brings them to the clock of the mapping's
+    /// lead and to its rate.
     ///
     /// The run spans the time that every logger recorded.
     ///
     /// # Errors
-    /// Those of the readers; [`Error::Channel`], [`Error::Clock`] where clocks cannot be brought together or the loggers
-    /// share no time.
+    /// Those of the readers; [`Error::Channel`], [`Error::Clock`] where clocks cannot be brought
+    /// together or the loggers share no time.
     pub fn run(&self, planned: &PlannedRun) -> Result<Imported, Error> {
         let mut remarks = Vec::new();
-        let mut loggers: BTreeMap<String, LoggerNote> = BTreeMap::new();
+        let mut files: BTreeMap<&str, (String, String)> = BTreeMap::new();
         let mut read: BTreeMap<String, Read> = BTreeMap::new();
         let mut also: Vec<LoggerSeries> = Vec::new();
         for (name, path) in &planned.files {
@@ -83,19 +85,8 @@ impl Importer {
             let sha256 = hexadecimal(&bytes);
             let log = self.log(name, path, bytes)?;
             remarks.extend(log.remarks.iter().cloned());
-            loggers.insert(
-                name.clone(),
-                LoggerNote {
-                    sha256,
-                    clock: "the runs'",
-                    delay_s: 0.0,
-                    delay_sd_s: None,
-                    delay_includes: None,
-                    relations: Vec::new(),
-                    rotation: self.mapping.logger[name].rotation,
-                    file: file.clone(),
-                },
-            );
+            let rotation = self.mapping.logger[name].rotation;
+            files.insert(name, (file.clone(), sha256));
             for (column, source) in self.channels_of(name) {
                 let (recipe, series, remark) = self.series(column, source, name, &log, &file)?;
                 remarks.extend(remark.filter(|text| !remarks.contains(text)));
@@ -116,7 +107,7 @@ impl Importer {
                     series,
                 });
             }
-            if let Some(rotation) = self.mapping.logger[name].rotation {
+            if let Some(rotation) = rotation {
                 let channels = read.iter_mut().filter(|(_, read)| read.logger == *name);
                 let mut own: BTreeMap<&str, &mut Series> = channels
                     .map(|(column, read)| (column.as_str(), &mut read.series))
@@ -131,32 +122,30 @@ impl Importer {
                 })?;
             }
         }
-        let delays = self.delays(planned, &read, also)?;
-        for (name, aligned) in delays {
-            if let Some(note) = loggers.get_mut(&name) {
-                note.clock = aligned.clock;
-                note.delay_s = aligned.delay_s;
-                note.delay_sd_s = aligned.delay_sd_s;
-                note.delay_includes = aligned
-                    .delay_sd_s
-                    .map(|_| "the lag of the sensors that it was found from");
-                note.relations = aligned.relations;
-            }
-            remarks.extend(aligned.remark);
-        }
+        let (clocks, odd) = self.clocks(planned, &read, also)?;
+        remarks.extend(odd);
         for channel in read.values_mut() {
-            let delay = loggers[&channel.logger].delay_s;
+            let delay = clocks[&channel.logger].delay_s;
             channel.series.time.iter_mut().for_each(|t| *t -= delay);
         }
         let base = self.base(planned, &read)?;
         let mut columns = Columns::new();
         let mut channels = BTreeMap::new();
         for (column, channel) in read {
-            let file = &loggers[&channel.logger].file;
+            let (file, _) = &files[channel.logger.as_str()];
             let source = &self.mapping.channels[&column];
             let note = self.resampled(&column, source, channel, &base, &mut columns, file)?;
             channels.insert(column, note);
         }
+        let logger = |(name, (file, sha256)): (&str, (String, String))| {
+            let note = LoggerNote {
+                file,
+                sha256,
+                clock: clocks[name].clone(),
+                rotation: self.mapping.logger[name].rotation,
+            };
+            (name.to_string(), note)
+        };
         let note = Note {
             run: planned.name.clone(),
             mapping: self.file.clone(),
@@ -166,7 +155,7 @@ impl Importer {
             rows: base.count,
             start_s: base.start_s,
             clock: self.mapping.lead().to_string(),
-            loggers,
+            loggers: files.into_iter().map(logger).collect(),
             channels,
             mass_kg: planned.index.mass_kg,
             remarks,
@@ -250,15 +239,15 @@ impl Importer {
         Ok((recipe, Series { time, values }, remark))
     }
 
-    fn delays(
+    fn clocks(
         &self,
         planned: &PlannedRun,
         read: &BTreeMap<String, Read>,
         also: Vec<LoggerSeries>,
-    ) -> Result<BTreeMap<String, Aligned>, Error> {
+    ) -> Result<(BTreeMap<String, LoggerClock>, Vec<String>), Error> {
         let several = self.mapping.logger.len() > 1;
         let mut series: Vec<LoggerSeries> = Vec::new();
-        // What is recorded once needs no copy where there is one clock only.
+        // Series need no copy where there is one clock only.
         for (column, channel) in read.iter().filter(|_| several) {
             series.push(LoggerSeries {
                 logger: channel.logger.clone(),
@@ -292,7 +281,8 @@ impl Importer {
             .map(|span| span[1])
             .fold(f64::INFINITY, f64::min);
         let rate = self.mapping.rate_hz;
-        // Rows are at samples of the lead, so that they need no interpolation where rates are multiples.
+        // Rows are at samples of the lead, so that they need no interpolation where rates are
+        // multiples.
         let lead = spans.get(self.mapping.lead()).map_or(start, |span| span[0]);
         let start = lead + ((start - lead) * rate - 1e-6).ceil() / rate;
         let rows = ((end - start) * rate + 1e-6).floor() + 1.0;
@@ -371,7 +361,8 @@ impl Importer {
     }
 }
 
-/// Turns the vectors of a sensor box into the sled's axes: `R_z(yaw) R_y(pitch) R_x(roll)` times each.
+/// Turns the vectors of a sensor box into the sled's axes: `R_z(yaw) R_y(pitch) R_x(roll)` times
+/// each.
 ///
 /// # Errors
 /// What is found instead of all three axes at the same times, and what is expected.
@@ -484,16 +475,18 @@ pub(crate) fn recipe(
     })
 }
 
-/// Largest share of samples that may repeat the time before them: a row written twice now and then, not a clock too coarse.
+/// Largest share of samples that may repeat the time before them: a row written twice now and then,
+/// not a clock too coarse.
 const REPEATED: f64 = 0.1;
 
-/// Times of a channel's samples [s], NaN where a sample cannot be placed, and what is odd about them.
+/// Times of a channel's samples [s], NaN where a sample cannot be placed, and a remark.
 ///
-/// The channel's own time channel, or the logger's, or the clock that the file has for it, or the stated rate. Of samples at
-/// one time the first counts: some loggers write a row twice.
+/// The channel's own time channel, or the logger's, or the clock that the file has for it, or the
+/// stated rate. Of samples at one time the first counts: some loggers write a row twice.
 ///
 /// # Errors
-/// [`Error::NoChannel`]; [`Error::Channel`] where there is no time, its unit is unknown, it runs backwards or is too coarse.
+/// [`Error::NoChannel`]; [`Error::Channel`] where there is no time, its unit is unknown, it runs
+/// backwards or is too coarse.
 pub(crate) fn times(
     log: &Log,
     source: &ChannelSource,
@@ -576,11 +569,11 @@ pub(crate) fn times(
             "{repeated} of {} samples at the time of the one before",
             time.len()
         );
-        let expected = format!("a time that tells samples apart, or logger.{logger}.rate_hz");
+        let expected = format!("a time that distinguishes samples, or logger.{logger}.rate_hz");
         return Err(wrong(name, found, expected));
     }
     let remark = (repeated > 0).then(|| {
-        format!("{file}: {repeated} samples repeat the time before them and are left out")
+        format!("{file}: {repeated} samples repeat the time before them and take no part")
     });
     Ok((time, remark))
 }
@@ -603,7 +596,7 @@ pub struct Note {
     pub rate_hz: f64,
     /// Number of rows.
     pub rows: usize,
-    /// What the clock of the runs says at `t_s` = 0 [s].
+    /// Time of the runs' clock at `t_s` = 0 [s].
     pub start_s: f64,
     /// The logger whose clock that is.
     pub clock: String,
@@ -625,19 +618,9 @@ pub struct LoggerNote {
     pub file: String,
     /// Its SHA-256.
     pub sha256: String,
-    /// Whose its clock is: "the runs'", "shared", "stated" or "found".
-    pub clock: &'static str,
-    /// By how much it is late: an event is this much later in it than in the runs' clock [s].
-    pub delay_s: f64,
-    /// Standard error of that [s], where it was found.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub delay_sd_s: Option<f64>,
-    /// What else than its clock the delay found holds, of which the error says nothing.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub delay_includes: Option<&'static str>,
-    /// What it was found from.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub relations: Vec<Relation>,
+    /// Its clock.
+    #[serde(flatten)]
+    pub clock: LoggerClock,
     /// Roll, pitch and yaw of the sensor box that its axes were turned by [rad].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<[f64; 3]>,
@@ -652,7 +635,7 @@ pub struct ChannelNote {
     pub from: String,
     /// Its unit there.
     pub unit: String,
-    /// Who says so: "mapping" or "file".
+    /// Where it is stated: "mapping" or "file".
     pub unit_from: &'static str,
     /// `column = factor * value + offset`.
     pub factor: f64,
@@ -673,7 +656,8 @@ pub struct ChannelNote {
     pub expected_samples: usize,
     /// Largest deviation of its times from uniform ones [steps].
     pub jitter_steps: f64,
-    /// Corner of the low pass before it was thinned out [Hz]; none where it is no faster than the run.
+    /// Corner of the low pass before it was thinned out [Hz]; none where it is no faster than the
+    /// run.
     pub filter_hz: Option<f64>,
     /// Whether rows lie between its samples.
     pub interpolated: bool,
@@ -685,9 +669,11 @@ pub struct ChannelNote {
     pub gaps_s: Vec<[f64; 2]>,
 }
 
-/// The lines of `[sled]` in `model.toml` that the places of a mapping's sensors are; none where it states none.
+/// The lines of `[sled]` in `model.toml` for the places of a mapping's sensors; none where it
+/// states none.
 ///
-/// The three axes of the accelerometer are one sensor; of the slip sensor the model knows the place along the sled.
+/// The three axes of the accelerometer are one sensor; of the slip sensor the model has the place
+/// along the sled.
 ///
 /// # Errors
 /// [`Error::Key`] where the axes of the accelerometer are stated in different places.

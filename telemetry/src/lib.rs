@@ -36,6 +36,7 @@ mod resample;
 mod text;
 mod unit;
 
+pub use delay::LoggerClock;
 pub use error::Error;
 pub use guess::guess_mapping;
 pub use import::{ChannelNote, Imported, Importer, LoggerNote, Note, model_fragment};

@@ -34,7 +34,8 @@ pub struct Log {
 }
 
 impl Log {
-    /// Place of the channel of this name; capitals and spaces at its ends do not count where only one channel fits.
+    /// Place of the channel of this name; capitals and spaces at its ends do not count where only
+    /// one channel fits.
     ///
     /// # Errors
     /// [`Error::NoChannel`] with the names that are there.

@@ -66,13 +66,15 @@ pub struct LoggerFiles {
     /// Rate of its samples [Hz], where it records no time.
     #[schemars(range(min = 0.01, max = 1000000.0))]
     pub rate_hz: Option<f64>,
-    /// "own": its clock's delay is found from what its channels share with others'; "shared": its clock is the runs'.
+    /// "own": its clock's delay is found from its relations to other loggers; "shared": its clock
+    /// is the runs'.
     #[serde(default)]
     pub clock: ClockWord,
-    /// By how much its clock is late, stated instead of found: an event is this much later in it than in the runs' clock [s].
+    /// Delay of its clock, stated instead of found: an event is this much later in it than in the
+    /// runs' clock [s].
     pub delay_s: Option<f64>,
-    /// Roll, pitch and yaw of the sensor box in the sled's axes [rad]: turns the accelerometer's and the gyroscope's axes
-    /// together, about x first, then y, then z.
+    /// Roll, pitch and yaw of the sensor box in the sled's axes [rad]: turns the accelerometer's
+    /// and the gyroscope's axes together, about x first, then y, then z.
     pub rotation: Option<[f64; 3]>,
     /// Largest delay that is searched [s].
     #[schemars(range(min = 0.0, max = 100000.0))]
@@ -81,7 +83,8 @@ pub struct LoggerFiles {
     pub delimiter: Option<char>,
     /// Before decimals in a text file, where it cannot be found out: "." or ",".
     pub decimal: Option<char>,
-    /// Columns that it records besides another logger: they serve to find its delay and are not written.
+    /// Columns that it records in addition to another logger: they serve to find its delay and are
+    /// not written.
     #[serde(default)]
     pub also: BTreeMap<String, ChannelSource>,
 }
@@ -137,7 +140,8 @@ pub struct IndexValues {
     pub session: Option<String>,
     /// Ice temperature [degrees Celsius].
     pub ice_c: Option<f64>,
-    /// Ice temperatures [degrees Celsius] by their place along the track [m]: `{ 350 = -8.2, 1100 = -9.0 }`.
+    /// Ice temperatures [degrees Celsius] by their place along the track [m]:
+    /// `{ 350 = -8.2, 1100 = -9.0 }`.
     #[serde(default)]
     pub ice_c_at: BTreeMap<String, f64>,
     /// Air temperature [degrees Celsius].

@@ -44,13 +44,13 @@ pub struct Plan {
     pub excluded: Vec<ExcludedRun>,
 }
 
-/// The runs of a mapping in `folder`, by name, and every file that they are made of besides recordings.
+/// The runs of a mapping in `folder`, by name.
 ///
 /// A run is what the `*` of a logger's pattern matches, or a table `[[run]]`.
 ///
 /// # Errors
-/// [`Error::Key`] for a pattern that finds nothing, a name that no run can have, or where no run has all of its files;
-/// [`Error::File`] for an index table that cannot be read.
+/// [`Error::Key`] for a pattern that finds nothing, a name that no run can have, or where no run
+/// has all of its files; [`Error::File`] for an index table that cannot be read.
 pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error> {
     let wrong = |key: String, found: String, expected: String| Error::Key {
         file: file.to_string(),
@@ -157,7 +157,8 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error>
     }
 }
 
-/// Files that a pattern names, with what its `*` matches, or with the file's own name where it has none; by name.
+/// Files that a pattern names, with what its `*` matches, or with the file's own name where it has
+/// none; by name.
 ///
 /// # Errors
 /// What was expected.

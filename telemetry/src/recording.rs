@@ -28,7 +28,8 @@ pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, Error> {
         .map_err(|error| Error::file(&path.display().to_string(), error))
 }
 
-/// Reads a recording: Parquet (`.parquet`), MATLAB (`.mat`), MDF 4 (`.mf4`, `.mdf`) or, with any other ending, text.
+/// Reads a recording: Parquet (`.parquet`), MATLAB (`.mat`), MDF 4 (`.mf4`, `.mdf`) or, with any
+/// other ending, text.
 ///
 /// Of text, MDF 4 and MATLAB v7.3 only the channels `wanted` by name are read, where some are.
 ///
@@ -119,7 +120,8 @@ impl Room {
 
 /// Reads an MDF 4 log; of the channels only those `wanted` by name, or all that hold numbers.
 ///
-/// Values are physical: the file's own conversion is done. Samples that the file marks invalid are NaN.
+/// Values are physical: the file's own conversion is done. Samples that the file marks invalid are
+/// NaN.
 ///
 /// # Errors
 /// [`Error::File`] where it is no MDF 4, or a channel that is wanted cannot be decoded.
@@ -184,8 +186,8 @@ pub fn read_mdf4(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Result<
     log.with_channels(file, "no group has one")
 }
 
-/// Reads a MATLAB v7.3 file, which is HDF5: vectors, and vectors in structs as `struct.field`; only those `wanted` by name,
-/// or all of numbers.
+/// Reads a MATLAB v7.3 file, which is HDF5: vectors, and vectors in structs as `struct.field`; only
+/// those `wanted` by name, or all of numbers.
 ///
 /// # Errors
 /// [`Error::File`] where it is no HDF5, or a vector that is wanted cannot be read.

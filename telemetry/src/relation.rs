@@ -1,5 +1,5 @@
-//! Relations between the channels of two loggers: pairs of expressions, one in each clock, that are equal but for a scale and
-//! a constant.
+//! Relations between the channels of two loggers: pairs of expressions, one in each clock, that are
+//! equal except for a scale and a constant.
 
 use kufe_sled::{Spline, low_pass};
 use serde::Serialize;
@@ -26,7 +26,7 @@ pub struct LoggerSeries {
     pub series: Series,
 }
 
-/// What one relation between channels says of a delay.
+/// A delay by one relation between channels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Relation {
     /// The relation.
@@ -71,7 +71,7 @@ impl Signal {
         })
     }
 
-    /// Value, first and second derivative; `None` in gaps and beyond the ends.
+    /// Value, first and second derivative; `None` in gaps and outside the ends.
     pub fn at(&self, t: f64) -> Option<[f64; 3]> {
         let after = self.parts.partition_point(|(start, ..)| *start <= t);
         let (_, end, spline) = self.parts.get(after.checked_sub(1)?)?;
@@ -84,10 +84,12 @@ impl Signal {
     }
 }
 
-/// Deviation of a sensor from its stated place [m]; it shifts a lateral acceleration by place over speed.
+/// Deviation of a sensor from its stated place [m]; it shifts a lateral acceleration by place over
+/// speed.
 const PLACE: f64 = 0.2;
 
-/// By how much slip that nothing measures shifts a lateral acceleration: slip angle over yaw rate [s].
+/// By how much slip that nothing measures shifts a lateral acceleration: slip angle over yaw rate
+/// [s].
 const SLIP: f64 = 0.03;
 
 /// What is compared.
@@ -107,34 +109,35 @@ enum Kind {
 pub(crate) struct Pair<'a> {
     kind: Kind,
     pub name: String,
-    left: &'a Series,
+    lhs: &'a Series,
     main: &'a Series,
-    /// Speed, where the relation has it, and whether it is in the clock of `left`.
+    /// Speed, where the relation has it, and whether it is in the clock of `lhs`.
     speed: Option<(&'a Series, bool)>,
     slip: Option<&'a Series>,
-    /// Accelerometer ahead of what the right side is at [m].
+    /// Accelerometer ahead of the place of the right side [m].
     ahead_m: f64,
-    /// Whether `left` is in the clock whose delay is sought.
-    pub left_late: bool,
-    /// What cannot be known of the delay by this relation [s].
+    /// Whether `lhs` is in the clock whose delay is sought.
+    pub lhs_late: bool,
+    /// Uncertainty of the delay that this relation cannot resolve [s].
     pub doubt_s: f64,
 }
 
 /// What a pair's sides are at a corner of the low pass.
 pub(crate) struct Sides {
-    left: Signal,
+    lhs: Signal,
     main: Signal,
     speed: Option<(Signal, bool)>,
     slip: Option<Signal>,
     kind: Kind,
     ahead_m: f64,
-    left_late: bool,
+    lhs_late: bool,
 }
 
 /// A place of a column along the sled, where it is stated.
 pub(crate) type Place<'a> = dyn Fn(&str) -> Option<f64> + 'a;
 
-/// The pairs between one logger and those whose clocks are known, whose series are in the clock of the runs.
+/// The pairs between one logger and those whose clocks are known, whose series are in the clock of
+/// the runs.
 pub(crate) fn pairs<'a>(
     late: &'a [&'a LoggerSeries],
     known: &'a [LoggerSeries],
@@ -145,46 +148,28 @@ pub(crate) fn pairs<'a>(
     let in_known = |column: &str| known.iter().find(|s| s.column == column).map(|s| &s.series);
     for own in late {
         if let Some(other) = in_known(&own.column) {
-            pairs.push(Pair {
-                kind: Kind::Same,
-                name: format!("{} in both", own.column),
-                left: other,
-                main: &own.series,
-                speed: None,
-                slip: None,
-                ahead_m: 0.0,
-                left_late: false,
-                doubt_s: 0.0,
-            });
+            let name = format!("{} in both", own.column);
+            pairs.push(Pair::new(Kind::Same, name, other, &own.series, false));
         }
     }
-    for left_late in [false, true] {
-        let left = |column: &str| {
-            if left_late {
+    for lhs_late in [false, true] {
+        let lhs = |column: &str| {
+            if lhs_late {
                 in_late(column)
             } else {
                 in_known(column)
             }
         };
-        let right = |column: &str| {
-            if left_late {
+        let rhs = |column: &str| {
+            if lhs_late {
                 in_known(column)
             } else {
                 in_late(column)
             }
         };
-        if let (Some(ax), Some(v)) = (left("ax_mps2"), right("v_mps")) {
-            pairs.push(Pair {
-                kind: Kind::Longitudinal,
-                name: "ax = dv/dt".to_string(),
-                left: ax,
-                main: v,
-                speed: None,
-                slip: None,
-                ahead_m: 0.0,
-                left_late,
-                doubt_s: 0.0,
-            });
+        if let (Some(ax), Some(v)) = (lhs("ax_mps2"), rhs("v_mps")) {
+            let name = "ax = dv/dt".to_string();
+            pairs.push(Pair::new(Kind::Longitudinal, name, ax, v, lhs_late));
         }
         for (kind, name, acceleration, rate) in [
             (
@@ -200,14 +185,14 @@ pub(crate) fn pairs<'a>(
                 "pitch_rate_radps",
             ),
         ] {
-            let (Some(a), Some(w)) = (left(acceleration), right(rate)) else {
+            let (Some(a), Some(w)) = (lhs(acceleration), rhs(rate)) else {
                 continue;
             };
-            let speed = right("v_mps")
+            let speed = rhs("v_mps")
                 .map(|v| (v, false))
-                .or(left("v_mps").map(|v| (v, true)));
+                .or(lhs("v_mps").map(|v| (v, true)));
             let Some(speed) = speed else { continue };
-            let slip = right("alpha_rad").filter(|_| kind == Kind::Lateral);
+            let slip = rhs("alpha_rad").filter(|_| kind == Kind::Lateral);
             let mean = mean(speed.0).abs().max(1.0);
             let sensor = place(acceleration);
             // The slip sensor's velocity is that of its own place.
@@ -224,15 +209,11 @@ pub(crate) fn pairs<'a>(
                 0.0
             };
             pairs.push(Pair {
-                kind,
-                name: name.to_string(),
-                left: a,
-                main: w,
                 speed: Some(speed),
                 slip,
                 ahead_m: ahead.unwrap_or(0.0),
-                left_late,
                 doubt_s: f64::hypot(unknown_place, unknown_slip),
+                ..Pair::new(kind, name.to_string(), a, w, lhs_late)
             });
         }
     }
@@ -245,45 +226,66 @@ fn mean(series: &Series) -> f64 {
     sum / f64::max(count, 1.0)
 }
 
-impl Pair<'_> {
+impl<'a> Pair<'a> {
+    fn new(
+        kind: Kind,
+        name: String,
+        lhs: &'a Series,
+        main: &'a Series,
+        lhs_late: bool,
+    ) -> Pair<'a> {
+        Pair {
+            kind,
+            name,
+            lhs,
+            main,
+            speed: None,
+            slip: None,
+            ahead_m: 0.0,
+            lhs_late,
+            doubt_s: 0.0,
+        }
+    }
+
     /// Both sides through a low pass; `None` where a series is too short.
     pub fn sides(&self, corner_hz: f64) -> Option<Sides> {
         let of = |series: &Series| Signal::of(series, corner_hz);
         let speed = match self.speed {
-            Some((series, with_left)) => Some((of(series)?, with_left)),
+            Some((series, with_lhs)) => Some((of(series)?, with_lhs)),
             None => None,
         };
         Some(Sides {
-            left: of(self.left)?,
+            lhs: of(self.lhs)?,
             main: of(self.main)?,
             speed,
             slip: self.slip.and_then(of),
             kind: self.kind,
             ahead_m: self.ahead_m,
-            left_late: self.left_late,
+            lhs_late: self.lhs_late,
         })
     }
 
     /// The rate of the slower side [Hz].
     pub fn rate_hz(&self) -> Option<f64> {
         let rate = |series: &Series| Signal::of(series, f64::INFINITY).map(|signal| signal.rate_hz);
-        Some(rate(self.left)?.min(rate(self.main)?))
+        Some(rate(self.lhs)?.min(rate(self.main)?))
     }
 }
 
 impl Sides {
-    /// The left side and its derivative at a time of its own clock.
-    pub fn left(&self, t: f64) -> Option<[f64; 2]> {
-        self.left.at(t).map(|[value, slope, _]| [value, slope])
+    /// `lhs` and its derivative at a time of its own clock.
+    pub fn lhs(&self, t: f64) -> Option<[f64; 2]> {
+        self.lhs.at(t).map(|[value, slope, _]| [value, slope])
     }
 
-    /// The right side and its derivative at a time of its own clock; `ahead` leads from there to the left side's clock.
-    pub fn right(&self, t: f64, ahead: f64) -> Option<[f64; 2]> {
+    /// `rhs` and its derivative at a time of its own clock; `ahead` leads from there to the clock
+    /// of `lhs`.
+    pub fn rhs(&self, t: f64, ahead: f64) -> Option<[f64; 2]> {
         let [w, dw, ddw] = self.main.at(t)?;
         let (v, dv) = match &self.speed {
             None => (1.0, 0.0),
-            Some((speed, with_left)) => {
-                let [v, dv, _] = speed.at(if *with_left { t + ahead } else { t })?;
+            Some((speed, with_lhs)) => {
+                let [v, dv, _] = speed.at(if *with_lhs { t + ahead } else { t })?;
                 (v, dv)
             }
         };
@@ -299,7 +301,8 @@ impl Sides {
                     Some(slip) => slip.at(t)?,
                     None => [0.0; 3],
                 };
-                // v_y = -alpha v; of its second derivative the speed's changes are small against slip's.
+                // v_y = -alpha v; of its second derivative the speed's changes are small against
+                // slip's.
                 let sideways = -(dslip * v + slip * dv);
                 let further = -(ddslip * v + 2.0 * dslip * dv);
                 [
@@ -310,13 +313,13 @@ impl Sides {
         })
     }
 
-    /// First and last time of both sides, left and right [s].
+    /// First and last time of both sides [s].
     pub fn spans(&self) -> [[f64; 2]; 2] {
-        [self.left.span(), self.main.span()]
+        [self.lhs.span(), self.main.span()]
     }
 
-    /// From the right side's clock to the left's, by the delay of the logger whose delay is sought.
+    /// From the clock of `rhs` to that of `lhs`, by the delay of the logger whose delay is sought.
     pub fn ahead(&self, delay: f64) -> f64 {
-        if self.left_late { delay } else { -delay }
+        if self.lhs_late { delay } else { -delay }
     }
 }

@@ -2,7 +2,8 @@
 
 use kufe_sled::{Spline, low_pass};
 
-/// Corner of the low pass before samples are thinned out [rates of the base]: half the Nyquist frequency less what the filter's slope needs.
+/// Corner of the low pass before samples are thinned out [rates of the base]: half the Nyquist
+/// frequency less what the filter's slope needs.
 const CORNER: f64 = 0.4;
 
 /// Fewest samples of a stretch that the low pass takes.
@@ -57,9 +58,10 @@ pub struct Resampled {
 
 /// Brings a series to a base of times.
 ///
-/// Where it was sampled faster than the base, a Butterworth low pass of order 4, run forwards and backwards, with its corner
-/// at 0.4 of the base's rate goes before; between samples the natural cubic spline is evaluated. Neither reaches across a gap:
-/// rows within one are NaN, and so are stretches too short for the filter (16 samples).
+/// Where it was sampled faster than the base, a Butterworth low pass of order 4, run forwards and
+/// backwards, with its corner at 0.4 of the base's rate goes before; between samples the natural
+/// cubic spline is evaluated. Neither reaches across a gap: rows within one are NaN, and so are
+/// stretches too short for the filter (16 samples).
 ///
 /// `time` [s] increases strictly. `None` with fewer than two finite samples.
 ///
@@ -138,10 +140,11 @@ fn place(part: &Stretch, base: &Base, values: &mut [f64]) -> bool {
     true
 }
 
-/// Steps beyond this many usual ones are gaps: one lost sample makes two, jitter by a quarter at both ends one and a half.
+/// Steps of more than this many usual ones are gaps: one lost sample makes two, jitter by a quarter
+/// at both ends one and a half.
 const GAP: f64 = 1.6;
 
-/// Steps beyond this many medians are no samples' own.
+/// Steps of more than this many medians are not used for the usual step.
 const OUTLIER: f64 = 2.5;
 
 /// Deviation of a time from the uniform one that is not worth an interpolation [steps].
@@ -178,9 +181,9 @@ pub(crate) struct Stretches {
 
 /// Cuts a series where samples are missing and brings each part to uniform times.
 ///
-/// `time` increases strictly; values that are not finite are missing. A cubic spline through the samples gives those of a
-/// stretch whose times are irregular; where the times are uniform within what they are rounded to, they are taken as that.
-/// `None` with fewer than two samples.
+/// `time` increases strictly; values that are not finite are missing. A cubic spline through the
+/// samples gives those of a stretch whose times are irregular; where the times are uniform within
+/// what they are rounded to, they are taken as that. `None` with fewer than two samples.
 pub(crate) fn stretches(time: &[f64], values: &[f64]) -> Option<Stretches> {
     let present: Vec<(f64, f64)> = time
         .iter()
@@ -285,7 +288,8 @@ mod tests {
             rate_hz: 100.0,
             count: 800,
         };
-        // Order 4 twice at 1.5 of 40 Hz: 1 - (0.0375)^8; a spline at f h = 1.5/20 errs by (2 pi f h)^4 / 384 = 1.3e-4.
+        // Order 4 twice at 1.5 of 40 Hz: 1 - (0.0375)^8; a spline at f h = 1.5/20 errs by (2 pi f
+        // h)^4 / 384 = 1.3e-4.
         for (rate, bound) in [
             (1000.0, 1e-6),
             (500.0, 1e-6),
@@ -389,7 +393,8 @@ mod tests {
 
     #[test]
     fn jitter_is_taken_out_by_a_spline() {
-        // Times that stray by up to 5 % of a step with ends that do so too, not rounded; the sine's own cubic spline errs by (2 pi f h)^4 / 384.
+        // Times that stray by up to 5 % of a step with ends that do so too, not rounded; the sine's
+        // own cubic spline errs by (2 pi f h)^4 / 384.
         let t: Vec<f64> = (0..2000)
             .map(|i| 0.01 * (f64::from(i) + 0.05 * (f64::from(i) * 1.7).sin()) + 1e-9 * 0.123)
             .collect();

@@ -1,4 +1,5 @@
-//! Recordings as text: columns below any preamble, in the forms of AiM, MoTeC, RaceChrono, Race Logic and of spreadsheets.
+//! Recordings as text: columns below any preamble, in the forms of AiM, MoTeC, RaceChrono, Race
+//! Logic and of spreadsheets.
 
 use std::borrow::Cow;
 
@@ -13,34 +14,13 @@ const WINDOW: usize = 500;
 const LONGEST_CELL: usize = 4096;
 
 /// How programs write that there is no value, in small letters.
-const MISSING: [&str; 22] = [
-    "",
-    "nan",
-    "-nan",
-    "+nan",
-    "-",
-    "--",
-    "---",
-    "n/a",
-    "na",
-    "n.a.",
-    "none",
-    "null",
-    "#n/a",
-    "#nv",
-    "#div/0!",
-    "#value!",
-    "1.#qnan",
-    "-1.#qnan",
-    "1.#ind",
-    "-1.#ind",
-    "nan(ind)",
-    "-nan(ind)",
-];
+const MISSING: &str = "nan -nan +nan - -- --- n/a na n.a. none null #n/a #nv #div/0! #value! \
+    1.#qnan -1.#qnan 1.#ind -1.#ind nan(ind) -nan(ind)";
 
+/// Seconds of a day.
 const DAY: f64 = 86_400.0;
 
-/// The form of a text file, where it is not to be found out.
+/// The form of a text file, where it cannot be detected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TextOptions {
     /// Between two cells: comma, semicolon, tab.
@@ -49,8 +29,8 @@ pub struct TextOptions {
     pub decimal_comma: Option<bool>,
 }
 
-/// The text of a file: UTF-8 with or without its mark, UTF-16 with its mark or without, else Windows-1252's Latin letters,
-/// which any bytes are.
+/// The text of a file: UTF-8 with or without its mark, UTF-16 with its mark or without, else the
+/// Latin letters of Windows-1252, which any bytes are.
 fn text_of(bytes: &[u8]) -> Cow<'_, str> {
     let wide = |bytes: &[u8], of: fn([u8; 2]) -> u16| -> Cow<'_, str> {
         let units = bytes.as_chunks().0.iter().map(|pair| of(*pair));
@@ -93,13 +73,16 @@ impl Cell {
         let cell = cell.trim();
         if let Ok(value) = cell.parse::<f64>() {
             // `inf` says that there is no value; a number too large for its type is none.
-            return match value.is_finite() {
-                true => Cell::Number(value),
-                false if cell.contains(|c: char| c.is_ascii_digit()) => Cell::Text,
-                false => Cell::Number(f64::NAN),
+            let overflows = value.is_infinite() && cell.contains(|c: char| c.is_ascii_digit());
+            return if overflows {
+                Cell::Text
+            } else {
+                Cell::Number(if value.is_finite() { value } else { f64::NAN })
             };
         }
-        if MISSING.contains(&cell.to_lowercase().as_str()) || cell.ends_with("1.#INF") {
+        let small = cell.to_lowercase();
+        let missing = MISSING.split(' ').any(|word| word == small);
+        if missing || cell.is_empty() || cell.ends_with("1.#INF") {
             return Cell::Number(f64::NAN);
         }
         let comma = cell.rfind(',').filter(|place| place + 1 < cell.len());
@@ -131,9 +114,11 @@ impl Cell {
     }
 }
 
-/// Seconds of `h:m:s` or `m:s`, after a date or without one, with `AM`, `PM` or a time zone behind it.
+/// Seconds of `h:m:s` or `m:s`, after a date or without one, with `AM`, `PM` or a time zone after
+/// it.
 ///
-/// Dates are those with the year first, and `d.m.y`. Of `d/m/y` and `m/d/y`, which look alike, the time counts only.
+/// Dates are those with the year first, and `d.m.y`. Of `d/m/y` and `m/d/y`, which cannot be
+/// distinguished, only the time counts.
 fn clock(cell: &str) -> Option<f64> {
     let (date, time) = match cell.split_once(['T', ' ']) {
         Some((date, time)) if !date.contains(':') => (Some(date), time),
@@ -303,7 +288,7 @@ struct Layout<'a> {
     decimal_comma: bool,
     names: Vec<String>,
     units: Vec<Option<String>>,
-    /// What tells columns of one name apart.
+    /// Labels that distinguish columns of one name.
     sources: Vec<String>,
     /// Rows of names and units, which some programs repeat.
     head: Vec<Vec<&'a str>>,
@@ -312,7 +297,7 @@ struct Layout<'a> {
     first_row: u64,
     /// How many rows of the window are numbers.
     score: usize,
-    /// Whether it is a file of Race Logic's, with times as `hhmmss.ss` and minutes of longitude west.
+    /// Whether it is a file of Race Logic, with times as `hhmmss.ss` and minutes of longitude west.
     vbox: bool,
 }
 
@@ -329,10 +314,11 @@ fn contents(cells: &[&str]) -> (usize, usize) {
     (numbers, words)
 }
 
-/// Finds names, units and the first row of numbers, with the separator that gives the most rows of numbers.
+/// Finds names, units and the first row of numbers, with the separator that gives the most rows of
+/// numbers.
 ///
-/// Names are the row of words above the numbers; where one of the rows between them holds units, those above that. A name
-/// may have its unit behind it in brackets, or end in it.
+/// Names are the row of words above the numbers; where one of the rows between them has units,
+/// those above that. A name may be followed by its unit in brackets, or end in it.
 ///
 /// # Errors
 /// [`Error::File`] where there are no such rows.
@@ -378,7 +364,8 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout<'_>> {
     let width = |i: usize| rows[i].cells.len();
     let is_data = |i: usize| width(i) >= 2 && of[i].0 > of[i].1;
     let is_head = |i: usize| of[i].1 > of[i].0 && width(i) >= 2;
-    // Some write a delimiter behind the last number, and none behind the last name, or the other way round.
+    // Some write a delimiter after the last number, and none after the last name, or the other way
+    // round.
     let fits = |data: usize, head: usize| {
         let last = |i: usize| rows[i].cells.last() == Some(&"");
         width(data) == width(head)
@@ -463,7 +450,8 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout<'_>> {
     })
 }
 
-/// The layout of a file in sections, `[header]`, `[column names]` and `[data]`, as Race Logic's programs write (`.vbo`).
+/// The layout of a file in sections, `[header]`, `[column names]` and `[data]`, as programs of Race
+/// Logic write it (`.vbo`).
 fn sections(text: &str) -> Option<Layout<'_>> {
     let mut at = 0;
     let mut section = String::new();
@@ -569,13 +557,14 @@ fn is_units(cells: &[&str]) -> bool {
     unit_share(cells) > 0.6
 }
 
-/// Reads a text file; of the channels only those `wanted` by name, or all that hold numbers.
+/// Reads a text file; of the channels only those `wanted` by name, or all of numbers.
 ///
-/// A last line without its end is left out, with a remark: a logger that loses its power writes such. Times of the day
-/// continue after midnight.
+/// A last line without its end is not read, with a remark: a logger that loses its power writes
+/// such. Times of the day continue after midnight.
 ///
 /// # Errors
-/// [`Error::File`] where there are no rows of numbers, no channel, or a row with more or fewer cells than names,
+/// [`Error::File`] where there are no rows of numbers, no channel, or a row with more or fewer
+/// cells than names,
 /// [`Error::Cell`] for text in a channel that is wanted.
 pub fn read_text(
     bytes: &[u8],
@@ -608,7 +597,7 @@ pub fn read_text(
     let width = log.channels.len();
     let mut clocks = vec![false; width];
     let mut refused: Option<String> = None;
-    // A last line without its end may be cut within its last cell, which then still is a number.
+    // A last line without its end may be cut within its last cell, which is a number all the same.
     let whole = text.rfind('\n').map_or(text.len(), |end| end + 1);
     let (lines, cut) = text.split_at(whole);
     if !cut
@@ -616,7 +605,7 @@ pub fn read_text(
         .is_empty()
     {
         log.remarks.push(format!(
-            "{file}: row {}, the last, has no line end and is left out: it may be cut short",
+            "{file}: row {}, the last, has no line end and is not read: it may be cut short",
             lines.matches('\n').count() + 1
         ));
     }
@@ -694,8 +683,8 @@ fn wrong_width(file: &str, row: u64, cells: usize, names: usize) -> Error {
     )
 }
 
-/// Whether times are written as `hhmmss.ss`: no minute and no second reaches 60, and they pass from x59.9 to y00.0, which
-/// seconds do not.
+/// Whether times are written as `hhmmss.ss`: no minute and no second reaches 60, and they pass from
+/// x59.9 to y00.0, which seconds do not.
 fn is_packed(values: &[f64]) -> bool {
     let fits = |t: &f64| {
         *t >= 0.0 && *t < 240_000.0 && t % 100.0 < 60.0 && (t / 100.0).floor() % 100.0 < 60.0

@@ -21,7 +21,8 @@ const POWER: Dimension = [2, 1, -3, 0];
 const GRAVITY: f64 = 9.806_65;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-/// Spellings, size in SI units, dimension. Capitals count where two units differ by them only (mPa, MPa).
+/// Spellings, size in SI units, dimension. Capitals count where two units differ by them only (mPa,
+/// MPa).
 ///
 /// Sizes by the SI brochure, ISO 80000 and the international yard and pound.
 const UNITS: &[(&str, f64, Dimension)] = &[

@@ -218,7 +218,7 @@ impl RunSummary {
     fn of(note: &Note) -> RunSummary {
         let channels = || note.channels.iter();
         let missing = channels().filter(|(_, channel)| channel.missing_rows > 0);
-        let found = note.loggers.iter().filter(|(_, l)| l.clock == "found");
+        let found = note.loggers.iter().filter(|(_, l)| l.clock.source == "found");
         RunSummary {
             run: note.run.clone(),
             seconds: note.rows as f64 / note.rate_hz,
@@ -237,9 +237,9 @@ impl RunSummary {
             delays: found
                 .map(|(name, logger)| {
                     let summary = DelaySummary {
-                        delay_s: logger.delay_s,
-                        delay_sd_s: logger.delay_sd_s,
-                        delay_includes: logger.delay_includes,
+                        delay_s: logger.clock.delay_s,
+                        delay_sd_s: logger.clock.delay_sd_s,
+                        delay_includes: logger.clock.delay_includes,
                     };
                     (name.clone(), summary)
                 })
@@ -290,12 +290,12 @@ fn text(list: &ImportList, notes: &[Note]) -> String {
         );
     }
     let loggers = notes.iter().flat_map(|note| &note.loggers);
-    for (name, logger) in loggers.filter(|(_, l)| l.clock == "found").take(12) {
+    for (name, logger) in loggers.filter(|(_, l)| l.clock.source == "found").take(12) {
         text += &format!(
             "{}: the clock of {name} is {:+.4} s late, within {:.4} s, the lag of its sensors included\n",
             logger.file,
-            logger.delay_s,
-            logger.delay_sd_s.unwrap_or(0.0)
+            logger.clock.delay_s,
+            logger.clock.delay_sd_s.unwrap_or(0.0)
         );
     }
     text

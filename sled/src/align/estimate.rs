@@ -56,15 +56,17 @@ pub(crate) fn mean_course(from_m: f64, table: &[Vec<[f64; 3]>]) -> ReferenceProf
     ReferenceProfile::new(from_m, rows.collect())
 }
 
-/// The mean over runs with its standard error: what runs differ by over the root of their number, of the bank what they differ
-/// by (the bank is that of the lines driven, and how far their mean lies off the track's own line is not felt), and what the
-/// installation, alike in all of them, may be off by (`[tolerances]`):
+/// The mean over runs with its standard error: what runs differ by over the root of their number,
+/// of the bank what they differ by (the bank is that of the lines driven, and how far their mean
+/// lies off the track's own line is not felt), and what the installation, alike in all of them, may
+/// be off by (`[tolerances]`):
 ///
 /// ```text
 /// slope, bank: bias_f / g and, of the bank, scale_f sin(bank) cos(bank)      curvature: bias_q / v and scale_q curvature
 /// ```
 ///
-/// At least two runs a row; `speed_mps` is their mean speed. The distance is that of the runs in the mean: a speed that is off by the same share in all of them is not seen.
+/// At least two runs a row; `speed_mps` is their mean speed. The distance is that of the runs in
+/// the mean: a speed that is off by the same share in all of them is not seen.
 pub(crate) fn estimate(
     name: &str,
     from_m: f64,

@@ -17,7 +17,8 @@ use crate::series::bridged;
 use crate::signals::prepare::Prepared;
 use crate::track::table::TrackShape;
 
-/// Share of a track's variance that a run which is on it may leave at most; half of what two unlike tracks leave.
+/// Share of a track's variance that a run which is on it may leave at most; half of what two unlike
+/// tracks leave.
 const MOST_LEFT: f64 = 0.5;
 /// Elsewhere must fit worse by this, else the place is not known.
 const ELSEWHERE: f64 = 1.5;
@@ -37,7 +38,8 @@ pub struct AlignedRun {
     pub drift_m: f64,
     /// Largest standard error of the place along the run [m].
     pub sd_m: f64,
-    /// Share of the track's variance that is left, curvature and bank together, at the search's straight line.
+    /// Share of the track's variance that is unexplained, curvature and bank together, at the
+    /// search's straight line.
     #[serde(rename = "left")]
     pub misfit: f64,
     /// The same at the best place more than 15 m away; none where no other was tried.
@@ -56,13 +58,14 @@ pub struct Aligned {
     pub estimate: Option<TrackEstimate>,
 }
 
-/// Brings runs of one track to one distance: that of the survey where there is one, else that of the runs in the mean, the
-/// earliest start at 0.
+/// Brings runs of one track to one distance: that of the survey where there is one, else that of
+/// the runs in the mean, the earliest start at 0.
 ///
-/// Curvature and bank are measured ([`TrackSignature::of`]), the place searched and then refined landmark by landmark ([`refine`]).
+/// Curvature and bank are measured ([`TrackSignature::of`]), the place searched and then refined
+/// landmark by landmark ([`refine`]).
 ///
 /// # Errors
-/// [`Error::Unplaced`] for a run that does not look like its track, or like two places of it.
+/// [`Error::Unplaced`] for a run that does not match its track, or matches two places of it.
 pub fn align(
     runs: &[&Prepared],
     vehicle: &Vehicle,
@@ -165,7 +168,8 @@ fn described(
     }
 }
 
-/// Brings the common distance to the mean of the runs' own: at every metre their growths are averaged; the earliest start is 0.
+/// Brings the common distance to the mean of the runs' own: at every metre their growths are
+/// averaged; the earliest start is 0.
 fn to_mean_distance(felt: &[&TrackSignature], aligned: &mut [AlignedRun]) {
     let start = |run: &AlignedRun| run.warp.at(run.warp.own_m[0]);
     let end = |run: &AlignedRun| run.warp.at(run.warp.own_m[run.warp.own_m.len() - 1]);
@@ -203,7 +207,8 @@ fn to_mean_distance(felt: &[&TrackSignature], aligned: &mut [AlignedRun]) {
     }
 }
 
-/// States the distance along the track as `s_m` of a run, from its own: `s_m` as recorded, else from the speed.
+/// States the distance along the track as `s_m` of a run, from its own: `s_m` as recorded, else
+/// from the speed.
 pub fn state_places(run: &mut Run, warp: &DistanceWarp) -> Result<(), Error> {
     let own = match run.columns.get("s_m") {
         Some(recorded) => recorded.clone(),
@@ -229,16 +234,17 @@ pub fn state_places(run: &mut Run, warp: &DistanceWarp) -> Result<(), Error> {
 
 /// Distance of the knots [m]: a curve and the straight before it are one landmark.
 const KNOTS_M: f64 = 100.0;
-/// By how much an integrated distance drifts more on one such way than on the way before [m], a standard deviation: half a
-/// per cent, of a speed whose scale wanders.
+/// By how much an integrated distance drifts more on one such way than on the way before [m], a
+/// standard deviation: half a per cent, of a speed whose scale wanders.
 const DRIFT_M: f64 = 0.5;
 /// Rounds of Gauss and Newton's method; the last ones move by less than a millimetre.
 const SPLINE_ROUNDS: usize = 12;
 /// Most that one round moves a knot [m].
 const MOST_M: f64 = 5.0;
-/// Differences beyond so many standard deviations count less (Huber): a wall, a bump, a line driven high.
+/// Differences above so many standard deviations count less (Huber): a wall, a bump, a line driven
+/// high.
 const ORDINARY: f64 = 2.0;
-/// Lags over which what is left is taken to be alike [m].
+/// Lags over which residuals are taken to be alike [m].
 const ALIKE_M: usize = 40;
 
 /// Shifts at knots that bring what a run felt onto the course, by robust least squares:
@@ -248,7 +254,8 @@ const ALIKE_M: usize = 40;
 ///   + sum over knots of ( (shift_{j+1} - 2 shift_j + shift_{j-1}) / 0.5 m )^2
 /// ```
 ///
-/// with the deviations sd of what is left. The errors are those of the linear fit, what is left being alike over some metres.
+/// with the deviations sd of the residuals. The errors are those of the linear fit, residuals being
+/// alike over some metres.
 pub(crate) fn refine(
     felt: &TrackSignature,
     course: &ReferenceProfile,
@@ -310,13 +317,13 @@ fn prior(shift: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
     (normal, right)
 }
 
-/// What is left between a run and the course at a warp.
+/// Residuals between a run and the course at a warp.
 struct WarpMisfit {
     /// Metre by metre: knot before, share of the next, differences and slopes of the course.
     rows: Vec<(usize, f64, [f64; 2], [f64; 2])>,
     /// Deviations of the differences.
     sd: [f64; 2],
-    /// Growth of the distance by the own one at each metre is near 1 and left out of the slopes.
+    /// Growth of the distance by the own one at each metre is near 1 and neglected in the slopes.
     knots: usize,
 }
 
@@ -337,7 +344,8 @@ impl WarpMisfit {
             }
             let middle = sizes.len() / 2;
             let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
-            // The median magnitude of a normal variable; and not less than a hundredth of what the course itself does.
+            // The median magnitude of a normal variable; and not less than a hundredth of what the
+            // course itself does.
             (median / 0.674_489_75).max(0.01 * course.spread[k])
         });
         WarpMisfit {
@@ -366,7 +374,8 @@ impl WarpMisfit {
         }
     }
 
-    /// How many neighbouring metres say the same: `1 + 2 sum of correlations` up to the first that is not positive.
+    /// How many neighbouring metres say the same: `1 + 2 sum of correlations` up to the first that
+    /// is not positive.
     fn alike(&self) -> f64 {
         let of = |k: usize| {
             let values: Vec<f64> = self

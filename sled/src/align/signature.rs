@@ -5,8 +5,8 @@ use crate::series::{HALF_WIDTH, derivative};
 use crate::signals::prepare::Prepared;
 use crate::track::table::TrackShape;
 
-/// The slope is a mean over this way on either side [m]: it hangs on the derivative of the speed, whose noise falls with the
-/// length, and turns over tens of metres.
+/// The slope is a mean over this way on either side [m]: it hangs on the derivative of the speed,
+/// whose noise falls with the length, and turns over tens of metres.
 const ABOUT_M: usize = 3;
 
 /// Curvature [1/m], bank and slope [rad] at every metre of a run's own distance.
@@ -19,8 +19,9 @@ pub(crate) struct TrackSignature {
 }
 
 impl TrackSignature {
-    /// The curvature is `-pitch_rate / v`; bank and slope are those of the upward direction u in the body's axes, which what the
-    /// sensors say of the motion leaves of the specific force f at the centre of gravity, without a law of friction:
+    /// The curvature is `-pitch_rate / v`; bank and slope are those of the upward direction u in
+    /// the body's axes, which what the sensors say of the motion leaves of the specific force f at
+    /// the centre of gravity, without a law of friction:
     ///
     /// ```text
     /// g u_x = f_x + r v_y - dv_x/dt      g u_y = f_y - r v_x - dv_y/dt      g u_z = f_z - p v_y + q v_x
@@ -133,7 +134,8 @@ impl ReferenceProfile {
         ReferenceProfile::new(shape.start_m, (0..count).map(at).collect())
     }
 
-    /// Both at a place [m], on a straight line between metres, and their slopes; `None` beyond the ends and where one is not known.
+    /// Both at a place [m], on a straight line between metres, and their slopes; `None` outside the
+    /// ends and where one is not known.
     pub(crate) fn at(&self, s: f64) -> Option<([f64; 2], [f64; 2])> {
         let along = s - self.from_m;
         if along < 0.0 {
@@ -151,7 +153,8 @@ impl ReferenceProfile {
     }
 }
 
-/// A run's own distance and what is added to it: straight lines between knots, level shifts beyond them.
+/// A run's own distance and what is added to it: straight lines between knots, level shifts outside
+/// them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistanceWarp {
     /// Own distance of each knot [m], increasing.

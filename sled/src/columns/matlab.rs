@@ -1,4 +1,5 @@
-//! Columns of numbers in MATLAB v5 files (`save` with `-v6` or `-v7`): one vector a variable, named like the column.
+//! Columns of numbers in MATLAB v5 files (`save` with `-v6` or `-v7`): one vector a variable, named
+//! like the column.
 
 use std::io::Read;
 
@@ -13,7 +14,8 @@ const DEPTH: usize = 6;
 /// Bytes before the first variable.
 const HEADER: usize = 128;
 
-// Types of elements and classes of arrays, by the format's description (MAT-File Format, MathWorks).
+// Types of elements and classes of arrays, by the format's description (MAT-File Format,
+// MathWorks).
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 const CELL: u32 = 1;
@@ -36,7 +38,8 @@ pub struct MatlabVariables {
 /// Reads the vectors of a file, which are its columns.
 ///
 /// # Errors
-/// [`Error::File`] as [`read_matlab`], and where no variable is a vector of numbers; [`Error::Column`].
+/// [`Error::File`] as [`read_matlab`], and where no variable is a vector of numbers;
+/// [`Error::Column`].
 pub(crate) fn read_matlab_columns(bytes: &[u8], file: &str) -> Result<Columns, Error> {
     let MatlabVariables { vectors, remarks } = read_matlab(bytes, file)?;
     if vectors.is_empty() {
@@ -50,11 +53,12 @@ pub(crate) fn read_matlab_columns(bytes: &[u8], file: &str) -> Result<Columns, E
     collect(own, file)
 }
 
-/// Reads every vector of numbers; scalars and matrices are not read, other variables are named in the remarks.
+/// Reads every vector of numbers; scalars and matrices are not read, other variables are named in
+/// the remarks.
 ///
 /// # Errors
-/// [`Error::File`] where the file is no MATLAB v5 file (v7.3 is HDF5), is cut short, or unpacks to more numbers than
-/// [`most_values`].
+/// [`Error::File`] where the file is no MATLAB v5 file (v7.3 is HDF5), is cut short, or unpacks to
+/// more numbers than [`most_values`].
 pub fn read_matlab(bytes: &[u8], file: &str) -> Result<MatlabVariables, Error> {
     let failure = |reason: &str| {
         Error::file(
@@ -114,7 +118,7 @@ impl<'a> Elements<'a> {
     /// The next element's type and bytes; `None` where it is cut short.
     fn next(&mut self) -> Option<(u32, &'a [u8])> {
         let first = self.word(0)?;
-        // Up to four bytes stand within the tag.
+        // Up to four bytes are within the tag.
         if first >> 16 != 0 {
             let data = self.rest.get(4..4 + (first >> 16) as usize)?;
             self.rest = self.rest.get(8..)?;

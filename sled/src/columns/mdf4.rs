@@ -7,9 +7,10 @@ use falcon_mdf::Mf4File;
 use crate::columns::{Columns, collect};
 use crate::error::Error;
 
-/// Reads every numeric channel; `t_s` is the time channel of the group that holds `v_mps` where no channel has that name.
+/// Reads every numeric channel; `t_s` is the time channel of the group that holds `v_mps` where no
+/// channel has that name.
 ///
-/// Channels recorded at another rate than `v_mps` are left out: bring them to one rate before.
+/// Channels recorded at another rate than `v_mps` are excluded: bring them to one rate before.
 ///
 /// # Errors
 /// [`Error::File`] where the file is no MDF 4 or a channel cannot be decoded.

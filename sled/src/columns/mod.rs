@@ -17,9 +17,11 @@ use crate::error::Error;
 /// Columns by name, all of one length.
 pub type Columns = BTreeMap<String, Vec<f64>>;
 
-/// Most numbers that a packed file of so many bytes may unpack to: 320 MB of them, or one for each byte.
+/// Most numbers that a packed file of so many bytes may unpack to: 320 MB of them, or one for each
+/// byte.
 ///
-/// A file of constants packs ten thousand numbers into a byte; a recording of sensors takes more than a byte for each.
+/// A file of constants packs ten thousand numbers into a byte; a recording of sensors takes more
+/// than a byte for each.
 pub fn most_values(bytes: u64) -> u64 {
     bytes.max(40_000_000)
 }
@@ -38,13 +40,13 @@ pub(crate) fn collect(
     }
     let lengths: Vec<usize> = gathered.values().map(Vec::len).collect();
     if lengths.windows(2).any(|pair| pair[0] != pair[1]) {
-        let told: Vec<String> = gathered
+        let lengths: Vec<String> = gathered
             .iter()
             .map(|(name, values)| format!("{name} {}", values.len()))
             .collect();
         return Err(Error::file(
             file,
-            format!("columns differ in length: {}", told.join(", ")),
+            format!("columns differ in length: {}", lengths.join(", ")),
         ));
     }
     Ok(gathered)
@@ -126,7 +128,8 @@ fn parse_number(cell: &[u8]) -> Option<f64> {
     (!overflows).then_some(value)
 }
 
-/// Writes columns as CSV in the order given, each number in the shortest form that reads back to the same bits.
+/// Writes columns as CSV in the order given, each number in the shortest form that reads back to
+/// the same bits.
 ///
 /// # Errors
 /// The writer's.
@@ -148,7 +151,7 @@ pub fn write_csv(
     writer.flush()
 }
 
-/// Reads every numeric column of a file, its format told by the extension (CSV where unknown).
+/// Reads every numeric column of a file, its format given by the extension (CSV where unknown).
 ///
 /// Text in a column that is not `required` leaves the column out; empty cells and nulls become NaN.
 /// A last line of text without its end is not read: see [`is_cut_short`].
@@ -174,7 +177,8 @@ pub fn read_columns(path: &Path, required: &[&str]) -> Result<Columns, Error> {
     }
 }
 
-/// Whether a file of text ends within a line: a recorder that lost its power writes such, and its last cell may be cut.
+/// Whether a file of text ends within a line: a recorder that lost its power writes such, and its
+/// last cell may be cut.
 pub(crate) fn is_cut_short(path: &Path) -> bool {
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     if ["parquet", "mat", "mf4"]
@@ -188,7 +192,8 @@ pub(crate) fn is_cut_short(path: &Path) -> bool {
     lengths.is_ok_and(|(whole, length)| whole < length)
 }
 
-/// Length of a text up to the end of its last whole line, or of all of it where no line ends [bytes].
+/// Length of a text up to the end of its last whole line, or of all of it where no line ends
+/// [bytes].
 fn whole_lines(text: &mut File) -> std::io::Result<u64> {
     const BLOCK: u64 = 1 << 16;
     let length = text.metadata()?.len();

@@ -19,11 +19,12 @@ use crate::error::Error;
 
 /// Reads every flat column of numbers; nulls become NaN, other columns are not read.
 ///
-/// Decimals have their point, unsigned integers their sign, and times and time stamps are in seconds.
+/// Decimals have their point, unsigned integers their sign, and times and time stamps are in
+/// seconds.
 ///
 /// # Errors
-/// [`Error::File`] where the file is no Parquet, is cut short, states a wrong length or wrong pages, or unpacks to
-/// more numbers than [`most_values`].
+/// [`Error::File`] where the file is no Parquet, is cut short, states a wrong length or wrong
+/// pages, or unpacks to more numbers than [`most_values`].
 pub fn read_parquet(file: impl ChunkReader + 'static, name: &str) -> Result<Columns, Error> {
     // The library panics on some damaged pages; nothing of it outlives the reading.
     catch_unwind(AssertUnwindSafe(|| read_columns(file, name))).unwrap_or_else(|panic| {
@@ -184,8 +185,8 @@ fn big_endian(bytes: &[u8]) -> f64 {
         .fold(first, |sum, byte| sum * 256.0 + f64::from(*byte))
 }
 
-/// Reads a column in batches, so that memory follows what is really there and not what the header states; `false` where
-/// that is more than `room` values.
+/// Reads a column in batches, so that memory follows what is really there and not what the header
+/// states; `false` where that is more than `room` values.
 fn read_all<T: DataType>(
     mut reader: ColumnReaderImpl<T>,
     optional: bool,

@@ -132,8 +132,9 @@ impl Custom {
         matches!(self.channel, Channel::Sensor(_))
     }
 
-    /// What an amplitude adds to the friction coefficient of a specimen, of which only the operating
-    /// point is known; NaN where the expression needs more, 0 on channels other than friction.
+    /// What an amplitude adds to the friction coefficient of a specimen, of which only the
+    /// operating point is known; NaN where the expression needs more, 0 on channels other than
+    /// friction.
     pub fn coefficient(&self, amplitude: f64, at: &OperatingPoint) -> f64 {
         if self.channel != Channel::Friction {
             return 0.0;

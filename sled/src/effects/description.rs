@@ -1,4 +1,5 @@
-//! What is known of an effect before it is fitted: name, formula, parameters, columns it needs, and the test that decides on it.
+//! What is known of an effect before it is fitted: name, formula, parameters, columns it needs, and
+//! the test that decides on it.
 
 use serde_json::{Map, Value, json};
 
@@ -59,7 +60,7 @@ pub struct Info {
     pub experiments: Experiments,
     /// Whether the formula holds at every size.
     pub form: Form,
-    /// Names of the effects that look like it.
+    /// Names of the effects with a similar signature.
     pub looks_like: &'static [&'static str],
     /// What would distinguish it from those.
     pub decides: &'static str,
@@ -128,7 +129,8 @@ impl Info {
         Some([end(Edge::From)?, end(Edge::To)?])
     }
 
-    /// Columns that a table of friction experiments must have, varying, or why it says nothing of the effect.
+    /// Columns that a table of friction experiments must have, varying, or why it says nothing of
+    /// the effect.
     ///
     /// # Errors
     /// The reason in words.
@@ -140,7 +142,8 @@ impl Info {
         }
     }
 
-    /// Whether it acts on none but the forces along the sled, the coefficient behind them, and the track's slope.
+    /// Whether it acts on none but the forces along the sled, the coefficient behind them, and the
+    /// track's slope.
     pub fn acts_only_along(&self) -> bool {
         self.acts_on
             .iter()
@@ -161,7 +164,8 @@ pub struct Parameter {
     pub high: f64,
     /// Value when the key is absent; 0 for an amplitude, which switches the effect off.
     pub default: f64,
-    /// Order of magnitude of a noticeable change; steps of differences are taken from it. 0 for a setting that is not fitted.
+    /// Order of magnitude of a noticeable change; steps of differences are taken from it. 0 for a
+    /// setting that is not fitted.
     pub typical: f64,
     /// Values of a setting that a search tries in turn; the default alone where empty.
     pub tried: &'static [f64],
@@ -263,7 +267,8 @@ pub enum Judged {
     ByPressure,
 }
 
-/// The level on which an effect varies, and with it the unit that randomisation must move as one piece.
+/// The level on which an effect varies, and with it the unit that randomisation must move as one
+/// piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// Within a run, from sample to sample.

@@ -281,8 +281,8 @@ impl Fault {
 mod tests {
     use super::*;
 
-    /// Length and angle of the accelerations are those of a turned unit but for the square of the angle, and what is corrected is
-    /// what was true.
+    /// Length and angle of the accelerations are those of a turned unit but for the square of the
+    /// angle, and what is corrected is what was true.
     #[test]
     fn a_misaligned_unit_reads_rotated_axes_and_is_corrected_exactly() {
         let angle = 0.01;

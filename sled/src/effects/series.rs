@@ -1,9 +1,9 @@
 //! Delays in time and in distance: a series read at a later time, and forces that follow the slip.
 
-/// A series read so many samples ahead, between samples too; constant beyond its ends.
+/// A series read so many samples ahead, between samples too; constant outside its ends.
 ///
-/// By the polynomial of fifth order through the six nearest samples: a wave of twelve samples is right to 1e-4 of its height,
-/// one of six to 5e-3.
+/// By the polynomial of fifth order through the six nearest samples: a wave of twelve samples is
+/// right to 1e-4 of its height, one of six to 5e-3.
 ///
 /// ```
 /// let ramp: Vec<f64> = (0..20).map(f64::from).collect();
@@ -54,7 +54,8 @@ pub fn ahead(series: &[f64], samples: f64) -> Vec<f64> {
 /// (sigma/v) da'/dt + a' = a
 /// ```
 ///
-/// Between samples the slip goes as the cubic through its values and rates, for which the solution is exact.
+/// Between samples the slip goes as the cubic through its values and rates, for which the solution
+/// is exact.
 ///
 /// Source: H.B. Pacejka, Tire and Vehicle Dynamics, 3rd ed. (2012), ch. 7.
 #[derive(Clone, Copy, Debug, Default)]
@@ -71,8 +72,9 @@ struct Followed {
 }
 
 impl Relaxed {
-    /// Rates of the followed slips [rad/s] at the next sample, `dt_s` after the last: slips [rad] and their rates [rad/s], the speed
-    /// \[m/s\] and the distance \[m\], which is positive. At the first sample forces follow at the slip's own rate.
+    /// Rates of the followed slips [rad/s] at the next sample, `dt_s` after the last: slips [rad]
+    /// and their rates [rad/s], the speed \[m/s\] and the distance \[m\], which is positive. At the
+    /// first sample forces follow at the slip's own rate.
     pub fn rates(
         &mut self,
         slip: [f64; 2],
@@ -101,7 +103,8 @@ impl Relaxed {
     }
 }
 
-/// The integral of the cubic's slope times `e^(-x (1 - u))` over u from 0 to 1, the slopes at the start, on the mean and at the end given.
+/// The integral of the cubic's slope times `e^(-x (1 - u))` over u from 0 to 1, the slopes at the
+/// start, on the mean and at the end given.
 fn gathered([start, mean, end]: [f64; 3], x: f64) -> f64 {
     /// Below it the recursion loses digits.
     const SMALL: f64 = 0.02;
@@ -128,7 +131,8 @@ mod series_tests {
 
     #[test]
     fn a_wave_read_ahead_is_the_wave_a_moment_later() {
-        // The remainder of a polynomial of fifth order: the product of six distances, at most 15/64 * 15 h^6 / 6!, times w^6.
+        // The remainder of a polynomial of fifth order: the product of six distances, at most
+        // 15/64 * 15 h^6 / 6!, times w^6.
         for (radians, error) in [(0.25, 3e-6), (std::f64::consts::TAU / 12.0, 2e-4)] {
             let wave = |t: f64| (radians * t).sin();
             let x: Vec<f64> = (0..200).map(|k| wave(f64::from(k))).collect();

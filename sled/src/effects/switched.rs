@@ -1,4 +1,5 @@
-//! The effects that a model switches on: read from its tables, checked, and acting one after the other.
+//! The effects that a model switches on: read from its tables, checked, and acting one after the
+//! other.
 
 use std::collections::BTreeMap;
 
@@ -59,8 +60,8 @@ impl Effects {
         }
     }
 
-    /// Refuses effects that need a column which is not `available`; an effect whose amplitudes are 0
-    /// needs none.
+    /// Refuses effects that need a column which is not `available`; an effect whose amplitudes are
+    /// 0 needs none.
     ///
     /// # Errors
     /// [`EffectError::MissingColumn`] with the effect, the column and what there is.
@@ -294,7 +295,8 @@ impl Active {
     /// The coefficient with the effect, from that without it, of a specimen of which only the
     /// operating point is known.
     ///
-    /// `None` where it does not act on a friction coefficient; NaN where a condition that it needs is not known.
+    /// `None` where it does not act on a friction coefficient; NaN where a condition that it needs
+    /// is not known.
     pub fn coefficient(&self, mu: f64, at: &OperatingPoint) -> Option<f64> {
         match &self.kind {
             Kind::Catalogue(effect) => effect.on_friction.map(|law| law(&self.values, mu, at)),
@@ -541,7 +543,7 @@ pub fn schema(_: &mut SchemaGenerator) -> Schema {
         })
         .collect();
     json_schema!({
-        "description": "Effects beyond the base model, by name; an absent one is off.",
+        "description": "Effects in addition to the base model, by name; an absent one is off.",
         "type": "object",
         "patternProperties": known,
         "additionalProperties": own(),

@@ -1,4 +1,4 @@
-//! A driver's score: energy lost beyond what a straight glide would lose.
+//! A driver's score: energy lost in addition to what a straight glide would lose.
 
 use std::ops::Range;
 
@@ -31,7 +31,8 @@ pub struct RunEvaluation {
     pub session: String,
     /// Run time [s].
     pub time_s: f64,
-    /// Least loss, `E_tot_loss` of a straight glide [J]; negative, as energy is taken from the sled.
+    /// Least loss, `E_tot_loss` of a straight glide [J]; negative, as energy is taken from the
+    /// sled.
     pub e_tot_loss_j: f64,
     /// Relative increase at the front runner.
     pub increase_front: f64,
@@ -41,7 +42,8 @@ pub struct RunEvaluation {
     pub increase_aero: f64,
     /// Sum of the three: the score, smaller is better.
     pub increase_total: f64,
-    /// Root mean square of what the balances leave: how well the model explains the run that it judges.
+    /// Root mean square of what the balances leave: how well the model explains the run that it
+    /// judges.
     pub left_rms: BalanceResidual,
     /// Steering angle.
     pub steering: Angles,
@@ -104,9 +106,11 @@ pub struct DrivingForce {
 /// Delta E_aero  = int F_x~,aero - F_x,aero ds / E_tot_loss
 /// ```
 ///
-/// What effects put on the body counts with the air. Forces are those of the friction laws at the measured slips and normal forces; `alpha` is the slip at the centre of
-/// gravity for both axles, as in the paper. `ds = v dt` by the trapezoidal rule, over the stretches that take part: across
-/// a gap nothing is lost, neither of a straight glide nor beyond it, so that the increases are those of what was seen.
+/// What effects put on the body counts with the air. Forces are those of the friction laws at the
+/// measured slips and normal forces; `alpha` is the slip at the centre of gravity for both axles,
+/// as in the paper. `ds = v dt` by the trapezoidal rule, over the stretches that take part: across
+/// a gap nothing is lost, neither of a straight glide nor in addition, so that the increases are
+/// those of what was seen.
 pub fn evaluate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunEvaluation> {
     runs.par_iter()
         .map(|run| evaluate_run(run, vehicle))
@@ -117,7 +121,7 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
     let vehicle = &with_own_contacts(run, vehicle);
     let sled = &vehicle.sled;
     let mut series = Vec::with_capacity(run.states.len());
-    // Ideal loss, and what front, rear and air take beyond it.
+    // Ideal loss, and what front, rear and air take in addition.
     let mut energies = [0.0; 4];
     let mut before: Option<[f64; 4]> = None;
     for (i, state) in run.states.iter().enumerate() {
@@ -188,9 +192,11 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
     }
 }
 
-/// What the effects leave of the forces along the sled where it glides straight, without slip, steering and roll-split.
+/// What the effects leave of the forces along the sled where it glides straight, without slip,
+/// steering and roll-split.
 ///
-/// Without effects these are the base laws' forces along the runners at the slips as driven, as in the paper.
+/// Without effects these are the base laws' forces along the runners at the slips as driven, as in
+/// the paper.
 fn straight_glide(vehicle: &Vehicle, at: &Balance, forces: &AxleForces) -> Forces {
     if vehicle.effects.is_empty() {
         return Forces {

@@ -36,7 +36,8 @@ pub struct Group {
     pub slip_rear_above_2deg: Summary,
 }
 
-/// Groups by driver and by class, on each track and over all, and by track; in the order of first appearance.
+/// Groups by driver and by class, on each track and over all, and by track; in the order of first
+/// appearance.
 pub fn groups(runs: &[RunEvaluation], seed: u64) -> Vec<Group> {
     let tracks = distinct(runs, |run| &run.track);
     let mut places: Vec<Option<&str>> = vec![None];
@@ -133,8 +134,9 @@ const RESAMPLES: usize = 4000;
 
 /// Summarises values, one a run, with a percentile bootstrap over runs.
 ///
-/// Resampled means scatter with `(n-1)/n` of the mean's variance; their spread is widened by `sqrt(n/(n-1))` for that.
-/// With fewer than about eight runs the interval is still somewhat too narrow. The same seed gives the same interval.
+/// Resampled means scatter with `(n-1)/n` of the mean's variance; their spread is widened by
+/// `sqrt(n/(n-1))` for that. With fewer than about eight runs the interval is still somewhat too
+/// narrow. The same seed gives the same interval.
 ///
 /// ```
 /// let scores = [0.10, 0.12, 0.11, 0.14, 0.09, 0.12];

@@ -83,8 +83,8 @@ pub struct TrackValidation {
 
 /// Compares every run, in parallel and in order.
 ///
-/// Measured is `m a_y` at the centre of gravity, modelled the sum of both runners' forces in the body frame and the air's
-/// side force, from slips and normal forces alone.
+/// Measured is `m a_y` at the centre of gravity, modelled the sum of both runners' forces in the
+/// body frame and the air's side force, from slips and normal forces alone.
 pub fn validate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunValidation> {
     runs.par_iter()
         .map(|run| validate_run(run, vehicle))
@@ -129,7 +129,8 @@ fn validate_run(run: &Prepared, vehicle: &Vehicle) -> RunValidation {
     }
 }
 
-/// Up to five stretches of half a second without a gap, at least two seconds apart, whose difference is twice the run's or more.
+/// Up to five stretches of half a second without a gap, at least two seconds apart, whose
+/// difference is twice the run's or more.
 fn largest_disagreements(series: &[LateralForce], run: &Prepared, rmse: f64) -> Vec<Disagreement> {
     let window = ((0.5 / run.dt_s) as usize).clamp(1, series.len());
     let mut sums = vec![0.0];

@@ -70,9 +70,9 @@ pub enum Error {
         row: u64,
         /// The column.
         column: String,
-        /// What stands there.
+        /// The value found.
         found: String,
-        /// What should stand there.
+        /// The value expected.
         expected: String,
     },
     /// A table has fewer rows than its use needs.
@@ -93,17 +93,17 @@ pub enum Error {
         /// The other.
         second: String,
     },
-    /// The data do not determine what is asked.
+    /// The data do not determine what is requested.
     #[error("{what} is not determined by the data: singular value ratio {ratio:.1e}")]
     Undetermined {
-        /// What was asked.
+        /// What was requested.
         what: &'static str,
         /// Smallest over largest singular value of the scaled design.
         ratio: f64,
     },
     /// An iteration stopped short of its tolerance.
     #[error(
-        "{what}: not converged after {iterations} iterations: residual {residual:.2e}, asked {tolerance:.2e}"
+        "{what}: not converged after {iterations} iterations: residual {residual:.2e}, required {tolerance:.2e}"
     )]
     NotConverged {
         /// What was solved for.
@@ -112,7 +112,7 @@ pub enum Error {
         iterations: usize,
         /// Residual reached.
         residual: f64,
-        /// Residual asked.
+        /// Residual required.
         tolerance: f64,
     },
 }

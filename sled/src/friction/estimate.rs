@@ -16,7 +16,8 @@ impl Span {
     /// From `low` to `high`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a lower bound that is not positive, and an upper one that is not above it.
+    /// [`Error::OutOfRange`] for a lower bound that is not positive, and an upper one that is not
+    /// above it.
     pub fn new(low: f64, high: f64) -> Result<Self, Error> {
         in_range("lower bound", low, low > 0.0, "a positive number")?;
         in_range(
@@ -49,9 +50,11 @@ impl Span {
 
 /// A smooth surface through values that scatter.
 ///
-/// The logarithm of the response is a polynomial of degree 4 in the logarithms of the parameters, fitted by least squares to 7 places of
-/// one parameter and to 25 of two (Chebyshev's, the bounds among them): five and fifteen coefficients. A mesh's scatter of some
-/// thousandths would lead a search astray that goes from point to point; the surface averages it, and what is left says how rough it is.
+/// The logarithm of the response is a polynomial of degree 4 in the logarithms of the parameters,
+/// fitted by least squares to 7 places of one parameter and to 25 of two (Chebyshev's, the bounds
+/// among them): five and fifteen coefficients. A mesh's scatter of some thousandths would lead a
+/// search astray that goes from point to point; the surface averages it, and the residual says how
+/// rough it is.
 #[derive(Clone, Debug)]
 pub struct Response {
     spans: Vec<Span>,
@@ -64,7 +67,7 @@ const DEGREE: i32 = 4;
 const SCAN: usize = 400;
 
 impl Response {
-    /// Where the response is asked for, parameter by parameter: the first runs fastest.
+    /// Where the response is evaluated, parameter by parameter: the first runs fastest.
     ///
     /// # Panics
     /// Unless there are one or two spans.
@@ -90,7 +93,8 @@ impl Response {
     /// The surface through `values` at [`places`](Self::places).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a value that is not positive, [`Error::TooFew`] where places and values do not go together.
+    /// [`Error::OutOfRange`] for a value that is not positive, [`Error::TooFew`] where places and
+    /// values do not go together.
     pub fn fit(spans: &[Span], values: &[f64]) -> Result<Self, Error> {
         let places = Self::places(spans);
         if places.len() != values.len() {
@@ -114,12 +118,12 @@ impl Response {
             what: "response",
             ratio: 0.0,
         })?;
-        let left = (design * &coefficients - logarithms).norm_squared();
+        let residual = (design * &coefficients - logarithms).norm_squared();
         let freedom = (values.len() - coefficients.len()) as f64;
         Ok(Response {
             spans: spans.to_vec(),
             coefficients,
-            misfit: (left / freedom).sqrt(),
+            misfit: (residual / freedom).sqrt(),
         })
     }
 
@@ -139,7 +143,8 @@ impl Response {
         self.values(&lowest.map_or_else(Vec::new, |(u, _)| u))
     }
 
-    /// From where to where each parameter goes over all places at which the surface is within `share` of its least value: how flat it is.
+    /// From where to where each parameter goes over all places at which the surface is within
+    /// `share` of its least value: how flat it is.
     pub fn flat(&self, share: f64) -> Vec<[f64; 2]> {
         let least = self
             .scan()
@@ -214,8 +219,8 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// A value that was held, not estimated.
-    pub fn held(value: f64) -> Self {
+    /// A value that was fixed, not estimated.
+    pub fn fixed(value: f64) -> Self {
         Estimate {
             value,
             low: value,
@@ -241,7 +246,8 @@ pub(crate) fn student_quantile(confidence: f64, freedom: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// exp(k (ln x/x0)^2) is within a share s of its least value for |ln x/x0| up to sqrt(ln(1 + s)/k).
+    /// exp(k (ln x/x0)^2) is within a share s of its least value for |ln x/x0| up to sqrt(ln(1 +
+    /// s)/k).
     #[test]
     fn a_valley_has_its_bottom_and_its_width() -> Result<(), Error> {
         let spans = [Span::new(15.0, 60.0)?];

@@ -36,7 +36,7 @@ pub struct Experiment {
     pub distance_m: Option<f64>,
     /// Rocker radius [m].
     pub rocker_radius_m: Option<f64>,
-    /// Further columns as they stand, ignored by the fits.
+    /// Further columns as written, ignored by the fits.
     pub extra: BTreeMap<String, String>,
 }
 
@@ -102,8 +102,8 @@ const LEAST: f64 = f64::MIN_POSITIVE;
 /// Reads `experiments.csv`; errors name `file`.
 ///
 /// # Errors
-/// [`Error::MissingColumn`], and [`Error::BadValue`] with the row for cells that are empty, not finite
-/// or outside the range of the unit (a pressure in MPa, a coefficient in thousandths).
+/// [`Error::MissingColumn`], and [`Error::BadValue`] with the row for cells that are empty, not
+/// finite or outside the range of the unit (a pressure in MPa, a coefficient in thousandths).
 pub fn read_experiments(file: &str, reader: impl Read) -> Result<Vec<Experiment>, Error> {
     let table = Table::read(file, reader, &COLUMNS)?;
     let known = |name: &&String| {

@@ -7,7 +7,8 @@ use crate::friction::specimens::{GlideEntry, GlideTrace, integrate};
 pub const GAS_CONSTANT_OF_AIR: f64 = 287.05;
 /// Gravity as the formats have it: an accelerometer at rest on level ice reads it [m/s2].
 pub const GRAVITY: f64 = 9.81;
-/// Share of the glided distance at either end that is not used, in which the athlete lies down and sits up.
+/// Share of the glided distance at either end that is not used, in which the athlete lies down and
+/// sits up.
 pub const SHARE_LEFT_OUT: f64 = 0.2;
 
 /// Air density [kg/m3]: `rho = p / (R T)` with the specific gas constant of air and T in kelvin.
@@ -32,7 +33,8 @@ pub struct GlideRun {
     pub aero: Vec<f64>,
     /// First and past-the-last sample of the middle section.
     pub section: std::ops::Range<usize>,
-    /// Line through kinetic energy plus energy given to the air over distance, in the middle section.
+    /// Line through kinetic energy plus energy given to the air over distance, in the middle
+    /// section.
     pub line: LineFit,
     /// Mean speed in the middle section [m/s].
     pub v_mean: f64,
@@ -41,7 +43,8 @@ pub struct GlideRun {
 }
 
 impl GlideRun {
-    /// Ice friction plus the slope's share of the weight, over the weight: `mu cos(kappa) +- sin(kappa)`.
+    /// Ice friction plus the slope's share of the weight, over the weight:
+    /// `mu cos(kappa) +- sin(kappa)`.
     pub fn resistance(&self) -> f64 {
         -self.line.slope / (self.entry.mass_kg * GRAVITY)
     }
@@ -58,12 +61,13 @@ impl GlideRun {
 /// E_kin = m v^2 / 2,   W_aero(s) = integral of c_d A rho v^2 / 2 ds,   F = -d(E_kin + W_aero)/ds
 /// ```
 ///
-/// What kinetic energy loses and the air does not take goes to the ice and, on a slope, into height. The line is fitted over
-/// the middle section: the glide starts at the greatest speed (mean over half a second), and of the distance from there to
-/// the end the central 60 % is used.
+/// What kinetic energy loses and the air does not take goes to the ice and, on a slope, into
+/// height. The line is fitted over the middle section: the glide starts at the greatest speed (mean
+/// over half a second), and of the distance from there to the end the central 60 % is used.
 ///
 /// # Errors
-/// [`Error::TooFew`] below thirty samples in the section, [`Error::OutOfRange`] for a glide shorter than 1 m or one that gains energy.
+/// [`Error::TooFew`] below thirty samples in the section, [`Error::OutOfRange`] for a glide shorter
+/// than 1 m or one that gains energy.
 pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun, Error> {
     const FEWEST: usize = 30;
     let start = fastest(trace);
@@ -115,7 +119,8 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
     };
     // Both by more than the line's own scatter: a rink that is level does not push.
     if line.slope > LEAST_GROWTH.max(6.0 * line.slope_se) {
-        // Speeds that are K times too large have K^2 in the kinetic energy and K^3 in what the air took.
+        // Speeds that are K times too large have K^2 in the kinetic energy and K^3 in what the air
+        // took.
         let in_kmh: Vec<f64> = section
             .clone()
             .map(|i| kinetic[i] + aero[i] / KMH)
@@ -149,7 +154,8 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
 /// What km/h counts a m/s for.
 const KMH: f64 = 3.6;
 
-/// Force [N] below which a glide does not count as pushed, a tenth of what ice takes of the lightest rider.
+/// Force [N] below which a glide does not count as pushed, a tenth of what ice takes of the
+/// lightest rider.
 const LEAST_GROWTH: f64 = 0.3;
 
 /// Sample of the greatest speed, averaged over half a second.
@@ -197,10 +203,12 @@ impl LineFit {
 
 /// Fits a line to points in the order they were measured.
 ///
-/// The standard error is that of Andrews and Monahan (Econometrica 60 (1992) 953): the products of deviation and residual
-/// are whitened by a first-order autoregression (its coefficient r corrected by `(1 + 4 r)/n` after Kendall, Biometrika 41
-/// (1954) 403, and held below 0.999), their long-run variance is taken with Bartlett weights over `4 (n/100)^(2/9)` lags, and
-/// coloured back. It falls short where errors stay correlated over more than about a tenth of the points. `None` below three points or without spread in x.
+/// The standard error is that of Andrews and Monahan (Econometrica 60 (1992) 953): the products of
+/// deviation and residual are whitened by a first-order autoregression (its coefficient r corrected
+/// by `(1 + 4 r)/n` after Kendall, Biometrika 41 (1954) 403, and limited to below 0.999), their
+/// long-run variance is taken with Bartlett weights over `4 (n/100)^(2/9)` lags, and coloured back.
+/// It falls short where errors stay correlated over more than about a tenth of the points. `None`
+/// below three points or without spread in x.
 pub fn fit_line(x: &[f64], y: &[f64]) -> Option<LineFit> {
     let n = x.len() as f64;
     let centre = x.iter().sum::<f64>() / n;
@@ -263,8 +271,9 @@ mod tests {
     use super::*;
     use crate::friction::specimens::read_glide_index;
 
-    /// Speeds in km/h and no distance: with a friction F and an air of c v^2 a glide has v = w tan(q - w c t / m), w^2 = F / c. Where
-    /// the air takes more than a 3.6th of the loss it takes more than is lost once the speeds are 3.6 times too large.
+    /// Speeds in km/h and no distance: with a friction F and an air of c v^2 a glide has v = w
+    /// tan(q - w c t / m), w^2 = F / c. Where the air takes more than a 3.6th of the loss it takes
+    /// more than is lost once the speeds are 3.6 times too large.
     #[test]
     fn kilometres_an_hour_show_by_what_the_air_takes() {
         let row = "run,file,specimen,direction,mass_kg,cda_m2,air_c,air_pa\n1,1.csv,A,up,100,0.5,2,94700\n";

@@ -81,15 +81,15 @@ const TRACE: Columns = Columns {
     extra: Extra::Retained,
 };
 
-/// By how much a measured way and the integral of the speed may be apart: twice what a wheel or a radar is off by at worst, and
-/// far from knots (1.9), mph (2.2) and km/h (3.6).
+/// By how much a measured way and the integral of the speed may be apart: twice what a wheel or a
+/// radar is off by at worst, and far from knots (1.9), mph (2.2) and km/h (3.6).
 const MOST_APART: f64 = 1.25;
 
 /// Reads the index `glides.csv`; `file` is the name that errors carry.
 ///
 /// # Errors
-/// [`Error::MissingColumn`], [`Error::UnknownColumn`], [`Error::BadValue`]; two runs of one name or one file, more than two
-/// directions and an empty table count as bad values.
+/// [`Error::MissingColumn`], [`Error::UnknownColumn`], [`Error::BadValue`]; two runs of one name or
+/// one file, more than two directions and an empty table count as bad values.
 pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>, Error> {
     let table = Table::read(file, reader, &INDEX)?;
     let mut entries: Vec<GlideEntry> = Vec::new();
@@ -139,11 +139,13 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
     Ok(entries)
 }
 
-/// Reads the speed of one run; the distance is integrated by the trapezoidal rule where `s_m` is absent.
+/// Reads the speed of one run; the distance is integrated by the trapezoidal rule where `s_m` is
+/// absent.
 ///
 /// # Errors
-/// [`Error::MissingColumn`]; [`Error::BadValue`] for cells that are no numbers, time that does not increase, a gap of more
-/// than ten usual steps, speeds beyond 60 m/s or whose integral is not `s_m`; [`Error::TooFew`] below thirty samples.
+/// [`Error::MissingColumn`]; [`Error::BadValue`] for cells that are no numbers, time that does not
+/// increase, a gap of more than ten usual steps, speeds above 60 m/s or whose integral is not
+/// `s_m`; [`Error::TooFew`] below thirty samples.
 pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
     const FEWEST: usize = 30;
     let table = Table::read(file, reader, &TRACE)?;
@@ -282,7 +284,8 @@ pub struct IceHouse {
 /// The n-th run of a specimen in one direction is paired with its n-th in the other.
 ///
 /// # Errors
-/// [`Error::TooFew`] where no specimen has a run in each direction, [`Error::SameSamples`] where a run stands there twice.
+/// [`Error::TooFew`] where no specimen has a run in each direction, [`Error::SameSamples`] where a
+/// run is listed twice.
 pub fn evaluate_ice_house(runs: Vec<GlideRun>) -> Result<IceHouse, Error> {
     for (i, run) in runs.iter().enumerate() {
         let copy = |before: &&GlideRun| before.s == run.s && before.kinetic == run.kinetic;
@@ -340,7 +343,8 @@ pub fn evaluate_ice_house(runs: Vec<GlideRun>) -> Result<IceHouse, Error> {
 }
 
 impl IceHouse {
-    /// Rows of `experiments.csv`; where the index has no peak pressure, it is NaN and left empty in the file.
+    /// Rows of `experiments.csv`; where the index has no peak pressure, it is NaN and empty in the
+    /// file.
     pub fn experiments(&self) -> Vec<Experiment> {
         self.specimens
             .iter()
@@ -450,7 +454,8 @@ fn specimen<'a>(
 
 /// Mean with 95 % interval, its standard error from the single errors, and that from the scatter.
 ///
-/// The interval takes the larger error; with the scatter's, Student's quantile for one less than the number of values.
+/// The interval takes the larger error; with the scatter's, Student's quantile for one less than
+/// the number of values.
 fn mean(values: &[f64], errors: &[f64]) -> (Estimate, f64, Option<f64>) {
     const NORMAL: f64 = 1.959_963_984_540_054;
     let n = values.len() as f64;

@@ -1,4 +1,4 @@
-//! The sled and its friction as they stand in `model.toml`.
+//! The sled and its friction as written in `model.toml`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ pub struct Model {
     /// What the installation may be off by, standard deviations; defaults where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerances: Option<Tolerances>,
-    /// Effects beyond the base model, by name; an absent one is off.
+    /// Effects in addition to the base model, by name; an absent one is off.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(schema_with = "crate::effects::schema")]
     pub effects: BTreeMap<String, toml::Table>,
@@ -47,7 +47,8 @@ pub struct Model {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
-    /// Fixed coefficient, a quadratic in the pressure with its tables, or tables of the coefficient.
+    /// Fixed coefficient, a quadratic in the pressure with its tables, or tables of the
+    /// coefficient.
     pub longitudinal: LongitudinalKeys,
     /// Front runner, lateral.
     pub front: MagicFormula,
@@ -98,8 +99,8 @@ impl Model {
         Ok(model)
     }
 
-    /// The model as TOML, with every effect it carries; of a model from a file, the tables' paths are absolute, so that it may be
-    /// written elsewhere.
+    /// The model as TOML, with every effect it carries; of a model from a file, the tables' paths
+    /// are absolute, so that it may be written elsewhere.
     pub fn to_toml(&self) -> String {
         let mut model = self.clone();
         let keys = &mut model.friction.longitudinal;
@@ -203,7 +204,8 @@ impl Model {
             .map_err(|error| in_friction("rear", error))
     }
 
-    /// The model of the published sled: parameters of the paper, a two-man sled's masses and lengths.
+    /// The model of the published sled: parameters of the paper, a two-man sled's masses and
+    /// lengths.
     ///
     /// ```
     /// let model = kufe_sled::Model::published();

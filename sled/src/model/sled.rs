@@ -1,4 +1,4 @@
-//! Masses, lengths, sensors and what is known of the track, as they stand in `model.toml`.
+//! Masses, lengths, sensors and what is known of the track, as written in `model.toml`.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

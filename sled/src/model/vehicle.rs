@@ -55,7 +55,8 @@ pub struct Vehicle {
     pub front: RunnerFriction,
     /// Rear runner.
     pub rear: RunnerFriction,
-    /// Effects beyond the base model that act on forces, sensors and track; none from [`Vehicle::new`].
+    /// Effects in addition to the base model that act on forces, sensors and track; none from
+    /// [`Vehicle::new`].
     pub effects: Effects,
     /// What the model states for all runs that do not state it themselves.
     pub conditions: ModelConditions,
@@ -82,8 +83,8 @@ impl Vehicle {
     /// The base model: opens the tables that the model names, relative to the model's folder.
     ///
     /// # Errors
-    /// [`Error::Keys`] where the friction law needs a table and the model names none, [`Error::File`] where a
-    /// table cannot be read or does not hold what is asked of it.
+    /// [`Error::Keys`] where the friction law needs a table and the model names none,
+    /// [`Error::File`] where a table cannot be read or does not have what is needed of it.
     pub fn new(model: &Model) -> Result<Vehicle, Error> {
         let keys = &model.friction.longitudinal;
         let law = match keys.tabled()? {
@@ -129,10 +130,12 @@ impl Vehicle {
 
     /// [`Vehicle::new`] with the effects that the model switches on.
     ///
-    /// What is constant about the sensors, the accelerometer's true place and the true mass, is put into `sled`.
+    /// What is constant about the sensors, the accelerometer's true place and the true mass, is put
+    /// into `sled`.
     ///
     /// # Errors
-    /// Those of [`Vehicle::new`], and [`Error::Keys`] for an effect that does not exist or whose parameters are wrong.
+    /// Those of [`Vehicle::new`], and [`Error::Keys`] for an effect that does not exist or whose
+    /// parameters are wrong.
     pub fn with_effects(model: &Model) -> Result<Vehicle, Error> {
         let mut vehicle = Vehicle::new(model)?;
         vehicle.effects = Effects::from_tables(&model.effects).map_err(|error| Error::Keys {
@@ -171,7 +174,8 @@ impl Vehicle {
         }
     }
 
-    /// The vehicle as it is on a run: its effects are those of the track, its mass the run's where that is stated.
+    /// The vehicle as it is on a run: its effects are those of the track, its mass the run's where
+    /// that is stated.
     pub fn on_run(&self, track: &str, conditions: &Conditions) -> Vehicle {
         let mut vehicle = self.on_track(track);
         if conditions.mass_kg.is_finite() {
@@ -207,7 +211,8 @@ impl Vehicle {
         elsewhere.into_iter().map(line).collect()
     }
 
-    /// The tables that are asked, front and rear: those of the law, or those of groove and film where an effect switches them on.
+    /// The tables that are read, front and rear: those of the law, or those of groove and film
+    /// where an effect switches them on.
     pub fn tables(&self) -> [Option<&RunnerTable>; 2] {
         let mut columns = self
             .effects
@@ -221,7 +226,8 @@ impl Vehicle {
         })
     }
 
-    /// Refuses a temperature of the ice that a table of this vehicle asks for and nothing states; `file` is where it would stand.
+    /// Refuses a temperature of the ice that a table of this vehicle needs and nothing states;
+    /// `file` is where it belongs.
     ///
     /// # Errors
     /// [`Error::Keys`] with the table.
@@ -243,7 +249,8 @@ impl Vehicle {
         }
     }
 
-    /// The vehicle with its base parameters times these multipliers, in the order of [`BaseParameter::ALL`].
+    /// The vehicle with its base parameters times these multipliers, in the order of
+    /// [`BaseParameter::ALL`].
     pub fn scaled(&self, by: &[f64; 5]) -> Vehicle {
         let law = |law: &MagicFormula, grip: f64, stiffness: f64| MagicFormula {
             mu_zeta: law.mu_zeta * grip,
@@ -268,7 +275,7 @@ impl Vehicle {
     }
 }
 
-/// Refuses effects that need one of the `absent` columns; `file` is where they would stand.
+/// Refuses effects that need one of the `absent` columns; `file` is where they belong.
 ///
 /// # Errors
 /// [`Error::Keys`] with the file, the effect and the column.
@@ -330,7 +337,8 @@ impl RunnerTable {
         self.interpolator.has(AxisKind::IceTemperature)
     }
 
-    /// The quantity at a normal force [N], a curvature of the track [1/m], a speed [m/s] and a temperature of the ice [C].
+    /// The quantity at a normal force [N], a curvature of the track [1/m], a speed [m/s] and a
+    /// temperature of the ice [C].
     pub fn at(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> Interpolated {
         self.interpolator.at(Sample {
             fz: fz.max(0.0),
@@ -346,7 +354,8 @@ impl RunnerTable {
 pub struct RunnerFriction {
     /// Longitudinal law.
     pub longitudinal: RunnerLaw,
-    /// The table of mu beside a stated coefficient: what the effect of groove and film puts in its place.
+    /// The table of mu next to a stated coefficient: what the effect of groove and film puts in its
+    /// place.
     pub film: Option<Arc<RunnerTable>>,
     /// Lateral law.
     pub lateral: MagicFormula,
@@ -355,8 +364,8 @@ pub struct RunnerFriction {
 }
 
 impl RunnerFriction {
-    /// Longitudinal coefficient of friction at a normal force [N], a curvature of the track [1/m], a speed [m/s] and a
-    /// temperature of the ice [C].
+    /// Longitudinal coefficient of friction at a normal force [N], a curvature of the track [1/m],
+    /// a speed [m/s] and a temperature of the ice [C].
     #[inline]
     pub fn mu(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> f64 {
         let mu = match &self.longitudinal {
@@ -369,8 +378,8 @@ impl RunnerFriction {
         self.mu_scale * mu
     }
 
-    /// How [`RunnerFriction::mu`] changes with the normal force [1/N], the curvature [m] and the speed [s/m]: of a table by central
-    /// differences over a thousandth of each.
+    /// How [`RunnerFriction::mu`] changes with the normal force [1/N], the curvature [m] and the
+    /// speed [s/m]: of a table by central differences over a thousandth of each.
     pub fn mu_by(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> [f64; 3] {
         if self.table().is_none() {
             return [0.0; 3];
@@ -388,7 +397,8 @@ impl RunnerFriction {
         })
     }
 
-    /// Friction of groove and film over the mean of their table, where [`RunnerFriction::mu`] is asked; NaN without a table.
+    /// Friction of groove and film over the mean of their table, where [`RunnerFriction::mu`] is
+    /// evaluated; NaN without a table.
     #[inline]
     pub fn film(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> f64 {
         let over_mean =

@@ -14,7 +14,8 @@ pub fn drag_area(sled: &Sled, beta: f64) -> f64 {
 
 /// Drag [N] against the driving direction: `F = -1/2 rho (c_d A)(beta) v^2`, never positive.
 ///
-/// Speed in m/s, density in kg/m3, `beta` in rad. Without an area the density may be unknown. With `beta = 0` it is the paper's ideal case.
+/// Speed in m/s, density in kg/m3, `beta` in rad. Without an area the density may be unknown. With
+/// `beta = 0` it is the paper's ideal case.
 #[inline]
 pub fn drag(sled: &Sled, speed: f64, density: f64, beta: f64) -> f64 {
     match drag_area(sled, beta) {
@@ -39,7 +40,8 @@ pub(crate) fn drag_by_slip(sled: &Sled, speed: f64, density: f64, beta: f64) -> 
 /// F_x~ = F_x cos(alpha) - F_y sin(alpha),   driving direction = (cos(alpha), -sin(alpha))
 /// ```
 ///
-/// `alpha = -beta` is the slip angle at the centre of gravity [rad]; the paper's rotation with the one sign convention.
+/// `alpha = -beta` is the slip angle at the centre of gravity [rad]; the paper's rotation with the
+/// one sign convention.
 pub fn along_driving_direction(fx: f64, fy: f64, alpha: f64) -> f64 {
     let (sine, cosine) = alpha.sin_cos();
     fx * cosine - fy * sine

@@ -1,4 +1,5 @@
-//! The balances of a one-track sled at one instant: forces of laws and effects, and what they leave of the motion.
+//! The balances of a one-track sled at one instant: forces of laws and effects, and what they leave
+//! of the motion.
 //!
 //! ```text
 //! along:  m a_x - (F_x,f0 + F_x,r + F_air,x + F_x,body)          [N]      specific force; gravity does not enter
@@ -8,8 +9,9 @@
 //!     or  dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)   [m/s2]   where the slope holds along the sled's way
 //! ```
 //!
-//! v and alpha belong to the slip sensor at x_s, v_y = -v sin(alpha) - x_s r and beta = atan(v_y/v_x) to the centre of
-//! gravity. Fits, validation, evaluation, simulation and discovery all take their forces and balances from here.
+//! v and alpha belong to the slip sensor at x_s, v_y = -v sin(alpha) - x_s r and beta =
+//! atan(v_y/v_x) to the centre of gravity. Fits, validation, evaluation, simulation and discovery
+//! all take their forces and balances from here.
 
 use crate::column::Sensor;
 use crate::effects::{self as effects, Active, Forces, OperatingPoint, Signals};
@@ -89,7 +91,7 @@ impl Balance {
         Self::with_angles(sled, state, motion, angles)
     }
 
-    /// The same beside an instant close by, whose angles are known.
+    /// The same near an instant close by, whose angles are known.
     #[inline]
     pub fn near(sled: &Sled, state: &State, motion: &Motion, known: &Self) -> Self {
         let then = [
@@ -136,7 +138,8 @@ impl Balance {
         forces
     }
 
-    /// The instant as effects see it, with the normal forces of the runners in their own frames [N].
+    /// The instant as effects see it, with the normal forces of the runners in their own frames
+    /// [N].
     pub fn seen(&self, vehicle: &Vehicle, load_n: [f64; 2]) -> effects::State {
         let state = &self.state;
         let runners = [&vehicle.front, &vehicle.rear];
@@ -174,7 +177,8 @@ impl Balance {
         }
     }
 
-    /// Normal force on the front runner in its own frame [N], which its force along and across leave of the axle's.
+    /// Normal force on the front runner in its own frame [N], which its force along and across
+    /// leave of the axle's.
     ///
     /// ```text
     /// F_z,f = (F_z,f0 - sin(gamma) (sin(delta) F_x,f + cos(delta) F_y,f)) / cos(gamma)
@@ -185,7 +189,8 @@ impl Balance {
         (self.state.fz_f0_n - sg * (sd * forces.along[0] + cd * forces.across[0])) / cg
     }
 
-    /// Forces on both runners and the body, the front runner's normal force `front_load` [N] in its own frame.
+    /// Forces on both runners and the body, the front runner's normal force `front_load` [N] in its
+    /// own frame.
     #[inline]
     pub fn axle_forces(&self, forces: &Forces, front_load: f64) -> AxleForces {
         let front = [forces.along[0], forces.across[0], front_load];
@@ -227,7 +232,8 @@ impl Balance {
         }
     }
 
-    /// What the balances leave with one more effect, `seen` being this instant and `forces` those without it.
+    /// What the balances leave with one more effect, `seen` being this instant and `forces` those
+    /// without it.
     pub fn left_with(
         &self,
         effect: &Active,
@@ -239,7 +245,8 @@ impl Balance {
         self.residual(&forces)
     }
 
-    /// What the balance along the track's axis leaves [m/s2], the slope [rad] being positive downhill.
+    /// What the balance along the track's axis leaves [m/s2], the slope [rad] being positive
+    /// downhill.
     ///
     /// `signals` are those of the instant, faults taken out; speed and slip with their rates.
     pub fn left_along_axis(&self, signals: &Signals, slope: f64) -> f64 {
@@ -252,7 +259,8 @@ impl Balance {
         forward - GRAVITY * slope.sin() - a[0] - self.state.yaw_rate_radps * across
     }
 
-    /// What the balance along the sled's way leaves [m/s2], the slope [rad] being positive downhill.
+    /// What the balance along the sled's way leaves [m/s2], the slope [rad] being positive
+    /// downhill.
     pub fn left_along_way(&self, signals: &Signals, slope: f64) -> f64 {
         let (a, (sine, cosine)) = (&self.motion.accel_mps2, self.chassis);
         signals.rate(Sensor::Speed) - GRAVITY * slope.sin() - a[0] * cosine + a[1] * sine
@@ -293,7 +301,8 @@ impl LawForces {
 }
 
 impl Balance {
-    /// Longitudinal force on each runner in its own frame at its normal force [N], as [`crate::friction::longitudinal_force`] has it.
+    /// Longitudinal force on each runner in its own frame at its normal force [N], as
+    /// [`crate::friction::longitudinal_force`] has it.
     ///
     /// A lifted runner does not push.
     #[inline]
@@ -313,14 +322,16 @@ impl Balance {
 
     /// Forces of the vehicle's base laws at the state's slip angles and normal forces.
     ///
-    /// The front runner's own `F_z,f` depends on its forces through the roll-split; one Newton step on
+    /// The front runner's own `F_z,f` depends on its forces through the roll-split; one Newton step
+    /// on
     ///
     /// ```text
     /// cos(gamma) F_z,f = F_z,f0 - sin(gamma) (sin(delta) F_x,f + cos(delta) F_y,f)
     /// ```
     ///
-    /// from `F_z,f0 / cos(gamma)` leaves less than 1e-6 of it. F_x enters because the axle's vertical force is what the
-    /// turned runner's force has along z, whatever its parts; the laws are then asked at the load found.
+    /// from `F_z,f0 / cos(gamma)` leaves less than 1e-6 of it. F_x enters because the axle's
+    /// vertical force is what the turned runner's force has along z, whatever its parts; the laws
+    /// are then evaluated at the load found.
     pub fn laws(&self, vehicle: &Vehicle) -> LawForces {
         let ((sd, cd), (sg, cg)) = (self.steer, self.split);
         let (state, runner) = (&self.state, &vehicle.front);

@@ -1,7 +1,9 @@
-//! The one-track sled, read both ways: forces from motion (inverse) and forces from friction (forward).
+//! The one-track sled, read both ways: forces from motion (inverse) and forces from friction
+//! (forward).
 //!
-//! One right-handed frame throughout: x forward, y left, z up, body = rear part. The front runner's frame is turned by
-//! `R = R_x(gamma) R_z(delta)`, so that `F_f0 = R F_f`. With the aerodynamic force at the centre of gravity:
+//! One right-handed frame throughout: x forward, y left, z up, body = rear part. The front runner's
+//! frame is turned by `R = R_x(gamma) R_z(delta)`, so that `F_f0 = R F_f`. With the aerodynamic
+//! force at the centre of gravity:
 //!
 //! ```text
 //! m a_x = F_x,r + F_x,f0 + F_x,aero         J_zz dyaw/dt   =  l_f F_y,f0 - l_r F_y,r
@@ -9,8 +11,8 @@
 //! m a_z = F_z,r + F_z,f0
 //! ```
 //!
-//! a is the specific force at the centre of gravity, which gravity does not enter. Forces and moments that effects put on
-//! the body stand beside the aerodynamic one.
+//! a is the specific force at the centre of gravity, which gravity does not enter. Forces and
+//! moments that effects put on the body are in addition to the aerodynamic one.
 
 use crate::effects::Forces;
 use crate::friction::Braghin;
@@ -24,8 +26,9 @@ pub use crate::motion::state::{body_to_front, front_to_body, normal_forces};
 
 /// Forces on the runners as the motion demands them.
 ///
-/// Momentum along y and z and both moments give `F_y` and `F_z` at the axles in the body frame. `F_x,f0` cannot be
-/// measured; it follows from the longitudinal friction of the front runner in its own frame:
+/// Momentum along y and z and both moments give `F_y` and `F_z` at the axles in the body frame.
+/// `F_x,f0` cannot be measured; it follows from the longitudinal friction of the front runner in
+/// its own frame:
 ///
 /// ```text
 /// F_z,f  = cos(gamma) F_z,f0 - sin(gamma) F_y,f0
@@ -33,24 +36,26 @@ pub use crate::motion::state::{body_to_front, front_to_body, normal_forces};
 /// F_x,f0 = (F_x,f - cos(gamma) sin(delta) F_y,f0 - sin(gamma) sin(delta) F_z,f0) / cos(delta)
 /// ```
 ///
-/// The rear runner's `F_x` is that of its friction, too. Forces in N. A lifted runner's normal force comes out negative
-/// and is left so. What the vehicle's effects put on the body is taken off the motion first, and their friction acts in
-/// `F_x`; they must be those of the track ([`Vehicle::on_track`]).
+/// The rear runner's `F_x` is that of its friction, too. Forces in N. A lifted runner's normal
+/// force comes out negative and stays so. What the vehicle's effects put on the body is taken off
+/// the motion first, and their friction acts in `F_x`; they must be those of the track
+/// ([`Vehicle::on_track`]).
 pub fn inverse(vehicle: &Vehicle, state: &State, motion: &Motion) -> AxleForces {
     let at = Balance::new(&vehicle.sled, state, motion);
     let base = demanded(vehicle, &at, &Forces::default(), None);
     if vehicle.effects.is_empty() {
         return base;
     }
-    // Effects depend on loads and forces that depend on what they put on the body: a second round settles it.
+    // Effects depend on loads and forces that depend on what they put on the body: a second round
+    // settles it.
     (0..2).fold(base, |known, _| {
         let forces = changed(vehicle, &at, &known, None);
         demanded(vehicle, &at, &forces, Some(forces.along))
     })
 }
 
-/// Forces that balance the motion, `body` being what effects put on the body and `along` the runners' friction where it
-/// is not the base law's.
+/// Forces that balance the motion, `body` being what effects put on the body and `along` the
+/// runners' friction where it is not the base law's.
 fn demanded(vehicle: &Vehicle, at: &Balance, body: &Forces, along: Option<[f64; 2]>) -> AxleForces {
     let (sled, state, motion) = (&at.sled, &at.state, &at.motion);
     let lateral = sled.mass_kg * motion.accel_mps2[1] - at.air()[1] - body.body_across;
@@ -73,8 +78,8 @@ fn demanded(vehicle: &Vehicle, at: &Balance, body: &Forces, along: Option<[f64; 
     }
 }
 
-/// What the effects make of the base laws' forces at the loads of `known`; across the runners from `across` [N], or the
-/// forces known.
+/// What the effects make of the base laws' forces at the loads of `known`; across the runners from
+/// `across` [N], or the forces known.
 fn changed(
     vehicle: &Vehicle,
     at: &Balance,
@@ -97,11 +102,11 @@ fn changed(
     forces
 }
 
-/// The part of measured lateral forces (front in its own frame, rear) [N] that the base laws have to give, the effects
-/// doing the rest.
+/// The part of measured lateral forces (front in its own frame, rear) [N] that the base laws have
+/// to give, the effects doing the rest.
 ///
-/// The forces across that the effects turn into the measured ones, by Newton's method; those measured where there are no
-/// effects. NaN where the effects leave no such force.
+/// The forces across that the effects turn into the measured ones, by Newton's method; those
+/// measured where there are no effects. NaN where the effects leave no such force.
 pub fn share_of_laws(vehicle: &Vehicle, state: &State, measured: &AxleForces) -> [f64; 2] {
     let wanted = [measured.front[1], measured.rear[1]];
     if vehicle.effects.is_empty() {
@@ -126,8 +131,8 @@ pub fn share_of_laws(vehicle: &Vehicle, state: &State, measured: &AxleForces) ->
     across
 }
 
-/// Forces on the runners as the friction laws give them at the state's slip angles and normal forces, with the vehicle's
-/// effects ([`Balance::laws`], [`Balance::forces`]).
+/// Forces on the runners as the friction laws give them at the state's slip angles and normal
+/// forces, with the vehicle's effects ([`Balance::laws`], [`Balance::forces`]).
 pub fn forward(vehicle: &Vehicle, state: &State) -> AxleForces {
     forces_at(
         vehicle,

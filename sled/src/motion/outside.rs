@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::model::vehicle::Vehicle;
 use crate::motion::state::State;
 
-/// How many instants a runner's table does not span; there it is asked at its edge.
+/// How many instants a runner's table does not span; there it is read at its edge.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct OutsideTable {
     /// `front` or `rear`.
@@ -16,7 +16,7 @@ pub struct OutsideTable {
     pub table: String,
     /// Instants outside.
     pub samples: usize,
-    /// Instants looked at.
+    /// Instants examined.
     pub of: usize,
 }
 
@@ -32,7 +32,7 @@ impl std::fmt::Display for OutsideTable {
 
 /// What the front and the rear runner ask their tables, or would ask one.
 ///
-/// The front runner's load is taken as `F_z,f0 / cos(gamma)`, as its law is asked first.
+/// The front runner's load is taken as `F_z,f0 / cos(gamma)`, as its law is evaluated first.
 pub fn table_samples<'a>(states: impl Iterator<Item = &'a State>) -> [Vec<Sample>; 2] {
     let pairs = states.map(|s| {
         let at = |fz| Sample {
@@ -73,7 +73,7 @@ pub fn outside_tables<'a>(
     counted.flatten().collect()
 }
 
-/// What several runs asked of each table outside of it, and how many runs did.
+/// What several runs read of each table outside of it, and how many runs did.
 pub fn together(runs: Vec<OutsideTable>) -> Vec<(OutsideTable, usize)> {
     let mut all: Vec<(OutsideTable, usize)> = Vec::new();
     for one in runs {

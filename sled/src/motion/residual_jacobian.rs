@@ -1,12 +1,14 @@
-//! What the balances leave, by everything that the sensors say and by the constants of the sled: derivatives in closed form.
+//! What the balances leave, by everything that the sensors say and by the constants of the sled:
+//! derivatives in closed form.
 //!
-//! With z the accelerations, loads, slips and angles of an instant, x what the sensors say and the sled's constants,
+//! With z the accelerations, loads, slips and angles of an instant, x what the sensors say and the
+//! sled's constants,
 //!
 //! ```text
-//! d left / dx = (d left / dz) (dz / dx)
+//! d rest / dx = (d rest / dz) (dz / dx)
 //! ```
 //!
-//! the laws asked to first order, the front runner's load as [`Balance::laws_near`] has it.
+//! the laws to first order, the front runner's load as [`Balance::laws_near`] has it.
 
 use crate::column::{SENSORS, Sensor};
 use crate::effects::{Constants, Signals};
@@ -14,7 +16,8 @@ use crate::model::vehicle::{RunnerFriction, Vehicle};
 use crate::motion::aero;
 use crate::motion::balance::{Balance, LawForces};
 
-/// Derivatives of the balances along, aside and about the vertical, in the shape of what they are taken by.
+/// Derivatives of the balances along, aside and about the vertical, in the shape of what they are
+/// taken by.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ResidualJacobian {
     /// By each sensor's value.
@@ -75,16 +78,16 @@ impl ResidualJacobian {
     /// What all of them do, between two readings of one instant.
     #[inline]
     pub fn between(&self, from: &Signals, to: &Signals) -> [f64; 3] {
-        let mut left = [0.0; 3];
+        let mut total = [0.0; 3];
         for sensor in Sensor::ALL {
             let k = sensor as usize;
             let (value, rate) = (to.value[k] - from.value[k], to.rate[k] - from.rate[k]);
             if value != 0.0 || rate != 0.0 {
-                left = sum([(1.0, &left), (1.0, &self.of_sensor(sensor, value, rate))]);
+                total = sum([(1.0, &total), (1.0, &self.of_sensor(sensor, value, rate))]);
             }
         }
         if from.sled == to.sled {
-            return left;
+            return total;
         }
         let (a, b) = (&from.sled, &to.sled);
         let by = Constants {
@@ -95,7 +98,7 @@ impl ResidualJacobian {
             accelerometer: [0, 1, 2].map(|k| b.accelerometer[k] - a.accelerometer[k]),
             slip_sensor: b.slip_sensor - a.slip_sensor,
         };
-        sum([(1.0, &left), (1.0, &self.of_constants(&by))])
+        sum([(1.0, &total), (1.0, &self.of_constants(&by))])
     }
 }
 
@@ -108,9 +111,11 @@ struct Along {
 }
 
 impl Balance {
-    /// Derivatives of [`Balance::left`] of the base laws' forces `of`, by what the sensors say and the constants of the sled.
+    /// Derivatives of [`Balance::left`] of the base laws' forces `of`, by what the sensors say and
+    /// the constants of the sled.
     ///
-    /// `signals` are those from which the balance was made ([`from_sensors`](crate::from_sensors)). Effects are not counted.
+    /// `signals` are those from which the balance was made ([`from_sensors`](crate::from_sensors)).
+    /// Effects are not counted.
     pub fn left_by(
         &self,
         vehicle: &Vehicle,
@@ -126,14 +131,16 @@ impl Balance {
         let along = self.along_by(&vehicle.front, self.slips[0], of.load_n[0]);
         let along_r = self.along_by(&vehicle.rear, self.slips[1], of.load_n[1]);
 
-        // Forces at the centre of gravity, x, y and about z, by those of the runners and the angles between them.
+        // Forces at the centre of gravity, x, y and about z, by those of the runners and the angles
+        // between them.
         let (x, y) = (cd * fx - sd * fy, sd * fx + cd * fy);
         let aside = |y: f64| [0.0, y, l_f * y];
         let by_fx = [cd, sd / cg, l_f * sd / cg];
         let by_fy = [-sd, cd / cg, l_f * cd / cg];
         let (by_fx_r, by_fy_r) = ([1.0, 0.0, 0.0], [0.0, 1.0, -l_r]);
         let by_load = sum([(along.load, &by_fx), (front.fz, &by_fy)]);
-        // The front runner's load, from cos(gamma) F_z + sin(gamma) (sin(delta) F_x + cos(delta) F_y) = F_z0.
+        // The front runner's load, from cos(gamma) F_z + sin(gamma) (sin(delta) F_x + cos(delta)
+        // F_y) = F_z0.
         let of_load = if of.load_n[0] > 0.0 {
             fx / of.load_n[0]
         } else {
@@ -175,7 +182,7 @@ impl Balance {
         ]);
         let front_y = (y - sg * state.fz_f0_n) / cg;
 
-        // From there to what the sensors say; what is left falls as the forces rise.
+        // From there to what the sensors say; the rest falls as the forces rise.
         let [a_x, a_y, a_z] = motion.accel_mps2;
         let (yaw, pitch) = (state.yaw_rate_radps, state.pitch_rate_radps);
         let at = |place: f64| (place - sled.slip_x_m) / v;

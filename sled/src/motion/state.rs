@@ -1,4 +1,5 @@
-//! Motion of the sled: from the accelerometer's place to the centre of gravity, slips and loads of the axles.
+//! Motion of the sled: from the accelerometer's place to the centre of gravity, slips and loads of
+//! the axles.
 
 use crate::column::Sensor;
 use crate::conditions::Conditions;
@@ -50,8 +51,8 @@ pub struct State {
 }
 
 impl State {
-    /// Rates of the slips that forces follow after a distance [m], `dt_s` [s] after the state before
-    /// [rad/s]; below 1 m/s as at 1 m/s.
+    /// Rates of the slips that forces follow after a distance [m], `dt_s` [s] after the state
+    /// before [rad/s]; below 1 m/s as at 1 m/s.
     pub fn followed_rates(&self, relaxed: &mut Relaxed, dt_s: f64, distance: f64) -> [f64; 2] {
         let slip = [self.alpha_f_rad, self.alpha_r_rad];
         relaxed.rates(
@@ -98,7 +99,8 @@ pub struct AxleForces {
     pub front_body: [f64; 3],
     /// On the rear runner; its frame is the body's [N].
     pub rear: [f64; 3],
-    /// On the body besides runners and base drag: what effects add along x and y, a headwind or a wall [N], and about z [N m].
+    /// On the body besides runners and base drag: what effects add along x and y, a headwind or a
+    /// wall [N], and about z [N m].
     pub body: [f64; 3],
 }
 
@@ -115,8 +117,9 @@ pub struct Resultant {
 
 /// State and motion of one instant from the sensors of a sled, their faults taken out.
 ///
-/// Accelerations are brought to the centre of gravity, slip angles to the axles; the normal forces follow from both.
-/// `at` states time, place and weather; the speed must be positive. Rates of the slip angles:
+/// Accelerations are brought to the centre of gravity, slip angles to the axles; the normal forces
+/// follow from both. `at` states time, place and weather; the speed must be positive. Rates of the
+/// slip angles:
 ///
 /// ```text
 /// dalpha_P/dt = dalpha/dt - (x_P - x_s) (dr/dt - r dv/dt / v) / v      (+ ddelta/dt at the front)
@@ -171,8 +174,9 @@ pub fn from_sensors(sled: &Sled, signals: &Signals, at: &OperatingPoint) -> (Sta
 /// a_cog = a_sensor - dw/dt x r - w x (w x r)
 /// ```
 ///
-/// `rates` w [rad/s] and `accelerations` dw/dt [rad/s2] are (roll, pitch, yaw) about x forward, y left, z up; `r` [m] is
-/// the accelerometer from the centre of gravity. Gravity enters both sides alike. The rigid-body matrix of the paper.
+/// `rates` w [rad/s] and `accelerations` dw/dt [rad/s2] are (roll, pitch, yaw) about x forward, y
+/// left, z up; `r` [m] is the accelerometer from the centre of gravity. Gravity enters both sides
+/// alike. The rigid-body matrix of the paper.
 #[inline]
 pub fn to_centre_of_gravity(
     sensor: [f64; 3],
@@ -184,7 +188,8 @@ pub fn to_centre_of_gravity(
     [sensor[0] - d[0], sensor[1] - d[1], sensor[2] - d[2]]
 }
 
-/// Acceleration of a point at `r` [m] beyond that of the centre of gravity [m/s2]: `dw/dt x r + w x (w x r)`.
+/// Acceleration of a point at `r` [m] relative to that of the centre of gravity [m/s2]:
+/// `dw/dt x r + w x (w x r)`.
 #[inline]
 pub fn lever_acceleration(rates: [f64; 3], accelerations: [f64; 3], r: [f64; 3]) -> [f64; 3] {
     let inner = cross(rates, r);
@@ -235,8 +240,8 @@ pub fn slips(sled: &Sled, alpha: f64, yaw_rate: f64, v: f64, delta: f64) -> Slip
     }
 }
 
-/// Normal forces at the axles in the body frame (front, rear) [N] from the vertical specific force at the centre of
-/// gravity [m/s2] and the pitch acceleration [rad/s2].
+/// Normal forces at the axles in the body frame (front, rear) [N] from the vertical specific force
+/// at the centre of gravity [m/s2] and the pitch acceleration [rad/s2].
 ///
 /// ```text
 /// F_z,f0 = (l_r m a_z - J_yy dpitch/dt) / L      F_z,r = (l_f m a_z + J_yy dpitch/dt) / L

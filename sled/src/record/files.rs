@@ -21,10 +21,12 @@ use crate::series::bridged;
 /// Reads the index and every run it names, in the index's order; a run must have what `needs` says.
 ///
 /// Files are CSV, Parquet (`.parquet`), MATLAB v5 (`.mat`) or MDF 4 (`.mf4`).
-/// Every run is checked by [`check_columns`], and its channels by one another ([`judge`]). Where the index states no `distance_m`, it is [`state_distances`]'.
+/// Every run is checked by [`check_columns`], and its channels by one another ([`judge`]). Where
+/// the index states no `distance_m`, it is [`state_distances`]'.
 ///
 /// # Errors
-/// The first bad run's error in the order of the index, [`Error::Wrong`], [`Error::DuplicateContent`] where two runs are the same.
+/// The first bad run's error in the order of the index, [`Error::Wrong`],
+/// [`Error::DuplicateContent`] where two runs are the same.
 pub fn read_runs(index: &Path, needs: &Needs, on_gaps: OnGaps) -> Result<Vec<Run>, Error> {
     let mut runs = read_index(index)?
         .into_par_iter()
@@ -38,7 +40,7 @@ pub fn read_runs(index: &Path, needs: &Needs, on_gaps: OnGaps) -> Result<Vec<Run
     Ok(runs)
 }
 
-/// Like [`read_runs`], but leaves bad runs out and returns their errors beside the good ones.
+/// Like [`read_runs`], but excludes bad runs and returns their errors with the good ones.
 ///
 /// # Errors
 /// Those of the index itself.
@@ -81,8 +83,9 @@ pub fn read_good_runs(
 
 /// Reads one run's file and checks it; `required` are the columns it must have besides `t_s`.
 ///
-/// Those of [`COLUMNS`] and `s_m` that the file has must hold numbers; a sample takes part where all of them have one. One
-/// that is not required and holds no number at all counts as not recorded.
+/// Those of [`COLUMNS`] and `s_m` that the file has must hold numbers; a sample takes part where
+/// all of them have one. One that is not required and holds no number at all counts as not
+/// recorded.
 ///
 /// # Errors
 /// Those of the format's reader and of [`check_columns`].
@@ -99,8 +102,8 @@ pub fn read_needed(entry: Entry, needs: &Needs, on_gaps: OnGaps) -> Result<Run, 
     read_run(entry, needs.columns, on_gaps).map_err(|error| needs.explain(error))
 }
 
-/// Like [`read_run`], for a use that takes the `required` columns and those of `known` that the file has, and no others: gaps
-/// of others do not count.
+/// Like [`read_run`], for a use that takes the `required` columns and those of `known` that the
+/// file has, and no others: gaps of others do not count.
 ///
 /// # Errors
 /// As [`read_run`].
@@ -117,7 +120,7 @@ pub fn read_run_of(
     let mut remarks = Vec::new();
     if is_cut_short(&entry.file) {
         remarks.push(format!(
-            "{file}: the last line has no end and is left out: it may be cut short"
+            "{file}: the last line has no end and is not read: it may be cut short"
         ));
     }
     for name in known.iter().filter(|name| !required.contains(*name)) {
@@ -143,10 +146,11 @@ pub fn read_run_of(
     })
 }
 
-/// States the distance run on the same finish before each run where the index does not: that of the runs before it in its
-/// session, in the order given.
+/// States the distance run on the same finish before each run where the index does not: that of the
+/// runs before it in its session, in the order given.
 ///
-/// Runners are finished between sessions and not within one; where that is not so, `distance_m` in the index says it.
+/// Runners are finished between sessions and not within one; where that is not so, `distance_m` in
+/// the index says it.
 pub fn state_distances(runs: &mut [Run]) {
     let mut before: BTreeMap<String, f64> = BTreeMap::new();
     for run in runs {
@@ -179,7 +183,8 @@ fn refuse_copies(runs: &[Run]) -> Result<(), Error> {
 pub(crate) fn find_copy(runs: &[Run]) -> Option<(usize, usize)> {
     let mut seen: BTreeMap<Vec<u64>, usize> = BTreeMap::new();
     for (i, run) in runs.iter().enumerate() {
-        // The first samples decide almost always; the whole columns are compared only where they agree.
+        // The first samples decide almost always; the whole columns are compared only where they
+        // agree.
         let key: Vec<u64> = COLUMNS
             .iter()
             .filter_map(|name| run.columns.get(*name))
@@ -230,7 +235,8 @@ impl RunFormat {
     }
 }
 
-/// Writes one run: time, the required columns in the format's order, then the others by name. The writer need not be buffered.
+/// Writes one run: time, the required columns in the format's order, then the others by name. The
+/// writer need not be buffered.
 ///
 /// # Errors
 /// [`Error::File`] from the writer, and for an infinite value.

@@ -1,4 +1,5 @@
-//! Which samples of a run take part: those of stretches in which every channel has a value and the sled moves.
+//! Which samples of a run take part: those of stretches in which every channel has a value and the
+//! sled moves.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -28,7 +29,7 @@ pub struct Gaps {
     /// Samples that take part, in stretches without a gap.
     #[serde(skip)]
     pub pieces: Vec<Range<usize>>,
-    /// Rows that the file lacks between its first and its last, or that hold no value.
+    /// Rows missing in the file between its first and its last, or that hold no value.
     pub rows_missing: usize,
     /// Values that are NaN or empty in other rows, by channel.
     pub missing: BTreeMap<String, usize>,
@@ -38,7 +39,8 @@ pub struct Gaps {
     pub too_short: usize,
     /// Cut off at the start and at the end: standstill, or values missing [s].
     pub cut_s: [f64; 2],
-    /// Largest distance of a row from its place on the uniform base, in steps; 0 where nothing was interpolated.
+    /// Largest distance of a row from its place on the uniform base, in steps; 0 where nothing was
+    /// interpolated.
     pub jitter: f64,
 }
 
@@ -59,8 +61,9 @@ impl Gaps {
 
     /// Finds what takes part and cuts the columns to its first and last sample.
     ///
-    /// A sample takes part where all `used` columns are finite and `v_mps`, where there is one, is above [`LEAST_SPEED`];
-    /// stretches of fewer samples than the filter needs are left out. No piece is left where no stretch is long enough.
+    /// A sample takes part where all `used` columns are finite and `v_mps`, where there is one, is
+    /// above [`LEAST_SPEED`]; stretches of fewer samples than the filter needs are excluded. No
+    /// piece remains where no stretch is long enough.
     pub fn find(columns: &mut Columns, used: &[&str], dt_s: f64) -> Gaps {
         let len = columns.values().next().map_or(0, Vec::len);
         let mut gaps = Gaps::default();
@@ -182,8 +185,8 @@ pub fn gaps_line(runs: &[SampleCoverage]) -> String {
     format!("{who}: {parts}; {used:.1} s of {of:.1} s take part (--strict refuses such runs)")
 }
 
-/// Samples of one value at the channel's end from which a sensor is said to stand at its stop: what moves and is measured with noise
-/// stays within a converter's step for two or three.
+/// Samples of one value at the channel's end from which a sensor is said to be at its stop: what
+/// moves and is measured with noise stays within a converter's step for two or three.
 const STRETCH: usize = 8;
 
 /// What a channel shows of its end stops.
@@ -200,9 +203,11 @@ pub struct Saturation {
 }
 
 impl Saturation {
-    /// Stretches of equal samples at the largest or the smallest value of a channel; none where it has only one value.
+    /// Stretches of equal samples at the largest or the smallest value of a channel; none where it
+    /// has only one value.
     ///
-    /// The end that is nearer to zero counts only where most values differ from those before: a channel that rests there rests.
+    /// The end that is nearer to zero counts only where most values differ from those before: a
+    /// channel that rests there rests.
     pub fn of(values: &[f64]) -> Option<Saturation> {
         let known = || values.iter().copied().filter(|x| x.is_finite());
         let low = known().fold(f64::INFINITY, f64::min);

@@ -62,17 +62,20 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// The temperature of the ice at a place [m]: the run's own, else the track's; none where neither states it.
+    /// The temperature of the ice at a place [m]: the run's own, else the track's; none where
+    /// neither states it.
     pub fn ice_at(&self, s_m: f64) -> Option<f64> {
         self.ice_along.at(s_m).or_else(|| self.ice_of_track.at(s_m))
     }
 }
 
-/// Reads the index `runs.csv`; paths in it are relative to its folder, and so is `track_NAME.csv`, whose `ice_c` counts.
+/// Reads the index `runs.csv`; paths in it are relative to its folder, and so is `track_NAME.csv`,
+/// whose `ice_c` counts.
 ///
 /// # Errors
-/// [`Error::Column`], [`Error::MissingColumn`], [`Error::Cell`], [`Error::DuplicateRun`], [`Error::DuplicateContent`] for a
-/// file that two runs have, [`Error::File`] for too many runs, those of [`Track::load`].
+/// [`Error::Column`], [`Error::MissingColumn`], [`Error::Cell`], [`Error::DuplicateRun`],
+/// [`Error::DuplicateContent`] for a file that two runs have, [`Error::File`] for too many runs,
+/// those of [`Track::load`].
 pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
     let file = index.display().to_string();
     let mut reader = csv::ReaderBuilder::new()

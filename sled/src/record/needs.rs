@@ -17,7 +17,8 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// Forces on the runners from motion and slip: all but `ax_mps2`. What brakes is compared with that where it is there.
+    /// Forces on the runners from motion and slip: all but `ax_mps2`. What brakes is compared with
+    /// that where it is there.
     pub const FORCES: Needs = Needs {
         by: "the forces on the runners",
         columns: COLUMNS.split_at(1).1,
@@ -57,7 +58,8 @@ impl Needs {
     }
 }
 
-/// Refuses weather that `by` needs for the density of the air and nothing states; `file` is where it would stand.
+/// Refuses weather that `by` needs for the density of the air and nothing states; `file` is where
+/// it belongs.
 ///
 /// # Errors
 /// [`Error::Keys`] with the column.

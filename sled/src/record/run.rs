@@ -7,7 +7,8 @@ use crate::record::gaps::Gaps;
 use crate::record::gaps::Saturation;
 use crate::record::index::Entry;
 
-/// One recorded run, uniform in time, in the units of its columns' names; beside a gap a column may be NaN.
+/// One recorded run, uniform in time, in the units of its columns' names; next to a gap a column
+/// may be NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// Its row in the index.
@@ -16,11 +17,11 @@ pub struct Run {
     pub t0_s: f64,
     /// Time between samples [s].
     pub dt_s: f64,
-    /// Every column of the file but time, by name; extra ones are kept.
+    /// Every column of the file but time, by name; extra ones too.
     pub columns: BTreeMap<String, Vec<f64>>,
     /// Which samples take part, and why the others do not.
     pub gaps: Gaps,
-    /// Channels that stand at an end of their range for a while.
+    /// Channels that stay at an end of their range for a while.
     pub saturated: BTreeMap<String, Saturation>,
     /// What else was noticed and is no error.
     pub remarks: Vec<String>,

@@ -1,4 +1,4 @@
-//! Run and model beside each other, place by place.
+//! Run and model compared, place by place.
 
 use std::ops::Range;
 
@@ -18,7 +18,8 @@ pub struct Compared {
     pub s_m: f64,
     /// Time in the run and in the model [s].
     pub t_s: [f64; 2],
-    /// Speed, slip angle, yaw rate and roll split in the run and in the model [m/s, rad, rad/s, rad].
+    /// Speed, slip angle, yaw rate and roll split in the run and in the model [m/s, rad, rad/s,
+    /// rad].
     pub values: [[f64; 2]; 4],
 }
 
@@ -56,7 +57,7 @@ pub(crate) fn said(instant: &Instant) -> [f64; 4] {
     ]
 }
 
-/// The readings that the model came past, each beside the model at the same place.
+/// The readings that the model came past, each with the model's at the same place.
 pub(crate) fn compare(
     inputs: &Inputs,
     simulated: &Simulated,
@@ -132,24 +133,27 @@ pub struct Section {
     pub from_m: f64,
     /// See `from_m`.
     pub to_m: f64,
-    /// The largest of its windows: for `v_mps` the force along the sled that the model lacks there [N], else the root mean
-    /// square difference in the column's unit.
+    /// The largest of its windows: for `v_mps` the force along the sled missing in the model there
+    /// [N], else the root mean square difference in the column's unit.
     pub size: f64,
     /// Times the root mean square of all windows.
     pub times_rms: f64,
-    /// What the run loses on it beside the model [s]; negative where it gains.
+    /// What the run loses on it against the model [s]; negative where it gains.
     pub lost_s: f64,
 }
 
 /// Length of a window [m]: some three sleds, and long enough for a speed's noise to say a force.
 const WINDOW_M: usize = 20;
-/// What a window leaves off at either end when it is told [m]: a short event lies near the middles of the windows that show it.
+/// What a window omits at either end when it is reported [m]: a short event lies near the middles
+/// of the windows that show it.
 const EDGE_M: usize = 5;
-/// Times the root mean square of all windows from which a window stands out, as in the other comparisons with runs.
+/// Times the root mean square of all windows from which a window is exceptional, as in the other
+/// comparisons with runs.
 const STANDS_OUT: f64 = 2.0;
 /// Standard deviations that noise does not reach: once in 10^4 windows.
 const BEYOND_NOISE: f64 = 4.0;
-/// Force over weight below which a window says nothing: a fiftieth of the friction on ice, still above what steps and filters err.
+/// Force over weight below which a window says nothing: a fiftieth of the friction on ice, still
+/// above what steps and filters err.
 const LEAST_MU: f64 = 1e-4;
 /// The same for other columns, relative to the column's own root mean square.
 const LEAST_SHARE: f64 = 1e-3;
@@ -158,14 +162,16 @@ const MOST: usize = 5;
 
 /// Sections of up to [`MOST`] a column, the strongest first.
 ///
-/// Windows of 20 m whose root mean square difference is twice the run's or more; of the speed, whose mean force
+/// Windows of 20 m whose root mean square difference is twice the run's or more; of the speed,
+/// whose mean force
 ///
 /// ```text
 /// F = ( E(s + 20 m) - E(s) ) / 20 m      E = m (v_run^2 - v_model^2) / 2
 /// ```
 ///
-/// is. Both must be beyond four standard deviations of what the noise makes of them. Speeds that have parted stay apart, the
-/// force says where. Windows that overlap are one section; none reaches across a gap.
+/// is. Both must exceed four standard deviations of what the noise makes of them. Speeds that have
+/// parted stay apart, the force says where. Windows that overlap are one section; none reaches
+/// across a gap.
 pub(crate) fn sections(
     compared: &[Compared],
     pieces: &[Range<usize>],

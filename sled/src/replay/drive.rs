@@ -32,13 +32,14 @@ pub struct Replay {
     pub bridged_m: f64,
     /// What of the run takes part.
     pub taking_part: SampleCoverage,
-    /// Force along the sled that the model lacks in the mean [N]: the growth of the difference of kinetic energies over the way.
+    /// Force along the sled missing in the model in the mean [N]: the growth of the difference of
+    /// kinetic energies over the way.
     pub mean_force_n: f64,
     /// How far both are apart, by column.
     pub differences: Vec<Difference>,
     /// Where they part.
     pub sections: Vec<Section>,
-    /// Both beside each other; not part of the report.
+    /// Both next to each other; not part of the report.
     #[serde(skip)]
     pub compared: Vec<Compared>,
     /// Stretches of `compared` without a gap.
@@ -49,22 +50,26 @@ pub struct Replay {
     pub simulated: Simulated,
 }
 
-/// Readings that tell the speed at the start [s]. The sensor's usual noise of 0.03 m/s moves it by 0.002 m/s, a force of 10 N that
-/// the model lacks by 0.006; at half of this 0.003 and 0.003, at twice 0.0013 and 0.013.
+/// Readings that tell the speed at the start [s]. The sensor's usual noise of 0.03 m/s moves it by
+/// 0.002 m/s, a force of 10 N that the model is short of by 0.006; at half of this 0.003 and 0.003,
+/// at twice 0.0013 and 0.013.
 const START_S: f64 = 0.5;
 
-/// Drives the model down the track with the start and the steering of a run, and sets both beside each other.
+/// Drives the model down the track with the start and the steering of a run, and compares both.
 ///
-/// The start is the first reading's place, time, slip angle and yaw rate, moving along the line, at the speed with which the
-/// model has the run's mean energy over the first half second: a single reading's noise would stay in the speed down to the
-/// finish, where slip angle and yaw rate come to what the steering asks for by themselves. The steering angle is
-/// that measured at the same *place*, so that a curve is steered in where it is also when the model comes late. What the
+/// The start is the first reading's place, time, slip angle and yaw rate, moving along the line, at
+/// the speed with which the model has the run's mean energy over the first half second: a single
+/// reading's noise would stay in the speed down to the finish, where slip angle and yaw rate come
+/// to what the steering asks for by themselves. The steering angle is that measured at the
+/// same *place*, so that a curve is steered in where it is also when the model comes late. What the
 /// model does not know (where across the track the sled was, walls) it does not get.
 ///
-/// Of `options`, the start speed, the seed and contacts are not asked; steps and their order as in [`crate::simulate()`].
+/// Of `options`, the start speed, the seed and contacts are not read; steps and their order as in
+/// [`crate::simulate()`].
 ///
 /// # Errors
-/// [`Error::Cell`] for a run that begins off the track, [`Error::TooFew`], those of options and effects.
+/// [`Error::Cell`] for a run that begins off the track, [`Error::TooFew`], those of options and
+/// effects.
 pub fn replay(
     inputs: &Inputs,
     vehicle: &Vehicle,
@@ -160,8 +165,8 @@ pub fn replay(
 /// A value of a reading.
 type Of = fn(&Reading) -> f64;
 
-/// Columns that stand beside the model's, and what they hold.
-const BESIDE: [(&str, Of); 5] = [
+/// Columns written next to the model's, and their values.
+const MEASURED: [(&str, Of); 5] = [
     ("t_measured_s", |reading| reading.t_s),
     ("v_measured_mps", |reading| reading.values[0]),
     ("alpha_measured_rad", |reading| reading.values[1]),
@@ -169,7 +174,8 @@ const BESIDE: [(&str, Of); 5] = [
     ("gamma_measured_rad", |reading| reading.values[3]),
 ];
 
-/// Puts what was measured at the same places beside a simulated run, as further columns; NaN in gaps and beyond the ends.
+/// Puts what was measured at the same places into a simulated run, as further columns; NaN in gaps
+/// and outside the ends.
 ///
 /// Between readings on a straight line; only what was recorded. The run must have `s_m`.
 pub fn beside_measured(run: &mut Run, inputs: &Inputs) {
@@ -177,7 +183,7 @@ pub fn beside_measured(run: &mut Run, inputs: &Inputs) {
         return;
     };
     let recorded = std::iter::once(true).chain(inputs.recorded);
-    for ((name, of), _) in BESIDE.iter().zip(recorded).filter(|(_, there)| *there) {
+    for ((name, of), _) in MEASURED.iter().zip(recorded).filter(|(_, there)| *there) {
         let mut column = vec![f64::NAN; places.len()];
         for piece in &inputs.pieces {
             fill(&mut column, &places, &inputs.readings, piece, of);

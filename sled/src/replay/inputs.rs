@@ -1,4 +1,5 @@
-//! What a replay takes from a run: start and steering; speed, slip, yaw rate and roll split to compare with.
+//! What a replay takes from a run: start and steering; speed, slip, yaw rate and roll split to
+//! compare with.
 
 use std::ops::Range;
 
@@ -22,7 +23,7 @@ use crate::signals::sensed::Further;
 use crate::signals::sensed::Sensed;
 use crate::track::spline::Spline;
 
-/// What a replay needs; the weather is asked for by what drives.
+/// What a replay needs; the weather is read by what drives.
 const NEEDS: Needs = Needs {
     by: "a replay",
     columns: &["v_mps", "delta_rad"],
@@ -40,7 +41,8 @@ pub struct Reading {
     pub t_s: f64,
     /// Distance along the track [m].
     pub s_m: f64,
-    /// Speed, slip angle, yaw rate and roll split at the sensors [m/s, rad, rad/s, rad]; 0 where not recorded.
+    /// Speed, slip angle, yaw rate and roll split at the sensors [m/s, rad, rad/s, rad]; 0 where
+    /// not recorded.
     pub values: [f64; 4],
     /// Steering angle [rad].
     pub delta_rad: f64,
@@ -71,10 +73,12 @@ pub struct Inputs {
     pub taking_part: SampleCoverage,
 }
 
-/// Reads a run for a replay; only `v_mps` and `delta_rad` must be there, and only gaps of columns that a replay uses count.
+/// Reads a run for a replay; only `v_mps` and `delta_rad` must be there, and only gaps of columns
+/// that a replay uses count.
 ///
 /// # Errors
-/// Those of the reader, and [`Error::Wrong`] where the channels prove that one is not what its name says.
+/// Those of the reader, and [`Error::Wrong`] where the channels prove that one is not what its name
+/// says.
 pub fn read_for_replay(entry: &Entry, on_gaps: OnGaps) -> Result<Run, Error> {
     let mut run = read_run_of(entry.clone(), NEEDS.columns, &COMPARED, on_gaps)
         .map_err(|error| NEEDS.explain(error))?;
@@ -89,12 +93,14 @@ pub fn read_for_replay(entry: &Entry, on_gaps: OnGaps) -> Result<Run, Error> {
 }
 
 impl Inputs {
-    /// Filters a run; effects of the vehicle that stand between the truth and its sensors are taken out.
+    /// Filters a run; effects of the vehicle that act between the truth and its sensors are taken
+    /// out.
     ///
     /// A run without `s_m` begins at `start_m` [m].
     ///
     /// # Errors
-    /// [`Error::MissingColumn`], [`Error::TooShort`], [`Error::Keys`] for an effect that needs what nothing states.
+    /// [`Error::MissingColumn`], [`Error::TooShort`], [`Error::Keys`] for an effect that needs what
+    /// nothing states.
     pub fn of(run: &Run, vehicle: &Vehicle, start_m: f64) -> Result<Inputs, Error> {
         for name in NEEDS.columns {
             run.column(name).map_err(|error| NEEDS.explain(error))?;
@@ -155,7 +161,8 @@ impl Inputs {
         })
     }
 
-    /// The steering over the distance, a straight line across each gap, and the way that it crosses so [m].
+    /// The steering over the distance, a straight line across each gap, and the way that it crosses
+    /// so [m].
     ///
     /// # Errors
     /// [`Error::TooFew`] where the distance does not grow.

@@ -28,9 +28,10 @@ pub struct Prepared {
     pub dt_s: f64,
     /// States, normal forces included.
     pub states: Vec<State>,
-    /// Measured motion at the centre of gravity, beside `states`.
+    /// Measured motion at the centre of gravity, one for each of `states`.
     pub motions: Vec<Motion>,
-    /// Stretches of `states` without a gap: within one they are `dt_s` apart, together they are all states.
+    /// Stretches of `states` without a gap: within one they are `dt_s` apart, together they are all
+    /// states.
     pub pieces: Vec<Range<usize>>,
     /// What of the run takes part.
     pub taking_part: SampleCoverage,
@@ -64,19 +65,22 @@ impl Prepared {
 
 /// Prepares one run.
 ///
-/// In this order: low pass and down-sampling to `rate_hz`, low pass at `cutoff_hz`, angular accelerations by
-/// [`derivative`], accelerations to the centre of gravity, slips at the axles, normal forces. `s_m` is taken from the
-/// recording where it has one, else integrated from the speed, across a gap of the speed as if it changed evenly there.
-/// Effects of the vehicle that stand between the truth and its sensors are taken out. Of the columns that `options.needs` does not
-/// name, `ax_mps2` is NaN where it is not recorded, others are 0. `noise` states the sensors' noise;
-/// where absent it is estimated from the recording.
+/// In this order: low pass and down-sampling to `rate_hz`, low pass at `cutoff_hz`, angular
+/// accelerations by [`derivative`], accelerations to the centre of gravity, slips at the axles,
+/// normal forces. `s_m` is taken from the recording where it has one, else integrated from the
+/// speed, across a gap of the speed as if it changed evenly there. Effects of the vehicle that act
+/// between the truth and its sensors are taken out. Of the columns that `options.needs` does not
+/// name, `ax_mps2` is NaN where it is not recorded, others are 0. `noise` states the sensors'
+/// noise; where absent it is estimated from the recording.
 ///
-/// Every stretch without a gap is filtered by itself. Beside a gap two periods of the corner and the derivative's three
-/// samples take no part: the slowest pole of the filter, `sin(pi/8) 2 pi f`, has decayed to 1 % there.
+/// Every stretch without a gap is filtered by itself. Next to a gap two periods of the corner and
+/// the derivative's three samples take no part: the slowest pole of the filter, `sin(pi/8) 2 pi f`,
+/// has decayed to 1 % there.
 ///
 /// # Errors
-/// [`Error::MissingColumn`], [`Error::TooShort`] where too little is left at the lower rate, [`Error::Keys`] for an effect
-/// that needs what neither the run's file nor `runs.csv` nor the model states.
+/// [`Error::MissingColumn`], [`Error::TooShort`] where too little remains at the lower rate,
+/// [`Error::Keys`] for an effect that needs what neither the run's file nor `runs.csv` nor the
+/// model states.
 pub fn prepare(
     run: &Run,
     vehicle: &Vehicle,
@@ -162,7 +166,8 @@ pub fn prepare(
     Ok(prepared)
 }
 
-/// Refuses effects whose forces are no numbers at a state: they would disable what compares with them, without a word.
+/// Refuses effects whose forces are no numbers at a state: they would disable what compares with
+/// them, without a word.
 fn refuse_no_number(run: &Run, vehicle: &Vehicle, states: &[State]) -> Result<(), Error> {
     if vehicle.effects.is_empty() {
         return Ok(());
@@ -228,7 +233,7 @@ impl Default for PrepareOptions {
     }
 }
 
-/// The even times at the lower rate, and what stands beside a gap.
+/// The even times at the lower rate, and what is next to a gap.
 pub(crate) struct Resampling {
     /// Rate of the recording [Hz].
     pub(crate) from_hz: f64,
@@ -240,7 +245,7 @@ pub(crate) struct Resampling {
     pub(crate) cutoff_hz: f64,
     /// Corner of the narrower of both low passes [Hz].
     pub(crate) narrowest_hz: f64,
-    /// States beside a gap that take no part.
+    /// States next to a gap that take no part.
     pub(crate) margin: usize,
 }
 
@@ -267,7 +272,8 @@ impl Resampling {
         }
     }
 
-    /// The states, counted from the first sample of the run, that lie in a stretch of the recording.
+    /// The states, counted from the first sample of the run, that lie in a stretch of the
+    /// recording.
     pub(crate) fn samples(&self, piece: &Range<usize>) -> Range<usize> {
         let first = (piece.start as f64 / self.ratio - 1e-9).ceil() as usize;
         first..((piece.end - 1) as f64 / self.ratio + 1e-9).floor() as usize + 1
@@ -280,7 +286,8 @@ impl Resampling {
         resample_from(&column[piece.clone()], self.from_hz, self.rate_hz, offset)
     }
 
-    /// Which of the `count` states of stretch `number` of `stretches` take part: those beside a gap do not.
+    /// Which of the `count` states of stretch `number` of `stretches` take part: those next to a
+    /// gap do not.
     pub(crate) fn valid_range(
         &self,
         number: usize,
@@ -350,7 +357,8 @@ impl Distance {
     }
 }
 
-/// Integral of the speed between two states, by the trapezoidal rule over the samples between; in samples times m/s.
+/// Integral of the speed between two states, by the trapezoidal rule over the samples between; in
+/// samples times m/s.
 fn across(v: &[f64], (from, v_from): (f64, f64), (to, v_to): (f64, f64)) -> f64 {
     let between = from.floor() as usize + 1..to.ceil() as usize;
     let inner = between.map(|i| (i as f64, v[i]));

@@ -14,7 +14,7 @@ use crate::series::noise_sd_within;
 use crate::series::{derivative, low_pass};
 use crate::signals::prepare::{Distance, Resampling};
 
-/// The sensors of one stretch at the rate of the states, those beside a gap included.
+/// The sensors of one stretch at the rate of the states, those next to a gap included.
 pub(crate) struct Sensed<'a> {
     run: &'a Run,
     first: usize,
@@ -37,7 +37,8 @@ pub(crate) fn no_number(run: &Run, effect: Option<&Active>, t_s: f64, s_m: f64) 
 }
 
 impl<'a> Sensed<'a> {
-    /// Low pass, down-sampling, delays and faults of the vehicle's `effects` taken out; a sensor without a column says 0.
+    /// Low pass, down-sampling, delays and faults of the vehicle's `effects` taken out; a sensor
+    /// without a column says 0.
     ///
     /// # Errors
     /// [`Error::Keys`] for an effect that gives no number.
@@ -139,7 +140,8 @@ const FURTHER: [&str; 3] = [
 /// Place of the ice temperature in [`FURTHER`].
 const ICE: usize = 2;
 
-/// Values of [`FURTHER`]: from the run's file, else from `runs.csv`, else from the model's `[conditions]`.
+/// Values of [`FURTHER`]: from the run's file, else from `runs.csv`, else from the model's
+/// `[conditions]`.
 pub struct Further {
     values: [Stated; 3],
 }
@@ -164,7 +166,8 @@ impl Stated {
 }
 
 impl Further {
-    /// Looks the values up and refuses effects, and what else `needs` ice and air, that ask for what is stated nowhere.
+    /// Finds the values and refuses effects, and what else `needs` ice and air, that need what is
+    /// stated nowhere.
     ///
     /// # Errors
     /// [`Error::Keys`] with the run's file, the effect and the column.
@@ -221,7 +224,8 @@ impl Further {
         Ok(further)
     }
 
-    /// The same for the states of one stretch; `resampled` brings a column of the file to their rate.
+    /// The same for the states of one stretch; `resampled` brings a column of the file to their
+    /// rate.
     pub fn piece(&self, resampled: impl Fn(&[f64]) -> Vec<f64>) -> Further {
         let values = self.values.each_ref().map(|value| match value {
             Stated::Nowhere => Stated::Nowhere,
@@ -253,7 +257,8 @@ impl Further {
     }
 }
 
-/// Noise of every sensor of a run at its own rate, estimated by [`white_noise_sd`]; 0 for those that are not recorded.
+/// Noise of every sensor of a run at its own rate, estimated by [`white_noise_sd`]; 0 for those
+/// that are not recorded.
 pub fn estimate_noise(run: &Run) -> Noise {
     let sd = |name: &str| {
         let column = run.columns.get(name);
@@ -270,7 +275,8 @@ pub fn estimate_noise(run: &Run) -> Noise {
     }
 }
 
-/// Standard deviations of the slip angles at the front and the rear runner [rad], before any filter.
+/// Standard deviations of the slip angles at the front and the rear runner [rad], before any
+/// filter.
 ///
 /// ```text
 /// var(alpha_P) = var(alpha) + ((x_P - x_s) / v)^2 var(yaw_rate) (+ var(delta) at the front)

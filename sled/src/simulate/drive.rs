@@ -56,12 +56,14 @@ pub struct Simulated {
 
 /// Drives a sled down a track.
 ///
-/// Fixed steps of fourth order (Adams-Bashforth, started by Runge-Kutta) on the equations of motion in `dynamics.rs`, from
-/// the track's start to its finish: one evaluation of the forces a step, as a simulator in real time can afford.
-/// Deterministic: the same arguments give the same bits. Steps above about 10 ms are unstable at low speed.
+/// Fixed steps of fourth order (Adams-Bashforth, started by Runge-Kutta) on the equations of motion
+/// in `dynamics.rs`, from the track's start to its finish: one evaluation of the forces a step, as
+/// a simulator in real time can afford. Deterministic: the same arguments give the same bits. Steps
+/// above about 10 ms are unstable at low speed.
 ///
 /// # Errors
-/// [`Error::KeyRange`] for options out of range, [`Error::Stopped`] where the sled comes to rest or leaves the track.
+/// [`Error::KeyRange`] for options out of range, [`Error::Stopped`] where the sled comes to rest or
+/// leaves the track.
 pub fn simulate(
     vehicle: &Vehicle,
     track: &TrackShape,
@@ -94,7 +96,8 @@ pub fn simulate(
     }
 }
 
-/// Refuses what the vehicle asks of ice and air that neither `conditions` nor the places along the track state.
+/// Refuses what the vehicle asks of ice and air that neither `conditions` nor the places along the
+/// track state.
 pub(crate) fn refuse_unstated(
     vehicle: &Vehicle,
     conditions: &Conditions,
@@ -108,8 +111,8 @@ pub(crate) fn refuse_unstated(
     refuse_drag_without_air(&vehicle.sled, conditions, who)
 }
 
-/// Drives from a `start` to the distance `finish_m`; beside the result why it ended before, where the motion left the
-/// range of the model.
+/// Drives from a `start` to the distance `finish_m`; with the result why it ended before, where the
+/// motion went out of the range of the model.
 ///
 /// # Errors
 /// [`Error::KeyRange`] for options out of range.

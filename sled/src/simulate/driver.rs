@@ -16,9 +16,9 @@ use crate::track::table::TrackShape;
 /// d(delta)/dt  = ( most tanh(delta_wanted / most) - delta ) / lag
 /// ```
 ///
-/// n is the distance left of the ideal line [m], w the yaw rate at which the line is driven without lateral force
-/// `preview` seconds ahead [rad/s], L the wheelbase [m], v the speed [m/s]. `n_wanted` and the noise are smooth random functions of the
-/// distance.
+/// n is the distance left of the ideal line [m], w the yaw rate at which the line is driven without
+/// lateral force `preview` seconds ahead [rad/s], L the wheelbase [m], v the speed [m/s].
+/// `n_wanted` and the noise are smooth random functions of the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Driver {
     /// Share of the curve's own steering angle that is steered ahead.
@@ -117,7 +117,7 @@ pub(crate) struct Seen {
 }
 
 impl Steering<'_> {
-    /// The steering angle [rad]: a driver's is integrated, a recorded one stands.
+    /// The steering angle [rad]: a driver's is integrated, a recorded one is taken as it is.
     pub(crate) fn angle(&self, s: f64, integrated: f64) -> f64 {
         match self {
             Steering::Driver(..) => integrated,

@@ -16,8 +16,9 @@ use crate::track::table::TrackShape;
 
 /// What is integrated: distance, offset, heading, speeds, steering, and the work done so far.
 ///
-/// Order: s [m], n [m], heading chi against the line [rad], v_x, v_y [m/s], yaw rate [rad/s], steering [rad], work of
-/// gravity, of the ice, of the air (with what effects add to the body) and of contacts [J], time [s].
+/// Order: s [m], n [m], heading chi against the line [rad], v_x, v_y [m/s], yaw rate [rad/s],
+/// steering [rad], work of gravity, of the ice, of the air (with what effects add to the body) and
+/// of contacts [J], time [s].
 pub(crate) type Unknowns = [f64; COUNT];
 
 /// Number of unknowns.
@@ -113,8 +114,9 @@ pub struct Instant {
 impl World<'_> {
     /// Rates of the unknowns and the instant they belong to.
     ///
-    /// The body moves on the ice: `v_z = 0`; its pitch rate is `-v / r_y`, its roll rate follows the bank. With the
-    /// upward direction `u = (-sin(theta), cos(theta) sin(phi), cos(theta) cos(phi))` in body axes:
+    /// The body moves on the ice: `v_z = 0`; its pitch rate is `-v / r_y`, its roll rate follows
+    /// the bank. With the upward direction
+    /// `u = (-sin(theta), cos(theta) sin(phi), cos(theta) cos(phi))` in body axes:
     ///
     /// ```text
     /// v_x' = f_x - g u_x + r v_y      f = (ice + air + wall) / m
@@ -122,9 +124,10 @@ impl World<'_> {
     /// f_z  = p v_y - q v_x + g u_z    (p, q, r) = roll, pitch, yaw rate
     /// ```
     ///
-    /// The pitch acceleration, and with it the normal forces, need the speed's growth before the forces that decide it are
-    /// known: it is taken from a moment ago. Beyond the base line, the sled balances where the line
-    /// puts it: its yaw rate w is the one without lateral force, and the channel's cross-section leads it back.
+    /// The pitch acceleration, and with it the normal forces, need the speed's growth before the
+    /// forces that decide it are known: it is taken from a moment ago. In addition to the base
+    /// line, the sled balances where the line puts it: its yaw rate w is the one without lateral
+    /// force, and the channel's cross-section leads it back.
     pub(crate) fn rates(&self, y: &Unknowns, before: &Before) -> (Unknowns, Instant) {
         let growth = before.growth;
         let sled = &self.vehicle.sled;
@@ -140,7 +143,8 @@ impl World<'_> {
         let [bank, bank_s, bank_ss] = self.shape.bank.at(s);
 
         let vys = vy + sled.slip_x_m * yaw;
-        // The sled moves forward throughout, which `trouble` sees to: the plain forms do, and are faster.
+        // The sled moves forward throughout, which `trouble` sees to: the plain forms do, and are
+        // faster.
         let speed = (vx * vx + vys * vys).sqrt();
         let alpha = -(vys / vx).atan();
         let Slips { cog, front, rear } = slips(sled, alpha, yaw, speed, delta);
@@ -210,7 +214,8 @@ impl World<'_> {
         let vy_t = fy - GRAVITY * up[1] - yaw * vx;
         let yaw_accel = (ice_moment + wall_moment + body_moment) / sled.j_zz_kgm2;
 
-        // The line: where the apparent weight, tilted by the cross-section off it, needs no lateral force.
+        // The line: where the apparent weight, tilted by the cross-section off it, needs no lateral
+        // force.
         let weight = curvature * vx * vx + GRAVITY * cos_theta * bank.cos();
         let line_yaw = (weight * (self.cross_curvature * n).sin() - GRAVITY * up[1]) / speed;
 
@@ -275,8 +280,9 @@ impl World<'_> {
 
     /// What the next moment needs of this one.
     ///
-    /// The slip rate is that of the slip which forces follow late, and where none is late smoothed over ten steps: a force that follows it
-    /// would otherwise answer itself from step to step and grow. The price is a lag of ten steps in such a force.
+    /// The slip rate is that of the slip which forces follow late, and where none is late smoothed
+    /// over ten steps: a force that follows it would otherwise answer itself from step to step and
+    /// grow. The price is a lag of ten steps in such a force.
     pub(crate) fn before(&self, instant: &Instant, then: &Before, step_s: f64) -> Before {
         let (state, mut relaxed) = (&instant.state, then.relaxed);
         let slip_rate = match self.vehicle.effects.relaxation() {
@@ -295,7 +301,8 @@ impl World<'_> {
         }
     }
 
-    /// Kinetic energy in the plane [J]: translation and yaw. Roll and pitch are led by the track and no part of it.
+    /// Kinetic energy in the plane [J]: translation and yaw. Roll and pitch are led by the track
+    /// and no part of it.
     pub(crate) fn kinetic_energy(&self, y: &Unknowns) -> f64 {
         let sled = &self.vehicle.sled;
         0.5 * sled.mass_kg * (y[VX] * y[VX] + y[VY] * y[VY])
@@ -321,7 +328,7 @@ impl World<'_> {
         }
         if y[N].abs() > 5.0 || y[CHI].abs() > 1.2 {
             return Some(format!(
-                "{:.1} m off the line at a heading of {:.2} rad: the sled has left the track",
+                "{:.1} m off the line at a heading of {:.2} rad: the sled went off the track",
                 y[N], y[CHI]
             ));
         }

@@ -29,8 +29,9 @@ pub const DRIVERS: [(&str, &str, usize); 5] = [
 
 /// How each sample driver steers.
 ///
-/// A1 steers little and lets the sled wander; A2 steers much and stays on the line; A3 and B1 vary more from run to
-/// run; C1 steers little and late, and swings between the walls ([`sample_contacts`]).
+/// A1 steers little and lets the sled wander; A2 steers much and stays on the line; A3 and B1 vary
+/// more from run to run; C1 steers little and late, and swings between the walls
+/// ([`sample_contacts`]).
 pub fn sample_driver(name: &str) -> Driver {
     let a1 = Driver {
         noise_rad: 0.006,
@@ -70,9 +71,11 @@ pub fn sample_driver(name: &str) -> Driver {
 
 /// A sample track: banked curves on a slope, shaped for the speeds that a sled reaches on it.
 ///
-/// `east` has long straights where the sled touches the wall ([`sample_contacts`]); `west` is longer and clean.
+/// `east` has long straights where the sled touches the wall ([`sample_contacts`]); `west` is
+/// longer and clean.
 pub fn sample_track(name: &str) -> Track {
-    // Start of the curve, length, bank at its crown (negative: a left turn, right side up) [m, m, rad].
+    // Start of the curve, length, bank at its crown (negative: a left turn, right side up) [m, m,
+    // rad].
     let (length, curves): (f64, &[[f64; 3]]) = match name {
         "west" => (
             1500.0,
@@ -126,7 +129,8 @@ pub fn sample_track(name: &str) -> Track {
     for &s in &s_m {
         let phi = bank(s);
         let slope_growth = (slope(s + 0.5) - slope(s - 0.5)) / 1.0;
-        // A turn without lateral force: v^2 / r_y = g tan(phi) sin(phi) about the sled's pitch axis.
+        // A turn without lateral force: v^2 / r_y = g tan(phi) sin(phi) about the sled's pitch
+        // axis.
         curvature_1pm
             .push(GRAVITY * phi.tan() * phi.sin() / speed_square - slope_growth * phi.cos());
         let drag = 0.004 * GRAVITY / phi.cos() + 0.5 * 1.2 * 0.28 * speed_square / 390.0;
@@ -148,7 +152,8 @@ fn smooth_step(x: f64) -> f64 {
     x * x * x * (10.0 + x * (6.0 * x - 15.0))
 }
 
-/// Wall contacts of one sample run: on `east` near 500 m and 800 m for everybody; B1 and above all C1 touch elsewhere, too.
+/// Wall contacts of one sample run: on `east` near 500 m and 800 m for everybody; B1 and above all
+/// C1 touch elsewhere, too.
 pub fn sample_contacts(track: &str, driver: &str, seed: u64) -> Vec<WallContact> {
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x77a1);
     let mut contact = |s_m: f64, side: f64| WallContact {
@@ -189,9 +194,11 @@ pub struct Planned {
     pub options: SimulateOptions,
 }
 
-/// The plan of the sample data set: 44 runs, drivers as in the paper, sessions d1 to d4 on `east` and w1 on `west`.
+/// The plan of the sample data set: 44 runs, drivers as in the paper, sessions d1 to d4 on `east`
+/// and w1 on `west`.
 ///
-/// The top drivers' last two runs and two of B1's are on `west`, which no fit should see. Everything follows from `seed`.
+/// The top drivers' last two runs and two of B1's are on `west`, which no fit should see.
+/// Everything follows from `seed`.
 pub fn sample_plan(seed: u64) -> Vec<Planned> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut plan = Vec::new();
@@ -232,7 +239,8 @@ pub fn sample_plan(seed: u64) -> Vec<Planned> {
     plan
 }
 
-/// Drives one planned run; a driver's line varies from run to run by a factor drawn from the run's seed.
+/// Drives one planned run; a driver's line varies from run to run by a factor drawn from the run's
+/// seed.
 ///
 /// # Errors
 /// Those of [`simulate`].

@@ -23,10 +23,11 @@ use crate::track::table::Track;
 
 /// What the sensors of the sled record of a simulated run, in the format of a measured one.
 ///
-/// The accelerometer at its place feels `f + dw/dt x r + w x (w x r)`, f being the specific force at the centre of
-/// gravity; the slip sensor sees speed and slip angle at its own place. Effects of the vehicle that stand between the
-/// truth and its sensors act. White noise of the stated deviations is added to each channel with `seed`; none where
-/// `noise` is absent. `s_m` is the true distance along the track.
+/// The accelerometer at its place feels `f + dw/dt x r + w x (w x r)`, f being the specific force
+/// at the centre of gravity; the slip sensor sees speed and slip angle at its own place. Effects of
+/// the vehicle that act between the truth and its sensors act. White noise of the stated deviations
+/// is added to each channel with `seed`; none where `noise` is absent. `s_m` is the true distance
+/// along the track.
 pub fn record(
     simulated: &Simulated,
     vehicle: &Vehicle,
@@ -124,7 +125,8 @@ fn true_signals(sled: &Sled, instant: &Instant) -> Signals {
     signals
 }
 
-/// The rates that the motion does not tell: of the accelerations and of the roll split, from the samples.
+/// The rates that the motion does not tell: of the accelerations and of the roll split, from the
+/// samples.
 fn complete_rates(signals: &mut [Signals], dt_s: f64) {
     for sensor in [Sensor::Ax, Sensor::Ay, Sensor::Az, Sensor::RollSplit] {
         let values: Vec<f64> = signals.iter().map(|s| s[sensor]).collect();

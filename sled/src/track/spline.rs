@@ -1,13 +1,14 @@
-//! Natural cubic splines, twice continuously differentiable, with fast look-up.
+//! Natural cubic splines, twice continuously differentiable, with fast evaluation.
 
-/// A natural cubic spline; constant beyond its ends.
+/// A natural cubic spline; constant outside its ends.
 #[derive(Clone, Debug)]
 pub struct Spline {
     knots: Vec<f64>,
     /// Value, and coefficients of (x - knot), its square and its cube, a segment.
     pieces: Vec<[f64; 4]>,
     last: f64,
-    /// First segment that reaches into each of equal buckets: makes the search short whatever the spacing.
+    /// First segment that reaches into each of equal buckets: makes the search short whatever the
+    /// spacing.
     buckets: Vec<u32>,
     per_metre: f64,
 }

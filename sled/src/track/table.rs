@@ -9,9 +9,9 @@ use crate::track::spline::Spline;
 
 /// A track table, `track_NAME.csv`.
 ///
-/// The line is the one the sled takes: `curvature_1pm` is `1/r_y` about the sled's own pitch axis (in a banked curve most
-/// of the turn is in it), `bank_rad` the roll of the ice under the sled, positive with the left side up, and
-/// `slope_rad` the pitch of the ice, positive downhill.
+/// The line is the one the sled takes: `curvature_1pm` is `1/r_y` about the sled's own pitch axis
+/// (in a banked curve most of the turn is in it), `bank_rad` the roll of the ice under the sled,
+/// positive with the left side up, and `slope_rad` the pitch of the ice, positive downhill.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
     /// Name, as runs refer to it.
@@ -33,7 +33,8 @@ const COLUMNS: [&str; 4] = ["s_m", "slope_rad", "curvature_1pm", "bank_rad"];
 /// Least length of a track [m]: ten times a sled, and more than any track has kilometres.
 const LEAST_SPAN_M: f64 = 20.0;
 
-/// Columns of an estimated track beside those: they say how well it is known, and nothing drives on them.
+/// Further columns of an estimated track: they say how well it is known, and nothing drives on
+/// them.
 const ERRORS: [&str; 4] = ["slope_sd_rad", "curvature_sd_1pm", "bank_sd_rad", "runs"];
 
 impl Track {
@@ -52,11 +53,13 @@ impl Track {
         Track::from_csv(reader, name, &file)
     }
 
-    /// Reads the columns `s_m, slope_rad, curvature_1pm, bank_rad`; `radius_m` may stand for `curvature_1pm`, and `ice_c`
-    /// [degrees Celsius] beside them, with cells left empty where nothing measures it. The errors of an estimated track are passed over.
+    /// Reads the columns `s_m, slope_rad, curvature_1pm, bank_rad`; `radius_m` may replace
+    /// `curvature_1pm`, and `ice_c` [degrees Celsius] may follow, with cells empty where nothing
+    /// measures it. The errors of an estimated track are passed over.
     ///
     /// # Errors
-    /// [`Error::MissingColumn`], [`Error::Column`] for unknown ones, [`Error::Cell`] with the row, [`Error::TooFew`].
+    /// [`Error::MissingColumn`], [`Error::Column`] for unknown ones, [`Error::Cell`] with the row,
+    /// [`Error::TooFew`].
     pub fn from_csv(reader: impl std::io::Read, name: &str, file: &str) -> Result<Track, Error> {
         let required = [
             "s_m",
@@ -94,7 +97,7 @@ impl Track {
                 return Err(Error::Column {
                     file: file.to_string(),
                     column: "radius_m".to_string(),
-                    what: "given beside curvature_1pm",
+                    what: "given together with curvature_1pm",
                     expected: expected(),
                 });
             }
@@ -129,7 +132,8 @@ impl Track {
     /// Checks lengths and ranges; `file` names the source in errors.
     ///
     /// # Errors
-    /// [`Error::Cell`] with row and column, [`Error::TooFew`], [`Error::Unit`] for a track of a few metres.
+    /// [`Error::Cell`] with row and column, [`Error::TooFew`], [`Error::Unit`] for a track of a few
+    /// metres.
     pub fn check(&self, file: &str) -> Result<(), Error> {
         if self.s_m.len() < 4 {
             return Err(Error::TooFew {
@@ -228,7 +232,8 @@ pub struct IceAlong {
 }
 
 impl IceAlong {
-    /// Of places [m] with their temperatures [degrees Celsius] in any order; those that are no number are passed over.
+    /// Of places [m] with their temperatures [degrees Celsius] in any order; those that are no
+    /// number are passed over.
     pub fn new(points: impl IntoIterator<Item = [f64; 2]>) -> IceAlong {
         let known = |point: &[f64; 2]| point.iter().all(|x| x.is_finite());
         let mut points: Vec<[f64; 2]> = points.into_iter().filter(known).collect();
@@ -241,7 +246,8 @@ impl IceAlong {
         &self.points
     }
 
-    /// The temperature at a place [m]: on a straight line between the nearest, level beyond the ends; none without any.
+    /// The temperature at a place [m]: on a straight line between the nearest, level outside the
+    /// ends; none without any.
     pub fn at(&self, s_m: f64) -> Option<f64> {
         let after = self.points.partition_point(|point| point[0] <= s_m);
         let Some(&[b, warm]) = self.points.get(after) else {

@@ -2,8 +2,8 @@
 //!
 //! `mu` is the friction coefficient, `slope_rad` the track's slope, the column of a sensor its
 //! reading, `mass_kg` and the like a constant of the sled; `fx_f_n`, `fx_r_n`, `fy_f_n`, `fy_r_n`
-//! are the forces on the runners, `fx_n`, `fy_n`, `mz_nm` those on the body. A name with `_rate` is a
-//! derivative by time.
+//! are the forces on the runners, `fx_n`, `fy_n`, `mz_nm` those on the body. A name with `_rate` is
+//! a derivative by time.
 
 use kufe_sled::Conditions;
 use kufe_sled::effects::{Constants, Effect, Forces, OperatingPoint, Sensor, Signals, State};

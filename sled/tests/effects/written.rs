@@ -12,7 +12,8 @@ use rand_chacha::ChaCha8Rng;
 /// Models with each effect.
 const DRAWS: usize = 12;
 
-/// Values within the ranges of the parameters, both ends among them; a stretch begins before it ends.
+/// Values within the ranges of the parameters, both ends among them; a stretch begins before it
+/// ends.
 fn draw(info: &Info, random: &mut ChaCha8Rng) -> Vec<f64> {
     let mut values: Vec<f64> = info
         .parameters

@@ -127,7 +127,8 @@ fn exact_glides_give_friction_and_slope_back() {
 
 #[test]
 fn neglecting_the_air_would_matter() {
-    // The drag of the simulated sled is worth several per cent of its friction, so the test above exercises it.
+    // The drag of the simulated sled is worth several per cent of its friction, so the test above
+    // exercises it.
     let mut run = PLAIN.run("u", "A", "uphill", 0);
     run.entry.cda_m2 = 0.0;
     let trace = read_glide("u", PLAIN.file(0).as_bytes()).expect("reads");

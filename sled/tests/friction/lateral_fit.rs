@@ -5,7 +5,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// Runs with slowly varying slip and load; both the force error and the slip noise are Gaussian, the former correlated.
+/// Runs with slowly varying slip and load; both the force error and the slip noise are Gaussian,
+/// the former correlated.
 struct Track {
     runs: u32,
     samples: usize,

@@ -1,4 +1,5 @@
-//! The friction laws and their fits against closed forms, samples drawn from known models and the published numbers.
+//! The friction laws and their fits against closed forms, samples drawn from known models and the
+//! published numbers.
 
 mod film;
 mod icehouse;

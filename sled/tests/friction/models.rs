@@ -153,7 +153,8 @@ fn every_derivative_equals_finite_differences() {
                 assert!((at.fy - model.force(alpha, fz)).abs() < 1e-9);
                 let difference =
                     |move_by: &dyn Fn(f64) -> f64| (move_by(1e-6) - move_by(-1e-6)) / 2e-6;
-                // Relative steps: each derivative is compared times its own argument, all in newtons.
+                // Relative steps: each derivative is compared times its own argument, all in
+                // newtons.
                 let pairs = [
                     (
                         at.alpha * alpha,

@@ -6,7 +6,8 @@ use kufe_sled::{
     TrackEstimate, TrackShape, Vehicle, align, prepare, simulate, state_places,
 };
 
-/// Sample runs on `east` by every driver, each with its own shift [m] and stretch, and the true distance of every row.
+/// Sample runs on `east` by every driver, each with its own shift [m] and stretch, and the true
+/// distance of every row.
 fn shifted(count: usize) -> (Vec<Run>, Vec<Vec<f64>>) {
     let model = Model::published();
     let vehicle = Vehicle::new(&model).unwrap();

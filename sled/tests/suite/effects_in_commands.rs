@@ -1,4 +1,5 @@
-//! Every effect of the catalogue acts in simulation, fit, validation and evaluation, or is refused there by its name.
+//! Every effect of the catalogue acts in simulation, fit, validation and evaluation, or is refused
+//! there by its name.
 
 use std::path::Path;
 use std::sync::LazyLock;

@@ -106,7 +106,8 @@ fn derivatives_by_every_sensor_and_constant_are_those_of_the_balances() {
             let largest = plus.iter().zip(minus).map(|(p, m)| (p - m).abs());
             let size = largest.fold(1e-9, f64::max);
             for c in 0..3 {
-                // The load's own equation is solved to 1e-6, and the second order of differences is below that.
+                // The load's own equation is solved to 1e-6, and the second order of differences is
+                // below that.
                 let off = (plus[c] - minus[c] - closed[c]).abs();
                 assert!(
                     off < 2e-4 * size,

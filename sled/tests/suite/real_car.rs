@@ -45,7 +45,8 @@ fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
     assert_eq!(run.len(), 27_501);
     assert!((run.rate_hz() - 50.0).abs() < 1e-6);
 
-    // Distances from the centre of gravity as stated with the data; slip is measured there. No mass: forces per mass.
+    // Distances from the centre of gravity as stated with the data; slip is measured there. No
+    // mass: forces per mass.
     let mut sled = Model::published().sled;
     (sled.l_f_m, sled.l_r_m, sled.slip_x_m) = (1.33, 1.07, 0.0);
     let wheelbase = sled.wheelbase_m();
@@ -88,7 +89,8 @@ fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
         assert!((30.0..300.0).contains(&k.value), "{axle}: {}", k.value);
         stiffness.push((fit, samples));
     }
-    // The curve explains the lateral acceleration far better than no model: half its variance at the very least.
+    // The curve explains the lateral acceleration far better than no model: half its variance at
+    // the very least.
     for (fit, samples) in &stiffness {
         let power = samples.iter().map(|s| s.fy * s.fy).sum::<f64>() / samples.len() as f64;
         assert!(fit.residual_rms.powi(2) < 0.5 * power);

@@ -48,7 +48,8 @@ fn a_simulated_run_comes_back_from_its_steering() {
         "{back:?}"
     );
     assert!(back.to_m > 1499.0, "{}", back.to_m);
-    // The low pass at 20 Hz bends the first samples, which moves the start by 2e-5 s; steps of 1 ms err less.
+    // The low pass at 20 Hz bends the first samples, which moves the start by 2e-5 s; steps of 1 ms
+    // err less.
     for (column, most) in [
         ("t_s", 4e-5),
         ("v_mps", 4e-6),
@@ -85,7 +86,8 @@ fn the_noise_of_the_first_reading_does_not_set_the_start() {
         first += (inputs.readings[0].values[0] - truth).powi(2) / 12.0;
         started += (back.simulated.instants[0].state.v_mps - truth).powi(2) / 12.0;
     }
-    // Half a second holds twenty values that know nothing of one another, each of the root of 0.4 of the noise.
+    // Half a second holds twenty values that know nothing of one another, each of the root of 0.4
+    // of the noise.
     assert!(first.sqrt() > 0.5 * noise, "{first}");
     assert!(
         started.sqrt() < 2.0 * noise * (0.4_f64 / 20.0).sqrt(),

@@ -1,11 +1,13 @@
-//! Transfer of accelerations, rotations and slips against a moving rigid body computed independently.
+//! Transfer of accelerations, rotations and slips against a moving rigid body computed
+//! independently.
 
 use kufe_sled::one_track::{body_to_front, front_to_body};
 use kufe_sled::{GRAVITY, Model, slips, to_centre_of_gravity};
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 
-/// Attitude over time: three rotations about fixed body axes in turn, each an arbitrary smooth function.
+/// Attitude over time: three rotations about fixed body axes in turn, each an arbitrary smooth
+/// function.
 fn attitude(t: f64, k: &[f64; 6]) -> Rotation3<f64> {
     let angle = |a: f64, w: f64, phase: f64| a * (w * t + phase).sin();
     Rotation3::from_axis_angle(&Vector3::z_axis(), angle(k[0], 1.7, 0.3))
@@ -61,7 +63,8 @@ proptest! {
         r in prop::array::uniform3(-1.0..1.0f64),
         t in 0.0..3.0f64,
     ) {
-        // Eighth order: truncation h^8 f^(10) / 3150 and rounding 1e-15 / h^2 are both below 1e-10 here.
+        // Eighth order: truncation h^8 f^(10) / 3150 and rounding 1e-15 / h^2 are both below 1e-10
+        // here.
         let h = 0.008;
         let up = Vector3::new(0.0, 0.0, GRAVITY);
         let point = |t: f64| centre(t, &k) - Vector3::new(30.0 * t, 0.0, 0.0) + attitude(t, &k) * Vector3::from(r);

@@ -204,7 +204,8 @@ fn inverse_recovers_the_simulated_forces_from_clean_sensors() {
             for (i, force) in forces.iter().enumerate().skip(4).take(forces.len() - 8) {
                 let off = (pick(force) - pick(&simulated.instants[i].forces)).abs() / scale;
                 worst = worst.max(off);
-                // What is left is the derivative across kinks in the track's third derivative, at each metre of its table.
+                // What is left is the derivative across kinks in the track's third derivative, at
+                // each metre of its table.
                 assert!(
                     off < 5e-3,
                     "{name} axis {axis} at sample {i}: {off:.1e} of {scale:.0} N"

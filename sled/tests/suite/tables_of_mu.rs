@@ -1,4 +1,5 @@
-//! Runners whose coefficient of friction is looked up over load, curvature, speed and temperature of the ice.
+//! Runners whose coefficient of friction is looked up over load, curvature, speed and temperature
+//! of the ice.
 
 use std::path::Path;
 
@@ -10,7 +11,8 @@ use kufe_sled::{
     outside_tables, simulate,
 };
 
-/// Powers of load and speed and an exponential of the temperature, which the smooth mode looks up exactly.
+/// Powers of load and speed and an exponential of the temperature, which the smooth mode looks up
+/// exactly.
 fn law(fz: f64, speed: f64, ice_c: f64) -> f64 {
     1.5e-3 * (fz / 1000.0).powf(-0.2) * speed.powf(0.35) * (-0.03 * ice_c).exp()
 }
@@ -162,7 +164,8 @@ fn a_simulated_run_loses_more_on_ice_of_more_friction_and_instants_outside_are_c
 fn the_effect_film_puts_the_tables_law_in_the_place_of_a_constant_by_its_share() {
     let folder = tempfile::tempdir().unwrap();
     write_table(&folder.path().join("mu.lut"), 50.0, true);
-    // The mean over the nodes of the table: 2 loads, the same at both curvatures, 3 speeds, 3 temperatures.
+    // The mean over the nodes of the table: 2 loads, the same at both curvatures, 3 speeds, 3
+    // temperatures.
     let mut mean = 0.0;
     for fz in [50.0, 20_000.0] {
         for speed in [0.5, 8.0, 50.0] {

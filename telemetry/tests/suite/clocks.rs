@@ -44,7 +44,8 @@ delta_rad = { logger = "steer", from = "delta_rad", unit = "deg", sign = -1 }
 gamma_rad = { logger = "steer", from = "gamma_rad" }
 "#;
 
-/// Delays of the loggers `gps` and `steer` beside `imu` [s]: that of a day's time, and a switch-on later.
+/// Delays of the loggers `gps` and `steer` beside `imu` [s]: that of a day's time, and a switch-on
+/// later.
 const DELAYS: [f64; 2] = [47_159.327_3, -3.214_8];
 
 /// What the three loggers write, with so much noise [share of what good sensors have].
@@ -113,11 +114,12 @@ fn three_loggers_with_their_own_clocks_units_and_signs_give_the_run_back() {
     let imported = import(folder.path(), MAPPING).unwrap();
     let (run, note) = (&imported[0].run, &imported[0].note);
     for (name, delay) in [("gps", DELAYS[0]), ("steer", DELAYS[1])] {
-        let said = &note.loggers[name];
-        assert_eq!(said.clock, "found");
+        let said = &note.loggers[name].clock;
+        assert_eq!(said.source, "found");
         // The error is that of the delay found, which a sensor's own lag is part of.
         assert!(said.delay_includes.is_some_and(|what| what.contains("lag")));
-        // Sensors without noise: what is left is that of splines between 20 samples a second and of 9.80665 rounded to nine decimals.
+        // Sensors without noise: what is left is that of splines between 20 samples a second and of
+        // 9.80665 rounded to nine decimals.
         assert!(
             (said.delay_s - delay).abs() < 2e-4,
             "{name}: {:?} for {delay}",
@@ -157,7 +159,7 @@ fn the_stated_error_of_a_delay_is_that_of_many_noisy_runs() {
             ("gps", DELAYS[0], &mut gps),
             ("steer", DELAYS[1], &mut steer),
         ] {
-            let said = &imported[0].note.loggers[name];
+            let said = &imported[0].note.loggers[name].clock;
             let relation = &said.relations[0];
             scores.push((relation.delay_s - delay) / relation.delay_sd_s);
             // A sensor's noise of one run leaves some milliseconds.
@@ -173,8 +175,8 @@ fn the_stated_error_of_a_delay_is_that_of_many_noisy_runs() {
     }
     for (name, scores) in [("gps", gps), ("steer", steer)] {
         let rms = (scores.iter().map(|z| z * z).sum::<f64>() / scores.len() as f64).sqrt();
-        // Of 24 the root mean square scatters by 15 %; Bartlett's weights cut what residuals take back later, so that errors are
-        // stated up to twice too large, never much too small.
+        // Of 24 the root mean square scatters by 15 %; Bartlett's weights cut what residuals take
+        // back later, so that errors are stated up to twice too large, never much too small.
         assert!((0.4..1.4).contains(&rms), "{name}: {rms} of {scores:.2?}");
     }
 }
@@ -206,14 +208,14 @@ fn a_clock_that_cannot_be_found_is_refused_and_may_be_stated() {
         "time_unit = \"ms\"\ndelay_s = -3.2148",
     );
     let imported = import(folder.path(), &stated).unwrap();
-    let said = &imported[0].note.loggers["steer"];
+    let said = &imported[0].note.loggers["steer"].clock;
     assert_eq!(
-        (said.clock, said.delay_s, said.delay_sd_s),
+        (said.source, said.delay_s, said.delay_sd_s),
         ("stated", -3.2148, None)
     );
     let by_run = format!("{unrelated}\n[[run]]\nname = \"r1\"\ndelay_s.steer = -3.2\n");
     let imported = import(folder.path(), &by_run).unwrap();
-    assert_eq!(imported[0].note.loggers["steer"].delay_s, -3.2);
+    assert_eq!(imported[0].note.loggers["steer"].clock.delay_s, -3.2);
     let short = MAPPING.replace("clock = \"imu\"\n", "");
     assert!(
         told(&short)

@@ -129,7 +129,7 @@ fn what_is_guessed_of_two_loggers_is_imported_once_its_questions_are_answered() 
     let imported = import(folder.path(), &mapping).unwrap();
     let (run, note) = (&imported[0].run, &imported[0].note);
     assert_eq!(note.run, "r1");
-    assert_eq!(note.loggers["gps"].clock, "found");
+    assert_eq!(note.loggers["gps"].clock.source, "found");
     for name in [
         "ax_mps2",
         "ay_mps2",

@@ -5,7 +5,8 @@ use std::process::Command;
 
 use crate::truth::import;
 
-/// Runs a script with a folder as its argument; `false`, and says so, where the interpreter or a module is missing.
+/// Runs a script with a folder as its argument; `false`, and says so, where the interpreter or a
+/// module is missing.
 fn made(modules: &str, script: &str, folder: &Path) -> bool {
     let Some(interpreter) = kufe_outside::python(modules) else {
         return false;
@@ -24,7 +25,8 @@ fn made(modules: &str, script: &str, folder: &Path) -> bool {
     true
 }
 
-/// What every script writes: 20 s of speed at 20 Hz in km/h and of a lateral acceleration at 500 Hz in g.
+/// What every script writes: 20 s of speed at 20 Hz in km/h and of a lateral acceleration at 500 Hz
+/// in g.
 fn is_what_was_written(mapping: &str, folder: &Path) {
     let imported = import(folder, mapping).unwrap();
     let run = &imported[0].run;
@@ -45,7 +47,8 @@ fn is_what_was_written(mapping: &str, folder: &Path) {
             .take(1500)
         {
             let exact = of(start + row as f64 * 0.01);
-            // The spline between 20 samples a second: (0.7/20)^4/384 of 3 m/s; numbers in single precision.
+            // The spline between 20 samples a second: (0.7/20)^4/384 of 3 m/s; numbers in single
+            // precision.
             assert!(
                 (value - exact).abs() < 5e-6 * exact.abs().max(1.0),
                 "{column}, row {row}: {value} for {exact}"
@@ -96,7 +99,8 @@ for name, compression in (('plain', 0), ('packed', 2)):
 #[test]
 fn matlab_v73_by_h5py_is_read_with_its_structs() {
     let folder = tempfile::tempdir().unwrap();
-    // The layout that MATLAB R2023b writes: a user block of 512 bytes, old headers, chunks with deflate, class attributes.
+    // The layout that MATLAB R2023b writes: a user block of 512 bytes, old headers, chunks with
+    // deflate, class attributes.
     let script = "
 import sys, os, h5py, numpy as np
 path = os.path.join(sys.argv[1], 'run.mat')

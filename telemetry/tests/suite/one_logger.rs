@@ -81,7 +81,8 @@ fn units_signs_zeros_and_delays_give_the_truth_back() {
             let largest = (0..2000)
                 .map(|i| column(name, f64::from(i) * 0.01).abs())
                 .fold(0.0, f64::max);
-            // At 40 Hz a wave of 1.3 Hz is met by its spline within (2 pi 1.3 / 40)^4 / 384 = 5e-6 of its size; the ends are natural.
+            // At 40 Hz a wave of 1.3 Hz is met by its spline within (2 pi 1.3 / 40)^4 / 384 = 5e-6
+            // of its size; the ends are natural.
             let inner = values.iter().enumerate().take(values.len() - 100).skip(100);
             for (row, value) in inner {
                 let error = (value - column(name, note.start_s + row as f64 * 0.01)).abs();

@@ -1,4 +1,5 @@
-//! A drive in formulas, whose sensors can be asked at any time, and files that loggers might write of it.
+//! A drive in formulas, whose sensors can be asked at any time, and files that loggers might write
+//! of it.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -36,7 +37,8 @@ pub fn speed(t: f64) -> [f64; 2] {
     [25.0 + v, dv]
 }
 
-/// What perfect sensors at the centre of gravity of a body on a level plane read: `ax = dv/dt`, `ay = r v`, `az = g - q v`.
+/// What perfect sensors at the centre of gravity of a body on a level plane read: `ax = dv/dt`,
+/// `ay = r v`, `az = g - q v`.
 pub fn at(t: f64) -> [f64; 10] {
     let wave = |amplitude: f64, f: f64, phase: f64| amplitude * (TAU * f * t + phase).sin();
     let [v, dv] = speed(t);
@@ -81,7 +83,8 @@ pub struct Logger<'a> {
     pub columns: &'a [Writes<'a>],
 }
 
-/// The text that it writes from `from` to `to` of the true time: comma-separated, one line of names as the columns are called.
+/// The text that it writes from `from` to `to` of the true time: comma-separated, one line of names
+/// as the columns are called.
 pub fn recording(logger: &Logger, from: f64, to: f64, seed: u64) -> String {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let names: Vec<&str> = logger.columns.iter().map(|(name, ..)| *name).collect();

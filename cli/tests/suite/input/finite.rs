@@ -195,7 +195,7 @@ fn a_recording_without_its_last_line_end_loses_its_last_row_and_says_so() {
         let output = bench.kufe(&align);
         let message = errors(&output);
         assert!(output.status.success(), "{message}");
-        let said = "A1-01.csv: the last line has no end and is left out";
+        let said = "A1-01.csv: the last line has no end and is not read";
         assert!(message.contains(said), "{cut}: {message}");
         let written = std::fs::read_to_string(bench.path("aligned/A1-01.csv")).expect("a run");
         assert_eq!(written.lines().count() - 1, rows - 1, "{cut}");

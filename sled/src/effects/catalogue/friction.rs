@@ -50,7 +50,7 @@ pub(super) const EFFECTS: &[Effect] = &[
     // Groove and melt film instead of a constant: the law that `kufe lut` computes for the
     // runners at hand, switched on by a share. m is what the runner's table of mu says at its
     // load, curvature, speed and ice temperature, over the mean of the table's nodes, so that
-    // the level stays the base model's. Speed, load and temperature are its parts, and look like
+    // the level stays the base model's. Speed, load and temperature are its parts, and resemble
     // it where little varies.
     Info {
         name: "film",
@@ -92,7 +92,7 @@ pub(super) const EFFECTS: &[Effect] = &[
     .on_friction(|p, mu, at| mu * (1.0 + p[0] * (at.conditions.humidity_pct - p[1]))),
     // The friction coefficient changes with the normal force: n = -1/3 for a line contact with a
     // melt film, near 0 for plowing. Load and side force rise in the same curves: drag of
-    // lateral slip looks alike.
+    // lateral slip has the same signature.
     Info {
         name: "load",
         summary: "friction changes with the normal force",
@@ -161,7 +161,7 @@ pub(super) const EFFECTS: &[Effect] = &[
     }),
     // The friction coefficient changes with speed: n = -1/2 for frictional heating with a dry
     // fraction, +1/2 for a sheared film. Speed, time and distance run together on one track:
-    // drag area, warm-up and slope look alike.
+    // drag area, warm-up and slope have the same signature.
     Info {
         name: "speed",
         summary: "friction changes with speed",
@@ -182,7 +182,7 @@ pub(super) const EFFECTS: &[Effect] = &[
     }
     .effect()
     .on_friction(|p, mu, at| mu * (at.v.max(0.1) / p[1]).powf(p[0])),
-    // Steering brakes: the steered runner scrubs beyond the rotation of its side force.
+    // Steering brakes: the steered runner scrubs in addition to the rotation of its side force.
     Info {
         name: "steer-drag",
         summary: "steering brakes",

@@ -130,7 +130,7 @@ pub(super) const ANGLES: &[Effect] = &[
         signature: "the rate of the steering angle, at the front alone",
         needs: &[Column::Steering],
         looks_like: &["relaxation-length", "slip-lag", "yaw-rate-lag"],
-        decides: "the sensor's clock against the gyroscope's on a steered stand",
+        decides: "the sensor's clock against the gyroscope's on a steered bench",
         example: "0.02: delta_rad 0.03, delta_rad_rate 0.5 -> delta_rad 0.02",
         ..LATE
     }
@@ -350,7 +350,7 @@ pub(super) const ACCELEROMETER_AND_SPEED: &[Effect] = &[
         Fault::scale(Sensor::Ay, 1),
         Fault::scale(Sensor::Az, 2),
     ]),
-    // The accelerometer sits askew: pitched by theta (nose down) and rolled by phi (left side
+    // The accelerometer is mounted askew: pitched by theta (nose down) and rolled by phi (left side
     // up), small angles. On a level track the pitch is exactly an opposite slope.
     Info {
         name: "accelerometer-tilt",

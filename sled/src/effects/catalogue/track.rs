@@ -36,8 +36,8 @@ pub(super) const EFFECTS: &[Effect] = &[
     .on_friction(|p, mu, _| mu - p[0])
     .on_slope(|p, _| p[0]),
     // The surveyed profile is off at places, downhill positive: the same in every run, a random
-    // effect with the stated survey deviation. Rough ice looks alike where no accelerometer is
-    // used.
+    // effect with the stated survey deviation. Rough ice has the same signature where no
+    // accelerometer is used.
     Info {
         name: "track-profile",
         summary: "the profile of the track is off at places",

@@ -14,9 +14,11 @@ const MOST_STEPS: usize = 20_000;
 /// Times that the steps are graded anew, each ten times as exactly.
 const ROUNDS: usize = 6;
 
-/// The melt film along `strip`: what melts, what freezes, what is squeezed out, and the drag of what stays.
+/// The melt film along `strip`: what melts, what freezes, what is squeezed out, and the drag of
+/// what stays.
 ///
-/// With `xi` from the leading edge, thickness `h`, and the melting point of the pressure as the film's temperature:
+/// With `xi` from the leading edge, thickness `h`, and the melting point of the pressure as the
+/// film's temperature:
 ///
 /// ```text
 /// tau = mu V/h + tau_b phi(h/sigma)                                  shear: of the film, and where steel and ice touch
@@ -25,20 +27,22 @@ const ROUNDS: usize = 6;
 /// F_v = integral tau w dxi                                           drag
 /// ```
 ///
-/// [`BoundaryContact`] states the second term of the shear; both kinds of friction melt, so that the one thickens the film for the
-/// other. [`HeatIntoIce`](crate::friction::film::HeatIntoIce) states `q_i`. The last term is the
-/// squeeze film of a long strip, whose mean pressure is p (O. Reynolds, Phil. Trans. R. Soc. 177
-/// (1886)). The film starts at 0 as the root of `xi`.
+/// [`BoundaryContact`] states the second term of the shear; both kinds of friction melt, so that
+/// the one thickens the film for the other. [`HeatIntoIce`](crate::friction::film::HeatIntoIce)
+/// states `q_i`. The last term is the squeeze film of a long strip, whose mean pressure is p (O.
+/// Reynolds, Phil. Trans. R. Soc. 177 (1886)). The film starts at 0 as the root of `xi`.
 /// It never ends: where the walls take more heat than friction gives
-/// (`melt_rate` negative) it freezes and thins until `tau V` is as much, so that thickness goes to nanometres and below for a
-/// slow runner on cold ice, but not to 0. What the model then says is the heat that the ice can take, not that there is a film:
-/// [`Film::thinnest`] belongs beside roughness and the size of a molecule.
+/// (`melt_rate` negative) it freezes and thins until `tau V` is as much, so that thickness goes to
+/// nanometres and below for a slow runner on cold ice, but not to 0. What the model then says is
+/// the heat that the ice can take, not that there is a film: [`Film::thinnest`] is to be compared
+/// with roughness and the size of a molecule.
 ///
-/// Integrated by Radau IIA of order 5, from station to station of the strip; every total comes with the change that halving
-/// all steps makes.
+/// Integrated by Radau IIA of order 5, from station to station of the strip; every total comes with
+/// the change that halving all steps makes.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for conditions, properties or options that are; [`Error::NotConverged`] where the accuracy is not reached.
+/// [`Error::OutOfRange`] for conditions, properties or options that are; [`Error::NotConverged`]
+/// where the accuracy is not reached.
 ///
 /// ```
 /// use kufe_sled::friction::film::{FilmConditions, FilmOptions, Properties, Strip, film};
@@ -66,8 +70,8 @@ pub fn film(
     Ok(film)
 }
 
-/// As [`film`], with the water squeezed out as by the pressure `outflow` [Pa] at each station in place
-/// of the strip's own: for patches that are not much longer than wide.
+/// As [`film`], with the water squeezed out as by the pressure `outflow` [Pa] at each station in
+/// place of the strip's own: for patches that are not much longer than wide.
 ///
 /// # Errors
 /// As [`film`].
@@ -157,10 +161,12 @@ impl Step {
     }
 }
 
-/// Steps whose halving changes neither the thickness nor any total so far by more than `tolerance`, each step by itself.
+/// Steps whose halving changes neither the thickness nor any total so far by more than `tolerance`,
+/// each step by itself.
 ///
-/// Every total counts: heat into the ice has a root's singularity behind each station where the pressure's slope changes, and melting
-/// and freezing a kink where one goes over into the other, which thickness and drag do not feel.
+/// Every total counts: heat into the ice has a root's singularity behind each station where the
+/// pressure's slope changes, and melting and freezing a kink where one goes over into the other,
+/// which thickness and drag do not feel.
 fn grade(track: &Track<'_>, tolerance: f64) -> Result<Vec<Step>, Error> {
     let last = track.segment(track.segments() - 1)[1];
     let shortest = 1e-13 * last;
@@ -171,12 +177,12 @@ fn grade(track: &Track<'_>, tolerance: f64) -> Result<Vec<Step>, Error> {
     for segment in 0..track.segments() {
         let [mut from, to] = track.segment(segment);
         while from < to {
-            let left = to - from;
-            let whole = wished >= 0.999 * left;
+            let rest = to - from;
+            let whole = wished >= 0.999 * rest;
             let length = if whole {
-                left
+                rest
             } else {
-                wished.min(0.5 * left).max(shortest)
+                wished.min(0.5 * rest).max(shortest)
             };
             let step = Step {
                 segment,
@@ -254,19 +260,22 @@ fn stopped(iterations: usize, residual: f64, tolerance: f64) -> Error {
     }
 }
 
-/// Share of the largest width below which squeeze-out no longer grows as the strip narrows to a point.
+/// Share of the largest width below which squeeze-out no longer grows as the strip narrows to a
+/// point.
 const NARROWEST: f64 = 1e-3;
 
 /// What the film's equation says along a strip.
 ///
-/// With `s = sqrt(xi)` instead of `xi` the thickness starts as `h = a s` and every term stays finite:
+/// With `s = sqrt(xi)` instead of `xi` the thickness starts as `h = a s` and every term stays
+/// finite:
 ///
 /// ```text
 /// dh/ds = (4/V) [ (mu V^2/h + tau_b phi(h/sigma) V - q_i - q_s) s/(rho_w L) - s p h^3/(mu w^2) ]
 /// ```
 struct Track<'a> {
     strip: &'a Strip,
-    /// At the stations, the pressure that a long strip would have to have for the squeeze-out that there is [Pa].
+    /// At the stations, the pressure that a long strip would have to have for the squeeze-out that
+    /// there is [Pa].
     outflow_pressure: Vec<f64>,
     width_squared: Vec<f64>,
     narrowest_squared: f64,
@@ -352,7 +361,8 @@ impl<'a> Track<'a> {
         }
     }
 
-    /// What one metre of `s` adds to the totals, where the film is `h` thick; `mean_thickness` is the volume.
+    /// What one metre of `s` adds to the totals, where the film is `h` thick; `mean_thickness` is
+    /// the volume.
     fn totals_rate(&self, k: usize, s: f64, h: f64) -> FilmTotals {
         let xi = s * s;
         let width = self.width_squared(k, xi).sqrt();
@@ -435,7 +445,8 @@ impl Rate {
         film + self.delta * self.boundary.share_slope(h)
     }
 
-    /// Root of one implicit Euler step, by bisection to a few per cent: where Newton's method may start.
+    /// Root of one implicit Euler step, by bisection to a few per cent: where Newton's method may
+    /// start.
     fn implicit_euler(&self, before: f64, step: f64) -> f64 {
         let mut low = 0.0;
         let mut high =
@@ -452,7 +463,7 @@ impl Rate {
     }
 }
 
-/// Where the stages stand in the step, the last at its end.
+/// The places of the stages in the step, the last at its end.
 fn nodes() -> [f64; 3] {
     let root = 6.0_f64.sqrt();
     [(4.0 - root) / 10.0, (4.0 + root) / 10.0, 1.0]
@@ -480,11 +491,13 @@ fn stages() -> Matrix3<f64> {
     )
 }
 
-/// The three stages of one step of Radau IIA of order 5 from the thickness `before`, the last its end; `None` without convergence.
+/// The three stages of one step of Radau IIA of order 5 from the thickness `before`, the last its
+/// end; `None` without convergence.
 ///
-/// The method is stable for any stiffness and never asks for the rate at the beginning of the step, where the film's is without
-/// bound at the leading edge; a thickness that grows linearly in `s` it meets exactly.
-/// Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996, section IV.5.
+/// The method is stable for any stiffness and never asks for the rate at the beginning of the step,
+/// where the film's is without bound at the leading edge; a thickness that grows linearly in `s` it
+/// meets exactly. Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd
+/// ed., Springer 1996, section IV.5.
 fn step(before: f64, step: f64, rates: &[Rate; 3]) -> Option<[f64; 3]> {
     let (nodes, stages) = (nodes(), stages());
     let mut h = Vector3::from_fn(|i, _| rates[i].implicit_euler(before, nodes[i] * step));
@@ -599,9 +612,10 @@ impl FilmTotals {
         self.combined(other, |a, b| (a - b).abs())
     }
 
-    /// The largest of these errors of `value`, relative to it; that of the boundary drag, which may be next to nothing, relative to both
-    /// drags; those of heat and water, which may be small differences, relative to the power that is dissipated and to the water
-    /// that it would melt, `heat_of_ice` [J/kg] and `heat_of_water` [J/m3].
+    /// The largest of these errors of `value`, relative to it; that of the boundary drag, which may
+    /// be next to nothing, relative to both drags; those of heat and water, which may be small
+    /// differences, relative to the power that is dissipated and to the water that it would melt,
+    /// `heat_of_ice` [J/kg] and `heat_of_water` [J/m3].
     fn largest_share(&self, value: &Self, heat_of_ice: f64, heat_of_water: f64) -> f64 {
         let power = value.dissipated;
         // Ahead of the first pressure no load is carried, without an error.
@@ -629,13 +643,15 @@ impl FilmTotals {
 /// The melt film along a strip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    /// The film by stations of the strip, without the leading edge, where thickness is 0 and shear without bound.
+    /// The film by stations of the strip, without the leading edge, where thickness is 0 and shear
+    /// without bound.
     pub stations: Vec<FilmStation>,
     /// What it adds up to.
     pub totals: FilmTotals,
     /// Discretisation error of each total: its change when every step of the integration is halved.
     pub errors: FilmTotals,
-    /// Change of each total on every second station of the strip, `None` below four: how far the stations resolve the patch.
+    /// Change of each total on every second station of the strip, `None` below four: how far the
+    /// stations resolve the patch.
     pub sampling: Option<FilmTotals>,
     /// Steps of the integration.
     pub steps: usize,

@@ -1,4 +1,5 @@
-//! The melt film under a sliding runner: its thickness, temperature and drag from friction heat, heat conduction and squeeze-out.
+//! The melt film under a sliding runner: its thickness, temperature and drag from friction heat,
+//! heat conduction and squeeze-out.
 //!
 //! | item | purpose |
 //! |---|---|

@@ -1,4 +1,5 @@
-//! What a melt film is under and of: the strip of pressure, sliding conditions, water and ice, hardness, heat into the ice.
+//! What a melt film is under and of: the strip of pressure, sliding conditions, water and ice,
+//! hardness, heat into the ice.
 
 use std::f64::consts::{FRAC_2_SQRT_PI, PI, SQRT_2};
 
@@ -8,8 +9,8 @@ use crate::friction::error::{Error, in_range};
 
 /// Material constants of the film and of its two walls, all at 0 C.
 ///
-/// They do not follow the temperature: between 0 and -10 C the conductivity of ice rises by 5 %, its heat capacity falls by 4 %,
-/// and the viscosity of water below 0 C rises by 4 % a kelvin.
+/// They do not follow the temperature: between 0 and -10 C the conductivity of ice rises by 5 %,
+/// its heat capacity falls by 4 %, and the viscosity of water below 0 C rises by 4 % a kelvin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Properties {
     /// Dynamic viscosity of water [Pa s].
@@ -70,7 +71,8 @@ impl Properties {
         self.water_density * self.latent_heat
     }
 
-    /// Checks that every constant is finite, that conductivities are 0 or more and the others positive.
+    /// Checks that every constant is finite, that conductivities are 0 or more and the others
+    /// positive.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with the constant's name.
@@ -134,7 +136,8 @@ impl FilmConditions {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a speed, time or factor that is not positive, ice outside -100 to 0 C, steel outside -100 to 100 C.
+    /// [`Error::OutOfRange`] for a speed, time or factor that is not positive, ice outside -100 to
+    /// 0 C, steel outside -100 to 100 C.
     pub fn check(&self) -> Result<(), Error> {
         let positive = "a positive number";
         in_range("v", self.v, self.v > 0.0, positive)?;
@@ -159,16 +162,16 @@ impl FilmConditions {
 
 /// Asperities of steel and ice that touch through the film: mixed lubrication.
 ///
-/// The heights of both surfaces together are Gaussian with the standard deviation `sigma`. Where the film is `h` thick, those that
-/// are higher touch, and each bears the same shear stress:
+/// The heights of both surfaces together are Gaussian with the standard deviation `sigma`. Where
+/// the film is `h` thick, those that are higher touch, and each bears the same shear stress:
 ///
 /// ```text
 /// tau = mu V/h + tau_b phi(h/sigma),    phi(z) = erfc(z/sqrt 2)
 /// ```
 ///
-/// `phi` counts both tails, so that it is 1 where there is no film. Source of mixed lubrication: N. Patir, H.S. Cheng,
-/// J. Lubr. Technol. 100 (1978) 12-17; of the share of a Gaussian surface: J.A. Greenwood, J.B.P. Williamson, Proc. R. Soc. A 295
-/// (1966) 300-319.
+/// `phi` counts both tails, so that it is 1 where there is no film. Source of mixed lubrication: N.
+/// Patir, H.S. Cheng, J. Lubr. Technol. 100 (1978) 12-17; of the share of a Gaussian surface: J.A.
+/// Greenwood, J.B.P. Williamson, Proc. R. Soc. A 295 (1966) 300-319.
 ///
 /// ```
 /// use kufe_sled::friction::film::BoundaryContact;
@@ -192,7 +195,8 @@ impl BoundaryContact {
         shear: 0.0,
     };
 
-    /// Share of the area that touches through a film `h` [m] thick; 0 of surfaces without roughness.
+    /// Share of the area that touches through a film `h` [m] thick; 0 of surfaces without
+    /// roughness.
     pub fn share(&self, h: f64) -> f64 {
         if self.roughness > 0.0 {
             erfc(h / (SQRT_2 * self.roughness))
@@ -215,9 +219,11 @@ impl BoundaryContact {
 /// How exactly the film's equation is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmOptions {
-    /// Discretisation error asked of every total, 1e-10 to 0.1: relative to its value, that of heat and water, which may be small
-    /// differences, to the power that is dissipated and the water that it would melt. Down to 1e-8 it is reached on any patch
-    /// that was tried (thousands, of pressures in steps among them); where it is not, [`Error::NotConverged`] says how far it came.
+    /// Discretisation error required of every total, 1e-10 to 0.1: relative to its value, that of
+    /// heat and water, which may be small differences, to the power that is dissipated and the
+    /// water that it would melt. Down to 1e-8 it is reached on any patch that was tried (thousands,
+    /// of pressures in steps among them); where it is not, [`Error::NotConverged`] says how far it
+    /// came.
     pub accuracy: f64,
 }
 
@@ -240,8 +246,9 @@ impl FilmOptions {
 
 /// A contact patch much longer than wide, by stations from its leading edge.
 ///
-/// Between stations the pressure and the *square* of the width are linear: a round section that sinks in has `w^2 = 8 r D`, so that
-/// the square grows evenly with depth and the rounded ends of a patch are met with few stations.
+/// Between stations the pressure and the *square* of the width are linear: a round section that
+/// sinks in has `w^2 = 8 r D`, so that the square grows evenly with depth and the rounded ends of a
+/// patch are met with few stations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
     xi: Vec<f64>,
@@ -250,12 +257,14 @@ pub struct Strip {
 }
 
 impl Strip {
-    /// A strip from stations `xi` [m], widths [m] and pressures averaged over the width [Pa], all of one length.
+    /// A strip from stations `xi` [m], widths [m] and pressures averaged over the width [Pa], all
+    /// of one length.
     ///
     /// # Errors
-    /// [`Error::TooFew`] for fewer than two stations or columns of unequal length. [`Error::OutOfRange`] where the stations do not
-    /// start at 0 and ascend, a width is negative or, between the ends, 0, a pressure is negative, no load is carried, or a number
-    /// is not finite.
+    /// [`Error::TooFew`] for fewer than two stations or columns of unequal length.
+    /// [`Error::OutOfRange`] where the stations do not start at 0 and ascend, a width is negative
+    /// or, between the ends, 0, a pressure is negative, no load is carried, or a number is not
+    /// finite.
     pub fn new(xi: Vec<f64>, width: Vec<f64>, pressure: Vec<f64>) -> Result<Self, Error> {
         let n = xi.len();
         if n < 2 {
@@ -334,7 +343,7 @@ impl Strip {
         self.length() / self.largest_width()
     }
 
-    /// The strip on every second station, the last one kept; `None` below four stations.
+    /// The strip on every second station, and the last one; `None` below four stations.
     ///
     /// What it answers differently shows how far the stations resolve width and pressure.
     pub fn every_second(&self) -> Option<Self> {
@@ -342,12 +351,12 @@ impl Strip {
         if n < 4 {
             return None;
         }
-        let kept = |values: &[f64]| -> Vec<f64> {
-            let mut kept: Vec<f64> = values[..n - 1].iter().copied().step_by(2).collect();
-            kept.push(values[n - 1]);
-            kept
+        let thinned = |values: &[f64]| -> Vec<f64> {
+            let mut chosen: Vec<f64> = values[..n - 1].iter().copied().step_by(2).collect();
+            chosen.push(values[n - 1]);
+            chosen
         };
-        Strip::new(kept(&self.xi), kept(&self.width), kept(&self.pressure)).ok()
+        Strip::new(thinned(&self.xi), thinned(&self.width), thinned(&self.pressure)).ok()
     }
 }
 
@@ -385,15 +394,17 @@ pub const HARDNESS_EXPONENT: f64 = 3.0;
 
 /// Indentation hardness of ice from one known point, by the law of its creep.
 ///
-/// Creep at the rate `A H^n exp(-Q/(R T))` that has to make an indentation within the contact time `t` gives
+/// Creep at the rate `A H^n exp(-Q/(R T))` that has to make an indentation within the contact time
+/// `t` gives
 ///
 /// ```text
 /// H(T, t) = H_0 (t/t_0)^(-1/n) exp( integral from T_0 to T of Q/(n R) d(1/T) ),   n = 3
 /// Q = 120 kJ/mol above -8 C, 78 kJ/mol below,   H <= T/(dT_m/dp)
 /// ```
 ///
-/// The energies and the law: P. Barnes, D. Tabor, J.C.F. Walker, Proc. R. Soc. Lond. A 324 (1971) 127-155. Over -8 C the
-/// integral is taken piece by piece, so that the hardness is continuous. The bound is pressure melting, [`pressure_melting_bound`].
+/// The energies and the law: P. Barnes, D. Tabor, J.C.F. Walker, Proc. R. Soc. Lond. A 324 (1971)
+/// 127-155. Over -8 C the integral is taken piece by piece, so that the hardness is continuous. The
+/// bound is pressure melting, [`pressure_melting_bound`].
 ///
 /// ```
 /// use kufe_sled::friction::film::{IceHardness, Properties};
@@ -412,10 +423,12 @@ pub struct IceHardness {
 }
 
 impl IceHardness {
-    /// From the hardness `pressure` [Pa] that was measured at `temperature` [C] within `contact_time` [s].
+    /// From the hardness `pressure` [Pa] that was measured at `temperature` [C] within
+    /// `contact_time` [s].
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a pressure or time that is not positive, or a temperature outside -100 to 0 C.
+    /// [`Error::OutOfRange`] for a pressure or time that is not positive, or a temperature
+    /// outside -100 to 0 C.
     pub fn new(pressure: f64, temperature: f64, contact_time: f64) -> Result<Self, Error> {
         in_range("pressure", pressure, pressure > 0.0, "a positive number")?;
         check(temperature, contact_time)?;
@@ -426,9 +439,11 @@ impl IceHardness {
         })
     }
 
-    /// Hardness at `temperature` [C] within `contact_time` [s], at most the pressure that melts the ice [Pa].
+    /// Hardness at `temperature` [C] within `contact_time` [s], at most the pressure that melts the
+    /// ice [Pa].
     ///
-    /// A runner of contact length `l` at the speed `V` leaves the ice `l/V`. 0 at 0 C, where ice bears nothing without melting.
+    /// A runner of contact length `l` at the speed `V` leaves the ice `l/V`. 0 at 0 C, where ice
+    /// bears nothing without melting.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a time that is not positive, or a temperature outside -100 to 0 C.
@@ -448,7 +463,8 @@ impl IceHardness {
 
 /// Pressure that melts ice of this temperature [C], which no contact exceeds for long [Pa].
 ///
-/// `p = T/(dT_m/dp)`: 13.5 MPa a kelvin below 0 C. Without bound where the melting point does not fall with pressure.
+/// `p = T/(dT_m/dp)`: 13.5 MPa a kelvin below 0 C. Without bound where the melting point does not
+/// fall with pressure.
 pub fn pressure_melting_bound(temperature: f64, properties: &Properties) -> f64 {
     if properties.melting_slope < 0.0 {
         (temperature.min(0.0) / properties.melting_slope).abs()
@@ -476,16 +492,19 @@ fn check(temperature: f64, contact_time: f64) -> Result<(), Error> {
     in_range("contact_time", contact_time, holds, "a positive number")
 }
 
-/// Heat into ice whose surface is held at the melting point from the moment the runner's leading edge reaches it.
+/// Heat into ice whose surface is at the melting point from the moment the runner's leading edge
+/// reaches it.
 ///
-/// Conduction in depth alone (the Peclet number of a bob runner is a million) into ice at `T_ice`, with `D = T_m(p(xi)) - T_ice`:
+/// Conduction in depth alone (the Peclet number of a bob runner is a million) into ice at `T_ice`,
+/// with `D = T_m(p(xi)) - T_ice`:
 ///
 /// ```text
 /// q_i(xi) = k_i sqrt(V/(pi kappa)) [ D(0)/sqrt(xi) + integral_0^xi D'(s)/sqrt(xi - s) ds ]
 /// ```
 ///
-/// Exact for the pressure of a [`Strip`], linear between its stations. Under an even pressure it is `k_i D/sqrt(pi kappa xi/V)`.
-/// Source: H.S. Carslaw, J.C. Jaeger, Conduction of Heat in Solids, 2nd ed., Oxford 1959, section 2.5 with Duhamel's theorem.
+/// Exact for the pressure of a [`Strip`], linear between its stations. Under an even pressure it is
+/// `k_i D/sqrt(pi kappa xi/V)`. Source: H.S. Carslaw, J.C. Jaeger, Conduction of Heat in Solids,
+/// 2nd ed., Oxford 1959, section 2.5 with Duhamel's theorem.
 ///
 /// Negative where the pressure has pushed the melting point under the temperature of the ice.
 #[derive(Clone, Debug)]
@@ -532,8 +551,9 @@ impl HeatIntoIce {
 
 /// Heat transfer coefficient of steel as deep as heat goes in the sliding time [W/(m2 K)].
 ///
-/// `q_s = sqrt(k_s rho_s c_s/(pi t)) (T_m - T_s)` with the time `t` for which the runner has slid: the film stays at the same
-/// place of the steel. Some 2 kW/(m2 K) after 10 s, beside megawatts of friction. Source: as [`HeatIntoIce`].
+/// `q_s = sqrt(k_s rho_s c_s/(pi t)) (T_m - T_s)` with the time `t` for which the runner has slid:
+/// the film stays at the same place of the steel. Some 2 kW/(m2 K) after 10 s, against megawatts of
+/// friction. Source: as [`HeatIntoIce`].
 pub(crate) fn steel_transfer(conditions: &FilmConditions, properties: &Properties) -> f64 {
     let effusivity_squared = properties.steel_conductivity * properties.steel_volumetric_heat;
     (effusivity_squared / (PI * conditions.sliding_time)).sqrt()

@@ -1,9 +1,10 @@
 //! Fit of the magic formula to measured slip angles, loads and lateral forces.
 //!
-//! Ordinary least squares takes the slip angle for exact. It is not: noise in it flattens the fitted curve (attenuation) and
-//! no amount of data helps. The fit therefore starts from least squares (Levenberg-Marquardt) and goes on to the root of
-//! a corrected score that is unbiased for slip noise of a stated standard deviation. Intervals come from leaving out
-//! one cluster (run) at a time, so that correlation within a run does not make them too narrow.
+//! Ordinary least squares takes the slip angle for exact. It is not: noise in it flattens the
+//! fitted curve (attenuation) and no amount of data helps. The fit therefore starts from least
+//! squares (Levenberg-Marquardt) and goes on to the root of a corrected score that is unbiased for
+//! slip noise of a stated standard deviation. Intervals come from leaving out one cluster (run) at
+//! a time, so that correlation within a run does not make them too narrow.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -25,15 +26,16 @@ pub struct LateralFit {
     pub k_n_per_rad: Estimate,
     /// The product of mu_zeta and C, which saturation determines.
     pub mu_zeta_c: Estimate,
-    /// mu_zeta; conditional on C where C is held.
+    /// mu_zeta; conditional on C where C is fixed.
     pub mu_zeta: Estimate,
     /// Shape factor C.
     pub c: Estimate,
-    /// Whether C was held at the options' value because the data do not determine it.
+    /// Whether C was fixed at the options' value because the data do not determine it.
     pub c_held: bool,
-    /// Whether the data saturate enough to determine the product; if not, its interval is 0 to infinity and only K counts.
+    /// Whether the data saturate enough to determine the product; if not, its interval is 0 to
+    /// infinity and only K counts.
     pub product_determined: bool,
-    /// Covariance of `(ln K, ln(mu_zeta C), ln C)`; zero rows where C is held.
+    /// Covariance of `(ln K, ln(mu_zeta C), ln C)`; zero rows where C is fixed.
     pub covariance: Matrix3<f64>,
     /// What the data determine, judged with all three free.
     pub identifiability: Identifiability,
@@ -47,7 +49,7 @@ pub struct LateralFit {
     pub residual_rms: f64,
     /// Samples used.
     pub samples: usize,
-    /// Samples left out: lifted, or so lightly loaded that slip noise spans the whole curve.
+    /// Samples excluded: lifted, or so lightly loaded that slip noise spans the whole curve.
     pub left_out: usize,
     /// Clusters that the intervals rest on.
     pub clusters: usize,
@@ -55,7 +57,7 @@ pub struct LateralFit {
 
 /// Fewest samples a fit accepts.
 const FEWEST: usize = 20;
-/// Factor on the product beyond which the data lie on the straight part of the curve.
+/// Factor on the product above which the data lie on the straight part of the curve.
 const STRAIGHT: f64 = 1e4;
 /// Largest shift of the scaled slip into the complex plane; the nearest singularity is at 1.
 const LARGEST_SHIFT: f64 = 0.5;
@@ -65,8 +67,9 @@ const LARGEST_SHIFT: f64 = 0.5;
 /// Where all samples are one cluster it is cut into twenty stretches in the order given.
 ///
 /// # Errors
-/// [`Error::TooFew`], [`Error::OutOfRange`] for NaN or options out of range, [`Error::Undetermined`] where not even K is
-/// determined or slip noise exceeds the slip, [`Error::NotConverged`].
+/// [`Error::TooFew`], [`Error::OutOfRange`] for NaN or options out of range,
+/// [`Error::Undetermined`] where not even K is determined or slip noise exceeds the slip,
+/// [`Error::NotConverged`].
 pub fn fit_lateral(
     samples: &[LateralSample],
     options: &LateralFitOptions,
@@ -76,8 +79,8 @@ pub fn fit_lateral(
     need(used.len())?;
     cut_single_cluster(&mut used);
     let start = first_guess(&used, options)?;
-    let held = [true, true, false];
-    let mut rough = least_squares(&used, start, held)?;
+    let fixed = [true, true, false];
+    let mut rough = least_squares(&used, start, fixed)?;
     if options.slip_sd > 0.0 {
         let reach =
             3f64.sqrt() * options.slip_sd * rough.k_n_per_rad / (rough.mu_zeta_c() * LARGEST_SHIFT);
@@ -85,7 +88,7 @@ pub fn fit_lateral(
         if loaded.len() < used.len() {
             need(loaded.len())?;
             used = loaded;
-            rough = least_squares(&used, rough, held)?;
+            rough = least_squares(&used, rough, fixed)?;
         }
     }
     let (mut free, least_squares_model, identifiability) = choose_freedom(&used, rough, options)?;
@@ -243,9 +246,10 @@ fn first_guess(
 pub struct LateralFitOptions {
     /// Curvature factor E, predefined and not fitted.
     pub e: f64,
-    /// Shape factor C that is held where the data do not determine it.
+    /// Shape factor C that is fixed where the data do not determine it.
     pub c: f64,
-    /// Standard deviation of the noise in the slip angles as given, after any filter [rad]; 0 where they are exact.
+    /// Standard deviation of the noise in the slip angles as given, after any filter [rad]; 0 where
+    /// they are exact.
     pub slip_sd: f64,
     /// Probability that the intervals are to cover.
     pub confidence: f64,
@@ -264,8 +268,9 @@ impl Default for LateralFitOptions {
 
 // The least-squares score of the magic formula in logarithms, for real and for complex slip.
 //
-// Parameters are `theta = (ln K, ln P, ln C)` with `P = mu_zeta C`: logarithms keep all three positive, and the
-// product P is what saturating data determine, whereas C apart from P hardly changes the force while C is small.
+// Parameters are `theta = (ln K, ln P, ln C)` with `P = mu_zeta C`: logarithms keep all three
+// positive, and the product P is what saturating data determine, whereas C apart from P hardly
+// changes the force while C is small.
 
 /// One sample of a runner's lateral force.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -344,11 +349,13 @@ impl Score {
         self.slope += other.slope;
     }
 
-    /// Score of one sample whose slip carries noise of standard deviation `slip_sd`, unbiased for the score at the true slip.
+    /// Score of one sample whose slip carries noise of standard deviation `slip_sd`, unbiased for
+    /// the score at the true slip.
     ///
-    /// For an analytic h and Gaussian noise eta, `E[h(xi + eta + i eta')] = h(xi)` with an independent copy
-    /// eta'; three Gauss-Hermite nodes over eta' give `h* = 2/3 h(alpha) + 1/3 Re h(alpha + i sqrt(3) sd)`, exact to
-    /// the fifth power of the noise (Novick and Stefanski, J. Am. Stat. Assoc. 97 (2002) 472).
+    /// For an analytic h and Gaussian noise eta, `E[h(xi + eta + i eta')] = h(xi)` with an
+    /// independent copy eta'; three Gauss-Hermite nodes over eta' give
+    /// `h* = 2/3 h(alpha) + 1/3 Re h(alpha + i sqrt(3) sd)`, exact to the fifth power of the noise
+    /// (Novick and Stefanski, J. Am. Stat. Assoc. 97 (2002) 472).
     pub(crate) fn of_sample(model: &MagicFormula, sample: &LateralSample, slip_sd: f64) -> Score {
         let (f, g) = force_and_gradient(model, sample.alpha, sample.fz);
         let mut sum = Score::ZERO;
@@ -378,7 +385,8 @@ impl Score {
 pub struct Combination {
     /// Exponents of K, of the product mu_zeta C and of C apart from that product, of unit length.
     pub exponents: [f64; 3],
-    /// Singular value of the Jacobian along it [N per unit logarithm], root mean square over the samples.
+    /// Singular value of the Jacobian along it [N per unit logarithm], root mean square over the
+    /// samples.
     pub singular_value: f64,
     /// Standard deviation of the combination's logarithm, robust to correlation within clusters.
     pub relative_sd: f64,
@@ -476,8 +484,8 @@ pub(crate) fn least_squares(
         free: (0..3).filter(|&i| free[i]).collect(),
         e: start.e,
     };
-    // Looser than rounding: along a direction that the data do not determine the last digits cost most of the time, and the
-    // corrected score takes the parameters further.
+    // Looser than rounding: along a direction that the data do not determine the last digits cost
+    // most of the time, and the corrected score takes the parameters further.
     let (problem, report) = LevenbergMarquardt::new()
         .with_ftol(1e-12)
         .with_xtol(1e-10)
@@ -541,7 +549,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Residuals<'_> {
 /// Decides by the three-parameter fit whether C is free.
 pub(crate) fn choose_freedom(
     samples: &[LateralSample],
-    held: MagicFormula,
+    fixed: MagicFormula,
     options: &LateralFitOptions,
 ) -> Result<([bool; 3], MagicFormula, Identifiability), Error> {
     let squares = |model: &MagicFormula| -> f64 {
@@ -550,11 +558,12 @@ pub(crate) fn choose_freedom(
             .map(|s| (s.fy - model.force(s.alpha, s.fz)).powi(2))
             .sum()
     };
-    let mut best = held;
+    let mut best = fixed;
     for c in [options.c, 1.0] {
-        let mu_zeta = held.mu_zeta_c() / c;
-        let start = MagicFormula { mu_zeta, c, ..held };
-        // A direction without curvature may stop the search early; the held fit is then the better one.
+        let mu_zeta = fixed.mu_zeta_c() / c;
+        let start = MagicFormula { mu_zeta, c, ..fixed };
+        // A direction without curvature may stop the search early; the fit with C fixed is then the
+        // better one.
         if let Ok(found) = least_squares(samples, start, [true; 3])
             && found.c < 2.0
             && squares(&found) < squares(&best)
@@ -566,7 +575,7 @@ pub(crate) fn choose_freedom(
     if judged.rank() == 3 {
         return Ok(([true; 3], best, judged));
     }
-    let judged = judge(samples, &held, options.slip_sd);
+    let judged = judge(samples, &fixed, options.slip_sd);
     let strongest = judged.combinations[0];
     if !strongest.determined {
         return Err(Error::Undetermined {
@@ -574,7 +583,7 @@ pub(crate) fn choose_freedom(
             ratio: Combination::LIMIT / strongest.relative_sd,
         });
     }
-    Ok(([true, true, false], held, judged))
+    Ok(([true, true, false], fixed, judged))
 }
 
 fn judge(samples: &[LateralSample], model: &MagicFormula, slip_sd: f64) -> Identifiability {
@@ -618,7 +627,8 @@ fn step(slope: &Matrix3<f64>, score: &Vector3<f64>, free: [bool; 3]) -> Option<V
     Some(whole)
 }
 
-/// Root of the corrected score from the least-squares fit, by Gauss-Newton steps of at most one unit of logarithm.
+/// Root of the corrected score from the least-squares fit, by Gauss-Newton steps of at most one
+/// unit of logarithm.
 pub(crate) fn corrected_root(
     samples: &[LateralSample],
     start: &MagicFormula,
@@ -655,7 +665,8 @@ pub(crate) fn corrected_root(
     })
 }
 
-/// Covariance by leaving out one cluster at a time, one Newton step each (the jackknife "CR3" of Bell and McCaffrey).
+/// Covariance by leaving out one cluster at a time, one Newton step each (the jackknife "CR3" of
+/// Bell and McCaffrey).
 pub(crate) fn leave_one_cluster_out(
     samples: &[LateralSample],
     model: &MagicFormula,

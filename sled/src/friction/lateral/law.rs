@@ -11,8 +11,8 @@ use crate::friction::error::{Error, in_range};
 /// F_y = D sin( C atan( (1-E) x + E atan x ) ),   x = B alpha,   D = mu_zeta F_z,   B = K / (C D)
 /// ```
 ///
-/// The slope at zero slip is K whatever the load; the force saturates at `D sin(C pi/2)`. Since C is small for a
-/// runner, C and mu_zeta act almost only through their product.
+/// The slope at zero slip is K whatever the load; the force saturates at `D sin(C pi/2)`. Since C
+/// is small for a runner, C and mu_zeta act almost only through their product.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MagicFormula {
@@ -45,7 +45,8 @@ pub struct LateralDerivatives {
     pub k_n_per_rad: f64,
 }
 
-/// Arguments and arctangents inside the formula at one slip angle and load, from which those close by follow without a library's function.
+/// Arguments and arctangents inside the formula at one slip angle and load, from which those close
+/// by follow without a library's function.
 #[derive(Clone, Copy, Debug)]
 pub struct LateralAngles {
     /// `x = B alpha` and its arctangent.
@@ -97,7 +98,8 @@ impl MagicFormula {
         self.derivatives_near(alpha, fz, &mut None)
     }
 
-    /// The same, quicker where `near` holds the angles of a slip and load close by; it is left with those of this one.
+    /// The same, quicker where `near` holds the angles of a slip and load close by; it then has
+    /// those of this one.
     pub fn derivatives_near(
         &self,
         alpha: f64,
@@ -109,7 +111,8 @@ impl MagicFormula {
         }
         let d = self.mu_zeta * fz;
         let x = self.k_n_per_rad * alpha / (self.c * d);
-        // Beyond this argument the arctangents are at their ends in every digit, while x^2 would overflow.
+        // Above this argument the arctangents are at their ends in every digit, while x^2 would
+        // overflow.
         if x.abs() > 1e100 {
             let end = if self.e < 1.0 {
                 std::f64::consts::FRAC_PI_2
@@ -130,7 +133,7 @@ impl MagicFormula {
         let ((x, of_x), (u, of_u), (sine, cosine)) = (at.x, at.u, at.wave);
         let du_dx = (1.0 - self.e) + self.e / (1.0 + x * x);
         let slope = cosine * du_dx / (1.0 + u * u);
-        // What is left of the sine when the load is varied: B falls as D rises.
+        // The part of the sine that remains when the load is varied: B falls as D rises.
         let by_load = sine - self.c * x * slope;
         LateralDerivatives {
             fy: d * sine,
@@ -215,7 +218,8 @@ impl Braghin {
         k3: 50.0,
     };
 
-    /// Lateral force [N] at slip angle `alpha` [rad] and normal force `fz` [N]; 0 for a lifted runner.
+    /// Lateral force [N] at slip angle `alpha` [rad] and normal force `fz` [N]; 0 for a lifted
+    /// runner.
     pub fn force(&self, alpha: f64, fz: f64) -> f64 {
         if fz <= 0.0 {
             return 0.0;
@@ -224,10 +228,11 @@ impl Braghin {
     }
 }
 
-/// Largest difference of which the series are used; the first term left out is 4e-18 of the whole.
+/// Largest difference of which the series are used; the first term neglected is 4e-18 of the whole.
 const NEAR: f64 = 0.05;
 
-/// Sine and cosine of an angle [rad] from those of another, `from`; asked anew where the two are far apart.
+/// Sine and cosine of an angle [rad] from those of another, `from`; computed anew where the two are
+/// far apart.
 ///
 /// ```
 /// let known = 0.3_f64.sin_cos();
@@ -254,7 +259,8 @@ pub fn sin_cos_near(angle: f64, from: f64, (sine, cosine): (f64, f64)) -> (f64, 
     )
 }
 
-/// The arctangent of `x` [rad] from that of another of the same sign, `from`; asked anew where the two are far apart.
+/// The arctangent of `x` [rad] from that of another of the same sign, `from`; computed anew where
+/// the two are far apart.
 #[inline]
 pub fn atan_near(x: f64, from: f64, of_from: f64) -> f64 {
     let d = (x - from) / (1.0 + x * from);

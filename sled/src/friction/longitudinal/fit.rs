@@ -1,6 +1,7 @@
 //! Quadratic fit of the coefficient of friction over the peak pressure.
 //!
-//! Units inside the fit are the formula's: p in MPa, mu in 1e-3, so that the coefficients read like the published ones.
+//! Units inside the fit are the formula's: p in MPa, mu in 1e-3, so that the coefficients read like
+//! the published ones.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
@@ -17,13 +18,14 @@ const LEAST_SD: f64 = 1e-9;
 
 /// Fits the quadratic to experiments.
 ///
-/// `Weighting::Both` minimises `sum ((mu_i - q(xi_i))/s_mu)^2 + ((p_i - xi_i)/s_p)^2` over the coefficients and the true
-/// pressures `xi_i` (P. Boggs and J. Rogers, "Orthogonal distance regression", 1990); the covariance is the
-/// coefficients' block of `(J^T J)^-1` with the errors taken as stated.
+/// `Weighting::Both` minimises `sum ((mu_i - q(xi_i))/s_mu)^2 + ((p_i - xi_i)/s_p)^2` over the
+/// coefficients and the true pressures `xi_i` (P. Boggs and J. Rogers, "Orthogonal distance
+/// regression", 1990); the covariance is the coefficients' block of `(J^T J)^-1` with the errors
+/// taken as stated.
 ///
 /// # Errors
-/// [`Error::TooFew`] below four experiments, [`Error::OutOfRange`] where a weighted fit meets `mu_sd` below 1e-9,
-/// [`Error::Undetermined`] below three different pressures, [`Error::NotConverged`].
+/// [`Error::TooFew`] below four experiments, [`Error::OutOfRange`] where a weighted fit meets
+/// `mu_sd` below 1e-9, [`Error::Undetermined`] below three different pressures, [`Error::NotConverged`].
 pub fn fit_mu(
     experiments: &[Experiment],
     weighting: Weighting,
@@ -104,7 +106,8 @@ pub struct MuFit {
     pub p_value: Option<f64>,
     /// Probability that intervals and band are to cover.
     pub confidence: f64,
-    /// Two-sided quantile that the intervals use: normal with stated errors, Student's t from the scatter.
+    /// Two-sided quantile that the intervals use: normal with stated errors, Student's t from the
+    /// scatter.
     pub quantile: f64,
 }
 
@@ -146,7 +149,8 @@ impl MuFit {
         }
     }
 
-    /// The minimum, where the data show one: `None` if a straight line or a maximum is within the errors.
+    /// The minimum, where the data show one: `None` if a straight line or a maximum is within the
+    /// errors.
     ///
     /// The interval holds every p with `(2 b p - c)^2 <= q^2 var(2 b p - c)` (Fieller).
     pub fn least_friction(&self) -> Option<LeastFriction> {

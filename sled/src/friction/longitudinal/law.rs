@@ -8,7 +8,7 @@ use crate::friction::error::{Error, in_range};
 /// Which quantity the asperity factor zeta multiplies.
 ///
 /// The paper's text says that asperities raise the pressure, its formula scales the coefficient;
-/// both readings are kept, the formula is the default.
+/// both readings are allowed, the formula is the default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ZetaActsOn {
@@ -99,7 +99,8 @@ impl PressureLaw {
         (self.b > 0.0).then(|| 1e6 * self.c / (2.0 * self.b) / on_pressure)
     }
 
-    /// Checks that every number is finite, cap and zeta positive and the parabola not open downwards.
+    /// Checks that every number is finite, cap and zeta positive and the parabola not open
+    /// downwards.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with the key.
@@ -131,7 +132,7 @@ pub enum Longitudinal {
 }
 
 impl Longitudinal {
-    /// The paper's stand-in for runners whose pressures are not published: mu = 0.004.
+    /// The paper's substitute for runners whose pressures are not published: mu = 0.004.
     pub const PUBLISHED_FIXED: Longitudinal = Longitudinal::Fixed(0.004);
     /// The paper's quadratic in the pressure.
     pub const PUBLISHED: Longitudinal = Longitudinal::Pressure(PressureLaw::PUBLISHED);
@@ -152,7 +153,8 @@ impl Longitudinal {
 
 /// Longitudinal force on a runner [N]: `F_x = -mu F_z cos(alpha)`.
 ///
-/// `fz` is the normal force [N], `alpha` the slip angle [rad]. Negative: it acts against the motion.
+/// `fz` is the normal force [N], `alpha` the slip angle [rad]. Negative: it acts against the
+/// motion.
 ///
 /// ```
 /// assert!((kufe_sled::friction::longitudinal_force(1000.0, 0.0, 0.004) + 4.0).abs() < 1e-12);
@@ -161,10 +163,11 @@ pub fn longitudinal_force(fz: f64, alpha: f64, mu: f64) -> f64 {
     -mu * fz * alpha.cos()
 }
 
-/// The keys of `[friction.longitudinal]` as they stand in a model file.
+/// The keys of `[friction.longitudinal]` as written in a model file.
 ///
-/// Either `mu`, or `b`, `c`, `d` with `mu_cap` and optionally `zeta` and `zeta_acts_on`, or tables of mu alone with optionally
-/// `zeta`. The paths of the tables are carried along and left to who opens them.
+/// Either `mu`, or `b`, `c`, `d` with `mu_cap` and optionally `zeta` and `zeta_acts_on`, or tables
+/// of mu alone with optionally `zeta`. The paths of the tables are carried along and opened by
+/// others.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LongitudinalKeys {
@@ -189,7 +192,8 @@ pub struct LongitudinalKeys {
     /// What the asperity factor multiplies; the coefficient where absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub zeta_acts_on: Option<ZetaActsOn>,
-    /// Lookup table of the front runner's pressure or, without `mu` and the quadratic, of its mu, a path.
+    /// Lookup table of the front runner's pressure or, without `mu` and the quadratic, of its mu, a
+    /// path.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub front_table: Option<String>,
     /// As `front_table`, of the rear runner.
@@ -198,7 +202,7 @@ pub struct LongitudinalKeys {
 }
 
 impl LongitudinalKeys {
-    /// The factor on mu where that is looked up in the tables: no other key states a law.
+    /// The factor on mu where that is read from the tables: no other key states a law.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a factor that is not positive.
@@ -216,8 +220,9 @@ impl LongitudinalKeys {
     /// The model the keys state, where it is not [tabled](Self::tabled).
     ///
     /// # Errors
-    /// [`Error::KeysExclude`] where `mu` stands beside a key of the quadratic, [`Error::MissingKey`] where the
-    /// quadratic is incomplete, [`Error::OutOfRange`] for numbers no friction has.
+    /// [`Error::KeysExclude`] where `mu` is stated with a key of the quadratic,
+    /// [`Error::MissingKey`] where the quadratic is incomplete, [`Error::OutOfRange`] for numbers
+    /// no friction has.
     pub fn model(&self) -> Result<Longitudinal, Error> {
         const EITHER: &str =
             "either mu, or b, c, d and mu_cap, or front_table and rear_table of mu";

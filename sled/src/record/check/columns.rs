@@ -7,8 +7,8 @@ use crate::columns::Columns;
 use crate::error::Error;
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps, Saturation};
 
-/// Largest number of a column that is used, and of a time [s]: no sled is further, faster or more turned, and squares of
-/// these are finite.
+/// Largest number of a column that is used, and of a time [s]: no sled is further, faster or more
+/// turned, and squares of these are finite.
 const LARGEST: f64 = 1e6;
 const LATEST_S: f64 = 1e15;
 
@@ -17,10 +17,11 @@ pub const LEAST_SAMPLES: usize = 64;
 
 /// Checks the columns of one run, brings them to a uniform clock and says what takes part.
 ///
-/// `required` are the columns there must be besides `t_s`; `used` those of the file that must have a value where a sample
-/// takes part; `file` names the source in errors. In this order: missing columns, numbers that none can be, too few samples, time (backwards, jumps),
-/// values missing altogether. `t_s` is taken out of the columns. With [`OnGaps::Refuse`]
-/// irregular steps, missing values and standstill are errors. Sensors that stick at their extremes come beside.
+/// `required` are the columns there must be besides `t_s`; `used` those of the file that must have
+/// a value where a sample takes part; `file` names the source in errors. In this order: missing
+/// columns, numbers that none can be, too few samples, time (backwards, jumps), values missing
+/// altogether. `t_s` is taken out of the columns. With [`OnGaps::Refuse`] irregular steps, missing
+/// values and standstill are errors. Sensors that stick at their extremes are returned too.
 ///
 /// # Errors
 /// The first of these that is found, with its place.
@@ -77,18 +78,18 @@ pub fn check_columns(
     let speed = columns.get("v_mps").cloned();
     let mut gaps = Gaps::find(columns, used, base.clock.dt_s);
     gaps.jitter = base.jitter;
-    let left: usize = gaps.pieces.iter().map(Range::len).sum();
-    if left == 0
+    let samples: usize = gaps.pieces.iter().map(Range::len).sum();
+    if samples == 0
         && let Some(speed) = speed.filter(|v| v.iter().all(|v| *v <= LEAST_SPEED))
     {
         return Err(standstill(file, 2, speed[0], time[0]));
     }
-    if left < LEAST_SAMPLES {
+    if samples < LEAST_SAMPLES {
         return Err(Error::TooFew {
             what: format!(
                 "{file}: samples with a value in every channel, in stretches long enough for the filter"
             ),
-            found: left,
+            found: samples,
             needed: LEAST_SAMPLES,
         });
     }
@@ -104,8 +105,8 @@ pub fn check_columns(
 }
 
 fn refuse_too_large(values: &[f64], column: &str, most: f64, file: &str) -> Result<(), Error> {
-    let beyond = |value: &f64| value.is_finite() && value.abs() > most;
-    let Some(first) = values.iter().position(beyond) else {
+    let too_large = |value: &f64| value.is_finite() && value.abs() > most;
+    let Some(first) = values.iter().position(too_large) else {
         return Ok(());
     };
     Err(Error::Cell {
@@ -148,7 +149,7 @@ fn refuse_uneven(time: &[f64], file: &str) -> Result<(), Error> {
     for (i, pair) in time.windows(2).enumerate() {
         let step = pair[1] - pair[0];
         let what = if step <= 0.0 {
-            "time stands still or runs backwards"
+            "time is constant or runs backwards"
         } else if step > 1.5 * median {
             "clock jump or gap"
         } else if (step - median).abs() > 0.05 * median {
@@ -199,11 +200,12 @@ pub struct Clock {
     pub dt_s: f64,
 }
 
-/// Steps that differ by less than this share are told by rounded times.
+/// Steps that differ by less than this share come from rounded times.
 const ROUNDING: f64 = 0.05;
 /// Shortest usual step: a shorter one is an error of the clock or of its unit [s].
 const LEAST_STEP_S: f64 = 1e-5;
-/// A step between half and one and a half of the usual one is one step; a longer one leaves rows out.
+/// A step between half and one and a half of the usual one is one step; a longer one leaves rows
+/// out.
 const ONE_STEP: std::ops::Range<f64> = 0.5..1.5;
 
 /// The uniform base of a file's rows, and how its columns are brought there.
@@ -231,17 +233,18 @@ enum Rows {
 impl Base {
     /// The base of rows at increasing `time` [s]; `row` is the file's line of each, for errors.
     ///
-    /// Rows whose steps differ by less than 5 % stay as they are. A step of one and a half usual ones or more is a gap: the
-    /// base has its rows without values. Where rows stand further than 5 % of a step from the base, be it by jitter (steps
-    /// between half and one and a half of the usual one), by drift or because a logger began anew, [`Base::column`] interpolates.
+    /// Rows whose steps differ by less than 5 % stay as they are. A step of one and a half usual
+    /// ones or more is a gap: the base has its rows without values. Where rows are further than 5 %
+    /// of a step from the base, be it by jitter (steps between half and one and a half of the usual
+    /// one), by drift or because a logger began anew, [`Base::column`] interpolates.
     ///
     /// # Errors
-    /// [`Error::Time`] where time stands still or runs backwards, steps by less than half the usual step, or jumps further
-    /// than there is time recorded.
+    /// [`Error::Time`] where time does not increase or runs backwards, steps by less than half the
+    /// usual step, or jumps further than there is time recorded.
     pub fn of(time: &[f64], row: &dyn Fn(usize) -> u64, file: &str) -> Result<Base, Error> {
         let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let usual = usual_step(&steps);
-        let told = |i: usize, what| Error::Time {
+        let error = |i: usize, what| Error::Time {
             file: file.to_string(),
             row: row(i + 1),
             what,
@@ -250,13 +253,13 @@ impl Base {
             expected_s: usual,
         };
         if let Some(i) = steps.iter().position(|step| *step <= 0.0) {
-            return Err(told(i, "time stands still or runs backwards"));
+            return Err(error(i, "time is constant or runs backwards"));
         }
         if usual < LEAST_STEP_S {
-            return Err(told(0, "more than 100 000 rows a second"));
+            return Err(error(0, "more than 100 000 rows a second"));
         }
         if let Some(i) = steps.iter().position(|step| *step < ONE_STEP.start * usual) {
-            return Err(told(i, "irregular time"));
+            return Err(error(i, "irregular time"));
         }
         let (first, last) = (time[0], time[time.len() - 1]);
         let count = steps.len();
@@ -281,7 +284,7 @@ impl Base {
             let whole = (step / usual).round().max(1.0);
             // More is missing than there is: a clock that jumped, not a gap.
             if whole > time.len() as f64 {
-                return Err(told(i, "clock jump"));
+                return Err(error(i, "clock jump"));
             }
             places.push(places[i] + whole);
         }
@@ -296,7 +299,7 @@ impl Base {
         let len = total as usize + 1;
         if len > 2 * time.len() {
             let longest = (0..count).max_by(|a, b| steps[*a].total_cmp(&steps[*b]));
-            return Err(told(longest.unwrap_or(0), "clock jump"));
+            return Err(error(longest.unwrap_or(0), "clock jump"));
         }
         let on_base = jitter <= ROUNDING;
         Ok(Base {
@@ -311,8 +314,8 @@ impl Base {
         })
     }
 
-    /// A column of the file on the base: NaN where rows are missing; between rows by the cubic through the four nearest, by a
-    /// straight line beside gaps.
+    /// A column of the file on the base: NaN where rows are missing; between rows by the cubic
+    /// through the four nearest, by a straight line next to gaps.
     pub fn column(&self, values: Vec<f64>) -> Vec<f64> {
         match &self.rows {
             Rows::AsTheyAre => values,
@@ -411,7 +414,8 @@ mod tests {
 
     #[test]
     fn jitter_of_a_quarter_of_a_step_leaves_a_slow_wave_as_it_was() {
-        // 8 Hz at 500 Hz: the cubic's error is (2 pi 8 0.002)^4 times 3/128 at most, widened by the jitter.
+        // 8 Hz at 500 Hz: the cubic's error is (2 pi 8 0.002)^4 times 3/128 at most, widened by the
+        // jitter.
         let wave = |t: f64| (std::f64::consts::TAU * 8.0 * t).sin();
         let mut state = 1_u32;
         let mut time: Vec<f64> = (0..1000)

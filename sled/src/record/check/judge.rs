@@ -203,8 +203,8 @@ impl Search<'_> {
             .reduce(better)
     }
 
-    /// Two faults of which neither shows while the other is there; searched where the relations across
-    /// or up are not satisfied.
+    /// Two faults of which neither shows while the other is there; searched where the relations
+    /// across or up are not satisfied.
     fn two_at_once(&self, slow: &Slow, before: &Agreement) -> Option<(Vec<&Mend>, Agreement)> {
         if before.is_below(self.rules.holds) {
             return None;
@@ -321,18 +321,18 @@ fn evidence(before: &Agreement, after: &Agreement) -> String {
 /// Thresholds of the relations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelationRules {
-    /// Least decrease of the disagreement: a factor of e in the mean square residual of one relation.
-    /// In clean runs no candidate lowers it by more than 0.4; at half, one run in eleven with little
-    /// slip was taken to be in degrees.
+    /// Least decrease of the disagreement: a factor of e in the mean square residual of one
+    /// relation. In clean runs no candidate lowers it by more than 0.4; at half, one run in eleven
+    /// with little slip was taken to be in degrees.
     pub least_gain: f64,
     /// A relation is satisfied where its residual over its terms is below this, as a mean square.
     pub holds: f64,
     /// A relation is satisfied within its noise where its residual is below this, as a mean square:
     /// 15 % as a root mean square.
     pub noise: f64,
-    /// A fault shows in a relation whose residual is above this, as a mean square; in clean runs it is
-    /// up to a tenth (`rigid_body`), of which gravity that a record's pitch rate misses can be lowered
-    /// by a wrong sign.
+    /// A fault shows in a relation whose residual is above this, as a mean square; in clean runs it
+    /// is up to a tenth (`rigid_body`), of which gravity that a record's pitch rate misses can be
+    /// lowered by a wrong sign.
     pub shows: f64,
     /// No relation may get worse by more than this when another is mended.
     pub worse: f64,
@@ -343,11 +343,11 @@ pub struct RelationRules {
     /// Share of the runs' median response that a single run needs to be judged by its sign: a wrong
     /// sign does not change the size.
     pub alike: f64,
-    /// Least drag area over mass of a sled or car [m2/kg]; a bobsled has 7e-4, an accelerometer in g
-    /// would show a tenth of that.
+    /// Least drag area over mass of a sled or car [m2/kg]; a bobsled has 7e-4, an accelerometer in
+    /// g would show a tenth of that.
     pub least_drag: f64,
-    /// Standard deviation of a_x above which something drives or brakes [m/s2]: the air is not judged
-    /// then.
+    /// Standard deviation of a_x above which something drives or brakes [m/s2]: the air is not
+    /// judged then.
     pub free: f64,
 }
 

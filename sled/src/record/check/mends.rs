@@ -78,7 +78,8 @@ impl Mend {
     }
 }
 
-/// Channels that may be in another unit: its name, how it is written, and the factor to the column's.
+/// Channels that may be in another unit: its name, how it is written, and the factor to the
+/// column's.
 const UNITS: [(&[Sensor], &str, &str, f64); 13] = [
     (&[Ax], "multiples of g", "g", GRAVITY),
     (&[Ay], "multiples of g", "g", GRAVITY),

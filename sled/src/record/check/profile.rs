@@ -32,11 +32,11 @@ pub struct Profile {
     pub rows_held: Option<usize>,
     /// Longest stretch of one value [s].
     pub longest_still_s: f64,
-    /// Single values that leap off the line of their neighbours by more than twenty deviations of the noise
-    /// and a fifth of the channel's span.
+    /// Single values that leap off the line of their neighbours by more than twenty deviations of
+    /// the noise and a fifth of the channel's span.
     pub leaps: usize,
-    /// Stretches of up to half a second of one value that leap off that line too: what was sent while
-    /// nothing was measured.
+    /// Stretches of up to half a second of one value that leap off that line too: what was sent
+    /// while nothing was measured.
     pub dropouts: usize,
     /// Samples at an end of its range.
     pub saturation: Option<Saturation>,

@@ -6,8 +6,8 @@
 //! -a_x  = d rho v^2/2 + e a_z + f                               d = c_d A/m > 0: air brakes
 //! ```
 //!
-//! e contains a tilt of the sensor. Coefficients come by least squares, with their errors by leaving
-//! out a twentieth of the run at a time.
+//! e contains a tilt of the sensor. Coefficients come by least squares, with their errors by
+//! leaving out a twentieth of the run at a time.
 
 use crate::column::Sensor;
 use crate::fault::{Fault, FaultKind};
@@ -60,7 +60,8 @@ pub(super) fn response_faults(runs: &[(&Run, Slow)], rules: &RelationRules) -> V
     faults
 }
 
-/// The runs whose coefficient is negative, by themselves or because nearly all runs together show it.
+/// The runs whose coefficient is negative, by themselves or because nearly all runs together show
+/// it.
 ///
 /// By itself a run must respond as strongly as others do: a run that hits walls responds to them, a
 /// little and either way.

@@ -1,5 +1,5 @@
-//! Specific force less the acceleration of the motion: gravity, which has one size and turns with the
-//! body.
+//! Specific force less the acceleration of the motion: gravity, which has one size and turns with
+//! the body.
 //!
 //! ```text
 //! u = a - (dv/dt + w x v),   v = (v cos(alpha), -v sin(alpha), 0)        what lifts against gravity, in the body's axes
@@ -8,9 +8,9 @@
 //!
 //! The three components of the first are relations between accelerations, rates, speed and slip.
 //! Each is judged by its residual over the sum of its terms, both as mean squares: near 0 where all
-//! channels are right, 1 where nothing cancels. In 44 simulated runs of a bobsled (its accelerometer
-//! 0.37 m off) it is below 0.1, 0.03 and 0.01 for x, y and z, in the real car's 0.06 and 0.05 for x
-//! and y.
+//! channels are right, 1 where nothing cancels. In 44 simulated runs of a bobsled (its
+//! accelerometer 0.37 m off) it is below 0.1, 0.03 and 0.01 for x, y and z, in the real car's 0.06
+//! and 0.05 for x and y.
 
 use std::ops::{Index, IndexMut, Range};
 
@@ -50,8 +50,8 @@ impl Instant {
     }
 }
 
-/// The relations at every instant of a run; a channel that is not recorded counts as 0, the vertical
-/// accelerometer as gravity.
+/// The relations at every instant of a run; a channel that is not recorded counts as 0, the
+/// vertical accelerometer as gravity.
 fn instants(slow: &Slow) -> Vec<Instant> {
     let n = slow.len();
     let channel = |sensor: Sensor, absent: f64| match &slow[sensor] {

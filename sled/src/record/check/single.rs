@@ -16,8 +16,8 @@ const TOGETHER: [&[Sensor]; 3] = [
 /// A step of the clock [s] in which a sled passes a curve.
 const LONGEST_STEP_S: f64 = 0.5;
 
-/// Rows of one value from which a channel is slower than its rows, where its own rate is below twice
-/// the corner of the filters, 20 Hz.
+/// Rows of one value from which a channel is slower than its rows, where its own rate is below
+/// twice the corner of the filters, 20 Hz.
 const HELD_ROWS: usize = 5;
 
 /// Twice the usual corner [Hz].

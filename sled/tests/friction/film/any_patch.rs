@@ -4,7 +4,8 @@ use super::patches::{WATER, rounding, strip};
 use kufe_sled::friction::film::{BoundaryContact, FilmConditions, FilmOptions, Strip, film};
 use proptest::prelude::*;
 
-/// The shapes of patches: even, round at both ends, ice that yields up to a pointed end, pressure that falls in steps.
+/// The shapes of patches: even, round at both ends, ice that yields up to a pointed end, pressure
+/// that falls in steps.
 fn patch(shape: usize, length: f64, n: usize, width: f64, p: f64) -> Strip {
     match shape {
         0 => strip(length, n, |_| width, |_| p),

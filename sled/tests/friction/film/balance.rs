@@ -14,7 +14,8 @@ fn friction_heat_is_what_melts_and_what_the_walls_take_to_one_in_a_million() {
         let strip = Strip::uniform(0.06, width, pressure).expect("a strip");
         let film = solved(&strip, &conditions, &WATER);
         let totals = film.totals;
-        // Water that leaves: sideways, and at the trailing edge with half the speed. It was not summed with the heat.
+        // Water that leaves: sideways, and at the trailing edge with half the speed. It was not
+        // summed with the heat.
         let carried = 0.5 * v * width * film.stations[0].thickness;
         let melting = WATER.heat_of_water() * (totals.squeezed_out + carried);
         let walls = totals.into_ice + totals.into_steel;
@@ -51,7 +52,8 @@ fn totals_are_the_integrals_of_the_stations() {
             .map(|k| weight(k) * of(k) * 2.0 * film.stations[k].xi.sqrt() * width * ends)
             .sum()
     };
-    // At the leading edge shear and heat times sqrt(xi) are finite: half a step of the first station's is what stands there.
+    // At the leading edge shear and heat times sqrt(xi) are finite: half a step of the first
+    // station's is what stands there.
     let edge = |of: f64| of * film.stations[0].xi.sqrt() * width * ends;
     let drag = sum(&|k| film.stations[k].shear) + edge(film.stations[0].shear);
     assert!(
@@ -125,7 +127,8 @@ fn slow_film_on_cold_ice_is_thinner_than_a_molecule_and_never_gone() {
 
 #[test]
 fn film_freezes_where_the_pressure_falls_and_the_melting_point_rises() {
-    // Half way the pressure drops to a tenth, so that the surface has to be 1 K warmer from there on.
+    // Half way the pressure drops to a tenth, so that the surface has to be 1 K warmer from there
+    // on.
     let fall = |at: f64| if at < 0.5 { 16.0e6 } else { 1.6e6 };
     let film = solved(
         &strip(0.04, 200, |_| 1.0e-3, fall),
@@ -152,7 +155,8 @@ fn heat_into_ice_follows_the_melting_point_that_was() {
     for xi in [0.0, 1.0e-4, 0.05] {
         assert!((heat.scaled(xi) / plain(5.0 - 0.74) - 1.0).abs() < 1e-12);
     }
-    // A surface that warms in proportion to the distance takes k b 2 sqrt(xi): twice what its temperature alone says.
+    // A surface that warms in proportion to the distance takes k b 2 sqrt(xi): twice what its
+    // temperature alone says.
     let falling = Strip::new(vec![0.0, 0.05], vec![1.0e-3; 2], vec![10.0e6, 0.0]).expect("a strip");
     let heat = HeatIntoIce::new(&falling, &conditions, &WATER);
     for xi in [0.01, 0.02, 0.05] {

@@ -53,7 +53,8 @@ fn film_far_thicker_than_the_roughness_has_no_boundary_part() {
     let strip = Strip::uniform(0.06, 1.0e-3, 10.0e6).expect("a strip");
     let alone = solved(&strip, &FilmConditions::new(30.0, 0.0), &INSULATED).totals;
     let film = solved(&strip, &rough(30.0, 0.0, 5.0e-9, 100e3), &INSULATED).totals;
-    // Only the start, where the film grows from nothing, is thinner: h < 3 sigma over less than a thousandth of the patch.
+    // Only the start, where the film grows from nothing, is thinner: h < 3 sigma over less than a
+    // thousandth of the patch.
     assert!(film.boundary_friction < 1e-3 * film.friction, "{film:?}");
     assert!((film.friction / alone.friction - 1.0).abs() < 1e-3);
 }
@@ -127,9 +128,11 @@ fn boundary_friction_thickens_the_film_and_does_not_simply_add() {
     assert!(both.friction < alone.friction + both.boundary_friction);
 }
 
-/// Friction of the film and of the boundary on a strip, by a Runge-Kutta method of tiny steps in `s = sqrt(xi)` from an almost closed film.
+/// Friction of the film and of the boundary on a strip, by a Runge-Kutta method of tiny steps in
+/// `s = sqrt(xi)` from an almost closed film.
 ///
-/// All is written here anew: the equations, the heat into the ice by its integral over the stations' slopes, and the Gaussian surface.
+/// All is written here anew: the equations, the heat into the ice by its integral over the
+/// stations' slopes, and the Gaussian surface.
 fn plain(strip: &Strip, v: f64, ice: f64, sigma: f64, shear: f64) -> [f64; 2] {
     let (xi, w, p) = (strip.xi(), strip.width(), strip.pressure());
     let pi = std::f64::consts::PI;
@@ -162,7 +165,8 @@ fn plain(strip: &Strip, v: f64, ice: f64, sigma: f64, shear: f64) -> [f64; 2] {
     };
     let end = strip.length().sqrt();
     let mut s = 1.0e-4 * end;
-    // Friction heat alone would make h = s sqrt(4 mu V/latent); the true start is thinner, and is soon met from there.
+    // Friction heat alone would make h = s sqrt(4 mu V/latent); the true start is thinner, and is
+    // soon met from there.
     let mut h = s * (4.0 * mu * v / latent).sqrt();
     let mut drags = [0.0; 2];
     let mut load = 0.0;
@@ -209,8 +213,8 @@ fn plain_integration_agrees_within_half_a_percent() {
     }
 }
 
-/// Friction in thousandths of a prototype (96 x 40 cells, its own heat conduction), with its boundary part where it is known, and the
-/// mean film [nm].
+/// Friction in thousandths of a prototype (96 x 40 cells, its own heat conduction), with its
+/// boundary part where it is known, and the mean film [nm].
 #[test]
 fn boundary_friction_of_a_bob_is_that_of_the_prototype_within_its_accuracy() {
     let table = [
@@ -232,7 +236,8 @@ fn boundary_friction_of_a_bob_is_that_of_the_prototype_within_its_accuracy() {
             1e3 * totals.viscous_friction,
             1e9 * totals.mean_thickness
         );
-        // The prototype's grid leaves its patch uncertain by a tenth, and its figures have two digits.
+        // The prototype's grid leaves its patch uncertain by a tenth, and its figures have two
+        // digits.
         assert!((boundary - prototype).abs() < 0.1 * prototype + 0.05);
     }
 }

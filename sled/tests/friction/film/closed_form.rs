@@ -12,7 +12,8 @@ use kufe_sled::friction::film::{FilmConditions, Properties};
 /// mu V^2/(rho_w L h) = p h^3/(mu w^2)   =>   h = [ mu^2 V^2 w^2/(rho_w L p) ]^(1/4)
 /// ```
 ///
-/// The density is that of water: what is squeezed out is the volume of the water, not that of the ice which it was.
+/// The density is that of water: what is squeezed out is the volume of the water, not that of the
+/// ice which it was.
 pub fn melt_and_squeeze_thickness(
     w: f64,
     p: f64,
@@ -59,14 +60,15 @@ pub fn cold_friction(l: f64, p: f64, conditions: &FilmConditions, properties: &P
 
 /// `a` of the film's start `h = a sqrt(xi)` [m^0.5].
 ///
-/// Near the leading edge nothing is squeezed out yet and heat into the ice falls as `1/sqrt(xi)`, so that the film's equation
-/// `(V/2) dh/dxi = (mu V^2/h - q_i)/(rho_w L)` has the solution
+/// Near the leading edge nothing is squeezed out yet and heat into the ice falls as `1/sqrt(xi)`,
+/// so that the film's equation `(V/2) dh/dxi = (mu V^2/h - q_i)/(rho_w L)` has the solution
 ///
 /// ```text
 /// a = (2/V) ( -c + sqrt(c^2 + mu V^3/(rho_w L)) ),   c = k_i dT sqrt(V/(pi kappa))/(rho_w L)
 /// ```
 ///
-/// `pressure` [Pa] is that at the leading edge, `dT = T_m(pressure) - T_ice`; heat into the steel is left out.
+/// `pressure` [Pa] is that at the leading edge, `dT = T_m(pressure) - T_ice`; heat into the steel
+/// is left out.
 pub fn self_similar_start(
     pressure: f64,
     conditions: &FilmConditions,
@@ -82,7 +84,8 @@ pub fn self_similar_start(
     }
     let friction = conditions.viscosity(properties) * v.powi(3) / heat;
     let root = c.hypot(friction.sqrt());
-    // The two forms are equal; the second keeps its digits where friction is a small part of the root.
+    // The two forms are equal; the second keeps its digits where friction is a small part of the
+    // root.
     if c <= 0.0 {
         2.0 / v * (root - c)
     } else {
@@ -92,20 +95,23 @@ pub fn self_similar_start(
 
 /// Volume a unit area and time that a long strip loses sideways [m/s].
 ///
-/// With the thickness `h` [m] even across the width `w` [m] the Reynolds equation across a strip with open sides is
+/// With the thickness `h` [m] even across the width `w` [m] the Reynolds equation across a strip
+/// with open sides is
 ///
 /// ```text
 /// d/dy( h^3/(12 mu) dp/dy ) = -s,   p(-w/2) = p(w/2) = 0
 /// p = 6 mu s/h^3 (w^2/4 - y^2),   mean p = mu s w^2/h^3   =>   s = p_mean h^3/(mu w^2)
 /// ```
 ///
-/// The factor is exactly 1 where `p` [Pa] is the pressure averaged over the width (8/12 of it stands for the peak, which is 3/2 of
-/// the mean). Source: the squeeze film between parallel plates, O. Reynolds, Phil. Trans. R. Soc. 177 (1886).
+/// The factor is exactly 1 where `p` [Pa] is the pressure averaged over the width (8/12 of it
+/// stands for the peak, which is 3/2 of the mean). Source: the squeeze film between parallel
+/// plates, O. Reynolds, Phil. Trans. R. Soc. 177 (1886).
 pub fn squeeze_out_rate(p: f64, h: f64, w: f64, viscosity: f64) -> f64 {
     p * h.powi(3) / (viscosity * w * w)
 }
 
-/// Pressure of the film at `y` [m] from the middle of a long strip that loses `s` [m/s] [Pa]: the parabola of [`squeeze_out_rate`].
+/// Pressure of the film at `y` [m] from the middle of a long strip that loses `s` [m/s] [Pa]: the
+/// parabola of [`squeeze_out_rate`].
 ///
 /// 0 at the sides `y = +-w/2`.
 pub fn film_pressure(y: f64, s: f64, h: f64, w: f64, viscosity: f64) -> f64 {

@@ -3,8 +3,9 @@
 use super::patches::{WATER, solved};
 use kufe_sled::friction::film::{FilmConditions, Strip};
 
-/// Ice that yields at `h` [Pa] in front of the lowest point and springs back behind it: a section of radius `r` as deep as the
-/// groove, its width that of the chord; behind, the full width under a pressure that falls as Hertz's.
+/// Ice that yields at `h` [Pa] in front of the lowest point and springs back behind it: a section
+/// of radius `r` as deep as the groove, its width that of the chord; behind, the full width under a
+/// pressure that falls as Hertz's.
 pub fn groove(front: f64, back: f64, depth: f64, r: f64, h: f64) -> Strip {
     let n = 60;
     let widest = (8.0 * r * depth).sqrt();
@@ -27,7 +28,8 @@ pub fn groove(front: f64, back: f64, depth: f64, r: f64, h: f64) -> Strip {
 
 #[test]
 fn strip_carries_the_runners_load_and_has_the_friction_of_a_bob() {
-    // Rocker 30 m, section 4 mm, 950 N, ice of 17.7 MPa: 48.7 mm ahead of and 16.7 mm behind the lowest point, 34.8 µm deep.
+    // Rocker 30 m, section 4 mm, 950 N, ice of 17.7 MPa: 48.7 mm ahead of and 16.7 mm behind the
+    // lowest point, 34.8 µm deep.
     let strip = groove(48.7e-3, 16.7e-3, 34.8e-6, 4.0e-3, 17.7e6);
     let mut last = 0.0;
     for (v, low, high) in [

@@ -43,7 +43,8 @@ fn closed_forms_of_melting_and_squeezing_balance_heat_and_water() {
 
 #[test]
 fn insulated_hertz_patch_has_the_friction_of_the_beta_function_within_one_percent() {
-    // Of each place melting against squeeze-out: the drag goes as p^(1/4) w^(1/2), both (1 - X^2)^(1/2) of their middle.
+    // Of each place melting against squeeze-out: the drag goes as p^(1/4) w^(1/2), both (1 -
+    // X^2)^(1/2) of their middle.
     let (length, width, peak) = (2.0, 1.0e-3, 20.0e6);
     let conditions = FilmConditions::new(20.0, 0.0);
     let film = solved(&hertz(length, 200, width, peak), &conditions, &INSULATED);
@@ -90,7 +91,8 @@ fn slow_runner_on_cold_ice_gives_its_heat_to_the_ice_within_one_percent() {
 fn without_squeeze_out_the_start_goes_on_for_ever() {
     for (v, ice) in [(30.0, -5.0), (0.5, -20.0), (20.0, 0.0)] {
         let conditions = FilmConditions::new(v, ice);
-        // A strip a kilometre wide squeezes nothing out; at 0 C its pressure melts, and the ice gives heat.
+        // A strip a kilometre wide squeezes nothing out; at 0 C its pressure melts, and the ice
+        // gives heat.
         let strip = Strip::new(
             vec![0.0, 1.0e-6, 0.01, 0.06],
             vec![1.0e3; 4],

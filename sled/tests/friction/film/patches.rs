@@ -23,7 +23,8 @@ pub fn solved(strip: &Strip, conditions: &FilmConditions, properties: &Propertie
     film(strip, conditions, properties, &FilmOptions::default()).expect("a film")
 }
 
-/// A strip of `n` segments, closer towards both ends, with width and pressure as functions of the share of the length.
+/// A strip of `n` segments, closer towards both ends, with width and pressure as functions of the
+/// share of the length.
 pub fn strip(
     length: f64,
     n: usize,

@@ -1,4 +1,5 @@
-//! The film on a patch by the Reynolds equation in both directions, which checks the strip's closure.
+//! The film on a patch by the Reynolds equation in both directions, which checks the strip's
+//! closure.
 
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
@@ -29,20 +30,24 @@ pub struct ReynoldsFilm {
     pub passes: usize,
 }
 
-/// The melt film on `map` with the two-dimensional Reynolds equation in place of the closure of a long strip.
+/// The melt film on `map` with the two-dimensional Reynolds equation in place of the closure of a
+/// long strip.
 ///
-/// Thickness `h(xi)` is even across each row, melts and freezes as in [`film`](kufe_sled::friction::film::film), and carries each row's load:
+/// Thickness `h(xi)` is even across each row, melts and freezes as in
+/// [`film`](kufe_sled::friction::film::film), and carries each row's load:
 ///
 /// ```text
 /// div( h^3/(12 mu) grad p_f ) = (V/2) dh/dxi - (rho_i/rho_w) v_m,   p_f = 0 at the rim,   mean of p_f = mean of p in each row
 /// ```
 ///
-/// Finite volumes on the map's cells. For given `h` the water that each row has to lose follows from the loads by a linear system;
-/// with it the film is integrated anew, until it stays. Memory and time grow with cells times rows; meant for checks, on
-/// patches at least as many cells long as wide.
+/// Finite volumes on the map's cells. For given `h` the water that each row has to lose follows
+/// from the loads by a linear system; with it the film is integrated anew, until it stays. Memory
+/// and time grow with cells times rows; meant for checks, on patches at least as many cells long as
+/// wide.
 ///
 /// # Errors
-/// As [`film`](kufe_sled::friction::film::film); [`Error::NotConverged`] also where film and pressure do not settle.
+/// As [`film`](kufe_sled::friction::film::film); [`Error::NotConverged`] also where film and
+/// pressure do not settle.
 pub fn reynolds_film(
     map: &PressureMap,
     conditions: &FilmConditions,
@@ -63,7 +68,8 @@ pub fn reynolds_film(
             change = changes.fold(0.0, f64::max);
         }
         for row in 0..rows {
-            // What a long strip would need to lose as much: s = p h^3/(mu w^2), the viscosity being left out of `losses`.
+            // What a long strip would need to lose as much: s = p h^3/(mu w^2), the viscosity being
+            // left out of `losses`.
             outflow[row + 1] = losses.rate[row] * strip.width()[row + 1].powi(2) / h[row].powi(3);
         }
         for (end, row) in [(0, 1), (rows + 1, rows)] {
@@ -131,7 +137,8 @@ impl Losses {
         for (cell, &place) in cells.place.iter().enumerate() {
             pressure[place] = solved[(cell, 0)];
         }
-        // Matrix: 12 mu times the outflow of a cell over its dy/dx and scale^3; source: the same over the cell's area.
+        // Matrix: 12 mu times the outflow of a cell over its dy/dx and scale^3; source: the same
+        // over the cell's area.
         let unit = scale.powi(3) / (12.0 * map.dx() * map.dx());
         Ok(Losses {
             rate: (0..rows).map(|row| sources[(row, 0)] * unit).collect(),
@@ -175,8 +182,9 @@ impl Cells {
         cells
     }
 
-    /// Outflow of each cell by the pressures, for thicknesses `h` of the rows; lower triangle. Halfway to a cell without contact the
-    /// pressure is 0; through the leading edge, where the film begins, nothing flows.
+    /// Outflow of each cell by the pressures, for thicknesses `h` of the rows; lower triangle.
+    /// Halfway to a cell without contact the pressure is 0; through the leading edge, where the
+    /// film begins, nothing flows.
     fn matrix(&self, map: &PressureMap, h: &[f64]) -> Result<SparseColMat<usize, f64>, Error> {
         let columns = map.columns();
         let stretch = (map.dx() / map.dy()).powi(2);

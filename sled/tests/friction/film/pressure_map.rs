@@ -17,8 +17,8 @@ pub struct PressureMap {
 }
 
 impl PressureMap {
-    /// A map of cells `dx` long and `dy` wide [m], with `columns` cells a row, `pressure` row by row
-    /// [Pa]; at least two rows are in contact, without a gap between them.
+    /// A map of cells `dx` long and `dy` wide [m], with `columns` cells a row, `pressure` row by
+    /// row [Pa]; at least two rows are in contact, without a gap between them.
     pub fn new(dx: f64, dy: f64, columns: usize, pressure: Vec<f64>) -> Self {
         let touches = |row: &[f64]| row.iter().any(|p| *p > 0.0);
         let in_contact: Vec<bool> = pressure.chunks_exact(columns).map(touches).collect();
@@ -74,11 +74,12 @@ impl PressureMap {
         &self.pressure[at..at + self.columns]
     }
 
-    /// The strip: a station in the middle of each row, the leading edge before and the trailing edge behind them.
+    /// The strip: a station in the middle of each row, the leading edge before and the trailing
+    /// edge behind them.
     ///
-    /// A row's width is that of its cells in contact, whether or not they lie together; its pressure is averaged over them, so
-    /// that every row's load is kept. At the two edges pressure and squared width follow the line through the two nearest rows, not
-    /// below 0.
+    /// A row's width is that of its cells in contact, whether or not they lie together; its
+    /// pressure is averaged over them, so that every row's load is kept. At the two edges pressure
+    /// and squared width follow the line through the two nearest rows, not below 0.
     ///
     /// # Errors
     /// As [`Strip::new`], which a map that is in contact without a gap does not meet.

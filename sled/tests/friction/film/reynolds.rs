@@ -8,7 +8,8 @@ use kufe_sled::friction::film::{FilmConditions, FilmOptions, film};
 
 const OPTIONS: FilmOptions = FilmOptions { accuracy: 1e-6 };
 
-/// A rectangle of `rows` by `columns` cells whose pressure rises and falls as a parabola along it, even across.
+/// A rectangle of `rows` by `columns` cells whose pressure rises and falls as a parabola along it,
+/// even across.
 fn rectangle(length: f64, width: f64, rows: usize, columns: usize, peak: f64) -> PressureMap {
     let at = |row: usize| (row as f64 + 0.5) / rows as f64;
     let pressure = (0..rows * columns).map(|k| peak * rounding(at(k / columns)).powi(2));
@@ -35,8 +36,9 @@ fn ellipse(length: f64, width: f64, rows: usize, columns: usize, peak: f64) -> P
     )
 }
 
-/// Friction and mean thickness of the strip over those of the plane film, less 1, extrapolated to cells of no width: the error of
-/// cells across falls with the square of their width (the last test), and would hide that of the closure.
+/// Friction and mean thickness of the strip over those of the plane film, less 1, extrapolated to
+/// cells of no width: the error of cells across falls with the square of their width (the last
+/// test), and would hide that of the closure.
 fn off(map: impl Fn(usize) -> PressureMap, columns: usize) -> [f64; 2] {
     let conditions = FilmConditions::new(25.0, -5.0);
     let ratio = |columns: usize| {
@@ -66,7 +68,8 @@ fn strip_closure_is_off_by_less_than_a_thousandth_at_aspect_20_and_a_millionth_a
         assert!(friction.abs() < 5e-4 && thickness.abs() < 1e-3);
         frictions.push(friction);
     }
-    // Flow along the patch goes as the inverse square of the aspect; the thin start, where it matters most, brings it to 3/2.
+    // Flow along the patch goes as the inverse square of the aspect; the thin start, where it
+    // matters most, brings it to 3/2.
     for pair in frictions[..3].windows(2) {
         let order = (pair[0] / pair[1]).log2();
         assert!((1.3..2.1).contains(&order), "{frictions:?}");
@@ -143,7 +146,8 @@ fn pressure_and_thickness_meet_the_reynolds_equation() {
 
 #[test]
 fn more_columns_bring_the_closure_of_an_even_strip_to_one() {
-    // Cells across see the parabola's mean with an error of the second order: what is left of a long strip.
+    // Cells across see the parabola's mean with an error of the second order: what is left of a
+    // long strip.
     let conditions = FilmConditions::new(25.0, -5.0);
     let off = |columns: usize| {
         let plane = reynolds_film(

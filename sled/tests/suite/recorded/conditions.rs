@@ -1,4 +1,5 @@
-//! Crews and weather as they are: a run's own mass, ice whose temperature is stated, not stated, or stated along the track.
+//! Crews and weather as they are: a run's own mass, ice whose temperature is stated, not stated, or
+//! stated along the track.
 
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
@@ -44,7 +45,8 @@ fn a_run_is_weighed_with_its_own_crew() {
     heavy.sled.mass_kg = 450.0;
     let mut run = driven(&heavy, &options());
     let [along, side] = left(&run, &vehicle);
-    // A drag that is not in proportion to the mass, and stiffnesses that do not grow with it, show 60 kg too few.
+    // A drag that is not in proportion to the mass, and stiffnesses that do not grow with it, show
+    // 60 kg too few.
     assert!(along > 5.0 && side > 10.0, "{along} N, {side} N");
     run.entry.conditions.mass_kg = 450.0;
     let own = left(&run, &vehicle);

@@ -1,4 +1,5 @@
-//! What an examination says of gaps, drop-outs, jitter, end stops, steps and channels that stand still or are exchanged: each alone.
+//! What an examination says of gaps, drop-outs, jitter, end stops, steps and channels that stand
+//! still or are exchanged: each alone.
 
 use std::path::Path;
 

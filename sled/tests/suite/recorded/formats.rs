@@ -94,7 +94,8 @@ for corner in (20.0, 40.0, 3.0):
         let theirs: Vec<f64> = line.split(' ').map(|v| v.parse().unwrap()).collect();
         assert_eq!(ours.len(), theirs.len());
         for (a, b) in ours.iter().zip(&theirs) {
-            // Padding and initial state are SciPy's; rounding in the design of the poles is what differs.
+            // Padding and initial state are SciPy's; rounding in the design of the poles is what
+            // differs.
             assert!((a - b).abs() < 1e-9, "{corner} Hz: {a} against {b}");
         }
     }

@@ -8,7 +8,8 @@ use kufe_sled::{
     evaluate, fit, prepare, prepare_all, read_run, validate, write_run,
 };
 
-/// Samples a state, and states beside a gap that take no part: two periods of 20 Hz at 100 Hz and the derivative's three.
+/// Samples a state, and states beside a gap that take no part: two periods of 20 Hz at 100 Hz and
+/// the derivative's three.
 const RATIO: usize = 5;
 const MARGIN: usize = 13;
 
@@ -55,7 +56,8 @@ fn damaged(
     read_run(entry, &kufe_sled::COLUMNS, OnGaps::LeaveOut).unwrap()
 }
 
-/// The same rows and values as a small generator of its own draws them, about a twentieth of the run.
+/// The same rows and values as a small generator of its own draws them, about a twentieth of the
+/// run.
 fn a_twentieth_gone(run: &Run, seed: u64) -> Run {
     let mut state = seed;
     let mut draw = |below: usize| {
@@ -90,7 +92,8 @@ fn fits_of_runs_with_a_twentieth_gone_agree_with_those_of_whole_ones_within_thei
     let (clean, gaps) = (of(&whole), of(&holed));
     for (a, b) in [(&clean.front, &gaps.front), (&clean.rear, &gaps.rear)] {
         for (a, b) in [(a.k_n_per_rad, b.k_n_per_rad), (a.mu_zeta_c, b.mu_zeta_c)] {
-            // Nine tenths of the samples are the same, so the two differ by less than either's own interval.
+            // Nine tenths of the samples are the same, so the two differ by less than either's own
+            // interval.
             assert!((a.low..a.high).contains(&b.value), "{a:?} {b:?}");
             let wider = (b.high - b.low) / (a.high - a.low);
             assert!((0.7..1.5).contains(&wider), "{wider}");
@@ -105,7 +108,8 @@ fn fits_of_runs_with_a_twentieth_gone_agree_with_those_of_whole_ones_within_thei
             a.time_s,
             b.time_s
         );
-        // A share of what was lost: a tenth of the run less moves it by a tenth of its spread along the run at most.
+        // A share of what was lost: a tenth of the run less moves it by a tenth of its spread along
+        // the run at most.
         assert!((a.increase_total / b.increase_total - 1.0).abs() < 0.1);
     }
     for (a, b) in validate(&whole, &vehicle)
@@ -140,7 +144,8 @@ fn fits_of_runs_with_a_twentieth_gone_agree_with_those_of_whole_ones_within_thei
 
 #[test]
 fn each_stretch_is_prepared_as_a_run_of_its_own_and_its_margins_are_left_out() {
-    // The slow plain version: the stretch alone, prepared as a whole run, less what stands beside the gap.
+    // The slow plain version: the stretch alone, prepared as a whole run, less what stands beside
+    // the gap.
     let run = &RUNS[0];
     let gone = [4000..4100, 9000..9995];
     let holed = &prepared(&[damaged(run, &gone, &[])])[0];
@@ -166,7 +171,8 @@ fn each_stretch_is_prepared_as_a_run_of_its_own_and_its_margins_are_left_out() {
             .zip(&alone.states[from..to])
         {
             assert!((a.t_s - b.t_s).abs() < 1e-9, "{} {}", a.t_s, b.t_s);
-            // The same arithmetic but for the time, which no channel is made of; NaN where nothing states a value.
+            // The same arithmetic but for the time, which no channel is made of; NaN where nothing
+            // states a value.
             let channels = |state: &State| format!("{:?}", State { t_s: 0.0, ..*state });
             assert_eq!(channels(a), channels(b));
         }
@@ -223,8 +229,8 @@ fn distance_without_a_column_of_its_own_goes_on_across_a_gap_of_the_speed() {
     let holed = &prepared(&[damaged(&run, &[], &[("v_mps", gone.clone())])])[0];
     let s = |i: usize| truth[RATIO * i] - truth[0];
     let last = holed.states.last().unwrap();
-    // A straight line across a second misses (largest change of the acceleration) T^2 / 12, here below 0.5 m; noise of the
-    // speed and the trapezoidal rule stay far below that.
+    // A straight line across a second misses (largest change of the acceleration) T^2 / 12, here
+    // below 0.5 m; noise of the speed and the trapezoidal rule stay far below that.
     let at = (last.t_s * 100.0).round() as usize;
     assert!((last.s_m - s(at)).abs() < 0.5, "{} {}", last.s_m, s(at));
     // A gap of another channel costs no distance at all.

@@ -9,7 +9,8 @@ use kufe_sled::{
     prepare_all, read_index, read_runs, record, simulate, simulated_entry, write_index, write_run,
 };
 
-/// Two runs in a folder without the columns named, and the index with this text before their rows' names.
+/// Two runs in a folder without the columns named, and the index with this text before their rows'
+/// names.
 fn written(folder: &Path, without: &[&str], header: &str, rows: &str) {
     let (vehicle, track) = (vehicle(""), sample_track("west"));
     for seed in 1..=2 {
