@@ -21,7 +21,7 @@ pub fn glide_picture(house: &IceHouse, run: &GlideRun) -> Figure {
     let sum: Vec<f64> = parts
         .map(|((kinetic, potential), air)| kinetic + potential + air)
         .collect();
-    let weight = run.entry.mass_kg * GRAVITY;
+    let weight = run.entry.conditions.mass_kg * GRAVITY;
     let climb = potential.last().copied().unwrap_or(0.0) / run.s.last().copied().unwrap_or(1.0);
     let friction = -(run.line.slope + climb);
     let mu = friction / (weight * house.slope_rad.value.cos());

@@ -1,8 +1,8 @@
 //! Friction experiments: one row a specimen or condition.
 
-use std::collections::BTreeMap;
 use std::io::{Read, Write};
 
+use crate::conditions::{CONDITIONS, Conditions};
 use crate::friction::error::Error;
 
 /// A measured coefficient of friction at a computed or measured peak pressure.
@@ -20,24 +20,14 @@ pub struct Experiment {
     pub mu_sd: f64,
     /// Session of the measurement.
     pub session: Option<String>,
+    /// Ice, air and distance glided before.
+    pub conditions: Conditions,
     /// Normal force [N].
     pub fz_n: Option<f64>,
     /// Speed [m/s].
     pub v_mps: Option<f64>,
-    /// Ice temperature [degrees Celsius].
-    pub ice_c: Option<f64>,
-    /// Air temperature [degrees Celsius].
-    pub air_c: Option<f64>,
-    /// Relative humidity [%].
-    pub humidity_pct: Option<f64>,
-    /// Air pressure [Pa].
-    pub air_pa: Option<f64>,
-    /// Distance glided before [m].
-    pub distance_m: Option<f64>,
     /// Rocker radius [m].
     pub rocker_radius_m: Option<f64>,
-    /// Further columns as written, ignored by the fits.
-    pub extra: BTreeMap<String, String>,
 }
 
 const COLUMNS: Columns = Columns {
@@ -53,7 +43,7 @@ const COLUMNS: Columns = Columns {
         "distance_m",
         "rocker_radius_m",
     ],
-    extra: Extra::Retained,
+    extra: Extra::Ignored,
 };
 
 /// Numbers of measured tables: name, smallest and largest value, and what is expected.
@@ -106,15 +96,6 @@ const LEAST: f64 = f64::MIN_POSITIVE;
 /// finite or outside the range of the unit (a pressure in MPa, a coefficient in thousandths).
 pub fn read_experiments(file: &str, reader: impl Read) -> Result<Vec<Experiment>, Error> {
     let table = Table::read(file, reader, &COLUMNS)?;
-    let known = |name: &&String| {
-        let mut known = COLUMNS.required.iter().chain(COLUMNS.optional);
-        known.any(|known| known == name)
-    };
-    let extra = |row: usize| {
-        let names = table.header().iter().filter(|name| !known(name));
-        let cell = |name: &String| table.text(row, name).unwrap_or("").to_string();
-        names.map(|name| (name.clone(), cell(name))).collect()
-    };
     let experiment = |row: usize| {
         Ok(Experiment {
             specimen: table.name(row, "specimen")?,
@@ -123,15 +104,10 @@ pub fn read_experiments(file: &str, reader: impl Read) -> Result<Vec<Experiment>
             mu: table.number(row, "mu")?,
             mu_sd: table.number(row, "mu_sd")?,
             session: table.stated_text(row, "session"),
+            conditions: table.conditions(row)?,
             fz_n: table.optional(row, "fz_n")?,
             v_mps: table.optional(row, "v_mps")?,
-            ice_c: table.optional(row, "ice_c")?,
-            air_c: table.optional(row, "air_c")?,
-            humidity_pct: table.optional(row, "humidity_pct")?,
-            air_pa: table.optional(row, "air_pa")?,
-            distance_m: table.optional(row, "distance_m")?,
             rocker_radius_m: table.optional(row, "rocker_radius_m")?,
-            extra: extra(row),
         })
     };
     (0..table.rows()).map(experiment).collect()
@@ -159,11 +135,11 @@ pub fn write_experiments(experiments: &[Experiment], writer: impl Write) -> std:
         let optional = [
             e.fz_n,
             e.v_mps,
-            e.ice_c,
-            e.air_c,
-            e.humidity_pct,
-            e.air_pa,
-            e.distance_m,
+            Some(e.conditions.ice_c),
+            Some(e.conditions.air_c),
+            Some(e.conditions.humidity_pct),
+            Some(e.conditions.air_pa),
+            Some(e.conditions.distance_m),
             e.rocker_radius_m,
         ];
         let mut cells = vec![Some(e.specimen.clone())];
@@ -198,8 +174,8 @@ pub fn write_experiments(experiments: &[Experiment], writer: impl Write) -> std:
 pub(crate) enum Extra {
     /// They are an error: the table is made for this program.
     Refused,
-    /// They are retained: the table is a measurement.
-    Retained,
+    /// They are ignored: the table is a measurement.
+    Ignored,
 }
 
 /// The columns a table must and may have.
@@ -212,12 +188,17 @@ pub(crate) struct Columns {
 /// A table as text.
 pub(crate) struct Table {
     file: String,
+    columns: &'static Columns,
     header: Vec<String>,
     rows: Vec<csv::StringRecord>,
 }
 
 impl Table {
-    pub(crate) fn read(file: &str, reader: impl Read, columns: &Columns) -> Result<Self, Error> {
+    pub(crate) fn read(
+        file: &str,
+        reader: impl Read,
+        columns: &'static Columns,
+    ) -> Result<Self, Error> {
         let unreadable = |error: csv::Error| Error::Unreadable {
             file: file.to_string(),
             reason: error.to_string(),
@@ -268,6 +249,7 @@ impl Table {
             .map_err(unreadable)?;
         Ok(Table {
             file: file.into(),
+            columns,
             header,
             rows,
         })
@@ -275,10 +257,6 @@ impl Table {
 
     pub(crate) fn rows(&self) -> usize {
         self.rows.len()
-    }
-
-    pub(crate) fn header(&self) -> &[String] {
-        &self.header
     }
 
     /// The cell's text; `None` where there is no such column.
@@ -328,6 +306,19 @@ impl Table {
             None | Some("") => Ok(None),
             Some(_) => self.number(row, column).map(Some),
         }
+    }
+
+    /// The conditions that the row states, of those that the table must or may have.
+    pub(crate) fn conditions(&self, row: usize) -> Result<Conditions, Error> {
+        let mut values = Conditions::UNSTATED.values();
+        for (value, (name, ..)) in values.iter_mut().zip(CONDITIONS) {
+            if self.columns.required.contains(&name) {
+                *value = self.number(row, name)?;
+            } else if self.columns.optional.contains(&name) {
+                *value = self.optional(row, name)?.unwrap_or(f64::NAN);
+            }
+        }
+        Ok(Conditions::from_values(values))
     }
 
     /// The error of a cell.

@@ -46,12 +46,12 @@ impl GlideRun {
     /// Ice friction plus the slope's share of the weight, over the weight:
     /// `mu cos(kappa) +- sin(kappa)`.
     pub fn resistance(&self) -> f64 {
-        -self.line.slope / (self.entry.mass_kg * GRAVITY)
+        -self.line.slope / (self.entry.conditions.mass_kg * GRAVITY)
     }
 
     /// Standard error of [`GlideRun::resistance`].
     pub fn resistance_se(&self) -> f64 {
-        self.line.slope_se / (self.entry.mass_kg * GRAVITY)
+        self.line.slope_se / (self.entry.conditions.mass_kg * GRAVITY)
     }
 }
 
@@ -84,8 +84,11 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
             expected: "at least 1 m",
         });
     }
-    let density = air_density(entry.air_pa, entry.air_c);
-    let kinetic: Vec<f64> = v.iter().map(|v| 0.5 * entry.mass_kg * v * v).collect();
+    let density = entry.conditions.air_density();
+    let kinetic: Vec<f64> = v
+        .iter()
+        .map(|v| 0.5 * entry.conditions.mass_kg * v * v)
+        .collect();
     let drag: Vec<f64> = v
         .iter()
         .map(|v| 0.5 * entry.cda_m2 * density * v * v)
@@ -280,12 +283,13 @@ mod tests {
         let entry = read_glide_index("glides.csv", row.as_bytes())
             .unwrap()
             .remove(0);
-        let c = 0.5 * entry.cda_m2 * air_density(entry.air_pa, entry.air_c);
+        let c = 0.5 * entry.cda_m2 * entry.conditions.air_density();
         let glide = |friction: f64, unit: f64| {
             let root = (friction / c).sqrt();
             let start = (3.0 / root).atan();
             let t: Vec<f64> = (0..800).map(|i| 0.01 * f64::from(i)).collect();
-            let speed = |t: &f64| unit * root * (start - root * c * t / entry.mass_kg).tan();
+            let speed =
+                |t: &f64| unit * root * (start - root * c * t / entry.conditions.mass_kg).tan();
             let v: Vec<f64> = t.iter().map(speed).collect();
             let s = integrate(&t, &v);
             evaluate_glide(

@@ -2,6 +2,7 @@
 
 use std::io::Read;
 
+use crate::conditions::Conditions;
 use crate::friction::error::Error;
 use crate::friction::estimate::{Estimate, student_quantile};
 use crate::friction::experiments::{Columns, Experiment, Extra, Table};
@@ -18,20 +19,12 @@ pub struct GlideEntry {
     pub specimen: String,
     /// Direction of travel, one of two labels.
     pub direction: String,
-    /// Mass of sled and athlete [kg].
-    pub mass_kg: f64,
+    /// Ice, air, and the mass of sled and athlete.
+    pub conditions: Conditions,
     /// Drag area [m2].
     pub cda_m2: f64,
-    /// Air temperature [degrees Celsius].
-    pub air_c: f64,
-    /// Air pressure [Pa].
-    pub air_pa: f64,
     /// Session of the measurement.
     pub session: Option<String>,
-    /// Ice temperature [degrees Celsius].
-    pub ice_c: Option<f64>,
-    /// Relative humidity [%].
-    pub humidity_pct: Option<f64>,
     /// Rocker radius of the specimen [m].
     pub rocker_radius_m: Option<f64>,
     /// Peak pressure of the specimen [Pa].
@@ -78,7 +71,7 @@ const INDEX: Columns = Columns {
 const TRACE: Columns = Columns {
     required: &["t_s", "v_mps"],
     optional: &["s_m"],
-    extra: Extra::Retained,
+    extra: Extra::Ignored,
 };
 
 /// By how much a measured way and the integral of the speed may be apart: twice what a wheel or a
@@ -117,13 +110,9 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
             file: own,
             specimen: table.name(row, "specimen")?,
             direction,
-            mass_kg: table.number(row, "mass_kg")?,
+            conditions: table.conditions(row)?,
             cda_m2: table.number(row, "cda_m2")?,
-            air_c: table.number(row, "air_c")?,
-            air_pa: table.number(row, "air_pa")?,
             session: table.stated_text(row, "session"),
-            ice_c: table.optional(row, "ice_c")?,
-            humidity_pct: table.optional(row, "humidity_pct")?,
             rocker_radius_m: table.optional(row, "rocker_radius_m")?,
             p_max_pa: table.optional(row, "p_max_pa")?,
             p_max_sd_pa: table.optional(row, "p_max_sd_pa")?,
@@ -180,7 +169,7 @@ pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
         );
         return Err(table.bad(at + 1, "t_s", &t[at + 1].to_string(), &expected));
     }
-    let s_measured = table.header().iter().any(|name| name == "s_m");
+    let s_measured = table.text(0, "s_m").is_some();
     let s = if s_measured {
         let s = column("s_m", finite, "a distance in m")?;
         if let Some(at) = s.windows(2).position(|pair| pair[1] < pair[0] - 0.05) {
@@ -359,6 +348,11 @@ impl IceHouse {
                     let known: Vec<f64> = entries.iter().filter_map(|e| value(e)).collect();
                     (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
                 };
+                let condition = |place: usize| {
+                    let stated = |value: &f64| !value.is_nan();
+                    let values = |e: &GlideEntry| Some(e.conditions.values()[place]).filter(stated);
+                    average(&values).unwrap_or(f64::NAN)
+                };
                 let session = entries[0].session.clone();
                 Experiment {
                     specimen: specimen.specimen.clone(),
@@ -368,14 +362,10 @@ impl IceHouse {
                     mu_sd: specimen.mu_se,
                     session: session
                         .filter(|s| entries.iter().all(|e| e.session.as_ref() == Some(s))),
+                    conditions: Conditions::from_values(std::array::from_fn(condition)),
                     fz_n: Some(specimen.fz_n),
                     v_mps: Some(specimen.v_mps),
-                    ice_c: average(&|e| e.ice_c),
-                    air_c: average(&|e| Some(e.air_c)),
-                    humidity_pct: average(&|e| e.humidity_pct),
-                    air_pa: average(&|e| Some(e.air_pa)),
                     rocker_radius_m: average(&|e| e.rocker_radius_m),
-                    ..Default::default()
                 }
             })
             .collect()
@@ -388,7 +378,8 @@ impl IceHouse {
         } else {
             -1.0
         };
-        let per_metre = climbs * run.entry.mass_kg * GRAVITY * self.slope_rad.value.sin();
+        let per_metre =
+            climbs * run.entry.conditions.mass_kg * GRAVITY * self.slope_rad.value.sin();
         run.s.iter().map(|s| per_metre * s).collect()
     }
 }
@@ -436,7 +427,7 @@ fn specimen<'a>(
     let cosine = pairs[0].slope_rad.cos();
     let (mut load, mut speed, mut count) = (0.0, 0.0, 0.0);
     for run in runs {
-        load += run.entry.mass_kg * GRAVITY * cosine;
+        load += run.entry.conditions.mass_kg * GRAVITY * cosine;
         speed += run.v_mean;
         count += 1.0;
     }

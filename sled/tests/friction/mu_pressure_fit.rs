@@ -247,7 +247,6 @@ fn bad_cells_are_named_by_file_row_and_column() {
 fn written_experiments_read_back_alike() {
     let mut experiments = paper();
     for e in &mut experiments {
-        e.extra.clear();
         e.fz_n = Some(981.5);
     }
     let mut file = Vec::new();
