@@ -64,11 +64,11 @@ pub use contacts::{
 pub use error::Error;
 pub use evaluate::driving::{Angles, DrivingForce, RunEvaluation, evaluate};
 pub use evaluate::groups::{Group, distinct, groups};
-pub use evaluate::groups::{Summary, quantile, summarise};
+pub use evaluate::groups::{Summary, quantile};
 pub use evaluate::validate::{
     Disagreement, LateralForce, RunValidation, TrackValidation, by_track, validate,
 };
-pub use evaluate::validate::{balance_residuals, residuals, root_mean_square};
+pub use evaluate::validate::{residuals, root_mean_square};
 pub use fault::{Fault, FaultKind};
 pub use fit::{FitOptions, lateral_samples};
 pub use fit::{FitResult, Interval, RunnerFitResult};
@@ -84,7 +84,7 @@ pub use motion::outside::{OutsideTable, outside_tables, table_samples, together}
 pub use motion::residual_jacobian::ResidualJacobian;
 pub use motion::state::from_sensors;
 pub use motion::state::{AxleForces, Motion, State};
-pub use motion::state::{Slips, lever_acceleration, slips, to_centre_of_gravity};
+pub use motion::state::{Slips, slips, to_centre_of_gravity};
 pub use motion::{aero, one_track};
 pub use record::check;
 pub use record::check::examine::{Examination, Note, examine};
@@ -92,7 +92,7 @@ pub use record::check::judge::{RelationRules, check_relations, judge, judge_by};
 pub use record::check::profile::{Octave, Profile};
 pub use record::file_names::{file_stem, run_file, track_file};
 pub use record::files::{RunFormat, write_run};
-pub use record::files::{read_good_runs, read_needed, read_run, read_runs, state_distances};
+pub use record::files::{read_good_runs, read_needed, read_run, read_runs};
 pub use record::gaps::Saturation;
 pub use record::gaps::{Gaps, OnGaps};
 pub use record::gaps::{SampleCoverage, gaps_line};
@@ -106,11 +106,9 @@ pub use replay::compared::{Compared, Difference};
 pub use replay::drive::beside_measured;
 pub use replay::drive::{Replay, replay};
 pub use replay::inputs::{Inputs, READ, Reading, read_for_replay};
-pub use series::{bridged, derivative, white_noise_sd};
-pub use series::{low_pass, noise_gain, resample};
+pub use series::{bridged, derivative, low_pass, resample};
 pub use signals::prepare::PrepareOptions;
 pub use signals::prepare::{Prepared, prepare, prepare_all};
-pub use signals::sensed::{estimate_noise, slip_noise};
 pub use simulate::drive::SimulateOptions;
 pub use simulate::drive::{EnergyBalance, Simulated, simulate};
 pub use simulate::driver::Driver;

@@ -196,7 +196,8 @@ pub fn derivative(values: &[f64], dt_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Standard deviation of white noise on a smooth signal, from its third differences.
+/// Standard deviation of white noise on a smooth signal in several stretches, from its third
+/// differences.
 ///
 /// ```text
 /// var(y_{i+3} - 3 y_{i+2} + 3 y_{i+1} - y_i) = 20 sd^2   for white noise
@@ -204,11 +205,6 @@ pub fn derivative(values: &[f64], dt_s: f64) -> Vec<f64> {
 ///
 /// What the signal itself does within four samples is mostly cancelled; the median makes the rest
 /// of little weight. 0 where there are fewer than four samples. Unit: that of the signal.
-pub fn white_noise_sd(values: &[f64]) -> f64 {
-    noise_sd_within(std::iter::once(values))
-}
-
-/// The same over several stretches of a signal.
 pub fn noise_sd_within<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> f64 {
     let mut sizes: Vec<f64> = stretches
         .flat_map(|values| values.windows(4))

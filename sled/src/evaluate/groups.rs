@@ -138,15 +138,9 @@ const RESAMPLES: usize = 4000;
 /// `sqrt(n/(n-1))` for that. With fewer than about eight runs the interval is still somewhat too
 /// narrow. The same seed gives the same interval.
 ///
-/// ```
-/// let scores = [0.10, 0.12, 0.11, 0.14, 0.09, 0.12];
-/// let summary = kufe_sled::summarise(&scores, 1);
-/// assert!(summary.low.unwrap() < summary.mean && summary.mean < summary.high.unwrap());
-/// ```
-///
 /// # Panics
 /// Where there are no values.
-pub fn summarise(values: &[f64], seed: u64) -> Summary {
+fn summarise(values: &[f64], seed: u64) -> Summary {
     assert!(!values.is_empty(), "no values to summarise");
     let n = values.len();
     let mean = values.iter().sum::<f64>() / n as f64;

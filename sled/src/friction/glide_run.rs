@@ -4,7 +4,7 @@ use crate::friction::error::Error;
 use crate::friction::specimens::{GlideEntry, GlideTrace, integrate};
 
 /// Specific gas constant of dry air [J/(kg K)].
-pub const GAS_CONSTANT_OF_AIR: f64 = 287.05;
+const GAS_CONSTANT_OF_AIR: f64 = 287.05;
 /// Gravity as the formats have it: an accelerometer at rest on level ice reads it [m/s2].
 pub const GRAVITY: f64 = 9.81;
 /// Share of the glided distance at either end that is not used, in which the athlete lies down and
@@ -212,7 +212,7 @@ impl LineFit {
 /// long-run variance is taken with Bartlett weights over `4 (n/100)^(2/9)` lags, and coloured back.
 /// It falls short where errors stay correlated over more than about a tenth of the points. `None`
 /// below three points or without spread in x.
-pub fn fit_line(x: &[f64], y: &[f64]) -> Option<LineFit> {
+fn fit_line(x: &[f64], y: &[f64]) -> Option<LineFit> {
     let n = x.len() as f64;
     let centre = x.iter().sum::<f64>() / n;
     let level = y.iter().sum::<f64>() / n;

@@ -31,12 +31,11 @@ pub use error::Error;
 pub use estimate::{Estimate, Response, Span};
 pub use experiments::{Experiment, read_experiments, write_experiments};
 pub use glide_run::{
-    GAS_CONSTANT_OF_AIR, GRAVITY, GlideRun, LineFit, SHARE_LEFT_OUT, air_density, evaluate_glide,
-    fit_line,
+    GRAVITY, GlideRun, LineFit, SHARE_LEFT_OUT, air_density, evaluate_glide,
 };
 pub use lateral::fit::{LateralFit, fit_lateral};
 pub use lateral::law::{
-    Braghin, LateralAngles, LateralDerivatives, MagicFormula, atan_near, sin_cos_near,
+    Braghin, LateralAngles, LateralDerivatives, MagicFormula, sin_cos_near,
 };
 pub use lateral::{Combination, Identifiability, LateralFitOptions, LateralSample};
 pub use longitudinal::law::{

@@ -1,6 +1,6 @@
 //! Air: density and the drag of a sled that flies a little sideways.
 
-pub use crate::friction::{GAS_CONSTANT_OF_AIR as GAS_CONSTANT_AIR, air_density};
+pub use crate::friction::air_density;
 
 use crate::model::sled::Sled;
 

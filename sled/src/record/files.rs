@@ -22,7 +22,7 @@ use crate::series::bridged;
 ///
 /// Files are CSV, Parquet (`.parquet`), MATLAB v5 (`.mat`) or MDF 4 (`.mf4`).
 /// Every run is checked by [`check_columns`], and its channels by one another ([`judge`]). Where
-/// the index states no `distance_m`, it is [`state_distances`]'.
+/// the index states no `distance_m`, it is the sum of the runs before in the session.
 ///
 /// # Errors
 /// The first bad run's error in the order of the index, [`Error::Wrong`],
@@ -151,7 +151,7 @@ pub fn read_run_of(
 ///
 /// Runners are finished between sessions and not within one; where that is not so, `distance_m` in
 /// the index says it.
-pub fn state_distances(runs: &mut [Run]) {
+fn state_distances(runs: &mut [Run]) {
     let mut before: BTreeMap<String, f64> = BTreeMap::new();
     for run in runs {
         let travelled = before.entry(run.entry.session.clone()).or_insert(0.0);

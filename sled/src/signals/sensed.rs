@@ -257,8 +257,8 @@ impl Further {
     }
 }
 
-/// Noise of every sensor of a run at its own rate, estimated by [`white_noise_sd`]; 0 for those
-/// that are not recorded.
+/// Noise of every sensor of a run at its own rate, from third differences; 0 for those that
+/// are not recorded.
 pub fn estimate_noise(run: &Run) -> Noise {
     let sd = |name: &str| {
         let column = run.columns.get(name);

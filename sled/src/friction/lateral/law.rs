@@ -262,7 +262,7 @@ pub fn sin_cos_near(angle: f64, from: f64, (sine, cosine): (f64, f64)) -> (f64, 
 /// The arctangent of `x` [rad] from that of another of the same sign, `from`; computed anew where
 /// the two are far apart.
 #[inline]
-pub fn atan_near(x: f64, from: f64, of_from: f64) -> f64 {
+fn atan_near(x: f64, from: f64, of_from: f64) -> f64 {
     let d = (x - from) / (1.0 + x * from);
     if d.is_nan() || d.abs() > NEAR || x * from < 0.0 {
         return x.atan();
