@@ -218,7 +218,10 @@ impl RunSummary {
     fn of(note: &Note) -> RunSummary {
         let channels = || note.channels.iter();
         let missing = channels().filter(|(_, channel)| channel.missing_rows > 0);
-        let found = note.loggers.iter().filter(|(_, l)| l.clock.source == "found");
+        let found = note
+            .loggers
+            .iter()
+            .filter(|(_, l)| l.clock.source == "found");
         RunSummary {
             run: note.run.clone(),
             seconds: note.rows as f64 / note.rate_hz,

@@ -356,7 +356,12 @@ impl Strip {
             chosen.push(values[n - 1]);
             chosen
         };
-        Strip::new(thinned(&self.xi), thinned(&self.width), thinned(&self.pressure)).ok()
+        Strip::new(
+            thinned(&self.xi),
+            thinned(&self.width),
+            thinned(&self.pressure),
+        )
+        .ok()
     }
 }
 

@@ -561,7 +561,11 @@ pub(crate) fn choose_freedom(
     let mut best = fixed;
     for c in [options.c, 1.0] {
         let mu_zeta = fixed.mu_zeta_c() / c;
-        let start = MagicFormula { mu_zeta, c, ..fixed };
+        let start = MagicFormula {
+            mu_zeta,
+            c,
+            ..fixed
+        };
         // A direction without curvature may stop the search early; the fit with C fixed is then the
         // better one.
         if let Ok(found) = least_squares(samples, start, [true; 3])
