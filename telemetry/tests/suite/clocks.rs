@@ -240,5 +240,5 @@ fn half_a_second_at_the_end_stop_moves_no_clock() {
     std::fs::write(&path, clipped.collect::<String>()).unwrap();
     let imported = import(folder.path(), MAPPING).unwrap();
     let found = &imported[0].note.loggers["gps"];
-    assert!((found.delay_s - DELAYS[0]).abs() < 2e-3, "{found:?}");
+    assert!((found.clock.delay_s - DELAYS[0]).abs() < 2e-3, "{found:?}");
 }
