@@ -15,8 +15,8 @@ const FILES: [&str; 3] = ["runs.csv", "experiments.csv", "pressures.csv"];
 
 /// Reads data and model, searches, and returns the report and the next model's text.
 ///
-/// The kind of data is told by its columns: `run` (runs), `mu` (friction experiments), `case` (pressure measurements). A `campaign.toml`
-/// names several and their model; tables take theirs beside them.
+/// The kind of data is determined by its columns: `run` (runs), `mu` (friction experiments), `case` (pressure measurements). A `campaign.toml`
+/// names several and their model; tables need one as well.
 ///
 /// # Errors
 /// Those of the readers, [`Error::File`] for a folder, for a table of none of the three kinds or without a model, and of the search.
@@ -27,15 +27,18 @@ pub fn discover(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, Error> {
     if data.is_dir() {
-        let held = FILES.iter().filter(|name| data.join(name).is_file());
-        let held: Vec<String> = held
+        let present = FILES.iter().filter(|name| data.join(name).is_file());
+        let present: Vec<String> = present
             .map(|name| data.join(name).display().to_string())
             .collect();
         return Err(Error::File {
             file: data.display().to_string(),
-            reason: match held.is_empty() {
+            reason: match present.is_empty() {
                 true => format!("a folder; expected a file like {}", FILES.join(", ")),
-                false => format!("a folder; expected a file, such as {}", held.join(" or ")),
+                false => format!(
+                    "a folder; expected a file, such as {}",
+                    present.join(" or ")
+                ),
             },
         });
     }
@@ -44,7 +47,7 @@ pub fn discover(
             return Err(Error::File {
                 file: data.display().to_string(),
                 reason: format!(
-                    "a campaign names its own model; {} is given beside it",
+                    "a campaign names its own model; {} is given as well",
                     model.display()
                 ),
             });
@@ -53,7 +56,7 @@ pub fn discover(
     }
     let model = model.ok_or_else(|| Error::File {
         file: data.display().to_string(),
-        reason: "a table by itself; expected a model beside it, or a campaign.toml that names both"
+        reason: "a table by itself; expected a model as well, or a campaign.toml that names both"
             .to_owned(),
     })?;
     let table = Table::read(data)?;

@@ -20,9 +20,9 @@ pub enum Error {
         row: u64,
         /// Column.
         column: String,
-        /// What stands there.
+        /// What was found.
         found: String,
-        /// What may stand there.
+        /// What was expected.
         expected: String,
     },
     /// A column is missing.
@@ -47,7 +47,7 @@ pub enum Error {
         /// Second of the two.
         second: String,
     },
-    /// Too little data for what is asked.
+    /// Too little data for what is required.
     #[error("{what}: found {found}, at least {needed} are needed")]
     TooFew {
         /// What there is too little of.
@@ -57,7 +57,7 @@ pub enum Error {
         /// How many are needed.
         needed: usize,
     },
-    /// An effect that is to be looked for and that nobody knows.
+    /// An effect that is to search for and that nobody knows.
     #[error("effect {name:?}: expected one of {known}")]
     Unheard {
         /// Its name.

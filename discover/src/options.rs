@@ -6,8 +6,8 @@ use kufe_sled::effects::{CATALOGUE, Effects};
 use crate::error::Error;
 use crate::procedure::rules::Rules;
 
-/// What stands among the effects to be looked for in place of all dependences that the catalogue has no name for.
-pub const BEYOND: &str = "unknown";
+/// What is given among the effects to search for in place of all dependences that the catalogue has no name for.
+pub const OUTSIDE_CATALOGUE: &str = "unknown";
 
 /// How a search is made.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,9 +22,9 @@ pub struct Options {
     pub longitudinal: bool,
     /// Whether the lateral channels of runs take part.
     pub lateral: bool,
-    /// Whether runs with gaps are refused rather than used without what stands beside the gaps.
+    /// Whether runs with gaps are refused rather than used without what is next to the gaps.
     pub strict: bool,
-    /// The only effects that are looked for, by name, and [`BEYOND`] for what no name of the catalogue is; all where empty.
+    /// The only effects that are searched for, by name, and [`OUTSIDE_CATALOGUE`] for what no name of the catalogue is; all where empty.
     pub only: Vec<String>,
     /// Every constant of judgement.
     pub rules: Rules,
@@ -46,19 +46,19 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Whether an effect is looked for.
+    /// Whether an effect is searched for.
     pub fn looks_for(&self, effect: &str) -> bool {
         self.only.is_empty() || self.only.iter().any(|name| name == effect)
     }
 
-    /// What a report says of effects that were not looked for.
+    /// What a report says of effects that were not searched for.
     pub(crate) fn looked_for(&self) -> Option<String> {
         let names = self.only.join(", ");
-        let told = "were looked for, as was asked; what else may be missing was not";
-        (!self.only.is_empty()).then(|| format!("only {names} {told}"))
+        let note = "were searched for, as requested; what else may be missing was not";
+        (!self.only.is_empty()).then(|| format!("only {names} {note}"))
     }
 
-    /// Refuses names to be looked for that no effect bears, of the catalogues or of the model's own.
+    /// Refuses names to search for that no effect bears, of the catalogues or of the model's own.
     pub(crate) fn refuse_unheard(&self, model: Option<&Model>) -> Result<(), Error> {
         let own = match model {
             Some(model) => Effects::from_tables(&model.effects)?.active,
@@ -66,7 +66,7 @@ impl Options {
         };
         let of_runs = CATALOGUE.iter().map(|e| e.info().name);
         let of_maps = kufe::case::effects::CATALOGUE.iter().map(|e| e.info().name);
-        let mut known: Vec<&str> = of_runs.chain(of_maps).chain([BEYOND]).collect();
+        let mut known: Vec<&str> = of_runs.chain(of_maps).chain([OUTSIDE_CATALOGUE]).collect();
         known.extend(own.iter().map(|active| active.name.as_str()));
         known.sort_unstable();
         known.dedup();

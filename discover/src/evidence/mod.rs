@@ -1,4 +1,4 @@
-//! What each kind of data says of what a model lacks.
+//! What each kind of data says of what a model does not contain.
 
 pub mod experiments;
 pub mod maps;

@@ -10,14 +10,14 @@ use crate::error::Error;
 /// Reads channel `p` of a map.
 ///
 /// # Errors
-/// [`Error::File`] where the file is no EXR image with a place in metres, is too large, lacks the channel, or holds values
+/// [`Error::File`] where the file is no EXR image with a place in metres, is too large, does not have the channel, or holds values
 /// that are no pressures.
 pub fn read_map(path: &Path) -> Result<Map, Error> {
     let file = path.display().to_string();
     let image = ExrImage::load(path).map_err(|error| match error {
-        MeshError::Io { source, .. } => told(&file, &source),
-        MeshError::File { source, .. } => told(&file, &source),
-        other => told(&file, &other),
+        MeshError::Io { source, .. } => file_error(&file, &source),
+        MeshError::File { source, .. } => file_error(&file, &source),
+        other => file_error(&file, &other),
     })?;
     map(&image, &file)
 }
@@ -27,11 +27,11 @@ pub fn read_map(path: &Path) -> Result<Map, Error> {
 /// # Errors
 /// As [`read_map`].
 pub fn read_map_bytes(bytes: &[u8], file: &str) -> Result<Map, Error> {
-    let image = ExrImage::read(bytes).map_err(|error| told(file, &error))?;
+    let image = ExrImage::read(bytes).map_err(|error| file_error(file, &error))?;
     map(&image, file)
 }
 
-fn told(file: &str, what: &dyn std::fmt::Display) -> Error {
+fn file_error(file: &str, what: &dyn std::fmt::Display) -> Error {
     Error::File {
         file: file.to_owned(),
         reason: what.to_string(),
@@ -39,10 +39,12 @@ fn told(file: &str, what: &dyn std::fmt::Display) -> Error {
 }
 
 fn map(image: &ExrImage, file: &str) -> Result<Map, Error> {
-    let pressure = image.channel("p").map_err(|error| told(file, &error))?;
+    let pressure = image
+        .channel("p")
+        .map_err(|error| file_error(file, &error))?;
     if let Some(bad) = pressure.iter().position(|p| !p.is_finite()) {
         let what = format!("pixel {bad} of channel p is infinite; expected a pressure in Pa");
-        return Err(told(file, &what));
+        return Err(file_error(file, &what));
     }
     Ok(Map {
         nx: image.size[0],

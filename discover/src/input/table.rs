@@ -25,39 +25,39 @@ impl Table {
     /// [`Error::File`] where it cannot be read or is ragged.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let file = path.display().to_string();
-        let told = |reason: String| Error::File {
+        let file_error = |reason: String| Error::File {
             file: file.clone(),
             reason,
         };
         let text = kufe_files::text_of_regular(path, MOST_BYTES);
-        let text = text.map_err(|error| told(error.to_string()))?;
+        let text = text.map_err(|error| file_error(error.to_string()))?;
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_reader(text.as_bytes());
         let header: Vec<String> = reader
             .headers()
-            .map_err(|error| told(error.to_string()))?
+            .map_err(|error| file_error(error.to_string()))?
             .iter()
             .map(str::to_owned)
             .collect();
         if let Some(twice) = (0..header.len()).find(|k| header[..*k].contains(&header[*k])) {
-            return Err(told(format!(
+            return Err(file_error(format!(
                 "column `{}` is given twice; expected once",
                 header[twice]
             )));
         }
         let mut rows = Vec::new();
         for record in reader.records() {
-            let record = record.map_err(|error| told(error.to_string()))?;
+            let record = record.map_err(|error| file_error(error.to_string()))?;
             rows.push(record.iter().map(str::to_owned).collect());
         }
         if rows.is_empty() {
-            return Err(told("no rows; expected at least one".to_owned()));
+            return Err(file_error("no rows; expected at least one".to_owned()));
         }
         Ok(Self { file, header, rows })
     }
 
-    /// Where a column stands.
+    /// Index of a column.
     pub fn place(&self, column: &str) -> Option<usize> {
         self.header.iter().position(|name| name == column)
     }

@@ -10,7 +10,7 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::procedure::beside::Amount;
+use crate::procedure::shared_effects::Amount;
 
 /// The size that lies between those of all kinds, by inverse variance; `None` without any.
 pub fn together(amounts: &[Amount]) -> Option<Amount> {
@@ -72,8 +72,8 @@ mod tests {
         assert!((common.value - 1.12).abs() < 1e-12);
         assert!((common.error - (0.1_f64.powi(-2) + 0.2_f64.powi(-2)).powf(-0.5)).abs() < 1e-12);
         assert!((parted(&two) - 0.6 / 0.05_f64.sqrt()).abs() < 1e-12);
-        let told = two[0].t().powi(2) + two[1].t().powi(2) - parted(&two).powi(2);
-        assert!((gain(&two) - told).abs() < 1e-9);
+        let expected = two[0].t().powi(2) + two[1].t().powi(2) - parted(&two).powi(2);
+        assert!((gain(&two) - expected).abs() < 1e-9);
         assert_eq!(together(&[]), None);
     }
 

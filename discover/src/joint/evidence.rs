@@ -1,14 +1,16 @@
 //! Several kinds of data as one evidence.
 //!
-//! Each kind keeps its own base, null and locked-away data. An effect that one claims is added to every kind that knows it; where their sizes
-//! agree they are combined and held at that in all, before anything is judged on locked-away data and written.
+//! Each kind keeps its own base, null and locked-away data. An effect that one selects is added to every kind that knows it; where their sizes
+//! agree they are combined and fixed at that in all, before anything is judged on locked-away data and written.
 
 use crate::error::Error;
+use crate::joint::description::{OfPart, described};
 use crate::joint::kinds::{Joint, JointFit, Origin, PartFit};
-use crate::joint::told::{OfPart, described};
-use crate::procedure::beside::Amount;
-use crate::procedure::evidence::{Account, Added, Claim, Description, Evidence, Opened, Screen};
+use crate::procedure::evidence::{
+    Account, Added, Description, Evidence, Opened, Screen, Selection,
+};
 use crate::procedure::lowered::Lowered;
+use crate::procedure::shared_effects::Amount;
 
 impl Evidence for Joint<'_> {
     type Act = Origin;
@@ -33,7 +35,7 @@ impl Evidence for Joint<'_> {
     }
 
     fn screen(&mut self, fit: &JointFit, account: &mut Account) -> Result<Screen<Origin>, Error> {
-        let mut claims = Vec::new();
+        let mut selections = Vec::new();
         let mut detectable = Vec::new();
         for k in 0..self.kinds.len() {
             let free = fit.parts[k].free;
@@ -44,30 +46,33 @@ impl Evidence for Joint<'_> {
             let screen = self.kinds[k].part.screen(&free, &mut own)?;
             self.tell(k, own, account);
             detectable.extend(screen.detectable);
-            match screen.claim {
-                Some(claim) => claims.push((k, claim)),
+            match screen.selection {
+                Some(selection) => selections.push((k, selection)),
                 None => self.kinds[k].silent = Some(free),
             }
         }
         // The surest first; of equals the first kind's.
-        let surest = claims
+        let surest = selections
             .into_iter()
             .reduce(|a, b| if b.1.p_value < a.1.p_value { b } else { a });
-        let claim = match surest {
-            Some((kind, claim)) => Some(self.judged(fit, kind, &claim)?),
+        let selection = match surest {
+            Some((kind, selection)) => Some(self.judged(fit, kind, &selection)?),
             None => self.weak_together(fit, account),
         };
-        Ok(Screen { claim, detectable })
+        Ok(Screen {
+            selection,
+            detectable,
+        })
     }
 
     fn add(
         &mut self,
         fit: &JointFit,
-        claim: &Claim<Origin>,
+        selection: &Selection<Origin>,
         step: usize,
     ) -> Result<Added<JointFit>, Error> {
-        let origin = claim.candidate.act;
-        let amount = Amount::of(&claim.candidate, claim.size, claim.error);
+        let origin = selection.candidate.act;
+        let amount = Amount::of(&selection.candidate, selection.size, selection.error);
         let common = self.is_common(&amount.effect);
         let mut next = fit.clone();
         let part = &mut next.parts[origin.kind];
@@ -75,7 +80,7 @@ impl Evidence for Joint<'_> {
         let own = known.unwrap_or(part.steps.len());
         let added = self.kinds[origin.kind].part.add(
             &fit.parts[origin.kind].free,
-            &claim.acting(origin.claim),
+            &selection.acting(origin.selection),
             own,
         )?;
         part.free = added.fit;
@@ -87,8 +92,8 @@ impl Evidence for Joint<'_> {
                 continue;
             }
             let kind = &mut self.kinds[k].part;
-            if let Some(claim) = kind.claim(&part.free, &amount) {
-                part.free = kind.add(&part.free, &claim, part.steps.len())?.fit;
+            if let Some(selection) = kind.select(&part.free, &amount) {
+                part.free = kind.add(&part.free, &selection, part.steps.len())?.fit;
                 part.steps.push(step);
             }
         }
@@ -107,12 +112,12 @@ impl Evidence for Joint<'_> {
             let part = &mut next.parts[k];
             part.free = self.kinds[k].part.settle(part.free, &mut own)?;
             part.written = part.free;
-            let left = |step: &usize| {
+            let own_step = |step: &usize| {
                 own.steps
                     .iter()
                     .find(|s| s.effect == account.steps[*step].effect)
             };
-            part.steps.retain(|step| left(step).is_some());
+            part.steps.retain(|step| own_step(step).is_some());
             for step in &part.steps {
                 if let Some(own) = own
                     .steps
@@ -140,7 +145,7 @@ impl Evidence for Joint<'_> {
                 for (k, part) in next.parts.iter_mut().enumerate() {
                     if let Some(own) = part.steps.iter().position(|s| *s == step) {
                         let kind = &mut self.kinds[k].part;
-                        part.written = kind.held(&part.written, own, &said.together)?;
+                        part.written = kind.with_fixed_sizes(&part.written, own, &said.together)?;
                     }
                 }
             }
@@ -206,7 +211,7 @@ impl Evidence for Joint<'_> {
             }
             self.kinds[k].held_out = opened.held_out;
         }
-        // The kind that the first step belongs to stands at the head; every kind's channels follow.
+        // The kind that the first step belongs to comes first; every kind's channels follow.
         let head = last
             .parts
             .iter()

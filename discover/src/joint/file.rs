@@ -1,4 +1,4 @@
-//! `campaign.toml`: which data belong together, and the model that they are held against.
+//! `campaign.toml`: which data belong together, and the model that they are compared with.
 
 use std::path::{Path, PathBuf};
 
@@ -30,14 +30,14 @@ impl CampaignFile {
     /// # Errors
     /// [`Error::File`] for what is no such file, without data, without a model, or naming a file twice or one that is not there.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let told = |reason: String| Error::File {
+        let file_error = |reason: String| Error::File {
             file: path.display().to_string(),
             reason,
         };
         let text = kufe_files::text_of_regular(path, MOST_BYTES)
-            .map_err(|error| told(error.to_string()))?;
-        let mut campaign: Self =
-            toml::from_str(&text).map_err(|error| told(error.to_string().trim().to_owned()))?;
+            .map_err(|error| file_error(error.to_string()))?;
+        let mut campaign: Self = toml::from_str(&text)
+            .map_err(|error| file_error(error.to_string().trim().to_owned()))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut seen: Vec<(&str, PathBuf)> = Vec::new();
         for (key, file) in [
@@ -49,13 +49,13 @@ impl CampaignFile {
             let Some(file) = file else { continue };
             *file = folder.join(&*file);
             if !file.is_file() {
-                return Err(told(format!(
+                return Err(file_error(format!(
                     "{key}: {} is not there or no file; paths are those of the campaign's folder",
                     file.display()
                 )));
             }
             if let Some((other, _)) = seen.iter().find(|(_, f)| f == file) {
-                return Err(told(format!(
+                return Err(file_error(format!(
                     "{key} = {}: the same file as {other}",
                     file.display()
                 )));
@@ -63,19 +63,19 @@ impl CampaignFile {
             seen.push((key, file.clone()));
         }
         if seen.iter().all(|(key, _)| *key == "model") {
-            return Err(told(
+            return Err(file_error(
                 "no data; expected one or more of runs, experiments, pressures".to_owned(),
             ));
         }
         if campaign.model.is_none() && (campaign.runs.is_some() || campaign.experiments.is_some()) {
-            return Err(told(
-                "model is missing; expected the model.toml that runs and experiments are held against"
+            return Err(file_error(
+                "model is missing; expected the model.toml that runs and experiments are compared with"
                     .to_owned(),
             ));
         }
         if campaign.model.is_some() && campaign.runs.is_none() && campaign.experiments.is_none() {
-            return Err(told(
-                "model is given without runs or experiments; pressures are held against their own case"
+            return Err(file_error(
+                "model is given without runs or experiments; pressures are compared with their own case"
                     .to_owned(),
             ));
         }
@@ -141,7 +141,7 @@ mod tests {
 
     #[test]
     fn wrong_campaigns_are_refused_with_what_was_expected() {
-        for (text, told) in [
+        for (text, expected) in [
             ("", "no data"),
             ("model = \"model.toml\"", "no data"),
             ("runs = \"runs.csv\"", "model is missing"),
@@ -163,7 +163,7 @@ mod tests {
         ] {
             let refused = read(text).expect_err(text);
             assert!(
-                refused.contains(told) && refused.contains("campaign.toml"),
+                refused.contains(expected) && refused.contains("campaign.toml"),
                 "{text}: {refused}"
             );
         }

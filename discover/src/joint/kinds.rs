@@ -3,10 +3,10 @@
 use crate::error::Error;
 use crate::finding::{Fitted, HeldOut};
 use crate::joint::combine::{parted, together};
-use crate::joint::kept::Part;
+use crate::joint::indexed::Part;
 use crate::options::Options;
-use crate::procedure::beside::Amount;
 use crate::procedure::evidence::{Account, Dependence};
+use crate::procedure::shared_effects::Amount;
 
 /// The kind of data whose model is a case.
 pub const PRESSURES: &str = "pressures";
@@ -17,7 +17,7 @@ pub struct Kind<'a> {
     pub name: &'static str,
     /// Its evidence.
     pub part: Part<'a>,
-    /// The fit with which its last screen claimed nothing.
+    /// The fit with which its last screen selected nothing.
     pub silent: Option<usize>,
     /// What its locked-away data say.
     pub held_out: HeldOut,
@@ -62,13 +62,13 @@ pub struct Said {
     pub parted: Option<String>,
 }
 
-/// Which kind claims, and its claim.
+/// Which kind selects, and its selection.
 #[derive(Clone, Copy)]
 pub struct Origin {
     /// The kind.
     pub kind: usize,
-    /// Its claim.
-    pub claim: usize,
+    /// Its selected effect.
+    pub selection: usize,
 }
 
 impl<'a> Joint<'a> {
@@ -106,8 +106,8 @@ impl<'a> Joint<'a> {
         });
         account.depends.extend(depends);
         if let Some(why) = own.unexplained {
-            // Told beside the names that other kinds of data have found.
-            let remark = of(format!("something is left without a name: {why}"));
+            // Reported with the names that other kinds of data have found.
+            let remark = of(format!("something remains without a name: {why}"));
             account.remarks.push(remark);
             account.unexplained.get_or_insert(of(why));
         }
@@ -118,7 +118,7 @@ impl<'a> Joint<'a> {
         self.kinds.iter().all(|k| k.part.is_common(effect))
     }
 
-    /// What a kind says of an effect beside its fit; `None` where it knows no such effect.
+    /// What a kind says of an effect with its fit; `None` where it knows no such effect.
     ///
     /// # Errors
     /// Those of the fit.
@@ -128,16 +128,16 @@ impl<'a> Joint<'a> {
         fit: usize,
         amount: &Amount,
     ) -> Result<Option<(usize, Vec<Amount>)>, Error> {
-        const BESIDE: usize = usize::MAX;
+        const EXTRA_STEP: usize = usize::MAX;
         if !self.is_common(&amount.effect) {
             return Ok(None);
         }
         let part = &mut self.kinds[kind].part;
-        let Some(claim) = part.claim(&fit, amount) else {
+        let Some(selection) = part.select(&fit, amount) else {
             return Ok(None);
         };
-        let added = part.add(&fit, &claim, BESIDE)?;
-        Ok(Some((added.fit, part.amounts(&added.fit, BESIDE))))
+        let added = part.add(&fit, &selection, EXTRA_STEP)?;
+        Ok(Some((added.fit, part.amounts(&added.fit, EXTRA_STEP))))
     }
 
     /// What every kind says of a step's effect, and its combined size.
@@ -160,7 +160,7 @@ impl<'a> Joint<'a> {
             }
         }
         let worst = all.iter().map(|same| parted(same)).fold(0.0, f64::max);
-        if worst <= self.options.rules.search.kinds_agree {
+        if worst <= self.options.rules.search.agree {
             said.together = all.iter().filter_map(|same| together(same)).collect();
         } else {
             let sizes = said.by_kind.iter().flat_map(|(k, amounts)| {

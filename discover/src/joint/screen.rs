@@ -1,16 +1,16 @@
 //! Who it could be, by all kinds of data together.
 //!
-//! Of the class of a claim, each member is asked of every other kind that knows it: what that kind adds to it is `t^2 - d^2`, with t the size there in
+//! Of the class of a selected effect, each member is evaluated of every other kind that knows it: what that kind adds to it is `t^2 - d^2`, with t the size there in
 //! its errors and d what the two sizes part by in those of their difference (the logarithm of a likelihood ratio, twice). Members that fall behind
-//! the best by more than the square of what a rival must leave are told apart. Where no kind claims anything alone, p-values of the same
+//! the best by more than the square of what a rival must leave are distinguished. Where no kind selects anything alone, p-values of the same
 //! effect are combined.
 
 use crate::error::Error;
 use crate::finding::Rival;
 use crate::joint::combine::{chance, gain, parted};
 use crate::joint::kinds::{Joint, JointFit, Origin};
-use crate::procedure::beside::Amount;
-use crate::procedure::evidence::{Account, Claim, Randomised};
+use crate::procedure::evidence::{Account, Randomised, Selection};
+use crate::procedure::shared_effects::Amount;
 
 /// An effect that several kinds of data show, none of them surely.
 struct Weak {
@@ -21,7 +21,7 @@ struct Weak {
 }
 
 impl Joint<'_> {
-    /// t that a named effect must keep beside a rival: the largest that any kind asks.
+    /// t that a named effect must retain given a rival: the largest that any kind asks.
     fn needed_t(&self) -> f64 {
         let rules = &self.options.rules;
         let (runs, levels) = (&rules.runs.rivals, &rules.runs.level_rivals);
@@ -34,15 +34,14 @@ impl Joint<'_> {
         let rules = &self.options.rules;
         [
             rules.runs.alpha,
-            rules.runs.alpha_sessions,
-            rules.runs.alpha_runs,
+            rules.runs.alpha_levels,
             rules.experiments.alpha,
         ]
         .into_iter()
         .fold(1.0, f64::min)
     }
 
-    /// A kind's claim with the class that all kinds leave.
+    /// A kind's selected effect with the class that all kinds leave.
     ///
     /// # Errors
     /// Those of the fits.
@@ -50,12 +49,12 @@ impl Joint<'_> {
         &mut self,
         fit: &JointFit,
         kind: usize,
-        claim: &Claim<usize>,
-    ) -> Result<Claim<Origin>, Error> {
-        let own = Amount::of(&claim.candidate, claim.size, claim.error);
+        selection: &Selection<usize>,
+    ) -> Result<Selection<Origin>, Error> {
+        let own = Amount::of(&selection.candidate, selection.size, selection.error);
         let mut members = vec![(own.clone(), None::<f64>)];
-        for name in &claim.class[1..] {
-            let Some(rival) = claim.rivals.iter().find(|r| r.effect == *name) else {
+        for name in &selection.class[1..] {
+            let Some(rival) = selection.rivals.iter().find(|r| r.effect == *name) else {
                 continue;
             };
             let error = (rival.size / rival.t).abs();
@@ -71,9 +70,9 @@ impl Joint<'_> {
         let mut heard = false;
         for (amount, added) in &mut members {
             let mut sum = 0.0;
-            let mut lacks = false;
+            let mut is_untestable = false;
             for other in (0..self.kinds.len()).filter(|k| *k != kind) {
-                lacks |= self.kinds[other].part.lacks(&amount.effect);
+                is_untestable |= self.kinds[other].part.is_untestable(&amount.effect);
                 let Some((_, said)) = self.ask(other, fit.parts[other].free, amount)? else {
                     continue;
                 };
@@ -83,11 +82,11 @@ impl Joint<'_> {
                 }
             }
             // What the others cannot measure they cannot exclude.
-            *added = (!lacks).then_some(sum);
+            *added = (!is_untestable).then_some(sum);
         }
-        let origin = |claim| Origin { kind, claim };
+        let origin = |selection| Origin { kind, selection };
         if !heard || members.len() < 2 {
-            return Ok(claim.acting(origin(claim.candidate.act)));
+            return Ok(selection.acting(origin(selection.candidate.act)));
         }
         let of = |member: &(Amount, Option<f64>)| member.1.unwrap_or(0.0);
         let best = (1..members.len()).fold(0, |best, k| {
@@ -106,15 +105,15 @@ impl Joint<'_> {
             }
         }
         let mut joint = match best {
-            0 => claim.acting(origin(claim.candidate.act)),
-            _ => match self.kinds[kind].part.claim(&fit.parts[kind].free, named) {
+            0 => selection.acting(origin(selection.candidate.act)),
+            _ => match self.kinds[kind].part.select(&fit.parts[kind].free, named) {
                 Some(other) => {
                     let mut other = other.acting(origin(other.candidate.act));
-                    other.p_value = claim.p_value;
-                    other.rivals = instead(claim, &named.effect);
+                    other.p_value = selection.p_value;
+                    other.rivals = instead(selection, &named.effect);
                     other
                 }
-                None => claim.acting(origin(claim.candidate.act)),
+                None => selection.acting(origin(selection.candidate.act)),
             },
         };
         let out: Vec<&str> = members
@@ -123,15 +122,15 @@ impl Joint<'_> {
             .filter(|name| !class.iter().any(|c| c == name))
             .collect();
         if !out.is_empty() {
-            let told = format!(
-                "{} by themselves leave {} beside {}: told apart by the other data",
+            let message = format!(
+                "{} by themselves leave {} with {}: distinguished by the other data",
                 self.kinds[kind].name,
                 out.join(", "),
                 named.effect
             );
             joint.remark = Some(match joint.remark.take() {
-                Some(before) => format!("{before}; {told}"),
-                None => told,
+                Some(before) => format!("{before}; {message}"),
+                None => message,
             });
         }
         if class.contains(&joint.candidate.effect) {
@@ -143,10 +142,14 @@ impl Joint<'_> {
         Ok(joint)
     }
 
-    /// A claim that no kind makes alone.
-    pub fn weak_together(&mut self, fit: &JointFit, account: &Account) -> Option<Claim<Origin>> {
+    /// A selected effect that no kind makes alone.
+    pub fn weak_together(
+        &mut self,
+        fit: &JointFit,
+        account: &Account,
+    ) -> Option<Selection<Origin>> {
         let alpha = self.alpha();
-        let agree = self.options.rules.search.kinds_agree;
+        let agree = self.options.rules.search.agree;
         let weak = self.weak();
         let known = |weak: &Weak| {
             let effect = &weak.by_kind[0].1.effect;
@@ -162,12 +165,12 @@ impl Joint<'_> {
             .iter()
             .max_by(|a, b| a.1.t().abs().total_cmp(&b.1.t().abs()))?;
         let kind = surest.0;
-        let claim = self.kinds[kind]
+        let selection = self.kinds[kind]
             .part
-            .claim(&fit.parts[kind].free, &surest.1)?;
-        let mut joint = claim.acting(Origin {
+            .select(&fit.parts[kind].free, &surest.1)?;
+        let mut joint = selection.acting(Origin {
             kind,
-            claim: claim.candidate.act,
+            selection: selection.candidate.act,
         });
         joint.p_value = best.p_value;
         joint.randomised = Randomised::default();
@@ -179,7 +182,7 @@ impl Joint<'_> {
             }
         }
         joint.remark = Some(format!(
-            "{}: no kind of data claims it alone; together they do",
+            "{}: no kind of data selects it alone; together they do",
             joint.candidate.effect
         ));
         Some(joint)
@@ -214,19 +217,19 @@ impl Joint<'_> {
 }
 
 /// The rivals of a member that is named instead of what a kind named by itself, which becomes one of them.
-fn instead(claim: &Claim<usize>, named: &str) -> Vec<Rival> {
-    let mut rivals = claim.rivals.clone();
+fn instead(selection: &Selection<usize>, named: &str) -> Vec<Rival> {
+    let mut rivals = selection.rivals.clone();
     for rival in rivals.iter_mut().filter(|r| r.effect == named) {
-        let t = claim.size / claim.error.max(1e-300);
+        let t = selection.size / selection.error.max(1e-300);
         *rival = Rival {
-            effect: claim.candidate.effect.clone(),
-            parameter: claim.candidate.key.clone(),
-            size: claim.size,
-            unit: claim.candidate.unit.clone(),
+            effect: selection.candidate.effect.clone(),
+            parameter: selection.candidate.key.clone(),
+            size: selection.size,
+            unit: selection.candidate.unit.clone(),
             t,
             gain: t * t,
             t_of_named_beyond: 0.0,
-            decides: claim.candidate.decides.clone(),
+            decides: selection.candidate.decides.clone(),
             ..rival.clone()
         };
     }

@@ -11,7 +11,7 @@ use crate::evidence::maps::measured::file::Measured;
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::{experiments, maps, runs};
 use crate::joint::file::{CampaignFile, case_of};
-use crate::joint::kept::{Kept, Part};
+use crate::joint::indexed::{Indexed, Part};
 use crate::joint::kinds::{Joint, PRESSURES};
 use crate::options::Options;
 use crate::procedure::search::{Found, search_evidence};
@@ -60,16 +60,16 @@ pub fn search(
     let mut parts: Vec<(&'static str, Part)> = Vec::new();
     if let (Some(data), Some(model)) = (&data, &model) {
         let campaign = Campaign::new(data, model, options)?;
-        parts.push(("runs", Box::new(Kept::new(campaign))));
+        parts.push(("runs", Box::new(Indexed::new(campaign))));
     }
     if let (Some(rows), Some(model)) = (&files.experiments, &model) {
         let experiments = Experiments::read(rows, model, options)?;
-        parts.push(("experiments", Box::new(Kept::new(experiments))));
+        parts.push(("experiments", Box::new(Indexed::new(experiments))));
     }
     if let Some((case, rows)) = &measured {
         progress("solving the case of the pressures");
         let maps = Maps::new(rows, case, options, progress)?;
-        parts.push((PRESSURES, Box::new(Kept::new(maps))));
+        parts.push((PRESSURES, Box::new(Indexed::new(maps))));
     }
     let mut joint = Joint::new(parts, options);
     let mut found = search_evidence(&mut joint, options, progress)?;

@@ -2,37 +2,44 @@
 
 use crate::error::Error;
 use crate::finding::Rival;
-use crate::joint::kept::{Kept, Part};
+use crate::joint::indexed::{Indexed, Part};
 use crate::joint::kinds::{Joint, JointFit, PartFit};
 use crate::options::Options;
-use crate::procedure::beside::{Amount, Beside, Chance};
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Account, Added, Claim, Description, Evidence, Opened, Screen};
+use crate::procedure::evidence::{
+    Account, Added, Description, Evidence, Opened, Screen, Selection,
+};
 use crate::procedure::lowered::Lowered;
 use crate::procedure::rules::SearchRules;
+use crate::procedure::shared_effects::{Amount, Chance, SharesEffects};
 
 /// Data that know some effects, each with one size; a fit is the name of what was added last.
 #[derive(Default)]
-struct Told {
+struct StatedData {
     sizes: Vec<Amount>,
     chances: Vec<Chance>,
-    lacks: Vec<&'static str>,
+    is_untestable: Vec<&'static str>,
     of_the_air: Vec<&'static str>,
     lowered: Option<Lowered>,
 }
 
-impl Evidence for Told {
+impl Evidence for StatedData {
     type Act = ();
     type Fit = String;
     fn fit_base(&mut self, _: &mut Account) -> Result<String, Error> {
         Ok(String::new())
     }
     fn screen(&mut self, _: &String, _: &mut Account) -> Result<Screen<()>, Error> {
-        unreachable!("not asked here")
+        unreachable!("not used here")
     }
-    fn add(&mut self, _: &String, claim: &Claim<()>, _: usize) -> Result<Added<String>, Error> {
+    fn add(
+        &mut self,
+        _: &String,
+        selection: &Selection<()>,
+        _: usize,
+    ) -> Result<Added<String>, Error> {
         Ok(Added {
-            fit: claim.candidate.effect.clone(),
+            fit: selection.candidate.effect.clone(),
             written: true,
             gap: [0.0, 0.0],
             place: None,
@@ -48,26 +55,26 @@ impl Evidence for Told {
         Ok(self.lowered.clone())
     }
     fn open(&mut self, _: &String, _: &String, _: &mut Account) -> Result<Opened, Error> {
-        unreachable!("not asked here")
+        unreachable!("not used here")
     }
     fn describe(&mut self, _: &String, _: &String, _: &mut Account) -> Result<Description, Error> {
-        unreachable!("not asked here")
+        unreachable!("not used here")
     }
 }
 
-impl Beside for Told {
+impl SharesEffects for StatedData {
     fn chances(&self) -> &[Chance] {
         &self.chances
     }
     fn is_common(&self, effect: &str) -> bool {
         !self.of_the_air.contains(&effect)
     }
-    fn lacks(&self, effect: &str) -> bool {
-        self.lacks.contains(&effect)
+    fn is_untestable(&self, effect: &str) -> bool {
+        self.is_untestable.contains(&effect)
     }
-    fn claim(&mut self, _: &String, amount: &Amount) -> Option<Claim<()>> {
+    fn select(&mut self, _: &String, amount: &Amount) -> Option<Selection<()>> {
         let known = self.sizes.iter().any(|own| own.is_same(amount));
-        known.then(|| claimed(&amount.effect, amount.value, &[]).acting(()))
+        known.then(|| selection_of(&amount.effect, amount.value, &[]).acting(()))
     }
     fn amounts(&self, fit: &String, _: usize) -> Vec<Amount> {
         let own = self.sizes.iter().filter(|own| own.effect == *fit);
@@ -92,7 +99,7 @@ fn chance(effect: &str, value: f64, error: f64, p_value: f64) -> Chance {
     }
 }
 
-fn claimed(effect: &str, size: f64, rivals: &[(&str, f64)]) -> Claim<usize> {
+fn selection_of(effect: &str, size: f64, rivals: &[(&str, f64)]) -> Selection<usize> {
     let rival = |(name, size): &(&str, f64)| Rival {
         effect: (*name).to_owned(),
         parameter: "size".to_owned(),
@@ -105,7 +112,7 @@ fn claimed(effect: &str, size: f64, rivals: &[(&str, f64)]) -> Claim<usize> {
         in_class: true,
         decides: String::new(),
     };
-    Claim {
+    Selection {
         candidate: Candidate {
             effect: effect.to_owned(),
             key: "size".to_owned(),
@@ -133,14 +140,14 @@ fn claimed(effect: &str, size: f64, rivals: &[(&str, f64)]) -> Claim<usize> {
     }
 }
 
-fn asked<T>(told: [Told; 2], of: impl FnOnce(&mut Joint, &JointFit) -> T) -> T {
+fn with_joint<T>(stated: [StatedData; 2], of: impl FnOnce(&mut Joint, &JointFit) -> T) -> T {
     let options = Options::default();
-    let parts = ["runs", "experiments"].into_iter().zip(told);
-    let parts = parts.map(|(name, told)| {
-        let mut kept = Kept::new(told);
-        let fit = kept.fit_base(&mut Account::default());
+    let parts = ["runs", "experiments"].into_iter().zip(stated);
+    let parts = parts.map(|(name, stated)| {
+        let mut indexed = Indexed::new(stated);
+        let fit = indexed.fit_base(&mut Account::default());
         assert_eq!(fit.ok(), Some(0));
-        (name, Box::new(kept) as Part)
+        (name, Box::new(indexed) as Part)
     });
     let mut joint = Joint::new(parts.collect(), &options);
     let part = PartFit {
@@ -155,29 +162,29 @@ fn asked<T>(told: [Told; 2], of: impl FnOnce(&mut Joint, &JointFit) -> T) -> T {
     of(&mut joint, &fit)
 }
 
-fn of_class(own: Told, other: Told, rivals: &[(&str, f64)]) -> (String, Vec<String>) {
-    asked([own, other], |joint, fit| {
-        let claim = claimed("humidity", 1.0, rivals);
-        let joint = joint.judged(fit, 0, &claim);
+fn of_class(own: StatedData, other: StatedData, rivals: &[(&str, f64)]) -> (String, Vec<String>) {
+    with_joint([own, other], |joint, fit| {
+        let selection = selection_of("humidity", 1.0, rivals);
+        let joint = joint.judged(fit, 0, &selection);
         joint.map_or_else(
             |error| (error.to_string(), Vec::new()),
-            |claim| (claim.candidate.effect, claim.class),
+            |selection| (selection.candidate.effect, selection.class),
         )
     })
 }
 
 #[test]
 fn a_class_is_split_by_what_other_data_say_at_the_size_that_is_asked_for() {
-    let runs = || Told {
+    let runs = || StatedData {
         sizes: vec![amount("temperature", 0.5, 0.05)],
-        ..Told::default()
+        ..StatedData::default()
     };
-    let ice_house = |humidity: f64, temperature: f64| Told {
+    let ice_house = |humidity: f64, temperature: f64| StatedData {
         sizes: vec![
             amount("humidity", humidity, 0.1),
             amount("temperature", temperature, 0.05),
         ],
-        ..Told::default()
+        ..StatedData::default()
     };
     let rivals = [("temperature", 0.5)];
     // The ice house sees the temperature at the size of the runs and nothing of the humidity.
@@ -189,12 +196,12 @@ fn a_class_is_split_by_what_other_data_say_at_the_size_that_is_asked_for() {
     // It sees both as they would have to be, or knows neither, or cannot measure the one it would exclude.
     let (_, class) = of_class(runs(), ice_house(1.0, 0.5), &rivals);
     assert_eq!(class, ["humidity", "temperature"]);
-    let (_, class) = of_class(runs(), Told::default(), &rivals);
+    let (_, class) = of_class(runs(), StatedData::default(), &rivals);
     assert_eq!(class, ["humidity", "temperature"]);
-    let blind = Told {
+    let blind = StatedData {
         sizes: vec![amount("humidity", 1.0, 0.1)],
-        lacks: vec!["temperature"],
-        ..Told::default()
+        is_untestable: vec!["temperature"],
+        ..StatedData::default()
     };
     let (_, class) = of_class(runs(), blind, &rivals);
     assert_eq!(class, ["humidity", "temperature"]);
@@ -205,18 +212,18 @@ fn weakly(
     other: Vec<Chance>,
     of_the_air: Vec<&'static str>,
 ) -> Option<(String, f64)> {
-    let of = |chances: Vec<Chance>| Told {
+    let of = |chances: Vec<Chance>| StatedData {
         sizes: chances.iter().map(|c| c.amount.clone()).collect(),
         chances,
-        ..Told::default()
+        ..StatedData::default()
     };
-    let other = Told {
+    let other = StatedData {
         of_the_air,
         ..of(other)
     };
-    asked([of(own), other], |joint, fit| {
-        let claim = joint.weak_together(fit, &Account::default());
-        claim.map(|claim| (claim.candidate.effect, claim.p_value))
+    with_joint([of(own), other], |joint, fit| {
+        let selection = joint.weak_together(fit, &Account::default());
+        selection.map(|selection| (selection.candidate.effect, selection.p_value))
     })
 }
 
@@ -240,13 +247,13 @@ fn what_no_data_claim_alone_two_may_claim_together_where_they_agree() {
 #[test]
 fn what_rises_in_the_channel_that_it_is_made_of_is_seen_beside_other_data() {
     let falls = [[-2.0, 9.0], [-3.0, 10.0], [-2.5, 11.0], [-2.2, 10.0]];
-    let of = |lowered: Option<Lowered>| Told {
+    let of = |lowered: Option<Lowered>| StatedData {
         lowered,
-        ..Told::default()
+        ..StatedData::default()
     };
     let runs = of(Lowered::over_channels(["side", "yaw"], &falls, &falls));
     let experiments = of(Lowered::over(&[5.0, 6.0, 5.5], 0.0));
-    let sum = asked([runs, experiments], |joint, fit| joint.lowered(fit, fit));
+    let sum = with_joint([runs, experiments], |joint, fit| joint.lowered(fit, fit));
     let (sum, rules) = (sum.ok().flatten(), SearchRules::default());
     let holds_in = |channel| sum.as_ref().map(|sum| sum.holds_in(channel, &rules));
     assert_eq!(

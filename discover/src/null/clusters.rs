@@ -13,20 +13,28 @@
 //! Source: M. D. Webb, Reworking wild bootstrap-based inference for clustered errors, Canadian Journal of Economics 56 (2023) 839;
 //! P. Kline, A. Santos, A score based approach to wild bootstrap inference, Journal of Econometric Methods 1 (2012) 23.
 
+use std::collections::{BTreeMap, HashMap};
+
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::null::random::{below, normal, stream};
 
+/// Members of each group, groups in the order of their names.
+pub fn members<'a>(names: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, Vec<usize>> {
+    let mut groups: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for (i, name) in names.enumerate() {
+        groups.entry(name).or_default().push(i);
+    }
+    groups
+}
+
 /// Number of the session of each run, in the order in which they first appear.
 pub fn session_numbers<'a>(sessions: impl Iterator<Item = &'a str>) -> Vec<usize> {
-    let mut names: Vec<&str> = Vec::new();
-    let number = |session| match names.iter().position(|known| *known == session) {
-        Some(known) => known,
-        None => {
-            names.push(session);
-            names.len() - 1
-        }
+    let mut known: HashMap<&str, usize> = HashMap::new();
+    let number = |session| {
+        let next = known.len();
+        *known.entry(session).or_insert(next)
     };
     sessions.map(number).collect()
 }
@@ -105,7 +113,7 @@ mod tests {
 
     /// Share of data sets with a p-value of at most 0.01 by runs and by sessions: twenty candidates, runs of a session correlated
     /// by 0.3, the first candidate with this mean score.
-    fn claimed(sessions: usize, mean: f64) -> [f64; 2] {
+    fn detected(sessions: usize, mean: f64) -> [f64; 2] {
         let numbers: Vec<usize> = (0..sessions * RUNS).map(|run| run / RUNS).collect();
         let mut rng = stream(7, 7, 7);
         let sets = 200;
@@ -140,14 +148,14 @@ mod tests {
     /// Binomial with 200 trials at 0.01: mean 2, three deviations 4.2.
     #[test]
     fn faults_that_sessions_share_are_claimed_by_runs_and_not_by_sessions() {
-        let [by_runs, by_sessions] = claimed(12, 0.0);
+        let [by_runs, by_sessions] = detected(12, 0.0);
         assert!(by_runs > 0.05, "{by_runs}");
         assert!(by_sessions <= 0.031, "{by_sessions}");
     }
 
     #[test]
     fn an_effect_in_all_of_twelve_sessions_is_claimed_by_both() {
-        let found = claimed(12, 2.0);
+        let found = detected(12, 2.0);
         assert!(found.iter().all(|share| *share > 0.9), "{found:?}");
     }
 

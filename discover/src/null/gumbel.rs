@@ -1,4 +1,4 @@
-//! The tail of the largest statistic beyond what simulations reach.
+//! The tail of the largest statistic above what simulations reach.
 
 /// Upper tail of a Gumbel law fitted by moments to maxima of simulated nulls.
 ///

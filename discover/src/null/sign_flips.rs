@@ -22,7 +22,7 @@ impl MaxT {
     }
 
     /// The same for sums of scores over given norms, which signs must not change; rows of norm 0 take no part. Random effects
-    /// that are the same in all runs are drawn beside the signs; `common` (candidates by random effects) says by how much a
+    /// that are the same in all runs are drawn with the signs; `common` (candidates by random effects) says by how much a
     /// standard deviation of each moves the sums.
     pub fn with_norms(
         u: &DMatrix<f64>,
@@ -100,7 +100,7 @@ mod tests {
     fn noise_is_claimed_in_the_stated_share_of_data_sets() {
         let mut rng = stream(5, 5, 5);
         let sets = 300;
-        let claims = (0..sets)
+        let detections = (0..sets)
             .filter(|k| {
                 let u = DMatrix::from_fn(40, 20, |_, _| normal(&mut rng));
                 let null = MaxT::by_sign_flips(&u, 199, *k);
@@ -109,7 +109,7 @@ mod tests {
             })
             .count();
         // Binomial with 300 trials at 0.05: mean 15, three deviations 11.
-        assert!((4..=26).contains(&claims), "{claims}");
+        assert!((4..=26).contains(&detections), "{detections}");
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub struct Candidate<A> {
 }
 
 impl<A> Candidate<A> {
-    /// Whether it is no effect but a dependence on a column beyond the catalogue.
+    /// Whether it is no effect but a dependence on a column outside the catalogue.
     pub fn is_column(&self) -> bool {
         self.effect.starts_with("unknown:")
     }

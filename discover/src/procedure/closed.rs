@@ -12,13 +12,13 @@ pub struct ClosedGap<'a> {
     pub after: &'a [f64],
     /// The same direction on the training rows, which its length was fitted to.
     pub fitted: &'a [f64],
-    /// Deviation of a residual where no effect is left, 1 where the noise is as stated.
+    /// Deviation of a residual where no effect remains, 1 where the noise is as stated.
     pub spread: f64,
 }
 
 impl ClosedGap<'_> {
     /// 1 - |f . r_after| / f . r_before, too much counting as too little, with 95 % for the noise on these rows and for
-    /// that of the fit; -1 to 1 where nothing explainable stands out of the noise here.
+    /// that of the fit; -1 to 1 where nothing explainable exceeds the noise here.
     ///
     /// f is independent of these rows' noise where they took no part in the fit, so that r_before needs no noise taken off;
     /// from the value, not from the interval, the noise of f . r_after is taken off in squares.
@@ -33,7 +33,7 @@ impl ClosedGap<'_> {
                 high: 1.0,
             };
         }
-        let left = after.abs() / before;
+        let remaining = after.abs() / before;
         let beyond_noise = (after * after - noise * noise).max(0.0).sqrt() / before;
         let value = (1.0 - beyond_noise).max(-1.0);
         if before <= 1.96 * noise {
@@ -46,8 +46,8 @@ impl ClosedGap<'_> {
         let error = 1.96 * (noise / before).hypot(self.spread / norm(self.fitted));
         Interval {
             value,
-            low: (1.0 - left - error).max(-1.0),
-            high: (1.0 - left + error).min(1.0).max(value),
+            low: (1.0 - remaining - error).max(-1.0),
+            high: (1.0 - remaining + error).min(1.0).max(value),
         }
     }
 }
@@ -67,7 +67,7 @@ mod tests {
     fn intervals_hold_what_the_fitted_size_closes() {
         let change: Vec<f64> = (0..200).map(|i| 0.5 * (0.2 * i as f64).sin()).collect();
         let (fit, locked) = change.split_at(150);
-        let (mut held, mut full, cases) = (0, 0, 400);
+        let (mut covered, mut full, cases) = (0, 0, 400);
         for k in 0..cases {
             let mut rng = stream(5, k, 0);
             let noisy = |part: &[f64], rng: &mut _| -> Vec<f64> {
@@ -88,10 +88,10 @@ mod tests {
             };
             let closed = seen.closed();
             let truth = 1.0 - (1.0 - size).abs();
-            held += usize::from(closed.low <= truth && truth <= closed.high);
+            covered += usize::from(closed.low <= truth && truth <= closed.high);
             full += usize::from(closed.low <= 1.0 && 1.0 <= closed.high);
         }
-        assert!(held * 100 >= 94 * cases as usize, "{held} of {cases}");
+        assert!(covered * 100 >= 94 * cases as usize, "{covered} of {cases}");
         assert!(full * 100 >= 94 * cases as usize, "{full} of {cases}");
     }
 
@@ -112,8 +112,8 @@ mod tests {
     fn half_a_change_is_half_closed_and_twice_the_change_closes_nothing() {
         let f = [30.0, -40.0];
         // A change of 50 standard deviations: noise takes off 2e-4 of a half.
-        for (left, closed) in [(0.5, 0.5), (-1.0, 0.0), (0.0, 1.0)] {
-            let after = f.map(|f| left * f);
+        for (remaining, closed) in [(0.5, 0.5), (-1.0, 0.0), (0.0, 1.0)] {
+            let after = f.map(|f| remaining * f);
             let seen = ClosedGap {
                 direction: &f,
                 before: &f,

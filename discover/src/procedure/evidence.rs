@@ -23,7 +23,7 @@ pub trait Evidence {
     /// Where it cannot be fitted.
     fn fit_base(&mut self, account: &mut Account) -> Result<Self::Fit, Error>;
 
-    /// Who it could be: every candidate beside the fit, judged against what chance shows.
+    /// Who it could be: every candidate with the fit, judged against what chance shows.
     ///
     /// # Errors
     /// Those of the simulations it needs.
@@ -33,18 +33,18 @@ pub trait Evidence {
         account: &mut Account,
     ) -> Result<Screen<Self::Act>, Error>;
 
-    /// Base, earlier claims and this one fitted together; it belongs to the account's step `step`.
+    /// Base, earlier selected effects and this one fitted together; it belongs to the account's step `step`.
     ///
     /// # Errors
     /// Those of the fit.
     fn add(
         &mut self,
         fit: &Self::Fit,
-        claim: &Claim<Self::Act>,
+        selection: &Selection<Self::Act>,
         step: usize,
     ) -> Result<Added<Self::Fit>, Error>;
 
-    /// Leaves out of fit and account what later claims have made superfluous, and fits what remains once more.
+    /// Removes from fit and account what later selected effects have made superfluous, and fits what remains once more.
     ///
     /// # Errors
     /// Those of the fit.
@@ -110,23 +110,23 @@ pub trait Evidence {
     ) -> Result<Description, Error>;
 }
 
-/// Why a claim is left out that later ones explain.
+/// Why a selected effect is omitted that later ones explain.
 pub const SUPERFLUOUS: &str = "became superfluous";
 
 /// What a search has to tell so far.
 #[derive(Clone, Debug, Default)]
 pub struct Account {
-    /// The claims that stand.
+    /// The effects that are named.
     pub steps: Vec<Step>,
     /// What the reader should know.
     pub remarks: Vec<String>,
-    /// Assumptions without which a claim would not stand.
+    /// Assumptions without which a selected effect would not be significant.
     pub depends: Vec<Dependence>,
     /// What differs although nothing can be named.
     pub unexplained: Option<String>,
 }
 
-/// An assumption on which a claim depends.
+/// An assumption on which a selected effect depends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dependence {
     /// What depends on what.
@@ -136,41 +136,41 @@ pub struct Dependence {
 }
 
 impl Account {
-    /// Takes back a claim, and says why: [`SUPERFLUOUS`], or what its size lacks.
+    /// Takes back a selected effect, and says why: [`SUPERFLUOUS`], or why its size does not suffice.
     pub fn leave_out(&mut self, step: usize, why: &str) {
         let gone = self.steps.remove(step);
-        let told = match self.steps.is_empty() {
+        let message = match self.steps.is_empty() {
             false => format!(
                 "{} {why} once the others were there and was removed",
                 gone.effect
             ),
             true => format!(
-                "{} stood out where it was learned (p = {:.1e}), but its size not from its own error: neither named nor written",
+                "{} was significant where it was learned (p = {:.1e}), but its size not from its own error: neither named nor written",
                 gone.effect, gone.p_value
             ),
         };
         if self.steps.is_empty() {
-            self.unexplained.get_or_insert(told.clone());
+            self.unexplained.get_or_insert(message.clone());
         }
-        self.remarks.push(told);
+        self.remarks.push(message);
     }
 
-    /// Takes back every claim, of which these shares of what can be explained on the data put aside are closed.
+    /// Takes back every selected effect, of which these shares of what can be explained on the data put aside are closed.
     pub fn take_back_all(&mut self, closed: &[Interval]) {
         let gone = std::mem::take(&mut self.steps);
-        let told: Vec<String> = gone
+        let message: Vec<String> = gone
             .iter()
             .zip(closed)
             .map(|(step, closed)| {
                 format!(
-                    "{} stood out where it was learned (p = {:.1e}), but with it more is left of what can be explained on the data put aside (by {:.0} %): neither named nor written",
+                    "{} was significant where it was learned (p = {:.1e}), but with it more remains of what can be explained on the data put aside (by {:.0} %): neither named nor written",
                     step.effect,
                     step.p_value,
                     -100.0 * closed.value
                 )
             })
             .collect();
-        self.is_left_without(told);
+        self.is_left_without(message);
     }
 
     /// Takes back every step: the model with them is worse than the one as given, for this reason.
@@ -185,36 +185,36 @@ impl Account {
         self.is_left_without(vec![withheld]);
     }
 
-    /// A step is taken back that stands out at more places than it can be bound to.
+    /// A step is taken back that is significant at more places than it can be bound to.
     pub fn is_everywhere(&mut self, step: usize, places: usize) {
         let gone = self.steps.remove(step);
-        let told = format!(
-            "{} stood out at {places} places ({}) and still does at others: what acts at so many is not bound to them; neither named nor written",
+        let message = format!(
+            "{} was significant at {places} places ({}) and still does at others: what acts at so many is not bound to them; neither named nor written",
             gone.effect, gone.place
         );
         match self.steps.is_empty() {
-            true => self.is_left_without(vec![told]),
-            false => self.remarks.push(told),
+            true => self.is_left_without(vec![message]),
+            false => self.remarks.push(message),
         }
     }
 
     /// Nothing is named any more, for these reasons.
-    pub fn is_left_without(&mut self, told: Vec<String>) {
+    pub fn is_left_without(&mut self, message: Vec<String>) {
         self.depends.clear();
-        self.unexplained.get_or_insert(told.join("; "));
-        self.remarks.extend(told);
+        self.unexplained.get_or_insert(message.join("; "));
+        self.remarks.extend(message);
     }
 }
 
 /// What one screen of all candidates shows.
 pub struct Screen<A> {
-    /// The claim that stands out, where one does.
-    pub claim: Option<Claim<A>>,
-    /// The smallest size of each effect that would be claimed.
+    /// The selected effect, where one is significant.
+    pub selection: Option<Selection<A>>,
+    /// The smallest size of each effect that would be selected.
     pub detectable: Vec<Detectable>,
 }
 
-/// p-values of a claim by randomisations, where they can be made.
+/// p-values of a selected effect by randomisations, where they can be made.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Randomised {
     /// Runs independent of one another.
@@ -223,8 +223,8 @@ pub struct Randomised {
     pub sessions: Option<f64>,
 }
 
-/// One effect that stands out.
-pub struct Claim<A> {
+/// One effect that is significant.
+pub struct Selection<A> {
     /// The effect.
     pub candidate: Candidate<A>,
     /// Size in its unit.
@@ -249,10 +249,10 @@ pub struct Claim<A> {
     pub parameters: Vec<Fitted>,
 }
 
-impl<A> Claim<A> {
-    /// The same claim of a candidate that acts otherwise.
-    pub fn acting<B>(&self, act: B) -> Claim<B> {
-        Claim {
+impl<A> Selection<A> {
+    /// The same selection of a candidate that acts otherwise.
+    pub fn acting<B>(&self, act: B) -> Selection<B> {
+        Selection {
             candidate: self.candidate.acting(act),
             size: self.size,
             error: self.error,
@@ -272,11 +272,11 @@ impl<A> Claim<A> {
 pub struct Added<F> {
     /// The fit.
     pub fit: F,
-    /// Whether a model can be told the effect; where not, the search ends.
+    /// Whether a model can hold the effect; where not, the search ends.
     pub written: bool,
-    /// Root mean square of the claim's channel before and after.
+    /// Root mean square of the selected effect's channel before and after.
     pub gap: [f64; 2],
-    /// Where it acts, if that is known only now; beside the places of an effect that acts elsewhere already.
+    /// Where it acts, if that is known only now; with the places of an effect that acts elsewhere already.
     pub place: Option<String>,
 }
 
@@ -289,7 +289,7 @@ pub struct Opened {
 }
 
 impl Opened {
-    /// Whether every step leaves more of what can be explained than there was, beyond its interval.
+    /// Whether every step leaves more of what can be explained than there was, outside its interval.
     pub fn are_worse(&self) -> bool {
         !self.closed.is_empty() && self.closed.iter().all(|closed| closed.high < 0.0)
     }
@@ -326,9 +326,9 @@ pub struct Description {
     pub base: Vec<Fitted>,
     /// Those of them that a refit moves out of their plausible range.
     pub implausible: Vec<Fitted>,
-    /// Bins that stand out before.
+    /// Bins that are significant before.
     pub bins: Vec<Bin>,
-    /// Bins that stand out after.
+    /// Bins that are significant after.
     pub bins_after: Vec<Bin>,
     /// Means by run.
     pub by_run: Vec<ByRun>,
@@ -338,7 +338,7 @@ pub struct Description {
     pub clean: bool,
     /// What remains of the repeatable misfit, by channel.
     pub remaining: Vec<Remaining>,
-    /// Whether places stand out although nothing is named.
+    /// Whether places are significant although nothing is named.
     pub located: bool,
     /// Effects that could not be tested, and why.
     pub untestable: Vec<(String, String)>,
@@ -350,7 +350,7 @@ pub struct Description {
     pub next_runs: Vec<NextRuns>,
     /// The next model, as its file's text.
     pub next_model: String,
-    /// The next case, where data of pressures stand beside others.
+    /// The next case, where pressures are searched together with other data.
     pub next_case: Option<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Which data are locked away until the end: a rule without chance, made before noise and signs are looked at.
+//! Which data are locked away until the end: a rule without chance, made before noise and signs are examined.
 
 use std::collections::BTreeMap;
 
@@ -8,38 +8,29 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LockRules {
-    /// Of segments of one run, every so many-th. Chosen.
-    pub segments_every: usize,
     /// Of rows of experiments, every so many-th. Chosen.
     pub rows_every: usize,
     /// Fewest rows of experiments of which any are locked away. Chosen.
     pub fewest_rows: usize,
-    /// Fewest maps of which one is locked away. Chosen.
-    pub fewest_maps: usize,
-    /// Of runs, one in so many at least, where their sessions are long enough. Chosen.
-    pub runs_every: usize,
-    /// Runs that are left to learn from before so many are. Derived: signs of eleven give p-values of 0.001.
+    /// Of segments of one run every so many-th; of runs one in so many at least, where their sessions are long enough. Chosen.
+    pub every: usize,
+    /// Runs that remain to learn from before so many are. Derived: signs of eleven give p-values of 0.001.
     pub fewest_to_learn: usize,
-    /// Fewest runs of a session whose last is locked away. Chosen.
-    pub fewest_in_session: usize,
     /// Fewest sessions of which a whole one is locked away. Chosen.
     pub fewest_sessions: usize,
-    /// Fewest tracks of which one is locked away. Chosen.
-    pub fewest_tracks: usize,
+    /// Fewest tracks, maps and runs of a session of which one is locked away. Derived: of two, what remains has nothing to agree with.
+    pub fewest: usize,
 }
 
 impl Default for LockRules {
     fn default() -> Self {
         Self {
-            segments_every: 4,
             rows_every: 5,
             fewest_rows: 20,
-            fewest_maps: 3,
-            runs_every: 4,
+            every: 4,
             fewest_to_learn: 11,
-            fewest_in_session: 3,
             fewest_sessions: 6,
-            fewest_tracks: 3,
+            fewest: 3,
         }
     }
 }
@@ -50,15 +41,19 @@ pub struct Locked {
     /// To learn from.
     pub training: Vec<usize>,
     /// Locked away.
-    pub held: Vec<usize>,
+    pub held_out: Vec<usize>,
 }
 
 impl Locked {
-    fn of(held: &[bool]) -> Self {
-        let pick = |wanted: bool| (0..held.len()).filter(|i| held[*i] == wanted).collect();
+    fn of(held_out: &[bool]) -> Self {
+        let pick = |wanted: bool| {
+            (0..held_out.len())
+                .filter(|i| held_out[*i] == wanted)
+                .collect()
+        };
         Self {
             training: pick(false),
-            held: pick(true),
+            held_out: pick(true),
         }
     }
 }
@@ -80,10 +75,10 @@ struct Shares<'a>(BTreeMap<&'a str, [usize; 2]>);
 
 impl<'a> Shares<'a> {
     /// Counts a run.
-    fn count(&mut self, name: &'a str, held: bool) {
+    fn count(&mut self, name: &'a str, held_out: bool) {
         let [all, locked] = self.0.entry(name).or_default();
         *all += 1;
-        *locked += usize::from(held);
+        *locked += usize::from(held_out);
     }
 
     /// Locks one more away.
@@ -101,24 +96,24 @@ impl<'a> Shares<'a> {
 impl LockRules {
     /// With three tracks or more, the one with the fewest runs if it holds no more than a quarter of them (what is peculiar to a locked
     /// track could not be found); with six sessions or more, the whole middle one; then as many runs as every second session gives, one each,
-    /// or as make up a quarter of all where eleven are left to learn from, of sessions of at least three runs and no more than half of one. Each is of the track and the driver of
+    /// or as make up a quarter of all where eleven remain to learn from, of sessions of at least three runs and no more than half of one. Each is of the track and the driver of
     /// whom the smallest share is locked away, so that what differs between them is learned and judged of all; of those that are alike the
     /// last run of every second session comes first.
     pub fn runs(&self, runs: &[Place]) -> Locked {
-        let mut held = vec![false; runs.len()];
+        let mut held_out = vec![false; runs.len()];
         let tracks = names(runs.iter().map(|r| r.track));
         let count = |track: &str| runs.iter().filter(|r| r.track == track).count();
-        if tracks.len() >= self.fewest_tracks
+        if tracks.len() >= self.fewest
             && let Some(least) = tracks.iter().min_by_key(|track| count(track))
             && 4 * count(least) <= runs.len()
         {
-            hold(&mut held, runs, |run| run.track == *least);
+            hold(&mut held_out, runs, |run| run.track == *least);
         }
         let sessions = names(runs.iter().map(|r| r.session));
         let whole = sessions.get(sessions.len() / 2);
         let whole = whole.filter(|_| sessions.len() >= self.fewest_sessions);
         if let Some(whole) = whole {
-            hold(&mut held, runs, |run| run.session == *whole);
+            hold(&mut held_out, runs, |run| run.session == *whole);
         }
         // Runs of each session that may give some, from its last on.
         let mut own: Vec<Vec<usize>> = vec![Vec::new(); sessions.len()];
@@ -127,23 +122,22 @@ impl LockRules {
                 own[k].push(i);
             }
         }
-        let gives =
-            |k: &usize| own[*k].len() >= self.fewest_in_session && Some(&sessions[*k]) != whole;
-        let mut left: Vec<usize> = own.iter().map(|own| own.len() / 2).collect();
+        let gives = |k: &usize| own[*k].len() >= self.fewest && Some(&sessions[*k]) != whole;
+        let mut spare: Vec<usize> = own.iter().map(|own| own.len() / 2).collect();
         let mut locked = [Shares::default(), Shares::default()];
-        for (run, held) in runs.iter().zip(&held) {
-            locked[0].count(run.track, *held);
-            locked[1].count(run.driver, *held);
+        for (run, held_out) in runs.iter().zip(&held_out) {
+            locked[0].count(run.track, *held_out);
+            locked[1].count(run.driver, *held_out);
         }
         let seconds = (1..own.len()).step_by(2).filter(gives).count();
-        let already = held.iter().filter(|held| **held).count();
+        let already = held_out.iter().filter(|held_out| **held_out).count();
         let to_spare = runs.len().saturating_sub(self.fewest_to_learn);
-        let fewest = to_spare.min(runs.len() / self.runs_every.max(1));
+        let fewest = to_spare.min(runs.len() / self.every.max(1));
         for _ in 0..seconds.max(fewest.saturating_sub(already)) {
-            let sessions = (0..own.len()).filter(gives).filter(|k| left[*k] > 0);
+            let sessions = (0..own.len()).filter(gives).filter(|k| spare[*k] > 0);
             let all =
                 sessions.flat_map(|k| own[k].iter().enumerate().map(move |(n, i)| (k, n, *i)));
-            let able = all.filter(|(.., i)| !held[*i]);
+            let able = all.filter(|(.., i)| !held_out[*i]);
             let order = |(k, before, i): &(usize, usize, usize)| {
                 let share = locked[0].of(runs[*i].track) + locked[1].of(runs[*i].driver);
                 (share, (*before, k % 2 == 0, *k))
@@ -153,20 +147,20 @@ impl LockRules {
                 a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
             });
             let Some((k, _, i)) = next else { break };
-            held[i] = true;
-            left[k] -= 1;
+            held_out[i] = true;
+            spare[k] -= 1;
             locked[0].lock(runs[i].track);
             locked[1].lock(runs[i].driver);
         }
-        if runs.len() >= 5 && !held.contains(&true) {
-            held[runs.len() - 1] = true;
+        if runs.len() >= 5 && !held_out.contains(&true) {
+            held_out[runs.len() - 1] = true;
         }
-        Locked::of(&held)
+        Locked::of(&held_out)
     }
 
     /// Of the segments of one run every fourth.
     pub fn segments(&self, count: usize) -> Locked {
-        Locked::of(&every(self.segments_every, count))
+        Locked::of(&every(self.every, count))
     }
 
     /// Of rows every fifth, where there are rows enough to spare.
@@ -179,10 +173,10 @@ impl LockRules {
 
     /// Of maps the last, where there are three or more.
     pub fn maps(&self, count: usize) -> Locked {
-        let held: Vec<bool> = (0..count)
-            .map(|i| count >= self.fewest_maps && i + 1 == count)
+        let held_out: Vec<bool> = (0..count)
+            .map(|i| count >= self.fewest && i + 1 == count)
             .collect();
-        Locked::of(&held)
+        Locked::of(&held_out)
     }
 }
 
@@ -192,9 +186,9 @@ fn every(step: usize, count: usize) -> Vec<bool> {
 }
 
 /// Locks away the runs of which `wanted` says so.
-fn hold(held: &mut [bool], runs: &[Place], wanted: impl Fn(&Place) -> bool) {
-    for (held, run) in held.iter_mut().zip(runs) {
-        *held |= wanted(run);
+fn hold(held_out: &mut [bool], runs: &[Place], wanted: impl Fn(&Place) -> bool) {
+    for (held_out, run) in held_out.iter_mut().zip(runs) {
+        *held_out |= wanted(run);
     }
 }
 
@@ -238,8 +232,8 @@ mod tests {
             })
             .collect();
         let locked = LockRules::default().runs(&runs);
-        assert_eq!(locked.held, [0, 1, 5, 9, 10, 11, 17]);
-        assert_eq!(locked.training.len() + locked.held.len(), 18);
+        assert_eq!(locked.held_out, [0, 1, 5, 9, 10, 11, 17]);
+        assert_eq!(locked.training.len() + locked.held_out.len(), 18);
     }
 
     /// Ten sessions of four runs, on two tracks in turn; then by five drivers in turn.
@@ -259,15 +253,15 @@ mod tests {
             })
             .collect();
         let locked = LockRules::default().runs(&runs);
-        let on_a = locked.held.iter().filter(|i| runs[**i].track == "a");
+        let on_a = locked.held_out.iter().filter(|i| runs[**i].track == "a");
         // The sixth session is locked away as a whole.
-        assert_eq!(locked.held.len(), 10);
+        assert_eq!(locked.held_out.len(), 10);
         assert_eq!(on_a.count(), 5);
-        assert!((20..24).all(|i| locked.held.contains(&i)));
+        assert!((20..24).all(|i| locked.held_out.contains(&i)));
         // On one track it is every second session.
         let alone: Vec<Place> = runs.iter().map(|r| Place { track: "a", ..*r }).collect();
         let locked = LockRules::default().runs(&alone);
-        assert_eq!(locked.held, [3, 7, 11, 15, 20, 21, 22, 23, 31, 39]);
+        assert_eq!(locked.held_out, [3, 7, 11, 15, 20, 21, 22, 23, 31, 39]);
         let drivers = ["m", "n", "o", "p", "q"];
         let by_turns: Vec<Place> = runs
             .iter()
@@ -277,10 +271,10 @@ mod tests {
         let locked = LockRules::default().runs(&by_turns);
         for driver in drivers {
             let own = locked
-                .held
+                .held_out
                 .iter()
                 .filter(|i| by_turns[**i].driver == driver);
-            assert_eq!(own.count(), 2, "{driver}: {:?}", locked.held);
+            assert_eq!(own.count(), 2, "{driver}: {:?}", locked.held_out);
         }
     }
 
@@ -291,7 +285,12 @@ mod tests {
             track: "a",
             driver: "m",
         };
-        let locked = |count: usize| LockRules::default().runs(&vec![place; count]).held.len();
+        let locked = |count: usize| {
+            LockRules::default()
+                .runs(&vec![place; count])
+                .held_out
+                .len()
+        };
         assert_eq!(
             [4, 5, 9, 11, 12, 13, 16, 44].map(locked),
             [0, 1, 1, 1, 1, 2, 4, 11]
@@ -301,10 +300,10 @@ mod tests {
     #[test]
     fn few_rows_and_maps_are_all_learned_from() {
         let rules = LockRules::default();
-        assert!(rules.rows(19).held.is_empty() && rules.maps(2).held.is_empty());
-        assert_eq!(rules.rows(20).held, [4, 9, 14, 19]);
+        assert!(rules.rows(19).held_out.is_empty() && rules.maps(2).held_out.is_empty());
+        assert_eq!(rules.rows(20).held_out, [4, 9, 14, 19]);
         assert_eq!(
-            (rules.maps(3).held, rules.segments(8).held),
+            (rules.maps(3).held_out, rules.segments(8).held_out),
             (vec![2], vec![3, 7])
         );
     }

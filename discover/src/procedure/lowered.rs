@@ -2,7 +2,7 @@
 
 use crate::procedure::rules::SearchRules;
 
-/// What locked-away data say of one model beside another.
+/// What locked-away data say of one model compared with another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lowered {
     /// By how much the sum of squares falls, over all channels, each in units of its variance.
@@ -12,7 +12,7 @@ pub struct Lowered {
     /// The same fall and its standard error with each channel counting by how much it tells of it where it was learned; nothing where
     /// there is but one.
     pub weighed: Option<[f64; 2]>,
-    /// What is kept of what was promised, and what noise alone keeps of it, where both models differ in that: it must be more.
+    /// What is retained of what was promised, and what noise alone retains of it, where both models differ in that: it must be more.
     pub promise: Option<[f64; 2]>,
     /// The fall and its standard error channel by channel, where there is more than one.
     pub by_channel: Vec<(&'static str, [f64; 2])>,
@@ -76,24 +76,24 @@ impl Lowered {
         }
     }
 
-    /// Whether the gap falls, beyond its scatter, by a share of what repeats, and by more than a trace of what is tolerated. Where it falls
-    /// clearly in the channels that tell of it, it may scatter about nothing over all alike, but not rise beyond that scatter. Of what was
-    /// promised more is kept than noise alone keeps.
+    /// Whether the gap falls, above its scatter, by a share of what repeats, and by more than a trace of what is tolerated. Where it falls
+    /// clearly in the channels that tell of it, it may scatter about nothing over all alike, but not rise above that scatter. Of what was
+    /// promised more is retained than noise alone keeps.
     pub fn holds(&self, rules: &SearchRules) -> bool {
         let clearly = self.weighed.filter(|[by, error]| *by > rules.clear * error);
         let by = match clearly {
             Some([by, _]) if self.by > -rules.beyond_scatter * self.error => by.max(self.by),
             _ => self.by,
         };
-        let beyond = |[kept, chance]: [f64; 2]| kept > rules.beyond_scatter * chance;
+        let exceeds = |[retained, chance]: [f64; 2]| retained > rules.beyond_scatter * chance;
         self.strength() > rules.beyond_scatter
-            && self.promise.is_none_or(beyond)
+            && self.promise.is_none_or(exceeds)
             && by > 0.0
             && by >= rules.material * self.repeats
             && by >= rules.trace * self.tolerated
     }
 
-    /// The same for a claim that is made of this channel: there, where the model is said to be wrong, the gap may not rise beyond its scatter,
+    /// The same for a selected effect that is made of this channel: there, where the model is said to be wrong, the gap may not rise above its scatter,
     /// whatever falls elsewhere.
     pub fn holds_in(&self, channel: &str, rules: &SearchRules) -> bool {
         let rises = |[by, error]: [f64; 2]| by < -rules.beyond_scatter * error;
@@ -109,34 +109,34 @@ impl Lowered {
         self.weighed.map_or(alike, |weighed| of(weighed).max(alike))
     }
 
-    /// The same in words, of a claim that is made of this channel.
+    /// The same in words, of a selected effect that is made of this channel.
     pub fn told_in(&self, channel: &str) -> String {
-        let told = format!(
+        let text = format!(
             "by {:.1} +- {:.1} units of the noise's variance, of {:.1} that repeat",
             self.by, self.error, self.repeats
         );
-        let told = match (self.promise, self.weighed) {
-            (Some([kept, chance]), _) => format!(
-                "{told}; {kept:.1} of what was promised is kept, where noise alone keeps {chance:.1}"
+        let text = match (self.promise, self.weighed) {
+            (Some([retained, chance]), _) => format!(
+                "{text}; {retained:.1} of what was promised is retained, where noise alone retains {chance:.1}"
             ),
             (None, Some([by, error])) => format!(
-                "{told}; {:.1} standard errors where channels count by what they tell",
+                "{text}; {:.1} standard errors where channels count by what they tell",
                 by / error.max(1e-300)
             ),
-            (None, None) => told,
+            (None, None) => text,
         };
-        let told = match self.by < 1e-3 * self.tolerated {
-            true => format!("{told}; tolerances amount to {:.1}", self.tolerated),
-            false => told,
+        let text = match self.by < 1e-3 * self.tolerated {
+            true => format!("{text}; tolerances amount to {:.1}", self.tolerated),
+            false => text,
         };
         let own = self.by_channel.iter().filter(|(name, _)| *name == channel);
-        own.fold(told, |told, (name, [by, error])| {
-            format!("{told}; in {name} alone by {by:.1} +- {error:.1}")
+        own.fold(text, |text, (name, [by, error])| {
+            format!("{text}; in {name} alone by {by:.1} +- {error:.1}")
         })
     }
 }
 
-/// What a channel's fall counts for: its mean over its variance from one piece of data to the next, with which a sum stands out most;
+/// What a channel's fall counts for: its mean over its variance from one piece of data to the next, with which a sum is most significant;
 /// nothing where it does not fall. All alike for so few pieces that their scatter says little.
 fn weights<const C: usize>(learned: &[[f64; C]]) -> [f64; C] {
     const FEW: usize = 4;
@@ -178,7 +178,7 @@ mod tests {
         };
         assert!(weighed(4.0, 2.0).holds(&rules));
         assert!(weighed(4.0, 1.0).holds(&rules) && !weighed(-4.0, 1.0).holds(&rules));
-        // Clear where it is told, beside channels that scatter about nothing, or rise.
+        // Clear where it is reported, with channels that scatter about nothing, or rise.
         assert!(weighed(-4.0, 2.0).holds(&rules) && !weighed(-6.0, 2.0).holds(&rules));
         assert!(weighed(6.0, 0.1).holds(&rules) && !weighed(4.0, 0.1).holds(&rules));
         assert!(!of(4.0, 0.1, 100.0) && of(6.0, 0.1, 100.0));
@@ -200,7 +200,7 @@ mod tests {
         assert!(tolerated(1e4).holds(&rules) && !tolerated(1e6).holds(&rules));
     }
 
-    /// A channel in which a fall is small and steady beside one that scatters widely about nothing.
+    /// A channel in which a fall is small and steady with one that scatters widely about nothing.
     #[test]
     fn a_steady_fall_is_not_lost_in_another_channels_scatter() {
         let rules = SearchRules::default();
@@ -220,14 +220,14 @@ mod tests {
     #[test]
     fn of_a_promise_more_is_kept_than_noise_keeps() {
         let rules = SearchRules::default();
-        let kept = |kept| Lowered {
-            promise: Some([kept, 3.7]),
+        let retained = |retained| Lowered {
+            promise: Some([retained, 3.7]),
             ..Lowered::over(&[5.0, 6.0, 5.5], 0.0).unwrap()
         };
-        assert!(kept(3.8).holds(&rules));
-        assert!(!kept(3.6).holds(&rules) && !kept(-4.0).holds(&rules));
-        let told = kept(-4.0).told_in("yaw");
-        assert!(told.contains("-4.0 of what was promised"), "{told}");
+        assert!(retained(3.8).holds(&rules));
+        assert!(!retained(3.6).holds(&rules) && !retained(-4.0).holds(&rules));
+        let text = retained(-4.0).told_in("yaw");
+        assert!(text.contains("-4.0 of what was promised"), "{text}");
     }
 
     #[test]

@@ -1,6 +1,5 @@
-//! The one search: fit, screen, claim, add, refit; at the end, once, the locked-away data.
+//! The one search: fit, screen, select, add, refit; at the end, once, the locked-away data.
 
-pub(crate) mod beside;
 pub(crate) mod candidate;
 pub(crate) mod closed;
 pub(crate) mod evidence;
@@ -11,6 +10,7 @@ pub(crate) mod rivals;
 pub(crate) mod rules;
 pub(crate) mod search;
 pub(crate) mod sentence;
+pub(crate) mod shared_effects;
 pub(crate) mod verdict;
 
 pub use lock::LockRules;

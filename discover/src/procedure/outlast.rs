@@ -7,7 +7,7 @@ use crate::procedure::rules::SearchRules;
 
 /// Takes back every step, and at last the whole answer, without which the locked-away data leave no larger gap.
 ///
-/// Steps are left out one at a time, the weakest first, each with a refit of what remains. Nothing but the decision to leave
+/// Steps are omitted one at a time, the weakest first, each with a refit of what remains. Nothing but the decision to leave
 /// something out is made of the locked-away data. `base` and the result are models as they would be written.
 ///
 /// # Errors
@@ -33,7 +33,7 @@ pub fn outlast<E: Evidence>(
             let Some(lowered) = evidence.lowered(&without, &last)? else {
                 continue;
             };
-            // In units of what this one leaves: beside a large effect the noise is far less than the base model left.
+            // In units of what this one leaves: with a large effect the noise is far less than what the base model leaves.
             let before = evidence.lowered(&without, base)?.map_or(0.0, |to| -to.by);
             let lowered = match &all {
                 Some(all) => lowered.of_all(all, before),
@@ -76,7 +76,7 @@ pub fn outlast<E: Evidence>(
 fn take_back(account: &mut Account, step: usize, lowered: &Lowered) -> String {
     let gone = account.steps.remove(step);
     format!(
-        "{} stood out where it was learned (p = {:.1e}), but the model with it does not lower the gap on the data put aside enough ({}): neither named nor written",
+        "{} was significant where it was learned (p = {:.1e}), but the model with it does not lower the gap on the data put aside enough ({}): neither named nor written",
         gone.effect,
         gone.p_value,
         lowered.told_in(&gone.channel)

@@ -1,25 +1,26 @@
-//! The class of a claim: rivals beside which it does not stand out.
+//! The class of a selected effect: rivals given which it is not significant.
 
 use serde::{Deserialize, Serialize};
 
 use crate::finding::Rival;
 
+/// Most rivals that are reported.
+const SHOWN: usize = 12;
+
 /// When a rival belongs to the class.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RivalRule {
-    /// t that the named effect must keep once the rival has taken its part, to be told from it. Chosen.
+    /// t that the named effect must retain once the rival has taken its part, to be distinguished from it. Chosen.
     pub needed_t: f64,
     /// What is added to it, over the root of the number of independent runs: t of few runs has wider tails. Chosen.
     pub needed_t_few: f64,
     /// Share of the named effect's gain that a rival must explain; 0: none. Chosen.
     pub least_gain: f64,
-    /// Correlation beyond which two effects are the same in all but name. Chosen.
+    /// Correlation above which two effects are the same in all but name. Chosen.
     pub alike: f64,
     /// |t| of its own below which an effect is no rival. Chosen.
     pub least_t: f64,
-    /// Most rivals that are told.
-    pub shown: usize,
 }
 
 impl Default for RivalRule {
@@ -30,7 +31,6 @@ impl Default for RivalRule {
             least_gain: 0.0,
             alike: 1.0,
             least_t: 0.0,
-            shown: 12,
         }
     }
 }
@@ -71,7 +71,7 @@ impl RivalRule {
                 class.push(rival.effect.clone());
             }
         }
-        rivals.truncate(self.shown);
+        rivals.truncate(SHOWN);
         (class, rivals)
     }
 }
@@ -80,7 +80,7 @@ impl RivalRule {
 mod tests {
     use super::*;
 
-    fn rival(effect: &str, gain: f64, beyond: f64, correlation: f64) -> Rival {
+    fn rival(effect: &str, gain: f64, t_given: f64, correlation: f64) -> Rival {
         Rival {
             effect: effect.to_owned(),
             parameter: String::new(),
@@ -89,7 +89,7 @@ mod tests {
             t: 5.0,
             gain,
             correlation,
-            t_of_named_beyond: beyond,
+            t_of_named_beyond: t_given,
             in_class: true,
             decides: String::new(),
         }

@@ -1,9 +1,9 @@
-//! The search: fit, screen, claim, add, refit, screen again; at the end, once, the locked-away data.
+//! The search: fit, screen, select, add, refit, screen again; at the end, once, the locked-away data.
 
 use crate::error::Error;
 use crate::finding::{Interval, Report, Step};
 use crate::options::Options;
-use crate::procedure::evidence::{Account, Claim, Evidence};
+use crate::procedure::evidence::{Account, Evidence, Selection};
 use crate::procedure::outlast::outlast;
 use crate::procedure::sentence::{adequacy, sentence};
 use crate::procedure::verdict::{next_experiment, verdict};
@@ -15,11 +15,11 @@ pub struct Found {
     pub report: Report,
     /// The model with the effects switched on and everything refitted, as its file's text.
     pub next_model: String,
-    /// The next case, where data of pressures stand beside others.
+    /// The next case, where pressures are searched together with other data.
     pub next_case: Option<String>,
 }
 
-/// Searches data of any kind for what the model lacks.
+/// Searches data of any kind for what the model does not contain.
 ///
 /// # Errors
 /// Those of the evidence.
@@ -36,34 +36,38 @@ pub fn search_evidence<E: Evidence>(
     let mut detectable = Vec::new();
     // How many stretches each step has.
     let mut places: Vec<usize> = Vec::new();
-    for number in 0..=rules.most_screens {
+    // Several amplitudes or places of one effect belong to one effect.
+    let most_screens = 2 * rules.most_effects;
+    for number in 0..=most_screens {
         progress(&format!("screen {}", number + 1));
         let screen = evidence.screen(&fit, &mut account)?;
         if detectable.is_empty() {
             detectable = screen.detectable;
         }
-        let Some(claim) = screen.claim else { break };
-        let effect = &claim.candidate.effect;
+        let Some(selection) = screen.selection else {
+            break;
+        };
+        let effect = &selection.candidate.effect;
         let known = account.steps.iter().position(|s| s.effect == *effect);
-        let full = known.is_none() && account.steps.len() == rules.most_claims;
-        if number == rules.most_screens || full {
-            let told = format!(
-                "after {} effects {effect} still stands out",
+        let full = known.is_none() && account.steps.len() == rules.most_effects;
+        if number == most_screens || full {
+            let message = format!(
+                "after {} effects {effect} is still significant",
                 account.steps.len()
             );
-            match known.filter(|step| places[*step] > rules.most_claims) {
-                // What stands out all along the tracks is bound to no places; without them it may stand out as what it is, unnamed.
+            match known.filter(|step| places[*step] > rules.most_effects) {
+                // What is significant all along the tracks is bound to no places; without them it may be significant as what it is, without a name.
                 Some(step) => {
                     fit = evidence.without(&fit, step)?;
                     account.is_everywhere(step, places[step]);
                 }
-                None => account.remarks.push(told),
+                None => account.remarks.push(message),
             }
             break;
         }
-        progress(&format!("adding {}", claim.candidate.label()));
+        progress(&format!("adding {}", selection.candidate.label()));
         let at = known.unwrap_or(account.steps.len());
-        let added = evidence.add(&fit, &claim, at)?;
+        let added = evidence.add(&fit, &selection, at)?;
         places.resize(account.steps.len().max(at + 1), 0);
         places[at] += usize::from(added.place.is_some());
         match known {
@@ -75,20 +79,20 @@ pub fn search_evidence<E: Evidence>(
                     step.place = format!("{}; {place}", step.place);
                 }
                 step.gap_after = added.gap[1];
-                account.remarks.extend(claim.remark);
+                account.remarks.extend(selection.remark);
             }
             None => {
-                let remark = claim.remark.clone();
-                account.steps.push(step(claim, added.place, added.gap));
+                let remark = selection.remark.clone();
+                account.steps.push(step(selection, added.place, added.gap));
                 account.remarks.extend(remark.filter(|_| added.written));
             }
         }
         fit = added.fit;
         if !added.written {
             let effect = &account.steps[at].effect;
-            let told =
+            let message =
                 format!("{effect}: the model has no such column, so that nothing was switched on");
-            account.remarks.push(told);
+            account.remarks.push(message);
             break;
         }
     }
@@ -186,25 +190,29 @@ pub fn search_evidence<E: Evidence>(
     })
 }
 
-/// What a claim adds to the report; how much of the gap it closes is told once the locked-away data are open.
-fn step<A>(claim: Claim<A>, place: Option<String>, [gap_before, gap_after]: [f64; 2]) -> Step {
-    let (channel, unit) = claim.channel;
+/// What a selected effect adds to the report; how much of the gap it closes is reported once the locked-away data are open.
+fn step<A>(
+    selection: Selection<A>,
+    place: Option<String>,
+    [gap_before, gap_after]: [f64; 2],
+) -> Step {
+    let (channel, unit) = selection.channel;
     Step {
-        effect: claim.candidate.effect,
-        class: claim.class,
+        effect: selection.candidate.effect,
+        class: selection.class,
         summary: String::new(),
         channel: channel.to_owned(),
-        place: place.unwrap_or(claim.place),
+        place: place.unwrap_or(selection.place),
         law: None,
-        p_value: claim.p_value,
-        p_runs: claim.randomised.runs,
-        p_sessions: claim.randomised.sessions,
-        parameters: claim.parameters,
+        p_value: selection.p_value,
+        p_runs: selection.randomised.runs,
+        p_sessions: selection.randomised.sessions,
+        parameters: selection.parameters,
         gap_before,
         gap_after,
         unit: unit.to_owned(),
         explainable_gap_closed: Interval::default(),
-        rivals: claim.rivals,
+        rivals: selection.rivals,
         contacts: Vec::new(),
         evidence: Vec::new(),
     }
@@ -218,7 +226,7 @@ mod tests {
     use crate::procedure::evidence::{Added, Description, Opened, Randomised, Screen};
     use crate::procedure::lowered::Lowered;
 
-    /// Data in which an effect stands out at one place after another, at so many; a fit is the number of those that are added.
+    /// Data in which an effect is significant at one place after another, at so many; a fit is the number of those that are added.
     struct Places(usize);
 
     impl Evidence for Places {
@@ -228,7 +236,7 @@ mod tests {
             Ok(0)
         }
         fn screen(&mut self, added: &usize, _: &mut Account) -> Result<Screen<()>, Error> {
-            let claim = Claim {
+            let selection = Selection {
                 candidate: Candidate {
                     effect: "asperities".to_owned(),
                     key: "excess".to_owned(),
@@ -251,11 +259,16 @@ mod tests {
                 parameters: Vec::new(),
             };
             Ok(Screen {
-                claim: (*added < self.0).then_some(claim),
+                selection: (*added < self.0).then_some(selection),
                 detectable: Vec::new(),
             })
         }
-        fn add(&mut self, added: &usize, _: &Claim<()>, _: usize) -> Result<Added<usize>, Error> {
+        fn add(
+            &mut self,
+            added: &usize,
+            _: &Selection<()>,
+            _: usize,
+        ) -> Result<Added<usize>, Error> {
             Ok(Added {
                 fit: added + 1,
                 written: true,
@@ -303,10 +316,10 @@ mod tests {
         let many = found(1000)?;
         assert_eq!(many.report.verdict, Verdict::NotIdentifiable);
         assert!(many.report.steps.is_empty() && many.next_model == "0");
-        let told = many.report.remarks.join(" ");
+        let message = many.report.remarks.join(" ");
         assert!(
-            told.contains("place 0; place 1") && told.contains("8 places"),
-            "{told}"
+            message.contains("place 0; place 1") && message.contains("8 places"),
+            "{message}"
         );
         Ok(())
     }

@@ -9,7 +9,7 @@ use crate::procedure::evidence::{Account, Words};
 pub fn sentence(
     verdict: Verdict,
     account: &Account,
-    held: &HeldOut,
+    held_out: &HeldOut,
     next: &str,
     words: &Words,
     baselines: &[Baseline],
@@ -49,13 +49,13 @@ pub fn sentence(
             format!("{} [{}{law}]{class}", step.effect, sizes.join("; "))
         })
         .collect();
-    let gap = gap(steps, held, baselines);
+    let gap = gap(steps, held_out, baselines);
     let more = match adequate {
         true => "",
         false => ", and more is missing",
     };
     match verdict {
-        Verdict::Law => format!("Beyond the catalogue: {}{more}.{gap}", names.join(", then ")),
+        Verdict::Law => format!("Outside the catalogue: {}{more}.{gap}", names.join(", then ")),
         Verdict::Named => format!("Missing from the model: {}{more}.{gap}", names.join(", then ")),
         Verdict::OneOf => format!(
             "Missing from the model: {}{more}. These data cannot tell the members of a class apart; what would: {next}.{gap}",
@@ -65,17 +65,17 @@ pub fn sentence(
         Verdict::Located => "The residual is not clean at the places listed, and no effect of the catalogue fits.".to_owned(),
         Verdict::Inadequate => "The model does not explain what repeats from run to run, and no effect of the catalogue does.".to_owned(),
         Verdict::None if !words.nothing.is_empty() => words.nothing.clone(),
-        Verdict::None => "Nothing to be found: no effect stands out from chance and from the noise of the inputs.".to_owned(),
+        Verdict::None => "Nothing to be found: no effect exceeds chance and the noise of the inputs significantly.".to_owned(),
         Verdict::NotIdentifiable => format!("Something differs that these data cannot name: {next}."),
     }
 }
 
 /// The gap on data that the search had not seen, by the three models where they were compared.
-fn gap(steps: &[Step], held: &HeldOut, baselines: &[Baseline]) -> String {
-    let data = match held.runs.len() {
+fn gap(steps: &[Step], held_out: &HeldOut, baselines: &[Baseline]) -> String {
+    let data = match held_out.runs.len() {
         0 => return String::new(),
-        1 => format!("one {}", held.what),
-        count => format!("{count} {}s", held.what),
+        1 => format!("one {}", held_out.what),
+        count => format!("{count} {}s", held_out.what),
     };
     let of_step = steps.first().and_then(|step| {
         let one = baselines.iter().find(|b| b.quantity == step.channel)?;
@@ -91,8 +91,8 @@ fn gap(steps: &[Step], held: &HeldOut, baselines: &[Baseline]) -> String {
         ),
         None => format!(
             " On {data} that the search had not seen the gap went from {} to {}.",
-            quantity(held.gap_before, &held.unit),
-            quantity(held.gap_after, &held.unit)
+            quantity(held_out.gap_before, &held_out.unit),
+            quantity(held_out.gap_after, &held_out.unit)
         ),
     }
 }

@@ -80,7 +80,7 @@ pub fn next_experiment(verdict: Verdict, account: &Account, described: &Descript
     }
 }
 
-/// The best of the planned runs beside the rest.
+/// The best of the planned runs with the rest.
 fn planned(plans: &[NextRuns]) -> Option<String> {
     let best = plans.first()?;
     let [a, b] = &best.between;

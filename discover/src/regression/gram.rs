@@ -31,7 +31,7 @@ pub fn squares(columns: &DMatrix<f64>) -> DMatrix<f64> {
     squares
 }
 
-/// Sums of products of one run's columns: base, candidates, residual last; windows of local effects beside them.
+/// Sums of products of one run's columns: base, candidates, residual last; windows of local effects with them.
 #[derive(Clone, Debug)]
 pub struct Gram {
     /// Products of the columns, each run's own level taken out.

@@ -1,4 +1,4 @@
-//! Least squares over runs: products of columns, scores beyond a base, inverses.
+//! Least squares over runs: products of columns, scores given a base, inverses.
 
 pub(crate) mod gram;
 pub(crate) mod inverse;

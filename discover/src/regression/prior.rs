@@ -9,7 +9,7 @@ use crate::regression::inverse::ridge_inverse;
 pub struct Prior {
     /// Precision of each parameter.
     pub precision: DVector<f64>,
-    /// Where the model that is differentiated stands.
+    /// Parameters of the model that is differentiated.
     pub at: DVector<f64>,
 }
 

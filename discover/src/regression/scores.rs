@@ -1,4 +1,4 @@
-//! What each candidate would explain, run by run, beyond a refit of the base.
+//! What each candidate would explain, run by run, after a refit of the base.
 //!
 //! With J the base's columns, c a candidate's, r the residual (all whitened, and free of each run's own level), and the
 //! sums over runs G = sum_i G_i:
@@ -122,8 +122,8 @@ impl Scores {
         self.common.row(candidate).norm_squared()
     }
 
-    /// Share of a candidate that is left after the base is refitted.
-    pub fn left(&self, candidate: usize) -> f64 {
+    /// Share of a candidate that remains after the base is refitted.
+    pub fn remaining_share(&self, candidate: usize) -> f64 {
         if self.raw[candidate] > 0.0 {
             self.total_information(candidate) / self.raw[candidate]
         } else {
@@ -199,10 +199,12 @@ mod tests {
         let r = stacked.column(m - 2) - &hat * stacked.column(m - 2);
         for c in 0..q {
             let column = stacked.column(base + c);
-            let left = column - &hat * column;
+            let remaining_share = column - &hat * column;
             for i in 0..runs {
-                let u: f64 = (0..30).map(|k| left[30 * i + k] * r[30 * i + k]).sum();
-                let info: f64 = (0..30).map(|k| left[30 * i + k].powi(2)).sum();
+                let u: f64 = (0..30)
+                    .map(|k| remaining_share[30 * i + k] * r[30 * i + k])
+                    .sum();
+                let info: f64 = (0..30).map(|k| remaining_share[30 * i + k].powi(2)).sum();
                 assert!((u - scores.u[(c, i)]).abs() < 1e-9);
                 assert!((info - scores.information[(c, i)]).abs() < 1e-9);
             }

@@ -4,17 +4,15 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::evidence::experiments::fit::{Fit, Setting};
 use crate::evidence::experiments::rows::Row;
-use crate::finding::Bin;
-use crate::procedure::rules::ExperimentRules;
+use crate::finding::{Bin, significant};
 
-/// Bins of measured less fitted mu that stand out, strongest first; p-values hold over all bins (Bonferroni).
-pub fn bins(
-    setting: &Setting,
-    rows: &[Row],
-    fit: &Fit,
-    chosen: &[usize],
-    rules: &ExperimentRules,
-) -> Vec<Bin> {
+/// Bins of a column.
+const BINS: usize = 3;
+/// Fewest rows in a bin: a scatter with an error of its own.
+const BIN_ROWS: usize = 3;
+
+/// Bins of measured less fitted mu that are significant, strongest first; p-values hold over all bins (Bonferroni).
+pub fn bins(setting: &Setting, rows: &[Row], fit: &Fit, chosen: &[usize]) -> Vec<Bin> {
     let rest: Vec<f64> = rows
         .iter()
         .map(|row| row.mu - fit.predict(setting, row, chosen).1)
@@ -30,10 +28,10 @@ pub fn bins(
     for (name, values) in &columns {
         let mut order: Vec<usize> = (0..values.len()).collect();
         order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
-        for k in 0..rules.bins {
-            let own = &order[k * order.len() / rules.bins..(k + 1) * order.len() / rules.bins];
+        for k in 0..BINS {
+            let own = &order[k * order.len() / BINS..(k + 1) * order.len() / BINS];
             let n = own.len();
-            if n < rules.bin_rows {
+            if n < BIN_ROWS {
                 continue;
             }
             let mean = own.iter().map(|i| rest[*i]).sum::<f64>() / n as f64;
@@ -54,14 +52,5 @@ pub fn bins(
             });
         }
     }
-    let count = found.len() as f64;
-    for bin in &mut found {
-        bin.p_value = (bin.p_value * count).min(1.0);
-    }
-    found.retain(|bin| bin.p_value <= rules.bin_shown);
-    found.sort_by(|a, b| {
-        let t = |bin: &Bin| (bin.mean / bin.error.max(1e-300)).abs();
-        t(b).total_cmp(&t(a))
-    });
-    found
+    significant(found)
 }

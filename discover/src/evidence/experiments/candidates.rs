@@ -6,6 +6,7 @@ use kufe_sled::effects::{CATALOGUE, Column, Custom, Effect, Effects, Kind};
 
 use crate::evidence::experiments::rows::{ORDER, Row};
 use crate::input::table::Table;
+use crate::null::clusters::members;
 use crate::procedure::candidate::Candidate;
 
 /// Change of mu of a row, from its coefficient without the effect and the size in units of `typical`.
@@ -262,26 +263,15 @@ fn of_column(name: &str, values: &[f64], power: Power) -> Option<Candidate<Frict
 
 /// What is constant within every session is judged by permuting sessions.
 fn mark_sessions(rows: &[Row], candidates: &mut [Candidate<FrictionChange>]) {
-    let sessions = sessions(rows);
+    let sessions = members(rows.iter().map(|row| row.session.as_str()));
     if sessions.len() == rows.len() {
         return;
     }
     for candidate in candidates {
-        candidate.act.by_session = sessions.iter().all(|s| {
-            let mut own = rows
-                .iter()
-                .filter(|r| r.session == *s)
-                .map(|r| candidate.slope(r, 0.004, 0.0));
-            let one = own.next().unwrap_or(0.0);
-            own.all(|x| (x - one).abs() <= 1e-9 * one.abs().max(1e-12))
+        candidate.act.by_session = sessions.values().all(|own| {
+            let mut slopes = own.iter().map(|i| candidate.slope(&rows[*i], 0.004, 0.0));
+            let first = slopes.next().unwrap_or(0.0);
+            slopes.all(|x| (x - first).abs() <= 1e-9 * first.abs().max(1e-12))
         });
     }
-}
-
-/// Names of the sessions, each once.
-pub fn sessions(rows: &[Row]) -> Vec<&str> {
-    let mut sessions: Vec<&str> = rows.iter().map(|r| r.session.as_str()).collect();
-    sessions.sort_unstable();
-    sessions.dedup();
-    sessions
 }

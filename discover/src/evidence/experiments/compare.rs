@@ -19,7 +19,7 @@ pub struct Comparison<'a> {
     pub screen: &'a TableScreen,
     /// What is already chosen.
     pub chosen: &'a [usize],
-    /// When one is claimed.
+    /// When one is selected.
     pub rules: &'a ExperimentRules,
 }
 
@@ -34,13 +34,13 @@ impl Comparison<'_> {
         let largest = claimable
             .iter()
             .fold(0.0_f64, |m, c| m.max(screen.t[*c].abs()));
-        let left: Vec<(usize, f64)> = claimable
+        let chi2: Vec<(usize, f64)> = claimable
             .into_iter()
             .filter(|c| screen.t[*c].abs() > self.rules.near_largest * largest)
             .map(|c| (c, self.with(&[c]).chi2))
             .collect();
         let least = |by_name: bool| {
-            left.iter()
+            chi2.iter()
                 .filter(|(c, _)| !candidates[*c].is_column() || !by_name)
                 .min_by(|a, b| a.1.total_cmp(&b.1))
                 .map(|(c, _)| *c)
@@ -48,8 +48,8 @@ impl Comparison<'_> {
         let best = least(false)?;
         match least(true) {
             Some(named) if named != best => {
-                let beside = self.beside(named, best).abs();
-                Some(match beside < self.rules.rivals.needed_t {
+                let t_given = self.t_given(named, best).abs();
+                Some(match t_given < self.rules.rivals.needed_t {
                     true => named,
                     false => best,
                 })
@@ -81,7 +81,7 @@ impl Comparison<'_> {
                     t: screen.t[j],
                     gain: screen.t[j].powi(2),
                     correlation: screen.correlation(named, j),
-                    t_of_named_beyond: self.beside(j, named),
+                    t_of_named_beyond: self.t_given(j, named),
                     in_class: rival.admits(size) && !(rival.is_column() && shares_column(rival)),
                     decides: rival.decides.clone(),
                 }
@@ -100,8 +100,8 @@ impl Comparison<'_> {
         fit(self.setting, self.training, &[self.chosen, more].concat())
     }
 
-    /// t of `one` in the fit that has `other` too; 0 where the two cannot be told apart at all.
-    fn beside(&self, other: usize, one: usize) -> f64 {
+    /// t of `one` in the fit that has `other` too; 0 where the two cannot be distinguished at all.
+    fn t_given(&self, other: usize, one: usize) -> f64 {
         if self.screen.correlation(other, one).abs() > self.rules.rivals.alike {
             return 0.0;
         }

@@ -14,7 +14,7 @@ use kufe_sled::friction::Longitudinal;
 
 use crate::error::Error;
 use crate::evidence::experiments::bins::bins;
-use crate::evidence::experiments::candidates::{FrictionChange, list, sessions};
+use crate::evidence::experiments::candidates::{FrictionChange, list};
 use crate::evidence::experiments::compare::Comparison;
 use crate::evidence::experiments::fit::{Fit, Setting, between_specimens, fit};
 use crate::evidence::experiments::known::Known;
@@ -23,15 +23,16 @@ use crate::evidence::experiments::rows::{Row, read};
 use crate::evidence::experiments::screen::{TableScreen, screen_table};
 use crate::finding::{ChannelGap, Fitted, HeldOut};
 use crate::input::table::Table;
-use crate::options::{BEYOND, Options};
-use crate::procedure::beside::Chance;
+use crate::null::clusters::members;
+use crate::options::{OUTSIDE_CATALOGUE, Options};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
-    Account, Added, Claim, Description, Evidence, Meaning, Opened, Randomised, SUPERFLUOUS, Screen,
-    Words,
+    Account, Added, Description, Evidence, Meaning, Opened, Randomised, SUPERFLUOUS, Screen,
+    Selection, Words,
 };
 use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
+use crate::procedure::shared_effects::Chance;
 
 /// Rows of friction experiments, and the model that they are judged against.
 pub struct Experiments<'a> {
@@ -44,12 +45,12 @@ pub struct Experiments<'a> {
     /// Rows to learn from.
     pub training: Vec<Row>,
     /// Rows that are locked away.
-    pub held: Vec<Row>,
+    pub held_out: Vec<Row>,
     /// What cannot be tested, and why.
     pub untestable: Vec<(String, String)>,
     /// Names of the model's effects that a table of friction coefficients says nothing about.
     pub others: Vec<String>,
-    /// The strongest candidate that could not be claimed.
+    /// The strongest candidate that could not be selected.
     pub next_best: Option<usize>,
     /// What the last screen shows of each effect.
     pub chances: Vec<Chance>,
@@ -88,7 +89,7 @@ impl<'a> Experiments<'a> {
         let (known, others) = Known::new(&effects, &table)?;
         let (mut candidates, mut untestable) = list(&rows, &table, &effects);
         candidates.retain(|c| match c.is_column() {
-            true => options.looks_for(BEYOND),
+            true => options.looks_for(OUTSIDE_CATALOGUE),
             false => options.looks_for(&c.effect),
         });
         untestable.retain(|(name, _)| options.looks_for(name));
@@ -106,7 +107,7 @@ impl<'a> Experiments<'a> {
             model,
             options,
             training,
-            held: pick(&locked.held),
+            held_out: pick(&locked.held_out),
             setting,
             untestable,
             others,
@@ -122,13 +123,13 @@ impl<'a> Experiments<'a> {
     }
 
     fn rows(&self) -> usize {
-        self.training.len() + self.held.len()
+        self.training.len() + self.held_out.len()
     }
 
     /// Whether a fit leaves no more than a few times what the rows' own deviations make.
     fn is_clean(&self, fit: &TableFit) -> bool {
-        let left = self.training.len() as f64 - (self.setting.base + fit.chosen.len()) as f64;
-        fit.fit.chi2 < self.options.rules.experiments.unclean * left.max(1.0)
+        let freedom = self.training.len() as f64 - (self.setting.base + fit.chosen.len()) as f64;
+        fit.fit.chi2 < self.options.rules.experiments.unclean * freedom.max(1.0)
     }
 
     fn freedom(&self) -> usize {
@@ -146,8 +147,8 @@ impl<'a> Experiments<'a> {
         }
     }
 
-    /// The claim of a screen, with its class.
-    fn claim(&self, screen: &TableScreen, chosen: &[usize]) -> Option<Claim<FrictionChange>> {
+    /// The selection of a screen, with its class.
+    fn select(&self, screen: &TableScreen, chosen: &[usize]) -> Option<Selection<FrictionChange>> {
         let compare = Comparison {
             setting: &self.setting,
             training: &self.training,
@@ -158,7 +159,7 @@ impl<'a> Experiments<'a> {
         let named = compare.strongest()?;
         let (class, rivals) = compare.class(named);
         let candidate = self.setting.candidates[named].clone();
-        Some(Claim {
+        Some(Selection {
             size: screen.size[named] * candidate.typical,
             error: screen.error[named] * candidate.typical,
             candidate,
@@ -186,7 +187,7 @@ impl Evidence for Experiments<'_> {
                 self.others.join(", ")
             ));
         }
-        if self.held.is_empty() {
+        if self.held_out.is_empty() {
             account.remarks.push(format!(
                 "{} rows are too few to lock any away: the gap is judged on the rows that were fitted",
                 self.rows()
@@ -210,28 +211,28 @@ impl Evidence for Experiments<'_> {
     fn screen(&mut self, fit: &TableFit, _: &mut Account) -> Result<Screen<FrictionChange>, Error> {
         let too_few = self.training.len() <= self.setting.base + fit.chosen.len() + 2;
         let screen = screen_table(&self.setting, &self.training, &fit.chosen, self.options);
-        let claim = match too_few {
+        let selection = match too_few {
             true => None,
-            false => self.claim(&screen, &fit.chosen),
+            false => self.select(&screen, &fit.chosen),
         };
         self.chances = screen.chances(&self.setting.candidates, &fit.chosen);
-        self.next_best = match claim {
+        self.next_best = match selection {
             None if !too_few => screen.largest(&fit.chosen),
             _ => None,
         };
         Ok(Screen {
             detectable: screen.detectable(&self.setting.candidates),
-            claim,
+            selection,
         })
     }
 
     fn add(
         &mut self,
         fit: &TableFit,
-        claim: &Claim<FrictionChange>,
+        selection: &Selection<FrictionChange>,
         _: usize,
     ) -> Result<Added<TableFit>, Error> {
-        let named = |c: &Candidate<FrictionChange>| c.effect == claim.candidate.effect;
+        let named = |c: &Candidate<FrictionChange>| c.effect == selection.candidate.effect;
         let place = self.setting.candidates.iter().position(named);
         let chosen: Vec<usize> = fit.chosen.iter().copied().chain(place).collect();
         let next = self.fitted(chosen);
@@ -277,12 +278,12 @@ impl Evidence for Experiments<'_> {
 
     fn lowered(&self, from: &TableFit, to: &TableFit) -> Result<Option<Lowered>, Error> {
         let falls: Vec<f64> = self
-            .held
+            .held_out
             .iter()
             .map(|row| {
                 let square = |of: &TableFit| {
-                    let left = row.mu - of.fit.predict(&self.setting, row, &of.chosen).1;
-                    (left / from.fit.deviation(&self.setting, row)).powi(2)
+                    let residual = row.mu - of.fit.predict(&self.setting, row, &of.chosen).1;
+                    (residual / from.fit.deviation(&self.setting, row)).powi(2)
                 };
                 square(from) - square(to)
             })
@@ -297,16 +298,16 @@ impl Evidence for Experiments<'_> {
         account: &mut Account,
     ) -> Result<Opened, Error> {
         let closed = self.closed(base, last);
-        let rms = |of: &TableFit| of.fit.rms_of(&self.setting, &self.held, &of.chosen);
+        let rms = |of: &TableFit| of.fit.rms_of(&self.setting, &self.held_out, &of.chosen);
         let (before, after) = (rms(base), rms(last));
         Ok(Opened {
             held_out: HeldOut {
                 what: "row".to_owned(),
-                runs: self.held.iter().map(|r| r.name.clone()).collect(),
+                runs: self.held_out.iter().map(|r| r.name.clone()).collect(),
                 gap_before: before,
                 gap_after: after,
                 unit: String::new(),
-                channels: match self.held.is_empty() {
+                channels: match self.held_out.is_empty() {
                     true => Vec::new(),
                     false => vec![self.gap(before, after)],
                 },
@@ -324,9 +325,8 @@ impl Evidence for Experiments<'_> {
         let (first, setting, rows) = (&base.fit, &self.setting, &self.training);
         let freedom = self.freedom();
         let rules = &self.options.rules;
-        let of_bins = &rules.experiments;
-        let left = rows.len() as f64 - (setting.base + last.chosen.len()) as f64;
-        let quantile = rules.search.interval + rules.experiments.interval_few / left.max(1.0);
+        let degrees = rows.len() as f64 - (setting.base + last.chosen.len()) as f64;
+        let quantile = rules.search.interval + rules.experiments.interval_few / degrees.max(1.0);
         let parameters: Vec<Vec<Fitted>> = (0..last.chosen.len())
             .map(|k| vec![self.size(last, k, quantile)])
             .collect();
@@ -339,21 +339,21 @@ impl Evidence for Experiments<'_> {
             data: "friction experiments".to_owned(),
             training: vec![self.gap(first.rms, last.fit.rms)],
             base: self.base_parameters(last, quantile),
-            bins: bins(setting, rows, first, &[], of_bins),
-            bins_after: bins(setting, rows, &last.fit, &last.chosen, of_bins),
+            bins: bins(setting, rows, first, &[]),
+            bins_after: bins(setting, rows, &last.fit, &last.chosen),
             pictures: pictures(setting, rows, first, (&last.fit, &last.chosen)),
             clean: self.is_clean(last),
             untestable: self.untestable.clone(),
             effects: effects.collect(),
             words: Words {
                 nothing: format!(
-                    "Nothing to be found with {} points: the base fit has chi2 {:.1} on {freedom} degrees of freedom, and no effect stands out from chance.",
+                    "Nothing to be found with {} points: the base fit has chi2 {:.1} on {freedom} degrees of freedom, and no effect differs significantly from chance.",
                     self.rows(),
                     first.chi2
                 ),
                 next_after_nothing: format!(
                     "each specimen measured again in {} more sessions at two pressures, which would halve the smallest sizes that can be found; the {} rows leave {freedom} degrees of freedom",
-                    3 * sessions(&self.training).len(),
+                    3 * members(self.training.iter().map(|row| row.session.as_str())).len(),
                     self.rows()
                 ),
             },

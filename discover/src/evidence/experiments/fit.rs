@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::evidence::experiments::candidates::FrictionChange;
 use crate::evidence::experiments::known::Known;
 use crate::evidence::experiments::rows::Row;
+use crate::null::clusters::members;
 use crate::procedure::candidate::Candidate;
 use crate::regression::inverse::ridge_inverse;
 
@@ -39,16 +40,10 @@ pub struct Whitening {
 }
 
 impl Whitening {
-    fn new(rows: &[Row], weights: Vec<f64>, between: f64) -> Self {
-        let mut specimens: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-        if between > 0.0 {
-            for (i, row) in rows.iter().enumerate() {
-                specimens.entry(&row.name).or_default().push(i);
-            }
-        }
-        let specimens = specimens.into_values().map(|own| {
+    fn new(specimens: &[Vec<usize>], weights: Vec<f64>, between: f64) -> Self {
+        let specimens = specimens.iter().map(|own| {
             let a = own.iter().map(|i| between * weights[*i]).collect();
-            (own, a)
+            (own.clone(), a)
         });
         Self {
             specimens: specimens.collect(),
@@ -171,6 +166,12 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
     let (candidates, base) = (&setting.candidates, setting.base);
     let n = rows.len();
     let m = base + chosen.len();
+    let specimens: Vec<Vec<usize>> = match setting.between > 0.0 {
+        true => members(rows.iter().map(|row| row.name.as_str())),
+        false => BTreeMap::new(),
+    }
+    .into_values()
+    .collect();
     let mut step = DVector::zeros(m);
     let mut fit = None;
     for round in 0..ROUNDS {
@@ -194,14 +195,14 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
                 let size: f64 = step[base + k];
                 let slope = candidates[*c].slope(row, mu.max(1e-5), size);
                 let change = candidates[*c].change(row, mu.max(1e-5), size);
-                // An effect whose bounds meet is held at them.
+                // An effect whose bounds meet is fixed at them.
                 let free = candidates[*c].low < candidates[*c].high;
                 columns[(i, base + k)] = if free { slope } else { 0.0 };
                 y[i] -= change - if free { slope * size } else { 0.0 };
             }
         }
         let (plain_columns, plain_y) = (columns.clone(), y.clone());
-        let whitening = Whitening::new(rows, weights, setting.between);
+        let whitening = Whitening::new(&specimens, weights, setting.between);
         for k in 0..m {
             let white = whitening.apply(&columns.column(k).into_owned());
             columns.set_column(k, &white);

@@ -17,7 +17,7 @@ impl Known {
     /// coefficients says nothing about.
     ///
     /// # Errors
-    /// [`Error::MissingColumn`] where one needs a column that the table lacks.
+    /// [`Error::MissingColumn`] where one needs a column that the table does not have.
     pub fn new(model: &Effects, table: &Table) -> Result<(Self, Vec<String>), Error> {
         let (mut effects, mut others) = (Vec::new(), Vec::new());
         for active in model.active.iter().filter(|a| a.is_on()) {

@@ -1,6 +1,5 @@
 //! Friction experiments: mu over pressure, one row a specimen or condition.
 
-pub(crate) mod beside;
 pub(crate) mod bins;
 pub(crate) mod candidates;
 pub(crate) mod compare;
@@ -11,5 +10,6 @@ pub(crate) mod outcome;
 pub(crate) mod pictures;
 pub(crate) mod rows;
 pub(crate) mod screen;
+pub(crate) mod shared_effects;
 
 pub use evidence::search;

@@ -46,7 +46,7 @@ impl Experiments<'_> {
         names.iter().enumerate().map(fitted).collect()
     }
 
-    /// The model with refitted base and the effects found; what no simulation knows is told in the account.
+    /// The model with refitted base and the effects found; what no simulation knows is reported in the account.
     pub fn next_model(
         &self,
         last: &TableFit,
@@ -85,9 +85,9 @@ impl Experiments<'_> {
         let least = fit(setting, &self.training, &all);
         let last = &after.fit;
         let rest = |rows: &[Row], fit: &Fit, chosen: &[usize]| -> Vec<f64> {
-            let left = |row: &Row| row.mu - fit.predict(setting, row, chosen).1;
+            let residual = |row: &Row| row.mu - fit.predict(setting, row, chosen).1;
             let rows = rows.iter();
-            rows.map(|row| left(row) / last.deviation(setting, row))
+            rows.map(|row| residual(row) / last.deviation(setting, row))
                 .collect()
         };
         let change = |rows: &[Row]| -> Vec<f64> {
@@ -95,9 +95,9 @@ impl Experiments<'_> {
             let least = rest(rows, &least, &all);
             first.iter().zip(least).map(|(a, b)| a - b).collect()
         };
-        let judged = match self.held.is_empty() {
+        let judged = match self.held_out.is_empty() {
             true => &self.training,
-            false => &self.held,
+            false => &self.held_out,
         };
         let freedom = (self.training.len() as f64 - last.step.len() as f64).max(1.0);
         ClosedGap {

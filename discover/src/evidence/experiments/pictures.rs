@@ -21,7 +21,7 @@ pub fn pictures(
 /// Rows of the mean that the line is drawn through.
 const ROWS: usize = 5;
 
-/// What an effect adds over the column that it follows most closely, with what the rows say: the residual that is left when the effect alone is
+/// What an effect adds over the column that it follows most closely, with what the rows say: the residual that remains when the effect alone is
 /// taken out of the fit.
 fn driven(
     setting: &Setting,
@@ -30,7 +30,7 @@ fn driven(
     k: usize,
 ) -> Option<Picture> {
     let adds = |row: &Row| 1e3 * last.added(setting, row, chosen, k);
-    let left = |row: &Row| 1e3 * (row.mu - last.predict(setting, row, chosen).1);
+    let residual = |row: &Row| 1e3 * (row.mu - last.predict(setting, row, chosen).1);
     let added: Vec<f64> = rows.iter().map(adds).collect();
     let (column, x) = strongest_column(rows, &added)?;
     let mut ordered: Vec<(f64, f64)> = x.iter().copied().zip(added.iter().copied()).collect();
@@ -58,7 +58,7 @@ fn driven(
                 y: rows
                     .iter()
                     .zip(&added)
-                    .map(|(row, added)| left(row) + added)
+                    .map(|(row, added)| residual(row) + added)
                     .collect(),
                 sd: rows.iter().map(|row| 1e3 * row.mu_sd).collect(),
             }],
@@ -75,7 +75,7 @@ fn law(setting: &Setting, rows: &[Row], first: &Fit) -> Picture {
     let pressure: Vec<f64> = rows.iter().map(|r| 1e-6 * r.pressure).collect();
     let low = pressure.iter().copied().fold(f64::INFINITY, f64::min);
     let high = pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    // A little beyond the points, as far as a diagram reaches.
+    // A little past the points, as far as a diagram reaches.
     let margin = (0.06 * (high - low)).max(1e-9 * high.abs()).max(1e-12);
     let (low, high) = (low - margin, high + margin);
     let (x, y) = (0..=60)

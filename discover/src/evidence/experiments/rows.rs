@@ -1,6 +1,7 @@
 //! Rows of an `experiments.csv`.
 
-use std::collections::BTreeMap;
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 
 use kufe_sled::Conditions;
 use kufe_sled::effects::OperatingPoint;
@@ -75,7 +76,7 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
         if KNOWN.contains(&name.as_str()) {
             continue;
         }
-        // A column of words is kept by the file's format and ignored here; a number gone wrong among numbers is not.
+        // A column of words is permitted by the file's format and ignored here; a number gone wrong among numbers is not.
         let numbers = table.texts(name)?;
         if numbers.iter().any(|text| text.parse::<f64>().is_ok()) {
             further.push((name, table.numbers(name, f64::MIN, f64::MAX)?));
@@ -122,19 +123,21 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
 }
 
 fn refuse_copies(table: &Table) -> Result<(), Error> {
-    let place = table.place("specimen");
+    let name = table.place("specimen");
+    let mut known: HashMap<Vec<&str>, usize> = HashMap::new();
     for (i, row) in table.rows.iter().enumerate() {
-        let same = |other: &Vec<String>| {
-            let mut pairs = row.iter().zip(other).enumerate();
-            pairs.all(|(k, (a, b))| Some(k) == place || a == b)
+        let measured = row.iter().enumerate().filter(|(k, _)| Some(*k) != name);
+        let measured = measured.map(|(_, cell)| cell.as_str()).collect();
+        match known.entry(measured) {
+            Entry::Vacant(first) => first.insert(i),
+            Entry::Occupied(first) => {
+                return Err(Error::Duplicate {
+                    file: table.file.clone(),
+                    first: format!("row {}", first.get() + 2),
+                    second: format!("row {}", i + 2),
+                });
+            }
         };
-        if let Some(j) = table.rows[..i].iter().position(same) {
-            return Err(Error::Duplicate {
-                file: table.file.clone(),
-                first: format!("row {}", j + 2),
-                second: format!("row {}", i + 2),
-            });
-        }
     }
     Ok(())
 }

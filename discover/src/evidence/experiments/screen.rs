@@ -1,17 +1,19 @@
-//! One screen of all candidates: t of each beside the chosen ones, and what chance makes of the largest.
+//! One screen of all candidates: t of each with the chosen ones, and what chance makes of the largest.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
-use crate::evidence::experiments::candidates::{FrictionChange, sessions};
+use crate::evidence::experiments::candidates::FrictionChange;
 use crate::evidence::experiments::fit::{Setting, fit};
 use crate::evidence::experiments::rows::Row;
 use crate::finding::Detectable;
+use crate::null::clusters::members;
 use crate::null::gumbel::gumbel_tail;
 use crate::null::random::{normal, shuffle, stream};
 use crate::options::Options;
-use crate::procedure::beside::{Amount, Chance};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rules::ExperimentRules;
+use crate::procedure::shared_effects::{Amount, Chance};
 use crate::regression::inverse::ridge_inverse;
 
 /// What a screen shows.
@@ -22,7 +24,7 @@ pub struct TableScreen {
     pub size: Vec<f64>,
     /// Standard error of each, in units of `typical`.
     pub error: Vec<f64>,
-    left: Vec<f64>,
+    remaining_share: Vec<f64>,
     free: Vec<DVector<f64>>,
     simulated: Vec<f64>,
     permuted: Vec<f64>,
@@ -54,9 +56,9 @@ impl TableScreen {
             .max_by(|a, b| self.t[*a].abs().total_cmp(&self.t[*b].abs()))
     }
 
-    /// Whether it stands out, beyond the base and within its bounds.
+    /// Whether it is significant, given the base and within its bounds.
     pub fn claimable(&self, c: usize, candidate: &Candidate<FrictionChange>) -> bool {
-        self.left[c] > self.rules.least_left
+        self.remaining_share[c] > self.rules.least_left
             && self.p_value(c) <= self.rules.alpha
             && candidate.admits(self.size[c] * candidate.typical)
     }
@@ -69,7 +71,7 @@ impl TableScreen {
     ) -> Vec<Chance> {
         let named = candidates.iter().enumerate();
         let named = named.filter(|(c, candidate)| {
-            let judged = self.left[*c] > self.rules.least_left && !chosen.contains(c);
+            let judged = self.remaining_share[*c] > self.rules.least_left && !chosen.contains(c);
             judged && !candidate.is_column() && candidate.admits(self.size[*c] * candidate.typical)
         });
         named
@@ -85,7 +87,7 @@ impl TableScreen {
             .collect()
     }
 
-    /// Cosine of two candidates beyond the base.
+    /// Cosine of two candidates given the base.
     pub fn correlation(&self, a: usize, b: usize) -> f64 {
         let norm = self.free[a].norm() * self.free[b].norm();
         if norm > 0.0 {
@@ -95,7 +97,7 @@ impl TableScreen {
         }
     }
 
-    /// The smallest sizes that would be claimed nine times in ten.
+    /// The smallest sizes that would be selected nine times in ten.
     pub fn detectable(&self, candidates: &[Candidate<FrictionChange>]) -> Vec<Detectable> {
         (0..candidates.len())
             .map(|c| {
@@ -115,7 +117,7 @@ impl TableScreen {
                         * self.error[c]
                         * candidates[c].typical,
                     unit: candidates[c].unit.clone(),
-                    left_after_refit: self.left[c],
+                    left_after_refit: self.remaining_share[c],
                     most_like: like.map_or(String::new(), |j| candidates[j].effect.clone()),
                     correlation: like.map_or(0.0, |j| self.correlation(c, j)),
                 }
@@ -147,92 +149,50 @@ pub fn screen_table(
     };
     let raw: Vec<DVector<f64>> = (0..candidates.len()).map(whitened).collect();
     let free: Vec<DVector<f64>> = raw.iter().map(&project).collect();
-    let left: Vec<f64> = raw
+    let remaining_share: Vec<f64> = raw
         .iter()
         .zip(&free)
         .map(|(r, f)| f.norm_squared() / r.norm_squared().max(1e-300))
         .collect();
     let freedom = (n as f64 - base as f64 - chosen.len() as f64 - 1.0).max(1.0);
-    // Errors are scaled up by what is left where the rows scatter more than stated, never down.
-    let t_of = |rest: &DVector<f64>, c: usize| -> f64 {
-        if left[c] <= rules.least_left || chosen.contains(&c) {
-            return 0.0;
-        }
-        let norm = free[c].norm();
-        let score = free[c].dot(rest) / norm;
-        let excess = ((rest.norm_squared() - score * score) / freedom).max(1.0);
-        score / excess.sqrt()
-    };
-    let all = |rest: &DVector<f64>| -> Vec<f64> {
-        (0..candidates.len()).map(|c| t_of(rest, c)).collect()
-    };
-    let largest = |rest: &DVector<f64>, only_sessions: bool| -> f64 {
-        (0..candidates.len())
-            .filter(|c| !only_sessions || candidates[*c].act.by_session)
-            .map(|c| t_of(rest, c).abs())
-            .fold(0.0, f64::max)
-    };
-    let t = all(&now.rest);
+    let judged = |c: usize| remaining_share[c] > rules.least_left && !chosen.contains(&c);
+    let units = Units::new(&free, judged, &now.columns, inverse, freedom);
+    let t = units.all(
+        &units.products(now.rest.iter().copied()),
+        now.rest.norm_squared(),
+    );
     let permuted = (0..options.flips)
+        .into_par_iter()
         .map(|k| {
             let mut order: Vec<usize> = (0..n).collect();
             shuffle(&mut stream(options.seed, 0x9E12, k as u64), &mut order);
-            largest(
-                &project(&DVector::from_fn(n, |i, _| now.rest[order[i]])),
-                false,
-            )
+            let products = units.products(order.iter().map(|i| now.rest[*i]));
+            units.largest(&products, now.rest.norm_squared(), |_| true)
         })
         .collect();
-    let sessions = sessions(rows);
-    let permuted_sessions = (0..options.flips)
-        .map(|k| {
-            let mut order: Vec<usize> = (0..sessions.len()).collect();
-            shuffle(&mut stream(options.seed, 0x9E13, k as u64), &mut order);
-            // A session takes the mean residual of another one and keeps its own scatter.
-            let mean: Vec<f64> = sessions
-                .iter()
-                .map(|s| {
-                    let own: Vec<f64> = (0..n)
-                        .filter(|i| rows[*i].session == *s)
-                        .map(|i| now.rest[i])
-                        .collect();
-                    own.iter().sum::<f64>() / own.len() as f64
-                })
-                .collect();
-            let mixed = DVector::from_fn(n, |i, _| {
-                let at = sessions
-                    .iter()
-                    .position(|s| *s == rows[i].session)
-                    .unwrap_or(0);
-                now.rest[i] - mean[at] + mean[order[at]]
-            });
-            largest(&project(&mixed), true)
-        })
-        .collect();
-    let mut specimens: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
-    specimens.sort_unstable();
-    specimens.dedup();
+    let by_session: Vec<bool> = candidates.iter().map(|c| c.act.by_session).collect();
+    let permuted_sessions = match by_session.contains(&true) {
+        true => units.by_sessions(&by_session, rows, &now.rest, options),
+        false => Vec::new(),
+    };
+    let specimens = members(rows.iter().map(|row| row.name.as_str()));
+    let mut twins = rows.to_vec();
     let simulated: Vec<f64> = (0..options.twins.max(40))
         .map(|k| {
             let mut rng = stream(options.seed, 0x7A17, k);
-            let offsets: Vec<f64> = specimens
-                .iter()
-                .map(|_| setting.between * normal(&mut rng))
-                .collect();
-            let twin: Vec<Row> = rows
-                .iter()
-                .map(|row| {
-                    let mut twin = row.clone();
-                    let specimen = specimens.iter().position(|name| *name == row.name);
-                    let offset = specimen.map_or(0.0, |k| offsets[k]);
-                    let (_, mu) = now.predict(setting, row, chosen);
-                    twin.mu = mu + offset + row.mu_sd * normal(&mut rng);
-                    twin.pressure = row.pressure + row.pressure_sd * normal(&mut rng);
-                    twin
-                })
-                .collect();
-            let refit = fit(setting, &twin, chosen);
-            largest(&project(&refit.rest), false)
+            let mut offsets = vec![0.0; n];
+            for own in specimens.values() {
+                let offset = setting.between * normal(&mut rng);
+                own.iter().for_each(|i| offsets[*i] = offset);
+            }
+            for ((twin, row), offset) in twins.iter_mut().zip(rows).zip(offsets) {
+                let (_, mu) = now.predict(setting, row, chosen);
+                twin.mu = mu + offset + row.mu_sd * normal(&mut rng);
+                twin.pressure = row.pressure + row.pressure_sd * normal(&mut rng);
+            }
+            let rest = fit(setting, &twins, chosen).rest;
+            let products = units.products(rest.iter().copied());
+            units.largest(&products, rest.norm_squared(), |_| true)
         })
         .collect();
     let mut order = simulated.clone();
@@ -243,9 +203,9 @@ pub fn screen_table(
             .map(|c| free[c].dot(&now.rest) / free[c].norm_squared().max(1e-300))
             .collect(),
         error: free.iter().map(|f| 1.0 / f.norm().max(1e-300)).collect(),
-        by_session: candidates.iter().map(|c| c.act.by_session).collect(),
+        by_session,
         t,
-        left,
+        remaining_share,
         free,
         simulated,
         permuted,
@@ -253,5 +213,128 @@ pub fn screen_table(
         critical,
         nine_in_ten: options.rules.search.nine_in_ten,
         rules,
+    }
+}
+
+/// Unit directions of the candidates given the base, and the base's columns: all that t of a residual needs.
+///
+/// With d a candidate's unit direction, C the base's columns and x a residual of n rows,
+///
+/// ```text
+/// score = d'x        |x'|^2 = x'x - x'C (C'C)^-1 C'x        t = score / sqrt(max(1, (|x'|^2 - score^2) / freedom))
+/// ```
+///
+/// so that a residual costs its products with these columns. Errors are scaled up where the rows scatter more than stated, never down.
+struct Units {
+    /// Candidates, then columns of the base, by row; a candidate that is not judged is 0.
+    by_row: DMatrix<f64>,
+    candidates: usize,
+    inverse: DMatrix<f64>,
+    freedom: f64,
+}
+
+impl Units {
+    fn new(
+        free: &[DVector<f64>],
+        judged: impl Fn(usize) -> bool,
+        base: &DMatrix<f64>,
+        inverse: DMatrix<f64>,
+        freedom: f64,
+    ) -> Self {
+        let (n, candidates) = (base.nrows(), free.len());
+        let scale: Vec<f64> = (0..candidates)
+            .map(|c| if judged(c) { 1.0 / free[c].norm() } else { 0.0 })
+            .collect();
+        let value = |k: usize, i: usize| match k < candidates {
+            true if scale[k] == 0.0 => 0.0,
+            true => scale[k] * free[k][i],
+            false => base[(i, k - candidates)],
+        };
+        Self {
+            by_row: DMatrix::from_fn(candidates + base.ncols(), n, value),
+            candidates,
+            inverse,
+            freedom,
+        }
+    }
+
+    /// Products of a residual with all columns.
+    fn products(&self, rest: impl Iterator<Item = f64>) -> DVector<f64> {
+        let mut sums = DVector::zeros(self.by_row.nrows());
+        for (row, x) in self.by_row.column_iter().zip(rest) {
+            sums.axpy(x, &row, 1.0);
+        }
+        sums
+    }
+
+    /// Sum of squares of a residual once the base is projected out.
+    fn beyond_base(&self, products: &DVector<f64>, squares: f64) -> f64 {
+        let base = products.rows(self.candidates, self.inverse.nrows());
+        squares - base.dot(&(&self.inverse * base))
+    }
+
+    fn t(&self, score: f64, squares: f64) -> f64 {
+        let excess = ((squares - score * score) / self.freedom).max(1.0);
+        score / excess.sqrt()
+    }
+
+    /// t of every candidate, `squares` being those of a residual that is free of the base.
+    fn all(&self, products: &DVector<f64>, squares: f64) -> Vec<f64> {
+        let scores = products.rows(0, self.candidates);
+        scores.iter().map(|score| self.t(*score, squares)).collect()
+    }
+
+    /// The largest |t| of some candidates.
+    fn largest(
+        &self,
+        products: &DVector<f64>,
+        squares: f64,
+        wanted: impl Fn(usize) -> bool,
+    ) -> f64 {
+        let squares = self.beyond_base(products, squares);
+        (0..self.candidates)
+            .filter(|c| wanted(*c))
+            .map(|c| self.t(products[c], squares).abs())
+            .fold(0.0, f64::max)
+    }
+
+    /// The largest |t| of what is constant within sessions, where each session takes the mean residual of another one and keeps its own
+    /// scatter: products are sums over sessions.
+    fn by_sessions(
+        &self,
+        by_session: &[bool],
+        rows: &[Row],
+        rest: &DVector<f64>,
+        options: &Options,
+    ) -> Vec<f64> {
+        let sessions: Vec<Vec<usize>> = members(rows.iter().map(|row| row.session.as_str()))
+            .into_values()
+            .collect();
+        let mean = |own: &Vec<usize>| own.iter().map(|i| rest[*i]).sum::<f64>() / own.len() as f64;
+        let means: Vec<f64> = sessions.iter().map(mean).collect();
+        let mut sums = DMatrix::zeros(self.by_row.nrows(), sessions.len());
+        let mut scatter = rest.clone();
+        for (s, own) in sessions.iter().enumerate() {
+            for i in own {
+                let mut sum = sums.column_mut(s);
+                sum += self.by_row.column(*i);
+                scatter[*i] -= means[s];
+            }
+        }
+        let within = self.products(scatter.iter().copied());
+        let squares_within = scatter.norm_squared();
+        (0..options.flips)
+            .into_par_iter()
+            .map(|k| {
+                let mut order: Vec<usize> = (0..sessions.len()).collect();
+                shuffle(&mut stream(options.seed, 0x9E13, k as u64), &mut order);
+                let levels = DVector::from_fn(order.len(), |s, _| means[order[s]]);
+                let products = &within + &sums * &levels;
+                let of_levels = sessions.iter().zip(levels.iter());
+                let of_levels = of_levels.map(|(own, level)| own.len() as f64 * level * level);
+                let squares = squares_within + of_levels.sum::<f64>();
+                self.largest(&products, squares, |c| by_session[c])
+            })
+            .collect()
     }
 }

@@ -5,14 +5,18 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use crate::error::Error;
 use crate::evidence::maps::simulate::Simulations;
 use crate::evidence::maps::sized::SizedEffects;
-use crate::finding::Bin;
+use crate::finding::{Bin, significant};
 
-/// Bins of measured less simulated pressure that stand out, strongest first; p-values hold over all bins (Bonferroni).
+/// Bins of a variable.
+const BINS: usize = 8;
+
+/// Bins of measured less simulated pressure that are significant, strongest first; p-values hold over all bins (Bonferroni).
 ///
 /// # Errors
 /// Those of the contact solver.
 pub fn bins(simulations: &Simulations, active: &SizedEffects) -> Result<Vec<Bin>, Error> {
     let rules = &simulations.rules;
+    let as_one = rules.independent_pixels.powi(2);
     let maps = simulations.maps(active, rules.reporting_cells)?;
     // One value a pixel in contact: load, curvature, place, simulated pressure, residual.
     let mut values: Vec<([f64; 5], f64)> = Vec::new();
@@ -35,10 +39,8 @@ pub fn bins(simulations: &Simulations, active: &SizedEffects) -> Result<Vec<Bin>
     for (c, column) in columns.iter().enumerate() {
         let mut sorted: Vec<f64> = values.iter().map(|v| v.0[c]).collect();
         sorted.sort_by(f64::total_cmp);
-        let mut edges: Vec<f64> = (0..=rules.bins)
-            .filter_map(|k| {
-                sorted.get((k * sorted.len() / rules.bins).min(sorted.len().max(1) - 1))
-            })
+        let mut edges: Vec<f64> = (0..=BINS)
+            .filter_map(|k| sorted.get((k * sorted.len() / BINS).min(sorted.len().max(1) - 1)))
             .copied()
             .collect();
         edges.dedup();
@@ -54,12 +56,12 @@ pub fn bins(simulations: &Simulations, active: &SizedEffects) -> Result<Vec<Bin>
                 .map(|v| v.1)
                 .collect();
             let n = own.len() as f64;
-            if n < 2.0 * rules.bin_pixels {
+            if n < 2.0 * as_one {
                 continue;
             }
             let mean = own.iter().sum::<f64>() / n;
             let variance = own.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0);
-            let error = (variance * rules.bin_pixels / n).sqrt();
+            let error = (variance * as_one / n).sqrt();
             found.push(Bin {
                 channel: "p".to_owned(),
                 column: (*column).to_owned(),
@@ -72,17 +74,7 @@ pub fn bins(simulations: &Simulations, active: &SizedEffects) -> Result<Vec<Bin>
             });
         }
     }
-    let count = found.len() as f64;
-    for bin in &mut found {
-        bin.p_value = (bin.p_value * count).min(1.0);
-    }
-    found.retain(|bin| bin.p_value <= rules.bin_shown);
-    found.sort_by(|a, b| {
-        let t = |bin: &Bin| (bin.mean / bin.error.max(1e-300)).abs();
-        t(b).total_cmp(&t(a))
-    });
-    found.truncate(40);
-    Ok(found)
+    Ok(significant(found))
 }
 
 fn two_sided(t: f64) -> f64 {

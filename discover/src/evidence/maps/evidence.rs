@@ -1,15 +1,15 @@
 //! Pressure measurements as evidence: maps and peaks against contact solves.
 //!
 //! Each candidate of [`kufe::case::effects`] changes the problem or the map. Its size is fitted by Gauss-Newton on all
-//! rows (`line`, every point a new solve of each row), and what counts is the sum of squares that is really left:
+//! rows (`line`, every point a new solve of each row), and what counts is the sum of squares that really remains:
 //!
 //! ```text
 //! chi2 = sum over pixels (p_measured - p_simulated)^2 / var / (pixels for one independent value)  +  peaks
 //! ```
 //!
-//! var is that of `noise`, and with it in squares what a finer mesh changes at that pixel. A claim must lower chi2 by more
+//! var is that of `noise`, and with it in squares what a finer mesh changes at that pixel. A selected effect must lower chi2 by more
 //! than 30 and by a fifth; its class is every effect whose own best fit is worse by less than 9 in units of the best fit's
-//! mean square. A size within three of its errors of 0 is no claim. Sizes are reported from finer meshes (`polish`).
+//! mean square. A size within three of its errors of 0 is not selected. Sizes are reported from finer meshes (`polish`).
 
 use std::path::Path;
 
@@ -17,27 +17,27 @@ use kufe::case::effects::{CATALOGUE, Effect};
 
 use crate::error::Error;
 use crate::evidence::maps::bins::bins;
-use crate::evidence::maps::claim::{claimed, place};
 use crate::evidence::maps::line::LineSearch;
-use crate::evidence::maps::measured::file::{Measured, told};
+use crate::evidence::maps::measured::file::{Measured, file_error};
 use crate::evidence::maps::measured::remarks::{remarks_on, typical_noise, untestable};
 use crate::evidence::maps::measured::rows::Row;
 use crate::evidence::maps::next_case::next_case;
 use crate::evidence::maps::pictures::pictures;
 use crate::evidence::maps::polish::polish;
 use crate::evidence::maps::screen::{Steps, detectable, screen_maps};
+use crate::evidence::maps::selection::{place, select};
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
 use crate::finding::{ChannelGap, Fitted, HeldOut, Interval, Step};
 use crate::options::Options;
-use crate::procedure::beside::Beside;
 use crate::procedure::closed::ClosedGap;
 use crate::procedure::evidence::{
-    Account, Added, Claim, Description, Evidence, Meaning, Opened, SUPERFLUOUS, Screen, Words,
+    Account, Added, Description, Evidence, Meaning, Opened, SUPERFLUOUS, Screen, Selection, Words,
 };
 use crate::procedure::lowered::Lowered;
 use crate::procedure::rules::MapRules;
 use crate::procedure::search::{Found, search_evidence};
+use crate::procedure::shared_effects::SharesEffects;
 
 /// Measured maps and peaks, and the case that they are judged against.
 pub struct Maps<'a> {
@@ -48,10 +48,10 @@ pub struct Maps<'a> {
     options: &'a Options,
     progress: &'a (dyn Fn(&str) + Sync),
     training: Simulations<'a>,
-    held: Simulations<'a>,
+    held_out: Simulations<'a>,
     start: Misfit,
     first_steps: Steps,
-    /// What would lower the misfit most beside what was found, claimed or not.
+    /// What would lower the misfit most given what was found, selected or not.
     next: Option<(&'static Effect, f64)>,
     screens: usize,
 }
@@ -63,6 +63,9 @@ pub struct MapFit {
     errors: Vec<f64>,
     misfit: Misfit,
 }
+
+/// Pieces into which the residuals are cut where gaps are compared.
+const PIECES: usize = 16;
 
 impl<'a> Maps<'a> {
     /// Locks the last map away and solves all rows on two meshes.
@@ -79,7 +82,7 @@ impl<'a> Maps<'a> {
         let locked = options.rules.lock.maps(rows.len());
         let pick = |which: &[usize]| which.iter().map(|i| &rows[*i]).collect();
         let training = Simulations::new(pick(&locked.training), &options.rules.maps)?;
-        let held = Simulations::new(pick(&locked.held), &options.rules.maps)?;
+        let held_out = Simulations::new(pick(&locked.held_out), &options.rules.maps)?;
         Ok(Self {
             model,
             text: measured.text.clone(),
@@ -89,7 +92,7 @@ impl<'a> Maps<'a> {
             progress,
             start: training.reporting(&SizedEffects::new())?,
             training,
-            held,
+            held_out,
             first_steps: Steps::new(),
             next: None,
             screens: 0,
@@ -104,25 +107,26 @@ impl<'a> Maps<'a> {
         misfit.chi2 > self.rules().unclean * misfit.count
     }
 
-    /// Whether the best line of a screen may be claimed.
+    /// Whether the best line of a screen may be selected.
     fn stands_out(&self, best: &LineSearch, before: f64, mean_square: f64) -> bool {
         let rules = self.rules();
         before - best.chi2() >= rules.least_drop
             && best.chi2() <= (1.0 - rules.least_share) * before
-            && best.size().abs() >= rules.size_in_errors * best.error() * mean_square.sqrt()
+            && best.size().abs()
+                >= self.options.rules.search.agree * best.error() * mean_square.sqrt()
     }
 
     /// A name in whose company most of what was wrong stays wrong is none: what was tried, in words.
     fn doubt(&self, last: &Misfit, steps: &[Step]) -> Option<String> {
         let [most, share] = self.rules().doubtful;
-        let left = (last.chi2 - last.count) / (self.start.chi2 - self.start.count).max(1e-9);
-        let doubtful = last.chi2 > most * last.count && left > share;
+        let remaining = (last.chi2 - last.count) / (self.start.chi2 - self.start.count).max(1e-9);
+        let doubtful = last.chi2 > most * last.count && remaining > share;
         let names: Vec<&str> = steps.iter().map(|s| s.effect.as_str()).collect();
         (doubtful && !names.is_empty()).then(|| {
             format!(
-                "{} would lower the gap, but leaves {:.0} % of what is beyond the noise: not named",
+                "{} would lower the gap, but leaves {:.0} % of what is above the noise: not named",
                 names.join(" and "),
-                100.0 * left
+                100.0 * remaining
             )
         })
     }
@@ -136,7 +140,7 @@ impl<'a> Maps<'a> {
         })
     }
 
-    /// Takes out again what the effects found later explain as well: its removal raises chi2 by less than a claim must
+    /// Takes out again what the effects found later explain as well: its removal raises chi2 by less than a selected effect must
     /// lower it.
     fn leave_out(&self, fit: &mut MapFit, account: &mut Account) -> Result<(), Error> {
         let mut k = 0;
@@ -176,9 +180,9 @@ impl<'a> Maps<'a> {
             let pairs = before.rest.iter().zip(&least.rest);
             Ok((pairs.map(|(a, b)| a - b).collect(), before))
         };
-        let judged = match self.held.rows.is_empty() {
+        let judged = match self.held_out.rows.is_empty() {
             true => &self.training,
-            false => &self.held,
+            false => &self.held_out,
         };
         let (direction, before) = change(judged)?;
         Ok(ClosedGap {
@@ -249,11 +253,11 @@ impl Evidence for Maps<'_> {
             &|name| progress(&format!("screen {number}: {name}")),
         );
         self.next = None;
-        let mut claim = None;
+        let mut selection = None;
         if let Some(best) = lines.first() {
             let mean_square = (best.chi2() / (before.count - 1.0).max(1.0)).max(1.0);
             if self.stands_out(best, before.chi2, mean_square) {
-                claim = Some(claimed(
+                selection = Some(select(
                     &lines,
                     before.chi2,
                     mean_square,
@@ -264,7 +268,7 @@ impl Evidence for Maps<'_> {
             }
         }
         Ok(Screen {
-            claim,
+            selection,
             detectable: detectable(&lines, &self.options.rules),
         })
     }
@@ -272,14 +276,14 @@ impl Evidence for Maps<'_> {
     fn add(
         &mut self,
         fit: &MapFit,
-        claim: &Claim<Self::Act>,
+        selection: &Selection<Self::Act>,
         _: usize,
     ) -> Result<Added<MapFit>, Error> {
         (self.progress)(&format!("screen {}: finer meshes", self.screens));
         let before = self.training.searching(&fit.active)?;
         let (mut active, mut errors) = (fit.active.clone(), fit.errors.clone());
-        active.push((claim.candidate.act, claim.size));
-        errors.push(claim.error);
+        active.push((selection.candidate.act, selection.size));
+        errors.push(selection.error);
         let next = self.polished(&active, &errors)?;
         let after = self.training.searching(&next.active)?;
         Ok(Added {
@@ -314,17 +318,17 @@ impl Evidence for Maps<'_> {
     }
 
     fn lowered(&self, from: &MapFit, to: &MapFit) -> Result<Option<Lowered>, Error> {
-        if self.held.rows.is_empty() {
+        if self.held_out.rows.is_empty() {
             return Ok(None);
         }
-        let of = |fit: &MapFit| self.held.reporting(&fit.active);
-        let falls = of(from)?.falls(&of(to)?, self.rules().pieces);
+        let of = |fit: &MapFit| self.held_out.reporting(&fit.active);
+        let falls = of(from)?.falls(&of(to)?, PIECES);
         Ok(Lowered::over(&falls, 0.0))
     }
 
     fn open(&mut self, _: &MapFit, last: &MapFit, account: &mut Account) -> Result<Opened, Error> {
-        let before = self.held.reporting(&SizedEffects::new())?;
-        let after = self.held.reporting(&last.active)?;
+        let before = self.held_out.reporting(&SizedEffects::new())?;
+        let after = self.held_out.reporting(&last.active)?;
         let closed = match account.steps.is_empty() {
             true => Vec::new(),
             false => vec![self.closed(last)?; account.steps.len()],
@@ -332,13 +336,13 @@ impl Evidence for Maps<'_> {
         Ok(Opened {
             held_out: HeldOut {
                 what: "measurement".to_owned(),
-                runs: self.held.rows.iter().map(|r| r.name.clone()).collect(),
+                runs: self.held_out.rows.iter().map(|r| r.name.clone()).collect(),
                 gap_before: before.rms,
                 gap_after: after.rms,
                 unit: "Pa".to_owned(),
-                channels: match self.held.rows.is_empty() {
+                channels: match self.held_out.rows.is_empty() {
                     true => Vec::new(),
-                    false => vec![self.gap(&before, &after, &self.held.rows)],
+                    false => vec![self.gap(&before, &after, &self.held_out.rows)],
                 },
             },
             closed,
@@ -358,7 +362,7 @@ impl Evidence for Maps<'_> {
             parameters: self.parameters(last),
             bins: bins(&self.training, &SizedEffects::new())?,
             bins_after: bins(&self.training, &last.active)?,
-            pictures: pictures(&self.training, &self.held, &last.active)?,
+            pictures: pictures(&self.training, &self.held_out, &last.active)?,
             clean: !self.unclean(&last.misfit),
             untestable: untestable(self.rows),
             effects: infos
@@ -375,26 +379,10 @@ impl Evidence for Maps<'_> {
                 ..Words::default()
             },
             next_model: next_case(&self.text, &last.active)
-                .map_err(|error| told(self.model, &error))?,
+                .map_err(|error| file_error(self.model, &error))?,
             ..Description::default()
         })
     }
 }
 
-impl Beside for Maps<'_> {}
-
-/// Searches a `pressures.csv`; `model` is the case file that is to be improved.
-///
-/// # Errors
-/// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the case and of the solver.
-pub fn search(
-    path: &Path,
-    model: &Path,
-    options: &Options,
-    progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
-    options.refuse_unheard(None)?;
-    let measured = Measured::read(path, model, &options.rules.maps)?;
-    let mut maps = Maps::new(&measured, model, options, progress)?;
-    search_evidence(&mut maps, options, progress)
-}
+impl SharesEffects for Maps<'_> {}

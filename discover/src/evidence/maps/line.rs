@@ -1,4 +1,4 @@
-//! The best size of one effect beside those that are switched on: Gauss-Newton with secants.
+//! The best size of one effect with those that are switched on: Gauss-Newton with secants.
 //!
 //! Every point costs one solve of all rows and serves twice, as a misfit and for the next derivative. The first step is as
 //! large as moves the maps by a few per cent, whatever the runner's measures.
@@ -143,7 +143,7 @@ impl LineSearch {
             - self.effect.search.back((here - error).max(self.low)))
     }
 
-    /// Change of the weighted residuals by the first step: what the effect looks like before anything is known.
+    /// Change of the weighted residuals by the first step: what the effect resembles before anything is known.
     pub fn signature(&self) -> Vec<f64> {
         let [a, b] = [0, 1].map(|k| &self.points[k].misfit.rest);
         a.iter().zip(b).map(|(a, b)| b - a).collect()
@@ -191,7 +191,7 @@ impl LineSearch {
         let before = self.chi2();
         match self.eval(simulations, active, to) {
             None => {
-                // Nothing can be solved there: not beyond half the way.
+                // Nothing can be solved there: no further than half the way.
                 let wall = here + 0.5 * (to - here);
                 if to > here {
                     self.high = wall;
@@ -269,7 +269,7 @@ impl LineSearch {
     }
 }
 
-/// The size up to which an effect does nothing, whichever row is asked.
+/// The size up to which an effect does nothing, whichever row is evaluated.
 fn beginning(simulations: &Simulations, effect: &'static Effect) -> f64 {
     let Some(begins) = effect.search.begins else {
         return 0.0;

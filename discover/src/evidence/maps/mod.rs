@@ -1,7 +1,6 @@
 //! Pressure measurements: maps and peaks against contact solves.
 
 pub(crate) mod bins;
-pub(crate) mod claim;
 pub(crate) mod evidence;
 pub(crate) mod line;
 pub(crate) mod measured;
@@ -10,6 +9,7 @@ pub(crate) mod pictures;
 pub(crate) mod polish;
 pub(crate) mod sample;
 pub(crate) mod screen;
+pub(crate) mod selection;
 pub(crate) mod simulate;
 pub(crate) mod sized;
 

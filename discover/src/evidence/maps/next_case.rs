@@ -2,7 +2,7 @@
 
 use kufe::case::effects::Effect;
 
-/// The case's text with `[effects]` of these sizes; what it had already is kept, sizes of the same effect add up as the
+/// The case's text with `[effects]` of these sizes; what it had already is retained, sizes of the same effect add up as the
 /// effects themselves do.
 ///
 /// # Errors
@@ -75,7 +75,7 @@ mod tests {
             effect.sense(effect.search.together(first, second), &mut both);
             let off = one.pressure.iter().zip(&both.pressure);
             let worst = off.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-            // Sampled Gaussians: their tails beyond four deviations are cut.
+            // Sampled Gaussians: their tails above four deviations are cut.
             assert!(worst < 1e-4, "{name}: {worst}");
             map = one;
         }

@@ -12,7 +12,7 @@ pub struct Polished {
     pub active: SizedEffects,
     /// Standard errors of the sizes, for noise as stated.
     pub errors: Vec<f64>,
-    /// What is left.
+    /// What remains.
     pub misfit: Misfit,
 }
 

@@ -16,7 +16,7 @@ const FOLLOWED: usize = 4;
 /// Rounds in which they are.
 const ROUNDS: usize = 10;
 
-/// First steps by effect's name, kept from screen to screen.
+/// First steps by effect's name, stored from screen to screen.
 pub type Steps = BTreeMap<&'static str, f64>;
 
 /// Follows every effect that is not switched on to its best size, the promising ones first.

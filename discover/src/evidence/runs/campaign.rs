@@ -17,10 +17,10 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::options::Options;
-use crate::procedure::beside::Chance;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Account;
 use crate::procedure::rules::RunRules;
+use crate::procedure::shared_effects::Chance;
 
 /// A campaign of runs.
 pub struct Campaign<'a> {
@@ -34,12 +34,12 @@ pub struct Campaign<'a> {
     pub training: Vec<Frame>,
     /// Runs to learn from with what they say beneath contacts; empty where there are none.
     pub whole: Vec<Frame>,
-    /// Contacts that the last screen claimed.
-    pub claimed: Option<Found>,
-    /// What the balances leave beyond noise beside the large effect that the last screen claimed; nothing where none is large.
+    /// Contacts that the last screen selected.
+    pub selected_contacts: Option<Found>,
+    /// What the balances leave above noise with the large effect that the last screen selected; nothing where none is large.
     pub beside_large: Option<[f64; BALANCES]>,
     /// Runs that are locked away.
-    pub held: Vec<Frame>,
+    pub held_out: Vec<Frame>,
     /// Channels that take part.
     pub used: [bool; CHANNELS],
     /// What may be missing.
@@ -58,7 +58,7 @@ pub struct Campaign<'a> {
 
 /// A dependence on a column that no simulation knows.
 #[derive(Clone)]
-pub struct Told {
+pub struct Unwritten {
     /// Its step.
     pub step: usize,
     /// How it acts.
@@ -76,9 +76,9 @@ pub struct RunFit {
     pub whitener: Whitener,
     /// The step of each effect that was added.
     pub owners: Vec<usize>,
-    /// What is told, not written.
-    pub told: Option<Told>,
-    /// What is left of noisy inputs taken off, at the end: base multipliers, amplitudes, installation.
+    /// What is reported, not written.
+    pub unwritten: Option<Unwritten>,
+    /// What remains of noisy inputs taken off, at the end: base multipliers, amplitudes, installation.
     pub estimates: Vec<Estimate>,
     /// The model that holds these estimates.
     pub settled: ResidualModel,
@@ -88,14 +88,14 @@ pub struct RunFit {
 }
 
 impl RunFit {
-    /// A model as it is fitted, nothing told and nothing estimated yet.
+    /// A model as it is fitted, nothing reported and nothing estimated yet.
     pub fn new(residual_model: ResidualModel, whitener: Whitener, owners: Vec<usize>) -> Self {
         Self {
             settled: residual_model.clone(),
             residual_model,
             whitener,
             owners,
-            told: None,
+            unwritten: None,
             estimates: Vec::new(),
             conditional: None,
         }
@@ -117,7 +117,7 @@ pub struct Current<'a> {
     pub free: &'a [usize],
     /// Simulates runs with it.
     pub simulator: &'a RunSimulator,
-    /// Refits beside it.
+    /// Refits with it.
     pub refits: Refits,
 }
 
@@ -144,7 +144,7 @@ impl<'a> Current<'a> {
         }
     }
 
-    /// The same of another model beside the same rows.
+    /// The same of another model with the same rows.
     pub fn of(&self, residual_model: &'a ResidualModel) -> Self {
         Self::new(residual_model, self.whitener, self.free, self.simulator)
     }
@@ -184,25 +184,25 @@ impl Campaign<'_> {
         2.0_f64.powi(1 - i32::try_from(self.training.len()).unwrap_or(i32::MAX))
     }
 
-    /// What the training runs are too few for, in a sentence; `None` where they can carry every kind of claim.
+    /// What the training runs are too few for, in a sentence; `None` where they can carry every kind of effect.
     pub fn too_few(&self) -> Option<String> {
         let (rules, least) = (self.rules(), self.least_p());
-        let alpha = rules.alpha.max(rules.alpha_window);
-        let (what, asked) = match () {
+        let alpha = rules.alpha;
+        let (what, limit) = match () {
             () if least > alpha => ("an effect within runs", alpha),
-            () if least > rules.alpha_beyond => {
-                ("a column beyond the catalogue", rules.alpha_beyond)
+            () if least > rules.alpha_column => {
+                ("a column outside the catalogue", rules.alpha_column)
             }
             () => return None,
         };
-        let needed = (1.0 - asked.log2()).ceil();
+        let needed = (1.0 - limit.log2()).ceil();
         Some(format!(
-            "with {} runs to learn from no p-value by sign-flips can be below {least:.1e}; {what} must reach {asked}, so that only what exceeds the tolerances by itself can be claimed: {needed} runs are needed beside those put aside",
+            "with {} runs to learn from no p-value by sign-flips can be below {least:.1e}; {what} must reach {limit}, so that only what exceeds the tolerances by itself can be selected: {needed} runs are needed in addition to those put aside",
             self.training.len()
         ))
     }
 
-    /// After a first name the next ones are held to half of the chance of an error.
+    /// After a first name the next ones are limited to half of the chance of an error.
     pub fn share(&self, account: &Account) -> f64 {
         match account.steps.is_empty() {
             true => 1.0,
@@ -210,7 +210,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// Fits base and effects, and what the installation is off by beside them.
+    /// Fits base and effects, and what the installation is off by with them.
     ///
     /// # Errors
     /// [`Error::BaseFit`] where a residual is not finite.
@@ -228,27 +228,27 @@ impl Campaign<'_> {
         let off = self
             .newton(at, &plain.whitener, &[INSTALLATION_PAIRS], true)
             .1;
-        self.beside(plain, &off)
+        self.with_installation(plain, &off)
     }
 
-    /// A fit beside what its installation is found to be off by; without that where it makes the rows worse by more than it costs: a step
+    /// A fit given what its installation is found to be off by; without that where it makes the rows worse by more than it costs: a step
     /// along what the data hardly tell has gone too far.
-    pub fn beside(&self, plain: RunFit, off: &ResidualModel) -> Result<RunFit, Error> {
+    pub fn with_installation(&self, plain: RunFit, off: &ResidualModel) -> Result<RunFit, Error> {
         // Of a base that runs away the installation is none of this sled's.
         if !self.free.iter().all(|b| off.within(*b)) {
             return Ok(plain);
         }
         let found = self.least_squares(off, plain.owners.clone())?;
         let cost = found.residual_model.installation.distance();
-        let left = |fit: &RunFit| -> f64 {
+        let misfit = |fit: &RunFit| -> f64 {
             let runs = self.left_by_run(&fit.residual_model, &fit.whitener);
             runs.iter().sum()
         };
-        let worse = left(&found) - left(&plain);
+        let worse = misfit(&found) - misfit(&plain);
         Ok(if worse > cost { plain } else { found })
     }
 
-    /// Fits base and effects alone, beside an installation as it stands. Base parameters that run to a bound, as they do where what is
+    /// Fits base and effects alone, with an installation as it is. Base parameters that run to a bound, as they do where what is
     /// missing bends the base, stay as they are given: from a bound no later refit finds back.
     ///
     /// # Errors
@@ -258,7 +258,7 @@ impl Campaign<'_> {
         residual_model: &ResidualModel,
         owners: Vec<usize>,
     ) -> Result<RunFit, Error> {
-        let held = residual_model.hold(true);
+        let fixed = residual_model.hold(true);
         let fitted = |model: &ResidualModel, free: &[usize]| {
             fit(
                 model,
@@ -269,13 +269,13 @@ impl Campaign<'_> {
                 f64::INFINITY,
             )
         };
-        let mut found = fitted(&held, &self.free)?;
+        let mut found = fitted(&fixed, &self.free)?;
         let free = self.free.iter().copied();
         let inside: Vec<usize> = free.filter(|b| found.model.within(*b)).collect();
         if inside.len() < self.free.len() {
             let again = ResidualModel {
                 base: self.given.base,
-                ..held
+                ..fixed
             };
             found = fitted(&again, &inside)?;
         }

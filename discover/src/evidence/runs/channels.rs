@@ -39,7 +39,7 @@ pub fn remarks_on_channels(model: &Model, along: bool) -> Vec<String> {
     let mut remarks = Vec::new();
     if is_silent(model) {
         remarks.push(
-            "the model has no friction and no drag along: the longitudinal channel is left out"
+            "the model has no friction and no drag along: the longitudinal channel is omitted"
                 .to_owned(),
         );
     }

@@ -7,7 +7,7 @@ use kufe_sled::{Model, Vehicle, refuse_effects};
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::evidence::runs::campaign::{Campaign, Current, RunFit, Told, gap_of};
+use crate::evidence::runs::campaign::{Campaign, Current, RunFit, Unwritten, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{
@@ -30,7 +30,7 @@ use crate::evidence::runs::recordings::prepare::Data;
 use crate::finding::HeldOut;
 use crate::options::Options;
 use crate::procedure::evidence::{
-    Account, Added, Choice, Claim, Description, Evidence, Meaning, Opened, Screen, Words,
+    Account, Added, Choice, Description, Evidence, Meaning, Opened, Screen, Selection, Words,
 };
 use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
@@ -68,10 +68,10 @@ impl<'a> Campaign<'a> {
             ..data.frames[*i].clone()
         };
         let pick = |which: &[usize]| -> Vec<Frame> { which.par_iter().map(noisy).collect() };
-        let (training, held) = (pick(&locked.training), pick(&locked.held));
+        let (training, held_out) = (pick(&locked.training), pick(&locked.held_out));
         if training.len() < 2 {
             return Err(Error::TooFew {
-                what: "runs to learn from, beside those put aside".to_owned(),
+                what: "runs to learn from, in addition to those put aside".to_owned(),
                 found: training.len(),
                 needed: 2,
             });
@@ -87,7 +87,7 @@ impl<'a> Campaign<'a> {
             options,
             free: free_base(&given, &training, used),
             training,
-            held,
+            held_out,
             used,
             candidates: list(data, &trial, used[0], options),
             given,
@@ -95,7 +95,7 @@ impl<'a> Campaign<'a> {
             by_forces: Vec::new(),
             chances: Vec::new(),
             whole: Vec::new(),
-            claimed: None,
+            selected_contacts: None,
             beside_large: None,
         };
         if let Some(contacts) = contacts {
@@ -112,8 +112,8 @@ impl Evidence for Campaign<'_> {
     fn fit_base(&mut self, account: &mut Account) -> Result<RunFit, Error> {
         account.remarks.extend(self.options.looked_for());
         account.remarks.extend(self.too_few());
-        let told = self.data.remarks.iter().chain(&self.outside);
-        account.remarks.extend(told.cloned());
+        let remarks = self.data.remarks.iter().chain(&self.outside);
+        account.remarks.extend(remarks.cloned());
         account
             .remarks
             .extend(remarks_on_channels(self.model, self.used[0]));
@@ -121,7 +121,7 @@ impl Evidence for Campaign<'_> {
         let pushed = self.mark_pushes(&base.residual_model);
         if !pushed.is_empty() {
             account.remarks.push(format!(
-                "something pushed runs aside at places that others pass, a wall perhaps; what they say there is left out: {}",
+                "something pushed runs aside at places that others pass, a wall perhaps; what they say there is omitted: {}",
                 pushed.join(", ")
             ));
             base = self.fitted(&base.residual_model, Vec::new())?;
@@ -139,7 +139,7 @@ impl Evidence for Campaign<'_> {
                 low => low.to_string(),
             };
             account.remarks.push(format!(
-                "no [noise] in the model: estimated from the signals: accelerometer {:.3} m/s2, rates {:.5} rad/s, speed {:.4} m/s, slip {:.6} rad, steering {:.6} rad, roll split {:.6} rad; claims must hold from {low} to {high} times their bias",
+                "no [noise] in the model: estimated from the signals: accelerometer {:.3} m/s2, rates {:.5} rad/s, speed {:.4} m/s, slip {:.6} rad, steering {:.6} rad, roll split {:.6} rad; selected effects must hold from {low} to {high} times their bias",
                 n.accel_mps2, n.rate_radps, n.speed_mps, n.slip_rad, n.steer_rad, n.roll_split_rad
             ));
         }
@@ -159,21 +159,21 @@ impl Evidence for Campaign<'_> {
             .filter(|track| self.is_tilted(residual_model, track))
         {
             self.by_forces.clear();
-            if let Some(claim) = self.on_the_track(residual_model, track, account) {
+            if let Some(selection) = self.on_the_track(residual_model, track, account) {
                 return Ok(Screen {
-                    claim: Some(claim),
+                    selection: Some(selection),
                     detectable: Vec::new(),
                 });
             }
         }
         let mut screen = self.within_runs(&at, track.as_ref(), account);
-        if screen.claim.is_none() {
-            let (claim, chances) = self.between_runs(&at, account);
-            screen.claim = claim;
+        if screen.selection.is_none() {
+            let (selection, chances) = self.between_runs(&at, account);
+            screen.selection = selection;
             self.chances.extend(chances);
         }
-        if let (None, Some(track)) = (&screen.claim, &track) {
-            screen.claim = self.on_the_track(residual_model, track, account);
+        if let (None, Some(track)) = (&screen.selection, &track) {
+            screen.selection = self.on_the_track(residual_model, track, account);
         }
         Ok(screen)
     }
@@ -181,10 +181,10 @@ impl Evidence for Campaign<'_> {
     fn add(
         &mut self,
         fit: &RunFit,
-        claim: &Claim<Amplitude>,
+        selection: &Selection<Amplitude>,
         step: usize,
     ) -> Result<Added<RunFit>, Error> {
-        if let Some(found) = self.claimed.take() {
+        if let Some(found) = self.selected_contacts.take() {
             return self.added_contacts(fit, found, step);
         }
         let mut residual_model = fit.residual_model.clone();
@@ -192,33 +192,33 @@ impl Evidence for Campaign<'_> {
             residual_model.beyond_noise = beyond_noise;
         }
         let residual_model = &residual_model;
-        let channel = CHANNEL_NAMES.iter().position(|c| *c == claim.channel);
+        let channel = CHANNEL_NAMES.iter().position(|c| *c == selection.channel);
         let gap = |residual_model: &ResidualModel| {
             gap_of(residual_model, &self.training, channel.unwrap_or(1))
         };
         let before = gap(residual_model);
-        if claim.candidate.act.carrier.is_some() {
-            let mut told = fit.clone();
-            told.told = Some(Told {
+        if selection.candidate.act.carrier.is_some() {
+            let mut next = fit.clone();
+            next.unwritten = Some(Unwritten {
                 step,
-                candidate: claim.candidate.clone(),
-                size: claim.size,
+                candidate: selection.candidate.clone(),
+                size: selection.size,
             });
             return Ok(Added {
-                fit: told,
+                fit: next,
                 written: false,
                 gap: [before, before],
                 place: None,
             });
         }
-        let mut active = claim.candidate.active(claim.size);
+        let mut active = selection.candidate.active(selection.size);
         let known = residual_model.effects.active.iter();
         let same = known.filter(|e| e.effect_name() == active.name).count();
         if same > 0 {
             active.name = format!("{}@{}", active.name, same + 1);
         }
         let mut next = residual_model.with(active.clone());
-        if !claim.parameters.is_empty() {
+        if !selection.parameters.is_empty() {
             next.frozen.push(active.name);
         }
         let owners = fit.owners.iter().copied().chain([step]).collect();
@@ -227,10 +227,10 @@ impl Evidence for Campaign<'_> {
         let start = refit.map_or(next, |refit| refit.model);
         let next = self.installed(&self.least_squares(&start, owners)?)?;
         let next = self.with_less_beyond(next);
-        let stretch = claim.candidate.act.track.is_some();
+        let stretch = selection.candidate.act.track.is_some();
         Ok(Added {
             gap: [before, gap(&next.residual_model)],
-            place: stretch.then(|| claim.place.clone()),
+            place: stretch.then(|| selection.place.clone()),
             fit: next,
             written: true,
         })
@@ -238,7 +238,7 @@ impl Evidence for Campaign<'_> {
 
     fn settle(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
         let mut last = self.with_what_lasts(fit, account)?;
-        // A refit of the base alone, or beside contacts, is written only where it is better than what was given.
+        // A refit of the base alone, or with contacts, is written only where it is better than what was given.
         if last.owners.is_empty() {
             let as_given = ResidualModel {
                 contacts: last.settled.contacts.clone(),
@@ -271,7 +271,7 @@ impl Evidence for Campaign<'_> {
         let channels = channels(
             &self.given,
             &last.settled,
-            &self.held,
+            &self.held_out,
             &simulator,
             self.used,
             self.rules().track_bin_m,
@@ -290,7 +290,7 @@ impl Evidence for Campaign<'_> {
                     true => "segment".to_owned(),
                     false => "run".to_owned(),
                 },
-                runs: self.held.iter().map(|f| f.name.clone()).collect(),
+                runs: self.held_out.iter().map(|f| f.name.clone()).collect(),
                 gap_before: one.map_or(0.0, |c| c.before),
                 gap_after: one.map_or(0.0, |c| c.after),
                 unit: one.map_or(String::new(), |c| c.unit.clone()),
@@ -323,12 +323,13 @@ impl Evidence for Campaign<'_> {
                 &fit.residual_model,
                 &fit.whitener,
                 &self.training,
-                rules.bin_shown,
                 self.options.seed,
             )
         };
         let bins_after = bins(last);
-        if account.steps.is_empty() && last.settled.base == self.given.base && !self.held.is_empty()
+        if account.steps.is_empty()
+            && last.settled.base == self.given.base
+            && !self.held_out.is_empty()
         {
             account.remarks.push("a refit of friction and grip leaves no smaller gap on the runs put aside: model.next.toml is the model as given".to_owned());
         }
@@ -365,7 +366,7 @@ impl Evidence for Campaign<'_> {
             base: self.base_parameters(last),
             bins: bins(base),
             clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),
-            // Noise that is not white, or not what it is said to be, makes bins stand out, too.
+            // Noise that is not white, or not what it is said to be, makes bins significant, too.
             located: account.steps.is_empty()
                 && !matches!(
                     self.data.noise_from,
@@ -404,7 +405,7 @@ impl Evidence for Campaign<'_> {
     }
 }
 
-/// Searches runs for what the model lacks.
+/// Searches runs for what the model does not contain.
 ///
 /// # Errors
 /// [`Error::TooFew`] for fewer than two runs or segments to train on, [`Error::BaseFit`], [`Error::Effect`].

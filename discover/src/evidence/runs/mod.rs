@@ -1,6 +1,5 @@
 //! Runs: what is measured on a track, against the one-track model.
 
-pub(crate) mod beside;
 pub(crate) mod campaign;
 pub(crate) mod candidates;
 pub(crate) mod channels;
@@ -12,6 +11,7 @@ pub(crate) mod model;
 pub(crate) mod outcome;
 pub(crate) mod recordings;
 pub(crate) mod screen;
+pub(crate) mod shared_effects;
 
 pub use evidence::search;
 pub use recordings::prepare::{Data, prepare};

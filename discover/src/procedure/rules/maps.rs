@@ -8,32 +8,22 @@ use crate::procedure::rivals::RivalRule;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MapRules {
-    /// Drop of chi2 below which nothing is claimed. Chosen: chance has e^-15 for each effect tried.
+    /// Drop of chi2 below which nothing is selected. Chosen: chance has e^-15 for each effect tried.
     pub least_drop: f64,
-    /// Share of chi2 by which a claim must lower it. Chosen.
+    /// Share of chi2 by which a selected effect must lower it. Chosen.
     pub least_share: f64,
-    /// Standard errors that a size must be away from 0. Derived: three.
-    pub size_in_errors: f64,
-    /// Rivals of a claim: t is the root of what their chi2 is worse by, in units of the best fit's mean square.
+    /// Rivals of a selected effect: t is the root of what their chi2 is worse by, in units of the best fit's mean square.
     pub rivals: RivalRule,
-    /// Mean square in units of the noise beyond which a residual is not clean. Chosen.
+    /// Mean square in units of the noise above which a residual is not clean. Chosen.
     pub unclean: f64,
-    /// Mean square, and share of what is beyond the noise, above both of which a name is in doubt. Chosen.
+    /// Mean square, and share of what is above the noise, above both of which a name is in doubt. Chosen.
     pub doubtful: [f64; 2],
-    /// Largest p-value of a bin that is shown. Chosen.
-    pub bin_shown: f64,
-    /// Bins of a variable. Chosen.
-    pub bins: usize,
-    /// Pixels of a bin that count as one value. Chosen.
-    pub bin_pixels: f64,
     /// Cells over half the patch while searching. Chosen.
     pub searching_cells: usize,
     /// Cells of the solves from which sizes are reported. Chosen.
     pub reporting_cells: usize,
-    /// Pixels along each direction that count as one independent value. Chosen.
+    /// Pixels along each direction of a map, and their square in a bin, that count as one independent value. Chosen.
     pub independent_pixels: f64,
-    /// Pieces into which the residuals are cut where gaps are compared. Chosen.
-    pub pieces: usize,
     /// Share of a pixel by which its place is uncertain. Chosen.
     pub pixel_place: f64,
     /// Share of the peak that the solves themselves may be off. Chosen.
@@ -45,20 +35,15 @@ impl Default for MapRules {
         Self {
             least_drop: 30.0,
             least_share: 0.2,
-            size_in_errors: 3.0,
             rivals: RivalRule {
                 needed_t: 3.0,
                 ..RivalRule::default()
             },
             unclean: 2.0,
             doubtful: [10.0, 0.1],
-            bin_shown: 0.05,
-            bins: 8,
-            bin_pixels: 16.0,
             searching_cells: 8,
             reporting_cells: 12,
             independent_pixels: 4.0,
-            pieces: 16,
             pixel_place: 1.0 / 3.0,
             solves: 0.003,
         }

@@ -36,32 +36,31 @@ pub struct Rules {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SearchRules {
-    /// Most effects that are named. Chosen: what comes fifth is explained by its betters' errors as well.
-    pub most_claims: usize,
-    /// Most screens: several amplitudes or places of one effect belong to one claim. Chosen.
-    pub most_screens: usize,
-    /// |t| beside all others below which a claim has become superfluous. Chosen.
+    /// Most effects that are named; twice as many screens are made, since several amplitudes or places of one effect belong to one effect. Chosen:
+    /// what comes fifth is explained by its betters' errors as well.
+    pub most_effects: usize,
+    /// |t| given all others below which a selected effect has become superfluous. Chosen.
     pub superfluous_t: f64,
     /// Standard errors by which the gap on locked-away data must fall for a step, and for the whole answer, to be named. Chosen:
-    /// it is asked once more of what has stood out already.
+    /// it is tested once more of what was significant already.
     pub beyond_scatter: f64,
-    /// Standard errors by which it must fall in the channels that tell of a step for the others to count only where they rise beyond their
-    /// scatter. Chosen: of 34 steps that were refused without it four pass, three of which are there; at half the same four, at twice one that is not.
+    /// Standard errors by which it must fall in the channels that tell of a step for the others to count only where they rise above their
+    /// scatter, and by which a law must explain more than a named effect of the catalogue to replace it. Chosen: of 34 steps that were refused without it four pass, three of which are there; at half the same four, at twice one that is not.
     pub clear: f64,
     /// Share of a channel's mean square that may repeat from run to run in an adequate model. Chosen: a twentieth of the root mean square.
     pub adequate: f64,
-    /// Share by which a root mean square on locked-away data may grow against the model as given. Chosen: less is seen by no one who drives.
-    pub worse: f64,
     /// Factor between a base parameter and its given value above which it is implausible. Chosen: coefficients of steel on ice that
     /// are published for bobsleds differ by less.
     pub plausible: f64,
-    /// Share of the gap that repeats from run to run, on locked-away data and with nothing named, that a step must close to be worth saying. Chosen.
+    /// Share of the gap that repeats from run to run, on locked-away data and with nothing named, that a step must close to be worth saying, and by
+    /// which a root mean square on them may grow against the model as given. Chosen: less is seen by no one who drives.
     pub material: f64,
     /// Share of the sum of squares that the installation's tolerances amount to which a step must close, too. Chosen: a hundredth in size.
     pub trace: f64,
-    /// Standard errors of their difference within which the sizes of several kinds of data are one. Derived: three of their joint error.
-    pub kinds_agree: f64,
-    /// Standard deviations by which a size must exceed its critical value to be claimed nine times in ten. Derived: the
+    /// Standard errors of their difference within which sizes of several kinds of data, or of track channel and forces, are one, and by which a size
+    /// must differ from 0 in pressure maps. Derived: three of their joint error.
+    pub agree: f64,
+    /// Standard deviations by which a size must exceed its critical value to be selected nine times in ten. Derived: the
     /// normal law's 90 % quantile.
     pub nine_in_ten: f64,
     /// Standard deviations of a 95 % interval. Derived: the normal law's 97.5 % quantile.
@@ -71,17 +70,15 @@ pub struct SearchRules {
 impl Default for SearchRules {
     fn default() -> Self {
         Self {
-            most_claims: 4,
-            most_screens: 8,
+            most_effects: 4,
             superfluous_t: 1.5,
             beyond_scatter: 1.0,
             clear: 3.0,
             adequate: 0.1,
-            worse: 0.05,
             plausible: 3.0,
             material: 0.05,
             trace: 1e-4,
-            kinds_agree: 3.0,
+            agree: 3.0,
             nine_in_ten: 1.28,
             interval: 1.96,
         }
@@ -92,29 +89,26 @@ impl Default for SearchRules {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RunRules {
-    /// Largest p-value of a claim within runs. Chosen with the five below, so that together they leave a null a chance of
-    /// about 0.02 of being claimed: what a model lacks usually stands far beyond these, and chance does not.
+    /// Largest p-value of a selected effect within runs, all along or in a window of distance. Chosen with the three below, so that together they leave a null a chance of
+    /// about 0.02 of being selected: what a model does not contain usually exceeds these by far, and chance does not.
     pub alpha: f64,
-    /// The same in a window of distance. Chosen.
-    pub alpha_window: f64,
-    /// The same between sessions, tested twice: friction and grip. Chosen.
-    pub alpha_sessions: f64,
-    /// The same between the runs of a session. Chosen.
-    pub alpha_runs: f64,
-    /// The same for a column beyond the catalogue. Chosen.
-    pub alpha_beyond: f64,
+    /// The same between the sessions, and between the runs of a session, tested twice: friction and grip; and of a bin below which a place is
+    /// reported although no effect is named. Chosen.
+    pub alpha_levels: f64,
+    /// The same for a column outside the catalogue, and where sessions differ although nothing can be named. Chosen.
+    pub alpha_column: f64,
     /// The same in the track channel. Chosen.
     pub alpha_track: f64,
-    /// Share of these p-values that is left after the first claim. Chosen.
+    /// Share of these p-values that remains after the first selected effect. Chosen.
     pub alpha_again: f64,
-    /// Factors of what the sensors' noise adds between which a claim must hold, the noise being stated. Chosen.
+    /// Factors of what the sensors' noise adds between which a selected effect must hold, the noise being stated. Chosen.
     pub noise_trust: [f64; 2],
     /// The same where the noise is taken from the recordings' spectra. Measured: of 48 columns of speed, slip, steering and yaw rate beneath
     /// coloured and filtered noise, what is there is 0.7 to 1.4 times of what is found in 46.
     pub spectral_noise_trust: [f64; 2],
     /// The same where it is taken for white, from differences of the recordings. Chosen.
     pub estimated_noise_trust: [f64; 2],
-    /// Share of its critical T that a claim must keep at both ends of the trusted noise. Chosen.
+    /// Share of its critical T that a selected effect must retain at both ends of the trusted noise. Chosen.
     pub holds: f64,
     /// The same for a window: runs repeat the same manoeuvre at the same place, and a small error of the model with it.
     /// Chosen.
@@ -125,45 +119,41 @@ pub struct RunRules {
     pub least_left_installed: f64,
     /// Share of a direction's products that must not be noise. Chosen.
     pub least_signal: f64,
-    /// Share of the strongest claim's gain from which a window competes with it. Chosen.
+    /// Share of the strongest selected effect's gain from which a window competes with it. Chosen.
     pub window_competes: f64,
     /// Contacts with walls, each run's own.
     pub contacts: ContactRules,
-    /// Share of all rows' squares from which the strongest claim is large: its rivals are then held against it by full refits. Chosen.
+    /// Share of all rows' squares from which the strongest selected effect is large: its rivals are then compared with it by full refits. Chosen.
     pub large: f64,
-    /// Share of what balances leave beyond noise below which a model's own is taken in its place: the rest was no noise. Chosen.
+    /// Share of what balances leave above noise below which a model's own is taken in its place: the rest was no noise. Chosen.
     pub less_beyond: f64,
-    /// Share of what a formula explains that its rivals must, to be held against it. Chosen.
+    /// Share of what a formula or contacts explain that their rivals must, to be compared with them. Chosen.
     pub leads: f64,
-    /// Effects of the catalogue, the strongest first, that are refitted where something is large, beside all that move signals. Chosen.
+    /// Effects of the catalogue, the strongest first, that are refitted where something is large, in addition to all that move signals. Chosen.
     pub leaders: usize,
-    /// Of these, those that leave least, beside which what the installation is off by is found anew. Chosen.
+    /// Of these, those that leave least, with which what the installation is off by is found anew. Chosen.
     pub finalists: usize,
-    /// The first look at each of them on a few runs.
-    pub look: LeaderRule,
-    /// Standard deviations beyond which no part of an installation is merely off by its tolerance. Derived: of 25 parts within theirs, one is
+    /// Standard deviations above which no part of an installation is merely off by its tolerance. Derived: of 25 parts within theirs, one is
     /// in 1.6 of 1000 campaigns.
     pub belief: f64,
-    /// t that a catalogue effect must lose, and a column beyond the catalogue keep, for the column to be named instead.
+    /// t that a catalogue effect must lose, and a column outside the catalogue keep, for the column to be named instead.
     /// Chosen.
     pub column_wins: [f64; 2],
-    /// Laws beyond the catalogue.
+    /// Laws outside the catalogue.
     pub laws: LawRules,
-    /// Rivals of a claim within runs.
+    /// Rivals of a selected effect within runs.
     pub rivals: RivalRule,
-    /// Rivals of a claim between sessions or runs.
+    /// Rivals of a selected effect between sessions or runs.
     pub level_rivals: RivalRule,
-    /// Rivals of a claim in the track channel.
+    /// Rivals of a selected effect in the track channel.
     pub track_rivals: RivalRule,
     /// The track channel is used where its runs agree within this many times what the sensors' noise scatters. Chosen.
     pub track_agrees: f64,
-    /// Standard deviations within which track channel and forces agree on a size. Derived: three of their joint error.
-    pub track_and_forces: f64,
     /// Standard deviation of the surveyed slope where none is stated \[rad\]. Chosen: a levelling over 5 m to 1 cm.
     pub slope_sd_rad: f64,
     /// Share by which a driven line may be longer or shorter than the surveyed one, a standard deviation that intervals of the speed's scale and
     /// offset take in. Derived: weaving by 2 to 4 degrees makes a way half the square of that longer, 0.06 to 0.24 %, and a decimetre farther out in
-    /// bends that add up to 20 rad, on 1500 m, makes it 0.13 % longer or shorter. Of 42 such intervals 30 held the truth without it, 36 with
+    /// bends that add up to 20 rad, on 1500 m, makes it 0.13 % longer or shorter. Of 42 such intervals 30 covered the truth without it, 36 with
     /// half, 41 with it, 42 with twice (blind cases with seeds 131001 to 137001).
     pub line_share: f64,
     /// Relative standard error of what stated noise is known by, which a parameter's interval takes in. Chosen.
@@ -172,32 +162,21 @@ pub struct RunRules {
     pub estimated_noise_error: f64,
     /// How far the two edges of a stretch may be off together, a standard deviation \[m\]. Chosen.
     pub edges_m: f64,
-    /// Largest p-value of a bin that is shown. Chosen.
-    pub bin_shown: f64,
     /// p-value of a bin below which a residual is not clean. Chosen.
     pub bin_unclean: f64,
-    /// p-value of a bin below which a place is told although no effect is named. Chosen.
-    pub bin_located: f64,
-    /// p-value below which sessions differ although nothing can be named. Chosen.
-    pub sessions_differ: f64,
-    /// Width of the narrowest window that is searched for effects at a place \[m\]; others are twice as wide, up to 16 times. Chosen: a wall hit.
+    /// Width of the narrowest window that is searched for effects at a place \[m\]; others are twice as wide, up to 16 times; over
+    /// such a length runs are compared with one another. Chosen: a wall hit.
     pub window_m: f64,
     /// Width of the track channel's bins \[m\]. Chosen.
     pub track_bin_m: f64,
-    /// Bins on either side from which the scatter between drivers is taken. Chosen.
-    pub track_near: usize,
     /// Time on either side of a moment at which the speed's reading may jump \[s\]. Chosen: as long as accelerometer and survey are off alike;
     /// at half of it seven of seven cases are found as with it, at twice six, with a jump that is not there.
     pub jump_reach_s: f64,
     /// Shortest piece of a run with which the sensors' noise is simulated \[s\]. Chosen: longer ones take longer.
     pub noise_piece_s: f64,
-    /// Rows of a piece of a run over which locked-away gaps are compared. Chosen: four seconds, beyond which residuals no longer go together.
-    pub piece_rows: usize,
-    /// Length of track over which runs are held against one another \[m\]. Chosen.
-    pub place_m: f64,
     /// Share of a direction's own size that others must leave for it to count as explainable. Chosen.
     pub explains_alone: f64,
-    /// Standard errors over runs by which a direction must stand out to count as explainable. Chosen.
+    /// Standard errors over runs by which a direction must be significant to count as explainable. Chosen.
     pub explains_beyond: f64,
     /// How recorded signals become rows.
     pub recordings: RecordingRules,
@@ -209,7 +188,7 @@ pub struct RunRules {
 pub struct RecordingRules {
     /// Corner of the low pass of every signal, before the balances are taken \[Hz\]. Chosen: a driver steers below 5 Hz.
     pub signal_cutoff_hz: f64,
-    /// Samples a second that are kept \[1/s\]. Derived: three times the corner.
+    /// Samples a second that are retained \[1/s\]. Derived: three times the corner.
     pub signal_rate_hz: f64,
     /// Corner of the low pass of the balances \[Hz\]. Chosen.
     pub row_cutoff_hz: f64,
@@ -217,7 +196,7 @@ pub struct RecordingRules {
     pub row_rate_hz: f64,
     /// Noise from sample to sample over the stated one outside which what is stated is doubted. Chosen.
     pub noise_as_stated: [f64; 2],
-    /// Power of an axis over that of the quietest axis of its instrument, above the motion, beyond which it is taken for motion. Chosen.
+    /// Power of an axis over that of the quietest axis of its instrument, above the motion, above which it is taken for motion. Chosen.
     pub quietest_axis: f64,
 }
 
@@ -238,10 +217,8 @@ impl Default for RunRules {
     fn default() -> Self {
         Self {
             alpha: 0.005,
-            alpha_window: 0.005,
-            alpha_sessions: 0.002,
-            alpha_runs: 0.002,
-            alpha_beyond: 0.001,
+            alpha_levels: 0.002,
+            alpha_column: 0.001,
             alpha_track: 0.0005,
             alpha_again: 0.5,
             noise_trust: [0.75, 1.3],
@@ -259,7 +236,6 @@ impl Default for RunRules {
             leads: 0.5,
             leaders: 6,
             finalists: 3,
-            look: LeaderRule::default(),
             belief: 4.0,
             column_wins: [2.0, 3.0],
             laws: LawRules::default(),
@@ -269,7 +245,6 @@ impl Default for RunRules {
                 least_gain: 0.3,
                 alike: 0.995,
                 least_t: 1.5,
-                shown: 12,
             },
             level_rivals: RivalRule {
                 needed_t: 2.5,
@@ -281,48 +256,19 @@ impl Default for RunRules {
                 ..RivalRule::default()
             },
             track_agrees: 3.0,
-            track_and_forces: 3.0,
             slope_sd_rad: 0.002,
             line_share: 0.002,
             stated_noise_error: 0.1,
             estimated_noise_error: 0.5,
             edges_m: 1.5,
-            bin_shown: 0.05,
             bin_unclean: 0.01,
-            bin_located: 0.002,
-            sessions_differ: 0.001,
             window_m: 10.0,
             track_bin_m: 20.0,
-            track_near: 3,
             jump_reach_s: 0.8,
             noise_piece_s: 7.0,
-            piece_rows: 40,
-            place_m: 10.0,
             explains_alone: 1e-2,
             explains_beyond: 2.0,
             recordings: RecordingRules::default(),
-        }
-    }
-}
-
-/// A first look at a candidate on a few runs, before it is fitted on all.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct LeaderRule {
-    /// One of so many runs is looked at. Chosen.
-    pub every: usize,
-    /// Fewest runs of a look. Chosen.
-    pub least: usize,
-    /// Part of the runs' share of what is asked that a candidate must explain there. Chosen.
-    pub part: f64,
-}
-
-impl Default for LeaderRule {
-    fn default() -> Self {
-        Self {
-            every: 3,
-            least: 4,
-            part: 0.5,
         }
     }
 }
@@ -331,24 +277,18 @@ impl Default for LeaderRule {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExperimentRules {
-    /// Largest p-value of a claim, by permutation and against simulated tables alike. Chosen.
+    /// Largest p-value of a selected effect, by permutation and against simulated tables alike. Chosen.
     pub alpha: f64,
     /// Share of a direction that a refit of the base must leave for it to be judged. Chosen.
     pub least_left: f64,
     /// Share of the largest |t| from which a candidate is fitted in full. Chosen.
     pub near_largest: f64,
-    /// Rivals of a claim, and t that a named effect must keep beside a mere column.
+    /// Rivals of a selected effect, and t that a named effect must retain given a mere column.
     pub rivals: RivalRule,
     /// What is added to the normal quantile of intervals, over the degrees of freedom. Derived: Student's t to first order.
     pub interval_few: f64,
-    /// Mean square in units of the noise beyond which the residual is not clean. Chosen.
+    /// Mean square in units of the noise above which the residual is not clean. Chosen.
     pub unclean: f64,
-    /// Largest p-value of a bin that is shown. Chosen.
-    pub bin_shown: f64,
-    /// Bins of a column. Chosen.
-    pub bins: usize,
-    /// Fewest rows in a bin. Derived: a scatter with an error of its own.
-    pub bin_rows: usize,
 }
 
 impl Default for ExperimentRules {
@@ -365,9 +305,6 @@ impl Default for ExperimentRules {
             },
             interval_few: 2.5,
             unclean: 3.0,
-            bin_shown: 0.05,
-            bins: 3,
-            bin_rows: 3,
         }
     }
 }

@@ -43,20 +43,18 @@ const EXPERIMENTS: [&str; 6] = [
 ];
 const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
-/// The chosen constants that decide on claims, by the kind of data that they act on. Those that
+/// The chosen constants that decide on selections, by the kind of data that they act on. Those that
 /// only size what is shown, and what else of the lock is chosen, are left out.
-const RUN_KEYS: [&str; 60] = [
-    "lock.runs_every",
+const RUN_KEYS: [&str; 49] = [
+    "lock.every",
     "search.superfluous_t",
     "search.beyond_scatter",
     "search.clear",
     "search.material",
     "search.trace",
     "runs.alpha",
-    "runs.alpha_window",
-    "runs.alpha_sessions",
-    "runs.alpha_runs",
-    "runs.alpha_beyond",
+    "runs.alpha_levels",
+    "runs.alpha_column",
     "runs.alpha_track",
     "runs.alpha_again",
     "runs.holds",
@@ -73,15 +71,10 @@ const RUN_KEYS: [&str; 60] = [
     "runs.track_rivals.needed_t",
     "runs.track_agrees",
     "runs.slope_sd_rad",
-    "runs.bin_located",
-    "runs.sessions_differ",
     "runs.window_m",
     "runs.track_bin_m",
-    "runs.track_near",
     "runs.jump_reach_s",
     "runs.noise_piece_s",
-    "runs.piece_rows",
-    "runs.place_m",
     "runs.explains_alone",
     "runs.explains_beyond",
     "runs.recordings.signal_cutoff_hz",
@@ -96,28 +89,19 @@ const RUN_KEYS: [&str; 60] = [
     "runs.contacts.most_of_a_row",
     "runs.contacts.inside",
     "runs.contacts.over",
-    "runs.contacts.anew",
     "runs.large",
     "runs.less_beyond",
     "runs.leads",
     "runs.leaders",
     "runs.finalists",
-    "runs.look.every",
-    "runs.look.least",
-    "runs.look.part",
     "runs.belief",
 ];
-const LAW_KEYS: [&str; 10] = [
-    "runs.laws.bumps",
-    "runs.laws.smoothing",
-    "runs.laws.folds",
+const LAW_KEYS: [&str; 5] = [
     "runs.laws.number",
-    "runs.laws.stands_t",
+    "runs.laws.number_t",
     "runs.laws.alike",
-    "runs.laws.beats",
     "runs.laws.as_good",
     "runs.laws.tried",
-    "runs.laws.rivals",
 ];
 const EXPERIMENT_KEYS: [&str; 4] = [
     "experiments.alpha",
@@ -125,14 +109,13 @@ const EXPERIMENT_KEYS: [&str; 4] = [
     "experiments.near_largest",
     "experiments.rivals.needed_t",
 ];
-const MAP_KEYS: [&str; 9] = [
+const MAP_KEYS: [&str; 8] = [
     "maps.least_drop",
     "maps.least_share",
     "maps.rivals.needed_t",
     "maps.unclean",
     "maps.searching_cells",
     "maps.independent_pixels",
-    "maps.pieces",
     "maps.pixel_place",
     "maps.solves",
 ];

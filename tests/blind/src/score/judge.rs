@@ -244,8 +244,7 @@ mod tests {
             &hides("yaw-rate-scale", &["yaw-inertia"])
         ));
         assert!(!installed(&within, &hides("mass", &[])));
-        let beyond =
-            json!({"remarks": ["mass, relative: 4.0e-2  +- 1.0e-2, beyond its tolerance of 0.01"]});
+        let beyond = json!({"remarks": ["mass, relative: 4.0e-2  +- 1.0e-2, outside its tolerance of 0.01"]});
         assert!(installed(&beyond, &hides("mass", &[])));
         assert!(!installed(&beyond, &hides("speed-scale", &[])));
     }

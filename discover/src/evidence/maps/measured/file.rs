@@ -1,4 +1,4 @@
-//! A table of pressure measurements with the case that it is held against.
+//! A table of pressure measurements with the case that it is compared with.
 
 use std::path::Path;
 
@@ -25,8 +25,8 @@ impl Measured {
     /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the case.
     pub fn read(path: &Path, model: &Path, rules: &MapRules) -> Result<Self, Error> {
         let text = kufe_files::text_of_regular(model, LONGEST_CASE)
-            .map_err(|error| told(model, &error))?;
-        let case = Case::parse(&text).map_err(|error| told(model, &error))?;
+            .map_err(|error| file_error(model, &error))?;
+        let case = Case::parse(&text).map_err(|error| file_error(model, &error))?;
         let (rows, remarks) = read(path, (model, &case), rules)?;
         Ok(Self {
             text,
@@ -37,7 +37,7 @@ impl Measured {
 }
 
 /// What is wrong with the case's file.
-pub fn told(model: &Path, what: &dyn std::fmt::Display) -> Error {
+pub fn file_error(model: &Path, what: &dyn std::fmt::Display) -> Error {
     Error::File {
         file: model.display().to_string(),
         reason: what.to_string(),

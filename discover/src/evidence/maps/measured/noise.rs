@@ -39,7 +39,7 @@ struct Grid<'a> {
 }
 
 impl Grid<'_> {
-    /// The value at a pixel moved by (u, v), held at the map's ends.
+    /// The value at a pixel moved by (u, v), clamped at the map's ends.
     fn at(&self, i: usize, j: usize, u: isize, v: isize) -> f64 {
         let i = i.saturating_add_signed(u).min(self.map.nx - 1);
         let j = j.saturating_add_signed(v).min(self.map.ny - 1);

@@ -38,7 +38,7 @@ pub fn remarks_on(rows: &[Row]) -> Vec<String> {
     let same = |value: &dyn Fn(&Row) -> f64| rows.iter().all(|r| value(r) == value(&rows[0]));
     if same(&|r| r.fz) && same(&|r| r.problem.track_curvature) {
         remarks.push(format!(
-            "fz_n and radius_m are the same in all rows ({} N): effects that differ by load alone cannot be told apart",
+            "fz_n and radius_m are the same in all rows ({} N): effects that differ by load alone cannot be distinguished",
             rows[0].fz
         ));
     }

@@ -66,7 +66,7 @@ pub fn read(
     let mut rows: Vec<Row> = Vec::new();
     for i in 0..cases.len() {
         let file = folder.join(&cases[i]);
-        let told = |error: CaseError| Error::File {
+        let file_error = |error: CaseError| Error::File {
             file: file.display().to_string(),
             reason: error.to_string(),
         };
@@ -79,7 +79,7 @@ pub fn read(
                     reason: error.to_string(),
                 })?;
             (
-                Case::parse(&text).map_err(told)?,
+                Case::parse(&text).map_err(file_error)?,
                 file.parent().unwrap_or(Path::new("")),
             )
         };
@@ -89,7 +89,7 @@ pub fn read(
                 reason: "[sliding]: expected a case at rest".to_owned(),
             });
         }
-        let mut problem = case.problem(base).map_err(told)?;
+        let mut problem = case.problem(base).map_err(file_error)?;
         if let Load::Force { fz: force, .. } = &mut problem.load {
             *force = fz[i];
         }

@@ -23,7 +23,7 @@ pub struct Amplitude {
 }
 
 impl Amplitude {
-    /// Whether it stands between a sensor and the truth or changes a constant of the sled.
+    /// Whether it changes what a sensor reads or a constant of the sled.
     pub fn moves_signals(&self) -> bool {
         match &self.kind {
             Kind::Catalogue(effect) => effect.moves_signals(),
@@ -31,7 +31,7 @@ impl Amplitude {
         }
     }
 
-    /// Whether it is asked for only where the installation is off by more than its tolerances can mean.
+    /// Whether it is requested only where the installation is off by more than its tolerances can mean.
     pub fn is_beyond_tolerance(&self) -> bool {
         matches!(&self.kind, Kind::Catalogue(effect) if effect.info.judged == Judged::BeyondTolerance)
     }

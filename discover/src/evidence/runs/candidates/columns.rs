@@ -7,7 +7,7 @@ use crate::evidence::runs::recordings::frame::further_columns;
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::procedure::candidate::Candidate;
 
-/// Dependences on single columns beyond the catalogue: a slope and a bend of the friction and of the grip, and a side force.
+/// Dependences on single columns outside the catalogue: a slope and a bend of the friction and of the grip, and a side force.
 ///
 /// Columns that the model has no name for are handed in as carriers: they are judged, but no simulation could follow them.
 pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>> {

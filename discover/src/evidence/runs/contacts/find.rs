@@ -1,13 +1,13 @@
 //! Places of a track at which runs differ: where the side balance of some runs leaves the middle of all.
 //!
 //! What all runs do alike, errors of survey and model, is no contact: the median over the runs of a track is taken off first. With d what
-//! is left of the side balance in cells of two metres, and sums Z over ten metres, a run differs where
+//! remains of the side balance in cells of two metres, and sums Z over ten metres, a run differs where
 //!
 //! ```text
 //! |Z| > 8 (1.4826 median |Z|)        8 and the other constants: ContactRules
 //! ```
 //!
-//! and so do runs of which none stands out alone but whose squares together exceed those of other places.
+//! and so do runs of which none is significant alone but whose squares together exceed those of other places.
 
 use kufe_sled::scatter;
 use rayon::prelude::*;
@@ -22,9 +22,11 @@ const CELL_M: f64 = 2.0;
 const SUM: usize = 5;
 /// Deviations that a single run counts for at most: what pushes one alone is no place. Chosen.
 const MOST_OF_A_RUN: f64 = 6.0;
-/// Shifts of all runs that a stretch is held against.
+/// Shifts of all runs that a stretch is compared with.
 const TRIALS: u64 = 3999;
-/// Most cells of a track: beyond 100 km a distance is a mistake.
+/// Fewest runs of a track that have a middle: the median of three is one run's.
+const FEWEST_RUNS: usize = 4;
+/// Most cells of a track: above 100 km a distance is a mistake.
 const MOST_CELLS: usize = 50_000;
 
 /// A stretch of a track \[m\] on which some runs differ.
@@ -36,11 +38,11 @@ pub struct Stretch {
     pub from_m: f64,
     /// To \[m\].
     pub to_m: f64,
-    /// p-value of how much runs differ there, against the same runs each shifted along the track on its own; 1 where nobody asked.
+    /// p-value of how much runs differ there, against the same runs each shifted along the track on its own; 1 where not requested.
     pub p_value: f64,
 }
 
-/// The stretches of all tracks, `side_n` being what the side balance leaves of each run at every kept sample; without a `seed` no shifts are
+/// The stretches of all tracks, `side_n` being what the side balance leaves of each run at every retained sample; without a `seed` no shifts are
 /// drawn for p-values.
 pub fn stretches(
     frames: &[Frame],
@@ -75,7 +77,7 @@ fn on_track(
     let cells = ((high - low) / CELL_M).ceil();
     // Of no number there are no cells.
     let cells = cells as usize;
-    if runs.len() < rules.fewest_runs || !(SUM + 1..=MOST_CELLS).contains(&cells) {
+    if runs.len() < FEWEST_RUNS || !(SUM + 1..=MOST_CELLS).contains(&cells) {
         return Vec::new();
     }
     let mut rows: Vec<Vec<f64>> = runs
@@ -110,7 +112,7 @@ fn on_track(
         for group in row.chunk_by(|a, b| within(a) == within(b)) {
             let end = start + group.len();
             if group.iter().any(|z| z.abs() > rules.differs * unit) {
-                // A sum stands for its middle cells.
+                // A sum represents its middle cells.
                 differs[start + 1..(end + SUM - 2).min(cells)].fill(true);
             }
             start = end;
@@ -118,12 +120,12 @@ fn on_track(
     }
     let squares = squares(&sums, unit);
     let roots = together(&squares);
-    for (start, end) in beyond(&above_middle(&roots), rules.together) {
+    for (start, end) in exceeding(&above_middle(&roots), rules.together) {
         differs[start + 1..(end + SUM - 2).min(cells)].fill(true);
     }
     let all = || sums.iter().flatten().filter(|z| z.is_finite());
-    let beyond = all().filter(|z| z.abs() > rules.differs * unit).count();
-    if beyond as f64 > rules.most * all().count() as f64 {
+    let exceeding = all().filter(|z| z.abs() > rules.differs * unit).count();
+    if exceeding as f64 > rules.most * all().count() as f64 {
         return Vec::new();
     }
     let seed = seed.filter(|_| differs.contains(&true));
@@ -214,8 +216,8 @@ fn by_chance(squares: &[Vec<f64>], seed: u64) -> Vec<f64> {
     largest
 }
 
-/// Where these are beyond `least`, from and to, as far as they are beyond seven tenths of it.
-fn beyond(away: &[f64], least: f64) -> Vec<(usize, usize)> {
+/// Where these are above `least`, from and to, as far as they are above seven tenths of it.
+fn exceeding(away: &[f64], least: f64) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut start = 0;
     for group in away.chunk_by(|a, b| (*a > 0.7 * least) == (*b > 0.7 * least)) {
@@ -276,12 +278,12 @@ mod tests {
         assert!(by_chance.count() <= 5, "as often as is said");
         let hit = (0..200).filter(|draw| {
             let away = above_middle(&roots(&sums(*draw, 100..105)));
-            let there = beyond(&away, rules.together);
+            let there = exceeding(&away, rules.together);
             there.iter().any(|(from, to)| *from >= 99 && *to <= 106)
         });
         let hit = hit.count();
         assert!(hit >= 150, "{hit} of 200");
-        let told = (0..20).filter(|draw| chance(*draw, 100..105) < 0.01);
-        assert!(told.count() >= 15);
+        let detected = (0..20).filter(|draw| chance(*draw, 100..105) < 0.01);
+        assert!(detected.count() >= 15);
     }
 }

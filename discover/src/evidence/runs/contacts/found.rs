@@ -3,7 +3,7 @@
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Contacts that are found, before anything is fitted beside them.
+/// Contacts that are found, before anything is fitted with them.
 #[derive(Clone)]
 pub struct Found {
     /// The contacts.

@@ -10,7 +10,7 @@ use crate::evidence::runs::screen::levels::group;
 
 /// Side and yaw balance.
 const BALANCES: [usize; 2] = [1, 2];
-/// Scatters beyond which a sample tells of something else than grip. Chosen: noise alone is beyond in one of 16,000.
+/// Scatters above which a sample tells of something else than grip. Chosen: noise alone is above in one of 16,000.
 const MOST: f64 = 4.0;
 /// Change of the factor, to either side, by which its derivative is taken.
 const CHANGE: f64 = 0.01;
@@ -19,9 +19,9 @@ const CHANGE: f64 = 0.01;
 /// for a factor on all side forces, by least squares over the samples of the session that lie within four scatters,
 ///
 /// ```text
-/// left - j (j . left) / (j . j)
+/// residual - j (j . residual) / (j . j)
 /// ```
-pub fn apart_from_grip(model: &ResidualModel, frames: &[Frame], left: &mut [ChannelRows]) {
+pub fn apart_from_grip(model: &ResidualModel, frames: &[Frame], residual: &mut [ChannelRows]) {
     let [more, less] = [1.0 + CHANGE, 1.0 - CHANGE].map(|factor| {
         let mut moved = model.clone();
         let grip = moved.base[1..BASE].iter_mut();
@@ -30,7 +30,7 @@ pub fn apart_from_grip(model: &ResidualModel, frames: &[Frame], left: &mut [Chan
     });
     let column = |run: usize, c: usize, i: usize| more[run][c][i] - less[run][c][i];
     let scatters = BALANCES.map(|c| {
-        let all: Vec<f64> = left.iter().flat_map(|rows| rows[c].clone()).collect();
+        let all: Vec<f64> = residual.iter().flat_map(|rows| rows[c].clone()).collect();
         scatter(&all)
     });
     for runs in group(frames).values() {
@@ -38,7 +38,7 @@ pub fn apart_from_grip(model: &ResidualModel, frames: &[Frame], left: &mut [Chan
         for &run in runs {
             for (c, sd) in BALANCES.into_iter().zip(scatters) {
                 for i in frames[run].samples() {
-                    let y = left[run][c][i];
+                    let y = residual[run][c][i];
                     if y.abs() <= MOST * sd {
                         let j = column(run, c, i);
                         (jj, jy) = (jj + (j / sd).powi(2), jy + j * y / (sd * sd));
@@ -52,7 +52,7 @@ pub fn apart_from_grip(model: &ResidualModel, frames: &[Frame], left: &mut [Chan
         let size = jy / jj;
         for &run in runs {
             for c in BALANCES {
-                let each = left[run][c].iter_mut().enumerate();
+                let each = residual[run][c].iter_mut().enumerate();
                 each.for_each(|(i, y)| *y -= size * column(run, c, i));
             }
         }
@@ -90,34 +90,34 @@ mod tests {
             ResidualModel::new(vehicle, base_multipliers, Effects::default())
         };
         let as_driven = left_without(&of_base([1.0; BASE]), frames);
-        // What is there beside the sensors' noise.
-        let apart = |left: &[ChannelRows], c: usize| -> f64 {
-            let both = left.iter().zip(&as_driven);
+        // What is there with the sensors' noise.
+        let apart = |residual: &[ChannelRows], c: usize| -> f64 {
+            let both = residual.iter().zip(&as_driven);
             let all = both.flat_map(|(a, b)| a[c].iter().zip(&b[c]).map(|(a, b)| (a - b).powi(2)));
             all.sum::<f64>().sqrt()
         };
         let slippery = of_base([1.0, 1.15, 1.15, 1.15, 1.15]);
-        let mut left = left_without(&slippery, frames);
+        let mut residual = left_without(&slippery, frames);
         // A push of 200 N over 10 m.
         let from = frames[0].s[frames[0].len() / 2];
         let wave = |s: f64| match (0.0..10.0).contains(&(s - from)) {
             true => 200.0 * (std::f64::consts::PI * (s - from) / 10.0).sin(),
             false => 0.0,
         };
-        let before = [1, 2].map(|c| apart(&left, c));
-        let mut pushed = left.clone();
+        let before = [1, 2].map(|c| apart(&residual, c));
+        let mut pushed = residual.clone();
         let push: Vec<f64> = frames[0].s.iter().map(|s| wave(*s)).collect();
         for (y, by) in pushed[0][1].iter_mut().zip(&push) {
             *y += by;
         }
-        apart_from_grip(&slippery, frames, &mut left);
+        apart_from_grip(&slippery, frames, &mut residual);
         apart_from_grip(&slippery, frames, &mut pushed);
         for (c, before) in [1, 2].into_iter().zip(before) {
-            let after = apart(&left, c);
+            let after = apart(&residual, c);
             assert!(after < 0.35 * before, "{c}: {after} of {before}");
         }
-        let kept = pushed[0][1].iter().zip(&left[0][1]).zip(&push);
-        let lost: f64 = kept
+        let recovered = pushed[0][1].iter().zip(&residual[0][1]).zip(&push);
+        let lost: f64 = recovered
             .map(|((with, without), by)| (with - without - by).powi(2))
             .sum();
         let all: f64 = push.iter().map(|by| by * by).sum();

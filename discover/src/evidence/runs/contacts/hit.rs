@@ -6,13 +6,14 @@ use kufe_sled::effects::{Active, Effect};
 use kufe_sled::{HARDEST, WallContact};
 use rayon::prelude::*;
 
+use crate::evidence::runs::contacts::FEWEST_HITS;
 use crate::evidence::runs::contacts::find::stretches;
 use crate::evidence::runs::contacts::model::at_place;
 use crate::evidence::runs::contacts::own::set_own_of;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::rules::ContactRules;
 
-/// How far beyond its known hits a place is looked for \[m\]. Chosen: lines differ by metres.
+/// How far outside its known hits a place is searched for \[m\]. Chosen: lines differ by metres.
 const SHIFT_M: f64 = 3.0;
 
 /// Places that several runs hit.
@@ -25,7 +26,7 @@ pub struct Hit {
     pub p_value: f64,
 }
 
-/// The places that several of these runs hit, `side_n` being what the side balance leaves of each at every kept sample.
+/// The places that several of these runs hit, `side_n` being what the side balance leaves of each at every retained sample.
 pub fn hit(
     effect: &'static Effect,
     runs: &[Frame],
@@ -40,7 +41,7 @@ pub fn hit(
         p_values.push(s.p_value);
     }
     let mut frames = runs.to_vec();
-    // First to either side, a place for every spot; then to the side that its wall stands at; then those that are left: what a single run
+    // First to either side, a place for every spot; then to the side that its wall is on; then the remaining ones: what a single run
     // hits is no place.
     for round in 0..3 {
         let both = frames.par_iter_mut().zip(side_n);
@@ -51,7 +52,7 @@ pub fn hit(
             let own = frames.iter().flat_map(|f| &f.contacts);
             let of_place = own.filter(|own| own.place == k).map(|own| own.contact);
             let spots = spots(of_place.collect());
-            let spots = spots.iter().filter(|s| s.len() >= rules.fewest_hits);
+            let spots = spots.iter().filter(|s| s.len() >= FEWEST_HITS);
             let mut found: Vec<Active> = Vec::new();
             for contacts in spots.take(if round == 0 { usize::MAX } else { 1 }) {
                 let place = at_spot(&stretch, contacts);
@@ -90,15 +91,15 @@ fn are_apart(place: &Active, other: &Active) -> bool {
 }
 
 /// Contacts by the side that they push to and the spots at which they overlap, first those of most. What is far weaker than two of them is
-/// noise beside them.
+/// noise compared with them.
 fn spots(mut contacts: Vec<WallContact>) -> Vec<Vec<WallContact>> {
     let mut sizes: Vec<f64> = contacts.iter().map(|c| c.force_n.abs()).collect();
     sizes.sort_by(|a, b| b.total_cmp(a));
     let second = sizes.get(1).copied().unwrap_or(0.0);
     contacts.retain(|c| HARDEST * c.force_n.abs() >= second);
-    let (left, right) = contacts.into_iter().partition(|c| c.force_n > 0.0);
-    let mut spots = spots_aside(left);
-    spots.extend(spots_aside(right));
+    let (leftward, rightward) = contacts.into_iter().partition(|c| c.force_n > 0.0);
+    let mut spots = spots_aside(leftward);
+    spots.extend(spots_aside(rightward));
     spots.sort_by_key(|contacts| std::cmp::Reverse(contacts.len()));
     spots
 }

@@ -12,17 +12,17 @@ use crate::null::random::{below, stream};
 
 /// Standard errors from which on a contact is strong: what noise its half wave has followed is a thirtieth of it.
 const STRONG: f64 = 10.0;
-/// Fewest strong contacts that are asked alone.
+/// Fewest strong contacts that are used alone.
 const FEWEST_STRONG: usize = 4;
-/// Places elsewhere that a place is held against.
+/// Places elsewhere that a place is compared with.
 const ELSEWHERE: usize = 60;
 /// Share of these at either end that no mean is taken of: runs are pushed there, too.
 const TRIMMED: f64 = 0.2;
 
-/// What a run has of the half wave of a place, beyond the middle of its track's runs: of the side balance and of another one.
+/// What a run has of the half wave of a place, less the middle of its track's runs: of the side balance and of another one.
 type Has = [f64; 2];
 
-/// What runs have of half waves beyond what they have elsewhere, sums over runs: squares of the side balance and its products with another.
+/// What runs have of half waves apart from what they have elsewhere, sums over runs: squares of the side balance and its products with another.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Excess {
     /// By run: squares and products at the places.
@@ -32,7 +32,12 @@ pub struct Excess {
 }
 
 /// The excess of all places; the balance along the sled is counted against the side that each pushes to, so that all brake alike.
-pub fn excess(frames: &[Frame], left: &[ChannelRows], balance: usize, places: &[Active]) -> Excess {
+pub fn excess(
+    frames: &[Frame],
+    residual: &[ChannelRows],
+    balance: usize,
+    places: &[Active],
+) -> Excess {
     let mut excess = Excess {
         runs: vec![[0.0; 2]; frames.len()],
         noise: [0.0; 2],
@@ -54,7 +59,7 @@ pub fn excess(frames: &[Frame], left: &[ChannelRows], balance: usize, places: &[
             .filter(|i| place.acts_on(&frames[*i].track) && met(&frames[*i]))
             .collect();
         let at = |by_m: f64| -> Option<Vec<Has>> {
-            let of_run = |i: &usize| has(&frames[*i], &left[*i], balance, &wave, by_m);
+            let of_run = |i: &usize| has(&frames[*i], &residual[*i], balance, &wave, by_m);
             let all: Option<Vec<Has>> = there.iter().map(of_run).collect();
             let all = all.map(beyond_middle)?;
             Some(all.into_iter().map(|[x, y]| [x, turned * y]).collect())
@@ -108,14 +113,17 @@ fn mean_wave(frames: &[Frame], k: usize) -> Option<WallContact> {
 /// `None` where the run has no sample there.
 fn has(
     frame: &Frame,
-    left: &ChannelRows,
+    residual: &ChannelRows,
     balance: usize,
     wave: &WallContact,
     by_m: f64,
 ) -> Option<Has> {
     let from = wave.s_m + by_m;
     let first = frame.s.partition_point(|s| *s < from);
-    let rows = frame.s.iter().zip(left[1].iter().zip(&left[balance]));
+    let rows = frame
+        .s
+        .iter()
+        .zip(residual[1].iter().zip(&residual[balance]));
     let [mut ww, mut wx, mut wy] = [0.0; 3];
     for (s, (x, y)) in rows.skip(first) {
         if *s > from + wave.length_m {
@@ -140,11 +148,11 @@ fn beyond_middle(mut all: Vec<Has>) -> Vec<Has> {
 fn trimmed(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let out = (TRIMMED * values.len() as f64) as usize;
-    let kept = &values[out..values.len() - out];
-    kept.iter().sum::<f64>() / kept.len().max(1) as f64
+    let middle_values = &values[out..values.len() - out];
+    middle_values.iter().sum::<f64>() / middle_values.len().max(1) as f64
 }
 
-/// The ratio of another balance to the side balance in what runs have at places beyond noise, the middle of all runs and what they have of
+/// The ratio of another balance to the side balance in what runs have at places above noise, the middle of all runs and what they have of
 /// the same half waves elsewhere taken off, so that neither noise that both share nor what a choice of hits has followed is in it:
 ///
 /// ```text
@@ -164,8 +172,8 @@ pub fn ratio(excess: &Excess, interval: f64) -> Interval {
     };
     let value = of(total, 1.0);
     let without = excess.runs.iter().map(|run| {
-        let left = [total[0] - run[0], total[1] - run[1]];
-        (of(left, (n - 1.0) / n) - value).powi(2)
+        let residual = [total[0] - run[0], total[1] - run[1]];
+        (of(residual, (n - 1.0) / n) - value).powi(2)
     });
     let half = interval * ((n - 1.0) / n * without.sum::<f64>()).sqrt();
     Interval {
@@ -182,12 +190,12 @@ pub fn ratio(excess: &Excess, interval: f64) -> Interval {
 /// ```
 pub fn ratio_of_strong(
     frames: &[Frame],
-    left: &[ChannelRows],
+    residual: &[ChannelRows],
     balance: usize,
     interval: f64,
 ) -> Option<Interval> {
     let mut contacts: Vec<Has> = Vec::new();
-    for (frame, left) in frames.iter().zip(left) {
+    for (frame, residual) in frames.iter().zip(residual) {
         let own = frame.contacts.iter();
         for own in own.filter(|own| own.contact.force_n.abs() > STRONG * own.error_n) {
             let force = match balance {
@@ -201,7 +209,7 @@ pub fn ratio_of_strong(
             let (mut ww, mut wy) = (0.0, 0.0);
             for i in frame.samples() {
                 let w = wave.force_at(frame.s[i]);
-                (ww, wy) = (ww + w * w, wy + w * left[balance][i]);
+                (ww, wy) = (ww + w * w, wy + w * residual[balance][i]);
             }
             contacts.push([force * force * ww, force * wy]);
         }
@@ -223,19 +231,19 @@ pub fn ratio_of_strong(
 }
 
 /// How much of the side balance's noise a balance shares, along the runs and apart from contacts. Noise of a slip angle is in both, pushes and
-/// turns like a wall at a lever of its own; which lever goes with how slow it is, so that it is asked at the length of contacts:
+/// turns like a wall at a lever of its own; which lever goes with how slow it is, so that it is evaluated at the length of contacts:
 ///
 /// ```text
 /// sum Y X / sum X^2,   X = sum w x,  Y = sum w y  over half waves w side by side
 /// ```
-pub fn shared_with_side(frames: &[Frame], left: &[ChannelRows], balance: usize) -> f64 {
+pub fn shared_with_side(frames: &[Frame], residual: &[ChannelRows], balance: usize) -> f64 {
     let own = || frames.iter().flat_map(|f| &f.contacts);
     let length_m = own().map(|own| own.contact.length_m).sum::<f64>() / own().count() as f64;
     if !length_m.is_finite() {
         return 0.0;
     }
     let [mut both, mut squares] = [0.0; 2];
-    for (frame, left) in frames.iter().zip(left) {
+    for (frame, residual) in frames.iter().zip(residual) {
         let mut wave = WallContact {
             s_m: f64::NEG_INFINITY,
             length_m,
@@ -251,7 +259,7 @@ pub fn shared_with_side(frames: &[Frame], left: &[ChannelRows], balance: usize) 
             }
             if !beneath(frame, s) {
                 let w = wave.force_at(s);
-                (x, y) = (x + w * left[1][i], y + w * left[balance][i]);
+                (x, y) = (x + w * residual[1][i], y + w * residual[balance][i]);
             }
         }
     }
@@ -259,12 +267,12 @@ pub fn shared_with_side(frames: &[Frame], left: &[ChannelRows], balance: usize) 
 }
 
 /// The yaw balance without what noise of the side balance has in it.
-pub fn apart_from_side(left: &[ChannelRows], shared_m: f64) -> Vec<Vec<f64>> {
+pub fn apart_from_side(residual: &[ChannelRows], shared_m: f64) -> Vec<Vec<f64>> {
     let apart = |l: &ChannelRows| {
         let both = l[2].iter().zip(&l[1]);
         both.map(|(y, x)| y - shared_m * x).collect()
     };
-    left.iter().map(apart).collect()
+    residual.iter().map(apart).collect()
 }
 
 /// p-value of what the yaw balance ([`apart_from_side`]) shows beneath the contacts, all with one lever, against the same half waves of the same run put elsewhere
@@ -340,7 +348,7 @@ mod tests {
     use super::*;
     use crate::null::random::{normal, stream};
 
-    /// Twelve runs of which every other one hits, with a lever of 0.3 m, beside noise of which the yaw balance shares a lever of -0.3 m.
+    /// Twelve runs of which every other one hits, with a lever of 0.3 m, with noise of which the yaw balance shares a lever of -0.3 m.
     fn drawn(draw: u64) -> Excess {
         let mut rng = stream(4, 0x1E7E, draw);
         let mut of_run = |k: usize| {

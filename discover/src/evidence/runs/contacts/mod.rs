@@ -1,6 +1,5 @@
 //! Contacts with walls that differ from run to run: hit or missed, harder or softer.
 
-pub(crate) mod claim;
 pub(crate) mod find;
 pub(crate) mod found;
 pub(crate) mod grip;
@@ -11,4 +10,8 @@ pub(crate) mod of_run;
 pub(crate) mod own;
 pub(crate) mod promise;
 mod pushes;
-pub(crate) mod told;
+pub(crate) mod report;
+pub(crate) mod selection;
+
+/// Fewest runs that hit a place: one that a single run hits is none of the track.
+const FEWEST_HITS: usize = 2;

@@ -9,7 +9,7 @@ use crate::finding::Interval;
 /// Contacts at places of tracks, one effect.
 #[derive(Clone, Debug)]
 pub struct Contacts {
-    /// The step that they were claimed by; `None` where the given model has them.
+    /// The step that they were selected by; `None` where the given model has them.
     pub step: Option<usize>,
     /// Their places, each as the effect that the model states: mean and spread of the force over runs.
     pub places: Vec<Active>,

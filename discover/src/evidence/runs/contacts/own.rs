@@ -10,10 +10,10 @@ use crate::evidence::runs::contacts::of_run::OwnContact;
 use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// How far beyond a contact its run says nothing of anything else \[m\].
+/// How far outside a contact its run says nothing of anything else \[m\].
 const MARGIN_M: f64 = 2.0;
 
-/// What the balances leave of each run at every kept sample, without contacts.
+/// What the balances leave of each run at every retained sample, without contacts.
 pub fn left_without(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
     let bare = ResidualModel {
         contacts: None,
@@ -24,9 +24,9 @@ pub fn left_without(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows>
 
 /// What pushed a run at these places, by the place.
 fn pushes_of(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<(usize, Push)> {
-    let kept: Vec<usize> = frame.samples().collect();
+    let samples: Vec<usize> = frame.samples().collect();
     let [s, y] =
-        [&frame.s[..], side_n].map(|x| -> Vec<f64> { kept.iter().map(|i| x[*i]).collect() });
+        [&frame.s[..], side_n].map(|x| -> Vec<f64> { samples.iter().map(|i| x[*i]).collect() });
     let scatter_n = scatter(&y);
     let there = |(_, place): &(usize, &Active)| place.acts_on(&frame.track);
     let pushes = places.iter().enumerate().filter(there);
@@ -65,9 +65,9 @@ pub fn set_own_of(frame: &mut Frame, side_n: &[f64], places: &[Active]) {
 
 /// Sets the contacts of every run at these places, each by its own side balance.
 pub fn set_own(frames: &mut [Frame], model: &ResidualModel, places: &[Active]) {
-    let left = left_without(model, frames);
-    let both = frames.par_iter_mut().zip(&left);
-    both.for_each(|(frame, left)| set_own_of(frame, &left[1], places));
+    let residual = left_without(model, frames);
+    let both = frames.par_iter_mut().zip(&residual);
+    both.for_each(|(frame, residual)| set_own_of(frame, &residual[1], places));
 }
 
 /// Whether a place of a run lies beneath one of its contacts.
@@ -84,7 +84,7 @@ pub fn rows_beneath(frame: &Frame) -> Vec<bool> {
     s.iter().map(|s| beneath(frame, *s)).collect()
 }
 
-/// The run without what it says beneath its contacts and where something pushed it alone: as beside a gap, no row is made of it.
+/// The run without what it says beneath its contacts and where something pushed it alone: as next to a gap, no row is made of it.
 pub fn without_contacts(frame: &Frame) -> Frame {
     without(frame, |s| pushed(frame, s) || beneath(frame, s))
 }
@@ -104,10 +104,10 @@ fn pushed(frame: &Frame, s: f64) -> bool {
 
 /// The run without the places that are out.
 fn without(frame: &Frame, out: impl Fn(f64) -> bool) -> Frame {
-    let mut left = frame.clone();
-    for (part, s) in left.taking_part.iter_mut().zip(&frame.s) {
+    let mut reduced = frame.clone();
+    for (part, s) in reduced.taking_part.iter_mut().zip(&frame.s) {
         *part &= !out(*s);
     }
-    left.centres = left.sieve.clear_centres(&left.taking_part);
-    left
+    reduced.centres = reduced.sieve.clear_centres(&reduced.taking_part);
+    reduced
 }

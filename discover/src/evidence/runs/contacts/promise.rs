@@ -129,7 +129,7 @@ mod tests {
     use crate::null::random::{normal, stream};
 
     /// What 400 runs keep of a place that half of all hit with five standard errors of a force, where each is pushed by so many \[N\].
-    fn kept(push_n: f64) -> Vec<f64> {
+    fn retained(push_n: f64) -> Vec<f64> {
         let s: Vec<f64> = (0..40).map(f64::from).collect();
         let wave = |w: WallContact| s.iter().map(|s| w.force_at(*s)).collect::<Vec<f64>>();
         let true_one = WallContact {
@@ -139,7 +139,7 @@ mod tests {
             x_m: 0.0,
         };
         let pushed = wave(true_one);
-        // A half wave of 10 m has squares of 3.75: 26 N are five standard errors beside noise of 10 N.
+        // A half wave of 10 m has squares of 3.75: 26 N are five standard errors with noise of 10 N.
         let of_run = |draw: u64| {
             let mut rng = stream(8, 0x9121, draw);
             let side: Vec<f64> = pushed.iter().map(|p| p / 10.0 + normal(&mut rng)).collect();
@@ -151,15 +151,20 @@ mod tests {
 
     #[test]
     fn noise_keeps_a_promise_as_seldom_as_the_bound_says_hits_keep_it_and_wild_pushes_say_little() {
-        let noise = kept(0.0);
+        let noise = retained(0.0);
         let mean = noise.iter().sum::<f64>() / 400.0;
-        let by_chance = noise.iter().filter(|kept| **kept > 2.0 * f64::ln(20.0));
+        let by_chance = noise
+            .iter()
+            .filter(|retained| **retained > 2.0 * f64::ln(20.0));
         assert!(mean < 0.0 && by_chance.count() <= 20, "{mean}");
-        let hits = kept(26.0);
+        let hits = retained(26.0);
         let mean = hits.iter().sum::<f64>() / 400.0;
         assert!(mean > 6.0, "{mean}");
         for push_n in [1000.0, -300.0] {
-            let most = kept(push_n).into_iter().map(f64::abs).fold(0.0, f64::max);
+            let most = retained(push_n)
+                .into_iter()
+                .map(f64::abs)
+                .fold(0.0, f64::max);
             assert!(most < 3.0, "{push_n} N: {most}");
         }
     }

@@ -4,6 +4,7 @@ use kufe_sled::effects::Effect;
 use rayon::prelude::*;
 
 use crate::evidence::runs::campaign::Campaign;
+use crate::evidence::runs::contacts::FEWEST_HITS;
 use crate::evidence::runs::contacts::find::{Stretch, stretches};
 use crate::evidence::runs::contacts::model::{at_place, wall};
 use crate::evidence::runs::contacts::own::{left_without, own_contacts, without_contacts};
@@ -19,8 +20,8 @@ struct Push {
 }
 
 impl Campaign<'_> {
-    /// Marks where something pushed a single run that no other run meets, and where no contacts can be claimed up to half of the runs of a
-    /// track. What training runs say there is left out; their names with the place are returned. Of the locked-away runs, seen beside
+    /// Marks where something pushed a single run that no other run meets, and where no contacts can be selected up to half of the runs of a
+    /// track. What training runs say there is omitted; their names with the place are returned. Of the locked-away runs, seen with
     /// these, nothing there judges a model, however many of them are pushed: nothing was learned of it.
     pub fn mark_pushes(&mut self, model: &ResidualModel) -> Vec<String> {
         let Some(effect) = wall().filter(|_| self.used[1] && self.used[2] && !self.data.segmented)
@@ -29,22 +30,22 @@ impl Campaign<'_> {
         };
         let claimable = self.contacts_beside(model).is_some();
         let learned = self.whole().len();
-        let all: Vec<Frame> = self.whole().iter().chain(&self.held).cloned().collect();
-        let left = left_without(model, &all);
-        let side: Vec<Vec<f64>> = left.iter().map(|l| l[1].clone()).collect();
+        let all: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
+        let residual = left_without(model, &all);
+        let side: Vec<Vec<f64>> = residual.iter().map(|l| l[1].clone()).collect();
         let pushes = |seen: usize| -> Vec<Push> {
             self.pushes(effect, (&all[..seen], &side[..seen]), learned, claimable)
         };
         let of_training = pushes(learned);
         for push in pushes(all.len()) {
-            if let Some(held) = push.run.checked_sub(learned) {
+            if let Some(index) = push.run.checked_sub(learned) {
                 let Stretch { from_m, to_m, .. } = push.stretch;
-                self.held[held].pushed.push([from_m, to_m]);
+                self.held_out[index].pushed.push([from_m, to_m]);
             }
         }
         let mut frames = all;
         frames.truncate(learned);
-        let mut told = Vec::new();
+        let mut descriptions = Vec::new();
         for Push {
             run,
             stretch: Stretch { from_m, to_m, .. },
@@ -53,20 +54,20 @@ impl Campaign<'_> {
         {
             let frame = &mut frames[run];
             frame.pushed.push([from_m, to_m]);
-            told.push(format!(
+            descriptions.push(format!(
                 "{} ({force_n:.0} N, s {from_m:.0}-{to_m:.0} m)",
                 frame.name
             ));
         }
-        if !told.is_empty() {
+        if !descriptions.is_empty() {
             self.training = frames.iter().map(without_contacts).collect();
             self.whole = frames;
         }
-        told
+        descriptions
     }
 
     /// The pushes among these runs that so few of the first `learned` ones meet that nothing is learned of them, `side` being what the side
-    /// balance leaves of each at every kept sample.
+    /// balance leaves of each at every retained sample.
     fn pushes(
         &self,
         effect: &'static Effect,
@@ -87,11 +88,7 @@ impl Campaign<'_> {
             let hit: Vec<usize> = (0..own.len()).filter(|i| !own[*i].is_empty()).collect();
             let on = |f: &&Frame| f.track == stretch.track;
             let runs = frames[..learned].iter().filter(on).count();
-            let most = if claimable {
-                rules.fewest_hits - 1
-            } else {
-                runs / 2
-            };
+            let most = if claimable { FEWEST_HITS - 1 } else { runs / 2 };
             let few = hit.iter().filter(|run| **run < learned).count() <= most;
             pushes.extend(hit.into_iter().filter(|_| few).map(|run| Push {
                 run,

@@ -30,12 +30,14 @@ impl BalanceProducts {
         let all = balances.len() * columns;
         let of_run = |frame: &Frame| {
             let (below, n) = (design.columns(frame), frame.row_count());
-            let mut beside = DMatrix::zeros(n, all);
+            let mut by_balance = DMatrix::zeros(n, all);
             for k in 0..balances.len() {
                 let block = below.rows(k * n, n);
-                beside.columns_mut(k * columns, columns).copy_from(&block);
+                by_balance
+                    .columns_mut(k * columns, columns)
+                    .copy_from(&block);
             }
-            squares(&beside)
+            squares(&by_balance)
         };
         let each: Vec<DMatrix<f64>> = frames.par_iter().map(of_run).collect();
         let rows: usize = frames.iter().map(Frame::row_count).sum();
@@ -75,7 +77,7 @@ impl BalanceProducts {
         let mut along = DVector::zeros(self.columns);
         along[self.columns - 1] = 1.0;
         along.rows_mut(OWN_LEVELS, step.len()).copy_from(&-step);
-        let mut left = Matrix3::zeros();
+        let mut remaining = Matrix3::zeros();
         for (at, block) in self.blocks() {
             let square = along.dot(&(block * &along));
             // A straight line leaves no less than nothing.
@@ -83,9 +85,9 @@ impl BalanceProducts {
                 true => 1e-9 * block[(self.columns - 1, self.columns - 1)],
                 false => f64::NEG_INFINITY,
             };
-            left[at] = square.max(least) / self.rows.max(1.0);
+            remaining[at] = square.max(least) / self.rows.max(1.0);
         }
-        left
+        remaining
     }
 
     /// Products of the whitened columns.
@@ -104,23 +106,23 @@ mod tests {
     #[test]
     fn weights_and_steps_give_what_whitened_rows_give() {
         let (n, m) = (40, OWN_LEVELS + 3);
-        let beside = DMatrix::from_fn(n, 2 * m, |i, k| {
+        let by_balance = DMatrix::from_fn(n, 2 * m, |i, k| {
             ((i * (3 * k + 2)) as f64 * 0.618).sin() + if k % m == m - 1 { 0.3 } else { 0.0 }
         });
         let products = BalanceProducts {
-            sum: squares(&beside),
+            sum: squares(&by_balance),
             balances: vec![1, 2],
             columns: m,
             rows: n as f64,
         };
-        let block = |k: usize| beside.columns(k * m, m).into_owned();
+        let block = |k: usize| by_balance.columns(k * m, m).into_owned();
         let step = DVector::from_vec(vec![0.4, -0.2]);
-        let left: Vec<DVector<f64>> = [0, 1]
+        let remaining: Vec<DVector<f64>> = [0, 1]
             .map(|k| block(k).column(m - 1) - block(k).columns(OWN_LEVELS, 2) * &step)
             .into();
         let covariance = products.left_by(&step);
         for (a, b) in [(0, 0), (0, 1), (1, 1)] {
-            let want = left[a].dot(&left[b]) / n as f64;
+            let want = remaining[a].dot(&remaining[b]) / n as f64;
             assert!((covariance[(1 + a, 1 + b)] - want).abs() < 1e-12);
         }
         let whitener = Whitener::of(&products.covariance(), [false, true, true, false]);

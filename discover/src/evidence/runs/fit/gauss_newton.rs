@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::evidence::runs::fit::balance_products::BalanceProducts;
-use crate::evidence::runs::fit::row_noise::{by_amplitudes, by_base as noise_by_base, log_noise};
+use crate::evidence::runs::fit::row_noise::LogNoise;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::{
     BASE, BOUNDS, CHANNELS, ChannelRows, ResidualModel,
@@ -85,8 +85,8 @@ impl Effort {
         enough: 0.1,
         by_own_base: true,
     };
-    /// A first look, after which what leads is fitted on.
-    pub const LOOK: Self = Self {
+    /// A preview, after which what leads is fitted on.
+    pub const PREVIEW: Self = Self {
         rounds: 5,
         enough: 0.1,
         by_own_base: true,
@@ -104,11 +104,11 @@ pub struct Fit {
     pub whitener: Whitener,
 }
 
-/// Fits base and effects by Gauss-Newton, the installation as it stands, the balances over the covariance S of their own residuals.
+/// Fits base and effects by Gauss-Newton, the installation as it is, the balances over the covariance S of their own residuals.
 ///
-/// Minimises `n (ln(det S) / 2 - noise)` ([`log_noise`]) over the effects, and over the base that or `n ln(det S) / 2`: least
-/// squares with the covariance found along the way. Steps are halved until it falls; amplitudes stay in their bounds. It ends early where half as much
-/// again as a step promises would leave more than `beat`.
+/// Minimises `n (ln(det S) / 2 - noise)` ([`LogNoise`]) over the effects, and over the base that or `n ln(det S) / 2`: least
+/// squares with the covariance found along the way. Steps are halved until it falls; amplitudes stay in their bounds. It ends where a step gains or promises
+/// next to nothing, and early where half as much again as it promises would leave more than `beat`.
 ///
 /// # Errors
 /// [`Error::BaseFit`] where a residual is not finite.
@@ -147,7 +147,15 @@ pub fn fit(
         if !effort.by_own_base {
             based.base = residual_model.base;
         }
-        let noise = log_noise(&based, frames, used);
+        // How it changes with the base is found anew where that has moved far.
+        let by_base_is_near = |(at, _): &([f64; BASE], Vec<f64>)| are_near(at, &trial.base);
+        let moving: &[usize] =
+            match effort.by_own_base && !by_base.as_ref().is_some_and(by_base_is_near) {
+                true => free_base,
+                false => &[],
+            };
+        let of_noise = LogNoise::new(&based, frames, used, moving);
+        let noise = of_noise.own;
         let criterion = match finite {
             true => products.rows * (whitener.log_scale() - noise),
             false => f64::INFINITY,
@@ -155,22 +163,19 @@ pub fn fit(
         let best_yet = best.as_ref().map_or(f64::INFINITY, |(b, _)| b.criterion);
         let gained = best_yet - criterion;
         if gained >= 0.0 {
-            // How what is to be expected of noise changes with the base, found anew where that has moved far, and with each amplitude.
+            if !moving.is_empty() {
+                by_base = Some((trial.base, of_noise.by_base));
+            }
             let mut counted = DVector::zeros(p);
             let mut count = |first: usize, by: &[f64]| {
                 by.iter()
                     .enumerate()
                     .for_each(|(k, by)| counted[first + k] = products.rows * by);
             };
-            if effort.by_own_base {
-                let of_base = || {
-                    let by = noise_by_base(&trial, frames, used, (free_base, noise));
-                    (trial.base, by)
-                };
-                by_base = by_base.filter(|(at, _)| are_near(at, &trial.base));
-                count(0, &by_base.get_or_insert_with(of_base).1);
+            if let Some((_, by)) = &by_base {
+                count(0, by);
             }
-            count(free_base.len(), &by_amplitudes(&based, frames, used, noise));
+            count(free_base.len(), &of_noise.by_amplitudes);
             let step = joint_step(&products.weighted(&whitener), &counted);
             let after = Whitener::of(&products.left_by(&step), used);
             let promised = products.rows * (after.log_scale() - noise) - counted.dot(&step);
@@ -183,7 +188,9 @@ pub fn fit(
             share = 1.0;
             // What is promised holds to first order, and of a base that nobody has fitted not even that.
             let hopeless = gained.is_finite() && promised - 0.5 * (criterion - promised) > beat;
-            if gained < effort.enough || hopeless {
+            // Where a step promises far less than what ends the search, it is not tried.
+            let settled = (criterion - promised).abs() < 0.1 * effort.enough;
+            if gained < effort.enough || settled || hopeless {
                 break;
             }
         } else {
@@ -195,18 +202,13 @@ pub fn fit(
         let (from, step) = best.as_ref().expect("the first round sets it");
         trial = stepped(&from.model, free_base, step.as_slice(), share);
     }
-    let (fit, _) = best.expect("the first round sets it");
-    Ok(Fit {
-        criterion: criterion_of(&fit, frames, used),
-        ..fit
-    })
-}
-
-/// What a fit leaves, the noise counted by its own base.
-fn criterion_of(fit: &Fit, frames: &[Frame], used: [bool; CHANNELS]) -> f64 {
-    let rows: usize = frames.iter().map(Frame::row_count).sum();
-    let noise = log_noise(&fit.model, frames, used);
-    rows as f64 * (fit.whitener.log_scale() - noise)
+    let (mut fit, _) = best.expect("the first round sets it");
+    if !effort.by_own_base {
+        let rows: usize = frames.iter().map(Frame::row_count).sum();
+        let noise = LogNoise::new(&fit.model, frames, used, &[]).own;
+        fit.criterion = rows as f64 * (fit.whitener.log_scale() - noise);
+    }
+    Ok(fit)
 }
 
 /// The Gauss-Newton step of base and effects together, with what is added to their scores.

@@ -1,4 +1,4 @@
-//! What the installation is off by, found beside a fit: one Newton step of all its parts on corrected scores.
+//! What the installation is off by, found with a fit: one Newton step of all its parts on corrected scores.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -22,8 +22,8 @@ use crate::regression::scores::cross_information;
 struct PartProducts {
     /// Corrected ones of base, amplitudes, parts and residual, by run.
     by_run: Vec<DMatrix<f64>>,
-    /// Plain ones of the parts beyond the base; nothing of those that a fitted amplitude is itself.
-    beyond: DMatrix<f64>,
+    /// Plain ones of the parts given the base; nothing of those that a fitted amplitude is itself.
+    free_products: DMatrix<f64>,
 }
 
 impl Campaign<'_> {
@@ -41,7 +41,7 @@ impl Campaign<'_> {
         };
         let next = self.installed_as(&plain, stated.clone(), &products)?;
         let found = &next.residual_model.installation;
-        let wider = spread_of_delays(found, &products.beyond).sqrt();
+        let wider = spread_of_delays(found, &products.free_products).sqrt();
         match wider < ENOUGH {
             true => Ok(next),
             false => self.installed_as(&plain, stated.with_delays(wider), &products),
@@ -91,19 +91,19 @@ impl Campaign<'_> {
             let c = &x.full - d;
             c.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned()
         };
-        let mut beyond = beyond_base(&design, &products);
+        let mut free_products = beyond_base(&design, &products);
         let total = corrected_total(&products, &noise);
-        for (_, part) in named(&total, self.free.len(), beyond.ncols()) {
-            beyond.row_mut(part).fill(0.0);
-            beyond.column_mut(part).fill(0.0);
+        for (_, part) in named(&total, self.free.len(), free_products.ncols()) {
+            free_products.row_mut(part).fill(0.0);
+            free_products.column_mut(part).fill(0.0);
         }
         PartProducts {
             by_run: products.iter().zip(noise).map(corrected).collect(),
-            beyond,
+            free_products,
         }
     }
 
-    /// The fit beside an installation of these deviations.
+    /// The fit with an installation of these deviations.
     fn installed_as(
         &self,
         plain: &RunFit,
@@ -113,10 +113,10 @@ impl Campaign<'_> {
         const LEAST: f64 = 1.0;
         let wider: Vec<f64> = installation.parts.iter().map(|p| p.sd / p.stated).collect();
         let count = wider.len();
-        let beyond = DMatrix::from_fn(count, count, |j, k| {
-            wider[j] * products.beyond[(j, k)] * wider[k]
+        let free_products = DMatrix::from_fn(count, count, |j, k| {
+            wider[j] * products.free_products[(j, k)] * wider[k]
         });
-        let installation = installation.told_apart(&beyond, LEAST);
+        let installation = installation.told_apart(&free_products, LEAST);
         let directions = installation.directions.clone();
         let start = ResidualModel {
             installation: installation.clone(),
@@ -131,7 +131,7 @@ impl Campaign<'_> {
         if directions.is_empty() {
             return Ok(fit);
         }
-        // From parts to combinations; what stands before and behind them stays.
+        // From parts to combinations; what comes before and after them stays.
         let all = products.by_run.first().map_or(0, DMatrix::ncols);
         let first = all - 1 - count;
         let mut combined = DMatrix::zeros(all, first + directions.len() + 1);
@@ -150,13 +150,13 @@ impl Campaign<'_> {
         let start = start.hold(false);
         let prior = self.fit_design(&start, &plain.whitener).prior();
         let step = solve(&runs, &prior).0;
-        self.beside(fit, &stepped(&start, &self.free, step.as_slice(), 1.0))
+        self.with_installation(fit, &stepped(&start, &self.free, step.as_slice(), 1.0))
     }
 
     /// Standard deviations, in the units in which they are fitted, that base and amplitudes have from what no combination of the
     /// installation's parts holds: an amplitude that does what a part does takes it up, and nothing else tells of that part.
     ///
-    /// With J the columns of base and amplitudes, N those of the parts and P the projection on what is not held, the diagonal of
+    /// With J the columns of base and amplitudes, N those of the parts and P the projection on what is not determined, the diagonal of
     /// `inv(J'J) J'N P N'J inv(J'J)`. What an amplitude is itself is no doubt of it: the scale of a sensor, that is named, is all of it.
     pub fn left_open(&self, model: &ResidualModel, whitener: &Whitener) -> Vec<f64> {
         let installation = &model.installation;
@@ -189,13 +189,13 @@ impl Campaign<'_> {
             open -= &direction * direction.transpose();
         }
         let moved = moved * installation.root();
-        let left = &moved * open;
+        let undetermined = &moved * open;
         (0..known)
-            .map(|k| left.row(k).dot(&moved.row(k)).max(0.0).sqrt())
+            .map(|k| undetermined.row(k).dot(&moved.row(k)).max(0.0).sqrt())
             .collect()
     }
 
-    /// Products of one standard deviation of every part of a model's installation, beyond the base, over the rows of these runs.
+    /// Products of one standard deviation of every part of a model's installation, given the base, over the rows of these runs.
     pub fn installation_beyond_base(
         &self,
         model: &ResidualModel,
@@ -237,7 +237,7 @@ impl Campaign<'_> {
 fn beyond_base(design: &Design, products: &[Products]) -> DMatrix<f64> {
     let grams: Vec<Gram> = products.iter().map(Products::plain).collect();
     let base = Prior::none(design.fitted() - design.residual_model.installation.fitted());
-    // The installation's columns stand where those of candidates would.
+    // The installation's columns take the place of those of candidates.
     cross_information(&grams, &base)
 }
 

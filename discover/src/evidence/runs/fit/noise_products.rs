@@ -1,6 +1,6 @@
 //! Products of columns, freed of what noisy inputs add to them: corrected scores.
 //!
-//! With columns x + e, e the noise of the inputs, products of columns and residuals hold E[e e'] beside what they would be
+//! With columns x + e, e the noise of the inputs, products of columns and residuals hold E[e e'] in addition to what they would be
 //! without noise: slopes come out too small, and what one channel misses another seems to show. Pairs of twins of opposite
 //! noise measure E[e e'] at the fitted model; taken off, the normal equations are unbiased to second order in the noise.
 //!

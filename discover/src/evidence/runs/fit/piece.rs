@@ -1,9 +1,9 @@
-//! A piece of a run that stands for it where noise is simulated.
+//! A piece of a run that represents it where noise is simulated.
 
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::random::{below, stream};
 
-/// The piece of the `i`-th run that stands for it: a third of it, or so many seconds.
+/// The piece of the `i`-th run that represents it: a third of it, or so many seconds.
 pub fn piece(frame: &Frame, shortest_s: f64, round: u64, i: usize) -> Frame {
     piece_of(frame, 1.0 / 3.0, shortest_s, round, i)
 }

@@ -1,4 +1,4 @@
-//! A model fitted together with an effect, and all such fits beside one model.
+//! A model fitted together with an effect, and all such fits with one model.
 
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -22,8 +22,8 @@ pub struct Refit {
 }
 
 impl Refit {
-    /// The base, and the effects before, as they stand beside the effect.
-    pub fn beside(&self) -> ResidualModel {
+    /// The base, and the effects before, as they are with the effect.
+    pub fn without_effect(&self) -> ResidualModel {
         let mut model = self.model.clone();
         model.effects.active.pop();
         model
@@ -42,13 +42,13 @@ pub struct RunPart {
     /// The runs.
     pub frames: Vec<Frame>,
     /// What it leaves there, fitted.
-    pub left: f64,
+    pub misfit: f64,
 }
 
 /// A candidate with its refit.
 type Known = (Candidate<Amplitude>, Arc<Refit>);
 
-/// Refits beside one model, each made once.
+/// Refits with one model, each made once.
 #[derive(Default)]
 pub struct Refits {
     few: OnceLock<Option<RunPart>>,

@@ -19,7 +19,7 @@ impl Campaign<'_> {
     /// where they cannot be fitted. Made once for each candidate.
     ///
     /// The installation is as it was found, or as it is stated, whichever leaves less: where it is off no model fits without it, and
-    /// without the effect it may have been bent to stand for it.
+    /// without the effect it may have been bent to represent it.
     pub fn refitted_at(
         &self,
         at: &Current,
@@ -42,7 +42,7 @@ impl Campaign<'_> {
         })
     }
 
-    /// The same, not kept.
+    /// The same, not stored.
     fn refitted_beside(
         &self,
         at: &Current,
@@ -65,7 +65,7 @@ impl Campaign<'_> {
         at.refits.alone(alone)
     }
 
-    /// A candidate fitted together with `model`, which lacks it, `from` being a first guess.
+    /// A candidate fitted together with `model`, which does not contain it, `from` being a first guess.
     pub fn refitted(
         &self,
         model: &ResidualModel,
@@ -78,18 +78,20 @@ impl Campaign<'_> {
             .sized(candidate)
     }
 
-    /// The same from where an earlier refit stands, and beside its installation.
+    /// The same from the result of an earlier refit, and with its installation.
     pub fn refitted_from(
         &self,
         earlier: &Refit,
         candidate: &Candidate<Amplitude>,
     ) -> Option<Refit> {
-        let with = earlier.beside().with(candidate.active(earlier.size));
+        let with = earlier
+            .without_effect()
+            .with(candidate.active(earlier.size));
         self.fitted_as_it_is(&with, Effort::COMPARED, f64::INFINITY)?
             .sized(candidate)
     }
 
-    /// A model fitted beside its own installation, and from the given base beside the stated one: whichever leaves less. A fit that cannot
+    /// A model fitted with its own installation, and from the given base with the stated one: whichever leaves less. A fit that cannot
     /// leave less than `beat`, or than the other, is given up on the way.
     pub fn beside_either(&self, model: &ResidualModel, effort: Effort, beat: f64) -> Option<Refit> {
         self.beside_either_on(&self.training, model, (effort, beat))
@@ -141,7 +143,7 @@ impl Campaign<'_> {
         let (model, whitener) = (&refit.model, &refit.whitener);
         let cost = model.installation.cost() / self.training.len().max(1) as f64;
         let runs = self.left_by_run(model, whitener).into_iter();
-        runs.map(|left| cost + left).collect()
+        runs.map(|misfit| cost + misfit).collect()
     }
 
     /// What a model leaves of each run, but for a constant and what its installation costs.
@@ -176,7 +178,7 @@ impl Campaign<'_> {
         (refit.misfit <= beat).then(|| refit.sized(candidate))?
     }
 
-    /// A refit beside which what the installation is off by is found anew, to be judged by [`misfit_by_run`](Self::misfit_by_run) (its own
+    /// A refit with which what the installation is off by is found anew, to be judged by [`misfit_by_run`](Self::misfit_by_run) (its own
     /// misfit and size are those of before); nothing where that cannot be fitted.
     pub fn installed_anew(&self, refit: &Refit) -> Option<Refit> {
         self.installed_by(refit, |fit| self.installed(fit))
@@ -184,9 +186,9 @@ impl Campaign<'_> {
 
     /// The same, or the refit as it is where that leaves less.
     pub fn best_installed(&self, refit: &Refit) -> Refit {
-        let left = |refit: &Refit| self.misfit_by_run(refit).iter().sum::<f64>();
+        let misfit = |refit: &Refit| self.misfit_by_run(refit).iter().sum::<f64>();
         let anew = self.installed_anew(refit);
-        anew.filter(|anew| left(anew) < left(refit))
+        anew.filter(|anew| misfit(anew) < misfit(refit))
             .unwrap_or_else(|| refit.clone())
     }
 

@@ -2,8 +2,8 @@
 //! nothing by it.
 //!
 //! The true motion is unknown, and noise of known deviations lies in the accelerations a as in what the forces are made of. With v the
-//! covariance that it gives the residuals r of the balances by this model, and b what the model lacks of each acceleration itself, the
-//! criterion of a fit is that of r over the covariance to expect, whose size is left open:
+//! covariance that it gives the residuals r of the balances by this model, and b what the model does not contain of each acceleration itself, the
+//! criterion of a fit is that of r over the covariance to expect, whose size is free:
 //!
 //! ```text
 //! n (ln det S - ln det(V + diag(b (dr/da)^2))) / 2,   S = r r' / n
@@ -21,50 +21,88 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::{
-    BALANCES, CHANNELS, ChannelRows, ResidualModel,
+    BALANCES, CHANNELS, ChannelRows, ResidualModel, TRACK,
 };
 use crate::evidence::runs::model::whiten::{Whitener, covariance};
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Mean over the runs of `ln det(V + diag(b (dr/da)^2)) / 2` of the balances in use.
-pub fn log_noise(model: &ResidualModel, frames: &[Frame], used: [bool; CHANNELS]) -> f64 {
-    let of_run = |frame: &Frame| log_noise_of(model, frame, used) * frame.row_count() as f64;
-    // One after the other, so that the sum does not depend on the threads.
-    let each: Vec<f64> = frames.par_iter().map(of_run).collect();
-    let rows: usize = frames.iter().map(Frame::row_count).sum();
-    each.iter().sum::<f64>() / rows.max(1) as f64
+/// Mean over the runs of `ln det(V + diag(b (dr/da)^2)) / 2` of the balances in use, and how it changes with what is fitted.
+pub struct LogNoise {
+    /// By this model.
+    pub own: f64,
+    /// By each fitted amplitude of the model's effects, in the unit in which it is fitted.
+    pub by_amplitudes: Vec<f64>,
+    /// By each of some base parameters.
+    pub by_base: Vec<f64>,
 }
 
-/// The same of one run.
+impl LogNoise {
+    /// Of a model, with its derivatives by these base parameters.
+    pub fn new(
+        model: &ResidualModel,
+        frames: &[Frame],
+        used: [bool; CHANNELS],
+        base: &[usize],
+    ) -> Self {
+        let free = model.free();
+        let moved: Vec<ResidualModel> = free
+            .iter()
+            .map(|(e, q)| {
+                let mut moved = model.clone();
+                moved.effects.active[*e].values[*q] += STEP * model.scale(*e, *q);
+                moved
+            })
+            .collect();
+        let of_run = |frame: &Frame| -> Vec<f64> {
+            let n = frame.row_count() as f64;
+            let each = of_noise(model, (&moved, base), frame).into_iter();
+            each.map(|of| n * Whitener::of(&of.expected(model), used).log_scale())
+                .collect()
+        };
+        let each: Vec<Vec<f64>> = frames.par_iter().map(of_run).collect();
+        let rows: usize = frames.iter().map(Frame::row_count).sum();
+        // One run after the other, so that a sum does not depend on the threads.
+        let mean = |k: usize| each.iter().map(|run| run[k]).sum::<f64>() / rows.max(1) as f64;
+        let own = mean(0);
+        let slope = |k: usize| (mean(k) - own) / STEP;
+        Self {
+            own,
+            by_amplitudes: (1..=free.len()).map(slope).collect(),
+            by_base: (free.len() + 1..=free.len() + base.len())
+                .map(slope)
+                .collect(),
+        }
+    }
+}
+
+/// What a parameter is moved by, in the unit in which it is fitted.
+const STEP: f64 = 0.01;
+
+/// `ln det(V + diag(b (dr/da)^2)) / 2` of one run.
 pub fn log_noise_of(model: &ResidualModel, frame: &Frame, used: [bool; CHANNELS]) -> f64 {
     Whitener::of(&expected(model, frame), used).log_scale()
 }
 
 /// `V + diag(b (dr/da)^2)` of one run.
 pub fn expected(model: &ResidualModel, frame: &Frame) -> Matrix3<f64> {
-    let of = of_noise(model, frame);
-    let mut expected = of.covariance;
-    for (c, beyond) in model.beyond_noise.iter().enumerate() {
-        expected[(c, c)] += beyond * of.gain[c] * of.gain[c];
-    }
-    expected
+    own_noise(model, frame).expected(model)
 }
 
-/// What each balance leaves beyond the noise, over the square of what it takes of its acceleration.
+/// What each balance leaves above the noise, over the square of what it takes of its acceleration.
 pub fn beyond_noise(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] {
     let of_run = |frame: &Frame| -> [[f64; 2]; BALANCES] {
-        let (noise, left) = (of_noise(model, frame), model.residuals(frame));
+        let (noise, residual) = (own_noise(model, frame), model.residuals(frame));
         std::array::from_fn(|c| {
             let gain = (noise.gain[c] * noise.gain[c]).max(1e-300);
-            let squares: f64 = left[c].iter().map(|r| r * r).sum();
-            let n = left[c].len() as f64;
+            let squares: f64 = residual[c].iter().map(|r| r * r).sum();
+            let n = residual[c].len() as f64;
             [n, (squares - n * noise.covariance[(c, c)]) / gain]
         })
     };
     let each: Vec<[[f64; 2]; BALANCES]> = frames.par_iter().map(of_run).collect();
     std::array::from_fn(|c| {
-        let [n, beyond] = [0, 1].map(|k| each.iter().map(|run| run[c][k]).sum::<f64>());
-        (beyond / n.max(1.0)).max(0.0)
+        let [n, excess] = [0, 1].map(|k| each.iter().map(|run| run[c][k]).sum::<f64>());
+        (excess / n.max(1.0)).max(0.0)
     })
 }
 
@@ -91,69 +129,90 @@ struct OfNoise {
     gain: [f64; BALANCES],
 }
 
-fn of_noise(model: &ResidualModel, frame: &Frame) -> OfNoise {
-    /// Samples of a piece: masses and scales are the same all along, and what a bent sensor reads is not by much.
-    const SAMPLES: usize = 16;
-    let noisy = frame.noisy.as_deref();
-    let rows = noisy.map(|noisy| noisy.each_ref().map(|frame| model.residuals(frame)));
-    let piece = noisy.map_or(frame, |[plus, _]| plus);
-    let on_run = ModelOnRun::new(model, piece);
-    let stride = piece.len().div_ceil(SAMPLES).max(1);
-    let gains: Vec<[f64; BALANCES]> = piece
-        .samples()
-        .step_by(stride)
-        .map(|i| on_run.gains(i))
-        .collect();
-    let noise = rows.map(|[plus, minus]| -> ChannelRows {
-        std::array::from_fn(|c| {
-            let both = plus[c].iter().zip(&minus[c]);
-            both.map(|(p, m)| 0.5 * (p - m)).collect()
-        })
-    });
-    let gain = |c: usize| {
-        let sum: f64 = gains.iter().map(|g: &[f64; BALANCES]| g[c].abs()).sum();
-        sum / gains.len().max(1) as f64
-    };
-    OfNoise {
-        covariance: covariance(noise.as_ref(), [true; CHANNELS]),
-        gain: std::array::from_fn(gain),
+impl OfNoise {
+    fn expected(&self, model: &ResidualModel) -> Matrix3<f64> {
+        let mut expected = self.covariance;
+        for (c, excess) in model.beyond_noise.iter().enumerate() {
+            expected[(c, c)] += excess * self.gain[c] * self.gain[c];
+        }
+        expected
     }
 }
 
-/// How it changes with each of these base parameters, `own` being what it is.
-pub fn by_base(
-    model: &ResidualModel,
-    frames: &[Frame],
-    used: [bool; CHANNELS],
-    (free_base, own): (&[usize], f64),
-) -> Vec<f64> {
-    let of = |b: &usize| {
-        let mut moved = model.clone();
-        moved.base[*b] += STEP;
-        by_step(&moved, frames, used, own)
-    };
-    free_base.iter().map(of).collect()
+fn own_noise(model: &ResidualModel, frame: &Frame) -> OfNoise {
+    let [own] = of_noise(model, (&[], &[]), frame)
+        .try_into()
+        .unwrap_or_else(|_| unreachable!("one model"));
+    own
 }
 
-/// How it changes with each fitted amplitude of the model's effects, in the unit in which it is fitted.
-pub fn by_amplitudes(
+/// Of a model, then of each that differs from it by an amplitude, then with each of these base parameters moved: all evaluate the base laws
+/// once.
+fn of_noise(
     model: &ResidualModel,
-    frames: &[Frame],
-    used: [bool; CHANNELS],
-    own: f64,
-) -> Vec<f64> {
-    let of = |(e, q): (usize, usize)| {
-        let mut moved = model.clone();
-        moved.effects.active[e].values[q] += STEP * model.scale(e, q);
-        by_step(&moved, frames, used, own)
+    (moved, base): (&[ResidualModel], &[usize]),
+    frame: &Frame,
+) -> Vec<OfNoise> {
+    /// Samples of a piece: masses and scales are the same all along, and what a bent sensor reads is not by much.
+    const SAMPLES: usize = 16;
+    let count = 1 + moved.len() + base.len();
+    let noisy = frame.noisy.as_deref();
+    let pieces: Vec<&Frame> = noisy.map_or_else(|| vec![frame], |noisy| noisy.iter().collect());
+    let mut on_pieces: Vec<Vec<ModelOnRun>> = Vec::new();
+    for piece in &pieces {
+        let models = std::iter::once(model).chain(moved);
+        on_pieces.push(models.map(|model| ModelOnRun::new(model, piece)).collect());
+    }
+    let (on_run, piece) = (&on_pieces[0], pieces[0]);
+    let mut gains = vec![[0.0; BALANCES]; count];
+    let samples = piece
+        .samples()
+        .step_by(piece.len().div_ceil(SAMPLES).max(1));
+    let mut sampled = 0.0;
+    for i in samples {
+        let at = on_run[0].with_more_acceleration(i);
+        let amplitudes = on_run.iter().map(|model| model.gains(i, &at));
+        let base = base
+            .iter()
+            .map(|b| on_run[0].gains_with_base(&at, *b, STEP));
+        for (sum, gain) in gains.iter_mut().zip(amplitudes.chain(base)) {
+            (0..BALANCES).for_each(|c| sum[c] += gain[c].abs());
+        }
+        sampled += 1.0;
+    }
+    let rows = |(piece, models): (&&Frame, &Vec<ModelOnRun>)| -> Vec<[Vec<f64>; BALANCES]> {
+        let mut raw = vec![[(); BALANCES].map(|()| Vec::with_capacity(piece.len())); count];
+        for i in 0..piece.len() {
+            let at = models[0].instant(i, &models[0].measured(i));
+            let amplitudes = models.iter().map(|model| model.balances_beside(i, &at));
+            let base = base
+                .iter()
+                .map(|b| models[0].balances_with_base(&at, *b, STEP));
+            for (raw, values) in raw.iter_mut().zip(amplitudes.chain(base)) {
+                raw.iter_mut().zip(values).for_each(|(raw, x)| raw.push(x));
+            }
+        }
+        let low_passed = raw.into_iter().map(|raw| raw.map(|x| piece.rows(&x)));
+        low_passed.collect()
     };
-    model.free().into_iter().map(of).collect()
-}
-
-/// What a parameter is moved by, in the unit in which it is fitted.
-const STEP: f64 = 0.01;
-
-/// How it changes with a parameter, from a model in which it is moved by a step.
-fn by_step(moved: &ResidualModel, frames: &[Frame], used: [bool; CHANNELS], own: f64) -> f64 {
-    (log_noise(moved, frames, used) - own) / STEP
+    let rows: Vec<Vec<[Vec<f64>; BALANCES]>> = match noisy {
+        Some(_) => pieces.iter().zip(&on_pieces).map(rows).collect(),
+        None => Vec::new(),
+    };
+    let of = |(k, gain): (usize, [f64; BALANCES])| {
+        let noise = noisy.map(|_| -> ChannelRows {
+            std::array::from_fn(|c| match c {
+                TRACK => Vec::new(),
+                _ => {
+                    let both = rows[0][k][c].iter().zip(&rows[1][k][c]);
+                    both.map(|(p, m)| 0.5 * (p - m)).collect()
+                }
+            })
+        });
+        OfNoise {
+            covariance: covariance(noise.as_ref(), [true; CHANNELS]),
+            gain: gain.map(|sum| sum / f64::max(sampled, 1.0)),
+        }
+    };
+    gains.into_iter().enumerate().map(of).collect()
 }

@@ -2,9 +2,9 @@
 //!
 //! A twin takes the measured motion as the truth and moves the measured accelerations to where the model says they are:
 //! nothing is missing from the model there. Each sensor's noise at the recorded rate is added, smoothed and
-//! differentiated as the data were; what the residual holds beyond that comes back as a shifted copy of itself with a
+//! differentiated as the data were; what the residual holds in addition comes back as a shifted copy of itself with a
 //! random sign. Twins come in pairs of opposite noise, so that in a pair's mean everything odd in the noise cancels and
-//! what is left is what noisy inputs do to products of signals.
+//! what remains is what noisy inputs do to products of signals.
 
 use kufe_sled::Noise;
 use kufe_sled::effects::{Sensor, ahead};
@@ -25,14 +25,14 @@ use crate::procedure::rules::{RecordingRules, RunRules};
 pub struct RunSimulator {
     noise: SensorNoise,
     /// Share of each channel's residual, as a deviation, that the sensors' noise does not explain.
-    pub beyond: [f64; CHANNELS],
+    pub unexplained: [f64; CHANNELS],
     seed: u64,
     signals: RecordingRules,
     /// Shortest piece of a run to be simulated [s].
     pub piece_s: f64,
 }
 
-/// What is taken for the noise of sensors that have none: models are told apart by ratios alone.
+/// What is taken for the noise of sensors that have none: models are distinguished by ratios alone.
 const LEAST_NOISE: Noise = Noise {
     accel_mps2: 1e-4,
     rate_radps: 1e-6,
@@ -78,7 +78,7 @@ impl RunSimulator {
             let have: f64 = powers.iter().map(|p| p[0][c]).sum();
             let explained: f64 = powers.iter().map(|p| p[1][c]).sum();
             if *used && have > 0.0 {
-                simulator.beyond[c] = (1.0 - explained / have).max(0.0).sqrt();
+                simulator.unexplained[c] = (1.0 - explained / have).max(0.0).sqrt();
             }
         }
         simulator
@@ -88,7 +88,7 @@ impl RunSimulator {
     pub fn of_sensors(noise: SensorNoise, (seed, rules): (u64, &RunRules)) -> Self {
         Self {
             noise,
-            beyond: [0.0; CHANNELS],
+            unexplained: [0.0; CHANNELS],
             seed,
             signals: rules.recordings,
             piece_s: rules.noise_piece_s,
@@ -112,7 +112,7 @@ impl RunSimulator {
     ///
     /// White noise of that size may explain too much of some channels, as of the one that takes derivatives; noise that is not white need not.
     pub fn most_noise(&self, used: [bool; CHANNELS]) -> f64 {
-        let explained = |c: usize| (1.0 - self.beyond[c].powi(2)).max(1e-3);
+        let explained = |c: usize| (1.0 - self.unexplained[c].powi(2)).max(1e-3);
         let factors = (0..3).filter(|c| used[*c]).map(|c| 1.0 / explained(c));
         factors.fold(1.0, f64::max)
     }
@@ -120,7 +120,7 @@ impl RunSimulator {
     /// The same with the sensors' noise alone.
     pub fn sensors_only(&self) -> Self {
         Self {
-            beyond: [0.0; CHANNELS],
+            unexplained: [0.0; CHANNELS],
             ..self.clone()
         }
     }
@@ -150,7 +150,7 @@ impl RunSimulator {
         rows: &ChannelRows,
         rng: &mut impl Rng,
     ) {
-        // What stands beside a gap has no residual to lend.
+        // What is next to a gap has no residual to lend.
         let samples: Vec<usize> = plus.samples().collect();
         let n = samples.len();
         let shift = below(rng, n);
@@ -159,7 +159,7 @@ impl RunSimulator {
         let mass_kg = plus.mass_kg.unwrap_or(sled.mass_kg);
         let rest = |c: usize, k: usize| -> f64 {
             match rows[c].get(samples[(k + shift) % n]) {
-                Some(r) => flip * self.beyond[c] * r,
+                Some(r) => flip * self.unexplained[c] * r,
                 None => 0.0,
             }
         };
@@ -239,12 +239,12 @@ impl RunSimulator {
 ///
 /// A residual belongs to a moment that a late sensor tells later.
 ///
-/// `rows` are the residuals along, aside and about the vertical at every kept sample.
+/// `rows` are the residuals along, aside and about the vertical at every retained sample.
 pub fn truth<R: AsRef<[f64]>>(frame: &Frame, residual_model: &ResidualModel, rows: &[R]) -> Frame {
     let mut twin = frame.clone();
     let sled = &residual_model.vehicle.sled;
     let mass_kg = frame.mass_kg.unwrap_or(sled.mass_kg);
-    let told = |sensor: Sensor, rest: Vec<f64>| {
+    let delayed = |sensor: Sensor, rest: Vec<f64>| {
         let delay = residual_model.delay(sensor, &frame.track);
         match delay == 0.0 {
             true => rest,
@@ -265,15 +265,19 @@ pub fn truth<R: AsRef<[f64]>>(frame: &Frame, residual_model: &ResidualModel, row
     let minus_yaw = yaw.iter().map(|yaw| -yaw).collect();
     let [ahead_of, left_of, _] = &mut twin.acceleration;
     for (to, rest) in [
-        (ahead_of, told(Sensor::Ax, along)),
-        (left_of, told(Sensor::Ay, side)),
-        (&mut twin.rate_slope[2], told(Sensor::YawRate, minus_yaw)),
+        (ahead_of, delayed(Sensor::Ax, along)),
+        (left_of, delayed(Sensor::Ay, side)),
+        (&mut twin.rate_slope[2], delayed(Sensor::YawRate, minus_yaw)),
     ] {
         to.iter_mut().zip(rest).for_each(|(x, by)| *x += by);
     }
     if !frame.slope.is_empty() {
-        let left = residual_model.track(&twin);
-        for (slope, r) in twin.v_slope.iter_mut().zip(told(Sensor::Speed, left)) {
+        let residual = residual_model.track(&twin);
+        for (slope, r) in twin
+            .v_slope
+            .iter_mut()
+            .zip(delayed(Sensor::Speed, residual))
+        {
             *slope -= r;
         }
     }

@@ -1,19 +1,19 @@
-//! Sensors that are bent, by full refits: a large fault bends the base that scores are taken at, beside which they say little of it.
+//! Sensors that are bent, by full refits: a large fault bends the base that scores are taken at, with which they say little of it.
 
 use kufe_sled::effects::Channel;
 
 use crate::evidence::runs::fit::refit::Refit;
+use crate::evidence::runs::laws::fitted_law::{FittedLaw, LawFitter};
 use crate::evidence::runs::laws::formulas::formula::Formula;
 use crate::evidence::runs::laws::formulas::shape::Shape;
 use crate::evidence::runs::laws::term::{Term, said_by};
-use crate::evidence::runs::laws::told::{Teller, ToldLaw};
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 use crate::null::sign_flips::chances_of_gains;
 
-impl Teller<'_> {
-    /// The sensor which, bent in second or in third order of what it says, leaves least, where that stands out run by run; with its
+impl LawFitter<'_> {
+    /// The sensor which, bent in second or in third order of what it says, leaves least, where that is significant run by run; with its
     /// p-value among all of them. `without` is the base alone.
-    pub fn bent(&self, without: &Refit, options: &ScreenOptions) -> Option<(ToldLaw, f64)> {
+    pub fn bent(&self, without: &Refit, options: &ScreenOptions) -> Option<(FittedLaw, f64)> {
         let without = self.campaign.misfit_by_run(without);
         let mut tried = Vec::new();
         for (channel, kind) in self.channels.iter().enumerate() {
@@ -26,7 +26,7 @@ impl Teller<'_> {
                 continue;
             }
             for shape in [Shape::Power(column, 1.0, 2.0), Shape::Odd(column, 1.0, 3.0)] {
-                let law = self.told(Formula {
+                let law = self.fit_formula(Formula {
                     term: Term { channel, shape },
                     columns: vec![column],
                     gains: Vec::new(),
@@ -50,8 +50,8 @@ impl Teller<'_> {
         chances
             .into_iter()
             .zip(tried)
-            .filter(|(p, _)| *p <= options.alpha_beyond)
-            .min_by(|a, b| a.1.left.total_cmp(&b.1.left))
+            .filter(|(p, _)| *p <= options.alpha_column)
+            .min_by(|a, b| a.1.misfit.total_cmp(&b.1.misfit))
             .map(|(p, law)| (law, p))
     }
 }

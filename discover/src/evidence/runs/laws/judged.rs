@@ -11,6 +11,11 @@ use crate::evidence::runs::laws::term::{COLUMNS, Term, drives, said_by};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 
+/// Bumps of a smooth law over a column: what a track shows of a column is no finer.
+const BUMPS: usize = 7;
+/// Weight of a smooth law's second differences, in units of its mean information.
+const SMOOTHING: f64 = 0.02;
+
 /// A group of terms with its columns and what it explains on runs that did not set its sizes.
 pub struct Smooth {
     /// Place of its channel.
@@ -19,10 +24,10 @@ pub struct Smooth {
     pub columns: Vec<usize>,
     /// By run.
     pub gains: Vec<f64>,
-    /// Whether it stands out as much over all that noise is trusted to be.
+    /// Whether it is as significant over all that noise is trusted to be.
     pub holds: bool,
-    /// Whether it stands out from chance and noise.
-    pub stands: bool,
+    /// Whether it differs significantly from chance and noise.
+    pub significant: bool,
 }
 
 /// How much of a law of this column the catalogue knows: of a sensor its offset, and of what it says itself its scale.
@@ -50,14 +55,13 @@ impl Campaign<'_> {
         channels
     }
 
-    /// All smooth laws and products of columns, judged, with the smallest p-value of those that stand out.
+    /// All smooth laws and products of columns, judged, with the smallest p-value of those that are significant.
     pub fn smooth_laws(
         &self,
         terms: &Terms,
         channels: &[Channel],
         options: &ScreenOptions,
     ) -> (Vec<Smooth>, f64) {
-        let rules = &self.rules().laws;
         let (mut list, mut groups, mut laws) = (Vec::new(), Vec::new(), Vec::new());
         let mut law = |channel, columns: Vec<usize>, shapes: Vec<Shape>| {
             let first = list.len();
@@ -66,7 +70,7 @@ impl Campaign<'_> {
                 1 => Group::single(first),
                 _ => Group::spline(
                     first..list.len(),
-                    rules.smoothing,
+                    SMOOTHING,
                     known(channels[channel], columns[0]),
                 ),
             });
@@ -83,12 +87,12 @@ impl Campaign<'_> {
                 _ => true,
             };
             for (column, sorted) in varying.iter().filter(|(x, _)| said && drives(*kind, *x)) {
-                law(channel, vec![*column], bumps(*column, sorted, rules.bumps));
+                law(channel, vec![*column], bumps(*column, sorted, BUMPS));
             }
             if !matches!(kind, Channel::Grip | Channel::Friction) {
                 continue;
             }
-            // A formula can name one column beyond the model's, and time goes with nothing.
+            // A formula can name one column outside the model's, and time goes with nothing.
             let own = |x: usize| x < COLUMNS.len() && COLUMNS[x].0 != "t_s";
             for (k, (a, _)) in varying.iter().enumerate().filter(|(_, (x, _))| own(*x)) {
                 for (b, _) in varying[k + 1..].iter().filter(|(x, _)| own(*x)) {
@@ -109,15 +113,15 @@ impl Campaign<'_> {
             .enumerate()
             .map(|(g, (channel, columns))| {
                 let group = &groups[g];
-                let gains = sums[0].held_gains(&group.terms, &group.penalty, rules.folds);
+                let gains = sums[0].held_gains(&group.terms, &group.penalty);
                 let z = tested[0].z[g];
                 let p = tested[0].p_value(z);
                 // What holds of T is squared in Q.
                 let holds = tested
                     .iter()
-                    .all(|t| t.z[g] >= options.holds[0].powi(2) * t.critical(options.alpha_beyond));
-                let stands = p <= options.alpha_beyond && holds && total(&gains) > 0.0;
-                if stands {
+                    .all(|t| t.z[g] >= options.holds[0].powi(2) * t.critical(options.alpha_column));
+                let significant = p <= options.alpha_column && holds && total(&gains) > 0.0;
+                if significant {
                     smallest = smallest.min(p);
                 }
                 Smooth {
@@ -125,7 +129,7 @@ impl Campaign<'_> {
                     columns,
                     gains,
                     holds,
-                    stands,
+                    significant,
                 }
             })
             .collect();

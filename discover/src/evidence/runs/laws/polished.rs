@@ -1,14 +1,14 @@
-//! A formula's numbers by full refits, beside which those of linearised scores are a first guess.
+//! A formula's numbers by full refits, with which those of linearised scores are a first guess.
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::refit::Refit;
+use crate::evidence::runs::laws::fitted_law::{FittedLaw, LawFitter};
 use crate::evidence::runs::laws::formulas::shapes::moved;
-use crate::evidence::runs::laws::told::{Teller, ToldLaw};
 use crate::procedure::candidate::Candidate;
 
-impl Teller<'_> {
+impl LawFitter<'_> {
     /// The formula of the same kind that leaves least: one number after the other is moved, by less and less.
-    pub fn polished(&self, law: ToldLaw) -> ToldLaw {
+    pub fn polished(&self, law: FittedLaw) -> FittedLaw {
         /// Refits at most.
         const MOST: usize = 30;
         /// Share by which a number is moved at last: less than its error.
@@ -17,7 +17,7 @@ impl Teller<'_> {
         let Some(first) = law.refit.take() else {
             return law;
         };
-        let numbers = law.left - first.misfit;
+        let numbers = law.misfit - first.misfit;
         let on = |earlier: &Refit, candidate: &Candidate<Amplitude>| {
             self.campaign.refitted_from(earlier, candidate)
         };
@@ -51,7 +51,7 @@ impl Teller<'_> {
                 _ => share *= 0.4,
             }
         }
-        (law.size, law.left) = (refit.size, refit.misfit + numbers);
+        (law.size, law.misfit) = (refit.size, refit.misfit + numbers);
         law.refit = Some(refit);
         law
     }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::evidence::runs::laws::sums::LawSums;
 use crate::null::random::{normal, sign, stream};
 
-/// Terms that stand or fall together.
+/// Terms that are tested together.
 #[derive(Clone, Debug)]
 pub struct Group {
     /// Their places.

@@ -1,7 +1,7 @@
-//! Scores and information of groups of columns beyond a refit of the base, run by run.
+//! Scores and information of groups of columns after a refit of the base, run by run.
 //!
 //! As [`Scores`](crate::regression::Scores), with all products of the columns among themselves: with B = (J'J + P)^-1 J'C, c' = C - J B,
-//! r' the residual that a refit leaves and a where the random effects stand,
+//! r' the residual that a refit leaves and a the random effects,
 //!
 //! ```text
 //! u_i = c'_i' r'_i   M_i = c'_i' c'_i      S = sum u_i + B'P a     M = sum M_i + B'P B
@@ -12,6 +12,9 @@ use nalgebra::{DMatrix, DVector};
 use crate::regression::gram::Gram;
 use crate::regression::inverse::ridge_inverse;
 use crate::regression::prior::Prior;
+
+/// Parts of the runs, one of which is omitted in turn where formulas are compared.
+const FOLDS: usize = 5;
 
 /// Sums of all columns.
 #[derive(Clone)]
@@ -50,9 +53,10 @@ impl LawSums {
         for (i, gram) in grams.iter().enumerate() {
             let jj = gram.view((0, 0), (p, p));
             let jc = gram.view((0, p), (p, q));
-            let left = gram.view((0, n - 1), (p, 1)).column(0) - jj * &of_residual;
-            let own =
-                gram.view((p, n - 1), (q, 1)).column(0) - jc.tr_mul(&of_residual) - b.tr_mul(&left);
+            let residual_scores = gram.view((0, n - 1), (p, 1)).column(0) - jj * &of_residual;
+            let own = gram.view((p, n - 1), (q, 1)).column(0)
+                - jc.tr_mul(&of_residual)
+                - b.tr_mul(&residual_scores);
             u.set_column(i, &own);
             let half = jc.tr_mul(&b);
             let all = gram.view((p, p), (q, q)) - &half - half.transpose() + b.tr_mul(&(jj * &b));
@@ -79,9 +83,9 @@ impl LawSums {
         }
     }
 
-    /// The columns, and each run's residual, beyond a refit of the last columns, without these: with W = M_cb M_bb^-1 and
+    /// The columns, and each run's residual, after a refit of the last columns, without these: with W = M_cb M_bb^-1 and
     /// w = M_bb^-1 S_b, c' = c - W b and r' = r - b w.
-    pub fn beyond(self, last: usize) -> Self {
+    pub fn given_last(self, last: usize) -> Self {
         if last == 0 {
             return self;
         }
@@ -114,7 +118,7 @@ impl LawSums {
     }
 
     /// Several sums of the same runs, one behind the other; products between them count as 0.
-    pub fn beside(parts: &[LawSums]) -> LawSums {
+    pub fn concatenated(parts: &[LawSums]) -> LawSums {
         let count = parts.iter().map(|part| part.u.nrows()).sum();
         let (runs, random) = parts
             .first()
@@ -160,9 +164,9 @@ impl LawSums {
     }
 
     /// What sizes fitted on other runs explain, run by run, in units of the noise's variance.
-    pub fn held_gains(&self, columns: &[usize], penalty: &DMatrix<f64>, folds: usize) -> Vec<f64> {
+    pub fn held_gains(&self, columns: &[usize], penalty: &DMatrix<f64>) -> Vec<f64> {
         let runs = self.m.len();
-        let folds = folds.min(runs).max(2);
+        let folds = FOLDS.min(runs).max(2);
         let mut gains = vec![0.0; runs];
         for fold in 0..folds {
             let size = self
@@ -271,14 +275,14 @@ mod tests {
             (prior.precision[2], prior.at[2]) = (1.0, 0.7);
             prior
         };
-        let beyond = LawSums::new(&plain, levels, &prior(base)).beyond(last);
+        let given_last = LawSums::new(&plain, levels, &prior(base)).given_last(last);
         let refitted = LawSums::new(&among, levels, &prior(base + last));
         let near = |a: &DMatrix<f64>, b: &DMatrix<f64>| (a - b).abs().max() < 1e-8;
-        assert!(near(&beyond.u, &refitted.u));
-        for (a, b) in beyond.m.iter().zip(&refitted.m) {
+        assert!(near(&given_last.u, &refitted.u));
+        for (a, b) in given_last.m.iter().zip(&refitted.m) {
             assert!(near(a, b));
         }
-        assert!((beyond.shared - refitted.shared).abs().max() < 1e-8);
-        assert!(near(&beyond.common, &refitted.common));
+        assert!((given_last.shared - refitted.shared).abs().max() < 1e-8);
+        assert!(near(&given_last.common, &refitted.common));
     }
 }

@@ -9,11 +9,11 @@ use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::BALANCES;
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// A column's name and where its value stands.
+/// A column's name and where its value is found.
 type NamedColumn = (&'static str, fn(&State) -> f64);
 
 /// Columns that a law on forces may depend on: as an expression names them, and what they are at an instant. What the sensors say
-/// stands behind them, for laws on sensors.
+/// follows them, for laws on sensors.
 pub const COLUMNS: [NamedColumn; 10] = [
     ("v_mps", |at| at.point.v),
     ("fz_n", |at| at.load[0] + at.load[1]),
@@ -27,7 +27,7 @@ pub const COLUMNS: [NamedColumn; 10] = [
     ("t_s", |at| at.point.t),
 ];
 
-/// Columns that the model knows; recorded ones that it has no name for stand behind them.
+/// Columns that the model knows; recorded ones that it has no name for follow them.
 pub const KNOWN: usize = COLUMNS.len() + SENSORS;
 
 /// The place of what a sensor says.
@@ -79,7 +79,7 @@ pub struct TermsOnRun {
 }
 
 impl TermsOnRun {
-    /// Prepares a run; `extra` names recorded columns beyond those of the model.
+    /// Prepares a run; `extra` names recorded columns other than those of the model.
     pub fn new(design: &Design, frame: &Frame, channels: &[Channel], extra: &[String]) -> Self {
         // Any small size does: forces go in proportion, and sensors nearly.
         const SIZES: [f64; 2] = [1e-4, 1e-2];

@@ -34,7 +34,7 @@ pub struct Terms<'a> {
 }
 
 impl<'a> Terms<'a> {
-    /// Prepares all runs; `extra` names recorded columns beyond those of the model.
+    /// Prepares all runs; `extra` names recorded columns other than those of the model.
     pub fn new(
         design: &'a Design<'a>,
         frames: &'a [Frame],
@@ -59,7 +59,7 @@ impl<'a> Terms<'a> {
         };
         let names = COLUMNS.iter().map(|(name, _)| (*name).to_owned());
         let names = names.chain(Sensor::ALL.map(|sensor| sensor.name().to_owned()));
-        // A sensor's constant share of itself and its constant offset are the catalogue's: laws are what is beyond them.
+        // A sensor's constant share of itself and its constant offset are the catalogue's: laws are what differs from them.
         let plain = channels
             .iter()
             .enumerate()
@@ -89,7 +89,7 @@ impl<'a> Terms<'a> {
     }
 
     /// Sums of parts of terms, products between which nobody asks for, at these shares of what noise adds: each part of one
-    /// channel, beyond what the catalogue knows of it.
+    /// channel, apart from what the catalogue knows of it.
     pub fn sums_of_parts(&self, parts: &[&[Term]], shares: &[f64]) -> Vec<LawSums> {
         let mut each: Vec<Vec<LawSums>> = vec![Vec::new(); shares.len()];
         for part in parts.iter().filter(|part| !part.is_empty()) {
@@ -97,10 +97,12 @@ impl<'a> Terms<'a> {
             let all = [*part, plain.as_slice()].concat();
             for (list, mut sums) in each.iter_mut().zip(self.sums(&all, shares)) {
                 sums.truncate(all.len());
-                list.push(sums.beyond(plain.len()));
+                list.push(sums.given_last(plain.len()));
             }
         }
-        each.iter().map(|list| LawSums::beside(list)).collect()
+        each.iter()
+            .map(|list| LawSums::concatenated(list))
+            .collect()
     }
 
     /// Sums of the terms, then of the named candidates, with these shares of what noise adds taken off.

@@ -1,8 +1,8 @@
 //! How far the clocks of the channels lie apart.
 //!
-//! A delay has no meaning of its own, only beside those of the other channels. Where these lie further apart than is stated, each has a
-//! clock of its own, and their deviation is what they show beside the one of them that stands out most, which is left free. With G the
-//! products of the installation's parts beyond the base, and H = G + P, P the precisions:
+//! A delay has no meaning of its own, only relative to those of the other channels. Where these lie further apart than is stated, each has a
+//! clock of its own, and their deviation is what they show with the one of them that is most significant, which remains free. With G the
+//! products of the installation's parts given the base, and H = G + P, P the precisions:
 //!
 //! ```text
 //! sd^2 = sum a_j^2 / sum (1 - [inv H]_jj / sd^2)
@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::evidence::runs::model::installation::Installation;
 use crate::regression::inverse::ridge_inverse;
 
-/// The squared deviation that the delays show beside the one that stands out most, in units of the stated one and not below it, from the
+/// The squared deviation that the delays show with the one that is most significant, in units of the stated one and not below it, from the
 /// parts' products in the rows.
 pub fn spread_of_delays(installation: &Installation, products: &DMatrix<f64>) -> f64 {
     let parts = installation.parts.iter().enumerate();
@@ -25,8 +25,8 @@ pub fn spread_of_delays(installation: &Installation, products: &DMatrix<f64>) ->
         .collect();
     let sizes = DVector::from_column_slice(&installation.sizes);
     let scores = products * &sizes + sizes;
-    let beside = |alone: &usize| spread_beside(*alone, &late, products, &scores);
-    late.iter().map(beside).reduce(f64::min).unwrap_or(1.0)
+    let without = |alone: &usize| spread_beside(*alone, &late, products, &scores);
+    late.iter().map(without).reduce(f64::min).unwrap_or(1.0)
 }
 
 /// The squared deviation of those of the parts `late` that are not `alone`, nothing being known of that one: at least the stated one.
@@ -50,9 +50,13 @@ fn spread_beside(
         let open = ridge_inverse(precision);
         let sizes = &open * scores;
         let squares: f64 = others().map(|j| sizes[j].powi(2)).sum();
-        let told: f64 = others().map(|j| 1.0 - open[(j, j)] / spread).sum();
+        let determined: f64 = others().map(|j| 1.0 - open[(j, j)] / spread).sum();
         // Of less than one channel there is no deviation.
-        let next = if told < 1.0 { 1.0 } else { squares / told };
+        let next = if determined < 1.0 {
+            1.0
+        } else {
+            squares / determined
+        };
         let next = next.max(1.0);
         let moved = (next / spread - 1.0).abs();
         spread = next;

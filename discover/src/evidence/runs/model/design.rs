@@ -17,7 +17,7 @@ use crate::procedure::candidate::Candidate;
 use crate::regression::gram::{Gram, squares};
 use crate::regression::prior::Prior;
 
-/// Columns that stand for each run's own level: of friction and of lateral grip.
+/// Columns that represent each run's own level: of friction and of lateral grip.
 pub const OWN_LEVELS: usize = 2;
 /// What is differentiated: the model, its rows' whitening and the candidates.
 pub struct Design<'a> {
@@ -60,7 +60,7 @@ impl Design<'_> {
         self.with_locals(frame, &[]).0
     }
 
-    /// The same, and beside them the directions of local candidates that act everywhere.
+    /// The same, and with them the directions of local candidates that act everywhere.
     pub fn columns_and_locals(&self, frame: &Frame) -> (DMatrix<f64>, DMatrix<f64>) {
         self.with_locals(frame, self.local)
     }
@@ -127,7 +127,7 @@ impl Design<'_> {
             let samples = if self.whitener.used[c] { n } else { 0 };
             (0..count).map(|_| vec![0.0; samples]).collect()
         });
-        let mut left: [Vec<f64>; BALANCES] = std::array::from_fn(|_| Vec::with_capacity(n));
+        let mut residual: [Vec<f64>; BALANCES] = std::array::from_fn(|_| Vec::with_capacity(n));
         let mut instants = Vec::with_capacity(if shifted.is_empty() { 0 } else { n });
         let in_time: Vec<_> = (first_trial..)
             .zip(&trials)
@@ -172,11 +172,11 @@ impl Design<'_> {
                     *to = rest[c];
                 }
             }
-            for (left, rest) in left.iter_mut().zip(rest) {
-                left.push(rest);
+            for (residual, rest) in residual.iter_mut().zip(rest) {
+                residual.push(rest);
             }
         }
-        self.put_shifted(frame, &shifted, (&instants, &left), &mut raw);
+        self.put_shifted(frame, &shifted, (&instants, &residual), &mut raw);
         // Low-passed, thinned and whitened, the channels one below the other.
         let white = |k: usize| {
             let mut white: [Vec<f64>; BALANCES] = std::array::from_fn(|c| frame.rows(&raw[c][k]));
@@ -210,20 +210,20 @@ impl Design<'_> {
     }
 
     /// The columns of models that ask for the channels at other times or places, by their places, where the run's instants are known and
-    /// its balances leave `left`.
+    /// its balances leave `residual`.
     ///
     /// As the model has the accelerations: with the measured ones, which hold the residual, these columns would follow it.
     fn put_shifted(
         &self,
         frame: &Frame,
         shifted: &[(usize, ResidualModel)],
-        (instants, left): (&[Instant], &[Vec<f64>; BALANCES]),
+        (instants, residual): (&[Instant], &[Vec<f64>; BALANCES]),
         raw: &mut [Vec<Vec<f64>>; BALANCES],
     ) {
         if shifted.is_empty() {
             return;
         }
-        let modelled = truth(frame, self.residual_model, left);
+        let modelled = truth(frame, self.residual_model, residual);
         let on_modelled = ModelOnRun::new(self.residual_model, &modelled);
         let shifted: Vec<(usize, Differences)> = shifted
             .iter()

@@ -1,7 +1,7 @@
 //! What the installation may be off by: delays, scales, biases, places, mass and inertia, as random effects.
 //!
-//! Each error a has a standard deviation that `[tolerances]` states, and is counted in units of it. With N its columns beside
-//! those of the base, J, the fit is that of least squares with a penalty, and rows have a covariance of their own:
+//! Each error a has a standard deviation that `[tolerances]` states, and is counted in units of it. With N its columns and J
+//! those of the base, the fit is that of least squares with a penalty, and rows have a covariance of their own:
 //!
 //! ```text
 //! min |r - J b - N a|^2 + |a|^2        V = 1 + N N'
@@ -34,9 +34,9 @@ enum Wrong {
     Misaligned(usize),
     /// A gyroscope's axis picks up the vertical acceleration.
     GSensitive(usize),
-    /// The accelerometer stands further along an axis.
+    /// The accelerometer is further along an axis.
     Accelerometer(usize),
-    /// The slip sensor stands further ahead.
+    /// The slip sensor is further ahead.
     SlipSensor,
     /// The centre of gravity lies further ahead.
     Centre,
@@ -81,7 +81,7 @@ impl Part {
         matches!(self.wrong, Wrong::Misaligned(_) | Wrong::GSensitive(_))
     }
 
-    /// The sensor that it stands before.
+    /// The sensor whose reading it changes.
     pub fn sensor(&self) -> Option<Sensor> {
         match self.wrong {
             Wrong::Late(sensor) | Wrong::Scaled(sensor) | Wrong::Biased(sensor) => Some(sensor),
@@ -147,7 +147,7 @@ pub struct Installation {
     /// Orthonormal combinations of the independent errors b that are fitted.
     pub directions: Vec<Vec<f64>>,
     /// Whether fits leave the sizes as they are.
-    pub held: bool,
+    pub fixed: bool,
     /// Law of the sizes before the forces are used.
     law: Arc<SizeLaw>,
     information: Option<Arc<Information>>,
@@ -237,7 +237,7 @@ impl Installation {
         Self {
             sizes: law.mean.iter().copied().collect(),
             directions: (0..count).map(alone).collect(),
-            held: false,
+            fixed: false,
             law: Arc::new(law),
             information,
             parts,
@@ -278,21 +278,21 @@ impl Installation {
 
     /// Number of combinations that are fitted.
     pub fn fitted(&self) -> usize {
-        match self.held {
+        match self.fixed {
             true => 0,
             false => self.directions.len(),
         }
     }
 
-    /// The same, held or not.
-    pub fn hold(&self, held: bool) -> Self {
+    /// The same, fixed or not.
+    pub fn hold(&self, fixed: bool) -> Self {
         Self {
-            held,
+            fixed,
             ..self.clone()
         }
     }
 
-    /// What its sizes cost, as the logarithm of a density against that of sizes of 0, and the deviations beyond those stated.
+    /// What its sizes cost, as the logarithm of a density against that of sizes of 0, and the deviations above those stated.
     pub fn cost(&self) -> f64 {
         let of_mean = &self.law.inverse_root * &self.law.mean;
         self.distance() - 0.5 * of_mean.norm_squared()
@@ -317,11 +317,11 @@ impl Installation {
     /// The same with such parts as they are stated.
     pub fn within(&self, deviations: f64) -> Self {
         let mut within = self.clone();
-        let beyond = |size: &&mut f64| size.abs() > deviations;
+        let exceeds = |size: &&mut f64| size.abs() > deviations;
         within
             .sizes
             .iter_mut()
-            .filter(beyond)
+            .filter(exceeds)
             .for_each(|s| *s = 0.0);
         within
     }
@@ -338,14 +338,14 @@ impl Installation {
 
     /// The combinations of parts of which one standard deviation shows, from their products in the rows (parts by parts).
     ///
-    /// With G these products beyond the base, the eigenvectors of G are told apart by the data, and one of eigenvalue g moves no
-    /// statistic by more than the root of g: those below `least` are left out, and with them what no fit could hold.
+    /// With G these products given the base, the eigenvectors of G are distinguished by the data, and one of eigenvalue g moves no
+    /// statistic by more than the root of g: those below `least` are omitted, and with them what no fit could hold.
     pub fn told_apart(&self, products: &DMatrix<f64>, least: f64) -> Self {
         let root = self.root();
         let eigen = (root * products * root).symmetric_eigen();
-        let kept = (0..eigen.eigenvalues.len()).filter(|k| eigen.eigenvalues[*k] >= least);
+        let retained = (0..eigen.eigenvalues.len()).filter(|k| eigen.eigenvalues[*k] >= least);
         Self {
-            directions: kept
+            directions: retained
                 .map(|k| eigen.eigenvectors.column(k).iter().copied().collect())
                 .collect(),
             ..self.clone()
@@ -529,11 +529,16 @@ mod tests {
         let both = Installation::new(&places);
         // Only the sum of the two shows.
         let products = DMatrix::from_element(2, 2, 50.0);
-        let mut told = both.told_apart(&products, 1.0);
-        assert_eq!(told.fitted(), 1);
-        told.step(&[told.directions[0][0].signum() * 2.0_f64.sqrt()]);
-        assert!(told.sizes.iter().all(|size| (size - 1.0).abs() < 1e-12));
-        for ((size, error), part) in told.found(&[0.1]).iter().zip(&told.parts) {
+        let mut determined = both.told_apart(&products, 1.0);
+        assert_eq!(determined.fitted(), 1);
+        determined.step(&[determined.directions[0][0].signum() * 2.0_f64.sqrt()]);
+        assert!(
+            determined
+                .sizes
+                .iter()
+                .all(|size| (size - 1.0).abs() < 1e-12)
+        );
+        for ((size, error), part) in determined.found(&[0.1]).iter().zip(&determined.parts) {
             assert!((size - part.sd).abs() < 1e-12);
             assert!((error / part.sd - 0.505_f64.sqrt()).abs() < 1e-12);
         }

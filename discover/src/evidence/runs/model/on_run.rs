@@ -1,6 +1,6 @@
 //! A model on one run: from measured signals to residuals, the balances of the sled ([`Balance`]) over a whole run.
 //!
-//! Balances are taken at the rate of the kept samples and low-passed afterwards, all terms alike: a product of two smoothed
+//! Balances are taken at the rate of the retained samples and low-passed afterwards, all terms alike: a product of two smoothed
 //! signals is not the smoothed product.
 
 use std::borrow::Cow;
@@ -24,13 +24,18 @@ use crate::evidence::runs::recordings::survey::interpolate;
 /// A slip angle needs a speed [m/s].
 const LEAST_SPEED: f64 = 0.5;
 
+/// Sensor of the acceleration of each balance.
+const ACCELERATIONS: [Sensor; BALANCES] = [Sensor::Ax, Sensor::Ay, Sensor::YawRate];
+/// A little more of an acceleration \[m/s2, rad/s2\].
+const MORE: f64 = 1e-3;
+
 impl ResidualModel {
     /// Residuals of one run, low-passed and thinned to rows.
     pub fn residuals(&self, frame: &Frame) -> ChannelRows {
         self.raw(frame).map(|channel| frame.rows(&channel))
     }
 
-    /// Residuals of one run at every kept sample.
+    /// Residuals of one run at every retained sample.
     pub fn raw(&self, frame: &Frame) -> ChannelRows {
         let mut rows: ChannelRows = std::array::from_fn(|_| Vec::with_capacity(frame.len()));
         let on_run = ModelOnRun::new(self, frame);
@@ -57,11 +62,11 @@ impl ResidualModel {
         let on_run = ModelOnRun::new(self, frame);
         let of = |i: usize| {
             let signals = on_run.measured(i);
-            let left = on_run.track(i, &on_run.balance(i, &signals), &signals);
-            (left, signals[Sensor::Speed])
+            let residual = on_run.track(i, &on_run.balance(i, &signals), &signals);
+            (residual, signals[Sensor::Speed])
         };
-        let (left, speed) = (0..frame.len()).map(of).unzip();
-        [left, speed]
+        let (residual, speed) = (0..frame.len()).map(of).unzip();
+        [residual, speed]
     }
 }
 
@@ -73,7 +78,7 @@ pub struct ModelOnRun<'a> {
     constants: Constants,
     vehicle: Vehicle,
     air_density: f64,
-    /// Whether an effect stands between a sensor and the truth.
+    /// Whether an effect changes what a sensor reads.
     corrects: bool,
     humidity: Option<&'a Vec<f64>>,
     ice: Option<&'a Vec<f64>>,
@@ -200,7 +205,7 @@ impl<'a> ModelOnRun<'a> {
         Balance::new(&sled, &state, &motion)
     }
 
-    /// The same beside that of a motion close by.
+    /// The same with that of a motion close by.
     fn balance_near(&self, i: usize, signals: &Signals, known: &Balance) -> Balance {
         let (sled, state, motion) = self.motion(i, signals);
         Balance::near(&sled, &state, &motion, known)
@@ -232,7 +237,7 @@ impl<'a> ModelOnRun<'a> {
         self.balance(i, &self.measured(i)).state
     }
 
-    /// A sample with the base laws asked, from its corrected signals.
+    /// A sample with the base laws evaluated, from its corrected signals.
     pub fn instant(&self, i: usize, signals: &Signals) -> Instant {
         let balance = self.balance(i, signals);
         let laws = balance.laws(&self.vehicle);
@@ -259,7 +264,7 @@ impl<'a> ModelOnRun<'a> {
     }
 
     /// Derivatives of the balances of a sample by what its sensors say; nothing where effects act on the forces, which have derivatives of
-    /// their own, and where the sled stands.
+    /// their own, and where the sled is at rest.
     pub fn left_by(&self, at: &Instant, forces: &Forces) -> Option<ResidualJacobian> {
         let moves = at.signals[Sensor::Speed] > LEAST_SPEED;
         let plain = moves && *forces == at.laws.forces;
@@ -276,7 +281,7 @@ impl<'a> ModelOnRun<'a> {
         by: Option<&ResidualJacobian>,
     ) -> [f64; BALANCES] {
         if let (Some(by), false) = (by, self.corrects) {
-            return reads.left(i, by);
+            return reads.residual_change(i, by);
         }
         let mut read = self.channels.signals(i, self.constants);
         reads.add(i, &mut read);
@@ -335,33 +340,60 @@ impl<'a> ModelOnRun<'a> {
         [along, side, yaw, self.track(i, &at.balance, &at.signals)]
     }
 
-    /// How much of the measured acceleration ahead [kg], aside [kg] and about the vertical [kg m2] its balance takes.
-    pub fn gains(&self, i: usize) -> [f64; BALANCES] {
-        const STEP: f64 = 1e-3;
+    /// The signals of a sample, then with a little more of the acceleration of each balance.
+    fn more_acceleration(&self, i: usize) -> [Signals; 1 + BALANCES] {
         let read = self.channels.signals(i, self.constants);
-        let left = |signals: Signals| {
-            let at = self.instant(i, &self.corrected(i, signals));
-            self.balances(&at, &self.forces(&at))
-        };
-        let own = left(read);
-        const OF: [Sensor; BALANCES] = [Sensor::Ax, Sensor::Ay, Sensor::YawRate];
-        std::array::from_fn(|c| {
+        std::array::from_fn(|k| {
             let mut more = read;
-            match OF[c] {
-                Sensor::YawRate => more.rate[Sensor::YawRate as usize] += STEP,
-                sensor => more[sensor] += STEP,
+            match k.checked_sub(1).map(|c| ACCELERATIONS[c]) {
+                None => {}
+                Some(Sensor::YawRate) => more.rate[Sensor::YawRate as usize] += MORE,
+                Some(sensor) => more[sensor] += MORE,
             }
-            (left(more)[c] - own[c]) / (STEP * self.channels.scale(OF[c]))
+            self.corrected(i, more)
+        })
+    }
+
+    /// A sample, then with a little more of the acceleration of each balance: for [`gains`](Self::gains).
+    pub fn with_more_acceleration(&self, i: usize) -> [Instant; 1 + BALANCES] {
+        self.more_acceleration(i)
+            .map(|signals| self.instant(i, &signals))
+    }
+
+    /// How much of the measured acceleration ahead [kg], aside [kg] and about the vertical [kg m2] its balance takes by this model, `at` being
+    /// the sample by one with the same base laws.
+    pub fn gains(&self, i: usize, at: &[Instant; 1 + BALANCES]) -> [f64; BALANCES] {
+        let signals = self.more_acceleration(i);
+        self.gains_of(|k| self.balances_at(i, &signals[k], &at[k]))
+    }
+
+    /// The same with base multiplier `b` moved by a small `step`.
+    pub fn gains_with_base(
+        &self,
+        at: &[Instant; 1 + BALANCES],
+        b: usize,
+        step: f64,
+    ) -> [f64; BALANCES] {
+        self.gains_of(|k| self.balances_with_base(&at[k], b, step))
+    }
+
+    fn gains_of(&self, balances: impl Fn(usize) -> [f64; BALANCES]) -> [f64; BALANCES] {
+        let own = balances(0);
+        std::array::from_fn(|c| {
+            (balances(1 + c)[c] - own[c]) / (MORE * self.channels.scale(ACCELERATIONS[c]))
         })
     }
 
     /// Balances of a sample by this model, `at` being the sample by one with the same base laws.
     pub fn balances_beside(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
-        let signals = self.measured(i);
-        if signals == at.signals && self.relaxation.is_none() {
+        self.balances_at(i, &self.measured(i), at)
+    }
+
+    fn balances_at(&self, i: usize, signals: &Signals, at: &Instant) -> [f64; BALANCES] {
+        if *signals == at.signals && self.relaxation.is_none() {
             return self.balances(at, &self.forces(at));
         }
-        let other = self.instant(i, &signals);
+        let other = self.instant(i, signals);
         self.balances(&other, &self.forces(&other))
     }
 
@@ -385,7 +417,7 @@ impl<'a> ModelOnRun<'a> {
         if signals == at.signals {
             return at.balance.left_with(effect, &at.seen, forces).values();
         }
-        // Another signal is another motion; what stands before a sensor acts on no force.
+        // Another signal is another motion; what changes what a sensor reads acts on no force.
         if let Some(by) = by {
             let (own, moved) = (self.balances(at, forces), by.between(&at.signals, &signals));
             return std::array::from_fn(|c| own[c] + moved[c]);

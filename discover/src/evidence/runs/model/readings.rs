@@ -108,17 +108,17 @@ impl Differences {
     }
 
     /// What the balances of a sample leave more, from their derivatives.
-    pub fn left(&self, i: usize, by: &ResidualJacobian) -> [f64; BALANCES] {
-        let mut left = match self.sensors.is_empty() {
+    pub fn residual_change(&self, i: usize, by: &ResidualJacobian) -> [f64; BALANCES] {
+        let mut residual = match self.sensors.is_empty() {
             true => by.of_constants(&self.constants),
             false => [0.0; BALANCES],
         };
         for (sensor, [value, rate]) in &self.sensors {
             let rate = rate.get(i).copied().unwrap_or(0.0);
             let more = by.of_sensor(*sensor, value[i], rate);
-            left.iter_mut().zip(more).for_each(|(sum, x)| *sum += x);
+            residual.iter_mut().zip(more).for_each(|(sum, x)| *sum += x);
         }
-        left
+        residual
     }
 
     /// Adds it to the signals of a sample.

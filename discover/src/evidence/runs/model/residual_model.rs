@@ -48,7 +48,7 @@ pub struct ResidualModel {
     pub installation: Installation,
     /// Contacts with walls that each run has its own of.
     pub contacts: Option<Contacts>,
-    /// Variance that each balance leaves beyond the sensors' noise, over the square of what it takes of its acceleration.
+    /// Variance that each balance leaves above the sensors' noise, over the square of what it takes of its acceleration.
     pub beyond_noise: [f64; BALANCES],
     /// Names of effects whose size is not fitted with the forces: it comes from the track channel.
     pub frozen: Vec<String>,
@@ -72,7 +72,7 @@ impl ResidualModel {
         }
     }
 
-    /// Whether a base parameter stands between its bounds.
+    /// Whether a base parameter is between its bounds.
     pub fn within(&self, parameter: usize) -> bool {
         !BOUNDS.contains(&self.base[parameter])
     }
@@ -97,10 +97,10 @@ impl ResidualModel {
         [vehicle.front.lateral, vehicle.rear.lateral]
     }
 
-    /// The same, with the installation held or not.
-    pub fn hold(&self, held: bool) -> Self {
+    /// The same, with the installation fixed or not.
+    pub fn hold(&self, fixed: bool) -> Self {
         Self {
-            installation: self.installation.hold(held),
+            installation: self.installation.hold(fixed),
             ..self.clone()
         }
     }

@@ -7,7 +7,7 @@
 //! w = L^-1 r,   L L' = S,   so that   w.w = r' S^-1 r
 //! ```
 //!
-//! Correlation in time is not filtered out: of neighbouring rows it is 0.1 to 0.3 at most, and beyond them nothing.
+//! Correlation in time is not filtered out: of neighbouring rows it is 0.1 to 0.3 at most, and apart from them nothing.
 
 use nalgebra::Matrix3;
 

@@ -34,7 +34,7 @@ pub fn windows(frames: &[Frame], locals: usize, narrowest: f64) -> Vec<Window> {
     let mut out = Vec::new();
     for local in 0..locals {
         for (track, low, high) in &tracks {
-            // Beyond 100 km a distance is a mistake that must not size anything.
+            // Above 100 km a distance is a mistake that must not size anything.
             let bins = (((high - low) / narrowest).ceil() as usize).min(10_000);
             for width in WIDTHS {
                 for first in (0..bins.saturating_sub(width - 1)).step_by(width.div_ceil(2)) {

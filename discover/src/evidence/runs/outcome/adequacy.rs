@@ -109,7 +109,7 @@ impl Campaign<'_> {
     /// What remains of the repeatable misfit of each balance given a fit with its installation errors, against that of the
     /// refitted base; nothing where a track has a single run.
     pub fn remaining(&self, base: &RunFit, last: &RunFit) -> Vec<Remaining> {
-        let frames: Vec<Frame> = self.whole().iter().chain(&self.held).cloned().collect();
+        let frames: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
         let width = self.rules().track_bin_m;
         let rows = |model: &ResidualModel| -> Vec<ChannelRows> {
             frames

@@ -6,12 +6,13 @@ use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::finding::{BIN_SHOWN, BINS_SHOWN, Bin};
 use crate::null::sign_flips::{MaxT, statistics};
 
 /// A column of a run by its name.
 type ColumnOf = fn(&Frame) -> &[f64];
 
-/// Columns over which residuals are looked at.
+/// Columns over which residuals are examined.
 pub const COLUMNS: [(&str, ColumnOf); 9] = [
     ("v_mps", |f| &f.v),
     ("alpha_rad", |f| &f.slip),
@@ -24,14 +25,13 @@ pub const COLUMNS: [(&str, ColumnOf); 9] = [
     ("s_m", |f| &f.s),
 ];
 
-/// Bins of every column in which the whitened residual stands out, by sign-flips over runs and max-T over all bins.
+/// Bins of every column in which the whitened residual is significant, by sign-flips over runs and max-T over all bins.
 pub fn stand_out(
     residual_model: &ResidualModel,
     whitener: &Whitener,
     frames: &[Frame],
-    limit: f64,
     seed: u64,
-) -> Vec<crate::finding::Bin> {
+) -> Vec<Bin> {
     struct Cell {
         channel: usize,
         column: String,
@@ -106,7 +106,7 @@ pub fn stand_out(
     let u = DMatrix::from_fn(cells.len(), frames.len(), |c, i| cells[c].u[i]);
     let null = MaxT::by_sign_flips(&u, 999, seed ^ 0xB145);
     let t = statistics(&u);
-    let mut out: Vec<(f64, crate::finding::Bin)> = cells
+    let mut out: Vec<(f64, Bin)> = cells
         .iter()
         .zip(&t)
         .filter_map(|(cell, t)| {
@@ -118,7 +118,7 @@ pub fn stand_out(
                 .map(|s| s.0 / s.1)
                 .collect();
             let n = means.len() as f64;
-            if p_value > limit || n < 2.0 {
+            if p_value > BIN_SHOWN || n < 2.0 {
                 return None;
             }
             let mean = means.iter().sum::<f64>() / n;
@@ -126,7 +126,7 @@ pub fn stand_out(
                 (means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
             Some((
                 t.abs(),
-                crate::finding::Bin {
+                Bin {
                     channel: CHANNEL_NAMES[cell.channel].0.to_owned(),
                     column: cell.column.clone(),
                     from: cell.from,
@@ -140,5 +140,8 @@ pub fn stand_out(
         })
         .collect();
     out.sort_by(|a, b| b.0.total_cmp(&a.0));
-    out.into_iter().map(|(_, bin)| bin).take(40).collect()
+    out.into_iter()
+        .map(|(_, bin)| bin)
+        .take(BINS_SHOWN)
+        .collect()
 }

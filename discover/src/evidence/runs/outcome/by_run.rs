@@ -1,6 +1,6 @@
 //! Where it disagrees by run and by session: the mean of each run's residual, before and after.
 //!
-//! Whether sessions differ is told by a one-way analysis of variance of the runs' means: the scatter between sessions over the scatter
+//! Whether sessions differ is determined by a one-way analysis of variance of the runs' means: the scatter between sessions over the scatter
 //! within them, F(G - 1, R - G) for R runs in G sessions. Source: R.A. Fisher, Statistical Methods for Research Workers (1925).
 
 use crate::evidence::runs::fit::gauss_newton::residuals;
@@ -17,7 +17,7 @@ pub fn by_run(
     used: [bool; CHANNELS],
 ) -> Vec<ByRun> {
     let sessions = group(frames);
-    // In the order in which they were held, as far as the index has it.
+    // In the order in which they took place, as far as the index has it.
     let mut ordered: Vec<&Vec<usize>> = sessions.values().collect();
     ordered.sort();
     let rows = [residuals(before, frames), residuals(after, frames)];

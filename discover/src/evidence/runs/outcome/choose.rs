@@ -29,6 +29,9 @@ use crate::procedure::evidence::{Account, Choice};
 use crate::procedure::lowered::Lowered;
 use crate::procedure::rules::SearchRules;
 
+/// Rows of a piece of a run over which locked-away gaps are compared: four seconds, above which residuals no longer go together.
+pub const PIECE_ROWS: usize = 40;
+
 /// Columns of a replay that are compared, and their units.
 const REPLAYED: [(&str, &str); 3] = [("t_s", "s"), ("v_mps", "m/s"), ("yaw_rate_radps", "rad/s")];
 /// Step of the integration [s]: a run of 50 s then differs from one of 1 ms by less than 1 mm.
@@ -111,7 +114,7 @@ fn grows(after: &Squares, before: &Squares, rules: &SearchRules) -> bool {
         ..3 => lowered.error.max(sum * (2.0 / n).sqrt()),
         _ => lowered.error,
     };
-    let share = (1.0 + rules.worse).powi(2);
+    let share = (1.0 + rules.material).powi(2);
     -lowered.by > rules.interval * error && after.mean() > share * before.mean() + before.noise
 }
 
@@ -290,7 +293,7 @@ impl Campaign<'_> {
             let mut model = Model::from_toml(text, "model.next.toml")?;
             model.folder.clone_from(&self.model.folder);
             let vehicle = Vehicle::with_effects(&model)?;
-            for frame in &self.held {
+            for frame in &self.held_out {
                 let run = format!("run {}", frame.name);
                 refuse_effects(&vehicle.effects, &frame.stated_nowhere(), &run)?;
             }
@@ -306,7 +309,7 @@ impl Campaign<'_> {
             let frame = &without_pushes(frame);
             let mut rows = with_whole_side(model, frame);
             rows[TRACK] = rates(frame, &rows[TRACK], rules.track_bin_m);
-            let pieces = frame.row_count().div_ceil(rules.piece_rows).max(1);
+            let pieces = frame.row_count().div_ceil(PIECE_ROWS).max(1);
             let of_channel = |c: &usize| {
                 let length = rows[*c].len().div_ceil(pieces).max(1);
                 let squares = |piece: &[f64]| piece.iter().map(|r| r * r).sum();
@@ -317,7 +320,7 @@ impl Campaign<'_> {
             };
             used.iter().map(of_channel).collect()
         };
-        let runs: Vec<Vec<Vec<[f64; 2]>>> = self.held.par_iter().map(of_run).collect();
+        let runs: Vec<Vec<Vec<[f64; 2]>>> = self.held_out.par_iter().map(of_run).collect();
         let of_channel = |(k, c): (usize, &usize)| Squares {
             name: CHANNEL_NAMES[*c].0.to_owned(),
             unit: CHANNEL_NAMES[*c].1,

@@ -1,4 +1,4 @@
-//! The end of a search over runs: parameters, what is closed, what stands out.
+//! The end of a search over runs: parameters, what is closed, what is significant.
 
 use kufe::plot::number4;
 use kufe_sled::Model;
@@ -90,7 +90,7 @@ impl Campaign<'_> {
                     size.trim_end(),
                     custom.text
                 ),
-                decides: format!("runs with a second sensor of {sensor} beside it"),
+                decides: format!("runs with a second sensor of {sensor} mounted next to it"),
             })
         })
         .collect()
@@ -121,10 +121,10 @@ impl Campaign<'_> {
 
     /// How much of what could be explained on the locked-away runs is.
     pub fn close(&self, base: &RunFit, last: &RunFit, steps: &[Step]) -> Vec<Interval> {
-        if steps.is_empty() || base.whitener.count() == 0 || self.held.is_empty() {
+        if steps.is_empty() || base.whitener.count() == 0 || self.held_out.is_empty() {
             return Vec::new();
         }
-        // What an installation that is off beyond belief stands for is open all the same.
+        // What an installation that is implausibly far off represents is open all the same.
         let base_model = self.as_believed(&base.residual_model);
         let base_model = base_model.as_ref().unwrap_or(&base.residual_model);
         let simulator = self.simulator(&last.settled);
@@ -158,12 +158,12 @@ impl Campaign<'_> {
             &design,
             &last.settled,
             &self.training,
-            &self.held,
+            &self.held_out,
             &simulator,
             self.rules(),
             self.options.seed,
         );
-        let by_track = || track_closed([base_model, &last.settled], &self.held, self.rules());
+        let by_track = || track_closed([base_model, &last.settled], &self.held_out, self.rules());
         let track = CHANNEL_NAMES[3].0;
         let contacts = last.settled.contacts.as_ref().and_then(|c| c.step);
         steps
@@ -178,12 +178,12 @@ impl Campaign<'_> {
             .collect()
     }
 
-    /// Whether bins stand out that no twin shows: noisy inputs make bins stand out in every run alike.
+    /// Whether bins are significant that no twin shows: noisy inputs make bins significant in every run alike.
     pub fn stands_out(&self, last: &RunFit, bins: &[Bin]) -> bool {
         let simulator = self.simulator(&last.settled);
         let rules = self.rules();
         let strong =
-            |bins: &[crate::finding::Bin]| bins.iter().any(|b| b.p_value <= rules.bin_located);
+            |bins: &[crate::finding::Bin]| bins.iter().any(|b| b.p_value <= rules.alpha_levels);
         strong(bins)
             && (0..6).all(|k| {
                 let twin: Vec<Frame> = self
@@ -200,7 +200,6 @@ impl Campaign<'_> {
                     &last.residual_model,
                     &last.whitener,
                     &twin,
-                    rules.bin_shown,
                     self.options.seed,
                 ))
             })

@@ -148,7 +148,7 @@ fn instruments(noise: Option<Noise>) -> Vec<(&'static str, Noise)> {
 
 impl Plan {
     /// The plan with what it is worth.
-    pub fn told(&self, [a, b]: [&str; 2], expected_evidence: f64, splits: bool) -> NextRuns {
+    pub fn next_runs(&self, [a, b]: [&str; 2], expected_evidence: f64, splits: bool) -> NextRuns {
         NextRuns {
             runs: RUNS,
             track: self.track.name.clone(),

@@ -19,7 +19,7 @@ use crate::regression::scores::studentised;
 ///
 /// On the training runs what the candidates' directions explain of the residual before is fitted, f ([`explained`]). On other
 /// runs, whose noise is independent of f, `f . r_before` measures what is explainable there and `f . r_after` what of it
-/// is left; what twins show of both (bias of noisy inputs) is taken off. The interval comes from resampling runs; it is
+/// remains; what twins show of both (bias of noisy inputs) is taken off. The interval comes from resampling runs; it is
 /// -1 to 1 where the runs hold too little that is explainable.
 pub fn explainable_closed(
     before: &Design,
@@ -57,7 +57,7 @@ pub fn explainable_closed(
         .enumerate()
         .map(|(i, frame)| {
             let (b, a) = pair(frame);
-            // In a twin of the final model nothing is left to find: both products show bias alone.
+            // In a twin of the final model nothing remains to be found: both products show bias alone.
             let twins = simulator.pair(frame, after, 3_000_017, i);
             let bias = 0.5 * (pair(&twins.plus).1 + pair(&twins.minus).1) - pair(&twins.truth).1;
             (b - bias, a - bias)
@@ -112,10 +112,10 @@ pub fn explainable_closed(
     }
 }
 
-/// Coefficients of all columns, base first, of what the candidates explain beyond the base.
+/// Coefficients of all columns, base first, of what the candidates explain given the base.
 ///
-/// The candidates' products beyond the base, scaled to a unit diagonal, are split into principal directions. A direction takes
-/// part where it is not all but collinear with others, and where its scores stand out by two errors over runs: what the rest
+/// The candidates' products given the base, scaled to a unit diagonal, are split into principal directions. A direction takes
+/// part where it is not all but collinear with others, and where its scores are significant by two errors over runs: what the rest
 /// adds to f is noise, which would hide how much of the rest is closed.
 fn explained(grams: &[DMatrix<f64>], prior: &Prior, rules: &RunRules) -> DVector<f64> {
     let m = grams[0].ncols();
@@ -126,19 +126,19 @@ fn explained(grams: &[DMatrix<f64>], prior: &Prior, rules: &RunRules) -> DVector
     // The base's part of each candidate, and of the residual.
     let of_candidates = &base * total.view((0, p), (p, q));
     let of_residual = &base * (total.view((0, m - 1), (p, 1)).column(0) + prior.scores(&prior.at));
-    let beyond = total.view((p, p), (q, q)) - total.view((p, 0), (q, p)) * &of_candidates;
+    let free_products = total.view((p, p), (q, q)) - total.view((p, 0), (q, p)) * &of_candidates;
     let scale = DVector::from_fn(q, |c, _| {
         let own = total[(p + c, p + c)];
         if own > 0.0 { 1.0 / own.sqrt() } else { 0.0 }
     });
-    let scaled = DMatrix::from_fn(q, q, |a, b| scale[a] * beyond[(a, b)] * scale[b]);
+    let scaled = DMatrix::from_fn(q, q, |a, b| scale[a] * free_products[(a, b)] * scale[b]);
     let scaled = (&scaled + scaled.transpose()) * 0.5;
     let scores: Vec<DVector<f64>> = grams
         .iter()
         .map(|g| {
-            let left = g.view((0, m - 1), (m - 1, 1)).column(0)
+            let residual_scores = g.view((0, m - 1), (m - 1, 1)).column(0)
                 - g.view((0, 0), (m - 1, p)) * &of_residual;
-            let u = left.rows(p, q) - of_candidates.tr_mul(&left.rows(0, p));
+            let u = residual_scores.rows(p, q) - of_candidates.tr_mul(&residual_scores.rows(0, p));
             u.component_mul(&scale)
         })
         .collect();

@@ -1,6 +1,6 @@
-//! What the locked-away runs say of one model beside another, all channels together.
+//! What the locked-away runs say of one model compared with another, all channels together.
 //!
-//! With residuals r weighed by their covariance on the training runs (beside contacts by their deviations alone), pieces k of the
+//! With residuals r weighed by their covariance on the training runs (with contacts by their deviations alone), pieces k of the
 //! locked-away runs, and m the mean residual of the training runs at the same place of the same track:
 //!
 //! ```text
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::evidence::runs::campaign::{Campaign, RunFit, Told};
+use crate::evidence::runs::campaign::{Campaign, RunFit, Unwritten};
 use crate::evidence::runs::contacts::grip::apart_from_grip;
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::contacts::own::{left_without, rows_beneath, without_pushes};
@@ -30,13 +30,14 @@ use crate::evidence::runs::model::residual_model::{
     BALANCES, CHANNEL_NAMES, CHANNELS, ChannelRows, ResidualModel, TRACK,
 };
 use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::outcome::choose::PIECE_ROWS;
 use crate::evidence::runs::outcome::gap::judged_rows;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::{gains, rates};
 use crate::finding::Interval;
 use crate::procedure::lowered::Lowered;
 
-/// What noise alone keeps of a promise ([`kept_promise`]) no more often than it leaves what is normal beyond one standard error:
+/// What noise alone keeps of a promise ([`kept_promise`]) no more often than it leaves what is normal above one standard error:
 /// `2 ln (1 / 0.159)`.
 const KEPT_BY_CHANCE: f64 = 3.7;
 
@@ -46,8 +47,8 @@ type Place<'a> = (usize, &'a str, i64);
 impl Campaign<'_> {
     /// By how much the locked-away runs' gap is lower with `to` than with `from`.
     ///
-    /// Models freed of what noisy inputs add are held against one another, or, where one has not been, both without; neither beside an
-    /// installation that is off beyond belief.
+    /// Models freed of what noisy inputs add are compared with one another, or, where one has not been, both without; neither with an
+    /// installation that is implausibly far off.
     pub fn lowered_by(&self, from: &RunFit, to: &RunFit) -> Option<Lowered> {
         let freed = !from.estimates.is_empty() && !to.estimates.is_empty();
         let model = |fit: &RunFit| {
@@ -59,12 +60,12 @@ impl Campaign<'_> {
         };
         let mut before = model(from)?;
         let after = model(to)?;
-        // What clocks of their own stood for is judged beside clocks as they are stated.
+        // What clocks of their own represented is judged with clocks as they are stated.
         if before.installation.has_own_clocks() && !after.installation.has_own_clocks() {
             before = self.with_stated_clocks(&before)?;
         }
-        let lowered = self.lowered_between(&before, &after, to.told.as_ref())?;
-        // What repeats because the installation is off within its tolerances is no gap that a claim has to close.
+        let lowered = self.lowered_between(&before, &after, to.unwritten.as_ref())?;
+        // What repeats because the installation is off within its tolerances is no gap that a selected effect has to close.
         let mut repeats = self.repeats(&before);
         if !from.residual_model.installation.sizes.is_empty() {
             repeats = repeats.min(self.repeats(&from.residual_model));
@@ -87,7 +88,7 @@ impl Campaign<'_> {
             let rows = judged(model, frame, width, &whitener);
             repeating(self.placed(frame, &rows), &means, &shares(&few, frame))
         };
-        let each: Vec<f64> = self.held.par_iter().map(of_run).collect();
+        let each: Vec<f64> = self.held_out.par_iter().map(of_run).collect();
         each.iter().sum::<f64>().max(0.0)
     }
 
@@ -98,7 +99,7 @@ impl Campaign<'_> {
         (learned, whitener)
     }
 
-    /// What one standard deviation of each of the installation's tolerances leaves on the locked-away runs beyond a refit of the base, summed.
+    /// What one standard deviation of each of the installation's tolerances leaves on the locked-away runs after a refit of the base, summed.
     fn tolerated(&self, before: &ResidualModel) -> f64 {
         let model = ResidualModel {
             installation: Installation::new(&self.model.tolerances.unwrap_or_default()),
@@ -108,21 +109,21 @@ impl Campaign<'_> {
             return 0.0;
         }
         let whitener = Whitener::estimate(&residuals(before, &self.training), self.used);
-        self.installation_beyond_base(&model, &whitener, &self.held)
+        self.installation_beyond_base(&model, &whitener, &self.held_out)
             .trace()
     }
 
-    /// The fall alone for two models, the second with an effect beside it that no simulation knows.
+    /// The fall alone for two models, the second with an effect with it that no simulation knows.
     pub fn lowered_between(
         &self,
         before: &ResidualModel,
         after: &ResidualModel,
-        told: Option<&Told>,
+        unwritten: Option<&Unwritten>,
     ) -> Option<Lowered> {
         let rules = self.rules();
         let width = rules.track_bin_m;
         let (learned, mut whitener) = self.learned(before);
-        // A push that is taken off one balance and left in the other is no noise that they share.
+        // A push that is taken off one balance and remaining in the other is no noise that they share.
         if before.contacts.is_some() || after.contacts.is_some() {
             whitener = whitener.apart();
         }
@@ -131,7 +132,7 @@ impl Campaign<'_> {
             rows_alike(contacts, &self.training, &rows)
         };
         let alike = [before, after].map(|model| model.contacts.as_ref().map_or(1.0, alike));
-        // Beside a large effect both leave as little as the one that has it.
+        // With a large effect both leave as little as the one that has it.
         let beyond_noise: [f64; BALANCES] =
             std::array::from_fn(|c| before.beyond_noise[c].min(after.beyond_noise[c]));
         // Where one of them alone has contacts they are judged by what others' promised.
@@ -155,10 +156,10 @@ impl Campaign<'_> {
                 let known = by.is_finite() && by > 0.0;
                 whitener.sd[c] * if known { by.sqrt() } else { 1.0 }
             });
-            let mut left = judged(after, frame, width, &whitener.with_sd(counts));
-            if let Some(Told {
+            let mut after_rows = judged(after, frame, width, &whitener.with_sd(counts));
+            if let Some(Unwritten {
                 candidate, size, ..
-            }) = told
+            }) = unwritten
             {
                 let design = Design {
                     residual_model: after,
@@ -173,19 +174,19 @@ impl Campaign<'_> {
                 let used = (0..3).filter(|c| self.used[*c]);
                 let places = used.flat_map(|c| (0..frame.row_count()).map(move |i| (c, i)));
                 for ((c, i), change) in places.zip(own.iter()) {
-                    left[c][i] -= change * size / candidate.typical;
+                    after_rows[c][i] -= change * size / candidate.typical;
                 }
             }
             if promised {
                 let most = rules.contacts.most_of_a_row;
-                for row in rows[1].iter_mut().chain(&mut left[1]) {
+                for row in rows[1].iter_mut().chain(&mut after_rows[1]) {
                     *row = row.clamp(-most, most);
                 }
             }
-            let pieces = (few.row_count() as f64 / rules.piece_rows as f64).ceil() as usize;
-            let falls = falls(&rows, &left, &shares, pieces.max(1));
+            let pieces = (few.row_count() as f64 / PIECE_ROWS as f64).ceil() as usize;
+            let falls = falls(&rows, &after_rows, &shares, pieces.max(1));
             // What set a contact doesn't judge it: of the side balance counts what others' contacts promised of it.
-            let kept = |model: &ResidualModel, alike: f64| {
+            let retained = |model: &ResidualModel, alike: f64| {
                 let contacts = model.contacts.as_ref().filter(|_| promised)?;
                 let mut own = left_without(model, std::slice::from_ref(frame));
                 apart_from_grip(model, std::slice::from_ref(frame), &mut own);
@@ -194,13 +195,13 @@ impl Campaign<'_> {
                 Some(kept_promise(contacts, frame, &side, sd, shares[1] / alike))
             };
             let [own, next] = [(before, alike[0]), (after, alike[1])]
-                .map(|(model, alike)| kept(model, alike).unwrap_or_default());
+                .map(|(model, alike)| retained(model, alike).unwrap_or_default());
             (falls, next - own)
         };
-        let each: Vec<(Vec<[f64; CHANNELS]>, f64)> = self.held.par_iter().map(of_run).collect();
+        let each: Vec<(Vec<[f64; CHANNELS]>, f64)> = self.held_out.par_iter().map(of_run).collect();
         let falls: Vec<[f64; CHANNELS]> =
             each.iter().flat_map(|(falls, _)| falls.clone()).collect();
-        let kept: f64 = each.iter().map(|(_, kept)| kept).sum();
+        let retained: f64 = each.iter().map(|(_, retained)| retained).sum();
         if !promised {
             let learned = self.training.par_iter().map(|run| sum(&of_run(run).0));
             let names = CHANNEL_NAMES.map(|(name, _)| name);
@@ -211,15 +212,15 @@ impl Campaign<'_> {
         let whole: Vec<f64> = falls.iter().map(|fall| fall.iter().sum()).collect();
         let lowered = Lowered::over(&whole, 0.0)?;
         Some(Lowered {
-            by: lowered.by + kept,
+            by: lowered.by + retained,
             error: lowered.error.hypot(KEPT_BY_CHANCE),
-            weighed: Some([kept, KEPT_BY_CHANCE]),
-            promise: Some([kept, KEPT_BY_CHANCE]),
+            weighed: Some([retained, KEPT_BY_CHANCE]),
+            promise: Some([retained, KEPT_BY_CHANCE]),
             ..lowered
         })
     }
 
-    /// The share of what the locked-away runs' contacts leave beyond noise, in the balances that did not set them, that a model with contacts
+    /// The share of what the locked-away runs' contacts leave above noise, in the balances that did not set them, that a model with contacts
     /// closes; the interval from the scatter of runs.
     pub fn contacts_closed(&self, with: &ResidualModel) -> Interval {
         let bare = ResidualModel {
@@ -241,7 +242,7 @@ impl Campaign<'_> {
             let before = square(&bare);
             [before, before - square(with)]
         };
-        let each: Vec<[f64; 2]> = self.held.iter().map(of_run).collect();
+        let each: Vec<[f64; 2]> = self.held_out.iter().map(of_run).collect();
         let open: f64 = each.iter().map(|[before, _]| before).sum();
         let falls: Vec<f64> = each.iter().map(|[_, fall]| *fall).collect();
         let lowered = Lowered::over(&falls, open).filter(|l| l.repeats > 0.0);
@@ -290,7 +291,7 @@ impl Campaign<'_> {
     fn placed<'a>(&self, frame: &'a Frame, rows: &ChannelRows) -> Vec<(Place<'a>, f64)> {
         let rules = self.rules();
         let s = frame.rows(&frame.s);
-        let at = |s: &f64| (s / rules.place_m).floor() as i64;
+        let at = |s: &f64| (s / rules.window_m).floor() as i64;
         let mut placed = Vec::new();
         for (c, rows) in rows.iter().enumerate() {
             let places: Vec<i64> = match c {

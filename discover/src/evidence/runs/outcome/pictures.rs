@@ -31,7 +31,7 @@ impl Campaign<'_> {
     /// Residuals along each track of the given model and of the one that was written, then each effect that acts everywhere over
     /// its column.
     pub fn pictures(&self, last: &RunFit, steps: &[Step], gaps: &[ChannelGap]) -> Vec<Picture> {
-        let frames: Vec<Frame> = self.whole().iter().chain(&self.held).cloned().collect();
+        let frames: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
         let rows = [&self.given, &last.settled].map(|model| residuals(model, &frames));
         let shown = shown_channels(steps, gaps);
         let mut pictures = strips(last, &shown, &frames, &rows);
@@ -153,7 +153,7 @@ fn means_along(s: &[f64], rows: &[f64], from: f64, step: f64, to: f64) -> Vec<f6
 }
 
 /// An effect's contribution to one channel over the column that explains most of it, with what the data say: the residual that is
-/// left when the effect alone is taken out of the model.
+/// remaining when the effect alone is taken out of the model.
 ///
 /// The column is the one of [`COLUMNS`] and [`STATED`] with the largest correlation ratio: the share of the contribution's variance that lies
 /// between its bins.

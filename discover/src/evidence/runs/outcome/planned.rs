@@ -1,6 +1,6 @@
 //! The next runs: which ones would tell the members of a class apart, by simulating them.
 //!
-//! Every plan is driven by the model with each member at its fitted size, without noise, and looked at with every other member's model, each fitted to the same
+//! Every plan is driven by the model with each member at its fitted size, without noise, and examined with every other member's model, each fitted to the same
 //! runs. With r the difference of the two models' rows in units of the noise found, U the columns of what is not known (a session's own friction and grip
 //! over their deviations between the sessions there are; the other's parameters, base, installation and size, over what the runs there are leave open of
 //! them), and n runs alike in one session, the logarithm of the likelihood ratio to expect is
@@ -9,7 +9,7 @@
 //! 1/2 (n r'r  -  n^2 r'U (1 + n U'U)^-1 U'r)
 //! ```
 //!
-//! and a plan is worth the smallest of any two members that some plan tells apart. A member of t = sqrt(2 times that) is expected to lack so much beside the other.
+//! and a plan is worth the smallest of any two members that some plan tells apart. A member of t = sqrt(2 times that) is expected to lose so much with the other.
 
 use kufe_sled::Noise;
 use nalgebra::{DMatrix, DVector};
@@ -26,8 +26,8 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::levels::group;
 use crate::finding::NextRuns;
 use crate::finding::Step;
-use crate::procedure::beside::{Amount, Beside as _};
 use crate::procedure::evidence::Evidence as _;
+use crate::procedure::shared_effects::{Amount, SharesEffects as _};
 use crate::regression::inverse::ridge_inverse;
 
 /// A member of the class.
@@ -44,7 +44,7 @@ type Pair = ([usize; 2], f64);
 impl Campaign<'_> {
     /// Runs that would halve the smallest sizes that can be found, which go as one over the root of their number.
     pub fn runs_to_halve(&self) -> String {
-        let runs = self.training.len() + self.held.len();
+        let runs = self.training.len() + self.held_out.len();
         let mut tracks: Vec<&str> = self.training.iter().map(|f| f.track.as_str()).collect();
         tracks.sort_unstable();
         tracks.dedup();
@@ -92,7 +92,7 @@ impl Campaign<'_> {
                 let counted = pairs.iter().filter(|pair| !any || split(pair));
                 let least = counted.min_by(|a, b| a.1.total_cmp(&b.1))?;
                 let names = least.0.map(|m| members[m].effect.as_str());
-                Some(plan.told(names, least.1, campaign.splits(least.1)))
+                Some(plan.next_runs(names, least.1, campaign.splits(least.1)))
             })
             .collect();
         judged.sort_by(|a, b| b.expected_evidence.total_cmp(&a.expected_evidence));
@@ -107,11 +107,16 @@ impl Campaign<'_> {
     }
 
     /// The model with each member of a step's class in turn, fitted.
-    fn members(&mut self, last: &RunFit, step: usize, told: &Step) -> Result<Vec<Member>, Error> {
+    fn members(
+        &mut self,
+        last: &RunFit,
+        step: usize,
+        reported: &Step,
+    ) -> Result<Vec<Member>, Error> {
         let without = self.without_step(last, step)?;
-        let mut members = vec![self.member(&told.effect, last)];
-        for effect in &told.class[1..] {
-            let Some(rival) = told.rivals.iter().find(|r| r.effect == *effect) else {
+        let mut members = vec![self.member(&reported.effect, last)];
+        for effect in &reported.class[1..] {
+            let Some(rival) = reported.rivals.iter().find(|r| r.effect == *effect) else {
                 continue;
             };
             let amount = Amount {
@@ -121,10 +126,10 @@ impl Campaign<'_> {
                 value: rival.size,
                 error: 0.0,
             };
-            let Some(claim) = self.claim(&without, &amount) else {
+            let Some(selection) = self.select(&without, &amount) else {
                 continue;
             };
-            let added = self.add(&without, &claim, told.class.len() + step)?;
+            let added = self.add(&without, &selection, reported.class.len() + step)?;
             members.push(self.member(effect, &added.fit));
         }
         Ok(members)
@@ -245,8 +250,8 @@ impl Campaign<'_> {
         whitener.with_sd(std::array::from_fn(|c| {
             let sd = whitener.sd[c];
             // What is no sensor's noise stays.
-            let left = sd * sd - before[c].powi(2) + after[c].powi(2);
-            left.max(after[c].powi(2)).sqrt().min(sd)
+            let variance = sd * sd - before[c].powi(2) + after[c].powi(2);
+            variance.max(after[c].powi(2)).sqrt().min(sd)
         }))
     }
 }
@@ -268,7 +273,7 @@ fn expected(r: &DVector<f64>, unknown: &DMatrix<f64>) -> f64 {
 mod tests {
     use super::*;
 
-    /// With levels known the ratio is half the sum of squares; with levels that nobody knows a change that looks like one is worth
+    /// With levels known the ratio is half the sum of squares; with levels that nobody knows a change that resembles one is worth
     /// nothing, however often it is driven; in between it is that of the marginal normal law, by its full covariance.
     #[test]
     fn the_expected_ratio_is_that_of_normal_rows_with_levels_of_their_own() {

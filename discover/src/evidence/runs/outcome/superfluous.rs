@@ -1,8 +1,8 @@
-//! Which claims the others have made superfluous, which laws do not stand out of their own error, and in whose place one effect does: a sled
+//! Which selected effects the others have made superfluous, which laws do not exceed their own error, and in whose place one effect does: a sled
 //! heavier than its model feels less drag, and turns more easily, by the share that its forces are said to be smaller.
 
 use crate::error::Error;
-use crate::evidence::runs::campaign::{Campaign, RunFit, Told, gap_of};
+use crate::evidence::runs::campaign::{Campaign, RunFit, Unwritten, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::{Effort, residuals};
 use crate::evidence::runs::laws::sums::{difference, total};
@@ -16,7 +16,7 @@ use crate::procedure::evidence::{Account, SUPERFLUOUS};
 /// A candidate by itself: its model, and what that leaves of each run.
 struct Alone {
     model: ResidualModel,
-    left: Vec<f64>,
+    misfit: Vec<f64>,
 }
 
 /// One effect in place of one step or two.
@@ -32,7 +32,7 @@ struct OneInstead {
 }
 
 impl Campaign<'_> {
-    /// The fit with the steps that each stand out of their errors beside the others, as it would be written.
+    /// The fit with the steps that are each significant given the others, as it would be written.
     ///
     /// # Errors
     /// Those of the fits.
@@ -52,7 +52,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// The first step whose every amplitude has become weak: beside the others, or, of a law beyond the catalogue, beside what its
+    /// The first step whose every amplitude has become weak: given the others, or, of a law outside the catalogue, given what its
     /// numbers are known by with everything else free.
     fn superfluous(&self, fit: &RunFit, steps: &[Step]) -> Option<usize> {
         let residual_model = &fit.residual_model.hold(false);
@@ -66,7 +66,7 @@ impl Campaign<'_> {
         let amplitudes = &estimates[self.free.len()..];
         let weak = |step: usize| {
             let least = match law(&steps[step]) {
-                true => self.rules().laws.stands_t,
+                true => self.rules().laws.number_t,
                 false => self.options.rules.search.superfluous_t,
             };
             residual_model
@@ -80,7 +80,7 @@ impl Campaign<'_> {
             .find(|step| fit.owners.contains(step) && steps[*step].channel != track && weak(*step))
     }
 
-    /// The first step of which every amplitude could as well be 0, by the intervals that are told of it.
+    /// The first step of which every amplitude could as well be 0, by the intervals that are reported of it.
     fn of_no_size(&self, last: &RunFit, steps: &[Step]) -> Option<usize> {
         let of_forces = |step: &usize| steps[*step].channel != CHANNEL_NAMES[3].0;
         let sizes = self.parameters(last, steps.len());
@@ -108,8 +108,8 @@ impl Campaign<'_> {
                 ),
             };
             let effect = one.class[0].clone();
-            let told = format!("{effect} of the class of {} {why}", step.effect);
-            account.remarks.push(told);
+            let message = format!("{effect} of the class of {} {why}", step.effect);
+            account.remarks.push(message);
             (step.effect, step.class) = (effect, one.class);
             account.steps.remove(first.max(other));
             if first != other {
@@ -151,7 +151,7 @@ impl Campaign<'_> {
                 if other != first {
                     without = self.without_step(&without, other.min(first))?;
                 }
-                // What the installation is off by beside them stands for a part of the one.
+                // What the installation is off by with them represents a part of the one.
                 let bare = ResidualModel {
                     installation: Installation::default(),
                     ..without.residual_model
@@ -160,19 +160,19 @@ impl Campaign<'_> {
                     .iter()
                     .filter_map(|c| Some((c.effect.as_str(), self.alone(&bare, c)?)));
                 let mut each: Vec<(&str, Alone)> = each.collect();
-                each.sort_by(|(_, a), (_, b)| total(&a.left).total_cmp(&total(&b.left)));
+                each.sort_by(|(_, a), (_, b)| total(&a.misfit).total_cmp(&total(&b.misfit)));
                 let Some(best) = each.iter().position(|(name, _)| *name != step.effect) else {
                     continue;
                 };
                 let (effect, one) = each.remove(best);
-                let [more, error] = difference(&one.left, &as_it_is);
+                let [more, error] = difference(&one.misfit, &as_it_is);
                 let better = match other == first {
                     true => more < -alike * error,
                     false => more <= alike * error,
                 };
                 if better {
                     let as_good = each.into_iter().filter(|(_, rival)| {
-                        let [more, error] = difference(&rival.left, &one.left);
+                        let [more, error] = difference(&rival.misfit, &one.misfit);
                         more <= alike * error
                     });
                     let mut class = vec![effect.to_owned()];
@@ -197,13 +197,13 @@ impl Campaign<'_> {
         Ok(None)
     }
 
-    /// What a model leaves of each run, fitted, what its installation is off by found, and fitted once more beside that: found to first order
-    /// it stands where base and effects are bent.
+    /// What a model leaves of each run, fitted, what its installation is off by found, and fitted once more with that: found to first order
+    /// it applies where base and effects are bent.
     fn left_by(&self, model: &ResidualModel) -> Option<Vec<f64>> {
         let refit = self.beside_either(model, Effort::COMPARED, f64::INFINITY)?;
         let anew = self.installed_anew(&refit)?;
-        let beside = self.beside_either(&anew.model, Effort::COMPARED, f64::INFINITY)?;
-        Some(self.misfit_by_run(&beside))
+        let refitted = self.beside_either(&anew.model, Effort::COMPARED, f64::INFINITY)?;
+        Some(self.misfit_by_run(&refitted))
     }
 
     /// A candidate fitted to a model without an installation, of either sign.
@@ -215,7 +215,7 @@ impl Campaign<'_> {
         let tried = [1.0, -1.0].into_iter().filter_map(of_sign);
         let one = tried.min_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
         Some(Alone {
-            left: self.left_by(&one.model)?,
+            misfit: self.left_by(&one.model)?,
             model: one.model,
         })
     }
@@ -246,10 +246,13 @@ impl Campaign<'_> {
             .map(|o| o - usize::from(*o > step))
             .collect();
         let mut next = self.fitted(&residual_model, owners)?;
-        let told = fit.told.clone().filter(|told| told.step != step);
-        next.told = told.map(|told| Told {
-            step: told.step - usize::from(told.step > step),
-            ..told
+        let unwritten = fit
+            .unwritten
+            .clone()
+            .filter(|unwritten| unwritten.step != step);
+        next.unwritten = unwritten.map(|unwritten| Unwritten {
+            step: unwritten.step - usize::from(unwritten.step > step),
+            ..unwritten
         });
         Ok(next)
     }

@@ -10,8 +10,8 @@ use crate::procedure::evidence::Account;
 impl Campaign<'_> {
     /// Estimates of a fit, and the model that is written of it.
     ///
-    /// Sizes of effects are those beside an installation that may be off. A model file states no such errors: friction and grip
-    /// are fitted once more to the runs as they were recorded. Their intervals are of what is true: as wide as beside the installation, and
+    /// Sizes of effects are those with an installation that may be off. A model file states no such errors: friction and grip
+    /// are fitted once more to the runs as they were recorded. Their intervals are of what is true: as wide as with the installation, and
     /// by as much as its errors have moved them.
     ///
     /// # Errors
@@ -47,8 +47,8 @@ impl Campaign<'_> {
             &BESIDE_INSTALLATION,
             self.settles(),
         );
-        for (beside, written) in fit.estimates.iter_mut().zip(&base) {
-            *beside = beside.stated_as(written.value);
+        for (estimate, written) in fit.estimates.iter_mut().zip(&base) {
+            *estimate = estimate.stated_as(written.value);
         }
         fit.settled = ResidualModel { frozen, ..written };
         Ok(())
@@ -66,7 +66,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// What the installation is off by, where that stands out of its error: within its tolerance here, beyond it in the remarks.
+    /// What the installation is off by, where that exceeds its error significantly: within its tolerance here, outside it in the remarks.
     pub fn within_tolerance(&self, last: &RunFit, account: &mut Account) -> Vec<Tolerated> {
         let rules = &self.options.rules.search;
         let parts = &last.residual_model.installation.parts;
@@ -91,13 +91,13 @@ impl Campaign<'_> {
                 continue;
             }
             account.remarks.push(format!(
-                "{}: {size:.2e} {} +- {half:.1e}, beyond its tolerance of {} (a standard deviation): it was allowed for and not named",
+                "{}: {size:.2e} {} +- {half:.1e}, outside its tolerance of {} (a standard deviation): it was allowed for and not named",
                 part.what, part.unit, part.stated
             ));
         }
         if let Some(part) = parts.iter().find(|part| part.sd > part.stated) {
             account.remarks.push(format!(
-                "channels have clocks of their own: beside one another they are late by {:.4} {unit} (a standard deviation) where {} {unit} is stated; a lag is named where it stands out of that; {}",
+                "channels have clocks of their own: relative to one another they are late by {:.4} {unit} (a standard deviation) where {} {unit} is stated; a lag is named where it exceeds that; {}",
                 part.sd,
                 part.stated,
                 clocks.join(", "),

@@ -7,7 +7,7 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::learned::Learned;
 
 /// The columns that effects may need, recorded in every run and varying in those that are learned from; what is missing or
-/// constant is told in `remarks`.
+/// constant is reported in `remarks`.
 pub fn available(
     runs: &[Run],
     learned: &[Learned],

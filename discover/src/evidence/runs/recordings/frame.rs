@@ -31,11 +31,11 @@ pub struct Frame {
     pub distance_before: f64,
     /// Time between samples of the recording [s].
     pub recorded_dt: f64,
-    /// Low pass from kept samples to rows.
+    /// Low pass from retained samples to rows.
     pub sieve: Kernel,
-    /// Which kept samples take part; the others stand beside a gap, with numbers across it of which no row is made.
+    /// Which retained samples take part; the others are next to a gap, with numbers across it of which no row is made.
     pub taking_part: Vec<bool>,
-    /// Kept samples around which rows are centred.
+    /// Retained samples around which rows are centred.
     pub centres: Vec<usize>,
     /// Time [s].
     pub t: Vec<f64>,
@@ -78,12 +78,12 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Number of kept samples.
+    /// Number of retained samples.
     pub fn len(&self) -> usize {
         self.t.len()
     }
 
-    /// Time between kept samples [s].
+    /// Time between retained samples [s].
     pub fn sample_s(&self) -> f64 {
         match self.t.as_slice() {
             [first, .., last] => (last - first) / (self.t.len() - 1) as f64,
@@ -119,7 +119,7 @@ impl Frame {
         nowhere.map(|(name, _)| name).collect()
     }
 
-    /// A signal at kept samples, low-passed and thinned to rows.
+    /// A signal at retained samples, low-passed and thinned to rows.
     pub fn rows(&self, x: &[f64]) -> Vec<f64> {
         if x.is_empty() {
             return Vec::new();
@@ -127,14 +127,14 @@ impl Frame {
         self.sieve.smooth_at(x, &self.centres)
     }
 
-    /// The same where rows are left out beside gaps.
+    /// The same where rows are omitted next to gaps.
     pub fn rows_left_out(&self, x: &[f64]) -> Vec<f64> {
         let left_out = |i: &usize| self.centres.binary_search(i).is_err();
         let centres: Vec<usize> = self.sieve.centres(self.len()).filter(left_out).collect();
         self.sieve.smooth_at(x, &centres)
     }
 
-    /// The kept samples that take part.
+    /// The retained samples that take part.
     pub fn samples(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.len()).filter(|i| self.taking_part[*i])
     }

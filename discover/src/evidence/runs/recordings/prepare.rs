@@ -67,7 +67,7 @@ impl Data {
 
 /// Smooths, decimates and completes runs that are already read.
 ///
-/// A part is locked away by `lock` before noise, signs and availability are looked at: these come from the rest.
+/// A part is locked away by `lock` before noise, signs and availability are examined: these come from the rest.
 ///
 /// # Errors
 /// [`Error::TooFew`] where a run is shorter than the smoothing needs.
@@ -129,7 +129,7 @@ pub fn prepare(
                 });
             }
             remarks.push(format!(
-                "one run only: it is cut into {} segments of {:.0} s that stand for runs; what differs from run to run cannot be seen",
+                "one run only: it is cut into {} segments of {:.0} s that serve as runs; what differs from run to run cannot be seen",
                 frames.len(),
                 frames[0].t.last().unwrap_or(&0.0) - frames[0].t[0]
             ));
@@ -191,7 +191,7 @@ pub fn prepare(
         locked_runs: if segmented {
             Vec::new()
         } else {
-            locked.held.iter().map(|i| runs[*i].clone()).collect()
+            locked.held_out.iter().map(|i| runs[*i].clone()).collect()
         },
         locked,
         gaps,
@@ -251,8 +251,8 @@ fn learned<'a>(
     locked.training.iter().map(piece).collect()
 }
 
-/// Cuts one long run into segments of at least 10 s, about 24 of them, with a second left out between neighbours; those that gaps leave
-/// next to nothing of are left out.
+/// Cuts one long run into segments of at least 10 s, about 24 of them, with a second omitted between neighbours; those that gaps leave
+/// next to nothing of are omitted.
 fn cut(frame: &Frame) -> Vec<Frame> {
     let n = frame.len();
     let gap = ((n as f64 / (frame.t[n - 1] - frame.t[0]).max(1e-9)).round() as usize).max(1);

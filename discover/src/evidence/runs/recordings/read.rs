@@ -26,7 +26,7 @@ const INDISPENSABLE: Needs = Needs {
 
 /// Reads an index and its runs, locks a part of them away and makes them ready.
 ///
-/// A column beyond the indispensable ones may be missing; effects that need it are then not testable.
+/// A column other than the indispensable ones may be missing; effects that need it are then not testable.
 ///
 /// # Errors
 /// Those of the sled's readers; [`Error::Duplicate`] where two runs hold the same samples; [`Error::TooFew`].
@@ -46,7 +46,7 @@ pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Erro
     refuse_copies(index, &runs)?;
     check_relations(&mut runs)?;
     let folder = index.parent().unwrap_or(Path::new(""));
-    let tables = TrackTables::beside(folder, &runs)?;
+    let tables = TrackTables::in_folder(folder, &runs)?;
     let mut data = prepare(&runs, model, &tables.slopes, &options.rules)?;
     data.tracks = tables.whole;
     Ok(data)

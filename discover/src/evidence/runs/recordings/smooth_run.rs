@@ -23,11 +23,11 @@ pub fn signal_kernel(dt: f64, rules: &RecordingRules) -> Kernel {
 pub const LEAST_ROWS: usize = 10;
 /// How far a recorded distance may be from the sum of the speed that it is said to be [m]; below the length of a sled.
 const SAME_PLACE_M: f64 = 1.0;
-/// Kept samples beside one that does not take part that take none either: an installation's delay moves a channel by less
-/// than a kept sample, by a cubic through the two on each side.
+/// Retained samples next to one that does not take part that take none either: an installation's delay moves a channel by less
+/// than a retained sample, by a cubic through the two on each side.
 const DELAY_REACH: usize = 2;
 
-/// Which kept samples no gap reaches: their whole window was recorded, and that of their neighbours.
+/// Which retained samples no gap reaches: their whole window was recorded, and that of their neighbours.
 fn taking_part(kernel: &Kernel, recorded: &[bool]) -> Vec<bool> {
     let clear = kernel.clear_centres(recorded);
     let all: Vec<usize> = kernel.centres(recorded.len()).collect();
@@ -244,7 +244,7 @@ mod tests {
         let (whole, holed) = (framed(&run(0..0)), framed(&run(gone.clone())));
         assert_eq!(whole.len(), holed.len());
         assert_eq!(whole.row_count(), whole.sieve.centres(whole.len()).count());
-        // Plainly: a row is what the sieve's window of kept samples and the two beside it make, each of the kernel's window.
+        // Plainly: a row is what the sieve's window of retained samples and the two with it make, each of the kernel's window.
         let rules = Rules::default().runs.recordings;
         let kernel = signal_kernel(0.01, &rules);
         let reach = kernel.margin() + (DELAY_REACH + whole.sieve.margin()) * kernel.stride;
@@ -262,9 +262,9 @@ mod tests {
             |f| f.rows(&f.s),
         ] as [fn(&Frame) -> Vec<f64>; 4]
         {
-            let (all, left) = (of(&whole), of(&holed));
+            let (all, retained) = (of(&whole), of(&holed));
             let same = whole.centres.iter().zip(all).filter(|(i, _)| far(i));
-            assert!(same.map(|(_, x)| x).eq(left.iter().copied()));
+            assert!(same.map(|(_, x)| x).eq(retained.iter().copied()));
             // Across the gap there is a number all the same.
             assert!(holed.v.iter().all(|v| (18.0..22.0).contains(v)));
         }

@@ -21,11 +21,11 @@ pub struct TrackTables {
 }
 
 impl TrackTables {
-    /// Reads `track_NAME.csv` beside the index, where there is one.
+    /// Reads `track_NAME.csv` from the folder of the index, where there is one.
     ///
     /// # Errors
     /// Those of the table; [`Error::File`] where s_m does not increase.
-    pub fn beside(folder: &Path, runs: &[Run]) -> Result<TrackTables, Error> {
+    pub fn in_folder(folder: &Path, runs: &[Run]) -> Result<TrackTables, Error> {
         let mut tables = TrackTables {
             slopes: Surveys::new(),
             whole: Vec::new(),
@@ -75,7 +75,7 @@ pub fn turn_slopes(frames: &mut [Frame], learned: &[usize], remarks: &mut Vec<St
     agreement < 0.0
 }
 
-/// Linear interpolation, constant beyond the ends.
+/// Linear interpolation, constant outside the ends.
 pub fn interpolate(profile: &[(f64, f64)], s: f64) -> f64 {
     let at = profile.partition_point(|(x, _)| *x < s);
     if at == 0 {

@@ -1,25 +1,24 @@
-//! Claims from session to session and from run to run.
+//! Selection from session to session and from run to run.
 
 use kufe_sled::effects::Level;
 
-use crate::evidence::runs::beside::between;
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::screen::levels::judge;
+use crate::evidence::runs::shared_effects::between;
 use crate::finding::Rival;
-use crate::procedure::beside::Chance;
-use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Account, Claim, Randomised};
+use crate::procedure::evidence::{Account, Randomised, Selection};
 use crate::procedure::rivals::NamedEffect;
+use crate::procedure::shared_effects::Chance;
 
 impl Campaign<'_> {
-    /// The claim between sessions or runs, where one stands out, and what every candidate shows.
+    /// The selected effect between sessions or runs, where one is significant, and what every candidate shows.
     pub fn between_runs(
         &self,
         at: &Current,
         account: &mut Account,
-    ) -> (Option<Claim<Amplitude>>, Vec<Chance>) {
+    ) -> (Option<Selection<Amplitude>>, Vec<Chance>) {
         let list = self.fresh(at.residual_model, &self.candidates.levels);
         if list.is_empty() || at.whitener.count() == 0 {
             return (None, Vec::new());
@@ -27,23 +26,19 @@ impl Campaign<'_> {
         let design = at.design(&list);
         let rules = self.rules();
         let share = self.share(account);
-        let alpha_of = |candidate: &Candidate<Amplitude>| match candidate.act.level {
-            Level::Run => share * rules.alpha_runs,
-            _ => share * rules.alpha_sessions,
-        };
         let levels = judge(
             &design,
             &self.training,
             &list,
             at.simulator,
-            rules.alpha_sessions,
+            rules.alpha_levels,
             self.options.seed,
         );
         let chances = between(&list, &levels.seen);
         let best = (0..list.len())
             .filter(|c| {
                 let s = &levels.seen[*c];
-                s.p_value <= alpha_of(&list[*c]) && list[*c].admits(s.size)
+                s.p_value <= share * rules.alpha_levels && list[*c].admits(s.size)
             })
             .max_by(|a, b| levels.seen[*a].gain.total_cmp(&levels.seen[*b].gain));
         let Some(named) = best else {
@@ -53,7 +48,7 @@ impl Campaign<'_> {
                 .zip(&levels.seen)
                 .filter(|(_, s)| !s.testable)
                 .count();
-            if differ < rules.sessions_differ && untestable > 0 && account.unexplained.is_none() {
+            if differ < rules.alpha_column && untestable > 0 && account.unexplained.is_none() {
                 account.unexplained = Some(format!(
                     "sessions differ (p = {differ:.1e}), but {} sessions are too few to say with what: at least 5 at spread temperatures and humidities are needed",
                     levels.sessions
@@ -71,7 +66,7 @@ impl Campaign<'_> {
                 t: s.size / s.error.max(1e-300),
                 gain: s.gain,
                 correlation: s.correlation,
-                t_of_named_beyond: levels.beyond(named, j),
+                t_of_named_beyond: levels.t_given(named, j),
                 in_class: true,
                 decides: list[j].decides.clone(),
             }
@@ -87,7 +82,7 @@ impl Campaign<'_> {
             others.collect(),
         );
         let channel = self.strongest_channel(at.residual_model, &list[named], seen.size);
-        let claim = Claim {
+        let selection = Selection {
             place: "a level from session to session".to_owned(),
             channel: CHANNEL_NAMES[channel],
             candidate: list[named].clone(),
@@ -109,6 +104,6 @@ impl Campaign<'_> {
             remark: None,
             parameters: Vec::new(),
         };
-        (Some(claim), chances)
+        (Some(selection), chances)
     }
 }

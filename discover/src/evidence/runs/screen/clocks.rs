@@ -1,6 +1,6 @@
-//! Effects that look like clocks: a force that follows late makes every channel seem late by a time of its own.
+//! Effects that resemble clocks: a force that follows late makes every channel seem late by a time of its own.
 //!
-//! Clocks cost the same in every run, so that no signs of runs tell. What an effect explains beside clocks as they are stated, in units of
+//! Clocks cost the same in every run, so that no signs of runs tell. What an effect explains with clocks as they are stated, in units of
 //! the noise's variance, goes as chi-squared of one degree of freedom where it is not there.
 
 use std::sync::Arc;
@@ -15,20 +15,20 @@ use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::screen::leaders::Leader;
 use crate::evidence::runs::screen::residual_screen::{RunScreen, ScreenOptions};
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::Claim;
+use crate::procedure::evidence::Selection;
 
 impl Campaign<'_> {
     /// Where the clocks of the channels were found to lie further apart than is stated, by more than can be believed: the effect of the
-    /// catalogue beside which clocks as they are stated leave no more, as far as the runs can tell, than clocks of their own do without
-    /// it, claimed, with what it explains. A late channel is no such effect: it is a clock. Where clocks explain far less than `contacts`, as
-    /// in [`leading`](Self::leading), these come first, and clocks are asked again beside them.
+    /// catalogue with which clocks as they are stated leave no more, as far as the runs can tell, than clocks of their own do without
+    /// it, selected, with what it explains. A late channel is no such effect: it is a clock. Where clocks explain far less than `contacts`, as
+    /// in [`leading`](Self::leading), these come first, and clocks are tested again with them.
     pub fn instead_of_clocks(
         &self,
         at: &Current,
         screen: &RunScreen,
         regular: &[Candidate<Amplitude>],
         (options, contacts): (&ScreenOptions, f64),
-    ) -> Option<(Claim<Amplitude>, f64)> {
+    ) -> Option<(Selection<Amplitude>, f64)> {
         if self.data.noise_from == NoiseFrom::Doubted
             || !at.residual_model.installation.has_own_clocks()
         {
@@ -60,8 +60,8 @@ impl Campaign<'_> {
         let gain = total(&best.gains);
         let tail = ChiSquared::new(1.0).map_or(1.0, |law| law.sf(gain.max(0.0)));
         let p_value = (tail * regular.len() as f64).min(1.0);
-        let claim = || self.claim_of(at, screen, &leaders, best, (gain, p_value));
-        (p_value <= options.alpha).then(|| (claim(), gain))
+        let selection = || self.claim_of(at, screen, &leaders, best, (gain, p_value));
+        (p_value <= options.alpha).then(|| (selection(), gain))
     }
 
     /// The candidates that leave least, refitted with nothing found of the installation.

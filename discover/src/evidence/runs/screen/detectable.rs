@@ -1,4 +1,4 @@
-//! What could be told apart: the smallest size of each effect, and what looks most like it.
+//! What could be distinguished: the smallest size of each effect, and what resembles it most.
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::screen::residual_screen::RunScreen;
@@ -24,7 +24,7 @@ pub fn detectable(screen: &RunScreen, list: &[Candidate<Amplitude>]) -> Vec<Dete
                 parameter: candidate.key.clone(),
                 size: screen.seen[c].detectable,
                 unit: candidate.unit.clone(),
-                left_after_refit: screen.seen[c].left,
+                left_after_refit: screen.seen[c].remaining_share,
                 most_like: like.map_or(String::new(), |j| list[j].effect.clone()),
                 correlation: like.map_or(0.0, |j| screen.correlation(c, j)),
             }

@@ -1,4 +1,4 @@
-//! The leaders of a screen, held against one another by full refits: a large effect has bent the base that scores are taken at, and
+//! The leaders of a screen, compared with one another by full refits: a large effect has bent the base that scores are taken at, and
 //! with it what they say of it.
 
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use crate::finding::Rival;
 use crate::null::clusters::{by_sessions, session_numbers};
 use crate::null::sign_flips::chances_of_gains;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Claim, Randomised};
+use crate::procedure::evidence::{Randomised, Selection};
 
 /// A candidate with what its full refit explains.
 pub struct Leader<'a> {
@@ -33,13 +33,13 @@ pub struct Leader<'a> {
 }
 
 impl Campaign<'_> {
-    /// Whether what stands out is large by what it explains.
+    /// Whether what is significant is large by what it explains.
     pub fn is_large(&self, at: &Current, most: f64) -> bool {
         let rows: usize = self.training.iter().map(|f| f.row_count()).sum();
         most >= self.rules().large * (rows * at.whitener.count()) as f64
     }
 
-    /// A fit that counts as beyond the noise what it leaves, where that is far less than what the model before it left.
+    /// A fit that counts as above the noise what it leaves, where that is far less than the residual of the model before it.
     pub fn with_less_beyond(&self, mut fit: RunFit) -> RunFit {
         if let Some(less) = far_less_beyond(
             &fit.residual_model,
@@ -53,8 +53,8 @@ impl Campaign<'_> {
         fit
     }
 
-    /// Where something is large, the model with what the balances leave beyond noise beside the effect of the catalogue that explains most in
-    /// a full refit, if that is far less; refits and what they explain are asked beside it, else what the effect leaves counts as noise.
+    /// Where something is large, the model with what the balances leave above noise with the effect of the catalogue that explains most in
+    /// a full refit, if that is far less; refits and what they explain are evaluated with it, else what the effect leaves counts as noise.
     /// `contacts` as in [`leading`](Self::leading).
     pub fn beside_leader(
         &self,
@@ -98,21 +98,21 @@ impl Campaign<'_> {
         (order, others)
     }
 
-    /// Where something is large, or the installation is off beyond belief, the effect of the catalogue that leaves less, in a full refit
-    /// beside which what the installation is off by is found anew, than the claim and all others whose scores are large, and stands out
-    /// run by run, claimed, with what it explains in units of the noise's variance; `None` where that is the claim, or something small, or
-    /// where all are far below `contacts`, the gain up to which those that were found would be claimed (0 where none were).
+    /// Where something is large, or the installation is implausibly far off, the effect of the catalogue that leaves less, in a full refit
+    /// with which what the installation is off by is found anew, than the selected effect and all others whose scores are large, and is significant
+    /// run by run, selected, with what it explains in units of the noise's variance; `None` where that is the selected effect, or something small, or
+    /// where all are far below `contacts`, the gain up to which those that were found would be selected (0 where none were).
     pub fn leading(
         &self,
         at: &Current,
         screen: &RunScreen,
         regular: &[Candidate<Amplitude>],
-        claim: Option<&Claim<Amplitude>>,
+        selection: Option<&Selection<Amplitude>>,
         (options, contacts): (&ScreenOptions, f64),
-    ) -> Option<(Claim<Amplitude>, f64)> {
+    ) -> Option<(Selection<Amplitude>, f64)> {
         let (order, others) = self.strongest_and_others(screen, regular);
         let most = order.first().map_or(0.0, |c| screen.seen[*c].gain);
-        let no_model = claim.is_some_and(|c| c.candidate.act.carrier.is_some());
+        let no_model = selection.is_some_and(|c| c.candidate.act.carrier.is_some());
         let strange = self.is_beyond_belief(at.residual_model);
         if no_model || self.least_p() > options.alpha {
             return None;
@@ -140,7 +140,7 @@ impl Campaign<'_> {
         if !strange && !leaders.iter().any(|l| self.is_large(at, total(&l.gains))) {
             return None;
         }
-        // What stands between a sensor and the truth moves every force at once: at the bent base its score may say nothing.
+        // What changes the reading of a sensor moves every force at once: at the bent base its score may say nothing.
         for c in others {
             if !regular[c].act.moves_signals() {
                 continue;
@@ -155,15 +155,15 @@ impl Campaign<'_> {
         if explained.fold(0.0, f64::max) < self.rules().leads * contacts {
             return None;
         }
-        // Beside an installation that was found without them all look alike: of those that lead, by their scores or as they are refitted,
-        // and of the claim, it is found anew, and kept where that leaves less: found to first order it may leave more.
-        let claimed = claim.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
+        // With an installation that was found without them all resemble one another: of those that lead, by their scores or as they are refitted,
+        // and of the selected effect, it is found anew, and retained where that leaves less: found to first order it may leave more.
+        let selected = selection.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
         let bare = self.misfit_by_run(&self.best_installed(without));
         leaders.sort_by(|a, b| a.refit.misfit.total_cmp(&b.refit.misfit));
         for (place, leader) in leaders.iter_mut().enumerate() {
             let seen = &screen.seen[leader.at];
-            let stands = seen.usable && seen.gain >= self.rules().leads * most;
-            let leads = stands || place < self.rules().finalists;
+            let significant = seen.usable && seen.gain >= self.rules().leads * most;
+            let leads = significant || place < self.rules().finalists;
             let found = leads.then(|| self.best_installed(&leader.refit));
             if let Some(refit) = found.and_then(|refit| refit.sized(leader.candidate)) {
                 leader.refit = Arc::new(refit);
@@ -175,17 +175,17 @@ impl Campaign<'_> {
             .enumerate()
             .max_by(|a, b| total(&a.1.gains).total_cmp(&total(&b.1.gains)))?;
         let gain = total(&best.gains);
-        let of_claim = claimed.map(|refit| self.best_installed(&refit));
+        let of_claim = selected.map(|refit| self.best_installed(&refit));
         if of_claim.is_some_and(|refit| total(&self.gains(&refit, &bare)) >= gain) {
             return None;
         }
         let gains: Vec<&[f64]> = leaders.iter().map(|leader| &*leader.gains).collect();
         let p_value = chances_of_gains(&gains, options.flips, options.seed)[place];
-        let claim = || self.claim_of(at, screen, &leaders, best, (gain, p_value));
-        (p_value <= options.alpha).then(|| (claim(), gain))
+        let selection = || self.claim_of(at, screen, &leaders, best, (gain, p_value));
+        (p_value <= options.alpha).then(|| (selection(), gain))
     }
 
-    /// What a rival of contacts leaves at most, `without` being what is left without both: what explains far less than they do is given up
+    /// What a rival of contacts leaves at most, `without` being what remains without both: what explains far less than they do is given up
     /// on the way. Without any, anything is one.
     fn left_by_rivals(&self, without: &Refit, contacts: f64) -> f64 {
         match contacts > 0.0 {
@@ -194,25 +194,25 @@ impl Campaign<'_> {
         }
     }
 
-    /// What a refit explains of what is left without it, by run, in units of the noise's variance.
+    /// What a refit explains of what remains without it, by run, in units of the noise's variance.
     pub fn gains(&self, refit: &Refit, bare: &[f64]) -> Vec<f64> {
         let with = self.misfit_by_run(refit);
         bare.iter().zip(&with).map(|(b, w)| 2.0 * (b - w)).collect()
     }
 
-    /// Whether a part of a model's installation is off by more than its tolerance can mean: then it stands for something that has a name.
-    /// Where the noise is not what it is said to be a part may stand for that.
+    /// Whether a part of a model's installation is off by more than its tolerance can mean: then it represents something that has a name.
+    /// Where the noise is not what it is said to be a part may represent that.
     pub fn is_beyond_belief(&self, model: &ResidualModel) -> bool {
         self.data.noise_from != NoiseFrom::Doubted
             && model.installation.is_beyond(self.rules().belief)
     }
 
-    /// A model whose installation is off by what its tolerances can mean and no more, its base refitted beside that.
+    /// A model whose installation is off by what its tolerances can mean and no more, its base refitted with that.
     fn within_belief(&self, model: &ResidualModel) -> Option<ResidualModel> {
         self.refitted_beside_installation(model, model.installation.within(self.rules().belief))
     }
 
-    /// A model as it is, or within belief where it is beyond that.
+    /// A model as it is, or within belief where it is not.
     pub fn as_believed(&self, model: &ResidualModel) -> Option<ResidualModel> {
         match self.is_beyond_belief(model) {
             true => self.within_belief(model),
@@ -220,7 +220,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// A model with clocks as they are stated, its base refitted beside that.
+    /// A model with clocks as they are stated, its base refitted with that.
     pub fn with_stated_clocks(&self, model: &ResidualModel) -> Option<ResidualModel> {
         self.refitted_beside_installation(model, model.installation.with_stated_clocks())
     }
@@ -230,11 +230,11 @@ impl Campaign<'_> {
         model: &ResidualModel,
         installation: Installation,
     ) -> Option<ResidualModel> {
-        let beside = ResidualModel {
+        let changed = ResidualModel {
             installation,
             ..model.clone()
         };
-        let fit = self.least_squares(&beside, Vec::new()).ok()?;
+        let fit = self.least_squares(&changed, Vec::new()).ok()?;
         Some(fit.residual_model)
     }
 
@@ -260,7 +260,7 @@ impl Campaign<'_> {
         by_sessions(u, shared, common, &sessions, draws)
     }
 
-    /// The best of some leaders, claimed: those that explain no less are its class.
+    /// The best of some leaders, selected: those that explain no less are its class.
     pub fn claim_of(
         &self,
         at: &Current,
@@ -268,7 +268,7 @@ impl Campaign<'_> {
         leaders: &[Leader],
         best: &Leader,
         (gain, p_value): (f64, f64),
-    ) -> Claim<Amplitude> {
+    ) -> Selection<Amplitude> {
         let alike = self.rules().laws.alike;
         let (candidate, size) = (best.candidate, best.refit.size);
         let mut class = vec![candidate.effect.clone()];
@@ -296,7 +296,7 @@ impl Campaign<'_> {
             });
         }
         let channel = self.strongest_channel(at.residual_model, candidate, size);
-        Claim {
+        Selection {
             place: self.place_of(candidate, at),
             channel: CHANNEL_NAMES[channel],
             size,

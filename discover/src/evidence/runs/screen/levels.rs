@@ -9,6 +9,7 @@ use crate::evidence::runs::fit::noise_products::noise_products;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::null::clusters::members;
 use crate::null::permutations::by_session_permutation;
 use crate::null::random::{shuffle, stream};
 use crate::procedure::candidate::Candidate;
@@ -27,7 +28,7 @@ pub struct LevelScore {
     pub error: f64,
     /// What it explains of the whitened rows.
     pub gain: f64,
-    /// Whether a smallest p-value at or below the claim's threshold exists with these sessions.
+    /// Whether a smallest p-value at or below the selected effect's threshold exists with these sessions.
     pub testable: bool,
 }
 
@@ -170,7 +171,7 @@ pub fn judge(
 impl LevelScreen {
     /// Whether `a` still explains session levels once `b` is there too: t of a in a regression on both, its own where the two
     /// act on different levels.
-    pub fn beyond(&self, a: usize, b: usize) -> f64 {
+    pub fn t_given(&self, a: usize, b: usize) -> f64 {
         if self.level_of[a] != self.level_of[b] {
             return self.seen[a].size / self.seen[a].error.max(1e-300);
         }
@@ -195,11 +196,7 @@ impl LevelScreen {
 
 /// Indices of the runs of each session.
 pub fn group(frames: &[Frame]) -> BTreeMap<&str, Vec<usize>> {
-    let mut sessions: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-    for (i, frame) in frames.iter().enumerate() {
-        sessions.entry(&frame.session).or_default().push(i);
-    }
-    sessions
+    members(frames.iter().map(|frame| frame.session.as_str()))
 }
 
 fn within(x: &[f64], sessions: &BTreeMap<&str, Vec<usize>>) -> Vec<f64> {

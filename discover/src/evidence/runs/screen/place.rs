@@ -9,7 +9,7 @@ use crate::procedure::candidate::Candidate;
 
 impl Campaign<'_> {
     /// Where a candidate acts, in words.
-    pub fn place_of(&self, candidate: &Candidate<Amplitude>, stand: &Current) -> String {
+    pub fn place_of(&self, candidate: &Candidate<Amplitude>, at: &Current) -> String {
         let on = candidate
             .act
             .track
@@ -31,8 +31,8 @@ impl Campaign<'_> {
         let Some(frame) = self.training.first() else {
             return "all runs".to_owned();
         };
-        let rest = stand.residual_model.raw(frame);
-        let moved = stand
+        let rest = at.residual_model.raw(frame);
+        let moved = at
             .residual_model
             .with(candidate.active(candidate.typical))
             .raw(frame);
@@ -41,7 +41,7 @@ impl Campaign<'_> {
             .map(|i| {
                 (
                     (0..3)
-                        .map(|c| ((rest[c][i] - moved[c][i]) / stand.whitener.sd[c]).powi(2))
+                        .map(|c| ((rest[c][i] - moved[c][i]) / at.whitener.sd[c]).powi(2))
                         .sum::<f64>(),
                     i,
                 )
@@ -68,7 +68,7 @@ impl Campaign<'_> {
         )
     }
 
-    /// The channel that a candidate changes most, relative to what is left there.
+    /// The channel that a candidate changes most, relative to what remains there.
     pub fn strongest_channel(
         &self,
         residual_model: &ResidualModel,

@@ -21,19 +21,19 @@ pub struct ScreenOptions {
     pub pairs: u64,
     /// Number of sign-flips.
     pub flips: usize,
-    /// Largest p-value of a claim.
+    /// Largest p-value of a selected effect.
     pub alpha: f64,
-    /// Largest p-value of a claim about a window of distance.
+    /// Largest p-value of a selected effect about a window of distance.
     pub alpha_local: f64,
-    /// Largest p-value of a claim beyond the catalogue.
-    pub alpha_beyond: f64,
-    /// Factors of what noise adds between which a claim must hold: how far the sensors' noise is trusted.
+    /// Largest p-value of a selected effect outside the catalogue.
+    pub alpha_column: f64,
+    /// Factors of what noise adds between which a selected effect must hold: how far the sensors' noise is trusted.
     pub trust: [f64; 2],
-    /// Share of its critical T that a claim must keep over the trusted range: within runs, in windows.
+    /// Share of its critical T that a selected effect must retain over the trusted range: within runs, in windows.
     pub holds: [f64; 2],
-    /// Shares of a direction: left after a refit of the base, and not noise.
+    /// Shares of a direction: remaining after a refit of the base, and not noise.
     pub least: [f64; 2],
-    /// What a size must exceed its critical value by to be claimed nine times in ten, in errors.
+    /// What a size must exceed its critical value by to be selected nine times in ten, in errors.
     pub nine_in_ten: f64,
     /// Seed.
     pub seed: u64,
@@ -43,7 +43,7 @@ pub struct ScreenOptions {
 #[derive(Clone, Debug)]
 pub struct CandidateScore {
     /// Share of its direction that a refit of the base leaves.
-    pub left: f64,
+    pub remaining_share: f64,
     /// Size in its own unit.
     pub size: f64,
     /// Standard error of the size.
@@ -52,7 +52,7 @@ pub struct CandidateScore {
     pub t: f64,
     /// T of what was taken off: what noisy inputs alone produce.
     pub bias_t: f64,
-    /// Whether it stands out over the whole trusted range of the noise, with one sign.
+    /// Whether it is significant over the whole trusted range of the noise, with one sign.
     pub holds: bool,
     /// The same for a further place of an effect that is known to act in some.
     pub holds_again: bool,
@@ -64,7 +64,7 @@ pub struct CandidateScore {
     pub gain: f64,
     /// The same by sizes fitted on other runs.
     pub held_gain: f64,
-    /// Smallest size that would be claimed nine times in ten.
+    /// Smallest size that would be selected nine times in ten.
     pub detectable: f64,
     /// Whether it can be judged at all.
     pub usable: bool,
@@ -76,7 +76,7 @@ pub struct RunScreen {
     pub seen: Vec<CandidateScore>,
     /// Scores of candidates and windows.
     pub sums: ScoreSums,
-    /// Products of the regular candidates beyond the base.
+    /// Products of the regular candidates given the base.
     pub cross: DMatrix<f64>,
 }
 
@@ -122,7 +122,7 @@ pub fn screen_runs(
                 let there = frames.iter().filter(|f| f.track == window.track).count();
                 touched >= 4 && 2 * touched > there
             };
-            scores.left(c) > options.least[0] && information > 1e-6 && enough
+            scores.remaining_share(c) > options.least[0] && information > 1e-6 && enough
         })
         .collect();
     let u = scores.u.clone();
@@ -136,14 +136,14 @@ pub fn screen_runs(
     let named = design.candidates.iter().filter(|c| !c.is_column()).count();
     assert!(
         design.candidates[named..].iter().all(Candidate::is_column),
-        "candidates beyond the catalogue come last"
+        "candidates outside the catalogue come last"
     );
-    // Three families, each with a chance of a false claim of its own: the catalogue, what lies beyond it, places.
+    // Three families, each with a probability of a false positive of its own: the catalogue, what lies outside it, places.
     let nulls = [
         (part(&u, 0, named, options.seed), options.alpha),
         (
             part(&u, named, regular, options.seed ^ 0xBE40),
-            options.alpha_beyond,
+            options.alpha_column,
         ),
         (
             part(&scattered, regular, count, options.seed ^ 0x10CA),
@@ -197,7 +197,7 @@ pub fn screen_runs(
             };
             let (null, critical) = (&nulls[family(c)].0, criticals[family(c)]);
             CandidateScore {
-                left: scores.left(c),
+                remaining_share: scores.remaining_share(c),
                 size: size * scale,
                 error: error * scale,
                 t,
@@ -226,8 +226,8 @@ pub fn screen_runs(
 
 /// Scores with each window's own size taken out, scaled for the freedom that takes.
 ///
-/// The few runs on a track have few sign patterns, and the windows' norms are shared: an effect in the data would stand in
-/// its own null, with seven ninths of its T where one of nine signs is turned. What is left after its size scatters as noise does.
+/// The few runs on a track have few sign patterns, and the windows' norms are shared: an effect in the data would appear in
+/// its own null, with seven ninths of its T where one of nine signs is turned. What remains after its size scatters as noise does.
 fn scattered(scores: &Scores, regular: usize) -> DMatrix<f64> {
     let mut u = scores.u.clone();
     for c in regular..u.nrows() {
@@ -321,30 +321,30 @@ fn held_gain(scores: &Scores, c: usize) -> f64 {
 
 impl RunScreen {
     /// Some of the regular candidates alone.
-    pub fn only(&self, kept: &[usize]) -> Self {
-        let pairs = |i: usize, j: usize| self.cross[(kept[i], kept[j])];
+    pub fn only(&self, retained: &[usize]) -> Self {
+        let pairs = |i: usize, j: usize| self.cross[(retained[i], retained[j])];
         Self {
-            seen: kept.iter().map(|c| self.seen[*c].clone()).collect(),
-            sums: self.sums.only(kept),
-            cross: DMatrix::from_fn(kept.len(), kept.len(), pairs),
+            seen: retained.iter().map(|c| self.seen[*c].clone()).collect(),
+            sums: self.sums.only(retained),
+            cross: DMatrix::from_fn(retained.len(), retained.len(), pairs),
         }
     }
 
     /// T of regular candidate `a` once `b` has taken its part.
-    pub fn beyond(&self, a: usize, b: usize) -> f64 {
+    pub fn t_given(&self, a: usize, b: usize) -> f64 {
         let share = self.cross[(a, b)] / self.cross[(b, b)].max(1e-300);
         self.sums.t_less(a, b, share)
     }
 
-    /// Correlation of two regular candidates beyond the base, freed of the noise of their inputs.
+    /// Correlation of two regular candidates given the base, freed of the noise of their inputs.
     ///
-    /// Products less their noise are estimates: of two columns that are all but the same, what is left of each by itself may come out
+    /// Products less their noise are estimates: of two columns that are all but the same, what remains of each by itself may come out
     /// smaller than their product. The nearest matrix that products of two columns can form has a correlation of 1 then.
     pub fn correlation(&self, a: usize, b: usize) -> f64 {
         correlation([self.cross[(a, a)], self.cross[(a, b)], self.cross[(b, b)]])
     }
 
-    /// Whether a candidate may be claimed.
+    /// Whether a candidate may be selected.
     ///
     /// `again` says that its effect has already been named in another place.
     pub fn claimable(

@@ -1,4 +1,4 @@
-//! The class of a claim within runs.
+//! The class of a selected effect within runs.
 
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
@@ -8,7 +8,7 @@ use crate::procedure::candidate::Candidate;
 use crate::procedure::rivals::NamedEffect;
 
 impl Campaign<'_> {
-    /// The class: rivals that the named effect does not stand out beside.
+    /// The class: rivals given which the named effect is not significant.
     pub fn rivals(
         &self,
         screen: &RunScreen,
@@ -32,7 +32,7 @@ impl Campaign<'_> {
                 t: s.t,
                 gain: s.gain,
                 correlation: screen.correlation(named, j),
-                t_of_named_beyond: screen.beyond(named, j),
+                t_of_named_beyond: screen.t_given(named, j),
                 in_class: candidate.admits(s.size),
                 decides: candidate.decides.clone(),
             }

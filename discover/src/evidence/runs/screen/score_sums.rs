@@ -26,11 +26,11 @@ impl ScoreSums {
     }
 
     /// Some candidates alone.
-    pub fn only(&self, kept: &[usize]) -> Self {
+    pub fn only(&self, retained: &[usize]) -> Self {
         Self {
-            u: self.u.select_rows(kept),
-            shared: kept.iter().map(|c| self.shared[*c]).collect(),
-            common: self.common.select_rows(kept),
+            u: self.u.select_rows(retained),
+            shared: retained.iter().map(|c| self.shared[*c]).collect(),
+            common: self.common.select_rows(retained),
         }
     }
 
@@ -49,10 +49,10 @@ impl ScoreSums {
 
     /// T of candidate `a` less `share` of candidate `b`.
     pub fn t_less(&self, a: usize, b: usize, share: f64) -> f64 {
-        let left = self.u.row(a) - self.u.row(b) * share;
+        let difference = self.u.row(a) - self.u.row(b) * share;
         let common = self.common.row(a) - self.common.row(b) * share;
-        let sum = left.sum() + self.shared[a] - share * self.shared[b];
-        let norm = (left.norm_squared() + common.norm_squared()).sqrt();
+        let sum = difference.sum() + self.shared[a] - share * self.shared[b];
+        let norm = (difference.norm_squared() + common.norm_squared()).sqrt();
         if norm > 0.0 { sum / norm } else { 0.0 }
     }
 }

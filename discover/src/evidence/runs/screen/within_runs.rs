@@ -1,11 +1,10 @@
-//! Claims within runs: the candidate that explains most, and its best window where it acts on a stretch.
+//! Selection within runs: the candidate that explains most, and its best window where it acts on a stretch.
 
-use crate::evidence::runs::beside::within;
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::columns::unknown;
 use crate::evidence::runs::fit::noise_products::noise_products;
-use crate::evidence::runs::laws::claim::Law;
+use crate::evidence::runs::laws::selection::Law;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::model::windows::{Window, windows};
@@ -16,13 +15,14 @@ use crate::evidence::runs::screen::residual_screen::{
 };
 use crate::evidence::runs::screen::score_sums::ScoreSums;
 use crate::evidence::runs::screen::track::on_track::Surveyed;
-use crate::options::BEYOND;
+use crate::evidence::runs::shared_effects::within;
+use crate::options::OUTSIDE_CATALOGUE;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Account, Claim, Randomised, Screen};
+use crate::procedure::evidence::{Account, Randomised, Screen, Selection};
 use crate::regression::scores::{Scores, cross_information};
 
 impl Campaign<'_> {
-    /// The claim within runs, where one stands out, and what could have been seen.
+    /// The selected effect within runs, where one is significant, and what could have been seen.
     pub fn within_runs(
         &mut self,
         at: &Current,
@@ -31,15 +31,15 @@ impl Campaign<'_> {
     ) -> Screen<Amplitude> {
         if at.whitener.count() == 0 {
             return Screen {
-                claim: None,
+                selection: None,
                 detectable: Vec::new(),
             };
         }
         let mut regular = self.fresh(at.residual_model, &self.candidates.regular);
         let strange = self.is_beyond_belief(at.residual_model);
         regular.retain(|c| strange || !c.act.is_beyond_tolerance());
-        let beyond = self.options.looks_for(BEYOND);
-        if beyond {
+        let outside = self.options.looks_for(OUTSIDE_CATALOGUE);
+        if outside {
             regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
         }
         // A person's own effect may bear such a name, too.
@@ -57,7 +57,7 @@ impl Campaign<'_> {
         let options = self.screen_options(at, account);
         let mut screen = screen_runs(&design, &self.training, at.simulator, &options);
         let named = regular.iter().filter(|c| !c.is_column()).count();
-        // Where no p-value can pass there is no size that would be claimed.
+        // Where no p-value can pass there is no size that would be selected.
         let detectable = match self.least_p() > options.alpha {
             true => Vec::new(),
             false => detectable(&screen, &regular[..named]),
@@ -65,56 +65,68 @@ impl Campaign<'_> {
         self.by_forces = regular
             .iter()
             .zip(&screen.seen)
-            .filter(|(_, seen)| seen.usable && seen.left > 0.05)
+            .filter(|(_, seen)| seen.usable && seen.remaining_share > 0.05)
             .map(|(c, seen)| (c.clone(), seen.size, seen.error))
             .collect();
         self.chances = within(&regular, &screen.seen);
-        // An accelerometer's fault shows in the track channel, too: what that contradicts is neither claimed nor a rival.
+        // An accelerometer's fault shows in the track channel, too: what that contradicts is neither selected nor a rival.
         for (candidate, seen) in regular.iter().zip(&mut screen.seen) {
             seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));
         }
         let places = best_windows(&screen, &all_windows, regular.len());
-        let claim = self.choose(at, &screen, &regular, &places, account);
+        let selection = self.choose(at, &screen, &regular, &places, account);
         let found = self.contacts_beside(at.residual_model);
-        // What walls leave bends the base, beside which much seems to explain something in some runs: what stands out is a rival.
+        // What walls leave bends the base, with which much seems to explain something in some runs: what is significant is a rival.
         let standing = regular
             .iter()
             .enumerate()
             .filter(|(c, candidate)| screen.claimable(*c, candidate, options.alpha, false))
             .map(|(c, _)| screen.seen[c].gain)
             .fold(0.0, f64::max);
-        let asked = found
+        let required = found
             .as_ref()
             .map_or(0.0, |found| found.gain / self.rules().contacts.over);
-        let beside = if asked > standing { asked } else { 0.0 };
-        let eased = self.beside_leader(at, &screen, &regular, beside);
+        let contact_gain = if required > standing { required } else { 0.0 };
+        let eased = self.beside_leader(at, &screen, &regular, contact_gain);
         self.beside_large = eased.as_ref().map(|model| model.beyond_noise);
         let eased = eased.as_ref().map(|model| at.of(model));
         let at = eased.as_ref().unwrap_or(at);
-        let leading = self.leading(at, &screen, &regular, claim.as_ref(), (&options, beside));
+        let leading = self.leading(
+            at,
+            &screen,
+            &regular,
+            selection.as_ref(),
+            (&options, contact_gain),
+        );
         let most = leading
             .as_ref()
             .map_or(standing, |(_, gain)| gain.max(standing));
-        if let Some(found) = found.filter(|_| asked > most) {
-            let claim = self.claim_contacts(&found);
-            self.claimed = Some(found);
-            return Screen { claim, detectable };
+        if let Some(found) = found.filter(|_| required > most) {
+            let selection = self.claim_contacts(&found);
+            self.selected_contacts = Some(found);
+            return Screen {
+                selection,
+                detectable,
+            };
         }
-        let claim = leading.map(|(claim, _)| claim).or(claim);
-        let strongest = strongest(&screen, &regular, self.rules().laws.rivals);
-        let law = match beyond {
-            true => self.law(at, claim.as_ref(), &strongest, &options),
+        let selection = leading.map(|(selection, _)| selection).or(selection);
+        let strongest = strongest(&screen, &regular, self.rules().laws.tried);
+        let law = match outside {
+            true => self.law(at, selection.as_ref(), &strongest, &options),
             false => None,
         };
-        let claim = match law {
+        let selection = match law {
             Some(Law::Instead(law)) => Some(*law),
-            Some(Law::Beside(name)) => claim.map(|mut claim| {
-                claim.class.push(name);
-                claim
+            Some(Law::Alternative(name)) => selection.map(|mut selection| {
+                selection.class.push(name);
+                selection
             }),
-            None => claim,
+            None => selection,
         };
-        Screen { claim, detectable }
+        Screen {
+            selection,
+            detectable,
+        }
     }
 
     fn screen_options(&self, at: &Current, account: &Account) -> ScreenOptions {
@@ -123,8 +135,8 @@ impl Campaign<'_> {
             pairs: self.options.twins.div_ceil(40).max(1),
             flips: self.options.flips,
             alpha: share * rules.alpha,
-            alpha_local: share * rules.alpha_window,
-            alpha_beyond: share * rules.alpha_beyond,
+            alpha_local: share * rules.alpha,
+            alpha_column: share * rules.alpha_column,
             trust: match self.data.noise_from {
                 NoiseFrom::Model => rules.noise_trust,
                 NoiseFrom::Spectra => rules.spectral_noise_trust,
@@ -152,7 +164,7 @@ impl Campaign<'_> {
         regular: &[Candidate<Amplitude>],
         places: &[(&Window, usize)],
         account: &Account,
-    ) -> Option<Claim<Amplitude>> {
+    ) -> Option<Selection<Amplitude>> {
         let options = self.screen_options(at, account);
         let rules = self.rules();
         let gain = |c: usize| screen.seen[c].gain;
@@ -160,7 +172,7 @@ impl Campaign<'_> {
             &candidate.act.track,
             candidate.is_column(),
         ) {
-            (_, true) => options.alpha_beyond,
+            (_, true) => options.alpha_column,
             (Some(_), _) => options.alpha_local,
             _ => options.alpha,
         };
@@ -181,22 +193,22 @@ impl Campaign<'_> {
             })
             .map(|(_, c)| gain(c))
             .fold(0.0, f64::max);
-        // Windows that compete, with edges found to a few metres, are judged as ordinary candidates beside all others.
+        // Windows that compete, with edges found to a few metres, are judged as ordinary candidates with all others.
         let close: Vec<(Candidate<Amplitude>, usize)> = places
             .iter()
             .filter(|(_, c)| most > 0.0 && gain(*c) > rules.window_competes * most)
             .map(|(window, c)| (self.refined(at, local(window), window), *c))
             .collect();
-        // Those that may be claimed or be a rival.
-        let kept: Vec<usize> = (0..regular.len())
+        // Those that may be selected or be a rival.
+        let retained: Vec<usize> = (0..regular.len())
             .filter(|c| screen.seen[*c].usable && screen.seen[*c].t.abs() >= rules.rivals.least_t)
             .collect();
-        let of_kept = kept.iter().map(|c| &regular[*c]);
+        let of_kept = retained.iter().map(|c| &regular[*c]);
         let list: Vec<Candidate<Amplitude>> = of_kept
             .chain(close.iter().map(|(candidate, _)| candidate))
             .cloned()
             .collect();
-        let mut together = screen.only(&kept);
+        let mut together = screen.only(&retained);
         if !close.is_empty() {
             let design = at.design(&list);
             let noise = noise_products(&design, &self.training, at.simulator, 0);
@@ -209,7 +221,7 @@ impl Campaign<'_> {
             let scores = Scores::new(&grams, &design.prior());
             together.cross = cross_information(&grams, &design.prior());
             let sums = ScoreSums::of(&scores);
-            for (k, (candidate, c)) in (kept.len()..).zip(&close) {
+            for (k, (candidate, c)) in (retained.len()..).zip(&close) {
                 together.sums.push(&sums, k);
                 let information = scores.total_information(k).max(1e-300);
                 let sum = scores.sum(k);
@@ -228,13 +240,13 @@ impl Campaign<'_> {
                 })
                 .max_by(|a, b| together.seen[*a].gain.total_cmp(&together.seen[*b].gain))
         };
-        // What the catalogue knows comes first, unless a column beyond it takes all that the name explains and more.
+        // What the catalogue knows comes first, unless a column in addition to it takes all that the name explains and more.
         let mut named = match (best(false), best(true)) {
             (Some(known), Some(other)) => {
                 let more = together.seen[other].gain > together.seen[known].gain;
-                let t = |a: usize, b: usize| together.beyond(a, b) * together.seen[a].t.signum();
-                let [lost, kept] = rules.column_wins;
-                if more && t(known, other) < lost && t(other, known) > kept {
+                let t = |a: usize, b: usize| together.t_given(a, b) * together.seen[a].t.signum();
+                let [lost, retained] = rules.column_wins;
+                if more && t(known, other) < lost && t(other, known) > retained {
                     other
                 } else {
                     known
@@ -244,7 +256,7 @@ impl Campaign<'_> {
         };
         let (mut class, mut rivals) = self.rivals(&together, &list, named);
         // Of a class of places, the effect that already acts elsewhere is the simpler account.
-        let known = (kept.len()..list.len()).find(|c| {
+        let known = (retained.len()..list.len()).find(|c| {
             list[named].act.track.is_some()
                 && *c != named
                 && class.contains(&list[*c].effect)
@@ -257,7 +269,7 @@ impl Campaign<'_> {
         let seen = &together.seen[named];
         let channel = self.strongest_channel(at.residual_model, &list[named], seen.size);
         let bias = seen.bias_t;
-        Some(Claim {
+        Some(Selection {
             place: self.place_of(&list[named], at),
             channel: CHANNEL_NAMES[channel],
             candidate: list[named].clone(),

@@ -16,7 +16,7 @@ use crate::evidence::runs::laws::terms::Terms;
 pub struct Formula {
     /// The formula.
     pub term: Term,
-    /// Places of the columns whose law it stands for.
+    /// Places of the columns whose law it represents.
     pub columns: Vec<usize>,
     /// By run.
     pub gains: Vec<f64>,
@@ -49,7 +49,7 @@ impl Campaign<'_> {
                 .map(|(k, term)| Formula {
                     term,
                     columns: law.columns.clone(),
-                    gains: sums.held_gains(&[k], &none, rules.folds),
+                    gains: sums.held_gains(&[k], &none),
                 })
                 .collect()
         };
@@ -72,7 +72,7 @@ impl Campaign<'_> {
         });
         let list = shapes.into_iter().map(on).collect();
         let mut all = judged(list);
-        // Each kind of formula gets a closer look before they are held against one another.
+        // Each kind of formula gets a refinement before they are compared with one another.
         for numbers in 2..=3 {
             let of_kind = |f: &&Formula| f.term.shape.numbers() == numbers;
             let most = all

@@ -73,7 +73,7 @@ impl Shape {
         }
     }
 
-    /// How many numbers a reader must take in beside the amplitude: formulas are tried from the simplest on.
+    /// How many numbers a reader must take in besides the amplitude: formulas are tried from the simplest on.
     pub fn numbers(&self) -> usize {
         match self {
             Shape::One => 0,

@@ -1,4 +1,4 @@
-//! The formulas that are tried for a column, and a closer look around the best.
+//! The formulas that are tried for a column, and a refinement around the best.
 
 use kufe_sled::effects::{Channel, Sensor};
 
@@ -88,15 +88,15 @@ pub fn around(shape: &Shape, span: f64, share: f64) -> Vec<Shape> {
 pub fn moved(shape: &Shape, span: f64, share: f64) -> Vec<Shape> {
     let both = |of: &dyn Fn(f64) -> Shape| [share, -share].map(of).to_vec();
     let times = |x: f64, by: f64| rounded(x * (2.0 * by).exp(), 5);
-    let beside = |x: f64, by: f64| rounded(x + by * span, 5);
+    let shifted = |x: f64, by: f64| rounded(x + by * span, 5);
     match *shape {
         Shape::Power(x, scale, power) => both(&|by| Shape::Power(x, scale, times(power, by))),
         Shape::Odd(x, scale, power) => both(&|by| Shape::Odd(x, scale, times(power, by))),
         Shape::Exponential(x, scale) => both(&|by| Shape::Exponential(x, times(scale, by))),
         Shape::Approach(x, scale) => both(&|by| Shape::Approach(x, times(scale, by))),
-        Shape::Step(x, from) => both(&|by| Shape::Step(x, beside(from, by))),
+        Shape::Step(x, from) => both(&|by| Shape::Step(x, shifted(from, by))),
         Shape::Hump(x, middle, width) => [
-            both(&|by| Shape::Hump(x, beside(middle, by), width)),
+            both(&|by| Shape::Hump(x, shifted(middle, by), width)),
             both(&|by| Shape::Hump(x, middle, times(width, by))),
         ]
         .concat(),

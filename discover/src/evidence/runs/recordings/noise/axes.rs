@@ -20,7 +20,7 @@ pub fn of_instrument(
     from_hz: f64,
     quietest: f64,
 ) -> Option<Vec<ColumnNoise>> {
-    // What stands still all the time, as a roll split of zeros, is no sensor.
+    // What is constant all the time, as a roll split of zeros, is no sensor.
     let moves = |name: &str| learned.iter().any(|piece| piece.moves(name));
     if !axes.iter().any(|name| moves(name)) {
         let still = ColumnNoise {

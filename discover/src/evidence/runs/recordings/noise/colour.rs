@@ -1,7 +1,7 @@
 //! How a sensor's noise is coloured, from what the recordings hold above the motion.
 //!
 //! Noise is white noise of the recorded rate through a first-order low pass of its own and a recorder's second-order one. Above the motion,
-//! of which a steep power of the frequency is left, a spectrum shows all three numbers:
+//! of which a steep power of the frequency remains, a spectrum shows all three numbers:
 //!
 //! ```text
 //! S(f) = a A(f) B(f) + c f^-q
@@ -156,8 +156,8 @@ impl Colour {
             // From the tried one on by ever smaller steps.
             let mut step = STEP;
             while step > FINEST {
-                let beside = best.1.beside(step).into_iter();
-                let seen = beside.filter(|colour| colour.knee_hz >= lowest);
+                let neighbours = best.1.neighbours(step).into_iter();
+                let seen = neighbours.filter(|colour| colour.knee_hz >= lowest);
                 let next = seen.map(|colour| cost(colour, power)).fold(best, less);
                 if next.0 >= best.0 {
                     step = step.sqrt();
@@ -173,7 +173,7 @@ impl Colour {
     }
 
     /// One corner moved by a factor, the other as it is.
-    fn beside(self, step: f64) -> [Self; 4] {
+    fn neighbours(self, step: f64) -> [Self; 4] {
         let of = |knee: f64, corner: f64| Self {
             knee_hz: knee * self.knee_hz,
             corner_hz: corner * self.corner_hz,
@@ -186,7 +186,7 @@ impl Colour {
         ]
     }
 
-    /// Least misfit of this colour beside what a power of the frequency leaves of the motion, and the white noise's density.
+    /// Least misfit of this colour given what a power of the frequency leaves of the motion, and the white noise's density.
     fn fitted(self, seen: &Periodogram, dt: f64, power: Option<i32>) -> (f64, f64) {
         const ROUNDS: usize = 8;
         let first = seen.frequency_hz[0];

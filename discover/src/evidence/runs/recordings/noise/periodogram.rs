@@ -14,7 +14,7 @@ pub struct Periodogram {
 
 /// Seconds of a piece that a periodogram is made of; its frequencies are 0.4 Hz apart.
 const PIECE_S: f64 = 2.5;
-/// Highest frequency looked at, over the rate.
+/// Highest frequency examined, over the rate.
 const HIGHEST: f64 = 0.3;
 /// Fewest frequencies that five numbers are fitted to.
 const FEWEST: usize = 20;
@@ -25,7 +25,7 @@ impl Periodogram {
         self.power.iter().take(4).sum()
     }
 
-    /// The mean over pieces of all columns, half of each in the next, under a Hann window; a piece with a gap is left out.
+    /// The mean over pieces of all columns, half of each in the next, under a Hann window; a piece with a gap is omitted.
     pub fn of(columns: &[&[f64]], dt: f64, from_hz: f64) -> Option<Self> {
         let n = (PIECE_S / dt).round() as usize;
         let lowest = (from_hz * PIECE_S).ceil() as usize;
@@ -33,7 +33,7 @@ impl Periodogram {
         if n < 4 || highest < lowest + FEWEST {
             return None;
         }
-        // What is beyond twelve times the lowest tells nothing of the noise where the motion is.
+        // What is above twelve times the lowest tells nothing of the noise where the motion is.
         let highest = highest.min(12 * lowest);
         let window: Vec<f64> = (0..n)
             .map(|i| (PI * (i as f64 + 0.5) / n as f64).sin().powi(4))
@@ -58,8 +58,11 @@ impl Periodogram {
                     .enumerate()
                     .map(|(i, (x, w))| w * (x - mean - rise * (i as f64 - middle)))
                     .collect();
-                for (sum, k) in power.iter_mut().zip(lowest..) {
-                    *sum += magnitude_squared(&level, k);
+                for (k, sums) in power.chunks_mut(TOGETHER).enumerate() {
+                    let squares = magnitudes_squared(&level, lowest + k * TOGETHER);
+                    sums.iter_mut()
+                        .zip(squares)
+                        .for_each(|(sum, square)| *sum += square);
                 }
                 pieces += 1.0;
             }
@@ -83,14 +86,20 @@ impl Periodogram {
     }
 }
 
-/// Squared magnitude of the `k`-th coefficient of a discrete Fourier transform, by Goertzel's recurrence.
-fn magnitude_squared(x: &[f64], k: usize) -> f64 {
-    let twice = 2.0 * (2.0 * PI * k as f64 / x.len() as f64).cos();
-    let (mut one, mut two) = (0.0, 0.0);
+/// Coefficients whose recurrences are computed together: each alone waits for its own last step.
+const TOGETHER: usize = 8;
+
+/// Squared magnitudes of the coefficients of a discrete Fourier transform from the `first` on, by Goertzel's recurrence.
+fn magnitudes_squared(x: &[f64], first: usize) -> [f64; TOGETHER] {
+    let angle = |k: usize| 2.0 * PI * (first + k) as f64 / x.len() as f64;
+    let twice: [f64; TOGETHER] = std::array::from_fn(|k| 2.0 * angle(k).cos());
+    let (mut one, mut two) = ([0.0; TOGETHER], [0.0; TOGETHER]);
     for x in x {
-        (one, two) = (x + twice * one - two, one);
+        for k in 0..TOGETHER {
+            (one[k], two[k]) = (x + twice[k] * one[k] - two[k], one[k]);
+        }
     }
-    one * one + two * two - twice * one * two
+    std::array::from_fn(|k| one[k] * one[k] + two[k] * two[k] - twice[k] * one[k] * two[k])
 }
 
 #[cfg(test)]
@@ -102,7 +111,7 @@ mod tests {
     fn white_noise_has_its_variance_over_half_the_rate() {
         let rng = &mut stream(3, 1, 1);
         let mut x: Vec<f64> = (0..20_000).map(|_| 2.0 * normal(rng)).collect();
-        // A piece with a gap is left out, a drift is none of the noise.
+        // A piece with a gap is omitted, a drift is none of the noise.
         x[300] = f64::NAN;
         x.iter_mut()
             .enumerate()

@@ -178,13 +178,13 @@ impl SensorNoise {
         let each: Vec<String> = sensors
             .filter(|(_, axes)| loudest(axes).sd > 0.0)
             .map(|((name, labels), axes)| {
-                let told: Vec<String> = axes.iter().map(of).collect();
-                match told.iter().all(|axis| *axis == told[0]) {
-                    true => format!("{name} {}", told[0]),
+                let texts: Vec<String> = axes.iter().map(of).collect();
+                match texts.iter().all(|axis| *axis == texts[0]) {
+                    true => format!("{name} {}", texts[0]),
                     false => {
-                        let axes = labels.iter().zip(&told);
+                        let axes = labels.iter().zip(&texts);
                         let axes: Vec<String> =
-                            axes.map(|(l, told)| format!("{l} {told}")).collect();
+                            axes.map(|(l, texts)| format!("{l} {texts}")).collect();
                         format!("{name} {}", axes.join(", "))
                     }
                 }

@@ -26,7 +26,7 @@ pub fn by_bin<'a>(frames: &'a [Frame], rows: &[Vec<f64>], width: f64) -> ByBin<'
     by_bin
 }
 
-/// Means of a run's rows by bin, but for bins of which it has a part: where it begins and ends, and beside a gap, a mean is one of few
+/// Means of a run's rows by bin, but for bins of which it has a part: where it begins and ends, and next to a gap, a mean is one of few
 /// samples, noisier than the others.
 pub fn of_run(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
     let bin_of = |s: &f64| (s / width).floor() as i64;

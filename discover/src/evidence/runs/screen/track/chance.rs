@@ -1,4 +1,4 @@
-//! What stands out by chance where a candidate turns with its size, and where it leaves least.
+//! What is significant by chance where a candidate turns with its size, and where it leaves least.
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -10,7 +10,7 @@ pub fn angle(a: &[f64], b: &[f64], w: &[f64]) -> f64 {
     (dot(a, b).abs() / square.sqrt()).min(1.0).acos()
 }
 
-/// Probability that the best of the directions between which a candidate turns by so much stands out by `z` or more, either way: that of
+/// Probability that the best of the directions between which a candidate turns by so much is significant by `z` or more, either way: that of
 /// one, and a bound on how often `z` is crossed on the way (Davies 1987, `turn / pi * exp(-z^2 / 2)`).
 pub fn by_chance(z: f64, turn: f64) -> f64 {
     two_sided(z) + turn / std::f64::consts::PI * (-0.5 * z * z).exp()
@@ -60,7 +60,7 @@ pub fn least(of: impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2], within: f64)
 mod tests {
     use super::*;
 
-    /// Half a turn in a plane meets every direction of it: what stands out most is the length of two normal variates, which is beyond `z`
+    /// Half a turn in a plane meets every direction of it: what is most significant is the length of two normal variates, which is above `z`
     /// with probability `exp(-z^2 / 2)`.
     #[test]
     fn what_the_best_of_all_directions_of_a_plane_shows_by_chance_is_bounded_closely() {

@@ -1,6 +1,6 @@
 //! The track channel: slope errors against the accelerometer's, with the surveyed profile as a random effect.
 //!
-//! In `d(v cos(alpha))/dt - g sin(slope) - a_x - r v_y` no friction is left. Residuals are averaged over runs in
+//! In `d(v cos(alpha))/dt - g sin(slope) - a_x - r v_y` no friction remains. Residuals are averaged over runs in
 //! bins of distance; a bin's mean has the variance of its runs' scatter plus that of the survey, (g sd)^2, which more runs
 //! do not lower. Neighbouring bins are correlated by what their lag-1 correlation says.
 
@@ -17,6 +17,9 @@ use crate::evidence::runs::screen::track::bins::{between_drivers, by_bin, mean};
 use crate::evidence::runs::screen::track::chance::{angle, by_chance, inflation, least, two_sided};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rules::RunRules;
+
+/// Bins on either side from which the scatter between drivers is taken.
+const NEAR: usize = 3;
 
 /// A candidate of the track channel, judged at one survey deviation.
 #[derive(Clone, Debug)]
@@ -56,7 +59,7 @@ fn rows_of(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<Vec<f64>> {
 impl TrackChannel {
     /// Averages residuals; `None` where there is no survey.
     pub fn new(residual_model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option<Self> {
-        let (width, reach) = (rules.track_bin_m, rules.track_near);
+        let (width, reach) = (rules.track_bin_m, NEAR);
         if frames.iter().any(|f| f.slope.len() != f.len()) {
             return None;
         }
@@ -114,7 +117,7 @@ impl TrackChannel {
         let of = |size: f64| self.change(residual_model, frames, candidate, size);
         let per_unit = |size: f64| -> Vec<f64> { of(size).iter().map(|x| x / size).collect() };
         let w = self.weights(slope_sd);
-        let left = |change: &[f64]| -> f64 {
+        let residual = |change: &[f64]| -> f64 {
             let both = self.bins.iter().zip(change).zip(&w);
             both.map(|((bin, change), w)| w * (bin.2 - change).powi(2))
                 .sum()
@@ -139,11 +142,15 @@ impl TrackChannel {
         sizes.retain(|size| (low..=high).contains(size) && size.abs() > small);
         sizes.sort_by(f64::total_cmp);
         let changes: Vec<Vec<f64>> = sizes.par_iter().map(|size| of(*size)).collect();
-        let best =
-            (0..sizes.len()).min_by(|a, b| left(&changes[*a]).total_cmp(&left(&changes[*b])));
+        let best = (0..sizes.len())
+            .min_by(|a, b| residual(&changes[*a]).total_cmp(&residual(&changes[*b])));
         let exact = best.map(|k| {
             let about = [sizes[k] / RATIO, sizes[k] * RATIO];
-            per_unit(least(|size| left(&of(size)), about, FOUND * sizes[k].abs()))
+            per_unit(least(
+                |size| residual(&of(size)),
+                about,
+                FOUND * sizes[k].abs(),
+            ))
         });
         let steps = changes.windows(2);
         self.turns
@@ -190,7 +197,7 @@ impl TrackChannel {
     ///
     /// With d what one standard deviation of a part takes off each bin's mean y, W the inverse of the covariance of the means (their
     /// scatter, the survey's error place by place, and once more alike at all places), the information is `d' W d` and the score
-    /// `d' W y`, both over the factor by which the means scatter beyond that.
+    /// `d' W y`, both over the factor by which the means scatter in addition.
     pub fn information(
         &self,
         bare: &ResidualModel,
@@ -267,15 +274,19 @@ impl TrackChannel {
     /// Then the same were it nothing but chance: of the best of many sizes neighbours have less in common than without it.
     fn scatter_beside(&self, direction: &[f64], size: f64, w: &[f64]) -> [f64; 2] {
         let both = self.bins.iter().zip(direction);
-        let left: Vec<f64> = both.map(|(b, d)| b.2 - d * size).collect();
-        let squares: f64 = left.iter().zip(w).map(|(left, w)| w * left * left).sum();
+        let residual: Vec<f64> = both.map(|(b, d)| b.2 - d * size).collect();
+        let squares: f64 = residual
+            .iter()
+            .zip(w)
+            .map(|(residual, w)| w * residual * residual)
+            .sum();
         let alone = (squares / (self.bins.len() as f64 - 1.0)).max(1.0);
-        let beside = inflation(&self.bins, &left);
-        [alone * beside, alone * beside.max(self.inflation)]
+        let inflated = inflation(&self.bins, &residual);
+        [alone * inflated, alone * inflated.max(self.inflation)]
     }
 
     /// z of candidate `a` once `b` has taken its part.
-    pub fn beyond(&self, a: usize, b: usize, slope_sd: f64) -> f64 {
+    pub fn t_given(&self, a: usize, b: usize, slope_sd: f64) -> f64 {
         let w = self.weights(slope_sd);
         let dot = |x: &[f64], y: &[f64]| -> f64 {
             x.iter().zip(y).zip(&w).map(|((x, y), w)| x * y * w).sum()
@@ -302,7 +313,7 @@ impl TrackChannel {
         dot(x, z) / (dot(x, x) * dot(z, z)).sqrt().max(1e-300)
     }
 
-    /// Whether the profile departs by more than the survey allows, beyond a common slope, as a whole or in one stretch (Bonferroni over
+    /// Whether the profile departs by more than the survey allows, given a common slope, as a whole or in one stretch (Bonferroni over
     /// all): p-value, the stretch with the
     /// largest mean departure (track, from, to [m], slope error [rad]) and the deviation that would explain it [rad].
     pub fn profile(&self, slope_sd: f64) -> (f64, String, f64, f64, f64, f64) {

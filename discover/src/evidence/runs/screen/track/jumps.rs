@@ -37,11 +37,11 @@ pub struct Jump {
     pub size: f64,
     /// Standard error [m/s].
     pub error: f64,
-    /// Two-sided p-value, times the number of speeds that were looked at.
+    /// Two-sided p-value, times the number of speeds that were examined.
     pub p_value: f64,
 }
 
-/// From one speed that is looked at to the next [m/s], and how many are at most.
+/// From one speed that is examined to the next [m/s], and how many are at most.
 const STEP: f64 = 0.1;
 const MOST: usize = 2000;
 /// Time on either side over which the low pass of the signals spreads a jump [s].
@@ -66,8 +66,8 @@ type Crossings<'a> = BTreeMap<(&'a str, i64), Vec<f64>>;
 
 impl<'a> OnRun<'a> {
     fn new(model: &ResidualModel, frame: &'a Frame, reach_s: f64) -> Self {
-        let ([left, read], dt) = (model.track_and_speed(frame), frame.sample_s());
-        let gained = left.iter().scan(0.0, |sum, r| {
+        let ([residual, read], dt) = (model.track_and_speed(frame), frame.sample_s());
+        let gained = residual.iter().scan(0.0, |sum, r| {
             *sum += r * dt;
             Some(*sum)
         });
@@ -114,23 +114,23 @@ struct Kernel {
 }
 
 impl Kernel {
-    /// Of a jump beside a straight line, by least squares; where the low pass spreads it, nothing.
+    /// Of a jump on a straight line, by least squares; where the low pass spreads it, nothing.
     fn new(sample_s: f64, reach_s: f64) -> Self {
         let count = |time: f64| (time / sample_s).round() as usize;
         let (reach, spread) = (count(reach_s).max(4), count(SPREAD_S));
         let u: Vec<f64> = (spread..reach).map(|j| j as f64 + 0.5).collect();
         let sum: f64 = u.iter().sum();
         let square: f64 = u.iter().map(|u| u * u).sum();
-        let beside: Vec<f64> = u.iter().map(|u| 1.0 - u * sum / square).collect();
-        let whole: f64 = beside.iter().sum();
+        let line_free: Vec<f64> = u.iter().map(|u| 1.0 - u * sum / square).collect();
+        let whole: f64 = line_free.iter().sum();
         let near = (0..spread).map(|_| 0.0);
         Self {
-            weights: near.chain(beside.iter().map(|k| k / whole)).collect(),
+            weights: near.chain(line_free.iter().map(|k| k / whole)).collect(),
         }
     }
 }
 
-/// The jump that stands out most, where any speed is crossed often enough.
+/// The jump that is most significant, where any speed is crossed often enough.
 pub fn find(model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option<Jump> {
     let runs: Vec<OnRun> = frames
         .par_iter()
@@ -155,7 +155,7 @@ pub fn find(model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option
         }
         all
     };
-    let looked: Vec<(f64, Crossings)> = (0..=count)
+    let examined: Vec<(f64, Crossings)> = (0..=count)
         .into_par_iter()
         .map(|k| low + k as f64 * STEP.max((high - low) / MOST as f64))
         .map(|x| (x, at(x)))
@@ -164,23 +164,23 @@ pub fn find(model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option
                 && all.values().map(Vec::len).sum::<usize>() >= LEAST_CROSSINGS
         })
         .collect();
-    let (first, _) = Scatter::of(&looked, None)?.strongest(&looked)?;
-    // What a jump leaves at the speeds beside it is no scatter.
-    let scatter = Scatter::of(&looked, Some(first.passed))?;
-    let (best, crossed) = scatter.strongest(&looked)?;
+    let (first, _) = Scatter::of(&examined, None)?.strongest(&examined)?;
+    // What a jump leaves at the speeds with it is no scatter.
+    let scatter = Scatter::of(&examined, Some(first.passed))?;
+    let (best, crossed) = scatter.strongest(&examined)?;
     let window_m = 2.0 * rules.jump_reach_s * best.passed;
-    let [error, freedom] = scatter.beside(crossed, window_m / rules.track_bin_m);
+    let [error, freedom] = scatter.error_and_freedom(crossed, window_m / rules.track_bin_m);
     let law = StudentsT::new(0.0, 1.0, freedom).ok()?;
     let by_chance = 2.0 * law.cdf(-(best.size / error).abs());
     Some(Jump {
         above: best.passed - 0.5 * best.size,
         size: best.size,
         error,
-        p_value: (by_chance * looked.len() as f64).min(1.0),
+        p_value: (by_chance * examined.len() as f64).min(1.0),
     })
 }
 
-/// Variances of crossings about the mean of their place, and of these means beyond them.
+/// Variances of crossings about the mean of their place, and of these means apart from them.
 struct Scatter {
     within: f64,
     between: f64,
@@ -199,10 +199,10 @@ struct Mean {
 }
 
 impl Scatter {
-    /// Pooled over all speeds that are not near `beside`.
-    fn of(looked: &[(f64, Crossings)], beside: Option<f64>) -> Option<Self> {
-        let apart = |x: f64| beside.is_none_or(|beside| (x - beside).abs() > NEAR);
-        let apart = || looked.iter().filter(|(x, _)| apart(*x));
+    /// Pooled over all speeds that are not near `with`.
+    fn of(examined: &[(f64, Crossings)], near: Option<f64>) -> Option<Self> {
+        let apart = |x: f64| near.is_none_or(|near| (x - near).abs() > NEAR);
+        let apart = || examined.iter().filter(|(x, _)| apart(*x));
         let [mut squares, mut crossings, mut means, mut fourth, mut count] = [0.0; 5];
         let mut places = BTreeSet::new();
         for (place, values) in apart().flat_map(|(_, all)| all) {
@@ -232,12 +232,12 @@ impl Scatter {
         })
     }
 
-    /// The speed whose jump stands out most, and where it is crossed.
+    /// The speed whose jump is most significant, and where it is crossed.
     fn strongest<'c, 'f>(
         &self,
-        looked: &'c [(f64, Crossings<'f>)],
+        examined: &'c [(f64, Crossings<'f>)],
     ) -> Option<(Mean, &'c Crossings<'f>)> {
-        let all = looked.iter().map(|(x, all)| (self.mean(*x, all), all));
+        let all = examined.iter().map(|(x, all)| (self.mean(*x, all), all));
         all.max_by(|(x, _), (y, _)| {
             (x.size / x.error)
                 .abs()
@@ -247,7 +247,7 @@ impl Scatter {
 
     /// Standard error of a mean whose places share what the survey is off by where they lie within so many bins, as those within one window
     /// do, and its degrees of freedom, those of a sum of two variances (Welch 1947) of which that of places has tails.
-    fn beside(&self, all: &Crossings, bins: f64) -> [f64; 2] {
+    fn error_and_freedom(&self, all: &Crossings, bins: f64) -> [f64; 2] {
         let [mut weight, mut own] = [0.0; 2];
         // What places that are one weigh together, with the first of them.
         let mut shared: Vec<((&str, i64), f64)> = Vec::new();
@@ -350,30 +350,36 @@ mod tests {
         // Crossings of their own: the mean of four, and all that was pooled.
         let own = scatter(0.25, 0.0);
         assert!((own.mean(21.0, &three).size - 2.5).abs() < 1e-12);
-        assert!(near(own.beside(&three, 1.0), [0.25, 400.0]));
+        assert!(near(own.error_and_freedom(&three, 1.0), [0.25, 400.0]));
         // Places of their own: the mean of three, as well known as the places are many.
         let mut shared = scatter(0.0, 0.75);
         assert!((shared.mean(21.0, &three).size - 8.0 / 3.0).abs() < 1e-12);
-        assert!(near(shared.beside(&three, 1.0), [0.5, 20.0]));
+        assert!(near(shared.error_and_freedom(&three, 1.0), [0.5, 20.0]));
         // Two of the three within one window: five of nine parts of a variance in place of three.
-        let beside = (0.75 * 5.0 / 9.0_f64).sqrt();
-        assert!(near(shared.beside(&three, 11.0), [beside, 20.0]));
+        let shared_error = (0.75 * 5.0 / 9.0_f64).sqrt();
+        assert!(near(
+            shared.error_and_freedom(&three, 11.0),
+            [shared_error, 20.0]
+        ));
         // As far off as Student's law of 10 degrees, whose excess is 1: the mean of two has half of it.
         shared.excess = 1.0;
-        assert!(near(shared.beside(&three, 11.0), [beside, 16.0]));
+        assert!(near(
+            shared.error_and_freedom(&three, 11.0),
+            [shared_error, 16.0]
+        ));
     }
 
     #[test]
     fn variances_within_and_between_places_are_told_apart() {
         // Places at -2 and 2 whose crossings lie 1 to either side: 2 within, and 4 less half of that between.
-        let looked: Vec<(f64, Crossings)> = (0..40)
+        let examined: Vec<(f64, Crossings)> = (0..40)
             .map(|k| {
                 let middle = if k % 2 == 0 { 2.0 } else { -2.0 };
                 let place = (("a", k), vec![middle - 1.0, middle + 1.0]);
                 (10.0 + 0.1 * k as f64, Crossings::from([place]))
             })
             .collect();
-        let scatter = Scatter::of(&looked, None).expect("crossings");
+        let scatter = Scatter::of(&examined, None).expect("crossings");
         assert!((scatter.within - 2.0).abs() < 1e-12 && (scatter.between - 3.0).abs() < 1e-12);
         assert_eq!((scatter.crossings, scatter.places), (40.0, 20.0));
         // Two values alone have no tails.

@@ -1,4 +1,4 @@
-//! Claims in the track channel: slope, profile, and the faults of the accelerometer and of the speed that look like them.
+//! Selection in the track channel: slope, profile, and the faults of the accelerometer and of the speed that resemble them.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -15,15 +15,15 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
 use crate::evidence::runs::screen::track::jumps;
 use crate::finding::{Fitted, Rival};
-use crate::options::BEYOND;
+use crate::options::OUTSIDE_CATALOGUE;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Account, Claim, Dependence, Randomised};
+use crate::procedure::evidence::{Account, Dependence, Randomised, Selection};
 use crate::procedure::rivals::NamedEffect;
 
 /// The track channel of a screen, where it can be used.
 pub struct Surveyed {
     channel: TrackChannel,
-    /// Slope and the sensors' faults that look like it.
+    /// Slope and the sensors' faults that resemble it.
     list: Vec<Candidate<Amplitude>>,
     /// How well the slope is known \[rad\].
     sd: f64,
@@ -52,7 +52,7 @@ fn on_survey(assumption: String) -> Dependence {
 }
 
 impl Campaign<'_> {
-    /// What the track channel says of an installation beside a model: nothing where there is none, or where a slope fitted in it has already
+    /// What the track channel says of an installation with a model: nothing where there is none, or where a slope fitted in it has already
     /// taken what it says.
     pub fn track_information(
         &self,
@@ -120,12 +120,12 @@ impl Campaign<'_> {
             .collect();
         let expected = TrackChannel::new(residual_model, &twins, self.rules())?.scatter();
         if channel.scatter() > self.rules().track_agrees * expected {
-            let told = format!(
+            let message = format!(
                 "from run to run the speed's derivative, the accelerometer and the track's slope disagree by {:.3} m/s2, the sensors' noise explains {expected:.3}: the track channel is not used, and slope, track-profile and the accelerometer's pitch are not judged",
                 channel.scatter()
             );
             if account.steps.is_empty() {
-                account.remarks.push(told);
+                account.remarks.push(message);
             }
             return None;
         }
@@ -137,7 +137,7 @@ impl Campaign<'_> {
             channel,
             list,
             sd,
-            within: self.rules().track_and_forces,
+            within: self.options.rules.search.agree,
         })
     }
 
@@ -149,7 +149,7 @@ impl Campaign<'_> {
             "m/s2" => known
                 .accel_bias_mps2
                 .hypot(GRAVITY * known.misalignment_rad),
-            // Of the speed beside the accelerometer, each of which may be late, as far as clocks were found to lie apart; and beside the slope,
+            // Of the speed with the accelerometer, each of which may be late, as far as clocks were found to lie apart; and with the slope,
             // which no low pass spreads over its time constant as it does the signals.
             "s" => {
                 let clocks = model.installation.parts.iter().filter(|p| p.is_delay());
@@ -178,13 +178,13 @@ impl Campaign<'_> {
         }
     }
 
-    /// The claim in the track channel, where one stands out.
+    /// The selected effect in the track channel, where one is significant.
     pub fn on_the_track(
         &self,
         residual_model: &ResidualModel,
         track: &Surveyed,
         account: &mut Account,
-    ) -> Option<Claim<Amplitude>> {
+    ) -> Option<Selection<Amplitude>> {
         let rules = self.rules();
         let Surveyed {
             channel, list, sd, ..
@@ -202,14 +202,14 @@ impl Campaign<'_> {
             let seen = channel.judge(c, sd * factor);
             seen.size / seen.error
         };
-        let stands = |factor: f64| -> Vec<usize> {
+        let significant = |factor: f64| -> Vec<usize> {
             let out = |c: &usize| {
                 let seen = channel.judge(*c, sd * factor);
                 seen.p_value <= rules.alpha_track && list[*c].admits(seen.size)
             };
             able.iter().copied().filter(out).collect()
         };
-        let standing = stands(1.0);
+        let standing = significant(1.0);
         // What the forces say of a size that the channel gives.
         let mut of_forces = vec![0.0; list.len()];
         if standing.len() > 1 {
@@ -228,7 +228,7 @@ impl Campaign<'_> {
                 .into_iter()
                 .max_by(|a, b| both(*a).total_cmp(&both(*b)))
         };
-        let at = |factor: f64| best(stands(factor), factor);
+        let at = |factor: f64| best(significant(factor), factor);
         let named = at(1.0);
         let strength = named.map_or(0.0, |c| z(c, 1.0).abs());
         if let Some(jump) = self.jump(residual_model, strength) {
@@ -236,7 +236,7 @@ impl Campaign<'_> {
         }
         if let Some(named) = named {
             let seen = channel.judge(named, sd);
-            // A size that the forces speak against, beside another that they don't, is none.
+            // A size that the forces speak against, with another that they don't, is none.
             let needed = rules.track_rivals.needed_t.powi(2);
             let spoken = |j: &usize| of_forces[*j] < of_forces[named] - needed;
             let rivals = able.iter().copied().filter(|j| *j != named && !spoken(j));
@@ -250,7 +250,7 @@ impl Campaign<'_> {
                     t: seen.size / seen.error,
                     gain: (seen.size / seen.error).powi(2),
                     correlation: channel.correlation(named, j, sd),
-                    t_of_named_beyond: channel.beyond(named, j, sd),
+                    t_of_named_beyond: channel.t_given(named, j, sd),
                     in_class: true,
                     decides: list[j].decides.clone(),
                 }
@@ -268,11 +268,11 @@ impl Campaign<'_> {
             let beside_line = seen.error.hypot(self.by_line(&list[named]));
             if at(2.0).is_none() {
                 account.depends.push(on_survey(format!(
-                    "{} stands out at the stated survey deviation but not at twice it",
+                    "{} is significant at the stated survey deviation but not at twice it",
                     list[named].effect
                 )));
             }
-            return Some(Claim {
+            return Some(Selection {
                 place: "all runs".to_owned(),
                 channel: CHANNEL_NAMES[TRACK],
                 candidate: list[named].clone(),
@@ -315,7 +315,7 @@ impl Campaign<'_> {
             )));
         }
         let candidate = profile.within(&track, from, to);
-        Some(Claim {
+        Some(Selection {
             place: format!(
                 "s {from:.0}-{to:.0} m on track {track} most; the whole profile departs by {needed_sd:.5} rad"
             ),
@@ -332,18 +332,18 @@ impl Campaign<'_> {
         })
     }
 
-    /// A jump of the speed's reading, where one stands out by more standard errors than this.
-    fn jump(&self, model: &ResidualModel, beyond: f64) -> Option<Claim<Amplitude>> {
-        if !self.options.looks_for(BEYOND) {
+    /// A jump of the speed's reading, where one is significant by more standard errors than this.
+    fn jump(&self, model: &ResidualModel, strength: f64) -> Option<Selection<Amplitude>> {
+        if !self.options.looks_for(OUTSIDE_CATALOGUE) {
             return None;
         }
         let rules = self.rules();
         let jump = jumps::find(model, &self.training, rules)?;
-        if jump.p_value > rules.alpha_track || (jump.size / jump.error).abs() < beyond {
+        if jump.p_value > rules.alpha_track || (jump.size / jump.error).abs() < strength {
             return None;
         }
         let candidate = jumps::law(&jump)?;
-        Some(Claim {
+        Some(Selection {
             place: format!("v_mps = {:.2}", jump.above),
             channel: CHANNEL_NAMES[TRACK],
             size: jump.size,
@@ -358,8 +358,8 @@ impl Campaign<'_> {
         })
     }
 
-    /// What the forces leave of a model, its base refitted and what its installation is off by found anew: held as it was found without a
-    /// candidate it stands for a part of what that does.
+    /// What the forces leave of a model, its base refitted and what its installation is off by found anew: fixed as it was found without a
+    /// candidate it represents a part of what that does.
     fn left_by_forces(&self, model: &ResidualModel) -> Option<f64> {
         let refit = self.beside_either(model, Effort::COMPARED, f64::INFINITY)?;
         let anew = self.installed_anew(&refit);
@@ -391,7 +391,7 @@ impl Campaign<'_> {
         sum / f64::max(count, 1.0)
     }
 
-    /// What the length of the driven line leaves open of a scale or an offset of the speed, a standard deviation: they are held against
+    /// What the length of the driven line leaves open of a scale or an offset of the speed, a standard deviation: they are compared with
     /// distances of the survey, which no sled drives along its line.
     fn by_line(&self, candidate: &Candidate<Amplitude>) -> f64 {
         // The channel's candidates without a unit, or in m/s, are the speed's.
@@ -402,7 +402,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// The forces say nothing of a slope: the track channel's own size stands.
+    /// The forces say nothing of a slope: the track channel's own size is used.
     fn by_track(&self, candidate: &Candidate<Amplitude>, size: f64, error: f64) -> Vec<Fitted> {
         let half = self.options.rules.search.interval * error;
         vec![Fitted {

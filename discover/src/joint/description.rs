@@ -134,14 +134,14 @@ fn evidence(joint: &Joint, said: Option<&Said>, parts: &[OfPart], step: usize) -
             .filter(|amounts: &Vec<Fitted>| !amounts.is_empty())
             .or(described)
             .unwrap_or_default();
-        let held = &joint.kinds[k].held_out;
+        let held_out = &joint.kinds[k].held_out;
         each.push(OfKind {
             data: joint.kinds[k].name.to_owned(),
             parameters,
             agrees: said.is_none_or(|said| said.parted.is_none()),
-            gap_before: held.gap_before,
-            gap_after: held.gap_after,
-            unit: held.unit.clone(),
+            gap_before: held_out.gap_before,
+            gap_after: held_out.gap_after,
+            unit: held_out.unit.clone(),
         });
     }
     each

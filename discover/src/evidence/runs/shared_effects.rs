@@ -1,4 +1,4 @@
-//! Runs beside other kinds of data of the same campaign.
+//! Runs with other kinds of data of the same campaign.
 
 use kufe_sled::effects::Kind;
 
@@ -8,21 +8,21 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::screen::levels::LevelScore;
 use crate::evidence::runs::screen::residual_screen::CandidateScore;
-use crate::procedure::beside::{Amount, Beside, Chance};
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::Claim;
+use crate::procedure::evidence::Selection;
+use crate::procedure::shared_effects::{Amount, Chance, SharesEffects};
 
-impl Beside for Campaign<'_> {
+impl SharesEffects for Campaign<'_> {
     fn chances(&self) -> &[Chance] {
         &self.chances
     }
 
-    fn lacks(&self, effect: &str) -> bool {
+    fn is_untestable(&self, effect: &str) -> bool {
         let mut untestable = self.candidates.untestable.iter();
         untestable.any(|(name, _)| name == effect)
     }
 
-    fn claim(&mut self, fit: &RunFit, amount: &Amount) -> Option<Claim<Amplitude>> {
+    fn select(&mut self, fit: &RunFit, amount: &Amount) -> Option<Selection<Amplitude>> {
         let everywhere = [
             self.fresh(&fit.residual_model, &self.candidates.regular),
             self.fresh(&fit.residual_model, &self.candidates.levels),
@@ -31,14 +31,14 @@ impl Beside for Campaign<'_> {
             .into_iter()
             .flatten()
             .find(|c| c.effect == amount.effect && c.key == amount.key)?;
-        // What this kind's own screen claimed is asked for again.
-        self.claimed = None;
+        // What this kind's own screen selected is requested again.
+        self.selected_contacts = None;
         let size = match amount.value.clamp(candidate.low, candidate.high) {
             0.0 => 0.1 * candidate.typical,
             size => size,
         };
         let channel = self.strongest_channel(&fit.residual_model, &candidate, size);
-        Some(Claim {
+        Some(Selection {
             class: vec![candidate.effect.clone()],
             candidate,
             size,
@@ -80,7 +80,12 @@ impl Beside for Campaign<'_> {
             .collect()
     }
 
-    fn held(&mut self, fit: &RunFit, step: usize, amounts: &[Amount]) -> Result<RunFit, Error> {
+    fn with_fixed_sizes(
+        &mut self,
+        fit: &RunFit,
+        step: usize,
+        amounts: &[Amount],
+    ) -> Result<RunFit, Error> {
         let already = fit.already();
         let mut model = fit.residual_model.clone();
         for (place, owner) in fit.owners.iter().enumerate() {
@@ -97,10 +102,10 @@ impl Beside for Campaign<'_> {
                 }
             }
         }
-        let mut held = self.fitted(&model, fit.owners.clone())?;
-        held.told.clone_from(&fit.told);
-        self.write(&mut held)?;
-        Ok(held)
+        let mut fixed = self.fitted(&model, fit.owners.clone())?;
+        fixed.unwritten.clone_from(&fit.unwritten);
+        self.write(&mut fixed)?;
+        Ok(fixed)
     }
 }
 

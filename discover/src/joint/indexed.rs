@@ -1,27 +1,29 @@
-//! Evidence of any kind behind numbers: fits and claims are kept, and asked for by their place.
+//! Evidence of any kind behind numbers: fits and selections are stored, and referred to by their place.
 
 use crate::error::Error;
-use crate::procedure::beside::{Amount, Beside, Chance};
-use crate::procedure::evidence::{Account, Added, Claim, Description, Evidence, Opened, Screen};
+use crate::procedure::evidence::{
+    Account, Added, Description, Evidence, Opened, Screen, Selection,
+};
 use crate::procedure::lowered::Lowered;
+use crate::procedure::shared_effects::{Amount, Chance, SharesEffects};
 
 /// Evidence of a kind that is not named.
-pub type Part<'a> = Box<dyn Beside<Act = usize, Fit = usize> + 'a>;
+pub type Part<'a> = Box<dyn SharesEffects<Act = usize, Fit = usize> + 'a>;
 
-/// Evidence with every fit and claim that it has made.
-pub struct Kept<E: Evidence> {
+/// Evidence with every fit and selection that it has made.
+pub struct Indexed<E: Evidence> {
     evidence: E,
     fits: Vec<E::Fit>,
-    claims: Vec<Claim<E::Act>>,
+    selections: Vec<Selection<E::Act>>,
 }
 
-impl<E: Evidence> Kept<E> {
+impl<E: Evidence> Indexed<E> {
     /// Nothing fitted yet.
     pub fn new(evidence: E) -> Self {
         Self {
             evidence,
             fits: Vec::new(),
-            claims: Vec::new(),
+            selections: Vec::new(),
         }
     }
 
@@ -31,7 +33,7 @@ impl<E: Evidence> Kept<E> {
     }
 }
 
-impl<E: Evidence> Evidence for Kept<E> {
+impl<E: Evidence> Evidence for Indexed<E> {
     type Act = usize;
     type Fit = usize;
 
@@ -42,11 +44,14 @@ impl<E: Evidence> Evidence for Kept<E> {
 
     fn screen(&mut self, fit: &usize, account: &mut Account) -> Result<Screen<usize>, Error> {
         let screen = self.evidence.screen(&self.fits[*fit], account)?;
-        let place = self.claims.len();
-        let claim = screen.claim.as_ref().map(|claim| claim.acting(place));
-        self.claims.extend(screen.claim);
+        let place = self.selections.len();
+        let selection = screen
+            .selection
+            .as_ref()
+            .map(|selection| selection.acting(place));
+        self.selections.extend(screen.selection);
         Ok(Screen {
-            claim,
+            selection,
             detectable: screen.detectable,
         })
     }
@@ -54,10 +59,10 @@ impl<E: Evidence> Evidence for Kept<E> {
     fn add(
         &mut self,
         fit: &usize,
-        claim: &Claim<usize>,
+        selection: &Selection<usize>,
         step: usize,
     ) -> Result<Added<usize>, Error> {
-        let own = &self.claims[claim.candidate.act];
+        let own = &self.selections[selection.candidate.act];
         let own = self.evidence.add(&self.fits[*fit], own, step)?;
         Ok(Added {
             fit: self.keep(own.fit),
@@ -97,7 +102,7 @@ impl<E: Evidence> Evidence for Kept<E> {
     }
 }
 
-impl<E: Beside> Beside for Kept<E> {
+impl<E: SharesEffects> SharesEffects for Indexed<E> {
     fn chances(&self) -> &[Chance] {
         self.evidence.chances()
     }
@@ -106,23 +111,30 @@ impl<E: Beside> Beside for Kept<E> {
         self.evidence.is_common(effect)
     }
 
-    fn lacks(&self, effect: &str) -> bool {
-        self.evidence.lacks(effect)
+    fn is_untestable(&self, effect: &str) -> bool {
+        self.evidence.is_untestable(effect)
     }
 
-    fn claim(&mut self, fit: &usize, amount: &Amount) -> Option<Claim<usize>> {
-        let claim = self.evidence.claim(&self.fits[*fit], amount)?;
-        let kept = claim.acting(self.claims.len());
-        self.claims.push(claim);
-        Some(kept)
+    fn select(&mut self, fit: &usize, amount: &Amount) -> Option<Selection<usize>> {
+        let selection = self.evidence.select(&self.fits[*fit], amount)?;
+        let retained = selection.acting(self.selections.len());
+        self.selections.push(selection);
+        Some(retained)
     }
 
     fn amounts(&self, fit: &usize, step: usize) -> Vec<Amount> {
         self.evidence.amounts(&self.fits[*fit], step)
     }
 
-    fn held(&mut self, fit: &usize, step: usize, amounts: &[Amount]) -> Result<usize, Error> {
-        let held = self.evidence.held(&self.fits[*fit], step, amounts)?;
-        Ok(self.keep(held))
+    fn with_fixed_sizes(
+        &mut self,
+        fit: &usize,
+        step: usize,
+        amounts: &[Amount],
+    ) -> Result<usize, Error> {
+        let fixed = self
+            .evidence
+            .with_fixed_sizes(&self.fits[*fit], step, amounts)?;
+        Ok(self.keep(fixed))
     }
 }

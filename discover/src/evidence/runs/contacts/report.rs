@@ -11,7 +11,7 @@ use crate::finding::{
 const FEWEST: usize = 3;
 
 impl Campaign<'_> {
-    /// Lever and friction of the step that claimed contacts.
+    /// Lever and friction of the step that selected contacts.
     pub fn contact_parameters(&self, last: &RunFit, parameters: &mut [Vec<Fitted>]) {
         let Some(contacts) = &last.residual_model.contacts else {
             return;
@@ -39,8 +39,8 @@ impl Campaign<'_> {
         };
         let step = contacts.step.and_then(|step| steps.get_mut(step));
         if let Some(step) = step {
-            let frames: Vec<&Frame> = self.whole().iter().chain(&self.held).collect();
-            step.contacts = told(contacts, &frames);
+            let frames: Vec<&Frame> = self.whole().iter().chain(&self.held_out).collect();
+            step.contacts = contact_places(contacts, &frames);
         }
     }
 
@@ -49,8 +49,8 @@ impl Campaign<'_> {
         let Some(contacts) = &last.residual_model.contacts else {
             return Vec::new();
         };
-        let frames: Vec<&Frame> = self.whole().iter().chain(&self.held).collect();
-        let places = told(contacts, &frames);
+        let frames: Vec<&Frame> = self.whole().iter().chain(&self.held_out).collect();
+        let places = contact_places(contacts, &frames);
         let mut tracks: Vec<&str> = places.iter().map(|p| p.track.as_str()).collect();
         tracks.dedup();
         let picture = |track: &str| {
@@ -81,7 +81,7 @@ series: vec![Series {
     }
 }
 
-fn told(contacts: &Contacts, frames: &[&Frame]) -> Vec<ContactPlace> {
+fn contact_places(contacts: &Contacts, frames: &[&Frame]) -> Vec<ContactPlace> {
     let place = |(k, place): (usize, &kufe_sled::effects::Active)| {
         let track = place.track.clone().unwrap_or_default();
         let there: Vec<&&Frame> = frames.iter().filter(|f| place.acts_on(&f.track)).collect();

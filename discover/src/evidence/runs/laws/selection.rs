@@ -1,4 +1,4 @@
-//! A law beyond the catalogue, claimed: a smooth one that stands out, as the simplest formula that does as well.
+//! A law outside the catalogue, selected: a smooth one that is significant, as the simplest formula that does as well.
 
 use kufe_sled::effects::{Channel, Kind};
 use nalgebra::DMatrix;
@@ -6,71 +6,72 @@ use nalgebra::DMatrix;
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::refit::Refit;
+use crate::evidence::runs::laws::fitted_law::{FittedLaw, LawFitter, name};
 use crate::evidence::runs::laws::judged::Smooth;
 use crate::evidence::runs::laws::sums::{LawSums, difference, total};
 use crate::evidence::runs::laws::terms::Terms;
-use crate::evidence::runs::laws::told::{Teller, ToldLaw, name};
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::recordings::frame::further_columns;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Claim, Randomised};
+use crate::procedure::evidence::{Randomised, Selection};
 
-/// A law beside a claim.
+/// A law compared with a selected effect.
 pub enum Law {
-    /// It is claimed instead.
-    Instead(Box<Claim<Amplitude>>),
+    /// It is selected instead.
+    Instead(Box<Selection<Amplitude>>),
     /// It explains more, but not by enough to take the place of a name: what it is called.
-    Beside(String),
+    Alternative(String),
 }
 
 impl Campaign<'_> {
-    /// The law that stands out most, where one does, explains more than the claim and leaves less, in full refits, than each of the
+    /// The most significant law, where one explains more than the selected effect and leaves less, in full refits, than each of the
     /// `strongest` of the catalogue with their sizes.
     pub fn law(
         &self,
         at: &Current,
-        claim: Option<&Claim<Amplitude>>,
+        selection: Option<&Selection<Amplitude>>,
         strongest: &[(Candidate<Amplitude>, f64)],
         options: &ScreenOptions,
     ) -> Option<Law> {
-        let no_model = claim.is_some_and(|c| c.candidate.act.carrier.is_some());
-        if no_model || self.least_p() > options.alpha_beyond {
+        let no_model = selection.is_some_and(|c| c.candidate.act.carrier.is_some());
+        if no_model || self.least_p() > options.alpha_column {
             return None;
         }
-        let known: Vec<Candidate<Amplitude>> = claim.iter().map(|c| c.candidate.clone()).collect();
+        let known: Vec<Candidate<Amplitude>> =
+            selection.iter().map(|c| c.candidate.clone()).collect();
         let channels = self.law_channels();
         let extra = further_columns(&self.training);
         let design = at.design(&known);
         let terms = Terms::new(&design, &self.training, at.simulator, &channels, &extra);
-        let teller = Teller {
+        let fitter = LawFitter {
             campaign: self,
             at,
             terms: &terms,
             channels: &channels,
         };
         let (smooth, mut p_value) = self.smooth_laws(&terms, &channels, options);
-        let best = teller.best(&smooth, claim);
+        let best = fitter.best(&smooth, selection);
         let mut most = best.first().map_or(0.0, |law| total(&law.gains));
-        let mut leaders: Vec<ToldLaw> =
-            best.iter().filter_map(|law| teller.simplest(law)).collect();
-        if leaders.is_empty() && claim.is_none() && !self.is_large(at, most) {
+        let mut leaders: Vec<FittedLaw> =
+            best.iter().filter_map(|law| fitter.simplest(law)).collect();
+        if leaders.is_empty() && selection.is_none() && !self.is_large(at, most) {
             return None;
         }
         let without = self.refitted_alone(at)?;
-        let named = claim.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
+        let named = selection.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
         let named = named.as_deref();
         let gain = |refit: &Refit| 2.0 * (without.misfit - refit.misfit);
         most = most.max(named.map_or(0.0, gain));
         if self.is_large(at, most)
-            && let Some((law, p)) = teller.bent(without, options)
+            && let Some((law, p)) = fitter.bent(without, options)
         {
             leaders.push(law);
             p_value = p_value.min(p);
         }
         // A bias that leaves more than one which grows may be that one.
-        if let Some((claim, named)) = claim.zip(named)
-            && let Some(law) = teller.drifting(&claim.candidate)
+        if let Some((selection, named)) = selection.zip(named)
+            && let Some(law) = fitter.drifting(&selection.candidate)
             && law
                 .refit
                 .as_ref()
@@ -80,48 +81,48 @@ impl Campaign<'_> {
         }
         let mut shown = leaders
             .into_iter()
-            .min_by(|a, b| a.left.total_cmp(&b.left))?;
-        let mut beside = Vec::new();
+            .min_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
+        let mut alternatives = Vec::new();
         if shown.candidate.act.carrier.is_none() {
-            let least = self.least_left(at, claim.zip(named), strongest);
+            let least = self.least_left(at, selection.zip(named), strongest);
             // Nearer numbers do not double what a formula explains.
-            if without.misfit - shown.left < self.rules().leads * (without.misfit - least) {
+            if without.misfit - shown.misfit < self.rules().leads * (without.misfit - least) {
                 return None;
             }
-            (shown, beside) = teller.driven(teller.polished(shown), &smooth, without.misfit);
-            if least <= shown.left {
-                let drifts = claim
+            (shown, alternatives) = fitter.driven(fitter.polished(shown), &smooth, without.misfit);
+            if least <= shown.misfit {
+                let drifts = selection
                     .zip(named)
-                    .filter(|(claim, _)| grows(&claim.candidate, &shown));
-                let beside = drifts.is_some_and(|(_, named)| {
+                    .filter(|(selection, _)| grows(&selection.candidate, &shown));
+                let is_alternative = drifts.is_some_and(|(_, named)| {
                     let [more, error] = self.more_than(Some(named), &shown);
                     more > self.rules().laws.as_good * error
                 });
-                return beside.then_some(Law::Beside(shown.candidate.effect));
+                return is_alternative.then_some(Law::Alternative(shown.candidate.effect));
             }
         }
-        if let Some(claim) = claim {
+        if let Some(selection) = selection {
             let explained = named.map_or(0.0, |named| without.misfit - named.misfit);
             let [mut more, mut error] = self.more_than(named, &shown);
-            if self.gives_way(claim, explained, [more, error])
-                && !claim.candidate.is_column()
+            if self.gives_way(selection, explained, [more, error])
+                && !selection.candidate.is_column()
                 && let Some((named, law)) = named.zip(shown.refit.as_ref())
             {
                 [more, error] = self.more_anew(named, law)?;
             }
-            if !self.gives_way(claim, explained, [more, error]) {
-                let beside = !claim.candidate.is_column()
-                    && !straight_part(&claim.candidate, &shown.candidate)
+            if !self.gives_way(selection, explained, [more, error]) {
+                let is_alternative = !selection.candidate.is_column()
+                    && !straight_part(&selection.candidate, &shown.candidate)
                     && more > self.rules().laws.as_good * error;
-                return beside.then_some(Law::Beside(shown.candidate.effect));
+                return is_alternative.then_some(Law::Alternative(shown.candidate.effect));
             }
         }
-        let class = teller.class(&shown, &beside, &smooth);
+        let class = fitter.class(&shown, &alternatives, &smooth);
         let strongest = self.strongest_channel(at.residual_model, &shown.candidate, shown.size);
         let remark = best
             .first()
             .and_then(|smooth| self.smoother(smooth, &shown));
-        Some(Law::Instead(Box::new(Claim {
+        Some(Law::Instead(Box::new(Selection {
             place: self.place_of(&shown.candidate, at),
             channel: CHANNEL_NAMES[strongest],
             size: shown.size,
@@ -146,14 +147,14 @@ impl Campaign<'_> {
         p_values?.first().copied()
     }
 
-    /// The least that the claim, unless it is a column, or one of the `strongest` leaves in a full refit.
+    /// The least that the selected effect, unless it is a column, or one of the `strongest` leaves in a full refit.
     fn least_left(
         &self,
         at: &Current,
-        named: Option<(&Claim<Amplitude>, &Refit)>,
+        named: Option<(&Selection<Amplitude>, &Refit)>,
         strongest: &[(Candidate<Amplitude>, f64)],
     ) -> f64 {
-        let named = named.filter(|(claim, _)| !claim.candidate.is_column());
+        let named = named.filter(|(selection, _)| !selection.candidate.is_column());
         let of_claim = named.map_or(f64::INFINITY, |(_, refit)| refit.misfit);
         strongest
             .iter()
@@ -161,33 +162,38 @@ impl Campaign<'_> {
             .fold(of_claim, |least, refit| least.min(refit.misfit))
     }
 
-    /// Whether a claim gives way to a law that explains so much more, with its scatter: one of the catalogue to a law that explains more
-    /// beyond it and by a share that matters of what the claim has `explained`; a column's own form to a formula that does as well.
-    fn gives_way(&self, claim: &Claim<Amplitude>, explained: f64, [more, error]: [f64; 2]) -> bool {
-        let rules = &self.rules().laws;
-        let (beyond, least) = match claim.candidate.is_column() {
+    /// Whether a selected effect gives way to a law that explains so much more, with its scatter: one of the catalogue to a law that explains more
+    /// in addition to it and by a share that matters of what the selected effect has `explained`; a column's own form to a formula that does as well.
+    fn gives_way(
+        &self,
+        selection: &Selection<Amplitude>,
+        explained: f64,
+        [more, error]: [f64; 2],
+    ) -> bool {
+        let (rules, search) = (&self.rules().laws, &self.options.rules.search);
+        let (errors, least) = match selection.candidate.is_column() {
             true => (-rules.as_good, f64::NEG_INFINITY),
-            false => (rules.beats, self.options.rules.search.material * explained),
+            false => (search.clear, search.material * explained),
         };
-        more > beyond * error && more > least
+        more > errors * error && more > least
     }
 
-    /// How much more a law explains than a claim, refitted as `named`, with its scatter over runs.
-    fn more_than(&self, named: Option<&Refit>, law: &ToldLaw) -> [f64; 2] {
+    /// How much more a law explains than a selected effect, refitted as `named`, with its scatter over runs.
+    fn more_than(&self, named: Option<&Refit>, law: &FittedLaw) -> [f64; 2] {
         match law.refit.as_ref().zip(named) {
             Some((law, named)) => {
                 let [law, named] = [law, named].map(|refit| self.misfit_by_run(refit));
                 difference(&named, &law)
             }
             None => {
-                let (none, folds) = (DMatrix::zeros(1, 1), self.rules().laws.folds);
-                let gains = [0, 1].map(|k| law.sums.held_gains(&[k], &none, folds));
+                let none = DMatrix::zeros(1, 1);
+                let gains = [0, 1].map(|k| law.sums.held_gains(&[k], &none));
                 difference(&gains[0], &gains[1])
             }
         }
     }
 
-    /// The same with what the installation is off by found anew beside each: found without either it stands for a part of what is missing,
+    /// The same with what the installation is off by found anew with each: found without either it represents a part of what is missing,
     /// and a law on a sensor takes the other part.
     fn more_anew(&self, named: &Refit, law: &Refit) -> Option<[f64; 2]> {
         let [named, law] = [named, law].map(|refit| self.installed_anew(refit));
@@ -198,7 +204,7 @@ impl Campaign<'_> {
     }
 
     /// What is said where a smooth curve explains more than the formula.
-    fn smoother(&self, smooth: &Smooth, law: &ToldLaw) -> Option<String> {
+    fn smoother(&self, smooth: &Smooth, law: &FittedLaw) -> Option<String> {
         let [more, error] = difference(&smooth.gains, &law.formula.gains);
         (more > self.rules().laws.alike * error).then(|| {
             format!(
@@ -209,27 +215,31 @@ impl Campaign<'_> {
     }
 }
 
-impl Teller<'_> {
-    /// The smooth laws whose formulas are tried, the one that explains most first: those that stand out, that of a claimed column, and those
-    /// that explain more than it, or than all that stand out.
-    fn best<'l>(&self, smooth: &'l [Smooth], claim: Option<&Claim<Amplitude>>) -> Vec<&'l Smooth> {
-        let column = claim.filter(|c| c.candidate.is_column());
+impl LawFitter<'_> {
+    /// The smooth laws whose formulas are tried, the one that explains most first: those that are significant, that of a selected column, and those
+    /// that explain more than it, or than all that are significant.
+    fn best<'l>(
+        &self,
+        smooth: &'l [Smooth],
+        selection: Option<&Selection<Amplitude>>,
+    ) -> Vec<&'l Smooth> {
+        let column = selection.filter(|c| c.candidate.is_column());
         let of_claim = |law: &Smooth| {
             column.is_some_and(|c| c.candidate.effect == name(&law.columns, &self.terms.names))
         };
-        let claimed = smooth.iter().filter(|law| of_claim(law));
-        let enough = claimed
+        let selected = smooth.iter().filter(|law| of_claim(law));
+        let enough = selected
             .map(|law| total(&law.gains))
             .fold(f64::INFINITY, f64::min)
             .max(0.0);
-        // Once one stands out the question is which: those that explain more are asked, too.
-        let standing = smooth.iter().filter(|law| law.stands);
+        // Once one is significant the question is which: those that explain more are tried, too.
+        let standing = smooth.iter().filter(|law| law.significant);
         let most = standing.map(|law| total(&law.gains)).reduce(f64::max);
         let rivals = |law: &Smooth| law.holds && most.is_some_and(|m| total(&law.gains) > m);
-        let asked = |law: &Smooth| of_claim(law) || total(&law.gains) > enough;
+        let requested = |law: &Smooth| of_claim(law) || total(&law.gains) > enough;
         let mut best: Vec<&Smooth> = smooth
             .iter()
-            .filter(|law| law.stands || rivals(law) || asked(law))
+            .filter(|law| law.significant || rivals(law) || requested(law))
             .collect();
         best.sort_by(|a, b| total(&b.gains).total_cmp(&total(&a.gains)));
         let most = best.first().map_or(0.0, |law| total(&law.gains));
@@ -249,11 +259,16 @@ impl Teller<'_> {
 
     /// Of a law on a sensor, the column that drives it, with those that might: speed and time go together, and which it is shows in
     /// full refits, where each has its own numbers.
-    fn driven(&self, law: ToldLaw, smooth: &[Smooth], without: f64) -> (ToldLaw, Vec<ToldLaw>) {
-        let (mut shown, mut beside) = (law, Vec::new());
+    fn driven(
+        &self,
+        law: FittedLaw,
+        smooth: &[Smooth],
+        without: f64,
+    ) -> (FittedLaw, Vec<FittedLaw>) {
+        let (mut shown, mut alternatives) = (law, Vec::new());
         let channel = shown.formula.term.channel;
         if !matches!(self.channels[channel], Channel::Sensor(_)) {
-            return (shown, beside);
+            return (shown, alternatives);
         }
         let own = shown.formula.columns.clone();
         for law in smooth {
@@ -263,28 +278,28 @@ impl Teller<'_> {
             let Some(other) = self.simplest(law) else {
                 continue;
             };
-            if without - other.left < self.campaign.rules().leads * (without - shown.left) {
+            if without - other.misfit < self.campaign.rules().leads * (without - shown.misfit) {
                 continue;
             }
             let other = self.polished(other);
-            let (better, worse) = match other.left < shown.left {
+            let (better, worse) = match other.misfit < shown.misfit {
                 true => (other, shown),
                 false => (shown, other),
             };
             shown = better;
-            beside.push(worse);
+            alternatives.push(worse);
         }
-        (shown, beside)
+        (shown, alternatives)
     }
 
     /// The law's name, then those of laws that the data cannot tell from it.
-    fn class(&self, law: &ToldLaw, beside: &[ToldLaw], smooth: &[Smooth]) -> Vec<String> {
+    fn class(&self, law: &FittedLaw, alternatives: &[FittedLaw], smooth: &[Smooth]) -> Vec<String> {
         let (campaign, own) = (self.campaign, &law.candidate.effect);
         let alike = |[more, error]: [f64; 2]| more <= campaign.rules().laws.alike * error;
         let of_runs = |refit: &Refit| campaign.misfit_by_run(refit);
-        let left = law.refit.as_ref().map(of_runs);
-        let on_sensor = beside.iter().filter(|other| {
-            let both = left.as_ref().zip(other.refit.as_ref().map(of_runs));
+        let misfit = law.refit.as_ref().map(of_runs);
+        let on_sensor = alternatives.iter().filter(|other| {
+            let both = misfit.as_ref().zip(other.refit.as_ref().map(of_runs));
             both.is_some_and(|(own, other)| alike(difference(&other, own)))
         });
         // What was found by full refits alone has no scores to hold against those of others.
@@ -292,18 +307,18 @@ impl Teller<'_> {
             true => &[],
             false => smooth,
         };
-        // Where none stands out by itself, as where noise is not known, those that explain as much are as good.
-        let any = !smooth.iter().any(|other| other.stands);
+        // Where none is significant by itself, as where noise is not known, those that explain as much are as good.
+        let any = !smooth.iter().any(|other| other.significant);
         let single = smooth
             .iter()
-            .filter(|other| (other.stands || any) && other.columns.len() == 1)
+            .filter(|other| (other.significant || any) && other.columns.len() == 1)
             .filter(|other| total(&other.gains) > 0.0)
             .filter(|other| alike(difference(&law.formula.gains, &other.gains)))
             .map(|other| &other.columns);
-        // A product with the law's own column is beside it where it explains more.
+        // A product with the law's own column is with it where it explains more.
         let products = smooth
             .iter()
-            .filter(|other| (other.stands || any) && other.columns.len() == 2)
+            .filter(|other| (other.significant || any) && other.columns.len() == 2)
             .filter(|other| {
                 law.formula
                     .columns
@@ -326,7 +341,7 @@ impl Teller<'_> {
     }
 }
 
-/// Whether a fault of a sensor is what a law of what that sensor says itself is beside its bend.
+/// Whether a fault of a sensor is what a law of what that sensor says itself is with its bend.
 fn straight_part(fault: &Candidate<Amplitude>, law: &Candidate<Amplitude>) -> bool {
     let (Kind::Catalogue(effect), Kind::Custom(own)) = (&fault.act.kind, &law.act.kind) else {
         return false;
@@ -337,12 +352,12 @@ fn straight_part(fault: &Candidate<Amplitude>, law: &Candidate<Amplitude>) -> bo
     })
 }
 
-/// Whether a law is that of a claimed bias over time.
-fn grows(claimed: &Candidate<Amplitude>, law: &ToldLaw) -> bool {
+/// Whether a law is that of a selected bias over time.
+fn grows(selected: &Candidate<Amplitude>, law: &FittedLaw) -> bool {
     let Kind::Custom(own) = &law.candidate.act.kind else {
         return false;
     };
-    let biased = claimed.act.biased().map(Channel::Sensor);
+    let biased = selected.act.biased().map(Channel::Sensor);
     law.candidate.effect == "unknown:t_s" && biased == Some(own.channel)
 }
 

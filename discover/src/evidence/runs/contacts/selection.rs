@@ -1,10 +1,11 @@
-//! The claim that walls are hit: by how the runs of a track differ aside, judged by how they turn.
+//! Selection of wall contacts: by how the runs of a track differ aside, judged by how they turn.
 
 use kufe_sled::effects::{Active, Kind, Level};
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::contacts::FEWEST_HITS;
 use crate::evidence::runs::contacts::found::Found;
 use crate::evidence::runs::contacts::grip::apart_from_grip;
 use crate::evidence::runs::contacts::hit::hit;
@@ -18,13 +19,13 @@ use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Added, Claim, Randomised};
+use crate::procedure::evidence::{Added, Randomised, Selection};
 
-/// Displacements of the contacts that the yaw balance is held against.
+/// Displacements of the contacts that the yaw balance is compared with.
 const TRIALS: u64 = 999;
 
 impl Campaign<'_> {
-    /// The contacts that the training runs show beside a model.
+    /// The contacts that the training runs show with a model.
     pub fn contacts_beside(&self, model: &ResidualModel) -> Option<Found> {
         let lateral = self.used[1] && self.used[2];
         if !lateral || model.contacts.is_some() || self.data.segmented {
@@ -33,24 +34,24 @@ impl Campaign<'_> {
         let effect = wall().filter(|e| self.options.looks_for(e.info.name))?;
         let whole = self.whole();
         let as_it_is = left_without(model, whole);
-        let mut left = as_it_is.clone();
-        apart_from_grip(model, whole, &mut left);
-        let side: Vec<Vec<f64>> = left.iter().map(|l| l[1].clone()).collect();
+        let mut residual = as_it_is.clone();
+        apart_from_grip(model, whole, &mut residual);
+        let side: Vec<Vec<f64>> = residual.iter().map(|l| l[1].clone()).collect();
         let rules = &self.options.rules.runs;
         let hit = hit(effect, whole, &side, &rules.contacts, self.options.seed)?;
         let (mut places, mut frames) = (hit.places, hit.frames);
         // Where the places are shows apart from grip; how hard they are hit is what the balance leaves, as in runs that did not set them.
         // A place that no runs hit then is none: it has neither a force nor a stretch.
         loop {
-            for (frame, left) in frames.iter_mut().zip(&as_it_is) {
-                set_own_of(frame, &left[1], &places);
+            for (frame, residual) in frames.iter_mut().zip(&as_it_is) {
+                set_own_of(frame, &residual[1], &places);
             }
             let hits = |k: usize| {
                 let own = frames.iter().flat_map(|f| &f.contacts);
                 own.filter(|own| own.place == k).count()
             };
             let hit: Vec<Active> = (0..places.len())
-                .filter(|k| hits(*k) >= rules.contacts.fewest_hits)
+                .filter(|k| hits(*k) >= FEWEST_HITS)
                 .map(|k| places[k].clone())
                 .collect();
             if hit.is_empty() {
@@ -63,16 +64,16 @@ impl Campaign<'_> {
             }
         }
         let interval = self.options.rules.search.interval;
-        let shared_m = shared_with_side(&frames, &left, 2);
+        let shared_m = shared_with_side(&frames, &residual, 2);
         let ratio = |balance: usize| {
-            let of_all = || ratio(&excess(&frames, &left, balance, &places), interval);
-            ratio_of_strong(&frames, &left, balance, interval).unwrap_or_else(of_all)
+            let of_all = || ratio(&excess(&frames, &residual, balance, &places), interval);
+            ratio_of_strong(&frames, &residual, balance, interval).unwrap_or_else(of_all)
         };
         let lever_m = ratio(2);
         let sled = &model.vehicle.sled;
         let inside = rules.contacts.inside;
         let inside = -inside * sled.l_r_m..inside * sled.l_f_m;
-        let yaw = apart_from_side(&left, shared_m);
+        let yaw = apart_from_side(&residual, shared_m);
         let by_yaw = seen_by_yaw(&frames, &yaw, TRIALS, self.options.seed);
         let p_value = of_both(hit.p_value, by_yaw);
         if !inside.contains(&lever_m.value)
@@ -127,15 +128,15 @@ impl Campaign<'_> {
         (before - after) * n as f64 / before.max(1e-300)
     }
 
-    /// The claim of contacts that were found.
-    pub fn claim_contacts(&self, found: &Found) -> Option<Claim<Amplitude>> {
+    /// The selected effect of contacts that were found.
+    pub fn claim_contacts(&self, found: &Found) -> Option<Selection<Amplitude>> {
         let place = found.contacts.places.first()?;
         let Kind::Catalogue(effect) = &place.kind else {
             return None;
         };
         let force = effect.info.parameters.first()?;
         let yaw = 2;
-        Some(Claim {
+        Some(Selection {
             candidate: Candidate {
                 effect: effect.info.name.to_owned(),
                 key: force.name.to_owned(),
@@ -166,7 +167,7 @@ impl Campaign<'_> {
         })
     }
 
-    /// Base and effects fitted to what the runs say apart from their contacts, the installation found anew; then the contacts beside it.
+    /// Base and effects fitted to what the runs say apart from their contacts, the installation found anew; then the contacts with it.
     ///
     /// # Errors
     /// Those of the fit.
@@ -183,10 +184,10 @@ impl Campaign<'_> {
             ..fit.residual_model.clone()
         };
         let base = self.fitted(&bare, fit.owners.clone())?;
-        // The base was bent by what it stood for; places show better beside one that is not, unless so much differs there that a whole
+        // The base was bent by what it represented; places show better with one that is not, unless so much differs there that a whole
         // track is given up.
         let again = self.contacts_beside(&base.residual_model);
-        let again = again.filter(|again| again.gain > self.rules().contacts.anew * found.gain);
+        let again = again.filter(|again| again.gain > self.rules().leads * found.gain);
         let mut contacts = found.contacts;
         if let Some(again) = again {
             self.whole = again.frames;
@@ -196,7 +197,7 @@ impl Campaign<'_> {
         contacts.step = Some(step);
         let fit = self.fitted(&base.residual_model, fit.owners.clone())?;
         let mut fit = self.with_less_beyond(self.installed(&fit)?);
-        set_own(&mut self.held, &fit.residual_model, &contacts.places);
+        set_own(&mut self.held_out, &fit.residual_model, &contacts.places);
         for model in [&mut fit.residual_model, &mut fit.settled] {
             model.contacts = Some(contacts.clone());
         }
@@ -228,7 +229,7 @@ impl Campaign<'_> {
         set_own(&mut self.training, &self.given, &contacts.places);
         self.whole.clone_from(&self.training);
         self.training = self.whole.iter().map(without_contacts).collect();
-        set_own(&mut self.held, &self.given, &contacts.places);
+        set_own(&mut self.held_out, &self.given, &contacts.places);
         self.given.contacts = Some(contacts);
     }
 }
@@ -276,10 +277,10 @@ fn stated(
 
 /// The places in words.
 pub fn told_places(contacts: &Contacts) -> String {
-    let told = contacts.places.iter().map(|place| {
+    let names = contacts.places.iter().map(|place| {
         let v = &place.values;
         let track = place.track.as_deref().unwrap_or("every track");
         format!("s {:.0}-{:.0} m on track {track}", v[1], v[2])
     });
-    told.collect::<Vec<_>>().join("; ")
+    names.collect::<Vec<_>>().join("; ")
 }

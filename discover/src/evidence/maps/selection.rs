@@ -1,4 +1,4 @@
-//! The claim of a screen: the effect that leaves least, with its class.
+//! The selection of a screen: the effect that leaves least, with its class.
 
 use kufe::case::effects::Effect;
 
@@ -7,23 +7,23 @@ use crate::evidence::maps::screen::correlation;
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::finding::Rival;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Claim, Randomised};
+use crate::procedure::evidence::{Randomised, Selection};
 use crate::procedure::rivals::{NamedEffect, RivalRule};
 
-/// The first of `lines` as a claim; `before` is the sum of squares without it.
-pub fn claimed(
+/// The first of `lines` as a selection; `before` is the sum of squares without it.
+pub fn select(
     lines: &[LineSearch],
     before: f64,
     mean_square: f64,
     rule: &RivalRule,
-) -> Claim<&'static Effect> {
+) -> Selection<&'static Effect> {
     let best = &lines[0];
     let (info, parameter) = (best.effect.info(), best.effect.parameter());
     let others = lines[1..]
         .iter()
         .map(|line| {
             let (info, parameter) = (line.effect.info(), line.effect.parameter());
-            let beyond = ((line.chi2() - best.chi2()) / mean_square).max(0.0);
+            let excess = ((line.chi2() - best.chi2()) / mean_square).max(0.0);
             Rival {
                 effect: info.name.to_owned(),
                 parameter: parameter.name.to_owned(),
@@ -32,7 +32,7 @@ pub fn claimed(
                 t: line.size() / line.error().max(1e-300),
                 gain: before - line.chi2(),
                 correlation: correlation(best, line),
-                t_of_named_beyond: beyond.sqrt(),
+                t_of_named_beyond: excess.sqrt(),
                 in_class: true,
                 decides: info.decides.to_owned(),
             }
@@ -47,7 +47,7 @@ pub fn claimed(
         units: 1,
     };
     let (class, rivals) = rule.class(&named, others);
-    Claim {
+    Selection {
         candidate: Candidate {
             effect: info.name.to_owned(),
             key: parameter.name.to_owned(),

@@ -1,13 +1,13 @@
-//! Friction experiments beside other kinds of data of the same campaign.
+//! Friction experiments with other kinds of data of the same campaign.
 
 use crate::error::Error;
 use crate::evidence::experiments::candidates::FrictionChange;
 use crate::evidence::experiments::evidence::{Experiments, TableFit};
-use crate::procedure::beside::{Amount, Beside, Chance};
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::Claim;
+use crate::procedure::evidence::Selection;
+use crate::procedure::shared_effects::{Amount, Chance, SharesEffects};
 
-impl Beside for Experiments<'_> {
+impl SharesEffects for Experiments<'_> {
     fn chances(&self) -> &[Chance] {
         &self.chances
     }
@@ -27,11 +27,11 @@ impl Beside for Experiments<'_> {
         })
     }
 
-    fn lacks(&self, effect: &str) -> bool {
+    fn is_untestable(&self, effect: &str) -> bool {
         self.untestable.iter().any(|(name, _)| name == effect)
     }
 
-    fn claim(&mut self, fit: &TableFit, amount: &Amount) -> Option<Claim<FrictionChange>> {
+    fn select(&mut self, fit: &TableFit, amount: &Amount) -> Option<Selection<FrictionChange>> {
         let candidates = &self.setting.candidates;
         let on = |c: &usize| candidates[*c].effect == amount.effect;
         if fit.chosen.iter().any(on) {
@@ -41,7 +41,7 @@ impl Beside for Experiments<'_> {
             c.effect == amount.effect && c.key == amount.key && !c.is_column()
         };
         let candidate = candidates.iter().find(same)?.clone();
-        Some(Claim {
+        Some(Selection {
             class: vec![candidate.effect.clone()],
             size: amount.value,
             error: amount.error,
@@ -57,7 +57,7 @@ impl Beside for Experiments<'_> {
     }
 
     fn amounts(&self, fit: &TableFit, step: usize) -> Vec<Amount> {
-        // What is asked for beside a fit comes last.
+        // What is requested with a fit comes last.
         let place = step.min(fit.chosen.len().saturating_sub(1));
         let Some(c) = fit.chosen.get(place) else {
             return Vec::new();
@@ -71,7 +71,12 @@ impl Beside for Experiments<'_> {
         )]
     }
 
-    fn held(&mut self, fit: &TableFit, step: usize, amounts: &[Amount]) -> Result<TableFit, Error> {
+    fn with_fixed_sizes(
+        &mut self,
+        fit: &TableFit,
+        step: usize,
+        amounts: &[Amount],
+    ) -> Result<TableFit, Error> {
         let mut chosen = fit.chosen.clone();
         let candidate = self.setting.candidates[chosen[step]].clone();
         let same = |a: &&Amount| a.effect == candidate.effect && a.key == candidate.key;

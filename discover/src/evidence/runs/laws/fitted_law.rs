@@ -15,8 +15,8 @@ use crate::evidence::runs::laws::term::{KNOWN, said_by};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::procedure::candidate::Candidate;
 
-/// What formulas are told on: a model of a campaign, with terms of laws on its channels.
-pub struct Teller<'a> {
+/// What formulas are reported on: a model of a campaign, with terms of laws on its channels.
+pub struct LawFitter<'a> {
     /// The campaign.
     pub campaign: &'a Campaign<'a>,
     /// The model so far.
@@ -28,7 +28,7 @@ pub struct Teller<'a> {
 }
 
 /// A formula as an effect, fitted together with the base.
-pub struct ToldLaw {
+pub struct FittedLaw {
     /// The formula.
     pub formula: Formula,
     /// Its sums.
@@ -40,18 +40,18 @@ pub struct ToldLaw {
     /// Its size.
     pub size: f64,
     /// What it leaves, its numbers counted.
-    pub left: f64,
+    pub misfit: f64,
 }
 
-impl Teller<'_> {
-    /// The simplest formula of a smooth law, told.
-    pub fn simplest(&self, law: &Smooth) -> Option<ToldLaw> {
+impl LawFitter<'_> {
+    /// The simplest formula of a smooth law, fitted.
+    pub fn simplest(&self, law: &Smooth) -> Option<FittedLaw> {
         let formula = self.campaign.simplest(self.terms, self.channels, law)?;
-        self.told(formula)
+        self.fit_formula(formula)
     }
 
-    /// A formula with a first look at its fit: a large effect bends the base that scores are taken at.
-    pub fn told(&self, formula: Formula) -> Option<ToldLaw> {
+    /// A formula with a preview at its fit: a large effect bends the base that scores are taken at.
+    pub fn fit_formula(&self, formula: Formula) -> Option<FittedLaw> {
         let sums = self.terms.sums(std::slice::from_ref(&formula.term), &[1.0]);
         let sums = sums.into_iter().next()?;
         let part = sums.of(&[0], 0..sums.m.len());
@@ -62,7 +62,7 @@ impl Teller<'_> {
             None => {
                 let (model, from) = (self.at.residual_model, start(&candidate, size));
                 self.campaign
-                    .refitted(model, &candidate, from, Effort::LOOK)
+                    .refitted(model, &candidate, from, Effort::PREVIEW)
             }
         };
         if let Some(refit) = &refit
@@ -72,8 +72,8 @@ impl Teller<'_> {
         }
         let misfit = refit.as_ref().map_or(f64::INFINITY, |refit| refit.misfit);
         let numbers = formula.term.shape.numbers() as f64;
-        Some(ToldLaw {
-            left: misfit + self.campaign.rules().laws.number * numbers,
+        Some(FittedLaw {
+            misfit: misfit + self.campaign.rules().laws.number * numbers,
             formula,
             sums,
             candidate,
@@ -106,8 +106,8 @@ impl Teller<'_> {
         let text = shape.text(&self.terms.names);
         let columns = &formula.columns;
         let named = shape.columns();
-        let beyond = named.iter().find(|x| **x >= KNOWN);
-        let carrier = beyond.map(|x| self.terms.names[*x].clone());
+        let outside = named.iter().find(|x| **x >= KNOWN);
+        let carrier = outside.map(|x| self.terms.names[*x].clone());
         let custom = Custom::new(channel, &text, carrier.as_deref())?;
         let per: Vec<&str> = shape
             .per()

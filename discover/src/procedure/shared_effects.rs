@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::finding::Fitted;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Claim, Evidence};
+use crate::procedure::evidence::{Evidence, Selection};
 
 /// The size of one amplitude of an effect, as some data have it.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +59,7 @@ impl Amount {
     }
 }
 
-/// What a screen shows of one candidate, claimed or not.
+/// What a screen shows of one candidate, selected or not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chance {
     /// Its size.
@@ -68,8 +68,8 @@ pub struct Chance {
     pub p_value: f64,
 }
 
-/// Data that can stand beside others of the same campaign. What is not said otherwise shares nothing with them.
-pub trait Beside: Evidence {
+/// Data that can be searched together with others of the same campaign. What is not said otherwise shares nothing with them.
+pub trait SharesEffects: Evidence {
     /// What the last screen shows of the candidates that others may know, too.
     fn chances(&self) -> &[Chance] {
         &[]
@@ -80,13 +80,13 @@ pub trait Beside: Evidence {
         true
     }
 
-    /// Whether these data cannot speak of an effect because they lack what it needs.
-    fn lacks(&self, _effect: &str) -> bool {
+    /// Whether these data cannot speak of an effect because they do not have what it needs.
+    fn is_untestable(&self, _effect: &str) -> bool {
         false
     }
 
-    /// An effect that the fit has not, as a claim at a size; `None` where these data know no such effect.
-    fn claim(&mut self, _fit: &Self::Fit, _amount: &Amount) -> Option<Claim<Self::Act>> {
+    /// An effect that the fit has not, as a selection at a size; `None` where these data know no such effect.
+    fn select(&mut self, _fit: &Self::Fit, _amount: &Amount) -> Option<Selection<Self::Act>> {
         None
     }
 
@@ -95,11 +95,11 @@ pub trait Beside: Evidence {
         Vec::new()
     }
 
-    /// The fit with a step's amplitudes held at these sizes and everything else fitted again.
+    /// The fit with a step's amplitudes fixed at these sizes and everything else fitted again.
     ///
     /// # Errors
     /// Those of the fit.
-    fn held(
+    fn with_fixed_sizes(
         &mut self,
         fit: &Self::Fit,
         _step: usize,
