@@ -28,7 +28,8 @@
 //! 9. `accuracy`: `find_patch` finds the patch with contact problems on the plane alone; `meshes`
 //!    refines; `estimators` makes limits with errors of the figures of several meshes.
 //! 10. `map`: the solution on the pixels of a regular grid.
-//! 11. `boundary_elements`: a second method, on the contact plane alone.
+//! 11. `boundary_elements`: a second method, on the contact plane alone; the only one of contacts of
+//!     many asperities (`asperities`).
 //! 12. `groove`: steady sliding on ice that yields.
 //!
 //! The iteration minimises the complementary energy of the contact forces, D(f) = 1/2 f^T S f + g^T

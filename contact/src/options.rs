@@ -7,7 +7,7 @@ use crate::Iterate;
 
 /// Version of the numerics: it rises whenever the same problem and options give other figures, so
 /// that results stored by an older version are not taken for this one's.
-pub const NUMERICS: u32 = 17;
+pub const NUMERICS: u32 = 18;
 
 /// Weight of the relative error of the area where the ice's hardness fixes the peak and the area is
 /// what is refined.
@@ -63,7 +63,8 @@ pub struct Options {
     /// [bytes].
     pub max_stiffness_bytes: u64,
     /// Whether the shear under the peak pressure is followed over the meshes:
-    /// [`Solution::under_peak`](crate::Solution::under_peak).
+    /// [`Solution::under_peak`](crate::Solution::under_peak). The ice is solved in its volume then,
+    /// whatever it touches.
     pub subsurface: bool,
     /// Called after every update of the contact set, as it happens and in order, with the values of
     /// that moment.

@@ -3,6 +3,7 @@
 use crate::accuracy::find_patch::capacity;
 use crate::accuracy::meshes::Meshes;
 use crate::accuracy::meshes::{Estimate, Verdict};
+use crate::boundary_elements::asperities::Asperities;
 use crate::problem::check::{MOST_TILT, check};
 use crate::problem::gap::Gap;
 use crate::{Error, Load, Options, Problem, Solution};
@@ -11,7 +12,9 @@ use crate::{Error, Load, Options, Problem, Solution};
 ///
 /// Linear elasticity on trilinear hexahedra, frictionless unilateral contact; see the crate's page
 /// for the method. The mesh is refined until the estimated discretisation error of the peak
-/// pressure is below `options.p_max_tolerance`.
+/// pressure is below `options.p_max_tolerance`. A rigid runner that touches uneven ice at some
+/// thousand nodes or more is solved by boundary elements on the contact plane instead, whose cost
+/// grows with n log n; [`Solution::volume`] is empty then.
 ///
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::Unsuitable`] and [`Error::LoadExceedsHardness`] for problems
@@ -23,7 +26,14 @@ use crate::{Error, Load, Options, Problem, Solution};
 pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     // Among the workers from the start: every parallel loop begun outside would wait for one to
     // wake up.
-    rayon::scope(|_| refined(problem, options, Meshes::guess(problem, options)?))
+    rayon::scope(|_| {
+        if let Some(asperities) = Asperities::of(problem, options)?
+            && let Some(solution) = asperities.solve()?
+        {
+            return answered(problem, verified(solution, options)?);
+        }
+        refined(problem, options, Meshes::guess(problem, options)?)
+    })
 }
 
 /// Solves mesh after mesh, from what is known of the problem.

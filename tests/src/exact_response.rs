@@ -153,7 +153,8 @@ enum Node {
 
 impl<'a> Plane<'a> {
     fn of(problem: &Problem, solution: &'a Solution) -> Self {
-        let grid = &solution.volume.grid;
+        let ice = solution.volume.as_ref().expect("finite elements");
+        let grid = &ice.grid;
         let [nx, ny, nz] = grid.shape();
         let surface = &solution.surface;
         // The surface is the whole patch; the part that was solved has its last rows and columns.
@@ -170,7 +171,7 @@ impl<'a> Plane<'a> {
         let top = 2 * nx * ny * nz + (nz - 1) * nx * ny;
         let mut bodies = vec![Body {
             assembled: &solution.assembled[0],
-            displacement: by_component(&solution.volume.displacement),
+            displacement: by_component(&ice.displacement),
             vertical: (0..nx * ny).map(|n| Some(top + n)).collect(),
             sign: 1.0,
         }];

@@ -100,14 +100,14 @@ impl Answer<'_> {
             iterations: progress.iterations,
             history,
             surface,
-            volume: VolumeField {
+            volume: Some(VolumeField {
                 grid: mesh.grid,
                 displacement,
                 youngs_modulus: problem.ice.youngs_modulus,
                 poissons_ratio: problem.ice.poissons_ratio,
                 element: problem.ice.element_kind(),
                 bed,
-            },
+            }),
             runner_volume: mesh.runner_mesh.map(|mesh| RunnerField {
                 displacement: by_node(&u[3 * nodes..]),
                 mesh,

@@ -2,6 +2,7 @@
 //! gradients.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use crate::boundary_elements::operator::Operator;
 use crate::boundary_elements::window::{CheckUnavailable, Window};
@@ -24,8 +25,23 @@ pub(super) struct PressureState {
     pub pressure: Vec<f64>,
     /// Gap of the deformed surface, negative where the ice yields [m].
     pub opening: Vec<f64>,
+    /// Displacement of the surface, downwards [m].
+    pub sunk: Vec<f64>,
     /// The free motions, in the order of [`Plane::motions`].
     pub motion: Vec<f64>,
+    /// Sets that were solved for.
+    pub sets: usize,
+    /// Steps of conjugate gradients on all of them.
+    pub steps: usize,
+}
+
+/// When pressures are solved for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Precision {
+    /// Largest root mean square of the gaps of pressed cells, over the approach.
+    pub residual: f64,
+    /// Part of the largest pressure and of the approach within which a cell stays where it is.
+    pub slack: f64,
 }
 
 /// Sets that are tried.
@@ -34,12 +50,10 @@ const MOST_SETS: usize = 60;
 const PATIENCE: usize = 15;
 /// Steps of one set's conjugate gradients.
 const MOST_STEPS: usize = 400;
-/// Residuals over the approach: of the first sets, of a set that did not change, and at the end.
+/// Residuals over the approach: of the first sets, and of a set that did not change over those
+/// before.
 const ROUGH: f64 = 1e-2;
 const FINER: f64 = 0.03;
-const FINAL: f64 = 1e-6;
-/// Part of the largest pressure and of the approach within which a cell stays where it is.
-const SLACK: f64 = 1e-5;
 /// Part of the cells that the first set has, those of the least gaps.
 const FIRST: f64 = 0.3;
 
@@ -54,21 +68,22 @@ pub(super) fn press(
     plane: &Plane,
     operator: &mut Operator,
     start: Option<Vec<f64>>,
+    precision: Precision,
 ) -> Result<PressureState, CheckUnavailable> {
     let mut solve = Solve::new(plane, operator, start);
     let mut tolerance = ROUGH;
     for set in 0..MOST_SETS {
         // Rough residuals may send cells to and fro for ever.
         if set >= PATIENCE {
-            tolerance = (tolerance * FINER).max(FINAL);
+            tolerance = (tolerance * FINER).max(precision.residual);
         }
         solve.on_set(tolerance)?;
-        let changed = solve.change_set();
-        if !changed && tolerance <= FINAL {
-            return Ok(solve.now);
+        let changed = solve.change_set(precision.slack);
+        if !changed && tolerance <= precision.residual {
+            return Ok(solve.finished());
         }
         if !changed {
-            tolerance = (tolerance * FINER).max(FINAL);
+            tolerance = (tolerance * FINER).max(precision.residual);
         }
     }
     Err(CheckUnavailable::NotSettled)
@@ -112,7 +127,10 @@ impl<'a> Solve<'a> {
             now: PressureState {
                 pressure,
                 opening: vec![0.0; count],
+                sunk: vec![0.0; count],
                 motion: Vec::new(),
+                sets: 0,
+                steps: 0,
             },
             direction: vec![0.0; count],
             product: vec![0.0; count],
@@ -121,6 +139,7 @@ impl<'a> Solve<'a> {
 
     /// Pressures of the set as it is, to a residual over the approach.
     fn on_set(&mut self, tolerance: f64) -> Result<(), CheckUnavailable> {
+        self.now.sets += 1;
         let count = self.cells.len();
         let pressed: Vec<usize> = (0..count)
             .filter(|&c| self.cells[c] == Cell::Pressed)
@@ -162,6 +181,7 @@ impl<'a> Solve<'a> {
             for &c in &pressed {
                 self.direction[c] = turn * self.direction[c] - opening[c];
             }
+            self.now.steps += 1;
             self.operator.apply(&self.direction, &mut self.product);
             let along = pressed.iter().map(|&c| self.direction[c] * self.product[c]);
             let curvature: f64 = along.sum();
@@ -177,6 +197,19 @@ impl<'a> Solve<'a> {
             }
         }
         Err(CheckUnavailable::NotSettled)
+    }
+
+    /// The state with pressures within their bounds and the displacements that they make.
+    fn finished(mut self) -> PressureState {
+        let hardness = self.plane.hardness;
+        let pressures = self.now.pressure.iter_mut();
+        pressures.for_each(|p| *p = p.clamp(0.0, hardness));
+        self.operator.apply(&self.now.pressure, &mut self.now.sunk);
+        let sunk = self.now.sunk.iter().zip(&self.plane.gap);
+        let residual: Vec<f64> = sunk.map(|(u, g)| u + g).collect();
+        self.plane
+            .opened(&residual, &self.now.motion, &mut self.now.opening);
+        self.now
     }
 
     /// The pressure from which cells yield next: the hardness, but for half of the overloaded ones
@@ -199,7 +232,7 @@ impl<'a> Solve<'a> {
     }
 
     /// Opens, closes and yields where signs are wrong; whether any cell was.
-    fn change_set(&mut self) -> bool {
+    fn change_set(&mut self, slack: f64) -> bool {
         let PressureState {
             pressure,
             opening,
@@ -214,10 +247,10 @@ impl<'a> Solve<'a> {
         let mut changed = false;
         for (c, cell) in self.cells.iter_mut().enumerate() {
             let next = match *cell {
-                Cell::Pressed if pressure[c] < -SLACK * top => Cell::Open,
+                Cell::Pressed if pressure[c] < -slack * top => Cell::Open,
                 Cell::Pressed if pressure[c] >= yields => Cell::Yielding,
-                Cell::Open if opening[c] < -SLACK * depth => Cell::Pressed,
-                Cell::Yielding if opening[c] > SLACK * depth => Cell::Pressed,
+                Cell::Open if opening[c] < -slack * depth => Cell::Pressed,
+                Cell::Yielding if opening[c] > slack * depth => Cell::Pressed,
                 same => same,
             };
             changed |= next != *cell;
@@ -307,7 +340,7 @@ impl Plane {
             .flat_map(|j| (0..nx).map(move |i| [i, j]))
             .map(|[i, j]| [window.centre(0, i), window.centre(1, j)])
             .collect();
-        let mut gaps: Vec<f64> = places.iter().map(|&[x, y]| gap.at(x, y)).collect();
+        let mut gaps: Vec<f64> = places.par_iter().map(|&[x, y]| gap.at(x, y)).collect();
         let free: Vec<usize> = (0..3)
             .filter(|&a| gap.free_motion[a] && (a == 0 || !window.mirrored[a - 1]))
             .collect();
@@ -321,14 +354,9 @@ impl Plane {
             })
             .collect();
         let [dx, dy] = window.size();
-        let copies: f64 = window
-            .mirrored
-            .map(|m| if m { 2.0 } else { 1.0 })
-            .iter()
-            .product();
         let (mut balance, mut fixed) = (vec![0.0; free.len()], 0.0);
         match problem.load {
-            Load::Force { fz, .. } => balance[0] = fz / (copies * dx * dy),
+            Load::Force { fz, .. } => balance[0] = fz / (window.copies() * dx * dy),
             Load::Approach { approach, .. } => {
                 let lowest = gaps.iter().copied().fold(window.lowest, f64::min);
                 fixed = approach + lowest;
@@ -354,6 +382,13 @@ impl Plane {
                 *opening -= n * q;
             }
         }
+    }
+
+    /// Approach, pitch and roll of the free motions; what is fixed is part of the gap.
+    pub fn motion(&self, motion: &[f64]) -> [f64; 3] {
+        let mut all = [0.0; 3];
+        self.free.iter().zip(motion).for_each(|(&a, q)| all[a] = *q);
+        all
     }
 
     /// How much motions close the gap of a cell [m].

@@ -64,12 +64,27 @@ impl Window {
         Some(window.scaled(AROUND))
     }
 
-    /// With other cells.
-    pub fn with_cells(self, cells: usize) -> Self {
+    /// So many cells between these ends `[x_min, y_min, x_max, y_max]`.
+    #[cfg(test)]
+    pub fn of_cells(ends: [f64; 4], cells: [usize; 2], mirrored: [bool; 2]) -> Self {
         Window {
-            cells: [cells; 2],
-            ..self
+            low: [ends[0], ends[1]],
+            high: [ends[2], ends[3]],
+            cells,
+            mirrored,
+            lowest: 0.0,
+            extent: [
+                f64::NEG_INFINITY,
+                f64::INFINITY,
+                f64::NEG_INFINITY,
+                f64::INFINITY,
+            ],
         }
+    }
+
+    /// With other cells.
+    pub fn with_cells(self, cells: [usize; 2]) -> Self {
+        Window { cells, ..self }
     }
 
     /// Size of a cell along x and y [m].
@@ -86,6 +101,14 @@ impl Window {
                 self.cells[axis]
             }
         })
+    }
+
+    /// Cells that each solved one stands for.
+    pub fn copies(&self) -> f64 {
+        self.mirrored
+            .map(|m| if m { 2.0 } else { 1.0 })
+            .iter()
+            .product()
     }
 
     /// Centre of a solved cell along an axis [m].
@@ -128,7 +151,6 @@ impl Window {
         let mut changed = false;
         for (axis, [first, last]) in contact.into_iter().enumerate() {
             let solved = self.solved()[axis];
-            let size = self.size()[axis];
             let [least, most] = [self.extent[2 * axis], self.extent[2 * axis + 1]];
             let touches_low = !self.mirrored[axis] && first == 0 && self.low[axis] > least;
             let touches_high = last + 1 == solved && self.high[axis] < most;
@@ -148,14 +170,94 @@ impl Window {
                 changed = true;
             } else if (filled as f64) < FILLED * solved as f64 {
                 changed = true;
-                next.high[axis] = self.centre(axis, last) + (0.5 + MARGIN) * size;
-                next.low[axis] = self.centre(axis, first) - (0.5 + MARGIN) * size;
+                [next.low[axis], next.high[axis]] = self.ends(axis, [first, last], MARGIN);
             }
             if self.mirrored[axis] {
                 next.low[axis] = -next.high[axis];
             }
         }
         changed.then(|| next.clipped())
+    }
+
+    /// The window from the first to the last cell in contact of each axis, with so many cells
+    /// around.
+    pub fn around(&self, contact: [[usize; 2]; 2], margin: f64) -> Self {
+        let mut next = *self;
+        for (axis, cells) in contact.into_iter().enumerate() {
+            [next.low[axis], next.high[axis]] = self.ends(axis, cells, margin);
+        }
+        next.clipped()
+    }
+
+    /// Ends along an axis of some solved cells and others around them [m].
+    fn ends(&self, axis: usize, [first, last]: [usize; 2], margin: f64) -> [f64; 2] {
+        let around = (0.5 + margin) * self.size()[axis];
+        let high = self.centre(axis, last) + around;
+        if self.mirrored[axis] {
+            [-high, high]
+        } else {
+            [self.centre(axis, first) - around, high]
+        }
+    }
+
+    /// Whether another window lies within this one.
+    pub fn contains(&self, other: &Window) -> bool {
+        let slack = 1e-9;
+        (0..2).all(|axis| {
+            let slack = slack * (self.high[axis] - self.low[axis]);
+            self.low[axis] <= other.low[axis] + slack && other.high[axis] <= self.high[axis] + slack
+        })
+    }
+
+    /// The smallest window that contains this one and a place.
+    pub fn with_place(&self, place: [f64; 2]) -> Self {
+        let mut next = *self;
+        for axis in 0..2 {
+            let at = place[axis];
+            let ends = if self.mirrored[axis] {
+                [-at.abs(), at.abs()]
+            } else {
+                [at; 2]
+            };
+            next.low[axis] = next.low[axis].min(ends[0]);
+            next.high[axis] = next.high[axis].max(ends[1]);
+        }
+        next
+    }
+
+    /// This window with cells of the same size around it, as many as half of its own on each side
+    /// as far as there is a hull; and the first of its own solved cells there.
+    pub fn surroundings(&self) -> (Self, [usize; 2]) {
+        let mut wide = *self;
+        let mut first = [0; 2];
+        for axis in 0..2 {
+            let size = self.size()[axis];
+            let most = (self.cells[axis] / 2) as f64;
+            let room = |reach: f64| (reach / size).floor().clamp(0.0, most);
+            let mut below = room(self.low[axis] - self.extent[2 * axis]);
+            let mut above = room(self.extent[2 * axis + 1] - self.high[axis]);
+            if self.mirrored[axis] {
+                below = below.min(above);
+                above = below;
+            } else {
+                first[axis] = below as usize;
+            }
+            wide.low[axis] -= below * size;
+            wide.high[axis] += above * size;
+            wide.cells[axis] += (below + above) as usize;
+        }
+        (wide, first)
+    }
+
+    /// The solved cell that holds a place.
+    pub fn cell(&self, axis: usize, at: f64) -> Option<usize> {
+        let from = if self.mirrored[axis] {
+            0.0
+        } else {
+            self.low[axis]
+        };
+        let place = (at - from) / self.size()[axis];
+        (place >= 0.0 && place < self.solved()[axis] as f64).then_some(place as usize)
     }
 
     fn scaled(self, by: f64) -> Self {
@@ -277,6 +379,9 @@ pub enum CheckUnavailable {
     /// The hull lies in the ice outside the cells, too: a second patch, or an end that touches.
     #[error("the runner touches elsewhere too")]
     Elsewhere,
+    /// Boundary elements gave the first answer: a contact of many asperities.
+    #[error("boundary elements gave the first answer")]
+    FirstAnswer,
     /// The patch or its set does not settle.
     #[error("the contact set does not settle")]
     NotSettled,

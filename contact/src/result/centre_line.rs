@@ -103,7 +103,7 @@ pub(crate) fn lagrange(nodes: &[f64], k: usize, x: f64) -> f64 {
 // Stresses of a mesh's displacements on the line under the highest pressure.
 
 /// Stresses in the ice on the vertical line under the highest pressure, down to the end of the mesh
-/// or the bed.
+/// or the bed; `None` where the contact plane alone was solved.
 ///
 /// The line is where the parabolas through the highest node and its neighbours have their vertex.
 /// sigma = lambda tr(epsilon) I + 2 mu epsilon with the strains of the nodal displacements by
@@ -114,8 +114,10 @@ pub(crate) fn lagrange(nodes: &[f64], k: usize, x: f64) -> f64 {
 ///
 /// # Errors
 /// [`Error::OutOfRange`] where the ice's elastic constants are none.
-pub fn centre_line(solution: &Solution) -> Result<CentreLine, Error> {
-    let (surface, volume) = (&solution.surface, &solution.volume);
+pub fn centre_line(solution: &Solution) -> Result<Option<CentreLine>, Error> {
+    let (surface, Some(volume)) = (&solution.surface, &solution.volume) else {
+        return Ok(None);
+    };
     let (modulus, ratio) = (volume.youngs_modulus, volume.poissons_ratio);
     let material = solid_material("ice material", modulus, ratio)?;
     // The grid holds one part of a symmetric contact: the surface's last columns and rows.
@@ -130,7 +132,7 @@ pub fn centre_line(solution: &Solution) -> Result<CentreLine, Error> {
         lowest: volume.bed.map_or(0, |(_, layers)| layers),
         displacement: &|node| volume.displacement[node],
     };
-    Ok(under.line(&pressure))
+    Ok(Some(under.line(&pressure)))
 }
 
 /// Displacements under a contact plane: those of the part of it that was solved.

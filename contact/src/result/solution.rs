@@ -65,8 +65,8 @@ pub struct Solution {
     /// unfolded).
     pub surface: SurfaceField,
     /// Displacements in the ice on the grid that was solved (one part of it where symmetry was
-    /// used).
-    pub volume: VolumeField,
+    /// used); `None` where the contact plane alone was solved.
+    pub volume: Option<VolumeField>,
     /// Displacements in an elastic runner.
     pub runner_volume: Option<RunnerField>,
     /// The mirror planes that were used, x = 0 and y = 0.

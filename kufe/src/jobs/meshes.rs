@@ -2,7 +2,7 @@
 
 use std::fs::File;
 
-use kufe_contact::solve;
+use kufe_contact::{Options, VolumeField, solve};
 use kufe_mesh::{HexMesh, MeshError, VtuField, graded_levels, mapped_runner_mesh, write_vtu};
 
 use crate::case::{Shape, StatedProblem};
@@ -35,8 +35,16 @@ impl CaseMeshes {
             watch.warn(&warning);
         }
         watch.progress("finding the contact that the grid is graded to");
-        let solved = solve(&stated.problem, &loaded.case.options());
-        let grid = solved.map_err(|error| loaded.failure(&error))?.volume.grid;
+        // In the volume, whatever it touches.
+        let options = Options {
+            subsurface: true,
+            ..loaded.case.options()
+        };
+        let solved = solve(&stated.problem, &options);
+        let solution = solved.map_err(|error| loaded.failure(&error))?;
+        let Some(VolumeField { grid, .. }) = solution.volume else {
+            unreachable!("the shear under the peak is followed in a volume");
+        };
         let runner = top(loaded, &stated).map(|top| {
             let underside = &stated.problem.runner.underside;
             let part = if stated.hull.is_some() { INSET } else { 1.0 };

@@ -73,7 +73,7 @@ pub struct ContactResult {
     pub runner: Option<RunnerResult>,
     /// Residual of the complementarity conditions.
     pub kkt_residual: f64,
-    /// How the stiffness is applied.
+    /// How the stiffness is applied; `boundary elements` where the contact plane alone was solved.
     pub stiffness: String,
     /// Whether the mesh is half of the contact, mirrored at x = 0 and at y = 0.
     pub symmetry: [bool; 2],

@@ -12,6 +12,12 @@ pub trait IceSurface: Send + Sync {
     /// Whether the height is even in x and even in y, to rounding.
     fn mirror_symmetric(&self) -> [bool; 2];
 
+    /// Distances along x and y over which the height is smooth: those of a map's points, eighths of
+    /// waves; infinite where nothing is known [m].
+    fn spacing(&self) -> [f64; 2] {
+        [f64::INFINITY; 2]
+    }
+
     /// Places (x, y) [m] where measured ice has a local maximum along x or across. None of ice
     /// given by a formula.
     fn highs(&self) -> &[[f64; 2]] {
@@ -58,6 +64,11 @@ impl IceSurface for Waviness {
     fn height(&self, x: f64, y: f64) -> f64 {
         let along = x * self.direction.cos() + y * self.direction.sin();
         self.amplitude * (std::f64::consts::TAU * along / self.wavelength + self.phase).cos()
+    }
+
+    fn spacing(&self) -> [f64; 2] {
+        let (along, across) = (self.direction.cos(), self.direction.sin());
+        [along, across].map(|part| self.wavelength / (8.0 * part.abs()))
     }
 
     fn mirror_symmetric(&self) -> [bool; 2] {
@@ -199,6 +210,10 @@ impl IceSurface for HeightMap {
                 .sum()
         };
         rows.iter().zip(&across).map(|(&j, w)| w * row(j)).sum()
+    }
+
+    fn spacing(&self) -> [f64; 2] {
+        self.spacing
     }
 
     fn mirror_symmetric(&self) -> [bool; 2] {

@@ -1,5 +1,6 @@
 //! Contacts against closed forms, textbooks and other programs.
 
+mod asperities;
 mod assembled;
 mod boundary_elements;
 mod burrs;

@@ -191,10 +191,11 @@ fn passed_on_by_the_top(s: &Solution, kind: ElementKind) -> f64 {
 /// What the ice's lower side bears.
 fn borne_by_the_bed(s: &Solution) -> f64 {
     let material = Material::new(ICE_E, ICE_NU).unwrap();
-    let mesh = s.volume.grid.hex_mesh();
-    let [nx, ny, _] = s.volume.grid.shape();
+    let ice = s.volume.as_ref().unwrap();
+    let mesh = ice.grid.hex_mesh();
+    let [nx, ny, _] = ice.grid.shape();
     let body = Body::uniform(mesh, material, ElementKind::Hex8).unwrap();
-    let u: Vec<f64> = s.volume.displacement.iter().flatten().copied().collect();
+    let u: Vec<f64> = ice.displacement.iter().flatten().copied().collect();
     let mut forces = vec![0.0; u.len()];
     assemble(&body).apply(&u, &mut forces);
     // The far sides are fixed too.

@@ -33,7 +33,7 @@ fn the_largest_shear_under_elliptic_contacts_is_hertzs_within_two_per_cent() {
         };
         let problem = on_half_space(Paraboloid::new(rocker, section).unwrap(), 1000.0);
         let solution = solve(&problem, &options).unwrap();
-        let line = centre_line(&solution).unwrap();
+        let line = centre_line(&solution).unwrap().unwrap();
         let found = line
             .largest_shear()
             .expect("a largest shear under the surface");

@@ -73,8 +73,12 @@ impl<'a> CalculixDeck<'a> {
     /// Those of the writer.
     pub fn write(&self, writer: impl Write) -> std::io::Result<()> {
         let (problem, solution) = (&self.problem, &self.solution);
-        let bodies = (&solution.runner_volume, &problem.runner.elastic);
-        let (Some(runner), Some(elastic)) = bodies else {
+        let bodies = (
+            &solution.volume,
+            &solution.runner_volume,
+            &problem.runner.elastic,
+        );
+        let (Some(ice), Some(runner), Some(elastic)) = bodies else {
             unreachable!("the runner of a problem that a deck can state is elastic");
         };
         let deck = Deck {
@@ -83,7 +87,7 @@ impl<'a> CalculixDeck<'a> {
                 self.loaded.name.replace(char::is_control, " "),
                 env!("CARGO_PKG_VERSION")
             ),
-            grid: &solution.volume.grid,
+            grid: &ice.grid,
             ice: [problem.ice.youngs_modulus, problem.ice.poissons_ratio],
             runner: &runner.mesh,
             steel: [elastic.youngs_modulus, elastic.poissons_ratio],

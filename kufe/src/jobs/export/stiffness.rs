@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use kufe_contact::{Options, Solution, StiffnessForm, solve};
+use kufe_contact::{Options, Solution, StiffnessForm, VolumeField, solve};
 use kufe_fem::write_matrix_market;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -91,8 +91,9 @@ impl AssembledStiffness {
         for body in &self.solution.assembled {
             let dofs = body.stiffness.dofs();
             lines.push(format!("{}: {first} to {}", body.name, first + dofs - 1));
-            if body.name == "ice" {
-                let grid = &self.solution.volume.grid;
+            if let Some(VolumeField { grid, .. }) = &self.solution.volume
+                && body.name == "ice"
+            {
                 lines.push("ice nodes: x fastest, then y, then z, on a tensor grid [m]".into());
                 for (axis, nodes) in [("x", &grid.x), ("y", &grid.y), ("z", &grid.z)] {
                     list(&format!("ice {axis}"), nodes.iter(), &mut lines);

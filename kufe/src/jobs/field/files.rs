@@ -101,8 +101,8 @@ fn title(solution: &Solution) -> String {
         Length::DESCRIPTION.amount(solution.width),
     )
 }
-/// Writes result.json, pressure.exr, pressure.png, field.vtu, contact.vtp, hull.glb where the shape
-/// has ends, and runner.vtu and stress.png where the runner deforms; where it slides groove.exr,
+/// Writes result.json, pressure.exr, pressure.png, field.vtu where the ice was solved in its
+/// volume, contact.vtp, hull.glb where the shape has ends, and runner.vtu and stress.png where the runner deforms; where it slides groove.exr,
 /// groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum
 /// shear stress in the VTU files; with `mat` result.mat. Returns the document and its text.
 ///
@@ -116,7 +116,7 @@ pub fn write_contact(
     let (p_max_map, stress_max) = fields(output, pressed)?;
     let mut result = pressed.result();
     result.p_max_map_pa = Some(p_max_map);
-    result.stress_max_pa = Some(stress_max);
+    result.stress_max_pa = stress_max;
     if let Some(line) = &pressed.line {
         output.write("subsurface.csv", |mut file| {
             subsurface::write_csv(&mut file, line)
@@ -134,7 +134,7 @@ pub fn write_contact(
 
 /// Writes maps, fields and the surfaces, side by side; returns the largest pressure of the map and
 /// the largest compressive stress of the field [Pa].
-fn fields(output: NewFiles, pressed: &SolvedContact) -> Result<(f64, f64), Failure> {
+fn fields(output: NewFiles, pressed: &SolvedContact) -> Result<(f64, Option<f64>), Failure> {
     let bodies = || rayon::join(|| volumes(output, pressed), || surfaces(output, pressed));
     let (maps, (volumes, surfaces)) = rayon::join(|| maps(output, pressed), bodies);
     surfaces?;
@@ -173,15 +173,18 @@ fn maps(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
     Ok(largest)
 }
 
-/// Writes the hexahedra of ice and runner; returns the largest compressive stress across the ice's
+/// Writes the hexahedra of ice and runner, where they were solved; returns the largest compressive stress across the ice's
 /// surface [Pa].
-fn volumes(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
+fn volumes(output: NewFiles, pressed: &SolvedContact) -> Result<Option<f64>, Failure> {
     let shear = pressed.line.is_some();
     let solution = &pressed.solution;
+    let Some(volume) = &solution.volume else {
+        return Ok(None);
+    };
     let mut stress_max = 0.0;
     output.write("field.vtu", |mut file| {
         let groove = pressed.sliding.as_ref().map(|slid| &slid.groove.depth[..]);
-        stress_max = volume_vtu::write_ice(&mut file, solution, groove, shear)?;
+        stress_max = volume_vtu::write_ice(&mut file, (volume, solution), groove, shear)?;
         Ok::<_, Failure>(())
     })?;
     if let (Some(field), Some(elastic)) = (&solution.runner_volume, &pressed.problem.runner.elastic)
@@ -190,7 +193,7 @@ fn volumes(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
             volume_vtu::write_runner(&mut file, field, elastic, solution.symmetry, shear)
         })?;
     }
-    Ok(stress_max)
+    Ok(Some(stress_max))
 }
 
 /// Writes the patch, the sections of a runner that deforms, and the hull where it stands.

@@ -19,11 +19,11 @@ use kufe_mesh::{HexMesh, VtuField, write_vtu};
 /// [`Failure::BadInput`] with the writer's words.
 pub fn write_ice(
     writer: &mut dyn Write,
-    solution: &Solution,
+    (volume, solution): (&VolumeField, &Solution),
     plastic_depth: Option<&[f64]>,
     shear: bool,
 ) -> Result<f64, Failure> {
-    let (volume, surface) = (&solution.volume, &solution.surface);
+    let surface = &solution.surface;
     let mesh = volume.grid.hex_mesh();
     let stresses = ice_stresses(volume, &mesh)?;
     let at_nodes = |values: &[f64], below: f64| at_nodes(volume, surface, values, below);

@@ -321,7 +321,7 @@ pub fn press_prepared(
         watch.warn(&warning);
         warnings.push(warning);
     }
-    let check = sliding.is_none().then(|| Check::of(&problem));
+    let check = sliding.is_none().then(|| Check::of(&problem, &solution));
     if let Some(warning) = check.as_ref().and_then(|check| check.parted(&solution)) {
         watch.warn(&warning);
         warnings.push(warning);
@@ -332,7 +332,7 @@ pub fn press_prepared(
     }
     let line = options.subsurface.then(|| centre_line(&solution));
     Ok(SolvedContact {
-        line: line.transpose().map_err(Failure::bad_input)?,
+        line: line.transpose().map_err(Failure::bad_input)?.flatten(),
         runner: runner_loads(&problem, &solution).map_err(|error| loaded.failure(&error))?,
         loaded,
         problem,

@@ -43,10 +43,10 @@ impl SolvedContact {
             fz_n: solution.fz,
             runner: self.runner.as_ref().map(RunnerResult::from),
             kkt_residual: solution.kkt_residual,
-            stiffness: if solution.assembled.is_empty() {
-                "matrix-free".into()
-            } else {
-                "assembled".into()
+            stiffness: match &solution.volume {
+                None => "boundary elements".into(),
+                Some(_) if solution.assembled.is_empty() => "matrix-free".into(),
+                Some(_) => "assembled".into(),
             },
             symmetry: solution.symmetry,
             dofs: solution.dofs,

@@ -1,0 +1,260 @@
+//! A contact on the cells of one window, and the window that fits it.
+
+use rayon::prelude::*;
+
+use crate::Problem;
+use crate::boundary_elements::active_set::{Plane, Precision, PressureState, press};
+use crate::boundary_elements::operator::Operator;
+use crate::boundary_elements::window::{CheckUnavailable, Surface, Window};
+use crate::problem::gap::Gap;
+use crate::result::measure::PressureField;
+use crate::result::rim::RimEstimator;
+
+/// Windows that are tried.
+pub(super) const MOST_WINDOWS: usize = 24;
+
+/// A contact on one window's cells.
+pub(super) struct WindowContact {
+    pub window: Window,
+    pub plane: Plane,
+    pub pressed: PressureState,
+}
+
+/// What the grids of a problem share.
+#[derive(Clone, Copy)]
+pub(super) struct Search<'a> {
+    pub problem: &'a Problem,
+    pub gap: &'a Gap<'a>,
+    pub surface: &'a Surface,
+    pub precision: Precision,
+}
+
+impl Search<'_> {
+    /// The contact on so many cells each way of a window that fits it.
+    pub fn window(&self, cells: usize) -> Result<WindowContact, CheckUnavailable> {
+        let modulus = 1.0 / self.surface.compliance;
+        let mut window = Window::first(self.problem, self.gap, modulus, cells)
+            .ok_or(CheckUnavailable::NotSettled)?;
+        for _ in 0..MOST_WINDOWS {
+            let found = self.solved(window, None)?;
+            match window.fitted(found.touched()) {
+                Some(next) => window = next,
+                None => return Ok(found),
+            }
+        }
+        Err(CheckUnavailable::NotSettled)
+    }
+
+    /// The contact on the cells of a window, from pressures to start with.
+    pub fn solved(
+        &self,
+        window: Window,
+        start: Option<Vec<f64>>,
+    ) -> Result<WindowContact, CheckUnavailable> {
+        let plane = Plane::new(self.problem, self.gap, &window);
+        let mut operator = Operator::new(&window, self.surface)?;
+        let pressed = press(&plane, &mut operator, start, self.precision)?;
+        Ok(WindowContact {
+            window,
+            plane,
+            pressed,
+        })
+    }
+}
+
+impl WindowContact {
+    /// Peak pressure [Pa], approach [m], area [m2], length and width [m].
+    pub fn figures(&self) -> [f64; 5] {
+        let squares = peak(&self.squares(), self.plane.width, self.window.mirrored);
+        let p_max = squares.sqrt().min(self.plane.hardness);
+        let [area, length, width] = self.extents();
+        [p_max, self.approach(), area, length, width]
+    }
+
+    /// How deep the undeformed shapes lie in one another at the deepest place [m].
+    pub fn approach(&self) -> f64 {
+        let closing: Vec<f64> = (0..self.plane.gap.len())
+            .map(|c| self.plane.closing(c, &self.pressed.motion) - self.plane.gap[c])
+            .collect();
+        peak(&closing, self.plane.width, self.window.mirrored)
+    }
+
+    /// The place outside the window where the hull lies deepest in the ice, and how deep [m]; the
+    /// pressures lower the ice there as on a half-space, by p dA / (pi E* r).
+    pub fn elsewhere(&self, gap: &Gap, compliance: f64) -> ([f64; 2], f64) {
+        let (window, plane) = (&self.window, &self.plane);
+        let [dx, dy] = window.size();
+        let mirrors = window
+            .mirrored
+            .map(|m| if m { &[1.0, -1.0][..] } else { &[1.0] });
+        let lowered = |[x, y]: [f64; 2]| {
+            let pressed = self.pressed.pressure.iter().enumerate();
+            let sum: f64 = pressed
+                .filter(|(_, p)| **p > 0.0)
+                .map(|(c, p)| {
+                    let u = window.centre(0, c % plane.width);
+                    let v = window.centre(1, c / plane.width);
+                    let copies = mirrors[0]
+                        .iter()
+                        .flat_map(|s| mirrors[1].iter().map(move |t| (x - s * u).hypot(y - t * v)));
+                    p * copies.map(|r| 1.0 / r).sum::<f64>()
+                })
+                .sum();
+            sum * dx * dy * compliance / std::f64::consts::PI
+        };
+        let deep = |place: [f64; 2]| match plane.depth(gap, &self.pressed.motion, place) {
+            depth if depth > 0.0 => depth - lowered(place),
+            _ => 0.0,
+        };
+        let lows = gap.lows().filter(|place| !window.holds(*place));
+        let places: Vec<[f64; 2]> = window.outside().chain(lows).collect();
+        let depths = places.par_iter().map(|&place| (place, deep(place)));
+        let none = ([0.0; 2], 0.0);
+        let all: Vec<([f64; 2], f64)> = depths.collect();
+        all.into_iter()
+            .fold(none, |most, next| if next.1 > most.1 { next } else { most })
+    }
+
+    /// Area, length and width, from where p^2 reaches zero along the cells' lines.
+    fn extents(&self) -> [f64; 3] {
+        let [x, y] = [0, 1].map(|axis| self.nodes(axis));
+        let pressure = self.unfolded(&self.pressed.pressure);
+        let field = PressureField {
+            x: &x,
+            y: &y,
+            force: &[],
+            gap: None,
+            lumped: [&[], &[]],
+            symmetry: [false; 2],
+            hardness: self.plane.hardness,
+        };
+        field.extents(&pressure, RimEstimator::Shape)
+    }
+
+    /// Centres of all cells of an axis [m].
+    pub fn nodes(&self, axis: usize) -> Vec<f64> {
+        let centre =
+            |cell: usize| self.window.low[axis] + (cell as f64 + 0.5) * self.window.size()[axis];
+        (0..self.window.cells[axis]).map(centre).collect()
+    }
+
+    /// Values of the solved cells on all of them.
+    pub fn unfolded(&self, values: &[f64]) -> Vec<f64> {
+        let [nx, ny] = self.window.cells;
+        // The solved cell that a mirror plane makes a cell of.
+        let solved = |axis: usize, cell: usize| match self.window.cells[axis] {
+            cells if self.window.mirrored[axis] && 2 * cell < cells => cells / 2 - 1 - cell,
+            cells if self.window.mirrored[axis] => cell - cells / 2,
+            _ => cell,
+        };
+        let row = |j: usize| {
+            let start = solved(1, j) * self.plane.width;
+            (0..nx).map(move |i| values[start + solved(0, i)])
+        };
+        (0..ny).flat_map(row).collect()
+    }
+
+    /// Squares of the pressures, which are parabolas along every line of a Hertz contact [Pa^2].
+    fn squares(&self) -> Vec<f64> {
+        self.pressed.pressure.iter().map(|p| p * p).collect()
+    }
+
+    /// Largest square of a pressure next to an open cell or the window's border, over that of the
+    /// peak; 0 where hardness cuts the peak off.
+    pub fn at_rim(&self) -> f64 {
+        let squares = self.squares();
+        let peak = squares.iter().copied().fold(0.0, f64::max);
+        if peak >= self.plane.hardness.powi(2) {
+            return 0.0;
+        }
+        let [nx, ny] = self.window.solved();
+        let open = |i: usize, j: usize| i >= nx || j >= ny || squares[j * nx + i] <= 0.0;
+        let previous = |at: usize, axis: usize| match at {
+            0 if self.window.mirrored[axis] => 0,
+            _ => at.wrapping_sub(1),
+        };
+        let rim = (0..squares.len()).filter(|c| {
+            let (i, j) = (c % nx, c / nx);
+            let across = open(i, j + 1) || open(i, previous(j, 1));
+            across || open(i + 1, j) || open(previous(i, 0), j)
+        });
+        rim.map(|c| squares[c] / peak).fold(0.0, f64::max)
+    }
+
+    /// The rectangle `[x_min, x_max, y_min, y_max]` of the middles of the cells in contact [m].
+    pub fn patch(&self) -> [f64; 4] {
+        let ends = self.touched();
+        let [[left, right], [low, high]] = [0, 1].map(|axis| {
+            let [first, last] = ends[axis].map(|cell| self.window.centre(axis, cell));
+            if self.window.mirrored[axis] {
+                [-last, last]
+            } else {
+                [first, last]
+            }
+        });
+        [left, right, low, high]
+    }
+
+    /// First and last cell of the contact along x and y.
+    pub fn touched(&self) -> [[usize; 2]; 2] {
+        let mut ends = [[usize::MAX, 0]; 2];
+        let pressure = self.pressed.pressure.iter().enumerate();
+        for (c, _) in pressure.filter(|(_, p)| **p > 0.0) {
+            let place = [c % self.plane.width, c / self.plane.width];
+            for (end, place) in ends.iter_mut().zip(place) {
+                *end = [end[0].min(place), end[1].max(place)];
+            }
+        }
+        ends
+    }
+}
+
+/// Pressures of one window's cells on another's, 0 outside.
+pub(super) fn carried(pressure: &[f64], from: &Window, to: &Window) -> Vec<f64> {
+    let [width, _] = from.solved();
+    let [columns, rows] = [0, 1].map(|axis| -> Vec<Option<usize>> {
+        let cells = 0..to.solved()[axis];
+        cells
+            .map(|cell| from.cell(axis, to.centre(axis, cell)))
+            .collect()
+    });
+    let at = |i: &Option<usize>, j: &Option<usize>| match (i, j) {
+        (Some(i), Some(j)) => pressure[j * width + i],
+        _ => 0.0,
+    };
+    rows.iter()
+        .flat_map(|j| columns.iter().map(move |i| at(i, j)))
+        .collect()
+}
+
+/// The largest value on a grid of cells, raised by the vertex of the parabola through its
+/// neighbours on each axis.
+fn peak(values: &[f64], width: usize, mirrored: [bool; 2]) -> f64 {
+    let Some(top) = (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])) else {
+        return 0.0;
+    };
+    let cell = values[top];
+    let lines = [
+        (1, top % width, width),
+        (width, top / width, values.len() / width),
+    ];
+    let rise = |axis: usize| {
+        let (stride, place, count) = lines[axis];
+        let below = match place {
+            0 if mirrored[axis] => cell,
+            0 => return 0.0,
+            _ => values[top - stride],
+        };
+        if place + 1 == count {
+            return 0.0;
+        }
+        let above = values[top + stride];
+        let (slope, curvature) = (0.5 * (above - below), above - 2.0 * cell + below);
+        if curvature < 0.0 && below > 0.0 && above > 0.0 {
+            -0.5 * slope * slope / curvature
+        } else {
+            0.0
+        }
+    };
+    cell + rise(0) + rise(1)
+}

@@ -1,0 +1,256 @@
+//! Contacts of many asperities, which are solved on the contact plane alone.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, Solution, Tilt, hertz, solve};
+use kufe_mesh::{BobRunner, HeightMap, Interpolation, Paraboloid, Waviness};
+use kufe_tests::contact::{ICE_E, ICE_NU, contact_modulus, on_half_space};
+
+fn of_cells(cells: usize) -> Options {
+    Options {
+        cells: Some(cells),
+        ..Options::default()
+    }
+}
+
+/// Sums over the pixels of a field between two places along x.
+fn between(s: &Solution, [from, to]: [f64; 2], of: impl Fn(usize) -> f64) -> f64 {
+    let nx = s.surface.x.len();
+    let inside = |n: &usize| (from..to).contains(&s.surface.x[n % nx]);
+    (0..s.surface.pressure.len()).filter(inside).map(of).sum()
+}
+
+/// K. L. Johnson, Contact Mechanics, section 13.2, after Westergaard (1939): waves of amplitude D
+/// and length l touch over 2 a of each where the mean pressure is p* sin^2(pi a / l), p* = pi E* D /
+/// l, and have the peak 2 (p_mean p*)^(1/2). Under a ball they do so where its patch is many waves
+/// wide.
+#[test]
+fn waves_touch_as_far_as_westergaard_says() {
+    let (radius, length, amplitude) = (1.0, 5e-4, 1e-6);
+    let full = PI * contact_modulus() * amplitude / length;
+    for load in [300.0, 900.0] {
+        let mut problem = on_half_space(Paraboloid::new(radius, radius).unwrap(), load);
+        problem.load = Load::central(load, Tilt::LEVEL);
+        problem.ice_surface = Some(Arc::new(Waviness::new(amplitude, length).unwrap()));
+        let s = solve(&problem, &of_cells(24)).unwrap();
+        assert!(s.volume.is_none(), "finite elements");
+        assert!((s.fz / load - 1.0).abs() < 1e-6, "{}", s.fz);
+        // The middle line of cells on the middle wave.
+        let nx = s.surface.x.len();
+        let row = s.surface.y.len() / 2;
+        let dx = s.surface.x[1] - s.surface.x[0];
+        let line = &s.surface.pressure[row * nx..(row + 1) * nx];
+        let wave = |i: &usize| s.surface.x[*i].abs() < 0.5 * length;
+        let wave: Vec<f64> = (0..nx).filter(wave).map(|i| line[i]).collect();
+        let mean = wave.iter().sum::<f64>() * dx / length;
+        let peak = wave.iter().copied().fold(0.0, f64::max);
+        let touches = wave.iter().filter(|p| **p > 0.0).count() as f64 * dx;
+        let part = (mean / full).sqrt();
+        assert!((0.3..0.8).contains(&part), "{part}: no test of the formula");
+        let expected = 2.0 * length / PI * part.asin();
+        assert!(
+            (touches - expected).abs() < 2.0 * dx,
+            "{touches:e} {expected:e} by {dx:e}"
+        );
+        let of_peak = peak / (2.0 * (mean * full).sqrt());
+        assert!((of_peak - 1.0).abs() < 0.01, "{of_peak}");
+    }
+}
+
+/// Even ice that is stated as a height map, so finely that the same cells are used.
+#[test]
+fn a_ball_on_fine_cells_is_hertz_s() {
+    let radius = 0.5;
+    let expected = hertz(radius, radius, contact_modulus(), 100.0).unwrap();
+    let flat = HeightMap::new(
+        [-0.1; 2],
+        [0.1; 2],
+        [3, 3],
+        vec![0.0; 9],
+        Interpolation::Bilinear,
+    );
+    let mut problem = on_half_space(Paraboloid::new(radius, radius).unwrap(), 100.0);
+    // Off the middle, so that no mirror plane leaves fewer nodes.
+    problem.load = Load::Force {
+        fz: 100.0,
+        offset_x: 1e-6,
+        offset_y: 1e-6,
+        tilt: Tilt::LEVEL,
+    };
+    problem.ice_surface = Some(Arc::new(flat.unwrap()));
+    let s = solve(&problem, &of_cells(48)).unwrap();
+    assert!(s.volume.is_none(), "finite elements");
+    let area = PI * expected.a * expected.b;
+    for (name, found, expected, most) in [
+        ("p_max", s.p_max, expected.p_max, 1e-3),
+        ("approach", s.approach, expected.approach, 1e-3),
+        ("area", s.area, area, 5e-3),
+        ("length", s.length, 2.0 * expected.a, 5e-3),
+    ] {
+        assert!(
+            (found / expected - 1.0).abs() < most,
+            "{name}: {found:e} {expected:e}"
+        );
+    }
+}
+
+/// A runner along waves of ice, as the benchmarks have it.
+fn along_waves(count: usize) -> Problem {
+    let length = 0.95 / count as f64;
+    let hull = BobRunner::default();
+    let ice = Ice {
+        foundation: Foundation::RigidBed { thickness: 5e-4 },
+        ..Ice::half_space(ICE_E, ICE_NU)
+    };
+    let load = Load::Approach {
+        approach: 1e-5,
+        pitch: 1e-9,
+        roll: 1e-9,
+    };
+    Problem {
+        track_curvature: 1.0 / hull.rocker_radius,
+        ice_surface: Some(Arc::new(Waviness::new(2.5e-3 * length, length).unwrap())),
+        ..Problem::new(Runner::rigid(Arc::new(hull.swept().unwrap())), ice, load)
+    }
+}
+
+/// Finite elements know nothing of the plane's response and its transforms.
+#[test]
+fn loads_of_single_asperities_are_those_of_finite_elements() {
+    let count = 25;
+    let problem = along_waves(count);
+    let plane = solve(&problem, &of_cells(8)).unwrap();
+    let in_volume = Options {
+        subsurface: true,
+        ..of_cells(8)
+    };
+    let volume = solve(&problem, &in_volume).unwrap();
+    assert!(plane.volume.is_none() && volume.volume.is_some());
+    for (name, found, expected, most) in [
+        ("p_max", plane.p_max, volume.p_max, 0.01),
+        ("area", plane.area, volume.area, 0.02),
+        ("load", plane.fz, volume.fz, 0.01),
+        ("approach", plane.approach, volume.approach, 1e-3),
+    ] {
+        assert!(
+            (found / expected - 1.0).abs() < most,
+            "{name}: {found:e} {expected:e}"
+        );
+    }
+    let length = 0.95 / count as f64;
+    let widths = |nodes: &[f64]| -> Vec<f64> {
+        let last = nodes.len() - 1;
+        let width = |k: usize| 0.5 * (nodes[(k + 1).min(last)] - nodes[k.saturating_sub(1)]);
+        (0..=last).map(width).collect()
+    };
+    let share = |s: &Solution, crest: i32| {
+        let (along, across) = (widths(&s.surface.x), widths(&s.surface.y));
+        let nx = along.len();
+        let middle = length * f64::from(crest);
+        let ends = [middle - 0.5 * length, middle + 0.5 * length];
+        between(s, ends, |n| {
+            s.surface.pressure[n] * along[n % nx] * across[n / nx]
+        }) / s.fz
+    };
+    for crest in -20..=20 {
+        let [one, two] = [&plane, &volume].map(|s| share(s, crest));
+        if two == 0.0 {
+            assert_eq!(one, 0.0, "{crest}");
+            continue;
+        }
+        assert!((one / two - 1.0).abs() < 0.02, "{crest}: {one} {two}");
+    }
+}
+
+/// Heights of random waves up to four points long, 48 of them over the map.
+fn rough(count: usize, size: f64) -> HeightMap {
+    let mut state = 20_261_128u64;
+    let mut random = || {
+        // P. L'Ecuyer, Math. Comput. 68 (1999) 249.
+        state = state
+            .wrapping_mul(2_862_933_555_777_941_757)
+            .wrapping_add(3_037_000_493);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let waves: Vec<[f64; 3]> = (0..48)
+        .map(|_| {
+            [
+                8.0 + 8.0 * random(),
+                2.0 * PI * random(),
+                2.0 * PI * random(),
+            ]
+        })
+        .collect();
+    let step = size / (count - 1) as f64;
+    let height = |k: usize| -> f64 {
+        let [x, y] = [k % count, k / count].map(|i| i as f64 / (count - 1) as f64 - 0.5);
+        let wave = |[number, direction, phase]: &[f64; 3]| {
+            (2.0 * PI * number * (x * direction.cos() + y * direction.sin()) + phase).cos()
+        };
+        2e-7 * waves.iter().map(wave).sum::<f64>()
+    };
+    let heights = (0..count * count).map(height).collect();
+    HeightMap::new(
+        [-0.5 * size; 2],
+        [step; 2],
+        [count; 2],
+        heights,
+        Interpolation::Bicubic,
+    )
+    .unwrap()
+}
+
+fn on_rough_ice(tilt: Tilt) -> Problem {
+    Problem {
+        ice_surface: Some(Arc::new(rough(97, 4e-3))),
+        load: Load::central(40.0, tilt),
+        ..on_half_space(Paraboloid::new(0.2, 0.2).unwrap(), 40.0)
+    }
+}
+
+/// What finer cells say lies within the stated errors.
+#[test]
+fn stated_errors_of_rough_ice_contain_what_finer_cells_say() {
+    let problem = on_rough_ice(Tilt::LEVEL);
+    let of_accuracy = |p_max_tolerance: f64| {
+        let options = Options {
+            p_max_tolerance,
+            ..Options::default()
+        };
+        solve(&problem, &options).unwrap()
+    };
+    let (coarse, fine) = (of_accuracy(0.03), of_accuracy(0.005));
+    assert!(coarse.volume.is_none() && fine.volume.is_none());
+    assert!(fine.dofs > 2 * coarse.dofs, "{} {}", coarse.dofs, fine.dofs);
+    for (name, off, stated) in [
+        ("p_max", coarse.p_max - fine.p_max, coarse.p_max_error),
+        ("area", coarse.area - fine.area, coarse.area_error),
+        (
+            "approach",
+            coarse.approach - fine.approach,
+            coarse.approach_error,
+        ),
+    ] {
+        assert!(off.abs() <= stated, "{name}: {off:e} {stated:e}");
+    }
+    assert!(coarse.area_error < 0.1 * coarse.area, "{coarse:?}");
+}
+
+#[test]
+fn pitch_and_roll_balance_the_load_on_rough_ice_and_bits_do_not_depend_on_threads() {
+    let problem = on_rough_ice(Tilt::Free);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = pool.build().unwrap();
+        pool.install(|| solve(&problem, &of_cells(9)).unwrap())
+    };
+    let (one, two) = (on(1), on(2));
+    assert!(one.volume.is_none());
+    assert!(one == two, "other bits with two threads");
+    // The load acts at the origin; the contact is some 2 mm wide.
+    let [x, y] = one.centre_of_pressure;
+    assert!(x.abs() < 1e-8 && y.abs() < 1e-8, "{x:e} {y:e}");
+    assert!(one.pitch != 0.0 && one.roll != 0.0);
+    assert!(one.kkt_residual < 1e-5, "{:e}", one.kkt_residual);
+}
