@@ -41,7 +41,7 @@ const SERIES: [(&str, &str, &str, &[&str]); 5] = [
         "waves",
         "touching nodes",
         "a contact on waves of ice",
-        &["25", "50", "100"],
+        &["25", "50", "100", "200", "400"],
     ),
     (
         "runs",

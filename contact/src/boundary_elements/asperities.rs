@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
-use crate::accuracy::estimators::{Limit, REFINEMENT, first_resolution, next_refinement};
+use crate::accuracy::estimators::{
+    Limit, MeshValue, REFINEMENT, first_resolution, next_refinement, range,
+};
 use crate::accuracy::find_patch::capacity;
 use crate::accuracy::watched::{ErrorFloor, FigureHistory, Limits, Place};
 use crate::boundary_elements::active_set::{Plane, Precision};
@@ -37,6 +39,8 @@ const AROUND: f64 = 2.0;
 const LEAST_AROUND: f64 = 1.0;
 /// Depth of a place outside the window over the approach that counts as contact.
 const DEEP: f64 = 1e-3;
+/// Factor of safety on errors of first order.
+const SAFETY: f64 = 1.5;
 /// Unknowns, as limited, for each cell: those of the padded grid.
 const PADDED: usize = 4;
 
@@ -117,15 +121,16 @@ impl<'a> Asperities<'a> {
         let coarse = &self.scouted.window;
         let mut window = coarse.around(self.scouted.touched(), AROUND);
         let mut figures = FigureHistory::new(self.problem.ice.hardness, ErrorFloor::default());
+        let mut peaks: Vec<MeshValue> = Vec::new();
+        let mut judged: Option<Limits> = None;
         let mut history: Vec<Iterate> = Vec::new();
         let mut before: Option<WindowContact> = None;
         loop {
             let (divided, cells) = self.divided(window, wanted);
             let dofs = divided.solved().iter().product();
-            let limits = figures.limits();
-            let error_before = limits.map(|limits| limits.relative);
+            let error_before = judged.map(|limits| limits.relative);
             if PADDED * dofs > options.max_dofs
-                && let (Some(contact), Some(limits)) = (&before, limits.or_else(|| figures.last()))
+                && let (Some(contact), Some(limits)) = (&before, judged.or_else(|| figures.last()))
             {
                 let best = self.solution(contact, (limits, &figures), history);
                 return Err(Error::AccuracyNotReached {
@@ -185,7 +190,12 @@ impl<'a> Asperities<'a> {
                 let limits = unjudged(read.figures.p_max, contact.approach());
                 return Ok(Some(self.solution(&contact, (limits, &figures), history)));
             }
-            wanted *= match figures.limits() {
+            let value = read.figures.p_max;
+            peaks.push(MeshValue { cells, value });
+            judged = figures
+                .limits()
+                .and_then(|limits| by_first_order(limits, &peaks));
+            wanted *= match judged {
                 Some(limits) if limits.relative <= options.p_max_tolerance => {
                     return Ok(Some(self.solution(&contact, (limits, &figures), history)));
                 }
@@ -291,6 +301,30 @@ impl<'a> Asperities<'a> {
             assembled: Vec::new(),
         }
     }
+}
+
+/// Limits with the peak of the last grid and its error by the range R of the last three: the
+/// highest of many asperities has few cells, and its peak goes to and fro with their places. Errors
+/// of first order, the slowest seen, would leave R h3 / (h1 - h3) on the finest cells h3; with a
+/// factor of safety. A peak that the ice's hardness fixes has none.
+fn by_first_order(limits: Limits, peaks: &[MeshValue]) -> Option<Limits> {
+    let [.., first, second, last] = peaks else {
+        return None;
+    };
+    if limits.peak.error == 0.0 {
+        return Some(limits);
+    }
+    let three = [first.value, second.value, last.value];
+    let rest = first.cells / (last.cells - first.cells);
+    let error = SAFETY * range(&three) * rest;
+    Some(Limits {
+        peak: Limit {
+            value: last.value,
+            error,
+        },
+        relative: error / last.value,
+        ..limits
+    })
 }
 
 /// One grid, without an error estimate.
@@ -426,7 +460,12 @@ impl WindowContact {
             symmetry: [false; 2],
             hardness: self.plane.hardness,
         };
-        let figures = field.figures(&pressure);
+        let mut figures = field.figures(&pressure);
+        // Cells in contact are too many, as a rim has it in part of the outermost; ends of short
+        // chords by shape and load lie too far inside. The truth is between them.
+        let counted = force.iter().filter(|f| **f > 0.0).count() as f64 * dx * dy;
+        figures.off[0] = (0.5 * (counted - figures.area).abs()).max(figures.off[0]);
+        figures.area = 0.5 * (counted + figures.area);
         Read {
             x,
             y,

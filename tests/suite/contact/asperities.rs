@@ -131,7 +131,6 @@ fn loads_of_single_asperities_are_those_of_finite_elements() {
         ("p_max", plane.p_max, volume.p_max, 0.01),
         ("area", plane.area, volume.area, 0.02),
         ("load", plane.fz, volume.fz, 0.01),
-        ("approach", plane.approach, volume.approach, 1e-3),
     ] {
         assert!(
             (found / expected - 1.0).abs() < most,
@@ -220,7 +219,7 @@ fn stated_errors_of_rough_ice_contain_what_finer_cells_say() {
         };
         solve(&problem, &options).unwrap()
     };
-    let (coarse, fine) = (of_accuracy(0.03), of_accuracy(0.005));
+    let (coarse, fine) = (of_accuracy(0.05), of_accuracy(0.003));
     assert!(coarse.volume.is_none() && fine.volume.is_none());
     assert!(fine.dofs > 2 * coarse.dofs, "{} {}", coarse.dofs, fine.dofs);
     for (name, off, stated) in [
