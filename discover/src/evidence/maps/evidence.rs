@@ -386,3 +386,19 @@ impl Evidence for Maps<'_> {
 }
 
 impl SharesEffects for Maps<'_> {}
+
+/// Searches a `pressures.csv`; `model` is the case file that is to be improved.
+///
+/// # Errors
+/// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the case and of the solver.
+pub fn search(
+    path: &Path,
+    model: &Path,
+    options: &Options,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Found, Error> {
+    options.refuse_unheard(None)?;
+    let measured = Measured::read(path, model, &options.rules.maps)?;
+    let mut maps = Maps::new(&measured, model, options, progress)?;
+    search_evidence(&mut maps, options, progress)
+}
