@@ -212,7 +212,7 @@ impl LineFit {
 /// long-run variance is taken with Bartlett weights over `4 (n/100)^(2/9)` lags, and coloured back.
 /// It falls short where errors stay correlated over more than about a tenth of the points. `None`
 /// below three points or without spread in x.
-fn fit_line(x: &[f64], y: &[f64]) -> Option<LineFit> {
+pub fn fit_line(x: &[f64], y: &[f64]) -> Option<LineFit> {
     let n = x.len() as f64;
     let centre = x.iter().sum::<f64>() / n;
     let level = y.iter().sum::<f64>() / n;

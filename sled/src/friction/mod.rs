@@ -30,7 +30,9 @@ mod specimens;
 pub use error::Error;
 pub use estimate::{Estimate, Response, Span};
 pub use experiments::{Experiment, read_experiments, write_experiments};
-pub use glide_run::{GRAVITY, GlideRun, LineFit, SHARE_LEFT_OUT, air_density, evaluate_glide};
+pub use glide_run::{
+    GRAVITY, GlideRun, LineFit, SHARE_LEFT_OUT, air_density, evaluate_glide, fit_line,
+};
 pub use lateral::fit::{LateralFit, fit_lateral};
 pub use lateral::law::{Braghin, LateralAngles, LateralDerivatives, MagicFormula, sin_cos_near};
 pub use lateral::{Combination, Identifiability, LateralFitOptions, LateralSample};
