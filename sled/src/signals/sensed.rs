@@ -127,9 +127,6 @@ impl<'a> Sensed<'a> {
     }
 }
 
-/// The column that no run states: the slope of the track enters no balance of forces.
-const NEVER: &str = Column::Slope.name();
-
 /// What a run's file may state sample by sample, `runs.csv` once.
 const FURTHER: [&str; 3] = [
     Column::Humidity.name(),
@@ -207,14 +204,11 @@ impl Further {
             .absent()
             .into_iter()
             .filter(|name| name.starts_with("air"));
+        // Balances of forces do not contain the track's slope; replays take it from its table.
         let sensors = COLUMNS
             .into_iter()
             .filter(|name| !run.columns.contains_key(*name));
-        let absent: Vec<&str> = nowhere
-            .chain([NEVER])
-            .chain(weather)
-            .chain(sensors)
-            .collect();
+        let absent: Vec<&str> = nowhere.chain(weather).chain(sensors).collect();
         let file = run.entry.file.display().to_string();
         refuse_effects(effects, &absent, &file)?;
         if needs.forces {
