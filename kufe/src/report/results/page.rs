@@ -164,8 +164,8 @@ mod tests {
                 .unwrap_or_else(|| panic!("{text} in {page}"))
         };
         assert!(
-            at("picture 2") < at("<h2>Data")
-                && at("<h2>Data") < at("<summary>2 more pictures")
+            at("picture 2") < at("<h2>Figures")
+                && at("<h2>Figures") < at("<summary>2 more pictures")
                 && at("more pictures") < at("picture 3")
         );
     }
