@@ -89,11 +89,13 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
     let spec = TableSpec::read(&args.table)?;
     let solver = solver(&spec)?;
     let origin = solver.origin()?;
-    let mut is_own = false;
-    if args.out.join(PlanFile::NAMES[0]).exists() {
+    let is_own = args.out.join(PlanFile::NAMES[0]).exists();
+    if is_own {
         let old = PlanFile::read(&args.out)?;
         same_origin(&args.out, &old.origin, &origin)?;
-        is_own = old.is_unchanged(&args.out);
+        if !global.force {
+            old.check_unchanged(&args.out)?;
+        }
     }
     let outputs = PlanFile::NAMES.map(|name| args.out.join(name));
     let inputs = solver.inputs(&spec)?;
@@ -203,10 +205,12 @@ pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
             )))
         }
         Progress::Batch { points, round, .. } => {
-            let is_own = plan.is_unchanged(&args.plan);
+            if !global.force {
+                plan.check_unchanged(&args.plan)?;
+            }
             let next = PlanFile::new(plan.origin, plan.table, round, plan.shards, points);
             let outputs = PlanFile::NAMES.map(|name| args.plan.join(name));
-            let files = OutputFiles::begin("lut plan", &[], &outputs, is_own || global.force)?;
+            let files = OutputFiles::begin("lut plan", &[], &outputs, true)?;
             write_plan(&args.plan, &next, files)?;
             Err(Failure::Partial(format!(
                 "{}: round {round} is planned with {} points where the interpolation is not accurate enough yet; run the \

@@ -88,14 +88,22 @@ impl PlanFile {
         Ok(plan)
     }
 
-    /// Whether the files of a folder are those of this plan, without a change.
-    pub fn is_unchanged(&self, folder: &Path) -> bool {
-        let same = |(name, text): (&str, String)| {
-            let found = kufe_files::text_of_regular(&folder.join(name), MAX_BYTES);
-            found.is_ok_and(|found| found == text)
-        };
-        self.files(folder)
-            .is_ok_and(|files| files.into_iter().all(same))
+    /// Refuses a folder whose files of this plan were changed.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with the file; those of [`files`](Self::files).
+    pub fn check_unchanged(&self, folder: &Path) -> Result<(), Failure> {
+        for (name, text) in self.files(folder)? {
+            let path = folder.join(name);
+            let found = kufe_files::text_of_regular(&path, MAX_BYTES);
+            if path.exists() && found.is_ok_and(|found| found != text) {
+                return Err(Failure::BadInput(format!(
+                    "{}: it was changed since kufe wrote it; --force replaces it",
+                    path.display()
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// The points of shard `index` (from 1) of `count`: neighbours stay together.
