@@ -209,13 +209,13 @@ impl<'a> Asperities<'a> {
     /// The window with about so many cells over half an asperity's contact, in numbers that are
     /// fast to transform, and how many that makes.
     fn divided(&self, window: Window, wanted: f64) -> (Window, f64) {
-        let mut cells = [0; 2];
         let mut finer = 1.0;
-        for axis in 0..2 {
+        let cells = [0, 1].map(|axis| {
             let least = wanted * (window.high[axis] - window.low[axis]) / self.half[axis];
-            cells[axis] = fast(least.ceil().max(FEWEST) as usize, window.mirrored[axis]);
-            finer *= cells[axis] as f64 / least;
-        }
+            let cells = fast(least.ceil().max(FEWEST) as usize, window.mirrored[axis]);
+            finer *= cells as f64 / least;
+            cells
+        });
         (window.with_cells(cells), wanted * finer.sqrt())
     }
 
@@ -347,7 +347,7 @@ fn fast(least: usize, even: bool) -> usize {
     let smooth = |n: &usize| {
         let mut rest = *n;
         for factor in [2, 3, 5] {
-            while rest % factor == 0 {
+            while rest.is_multiple_of(factor) {
                 rest /= factor;
             }
         }

@@ -212,8 +212,7 @@ impl Window {
     /// The smallest window that contains this one and a place.
     pub fn with_place(&self, place: [f64; 2]) -> Self {
         let mut next = *self;
-        for axis in 0..2 {
-            let at = place[axis];
+        for (axis, at) in place.into_iter().enumerate() {
             let ends = if self.mirrored[axis] {
                 [-at.abs(), at.abs()]
             } else {
@@ -230,7 +229,7 @@ impl Window {
     pub fn surroundings(&self) -> (Self, [usize; 2]) {
         let mut wide = *self;
         let mut first = [0; 2];
-        for axis in 0..2 {
+        for (axis, first) in first.iter_mut().enumerate() {
             let size = self.size()[axis];
             let most = (self.cells[axis] / 2) as f64;
             let room = |reach: f64| (reach / size).floor().clamp(0.0, most);
@@ -240,7 +239,7 @@ impl Window {
                 below = below.min(above);
                 above = below;
             } else {
-                first[axis] = below as usize;
+                *first = below as usize;
             }
             wide.low[axis] -= below * size;
             wide.high[axis] += above * size;

@@ -42,9 +42,9 @@ impl Coarse {
 /// By how much noise times spacing, or without noise the spacing, is to shrink for a fit's error to
 /// shrink by `factor`.
 ///
-/// The error of a smooth surface fitted to n vertices with noise goes as (noise / sqrt(n))^(2p/(2p
-/// + d)), p = 4 for cubic splines, d = 2 (C.J. Stone, Ann. Statist. 10, 1040, 1982), and n as one
-/// over the spacing squared: as (noise times spacing)^(4/5). Without noise it goes as the fourth
+/// The error of a smooth surface fitted to n vertices with noise goes as
+/// (noise / sqrt(n))^(2p/(2p + d)), p = 4 for cubic splines, d = 2 (C.J. Stone, Ann. Statist. 10,
+/// 1040, 1982), and n as one over the spacing squared: as (noise times spacing)^(4/5). Without noise it goes as the fourth
 /// power of the spacing.
 pub fn smaller_by(factor: f64, noisy: bool) -> f64 {
     factor.powf(if noisy { 1.25 } else { 0.25 })

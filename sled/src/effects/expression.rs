@@ -26,8 +26,13 @@ enum Node {
     Pair(usize),
 }
 
+/// A function of one argument with its name.
+type Function = (&'static str, fn(f64) -> f64);
+/// A function of two arguments with its name.
+type Pair = (&'static str, fn(f64, f64) -> f64);
+
 /// Functions of one argument.
-const FUNCTIONS: [(&str, fn(f64) -> f64); 10] = [
+const FUNCTIONS: [Function; 10] = [
     ("abs", f64::abs),
     ("sqrt", f64::sqrt),
     ("exp", f64::exp),
@@ -41,7 +46,7 @@ const FUNCTIONS: [(&str, fn(f64) -> f64); 10] = [
 ];
 
 /// Functions of two arguments.
-const PAIRS: [(&str, fn(f64, f64) -> f64); 2] = [("min", f64::min), ("max", f64::max)];
+const PAIRS: [Pair; 2] = [("min", f64::min), ("max", f64::max)];
 
 impl Expression {
     /// From postfix operations, each of which finds its operands.

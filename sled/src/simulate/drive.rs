@@ -150,15 +150,15 @@ pub(crate) fn integrate(
         past.rotate_right(1);
         past[0] = rates;
         let finished = y[0] >= finish_m;
-        if steps % every == 0 || finished {
-            if let Some(what) = world.trouble(&y) {
-                trouble = Some(Error::Stopped {
-                    s_m: y[0],
-                    t_s: start_s + steps as f64 * h,
-                    what,
-                });
-                break false;
-            }
+        if (steps % every == 0 || finished)
+            && let Some(what) = world.trouble(&y)
+        {
+            trouble = Some(Error::Stopped {
+                s_m: y[0],
+                t_s: start_s + steps as f64 * h,
+                what,
+            });
+            break false;
         }
         if steps % every == 0 {
             instant.state.t_s = start_s + (steps / every) as f64 / options.rate_hz;
