@@ -14,7 +14,7 @@ use crate::friction::experiments::Experiment;
 use crate::friction::longitudinal::law::{PressureLaw, ZetaActsOn};
 
 /// The least standard deviation of a coefficient of friction that a weight is made of.
-const LEAST_SD: f64 = 1e-9;
+const LEAST_SD: f64 = 1e-20;
 
 /// Fits the quadratic to experiments.
 ///
@@ -25,7 +25,7 @@ const LEAST_SD: f64 = 1e-9;
 ///
 /// # Errors
 /// [`Error::TooFew`] below four experiments, [`Error::OutOfRange`] where a weighted fit meets
-/// `mu_sd` below 1e-9, [`Error::Undetermined`] below three different pressures, [`Error::NotConverged`].
+/// `mu_sd` below 1e-20, [`Error::Undetermined`] below three different pressures, [`Error::NotConverged`].
 pub fn fit_mu(
     experiments: &[Experiment],
     weighting: Weighting,
@@ -58,7 +58,7 @@ pub fn fit_mu(
         return Err(Error::OutOfRange {
             name: "mu_sd",
             value: exact.mu_sd,
-            expected: "at least 1e-9 in a weighted fit",
+            expected: "at least 1e-20 in a weighted fit",
         });
     }
     let (coefficients, inverse, chi2) = points.orthogonal(plain)?;
