@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
+use sha2::{Digest, Sha256};
+
 use crate::place::kind;
 
 /// The whole of a regular file of at most `most` bytes.
@@ -58,6 +60,30 @@ pub fn open_regular(path: &Path) -> Result<File> {
         return Err(refuse(opened.file_type()));
     }
     Ok(file)
+}
+
+/// SHA-256 as lower-case hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// SHA-256 of what remains of a file, as lower-case hexadecimal.
+///
+/// # Errors
+/// The system's where the file cannot be read.
+pub fn sha256_of_file(mut file: &File) -> Result<String> {
+    let mut hash = Sha256::new();
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut buffer)? {
+            0 => return Ok(hexadecimal(&hash.finalize())),
+            read => hash.update(&buffer[..read]),
+        }
+    }
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]

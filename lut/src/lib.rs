@@ -41,5 +41,5 @@ pub use solve::Solve;
 pub use sweep::{
     Plan, Progress, Spacing, SweepError, SweepResult, each, replay, sweep, sweep_batches,
 };
-pub use table::{InterpolationError, Origin, Table, check_finite, sha256};
+pub use table::{InterpolationError, Origin, Table, check_finite};
 pub use unit::unit_of;

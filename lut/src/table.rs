@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use crate::axes::{Axes, Point};
 use crate::error::Error;
@@ -77,12 +76,6 @@ impl Default for Origin {
             case_sha256: "0".repeat(64),
         }
     }
-}
-
-/// SHA-256 as lower-case hexadecimal.
-pub fn sha256(bytes: &[u8]) -> String {
-    let digest = Sha256::digest(bytes);
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// A quantity at all nodes.

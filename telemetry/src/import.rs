@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 
 use kufe_sled::{Columns, Gaps, Run};
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
 use crate::delay::{LoggerClock, align};
 use crate::error::Error;
@@ -57,7 +56,7 @@ impl Importer {
         Ok(Importer {
             mapping: Mapping::parse(text, file)?,
             file: file.to_string(),
-            sha256: hexadecimal(text.as_bytes()),
+            sha256: kufe_files::sha256(text.as_bytes()),
         })
     }
 
@@ -82,7 +81,7 @@ impl Importer {
         for (name, path) in &planned.files {
             let bytes = bytes_of(path)?;
             let file = path.display().to_string();
-            let sha256 = hexadecimal(&bytes);
+            let sha256 = kufe_files::sha256(&bytes);
             let log = self.log(name, path, bytes)?;
             remarks.extend(log.remarks.iter().cloned());
             let rotation = self.mapping.logger[name].rotation;
@@ -411,13 +410,6 @@ fn rotate(
         return Err(("no axes".to_string(), expected.to_string()));
     }
     Ok(())
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    Sha256::digest(bytes)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
 }
 
 /// How a channel becomes a column.

@@ -66,7 +66,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let result = matrix.result(out);
     global.print(&result, || {
         format!(
-            "{}: {} displacements, {} of them held; {} entries, of which one triangle is written\n",
+            "{}: {} displacements, {} of them fixed; {} entries, of which one triangle is written\n",
             result.stiffness, result.displacements, result.fixed, result.entries
         )
     })

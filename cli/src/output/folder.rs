@@ -3,15 +3,13 @@
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
 use kufe::jobs::field::{NewFiles, is_plain};
 use kufe::plot::Figure;
-use kufe_files::{outputs_apart, resolved, same_file};
+use kufe_files::{outputs_apart, resolved, same_file, sha256_of_file};
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use crate::output::{NewFolders, Staging, TEMPORARY, unwritable};
 
@@ -46,18 +44,8 @@ impl FileRecord {
 /// SHA-256 of a file; `None` for links and what is no file.
 fn hash(path: &Path) -> Option<String> {
     let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
-    let mut file = is_file.then(|| File::open(path).ok()).flatten()?;
-    let mut hash = Sha256::new();
-    let mut buffer = vec![0; 1 << 16];
-    loop {
-        let read = file.read(&mut buffer).ok()?;
-        if read == 0 {
-            break;
-        }
-        hash.update(&buffer[..read]);
-    }
-    let bytes = hash.finalize();
-    Some(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+    let file = is_file.then(|| File::open(path).ok()).flatten()?;
+    sha256_of_file(&file).ok()
 }
 
 impl FolderRecord {

@@ -3,7 +3,8 @@
 
 use std::path::PathBuf;
 
-use kufe::jobs::{Failure, runs::failure};
+use kufe::jobs::Failure;
+use kufe::jobs::runs::{failure, run_inputs};
 use kufe::results::RunCheck;
 use kufe_sled::{Examination, examine};
 
@@ -33,8 +34,8 @@ pub struct Args {
 /// [`Failure::BadInput`] for the index, and, once the report is written, where something is
 /// provably wrong.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let inputs = std::slice::from_ref(&args.runs);
-    let output = OutputDir::begin("runs check", inputs, &args.out, global.force)?;
+    let inputs = run_inputs(&args.runs);
+    let output = OutputDir::begin("runs check", &inputs, &args.out, global.force)?;
     let runs = global.during("examining the runs", || examine(&args.runs));
     let runs = runs.map_err(failure)?;
     let check = RunCheck::new(args.runs.display().to_string(), runs);

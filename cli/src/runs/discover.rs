@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
+use kufe::jobs::runs::run_inputs;
 use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
 
 use crate::output::OutputDir;
@@ -76,11 +77,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             )
         }));
     }
-    let mut inputs: Vec<PathBuf> = [Some(&args.data), args.model.as_ref(), args.rules.as_ref()]
-        .into_iter()
-        .flatten()
-        .cloned()
-        .collect();
+    let mut inputs = run_inputs(&args.data);
+    inputs.extend([&args.model, &args.rules].into_iter().flatten().cloned());
     if campaign {
         inputs.extend(CampaignFile::read(&args.data).map_err(failure)?.inputs());
     }

@@ -9,7 +9,7 @@ use kufe_sled::{
 };
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::{failure, on_gaps};
+use crate::jobs::runs::{failure, on_gaps, run_inputs};
 use crate::jobs::watch::Watch;
 use crate::results::{AlignedTrack, Alignment, TrackErrors};
 
@@ -101,11 +101,8 @@ impl RunsToAlign {
 
     /// The files that are read.
     pub fn inputs(&self) -> Vec<PathBuf> {
-        let mut inputs = vec![self.options.runs.clone(), self.options.model.clone()];
-        for Run { entry, .. } in &self.runs {
-            inputs.push(entry.file.clone());
-            inputs.push(self.options.survey_file(&entry.track));
-        }
+        let mut inputs = run_inputs(&self.options.runs);
+        inputs.push(self.options.model.clone());
         inputs
     }
 

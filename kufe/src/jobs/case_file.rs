@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use crate::case::{Case, FittedHull, StatedProblem};
 use kufe_contact::{Error, NUMERICS, Solution, SurfaceField};
+use kufe_files::sha256;
 use kufe_files::{read_regular, text_of_regular};
-use kufe_lut::sha256;
 use kufe_mesh::{Hull, hull_files, smaller_by};
 
 use crate::jobs::failure::Failure;

@@ -69,7 +69,7 @@ impl Kind {
     pub fn policy(self) -> String {
         static DIGESTS: [OnceLock<String>; 5] = [const { OnceLock::new() }; 5];
         let digest = DIGESTS[self as usize].get_or_init(|| {
-            let hexadecimal = kufe_lut::sha256(self.script().as_bytes());
+            let hexadecimal = kufe_files::sha256(self.script().as_bytes());
             let byte = |k: usize| u8::from_str_radix(&hexadecimal[2 * k..2 * k + 2], 16);
             let bytes: Vec<u8> = (0..32).filter_map(|k| byte(k).ok()).collect();
             STANDARD.encode(bytes)

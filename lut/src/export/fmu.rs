@@ -15,7 +15,7 @@ use crate::export::header::{EVALUATION, LAYER_AXES, rocker_on_axis};
 use crate::file::MAX_FILE_BYTES;
 use crate::interpolator::{Interpolator, Mode};
 use crate::quantity::Quantity;
-use crate::table::{Table, sha256};
+use crate::table::Table;
 
 static LIBRARY: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/kufe_lut_fmu.bin"));
 const PLATFORM: &str = env!("KUFE_FMU_PLATFORM");
@@ -90,7 +90,7 @@ impl Table {
         }
         rocker_on_axis(self, rocker_radius)?;
         let numbers = self.fmu_numbers(rocker_radius)?;
-        let token = sha256(&numbers);
+        let token = kufe_files::sha256(&numbers);
         let mut table = b"KUFELUT2".to_vec();
         table.extend(token.as_bytes());
         table.extend(&numbers);

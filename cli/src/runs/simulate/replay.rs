@@ -4,7 +4,7 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use kufe::charts::replay_picture;
-use kufe::jobs::runs::{failure, on_gaps};
+use kufe::jobs::runs::{failure, on_gaps, run_inputs};
 use kufe::jobs::{Failure, channel_series, write_document_mat};
 use kufe::plot::unit_of;
 use kufe::results::ReplayResult;
@@ -33,9 +33,8 @@ pub fn run(
     let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
     let track = Track::load(track_file).map_err(failure)?;
     let mut inputs: Vec<PathBuf> = vec![model_file.to_path_buf(), track_file.to_path_buf()];
-    inputs.extend(args.replay.clone());
+    inputs.extend(args.replay.iter().flat_map(|runs| run_inputs(runs)));
     let entry = entry(args, &track)?;
-    inputs.push(entry.file.clone());
     for text in vehicle.effects_elsewhere(&[&track.name]) {
         warn(&format!("{}: {text}", model_file.display()));
     }

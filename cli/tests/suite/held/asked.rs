@@ -1,7 +1,7 @@
 //! No result is taken for another's: whatever is asked counts, and the version of the numerics.
 
 use kufe_contact::NUMERICS;
-use kufe_lut::sha256;
+use kufe_files::sha256;
 
 use crate::kufe::{Bench, CASE, errors, json};
 
@@ -68,8 +68,8 @@ fn shards_are_refused_when_anything_else_is_asked_but_what_the_axes_say() {
     let refused = |what: &str| {
         let output = bench.kufe(&run);
         assert_eq!(output.status.code(), Some(3), "{what}");
-        let told = errors(&output);
-        assert!(told.contains("case_sha256"), "{what}: {told}");
+        let reported = errors(&output);
+        assert!(reported.contains("case_sha256"), "{what}: {reported}");
     };
     for (line, other) in EDITS.iter().filter(|edit| edit.0 != "radius_m = inf") {
         bench.write("case.toml", CASE.replacen(line, other, 1));

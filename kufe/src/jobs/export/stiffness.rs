@@ -85,7 +85,7 @@ impl AssembledStiffness {
             format!("Stiffness of {} [N/m]", self.title),
             "Displacements count from 1, body after body; in a body component after component (x, y, z), node by node.".into(),
             "Nothing is taken out: every body is free here and has its six rigid motions. Without the rows and columns".into(),
-            "that are listed as held (by outer faces, mirror planes or a mount) the matrix is positive definite.".into(),
+            "that are listed as fixed (by outer faces, mirror planes or a mount) the matrix is positive definite.".into(),
         ];
         let mut first = 1;
         for body in &self.solution.assembled {
@@ -100,7 +100,7 @@ impl AssembledStiffness {
                 }
             }
             let fixed = body.fixed.iter().map(|dof| first + dof);
-            list(&format!("{} held", body.name), fixed, &mut lines);
+            list(&format!("{} fixed", body.name), fixed, &mut lines);
             first += dofs;
         }
         lines

@@ -95,8 +95,8 @@ impl PlanFile {
     pub fn check_unchanged(&self, folder: &Path) -> Result<(), Failure> {
         for (name, text) in self.files(folder)? {
             let path = folder.join(name);
-            let found = kufe_files::text_of_regular(&path, MAX_BYTES);
-            if path.exists() && found.is_ok_and(|found| found != text) {
+            let found = kufe_files::read_regular(&path, MAX_BYTES).ok();
+            if path.exists() && found.is_none_or(|found| found != text.as_bytes()) {
                 return Err(Failure::BadInput(format!(
                     "{}: it was changed since kufe wrote it; --force replaces it",
                     path.display()

@@ -10,7 +10,8 @@ use std::io::{BufRead, BufReader, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use kufe_lut::{AxisKind, Figures, Origin, Point, Solve, sha256};
+use kufe_files::sha256;
+use kufe_lut::{AxisKind, Figures, Origin, Point, Solve};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 

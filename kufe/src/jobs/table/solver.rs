@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::case::{Case, CaseError, FittedHull, TrackTable};
 use kufe_contact::{Load, Options, Problem, Runner, Solution};
-use kufe_lut::{AxisKind, Figures, Origin, Point, Solve, SweepResult, check_finite, each, sha256};
+use kufe_files::sha256;
+use kufe_lut::{AxisKind, Figures, Origin, Point, Solve, SweepResult, check_finite, each};
 
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
