@@ -24,8 +24,8 @@ fn main() {
                 hertz.a / hertz.b,
                 contact.ice[1],
                 contact.offset,
-                told(found[0]),
-                told(found[1])
+                reported(found[0]),
+                reported(found[1])
             );
             misses
                 .iter_mut()
@@ -46,7 +46,7 @@ fn main() {
     }
 }
 
-fn told(miss: Miss) -> String {
+fn reported(miss: Miss) -> String {
     let covered = if miss.off <= miss.stated {
         ""
     } else {

@@ -41,13 +41,13 @@ pub fn rows_of(table: &str) -> Vec<Row> {
             .split(',')
             .map(|number| number.parse().expect("a number"))
             .collect();
-        let (problem, told) = numbers.split_at(13);
+        let (problem, reported) = numbers.split_at(13);
         Row {
             class: class.to_string(),
             text: line.to_string(),
             numbers: problem.try_into().expect("13 numbers"),
-            truth: told[..3].try_into().expect("three figures"),
-            truth_error: told[3],
+            truth: reported[..3].try_into().expect("three figures"),
+            truth_error: reported[3],
         }
     };
     table.lines().skip(1).map(row).collect()

@@ -79,18 +79,21 @@ pub fn kufe(folder: &Path, words: &[&str]) -> Output {
 /// Runs `kufe` in a folder and expects it to succeed; returns what it printed.
 pub fn succeeds(folder: &Path, words: &[&str]) -> String {
     let output = kufe(folder, words);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{words:?}: {told}");
+    let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{words:?}: {reported}");
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
 /// Runs `kufe` in a folder and expects it to leave with `code` and to name these parts.
 pub fn refused(folder: &Path, words: &[&str], code: i32, parts: &[&str]) {
     let output = kufe(folder, words);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{words:?}: {told}");
+    let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{words:?}: {reported}");
     for part in parts {
-        assert!(told.contains(part), "{words:?}: no {part:?} in {told}");
+        assert!(
+            reported.contains(part),
+            "{words:?}: no {part:?} in {reported}"
+        );
     }
 }
 

@@ -25,7 +25,7 @@ const ALONE: usize = 1 << 14;
 ///
 /// The convolution with the response to one cell's pressure is a product on a ring of twice as many
 /// cells each way, where pressures do not meet their own images (S. Liu, Q. Wang and G. Liu, Wear
-/// 243, 2000): n log n operations for n cells. Cells beyond a mirror plane are copies.
+/// 243, 2000): n log n operations for n cells. Cells across a mirror plane are copies.
 pub(super) struct Operator {
     /// Cells along x and y.
     cells: [usize; 2],

@@ -103,7 +103,7 @@ impl Window {
         })
     }
 
-    /// Cells that each solved one stands for.
+    /// Number of cells with the pressure of a solved one.
     pub fn copies(&self) -> f64 {
         self.mirrored
             .map(|m| if m { 2.0 } else { 1.0 })

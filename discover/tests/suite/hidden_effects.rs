@@ -60,7 +60,7 @@ fn search_where_the_way_is(longer: f64, recorded: &[Run], (base, seed): (&Model,
     runs::search(&data, base, &options, &|_| {}).unwrap().report
 }
 
-fn told(report: &Report) -> String {
+fn reported(report: &Report) -> String {
     let steps: Vec<String> = report
         .steps
         .iter()
@@ -78,18 +78,18 @@ fn told(report: &Report) -> String {
 #[test]
 fn nothing_is_found_in_runs_without_a_hidden_effect() {
     let report = searched("", 1, 16);
-    assert_eq!(report.verdict, Verdict::None, "{}", told(&report));
+    assert_eq!(report.verdict, Verdict::None, "{}", reported(&report));
 }
 
 /// Runs with `effect`, hidden as the TOML `text`, are searched: it is in the class of the first step.
 fn is_in_the_class_that_is_named(effect: &str, text: &str) {
     let report = searched(text, 2, 16);
-    println!("{effect}: {}", told(&report));
+    println!("{effect}: {}", reported(&report));
     let first = report.steps.first();
     assert!(
         first.is_some_and(|first| first.class.iter().any(|name| name == effect)),
         "{effect}: {}",
-        told(&report)
+        reported(&report)
     );
 }
 
@@ -121,13 +121,13 @@ fn a_speed_that_reads_high_is_named_by_the_slopes_of_the_places_it_led_to() {
     let report = search(&recorded, 6);
     let first = &report.steps[0];
     let of_speed = |name: &String| ["speed-scale", "speed-bias"].contains(&name.as_str());
-    assert!(first.class.iter().all(of_speed), "{}", told(&report));
-    assert_eq!(first.effect, "speed-scale", "{}", told(&report));
+    assert!(first.class.iter().all(of_speed), "{}", reported(&report));
+    assert_eq!(first.effect, "speed-scale", "{}", reported(&report));
     let factor = &first.parameters[0];
     assert!(
         (factor.low..factor.high).contains(&hidden) && factor.high - factor.low < hidden,
         "{}",
-        told(&report)
+        reported(&report)
     );
 }
 
@@ -141,7 +141,7 @@ fn a_speed_that_reads_high_is_known_no_better_than_the_length_of_the_line_that_i
     assert!(
         (factor.low..factor.high).contains(&hidden),
         "{}",
-        told(&report)
+        reported(&report)
     );
 }
 
@@ -157,15 +157,15 @@ fn a_speed_whose_reading_jumps_is_named_with_the_speed_above_which_it_does() {
         }
     }
     let report = search(&recorded, 6);
-    assert_eq!(report.verdict, Verdict::Law, "{}", told(&report));
-    assert_eq!(report.steps.len(), 1, "{}", told(&report));
+    assert_eq!(report.verdict, Verdict::Law, "{}", reported(&report));
+    assert_eq!(report.steps.len(), 1, "{}", reported(&report));
     let first = &report.steps[0];
-    assert_eq!(first.class, ["unknown:v_mps"], "{}", told(&report));
+    assert_eq!(first.class, ["unknown:v_mps"], "{}", reported(&report));
     let size = &first.parameters[0];
     assert!(
         (size.low..size.high).contains(&hidden) && size.low > 0.0,
         "{}",
-        told(&report)
+        reported(&report)
     );
     let place = first.place.strip_prefix("v_mps = ").unwrap();
     let place: f64 = place.parse().unwrap();
@@ -185,9 +185,9 @@ fn a_slip_sensor_that_warms_up_is_no_offset() {
         }
     }
     let report = search(&recorded, 6);
-    assert_eq!(report.verdict, Verdict::Law, "{}", told(&report));
+    assert_eq!(report.verdict, Verdict::Law, "{}", reported(&report));
     let first = &report.steps[0];
-    assert_eq!(first.class, ["unknown:t_s"], "{}", told(&report));
+    assert_eq!(first.class, ["unknown:t_s"], "{}", reported(&report));
     let law = first.law.as_ref().unwrap();
     let scale = law
         .strip_prefix("(1 - exp(-t_s / ")
@@ -195,7 +195,11 @@ fn a_slip_sensor_that_warms_up_is_no_offset() {
     let scale: f64 = scale.unwrap().parse().unwrap();
     assert!((scale / scale_s - 1.0).abs() < 0.15, "{law}");
     let size = &first.parameters[0];
-    assert!((size.low..size.high).contains(&hidden), "{}", told(&report));
+    assert!(
+        (size.low..size.high).contains(&hidden),
+        "{}",
+        reported(&report)
+    );
 }
 
 #[test]
@@ -203,9 +207,18 @@ fn a_slip_sensor_that_warms_up_is_no_offset() {
 fn a_gyro_late_by_far_more_than_its_tolerance_is_named_and_no_inertia_in_its_place() {
     let hidden = 0.037;
     let report = searched(&format!("[effects.yaw-rate-lag]\ntime_s = {hidden}"), 8, 16);
-    assert_eq!(report.steps[0].class, ["yaw-rate-lag"], "{}", told(&report));
+    assert_eq!(
+        report.steps[0].class,
+        ["yaw-rate-lag"],
+        "{}",
+        reported(&report)
+    );
     let time = &report.steps[0].parameters[0];
-    assert!((time.low..time.high).contains(&hidden), "{}", told(&report));
+    assert!(
+        (time.low..time.high).contains(&hidden),
+        "{}",
+        reported(&report)
+    );
 }
 
 #[test]
@@ -214,12 +227,12 @@ fn a_mass_is_named_and_not_the_drag_and_the_inertia_that_it_seems_to_lack() {
     let hidden = 80.0;
     let report = searched(&format!("[effects.mass]\nexcess_kg = {hidden}"), 3, 16);
     let names: Vec<&str> = report.steps.iter().map(|s| s.effect.as_str()).collect();
-    assert_eq!(names, ["mass"], "{}", told(&report));
+    assert_eq!(names, ["mass"], "{}", reported(&report));
     let excess = &report.steps[0].parameters[0];
     assert!(
         (excess.low..excess.high).contains(&hidden),
         "{}",
-        told(&report)
+        reported(&report)
     );
 }
 
@@ -234,12 +247,12 @@ fn an_inertia_that_is_doubled_is_named_and_not_shared_out_with_its_tolerance() {
     let recorded = driven_by(&model, &text, 9, 16);
     let report = search_where_the_way_is(1.0, &recorded, (&model, 9));
     let names: Vec<&str> = report.steps.iter().map(|s| s.effect.as_str()).collect();
-    assert_eq!(names, ["yaw-inertia"], "{}", told(&report));
+    assert_eq!(names, ["yaw-inertia"], "{}", reported(&report));
     let factor = &report.steps[0].parameters[0];
     assert!(
         (factor.low..factor.high).contains(&hidden) && factor.high - factor.low < 0.5,
         "{}",
-        told(&report)
+        reported(&report)
     );
 }
 
@@ -250,19 +263,19 @@ fn a_centre_of_gravity_three_decimetres_ahead_is_named() {
     let hidden = 0.3;
     let report = searched(&format!("[effects.cg-place]\nx_m = {hidden}"), 12, 16);
     let names: Vec<&str> = report.steps.iter().map(|s| s.effect.as_str()).collect();
-    assert_eq!(names, ["cg-place"], "{}", told(&report));
+    assert_eq!(names, ["cg-place"], "{}", reported(&report));
     let place = &report.steps[0].parameters[0];
     assert!(
         (place.low..place.high).contains(&hidden) && place.high - place.low < 0.2,
         "{}",
-        told(&report)
+        reported(&report)
     );
 }
 
 #[test]
 fn a_delay_within_its_tolerance_is_told_and_not_named() {
     let report = searched("[effects.slip-lag]\ntime_s = 0.003", 4, 16);
-    assert!(report.steps.is_empty(), "{}", told(&report));
+    assert!(report.steps.is_empty(), "{}", reported(&report));
     let delay = report
         .within_tolerance
         .iter()
@@ -279,7 +292,7 @@ fn a_delay_within_its_tolerance_is_told_and_not_named() {
 #[test]
 fn too_few_runs_are_told_of_first_and_no_size_would_be_seen() {
     let report = searched("", 5, 8);
-    assert_eq!(report.verdict, Verdict::None, "{}", told(&report));
+    assert_eq!(report.verdict, Verdict::None, "{}", reported(&report));
     let first = &report.remarks[0];
     assert!(
         first.contains("runs to learn from") && first.contains("9 runs"),

@@ -11,7 +11,7 @@ fn found(hidden: &str, seed: u64) -> Found {
     searched(&driven(&plan, &truth(hidden)), seed)
 }
 
-fn told(found: &Found) -> String {
+fn reported(found: &Found) -> String {
     let report = &found.report;
     format!(
         "{}\n{:?}\n{:?}\n{:?}\n{:?}\n{:?}\n{:?}",
@@ -30,7 +30,7 @@ fn friction_is_right(found: &Found) {
     let mu = Model::published().friction.longitudinal.mu.unwrap();
     let base = found.report.base.iter();
     let fitted = base.clone().find(|b| b.name == "longitudinal mu").unwrap();
-    println!("{}", told(found));
+    println!("{}", reported(found));
     assert!((fitted.low..fitted.high).contains(&mu), "{fitted:?}");
     assert!((fitted.value / mu - 1.0).abs() < 0.5, "{fitted:?}");
     for baseline in &found.report.baselines {

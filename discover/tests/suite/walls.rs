@@ -6,7 +6,7 @@ use kufe_discover::{Options, Rules, Verdict, runs};
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{Model, PrepareOptions, Vehicle, WallContact, prepare_all, residuals};
 
-/// Sample runs on one track, with its walls: what is told of them is held against how they were driven. Every second run of the drivers who
+/// Sample runs on one track, with its walls: what is reported of them is held against how they were driven. Every second run of the drivers who
 /// drove more than a few; where another hits walls of his own, one of two runs would not tell what repeats.
 #[test]
 #[ignore = "slow study: .ci/slow"]
@@ -42,7 +42,7 @@ fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
         .iter()
         .map(|p| (p.run.as_str(), p.options.contacts.as_slice()))
         .collect();
-    let mut told = 0;
+    let mut reported = 0;
     for own in report.steps[0]
         .contacts
         .iter()
@@ -54,7 +54,7 @@ fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
             .find(|c| (middle - c.s_m - 0.5 * c.length_m).abs() < 4.0)
             .unwrap_or_else(|| {
                 panic!(
-                    "{} hit nothing at {middle:.0} m, told {:.0} +- {:.0} N",
+                    "{} hit nothing at {middle:.0} m, reported {:.0} +- {:.0} N",
                     own.run, own.force_n, own.error_n
                 )
             });
@@ -66,10 +66,10 @@ fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
             "{} at {middle:.0} m: {share} +- {known}",
             own.run
         );
-        told += 1;
+        reported += 1;
     }
     let all: usize = driven.values().map(|contacts| contacts.len()).sum();
-    assert!(told * 100 >= 95 * all, "{told} of {all}");
+    assert!(reported * 100 >= 95 * all, "{reported} of {all}");
 
     // Runs that were locked away, by the commands' own balances: their side sets the contacts, their turning judges them.
     let next = Model::from_toml(&found.next_model, "next").unwrap();

@@ -6,7 +6,7 @@ use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, extent};
 
 /// Fewest values of which quartiles are drawn; fewer are drawn as points alone.
 const FEWEST: usize = 5;
-/// Most values that are drawn as points beside their quartiles.
+/// Most values that are drawn as points with their quartiles.
 const MOST: usize = 100;
 
 /// What boxes, whiskers and dots are.

@@ -438,8 +438,7 @@ impl SampleTruth {
         });
         SampleTruth {
             seed,
-            model: "model.toml, and beside it the contacts with walls that each run lists here"
-                .to_owned(),
+            model: "model.toml, and the contacts with walls that each run lists here".to_owned(),
             drivers: drivers.collect(),
             runs: runs.collect(),
             version: version(),

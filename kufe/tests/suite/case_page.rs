@@ -61,13 +61,13 @@ fn the_page_names_every_key_of_a_case_and_no_other() {
             };
         }
     }
-    let told: BTreeSet<String> = PAGE
+    let reported: BTreeSet<String> = PAGE
         .lines()
         .filter_map(|line| line.strip_prefix("| `")?.split_once('`'))
         .map(|(key, _)| key.to_owned())
         .collect();
-    let missing: Vec<_> = read.difference(&told).collect();
-    let unknown: Vec<_> = told.difference(&read).collect();
+    let missing: Vec<_> = read.difference(&reported).collect();
+    let unknown: Vec<_> = reported.difference(&read).collect();
     assert!(
         missing.is_empty() && unknown.is_empty(),
         "docs/case.md lacks {missing:?} and tells of {unknown:?}"
@@ -158,8 +158,8 @@ fn no_number_is_told_in_hundreds_of_digits() {
     };
     for value in ["1e300", "-1e300", "1e-300", "inf", "nan"] {
         let error = Case::parse(&text(value)).expect_err(value).to_string();
-        let told = error.contains("load.fz_n = ") && error.contains("0.001 to 1e7");
-        assert!(told && error.len() < 120, "{error}");
+        let reported = error.contains("load.fz_n = ") && error.contains("0.001 to 1e7");
+        assert!(reported && error.len() < 120, "{error}");
     }
     assert!(Case::parse(&text("1e7")).is_ok());
 }

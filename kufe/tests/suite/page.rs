@@ -94,9 +94,9 @@ fn line(info: &Info) -> String {
     format!("| {} |\n", cells.join(" | "))
 }
 
-/// The page with what stands between the marks `<!-- NAME -->` and `<!-- end of NAME -->` replaced by `text`.
+/// The page with the text between the marks `<!-- NAME -->` and `<!-- end of NAME -->` replaced by `text`.
 ///
-/// `None` where the page lacks a mark.
+/// `None` where the page has no such mark.
 fn with_section(page: &str, name: &str, text: &str) -> Option<String> {
     let (from, to) = (
         format!("<!-- {name} -->\n"),

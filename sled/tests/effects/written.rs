@@ -74,11 +74,11 @@ fn every_effect_within_its_ranges_is_written_read_and_simulated() {
                 Ok(vehicle) => vehicle,
                 // What a table of sliding contacts alone gives.
                 Err(error) => {
-                    let told = error.to_string();
+                    let reported = error.to_string();
                     let mut needs = info.needs.iter().map(|column| column.name());
                     let named =
-                        needs.any(|name| told.contains(&format!("needs the column {name}")));
-                    assert!(named, "{place}: {told}");
+                        needs.any(|name| reported.contains(&format!("needs the column {name}")));
+                    assert!(named, "{place}: {reported}");
                     continue;
                 }
             };

@@ -274,10 +274,10 @@ fn glides_in_kilometres_an_hour_or_pushed_or_listed_twice_are_refused() {
             _ => format!("{text}{line}\n"),
         },
     );
-    let told = read_glide("run.csv", kmh.as_bytes()).expect_err("refused");
-    let told = told.to_string();
+    let reported = read_glide("run.csv", kmh.as_bytes()).expect_err("refused");
+    let reported = reported.to_string();
     for part in ["run.csv", "row 2", "v_mps", "m/s", "3.60 times", "km/h"] {
-        assert!(told.contains(part), "{told}");
+        assert!(reported.contains(part), "{reported}");
     }
     // Downhill by more than the ice takes.
     let pushed = Glide {
@@ -285,21 +285,21 @@ fn glides_in_kilometres_an_hour_or_pushed_or_listed_twice_are_refused() {
         ..PLAIN
     };
     let trace = read_glide("run.csv", pushed.file(0).as_bytes()).expect("reads");
-    let told = evaluate_glide(&PLAIN.entry("1", "A", "up"), &trace);
-    let told = told.expect_err("refused").to_string();
+    let reported = evaluate_glide(&PLAIN.entry("1", "A", "up"), &trace);
+    let reported = reported.expect_err("refused").to_string();
     assert!(
-        told.contains("force along the glide") && told.contains("faster"),
-        "{told}"
+        reported.contains("force along the glide") && reported.contains("faster"),
+        "{reported}"
     );
 
     let twice = vec![
         PLAIN.run("1", "A", "uphill", 0),
         PLAIN.run("2", "A", "downhill", 0),
     ];
-    let told = evaluate_ice_house(twice).expect_err("refused").to_string();
+    let reported = evaluate_ice_house(twice).expect_err("refused").to_string();
     assert!(
-        told.contains("runs 1 and 2") && told.contains("same samples"),
-        "{told}"
+        reported.contains("runs 1 and 2") && reported.contains("same samples"),
+        "{reported}"
     );
 }
 
@@ -331,11 +331,11 @@ fn bad_files_are_named_with_row_and_column() {
         (lines[..4].join("\n"), vec!["run.csv", "3 given", "30"]),
         (with(40, "0.38"), vec!["run.csv", "line: 40"]),
     ] {
-        let told = read_glide("run.csv", text.as_bytes())
+        let reported = read_glide("run.csv", text.as_bytes())
             .expect_err("refused")
             .to_string();
         for part in parts {
-            assert!(told.contains(part), "{told}");
+            assert!(reported.contains(part), "{reported}");
         }
     }
     let header = "run,file,specimen,direction,mass_kg,cda_m2,air_c,air_pa";
@@ -371,19 +371,19 @@ fn bad_files_are_named_with_row_and_column() {
         ),
         (format!("{header}\n"), vec!["glides.csv", "0 given"]),
     ] {
-        let told = read_glide_index("glides.csv", text.as_bytes())
+        let reported = read_glide_index("glides.csv", text.as_bytes())
             .expect_err("refused")
             .to_string();
         for part in parts {
-            assert!(told.contains(part), "{told}");
+            assert!(reported.contains(part), "{reported}");
         }
     }
     let still: String = (0..100)
         .map(|i| format!("{},0.0\n", f64::from(i) * 0.01))
         .collect();
     let trace = read_glide("x", format!("t_s,v_mps\n{still}").as_bytes()).expect("reads");
-    let told = evaluate_glide(&PLAIN.entry("x", "A", "up"), &trace)
+    let reported = evaluate_glide(&PLAIN.entry("x", "A", "up"), &trace)
         .expect_err("refused")
         .to_string();
-    assert!(told.contains("distance glided [m] = 0"), "{told}");
+    assert!(reported.contains("distance glided [m] = 0"), "{reported}");
 }

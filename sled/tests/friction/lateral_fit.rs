@@ -207,7 +207,7 @@ fn linear_attenuation_is_undone_even_where_noise_is_half_the_slip() {
 #[test]
 fn useless_samples_are_refused_by_name() {
     let options = LateralFitOptions::default();
-    let told = |samples: &[LateralSample], options: &LateralFitOptions| {
+    let reported = |samples: &[LateralSample], options: &LateralFitOptions| {
         fit_lateral(samples, options)
             .expect_err("refused")
             .to_string()
@@ -218,29 +218,29 @@ fn useless_samples_are_refused_by_name() {
         fy: 50.0,
         cluster: 0,
     };
-    assert!(told(&[sample; 3], &options).contains("3 given, expected at least 20"));
+    assert!(reported(&[sample; 3], &options).contains("3 given, expected at least 20"));
     let nan = LateralSample {
         fy: f64::NAN,
         ..sample
     };
-    assert!(told(&[nan; 30], &options).contains("lateral force = NaN"));
+    assert!(reported(&[nan; 30], &options).contains("lateral force = NaN"));
     let degrees = LateralSample {
         alpha: 2.0,
         ..sample
     };
-    assert!(told(&[degrees; 30], &options).contains("slip angle = 2"));
+    assert!(reported(&[degrees; 30], &options).contains("slip angle = 2"));
     let lifted = LateralSample { fz: -1.0, ..sample };
-    assert!(told(&[lifted; 30], &options).contains("0 given"));
+    assert!(reported(&[lifted; 30], &options).contains("0 given"));
     let backwards = LateralSample {
         fy: -50.0,
         ..sample
     };
-    assert!(told(&[backwards; 30], &options).contains("check the signs"));
+    assert!(reported(&[backwards; 30], &options).contains("check the signs"));
     let noise = LateralFitOptions {
         slip_sd: 0.01,
         ..options
     };
-    assert!(told(&[sample; 30], &noise).contains("within its noise"));
+    assert!(reported(&[sample; 30], &noise).contains("within its noise"));
 }
 
 #[test]

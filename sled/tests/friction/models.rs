@@ -83,8 +83,8 @@ fn model_keys_are_either_fixed_or_quadratic() {
             "ice",
         ),
     ] {
-        let told = model(text).expect_err(text).to_string();
-        assert!(told.contains(named), "{text}: {told}");
+        let reported = model(text).expect_err(text).to_string();
+        assert!(reported.contains(named), "{text}: {reported}");
     }
     let written = toml::to_string(&Longitudinal::PUBLISHED).expect("serialises");
     assert_eq!(model(&written).expect(&written), Longitudinal::PUBLISHED);

@@ -49,8 +49,8 @@ fn python(script: &str) -> Option<Vec<f64>> {
         .args(["-W", "ignore", "-c", script, table])
         .output()
         .expect("KUFE_PYTHON runs");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{told}");
+    let reported = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{reported}");
     let text = String::from_utf8_lossy(&output.stdout);
     Some(
         text.split_whitespace()
@@ -234,11 +234,11 @@ fn bad_cells_are_named_by_file_row_and_column() {
         } else {
             format!("{header}{text}")
         };
-        let told = read_experiments("t.csv", whole.as_bytes())
+        let reported = read_experiments("t.csv", whole.as_bytes())
             .expect_err(text)
             .to_string();
         for part in parts {
-            assert!(told.contains(part), "{text}: {told}");
+            assert!(reported.contains(part), "{text}: {reported}");
         }
     }
 }

@@ -112,7 +112,7 @@ fn slips_at_the_axles_are_those_of_the_points_velocities() {
         let vy = -v * f64::tan(alpha) + yaw * (x - sled.slip_x_m);
         -vy.atan2(v)
     };
-    // The format's formula is linear in the angles: what is left is of their third power.
+    // The format's formula is linear in the angles: the residual is of their third power.
     let cubic = 0.03_f64.powi(3);
     assert!((found.cog - at(0.0)).abs() < cubic);
     assert!((found.front - at(sled.l_f_m) - delta).abs() < cubic);

@@ -204,7 +204,7 @@ fn inverse_recovers_the_simulated_forces_from_clean_sensors() {
             for (i, force) in forces.iter().enumerate().skip(4).take(forces.len() - 8) {
                 let off = (pick(force) - pick(&simulated.instants[i].forces)).abs() / scale;
                 worst = worst.max(off);
-                // What is left is the derivative across kinks in the track's third derivative, at
+                // The residual is the derivative across kinks in the track's third derivative, at
                 // each metre of its table.
                 assert!(
                     off < 5e-3,

@@ -210,24 +210,24 @@ fn the_effect_film_puts_the_tables_law_in_the_place_of_a_constant_by_its_share()
 fn tables_that_do_not_do_are_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("mu.lut");
-    let told = |longitudinal: &str| {
+    let reported = |longitudinal: &str| {
         let vehicle = model(folder.path(), longitudinal).and_then(|model| Vehicle::new(&model));
         vehicle.unwrap_err().to_string()
     };
     write_table(&file, 50.0, false);
-    let text = told(TABLES);
+    let text = reported(TABLES);
     assert!(
         text.contains("mu.lut") && text.contains("at rest"),
         "{text}"
     );
     write_table(&file, 50.0, true);
-    let text = told("front_table = \"mu.lut\"\n");
+    let text = reported("front_table = \"mu.lut\"\n");
     assert!(text.contains("rear_table is missing"), "{text}");
-    let text = told(&format!("{TABLES}zeta = -1.0\n"));
+    let text = reported(&format!("{TABLES}zeta = -1.0\n"));
     assert!(text.contains("zeta"), "{text}");
-    let text = told(&format!("{TABLES}b = 0.088\n"));
+    let text = reported(&format!("{TABLES}b = 0.088\n"));
     assert!(text.contains("missing") || text.contains('c'), "{text}");
-    let text = told("front_table = \"none.lut\"\nrear_table = \"none.lut\"\n");
+    let text = reported("front_table = \"none.lut\"\nrear_table = \"none.lut\"\n");
     assert!(text.contains("none.lut"), "{text}");
 }
 

@@ -44,7 +44,7 @@ delta_rad = { logger = "steer", from = "delta_rad", unit = "deg", sign = -1 }
 gamma_rad = { logger = "steer", from = "gamma_rad" }
 "#;
 
-/// Delays of the loggers `gps` and `steer` beside `imu` [s]: that of a day's time, and a switch-on
+/// Delays of the loggers `gps` and `steer` relative to `imu` [s]: that of a day's time, and a switch-on
 /// later.
 const DELAYS: [f64; 2] = [47_159.327_3, -3.214_8];
 
@@ -118,7 +118,7 @@ fn three_loggers_with_their_own_clocks_units_and_signs_give_the_run_back() {
         assert_eq!(said.source, "found");
         // The error is that of the delay found, which a sensor's own lag is part of.
         assert!(said.delay_includes.is_some_and(|what| what.contains("lag")));
-        // Sensors without noise: what is left is that of splines between 20 samples a second and of
+        // Sensors without noise: the residual is that of splines between 20 samples a second and of
         // 9.80665 rounded to nine decimals.
         assert!(
             (said.delay_s - delay).abs() < 2e-4,
@@ -184,12 +184,12 @@ fn the_stated_error_of_a_delay_is_that_of_many_noisy_runs() {
 #[test]
 fn a_clock_that_cannot_be_found_is_refused_and_may_be_stated() {
     let folder = folder(0.0, 1);
-    let told = |mapping: &str| import(folder.path(), mapping).map(|_| ()).unwrap_err();
+    let reported = |mapping: &str| import(folder.path(), mapping).map(|_| ()).unwrap_err();
     let unrelated = MAPPING.replace(
         "also.yaw_rate_radps = { from = \"yaw_rate_radps\", unit = \"rad/s\" }",
         "",
     );
-    let error = told(&unrelated);
+    let error = reported(&unrelated);
     assert!(
         error.starts_with("run r1: the clock of logger \"steer\": no channels of it are related"),
         "{error}"
@@ -199,9 +199,9 @@ fn a_clock_that_cannot_be_found_is_refused_and_may_be_stated() {
         "also.yaw_rate_radps = { sign = -1, from",
     );
     assert!(
-        told(&wrong).contains("the clock of logger \"steer\""),
+        reported(&wrong).contains("the clock of logger \"steer\""),
         "{}",
-        told(&wrong)
+        reported(&wrong)
     );
     let stated = unrelated.replace(
         "time_unit = \"ms\"",
@@ -218,7 +218,7 @@ fn a_clock_that_cannot_be_found_is_refused_and_may_be_stated() {
     assert_eq!(imported[0].note.loggers["steer"].clock.delay_s, -3.2);
     let short = MAPPING.replace("clock = \"imu\"\n", "");
     assert!(
-        told(&short)
+        reported(&short)
             .contains("clock: found nothing, expected the logger whose clock the runs keep")
     );
 }

@@ -124,18 +124,18 @@ fn lost_rows_stay_lost_and_are_listed() {
 #[test]
 fn what_is_wrong_is_one_line_with_its_place() {
     let good = recording(100.0, 2.0, |_| false);
-    let told = |mapping: &str, text: &str| {
+    let reported = |mapping: &str, text: &str| {
         let folder = folder_with(&[("r7.csv", text.to_string())]);
         let error = import(folder.path(), mapping).unwrap_err();
         assert!(!error.contains('\n'), "{error}");
         error.replace(&format!("{}/", folder.path().display()), "")
     };
     assert!(
-        told(&MAPPING.replace("Knick", "Knack"), &good)
+        reported(&MAPPING.replace("Knick", "Knack"), &good)
             .starts_with("raw/r7.csv: there is no channel \"Knack\", expected one of: Zeit, ")
     );
     assert_eq!(
-        told(
+        reported(
             &MAPPING.replace(
                 "\"GPS Speed\", unit = \"km/h\"",
                 "\"GPS Speed\", unit = \"kg\""
@@ -146,22 +146,27 @@ fn what_is_wrong_is_one_line_with_its_place() {
     );
     let text = good.replacen("90,", "9o,", 1);
     assert!(
-        told(MAPPING, &text).contains("expected a number"),
+        reported(MAPPING, &text).contains("expected a number"),
         "{}",
-        told(MAPPING, &text)
+        reported(MAPPING, &text)
     );
     let mut rows: Vec<&str> = good.lines().collect();
     rows.swap(50, 60);
-    assert!(told(MAPPING, &rows.join("\n")).contains("expected times that do not run backwards"));
     assert!(
-        told(&MAPPING.replace("raw/*", "raw/x*"), &good).contains("expected files of that pattern")
-    );
-    assert!(told(&MAPPING.replace("[channels]", "[chanels]"), &good).contains("chanels"));
-    assert!(
-        told(&MAPPING.replace("time = \"Zeit\"", ""), &good).contains("expected logger.box.time")
+        reported(MAPPING, &rows.join("\n")).contains("expected times that do not run backwards")
     );
     assert!(
-        told(&MAPPING.replace("sign = -1 }", "sign = -2 }"), &good).contains("expected 1 or -1")
+        reported(&MAPPING.replace("raw/*", "raw/x*"), &good)
+            .contains("expected files of that pattern")
+    );
+    assert!(reported(&MAPPING.replace("[channels]", "[chanels]"), &good).contains("chanels"));
+    assert!(
+        reported(&MAPPING.replace("time = \"Zeit\"", ""), &good)
+            .contains("expected logger.box.time")
+    );
+    assert!(
+        reported(&MAPPING.replace("sign = -1 }", "sign = -2 }"), &good)
+            .contains("expected 1 or -1")
     );
 }
 

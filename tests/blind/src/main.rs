@@ -65,7 +65,7 @@ enum Task {
         /// Have the finder look for the hidden effect and for no other: what it misses then, these
         /// data do not hold.
         #[arg(long)]
-        told: bool,
+        reported: bool,
     },
     /// Prints the table of saved outcomes.
     Table {
@@ -120,7 +120,7 @@ impl How {
             limit: Duration::from_secs(self.limit),
             keep: self.keep.map(std::path::absolute).transpose()?,
             rules: None,
-            told: false,
+            reported: false,
         })
     }
 }
@@ -171,12 +171,12 @@ fn run(task: Task) -> Result<bool, String> {
             first_seed,
             save,
             by_case,
-            told,
+            reported,
         } => {
             let specs = catalogue::chosen(&families).map_err(|error| error.to_string())?;
             let options = how.options(first_seed, seeds);
             let options = Options {
-                told,
+                reported,
                 ..options.map_err(|error| error.to_string())?
             };
             let file = save

@@ -7,7 +7,7 @@ use kufe_tests::coverage::rows;
 /// be off.
 #[test]
 fn stated_errors_of_peaks_hold_in_95_of_100_random_contacts() {
-    let (mut covered, mut count, mut told) = (0, 0, Vec::new());
+    let (mut covered, mut count, mut reported) = (0, 0, Vec::new());
     for row in rows().iter().step_by(7) {
         let outcome = row
             .outcome(0.02)
@@ -19,7 +19,7 @@ fn stated_errors_of_peaks_hold_in_95_of_100_random_contacts() {
         if row.holds(0, miss) {
             covered += 1;
         } else {
-            told.push(format!("{}: {miss:?}", row.text));
+            reported.push(format!("{}: {miss:?}", row.text));
         }
         assert!(outcome.reached, "{}", row.text);
         // What is stated may be wrong, but not by far.
@@ -28,6 +28,6 @@ fn stated_errors_of_peaks_hold_in_95_of_100_random_contacts() {
     assert!(count >= 30, "{count} rows");
     assert!(
         100 * covered >= 95 * count,
-        "{covered} of {count}: {told:?}"
+        "{covered} of {count}: {reported:?}"
     );
 }

@@ -310,8 +310,11 @@ fn a_load_beyond_what_the_sliding_hull_bears_is_refused_with_the_most() {
         let mut problem = problem([30.0, 0.004], fz, hardness, 9e9);
         problem.runner = Runner::rigid(Arc::new(hull.swept().unwrap()));
         match slide(&problem, None, &on(6)) {
-            Err(Error::LoadExceedsHardness { fz: told, capacity }) => {
-                assert!(told == fz && capacity < fz, "{told} {capacity}");
+            Err(Error::LoadExceedsHardness {
+                fz: reported,
+                capacity,
+            }) => {
+                assert!(reported == fz && capacity < fz, "{reported} {capacity}");
                 assert!(capacity > 0.95 * hardness * area_ahead, "{capacity}");
             }
             other => panic!("{:?}", other.map(|s| s.groove.deepest)),

@@ -129,13 +129,13 @@ fn every_command_that_a_page_names_is_one() {
     for page in written.chain(others) {
         let text = std::fs::read_to_string(&page).expect("text");
         for line in commands(&text) {
-            // Words are read from left to right: a wrong one is told before the help is printed.
+            // Words are read from left to right: a wrong one is reported before the help is printed.
             let words: Vec<&str> = line.split_whitespace().chain(["--help"]).collect();
             let output = bench.kufe(&words);
-            let told = String::from_utf8_lossy(&output.stderr);
+            let reported = String::from_utf8_lossy(&output.stderr);
             assert!(
                 output.status.success(),
-                "{}: kufe {line}: {told}",
+                "{}: kufe {line}: {reported}",
                 page.display()
             );
             seen.push(line);

@@ -38,8 +38,8 @@ fn shell(bench: &Bench, block: &str) -> Option<String> {
         missing("there is no bash");
         return None;
     };
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{block}\n{told}");
+    let reported = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{block}\n{reported}");
     Some(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
@@ -50,8 +50,8 @@ fn python(bench: &Bench, modules: &str, block: &str) -> Option<String> {
         .current_dir(bench.folder.path())
         .output()
         .expect("Python");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{block}\n{told}");
+    let reported = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{block}\n{reported}");
     Some(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
@@ -170,9 +170,9 @@ fn an_effect_of_ones_own_is_read_as_the_book_writes_it() {
     assert_ne!(still.stdout, slowed.stdout);
     let wrong = time(&block.replace("v_mps^2", "v_mps^^2"));
     assert_eq!(wrong.status.code(), Some(3));
-    let told = String::from_utf8_lossy(&wrong.stderr).into_owned();
+    let reported = String::from_utf8_lossy(&wrong.stderr).into_owned();
     assert!(
-        told.contains("own.toml") && told.contains("my-drag"),
-        "{told}"
+        reported.contains("own.toml") && reported.contains("my-drag"),
+        "{reported}"
     );
 }

@@ -15,10 +15,12 @@ fn without_a_terminal_there_is_no_progress_and_verbose_says_each_step() {
     bench.write("case.toml", CASE);
     let silent = bench.kufe(&["press", "case.toml"]);
     assert!(plain(&silent));
-    let told: Vec<String> = errors(&silent).lines().map(str::to_string).collect();
+    let reported: Vec<String> = errors(&silent).lines().map(str::to_string).collect();
     assert!(
-        told.iter().all(|line| line.starts_with("kufe: warning: ")),
-        "{told:?}"
+        reported
+            .iter()
+            .all(|line| line.starts_with("kufe: warning: ")),
+        "{reported:?}"
     );
     let said = errors(&bench.kufe(&["press", "case.toml", "-v"]));
     for part in ["threads", "mesh 1: ", "mesh 2: ", "unknowns", "residual"] {
@@ -115,9 +117,9 @@ fn a_misspelt_subcommand_is_answered_with_its_like() {
         (&["runs", "chekc", "runs.csv"], "check"),
     ] {
         let output = bench.kufe(words);
-        let told = errors(&output);
-        assert_eq!(output.status.code(), Some(2), "{words:?}: {told}");
+        let reported = errors(&output);
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {reported}");
         let tip = format!("a similar subcommand exists: '{name}'");
-        assert!(told.contains(&tip), "{words:?}: {told}");
+        assert!(reported.contains(&tip), "{words:?}: {reported}");
     }
 }

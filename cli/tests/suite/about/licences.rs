@@ -103,12 +103,12 @@ fn every_dependency_has_an_allowed_licence() {
         .current_dir(&root)
         .output()
         .expect("cargo");
-    let told = String::from_utf8_lossy(&output.stderr);
-    if told.contains("--offline") {
+    let reported = String::from_utf8_lossy(&output.stderr);
+    if reported.contains("--offline") {
         not_here("not every dependency is on this machine");
         return;
     }
-    assert!(output.status.success(), "{told}");
+    assert!(output.status.success(), "{reported}");
     let metadata: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let packages = metadata["packages"].as_array().expect("packages");
     assert!(packages.len() > 100);

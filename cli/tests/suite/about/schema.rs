@@ -35,8 +35,8 @@ fn validate(pairs: &[(PathBuf, PathBuf)]) -> Option<Vec<String>> {
         .stdin(std::fs::File::open(&list).expect("a list"))
         .output()
         .expect("Python");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{told}");
+    let reported = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{reported}");
     let lines = String::from_utf8(output.stdout).expect("text");
     Some(
         lines
@@ -164,8 +164,10 @@ fn every_shipped_file_is_valid_by_its_schema() {
         .iter()
         .map(|(kind, file)| (schema(kind), file.clone()))
         .collect();
-    let Some(told) = validate(&pairs) else { return };
-    for ((_, file), errors) in files.iter().zip(told) {
+    let Some(reported) = validate(&pairs) else {
+        return;
+    };
+    for ((_, file), errors) in files.iter().zip(reported) {
         assert!(errors.is_empty(), "{}: {errors}", file.display());
     }
 }
@@ -231,11 +233,13 @@ fn a_misspelt_key_and_a_wrong_value_are_refused() {
     }
     bench.write("right.toml", &model);
     pairs.push((schema("model"), bench.path("right.toml")));
-    let Some(told) = validate(&pairs) else { return };
-    for ((kind, _, found), errors) in wrong.iter().zip(&told) {
+    let Some(reported) = validate(&pairs) else {
+        return;
+    };
+    for ((kind, _, found), errors) in wrong.iter().zip(&reported) {
         assert!(errors.contains(found), "{kind}, {found}: {errors:?}");
     }
-    assert_eq!(told.last().map(String::as_str), Some(""));
+    assert_eq!(reported.last().map(String::as_str), Some(""));
 }
 
 #[test]

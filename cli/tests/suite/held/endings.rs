@@ -37,11 +37,11 @@ fn output_that_is_not_taken_is_told_and_ends_with_3() {
             .stdout(full.expect("the full device"))
             .output()
             .expect("the command runs");
-        let told = errors(&output);
-        assert_eq!(output.status.code(), Some(3), "{words:?}: {told}");
+        let reported = errors(&output);
+        assert_eq!(output.status.code(), Some(3), "{words:?}: {reported}");
         assert!(
-            told.contains("standard output: cannot be written"),
-            "{told}"
+            reported.contains("standard output: cannot be written"),
+            "{reported}"
         );
     }
     // The files were written all the same.
@@ -123,11 +123,11 @@ fn a_series_that_is_terminated_keeps_its_steps_leaves_5_and_resumes() {
         assert!(begun.elapsed() < Duration::from_secs(120), "no first step");
         std::thread::sleep(Duration::from_millis(20));
     }
-    let told = Command::new("kill")
+    let reported = Command::new("kill")
         .args(["-TERM", &child.id().to_string()])
         .status()
         .expect("kill");
-    assert!(told.success());
+    assert!(reported.success());
     let output = child.wait_with_output().expect("it ends");
     assert_eq!(output.status.code(), Some(5), "{}", errors(&output));
     let left = names(&bench.path("out"));
@@ -203,9 +203,9 @@ fn an_accuracy_out_of_reach_gives_the_best_answer_marked_and_4() {
     let worn = "section = { worn_m = 2e-5, worn_edge = 0.0 }\n[ice]";
     bench.write("case.toml", CASE.replacen("[ice]", worn, 1));
     let output = bench.kufe(&["press", "case.toml", "-o", "out"]);
-    let told = errors(&output);
-    assert_eq!(output.status.code(), Some(4), "{told}");
-    assert!(told.contains("requested 2.00 %"), "{told}");
+    let reported = errors(&output);
+    assert_eq!(output.status.code(), Some(4), "{reported}");
+    assert!(reported.contains("requested 2.00 %"), "{reported}");
     let result = json(&bench.path("out/result.json"));
     assert_eq!(result["accuracy_reached"], false);
     assert_eq!(result["accuracy_asked"], 0.02);

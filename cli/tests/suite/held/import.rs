@@ -152,11 +152,11 @@ fn twenty_full_disks_under_an_import_leave_nothing() {
             continue;
         }
         refused += 1;
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(3), "{told}");
+        let reported = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{reported}");
         assert!(
-            told.contains("runs/") && told.contains("cannot be written"),
-            "{told}"
+            reported.contains("runs/") && reported.contains("cannot be written"),
+            "{reported}"
         );
         assert!(!folder.exists(), "{:?}", names(&folder));
     }

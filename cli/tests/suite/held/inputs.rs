@@ -16,8 +16,8 @@ fn said(bench: &Bench, words: &[&str]) -> (i32, String) {
         "{words:?}: {:?}",
         started.elapsed()
     );
-    let told = errors(&output);
-    let line = told.lines().rfind(|line| !line.contains("warning:"));
+    let reported = errors(&output);
+    let line = reported.lines().rfind(|line| !line.contains("warning:"));
     (
         output.status.code().expect("an exit code"),
         line.unwrap_or_default().to_owned(),
@@ -122,9 +122,9 @@ fn pipes_and_devices_are_refused_wherever_a_file_is_read() {
         &["icehouse", "glides.csv"],
     ];
     for words in rows {
-        let (code, told) = said(&bench, words);
-        let kind = told.contains("a pipe") || told.contains("a device");
-        assert!(code == 3 && kind, "{words:?}: {code} {told}");
+        let (code, reported) = said(&bench, words);
+        let kind = reported.contains("a pipe") || reported.contains("a device");
+        assert!(code == 3 && kind, "{words:?}: {code} {reported}");
     }
 }
 
@@ -176,10 +176,10 @@ fn numbers_beyond_physics_are_refused_in_few_digits() {
         ),
     ] {
         bench.write("case.toml", CASE.replacen(from, to, 1));
-        let (code, told) = said(&bench, &["press", "case.toml"]);
+        let (code, reported) = said(&bench, &["press", "case.toml"]);
         assert!(
-            code == 3 && told.contains(key) && told.len() < 200,
-            "{to}: {code} {told}"
+            code == 3 && reported.contains(key) && reported.len() < 200,
+            "{to}: {code} {reported}"
         );
     }
 }
@@ -213,19 +213,19 @@ fn half_a_runner_and_a_load_at_the_hulls_end_are_no_contacts() {
         "half.toml",
         CASE.replace(&CASE[start..end], "hull = \"half.obj\"\n"),
     );
-    let (code, told) = said(&bench, &["press", "half.toml"]);
+    let (code, reported) = said(&bench, &["press", "half.toml"]);
     assert!(
-        (3..=4).contains(&code) && told.contains("half.toml"),
-        "{code} {told}"
+        (3..=4).contains(&code) && reported.contains("half.toml"),
+        "{code} {reported}"
     );
     bench.write(
         "end.toml",
         CASE.replace("fz_n = 1000.0", "fz_n = 1000.0\noffset_x_m = 0.5"),
     );
-    let (code, told) = said(&bench, &["press", "end.toml"]);
+    let (code, reported) = said(&bench, &["press", "end.toml"]);
     assert!(
-        code == 3 && told.contains("rim of the hull"),
-        "{code} {told}"
+        code == 3 && reported.contains("rim of the hull"),
+        "{code} {reported}"
     );
 }
 
@@ -321,10 +321,10 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
             "--radius-m",
             "inf",
         ];
-        let (code, told) = said(&bench, &words);
+        let (code, reported) = said(&bench, &words);
         assert!(
-            code == 3 && told.contains(&format!("quantities.{quantity}.{list}")),
-            "{told}"
+            code == 3 && reported.contains(&format!("quantities.{quantity}.{list}")),
+            "{reported}"
         );
     }
     let answer = bench.succeeds(&[
@@ -369,7 +369,7 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
         );
         assert!(error < value, "{name}: {answer}");
     }
-    let (_, told) = said(
+    let (_, reported) = said(
         &bench,
         &[
             "lut",
@@ -381,5 +381,5 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
             "inf",
         ],
     );
-    assert!(told.contains("expected a finite number"), "{told}");
+    assert!(reported.contains("expected a finite number"), "{reported}");
 }

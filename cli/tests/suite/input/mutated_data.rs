@@ -260,10 +260,10 @@ fn a_map_that_claims_more_than_the_limit_is_refused_by_its_header() {
     let largest = at + name.len() + 4 + 8;
     bytes[largest..largest + 4].copy_from_slice(&99_999i32.to_le_bytes());
     bytes[largest + 4..largest + 8].copy_from_slice(&99_999i32.to_le_bytes());
-    let told = read_map_bytes(&bytes, "map.exr")
+    let reported = read_map_bytes(&bytes, "map.exr")
         .expect_err("too large")
         .to_string();
-    assert!(told.contains("100000 x 100000 pixels"), "{told}");
+    assert!(reported.contains("100000 x 100000 pixels"), "{reported}");
 }
 
 /// Logs that other programs wrote, by a script that is given the folder.

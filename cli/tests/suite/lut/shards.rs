@@ -127,11 +127,11 @@ fn interrupted_it_leaves_with_5_and_resumes() {
         std::thread::sleep(Duration::from_millis(10));
     }
     // The shell's own: a bare machine has no program of that name.
-    let told = Command::new("sh")
+    let reported = Command::new("sh")
         .args(["-c", &format!("kill -INT {}", child.id())])
         .status()
         .unwrap();
-    assert!(told.success());
+    assert!(reported.success());
     let status = child.wait().unwrap();
     let mut said = String::new();
     std::io::Read::read_to_string(child.stderr.as_mut().unwrap(), &mut said).unwrap();

@@ -104,7 +104,7 @@ fn what_is_wrong_with_a_table_that_slides_is_told_by_its_place() {
         )
     };
     let slides = "[sliding]\nv_mps = 11.0\nice_c = -2.0\n";
-    for (sliding, further, told) in [
+    for (sliding, further, reported) in [
         (
             "",
             "v_mps = { values = [5.0] }",
@@ -131,7 +131,7 @@ fn what_is_wrong_with_a_table_that_slides_is_told_by_its_place() {
         let output = bench.kufe(&["lut", "table.toml", "-o", "front.lut"]);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(3), "{said}");
-        for word in told {
+        for word in reported {
             assert!(said.contains(word), "{further}: {word}: {said}");
         }
     }

@@ -225,12 +225,15 @@ fn a_table_says_which_method_solved_each_contact() {
         assert!(by_finite.contains(&corner), "{by_finite:?}");
     }
     assert!(by_boundary.len() >= 10, "{by_finite:?}");
-    let told = json(&bench.succeeds(&["info", "both.lut", "--json"]));
+    let reported = json(&bench.succeeds(&["info", "both.lut", "--json"]));
     let checks = table["checks"].as_array().unwrap().iter();
     let of_checks = checks
         .filter(|c| c["method"] == "boundary-elements")
         .count();
-    assert_eq!(told["by_boundary_elements"], by_boundary.len() + of_checks);
+    assert_eq!(
+        reported["by_boundary_elements"],
+        by_boundary.len() + of_checks
+    );
     bench.write(
         "case.toml",
         PARABOLOID.replace("[load]", "hardness_pa = 50e6\n[load]"),

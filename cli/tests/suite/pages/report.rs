@@ -321,8 +321,11 @@ fn what_cannot_be_reported_on_is_refused_by_name() {
     ] {
         let output = bench.kufe(&["report", what]);
         assert_eq!(output.status.code(), Some(3), "{what}");
-        let told = errors(&output);
-        assert!(parts.iter().all(|part| told.contains(part)), "{told}");
+        let reported = errors(&output);
+        assert!(
+            parts.iter().all(|part| reported.contains(part)),
+            "{reported}"
+        );
     }
     assert_eq!(names(&bench.path("empty")), Vec::<String>::new());
     assert_eq!(

@@ -142,9 +142,9 @@ fn a_page_holds_pictures_alone_and_nothing_from_outside_its_folder() {
     std::os::unix::fs::symlink("../private.png", bench.path("out/more.png")).expect("a link");
     let refused = bench.kufe(&["report", "out", "--force"]);
     assert_eq!(refused.status.code(), Some(3));
-    let told = crate::kufe::errors(&refused);
+    let reported = crate::kufe::errors(&refused);
     assert!(
-        told.contains("out/more.png: a link that leads out"),
-        "{told}"
+        reported.contains("out/more.png: a link that leads out"),
+        "{reported}"
     );
 }

@@ -184,7 +184,7 @@ fn ball(size: f64, noise: f64, random: &mut u64) -> Vec<u8> {
 }
 
 /// Meshes under a load whose peak Hankel transforms know (15.774 MPa, `tests/data/layered.py`; by the height's change over the contact to
-/// 0.04 %): noise that nobody stated is in the error that is told, or the mesh is refused with the noise that would do. A clean mesh has none.
+/// 0.04 %): noise that nobody stated is in the error that is reported, or the mesh is refused with the noise that would do. A clean mesh has none.
 fn hold_their_noise(meshes: &[f64], noises: &[f64]) {
     const PEAK: f64 = 15.774_308e6;
     let mut random = 20_261_140;
@@ -216,12 +216,15 @@ fn hold_their_noise(meshes: &[f64], noises: &[f64]) {
             );
             let result = result(&bench);
             let moved = result["p_max_noise_pa"].as_f64();
-            let [off, told] = [
+            let [off, reported] = [
                 number(&result, "p_max_pa") / PEAK - 1.0,
                 (number(&result, "p_max_error_pa") + moved.unwrap_or(0.0)) / PEAK,
             ];
-            println!("{cells} cells, {noise:e} m: {off:.4} off, {told:.4} told");
-            assert!(off.abs() < told + 4e-4, "{cells} {noise}: {off} {told}");
+            println!("{cells} cells, {noise:e} m: {off:.4} off, {reported:.4} reported");
+            assert!(
+                off.abs() < reported + 4e-4,
+                "{cells} {noise}: {off} {reported}"
+            );
             assert_eq!(moved.is_some(), noise > 0.0, "{noise}");
             assert_eq!(said.contains("scatter by"), noise > 0.0, "{said}");
             answered.push(noise);

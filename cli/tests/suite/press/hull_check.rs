@@ -162,7 +162,7 @@ fn noise_that_the_case_does_not_state_is_found_and_in_the_error() {
             let truth = number(&clean, &format!("{figure}_{unit}"));
             let slack = number(&clean, &format!("{figure}_error_{unit}"));
             println!(
-                "{noise:e} {figure}: {:.4} off, {:.4} told",
+                "{noise:e} {figure}: {:.4} off, {:.4} reported",
                 value / truth - 1.0,
                 (error + moved) / truth
             );
@@ -279,8 +279,8 @@ fn a_fit_that_vertices_do_not_determine_is_stated_and_warned_of() {
         bench.write("hard.toml", luge_case(&format!("hull = \"{hull}\"")));
         let tried = bench.kufe(&["press", "hard.toml", "-o", "hard"]);
         if tried.status.code() == Some(3) {
-            let told = errors(&tried);
-            assert!(told.contains("too coarse for its load"), "{told}");
+            let reported = errors(&tried);
+            assert!(reported.contains("too coarse for its load"), "{reported}");
             continue;
         }
         let [off, _] = luge_off(&bench, &hull, &shape);
@@ -305,8 +305,13 @@ fn a_hull_without_a_rounded_side_is_refused() {
         .collect();
     let faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
     bench.write("box.obj", format!("{}\n{faces}", corners.join("\n")));
-    let told = ["box.obj: no side of it is rounded"];
-    refused(&bench.path("."), &["hull", "check", "box.obj"], 3, &told);
+    let reported = ["box.obj: no side of it is rounded"];
+    refused(
+        &bench.path("."),
+        &["hull", "check", "box.obj"],
+        3,
+        &reported,
+    );
     let words = ["hull", "check", "box.obj", "--fz-n=-5"];
     refused(
         &bench.path("."),

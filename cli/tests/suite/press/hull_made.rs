@@ -258,7 +258,7 @@ fn elastic_hulls_that_cannot_be_filled_are_refused_with_the_way_out() {
 }
 
 /// The outline of a bobsled runner narrowed towards its ends: its keel is a Hertz contact still, where its triangles are fine enough, and a hull
-/// on which no mesh converges is told as what it is.
+/// on which no mesh converges is reported as what it is.
 #[test]
 fn an_outline_that_tapers_presses_as_its_keel_or_is_too_coarse() {
     let bench = Bench::new();
@@ -299,7 +299,7 @@ fn an_outline_that_tapers_presses_as_its_keel_or_is_too_coarse() {
         "{result}"
     );
     let output = tapered("0.002", &|x| if x > 0.0 { 0.6 * x } else { -0.3 * x });
-    let told = errors(&output);
-    assert_eq!(output.status.code(), Some(3), "{told}");
-    assert!(told.contains("too coarse for its load"), "{told}");
+    let reported = errors(&output);
+    assert_eq!(output.status.code(), Some(3), "{reported}");
+    assert!(reported.contains("too coarse for its load"), "{reported}");
 }

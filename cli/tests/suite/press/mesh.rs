@@ -60,9 +60,12 @@ fn meshes_that_are_no_runner_for_their_load_are_refused_with_one_reason() {
     let refused = |case: &str, reasons: [&str; 2]| {
         bench.write("own.toml", case);
         let output = bench.kufe(&["press", "own.toml", "-o", "own"]);
-        let told = errors(&output);
-        assert!(matches!(output.status.code(), Some(3 | 4)), "{told}");
-        assert!(reasons.iter().all(|reason| told.contains(reason)), "{told}");
+        let reported = errors(&output);
+        assert!(matches!(output.status.code(), Some(3 | 4)), "{reported}");
+        assert!(
+            reasons.iter().all(|reason| reported.contains(reason)),
+            "{reported}"
+        );
         assert!(!bench.path("own/result.json").exists());
     };
     let case = CASE.replace("[ice]", "elastic = true\n[ice]");

@@ -15,7 +15,7 @@ fn case(rocker: f64, section: f64) -> String {
 
 const AT: [&str; 5] = ["--groove", "--v-mps", "30", "--ice-c", "-8"];
 
-fn told(bench: &Bench, cases: &[&str], more: &[&str]) -> Value {
+fn reported(bench: &Bench, cases: &[&str], more: &[&str]) -> Value {
     let words = [&["friction"], cases, &AT, &["--json"], more].concat();
     serde_json::from_str(&succeeds(bench.folder.path(), &words)).expect("JSON")
 }
@@ -38,7 +38,7 @@ fn the_search_finds_the_least_friction_of_a_dense_scan() {
         bench.write(file, case(*rocker, 0.004));
     }
     let files: Vec<&str> = files.iter().map(String::as_str).collect();
-    let scan = told(&bench, &files, &[]);
+    let scan = reported(&bench, &files, &[]);
     let mu: Vec<f64> = scan["points"]
         .as_array()
         .expect("points")
@@ -47,7 +47,7 @@ fn the_search_finds_the_least_friction_of_a_dense_scan() {
         .collect();
     let least = mu.iter().copied().fold(f64::INFINITY, f64::min);
     let span = ["--optimise", "rocker_radius_m=15:60", "-o", "out"];
-    let found = told(&bench, &["r30.toml"], &span);
+    let found = reported(&bench, &["r30.toml"], &span);
     assert_eq!(
         names(&bench.path("out")),
         ["friction.csv", "friction.json", "friction.png"]
@@ -64,7 +64,7 @@ fn the_search_finds_the_least_friction_of_a_dense_scan() {
         assert!(inside || *mu > best, "{r} {mu} {found}");
     }
     // A blunter section has less friction, up to the bound.
-    let blunt = told(
+    let blunt = reported(
         &bench,
         &["r30.toml"],
         &["--optimise", "section_radius_m=0.004:0.008"],
@@ -83,9 +83,9 @@ fn the_fastest_runner_is_named_where_the_errors_allow() {
     bench.write("sharp.toml", case(30.0, 0.004));
     bench.write("same.toml", case(31.0, 0.004));
     bench.write("blunt.toml", case(30.0, 0.008));
-    let far = told(&bench, &["sharp.toml", "blunt.toml"], &["-o", "out"]);
+    let far = reported(&bench, &["sharp.toml", "blunt.toml"], &["-o", "out"]);
     assert_eq!(far["fastest"][0]["cases"], serde_json::json!(["blunt"]));
-    let near = told(&bench, &["sharp.toml", "same.toml"], &[]);
+    let near = reported(&bench, &["sharp.toml", "same.toml"], &[]);
     assert_eq!(
         near["fastest"][0]["cases"],
         serde_json::json!(["sharp", "same"])

@@ -69,9 +69,13 @@ fn a_list_of_loads_gives_a_folder_each_one_table_and_one_series() {
     );
     assert_eq!(lines.count(), 2);
     // What is true of both steps is said once.
-    let told = errors(&bench.kufe(&[&loads[..], &["--fresh"]].concat()));
-    assert_eq!(told.matches("above the 10-30 MPa").count(), 1, "{told}");
-    assert!(told.contains("one more step warns alike"), "{told}");
+    let reported = errors(&bench.kufe(&[&loads[..], &["--fresh"]].concat()));
+    assert_eq!(
+        reported.matches("above the 10-30 MPa").count(),
+        1,
+        "{reported}"
+    );
+    assert!(reported.contains("one more step warns alike"), "{reported}");
     // Again: nothing is solved, nothing changes.
     let before = std::fs::read(bench.path("out/step-001/result.json")).expect("a result");
     let again = bench.succeeds(&loads);

@@ -168,12 +168,13 @@ fn friction_over_speed_and_temperature_is_a_table_and_a_picture() {
         "out",
         "--json",
     ];
-    let told: Value = serde_json::from_str(&succeeds(bench.folder.path(), &words)).expect("JSON");
+    let reported: Value =
+        serde_json::from_str(&succeeds(bench.folder.path(), &words)).expect("JSON");
     assert_eq!(
         names(&bench.path("out")),
         ["friction.csv", "friction.json", "friction.png"]
     );
-    let points = told["points"].as_array().expect("points");
+    let points = reported["points"].as_array().expect("points");
     let mu: Vec<f64> = points.iter().map(|point| number(point, "mu")).collect();
     assert_eq!(mu.len(), 6);
     // Faster is dearer; colder ice is harder and its groove shallower.

@@ -64,8 +64,8 @@ fn the_hardness_is_that_of_the_law_which_result_json_names() {
         ),
     ] {
         bench.write("case.toml", case(ice, &sliding));
-        let told = ["case.toml", "sliding.hardness"];
-        refused(bench.folder.path(), &["press", "case.toml"], 3, &told);
+        let reported = ["case.toml", "sliding.hardness"];
+        refused(bench.folder.path(), &["press", "case.toml"], 3, &reported);
     }
 }
 
@@ -82,8 +82,9 @@ fn friction(bench: &Bench, text: String, speed: &str, ice: &str) -> Vec<f64> {
         ice,
         "--json",
     ];
-    let told: Value = serde_json::from_str(&succeeds(bench.folder.path(), &words)).expect("JSON");
-    let points = told["points"].as_array().expect("points");
+    let reported: Value =
+        serde_json::from_str(&succeeds(bench.folder.path(), &words)).expect("JSON");
+    let points = reported["points"].as_array().expect("points");
     points.iter().map(|point| number(point, "mu")).collect()
 }
 
@@ -94,18 +95,18 @@ fn friction_follows_as_differences_of_whole_runs_say() {
     let bench = Bench::new();
     for law in ["", ANCHOR] {
         let result = pressed(&bench, case("", law));
-        let told = |key: &str| number(&result["mu_sensitivity"], key);
+        let reported = |key: &str| number(&result["mu_sensitivity"], key);
         let slope = |mu: &[f64], step: f64| (mu[0] / mu[1]).ln() / step;
         let speed = friction(&bench, case("", law), "25,16", "-5");
         let found = slope(&speed, (25.0f64 / 16.0).ln());
         assert!(
-            (found - told("dlnmu_dlnv")).abs() < 0.02,
+            (found - reported("dlnmu_dlnv")).abs() < 0.02,
             "{found} {result}"
         );
         let ice = friction(&bench, case("", law), "20", "-4,-6");
         let found = slope(&ice, 2.0);
         assert!(
-            (found - told("dlnmu_dice_c")).abs() < 0.004,
+            (found - reported("dlnmu_dice_c")).abs() < 0.004,
             "{found} {result}"
         );
         if law == ANCHOR {
@@ -118,7 +119,7 @@ fn friction_follows_as_differences_of_whole_runs_say() {
         };
         let found = slope(&[thick("1.25"), thick("0.8")], (1.25f64 / 0.8).ln());
         assert!(
-            (found - told("dlnmu_dlnviscosity")).abs() < 0.02,
+            (found - reported("dlnmu_dlnviscosity")).abs() < 0.02,
             "{found} {result}"
         );
         let hard = |factor: f64| {
@@ -126,10 +127,10 @@ fn friction_follows_as_differences_of_whole_runs_say() {
             friction(&bench, case(&hardness, ""), "20", "-5")[0]
         };
         let found = slope(&[hard(1.2), hard(1.0 / 1.2)], 1.2f64.powi(2).ln());
-        let error = told("dlnmu_dlnhardness_error");
+        let error = reported("dlnmu_dlnhardness_error");
         assert!(error < 0.1, "{error}");
         assert!(
-            (found - told("dlnmu_dlnhardness")).abs() < 0.03,
+            (found - reported("dlnmu_dlnhardness")).abs() < 0.03,
             "{found} {result}"
         );
     }
@@ -169,11 +170,14 @@ fn boundary_contact_adds_its_part_to_friction_and_its_share_to_the_film() {
         |sigma: f64, shear: f64| friction(&bench, case("", &rough(sigma, shear)), "20", "-5")[0];
     let by = &both["mu_sensitivity"];
     let roughness = slope([at(0.625e-6, 60e3), at(0.4e-6, 60e3)]);
-    let told = number(by, "dlnmu_dlnroughness");
-    assert!((roughness - told).abs() < 0.02, "{roughness} {told}");
+    let reported = number(by, "dlnmu_dlnroughness");
+    assert!(
+        (roughness - reported).abs() < 0.02,
+        "{roughness} {reported}"
+    );
     let shear = slope([at(0.5e-6, 75e3), at(0.5e-6, 48e3)]);
-    let told = number(by, "dlnmu_dlnboundary_shear");
-    assert!((shear - told).abs() < 0.02, "{shear} {told}");
+    let reported = number(by, "dlnmu_dlnboundary_shear");
+    assert!((shear - reported).abs() < 0.02, "{shear} {reported}");
 }
 
 #[test]

@@ -17,17 +17,24 @@ fn kufe(folder: &Path, arguments: &[&str]) -> std::io::Result<Output> {
 
 fn json(folder: &Path, arguments: &[&str]) -> Result<Value, Box<dyn std::error::Error>> {
     let output = kufe(folder, arguments)?;
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{arguments:?}: {told}");
+    let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{arguments:?}: {reported}");
     Ok(serde_json::from_slice(&output.stdout)?)
 }
 
 fn refused(folder: &Path, arguments: &[&str], code: i32, parts: &[&str]) -> Outcome {
     let output = kufe(folder, arguments)?;
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {told}");
+    let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(
+        output.status.code(),
+        Some(code),
+        "{arguments:?}: {reported}"
+    );
     for part in parts {
-        assert!(told.contains(part), "{arguments:?}: {part} not in {told}");
+        assert!(
+            reported.contains(part),
+            "{arguments:?}: {part} not in {reported}"
+        );
     }
     Ok(())
 }

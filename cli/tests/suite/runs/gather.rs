@@ -84,9 +84,9 @@ fn three_days_become_one_index_whose_runs_are_found_and_whose_columns_are_united
         rows[0].join(","),
         "run,file,track,driver,driver_class,session,ice_c,air_c,air_pa,ice_c@350"
     );
-    let told: Vec<String> = rows[1..].iter().map(|row| row.join(",")).collect();
+    let reported: Vec<String> = rows[1..].iter().map(|row| row.join(",")).collect();
     assert_eq!(
-        told,
+        reported,
         [
             "monday_A1,../monday/a1.csv,igls,anna,unnamed,d1,-5,,,",
             "A2,../monday/a2.csv,igls,bert,unnamed,d1,-6,,,",
@@ -178,7 +178,7 @@ fn what_cannot_be_gathered_is_told_and_nothing_is_written() {
         &["run \"day_A\"", "x/day/A.csv"],
     );
     assert!(!bench.path("new.csv").exists());
-    // Runs that state no session are told of.
+    // Runs that state no session are reported of.
     let said = errors(&bench.kufe(&["runs", "gather", "raw/wednesday", "-o", "new.csv"]));
     assert!(said.contains("2 of 2 runs state no session"), "{said}");
 }

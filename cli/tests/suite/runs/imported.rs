@@ -71,11 +71,11 @@ fn ice_at_places_is_written_through() {
         let wrong = format!("[index]\nice_c_at = {{ {place} = {value} }}");
         bench.write("mapping.toml", text.replace("[index]", &wrong));
         let output = bench.kufe(&["runs", "import", "mapping.toml", "-o", "runs"]);
-        let told = errors(&output);
-        assert_eq!(output.status.code(), Some(3), "{told}");
+        let reported = errors(&output);
+        assert_eq!(output.status.code(), Some(3), "{reported}");
         assert!(
-            told.contains("index.ice_c_at") && told.contains(named),
-            "{told}"
+            reported.contains("index.ice_c_at") && reported.contains(named),
+            "{reported}"
         );
     }
 }
@@ -131,8 +131,8 @@ fn an_import_is_whole_or_absent_and_replaces_only_its_own() {
     let refused = |words: &[&str], said: &str| {
         let output = bench.kufe(words);
         assert_eq!(output.status.code(), Some(3), "{words:?}");
-        let told = errors(&output);
-        assert!(told.contains(said), "{told}");
+        let reported = errors(&output);
+        assert!(reported.contains(said), "{reported}");
     };
     // Over its inputs, and over an index that it did not write.
     std::fs::rename(bench.path("monday_2.csv"), bench.path("kept.csv")).expect("a file");

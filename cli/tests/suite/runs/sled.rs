@@ -148,8 +148,8 @@ fn a_simulated_run_is_read_like_a_measured_one_and_repeats_bit_by_bit() {
     let bytes = |path: &str| std::fs::read(folder.join(path)).expect("a result");
     assert_eq!(bytes("a/run_002.csv"), bytes("b/run_002.csv"));
     assert_ne!(bytes("a/run_001.csv"), bytes("a/run_002.csv"));
-    let told = json(&folder.join("a/simulation.json"));
-    assert!(told["runs"][0]["energy_balance_relative_error"].as_f64() < Some(1e-6));
+    let reported = json(&folder.join("a/simulation.json"));
+    assert!(reported["runs"][0]["energy_balance_relative_error"].as_f64() < Some(1e-6));
     succeeds(
         folder,
         &["evaluate", "a/runs.csv", "--model", "model.toml", "-o", "e"],
@@ -238,10 +238,10 @@ fn scipy_and_octave_read_simulated_runs_and_their_validation() {
         v = loadmat('out/validation.mat', simplify_cells=True)\n\
         j = json.load(open('out/validation.json'))\n\
         assert len(v['series']) == len(j['runs']) == 2\n\
-        for s, found, told in zip(v['series'], v['runs'], j['runs']):\n\
-        \x20   assert s['run'] == found['run'] == told['run'] and found['rmse_n'] == told['rmse_n']\n\
+        for s, found, reported in zip(v['series'], v['runs'], j['runs']):\n\
+        \x20   assert s['run'] == found['run'] == reported['run'] and found['rmse_n'] == reported['rmse_n']\n\
         \x20   rms = np.sqrt(np.mean((s['measured_n'] - s['model_n']) ** 2))\n\
-        \x20   assert abs(rms / told['rmse_n'] - 1) < 1e-6, (rms, told['rmse_n'])\n\
+        \x20   assert abs(rms / reported['rmse_n'] - 1) < 1e-6, (rms, reported['rmse_n'])\n\
         assert v['units']['rmse_n'] == 'N'\n";
     let output = std::process::Command::new(interpreter)
         .args(["-c", script])

@@ -14,9 +14,12 @@ const CASE: &str = "[runner]\nshape = { kind = \"paraboloid\", rocker_radius_m =
                     [accuracy]\np_max = 0.02\n";
 
 /// `N` of the warning `table: N of M samples of the RUNNER runner lie outside`.
-fn warned(told: &str, runner: &str) -> u64 {
+fn warned(reported: &str, runner: &str) -> u64 {
     let end = format!(" samples of the {runner} runner lie outside");
-    let line = told.lines().find(|line| line.contains(&end)).expect(&end);
+    let line = reported
+        .lines()
+        .find(|line| line.contains(&end))
+        .expect(&end);
     let count = line.split(" of ").next().and_then(|l| l.rsplit(' ').next());
     count.expect("a number").parse().expect("a number")
 }
@@ -43,17 +46,17 @@ fn samples_are_drawn_on_their_tables_and_those_outside_counted() {
         "--json",
     ];
     let simulated = bench.kufe(&[&words[..], &["-o", "runs"]].concat());
-    let told = errors(&simulated);
-    assert!(simulated.status.success(), "{told}");
-    assert!(warned(&told, "front") > 0);
+    let reported = errors(&simulated);
+    assert!(simulated.status.success(), "{reported}");
+    assert!(warned(&reported, "front") > 0);
     for name in ["table_front.png", "table_rear.png"] {
         assert!(bench.path(&format!("runs/{name}")).exists(), "{name}");
     }
 
     let words = ["evaluate", "runs/runs.csv", "--model", "model.toml"];
     let evaluated = bench.kufe(&[&words[..], &["-o", "out"]].concat());
-    let told = errors(&evaluated);
-    assert!(evaluated.status.success(), "{told}");
+    let reported = errors(&evaluated);
+    assert!(evaluated.status.success(), "{reported}");
     let own = std::fs::read(bench.path("out/table_front.png")).expect("a picture");
 
     bench.succeeds(&["report", "out"]);
@@ -72,7 +75,7 @@ fn samples_are_drawn_on_their_tables_and_those_outside_counted() {
     ];
     let shown = bench.succeeds(&[&show[..], &runs[..]].concat());
     let shown: serde_json::Value = serde_json::from_str(&shown).expect("JSON");
-    assert_eq!(shown["outside"], warned(&told, "front"));
+    assert_eq!(shown["outside"], warned(&reported, "front"));
     assert!(shown["samples"].as_u64() > shown["outside"].as_u64());
     let again = std::fs::read(bench.path("shown.png")).expect("a picture");
     assert!(own == again, "two pictures of the same samples");

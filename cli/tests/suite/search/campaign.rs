@@ -16,7 +16,7 @@ fn campaign(folder: &Path, text: &str, further: &[&str]) -> std::io::Result<Outp
         .output()
 }
 
-fn told(output: &Output) -> String {
+fn reported(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
@@ -29,9 +29,9 @@ fn a_campaign_of_one_table_is_that_table() -> Outcome {
     std::fs::write(at.join("experiments.csv"), TABLE)?;
     std::fs::write(at.join("model.toml"), MODEL)?;
     let output = campaign(at, ONE, &[])?;
-    assert!(output.status.success(), "{}", told(&output));
+    assert!(output.status.success(), "{}", reported(&output));
     let output = discover(at, "experiments.csv", &[])?;
-    assert!(output.status.success(), "{}", told(&output));
+    assert!(output.status.success(), "{}", reported(&output));
     for name in ["report.json", "report.html", "model.next.toml"] {
         let read = |folder: &str| std::fs::read(at.join(folder).join(name));
         assert!(read("together")? == read("out")?, "{name}");
@@ -82,12 +82,17 @@ fn wrong_campaigns_are_refused_with_file_place_and_what_was_expected() -> Outcom
         ),
     ] {
         let output = campaign(at, text, &[])?;
-        assert_eq!(output.status.code(), Some(3), "{text}: {}", told(&output));
+        assert_eq!(
+            output.status.code(),
+            Some(3),
+            "{text}: {}",
+            reported(&output)
+        );
         for part in parts {
             assert!(
-                told(&output).contains(part),
+                reported(&output).contains(part),
                 "{text}: no {part} in {}",
-                told(&output)
+                reported(&output)
             );
         }
         assert!(!at.join("together").exists());
@@ -102,13 +107,13 @@ fn a_model_beside_a_campaign_and_a_table_without_one_are_wrong_usage() -> Outcom
     std::fs::write(at.join("experiments.csv"), TABLE)?;
     std::fs::write(at.join("model.toml"), MODEL)?;
     let output = campaign(at, ONE, &["--model", "model.toml"])?;
-    assert_eq!(output.status.code(), Some(2), "{}", told(&output));
-    assert!(told(&output).contains("names its model itself"));
+    assert_eq!(output.status.code(), Some(2), "{}", reported(&output));
+    assert!(reported(&output).contains("names its model itself"));
     let output = Command::new(env!("CARGO_BIN_EXE_kufe"))
         .current_dir(at)
         .args(["discover", "experiments.csv"])
         .output()?;
-    assert_eq!(output.status.code(), Some(2), "{}", told(&output));
-    assert!(told(&output).contains("--model is missing"));
+    assert_eq!(output.status.code(), Some(2), "{}", reported(&output));
+    assert!(reported(&output).contains("--model is missing"));
     Ok(())
 }

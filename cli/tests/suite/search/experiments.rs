@@ -14,8 +14,8 @@ fn nothing_is_found_in_the_seven_points_and_the_next_model_is_accepted() -> Outc
     std::fs::write(folder.path().join("model.toml"), MODEL)?;
     std::fs::write(folder.path().join("experiments.csv"), TABLE)?;
     let output = discover(folder.path(), "experiments.csv", &["--json"])?;
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(0), "{told}");
+    let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{reported}");
     let printed: Value = serde_json::from_slice(&output.stdout)?;
     assert_eq!(printed["verdict"], "none");
     assert_eq!(printed["steps"], Value::Array(Vec::new()));
@@ -47,8 +47,11 @@ fn a_base_that_does_not_fit_is_told_and_a_law_over_pressure_mends_it() -> Outcom
         "{}",
         found["sentence"]
     );
-    let told = found["sentence"].as_str().ok_or("no sentence")?;
-    assert!(told.contains("chi2") && told.contains("b, c, d"), "{told}");
+    let reported = found["sentence"].as_str().ok_or("no sentence")?;
+    assert!(
+        reported.contains("chi2") && reported.contains("b, c, d"),
+        "{reported}"
+    );
     assert_eq!(found["clean"], false);
     assert_eq!(report(folder.path(), MODEL)?["verdict"], "none");
     Ok(())
@@ -134,8 +137,8 @@ fn a_hidden_temperature_is_named_and_acts_in_the_next_model() -> Outcome {
             .current_dir(at)
             .args(words)
             .output()?;
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(0), "{words:?}: {told}");
+        let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(0), "{words:?}: {reported}");
         Ok(String::from_utf8(output.stdout)?)
     };
     std::fs::write(at.join("next.toml"), &text)?;
@@ -211,9 +214,9 @@ fn a_hidden_temperature_is_named_and_acts_in_the_next_model() -> Outcome {
             let model = format!("{name}.toml");
             let out = format!("{command}_{name}");
             kufe(&[command, "slow/runs.csv", "--model", &model, "-o", &out])?;
-            let mut told: Value =
+            let mut reported: Value =
                 serde_json::from_slice(&std::fs::read(at.join(&out).join(file))?)?;
-            both[k] = told["runs"].take();
+            both[k] = reported["runs"].take();
         }
         Ok(both)
     };
@@ -262,8 +265,8 @@ fn only_what_is_asked_for_is_looked_for() -> Outcome {
             &["--json", "--only", only],
         )?;
         let found: Value = serde_json::from_slice(&found.stdout)?;
-        let told = found["remarks"].to_string();
-        assert!(told.contains(&only.replace(',', ", ")), "{told}");
+        let reported = found["remarks"].to_string();
+        assert!(reported.contains(&only.replace(',', ", ")), "{reported}");
         let steps = found["steps"].as_array().ok_or("no steps")?;
         let classes: Vec<String> = steps.iter().map(|s| s["class"].to_string()).collect();
         Ok(classes.join(" "))
@@ -277,11 +280,13 @@ fn only_what_is_asked_for_is_looked_for() -> Outcome {
         "experiments.csv",
         &["--only", "temperature,damp"],
     )?;
-    let told = String::from_utf8_lossy(&wrong.stderr).into_owned();
-    assert_eq!(wrong.status.code(), Some(3), "{told}");
+    let reported = String::from_utf8_lossy(&wrong.stderr).into_owned();
+    assert_eq!(wrong.status.code(), Some(3), "{reported}");
     assert!(
-        told.contains("\"damp\"") && told.contains("humidity") && told.contains("unknown"),
-        "{told}"
+        reported.contains("\"damp\"")
+            && reported.contains("humidity")
+            && reported.contains("unknown"),
+        "{reported}"
     );
     Ok(())
 }

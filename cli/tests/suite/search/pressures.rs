@@ -28,8 +28,8 @@ fn press(case: &Path, out: &Path) -> Value {
         &out.to_string_lossy(),
     ];
     let output = kufe(&words);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{told}");
+    let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{reported}");
     json(&out.join("result.json"))
 }
 
@@ -48,7 +48,7 @@ fn hardness_and_roll_tilt_are_named_and_act_in_the_next_case_and_nothing_is_foun
         limit: Duration::from_secs(1800),
         keep: Some(at.to_path_buf()),
         rules: None,
-        told: false,
+        reported: false,
     };
     let outcomes = score(&cases, &options, &|_| {}).expect("scored");
     assert_eq!(outcomes.len(), 3);
@@ -76,9 +76,9 @@ fn hardness_and_roll_tilt_are_named_and_act_in_the_next_case_and_nothing_is_foun
         let held = &report["held_out"];
         assert!(held["gap_after"].as_f64() < held["gap_before"].as_f64());
         let result = press(&folder.join("model.next.toml"), &folder.join("press"));
-        let told = result["p_max_pa"].as_f64().expect("a peak");
+        let reported = result["p_max_pa"].as_f64().expect("a peak");
         match name {
-            "hardness" => assert!((told * value - 1.0).abs() < 1e-6, "{told} {value}"),
+            "hardness" => assert!((reported * value - 1.0).abs() < 1e-6, "{reported} {value}"),
             _ => {
                 let roll = result["roll_rad"].as_f64().expect("an angle");
                 assert!((roll - value).abs() < 1e-9, "{roll} {value}");
@@ -147,10 +147,10 @@ fn what_is_wrong_with_pressure_measurements_is_told_with_its_place() {
         let bench = tempfile::tempdir().expect("a folder");
         null_case(bench.path(), change);
         let output = discover(bench.path(), "out", &[]);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(3), "{told}");
+        let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(3), "{reported}");
         for part in parts {
-            assert!(told.contains(part), "no {part:?} in {told}");
+            assert!(reported.contains(part), "no {part:?} in {reported}");
         }
         assert!(!bench.path().join("out").exists(), "nothing is written");
     }
@@ -164,10 +164,10 @@ fn an_unknown_effect_in_the_case_is_told_with_the_known_ones() {
     let text = std::fs::read_to_string(&case).expect("a case") + "\n[effects.rust]\nfactor = 1.0\n";
     std::fs::write(&case, text).expect("written");
     let output = discover(bench.path(), "out", &[]);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(3), "{told}");
+    let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{reported}");
     for part in ["rust", "unknown effect", "hardness"] {
-        assert!(told.contains(part), "no {part:?} in {told}");
+        assert!(reported.contains(part), "no {part:?} in {reported}");
     }
 }
 
@@ -180,9 +180,12 @@ fn peaks_without_maps_list_what_they_cannot_test_and_threads_change_nothing() {
     });
     for (out, threads) in [("one", "1"), ("two", "2")] {
         let output = discover(bench.path(), out, &["--threads", threads]);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(0), "{told}");
-        assert!(told.is_empty(), "progress on a terminal alone: {told}");
+        let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(0), "{reported}");
+        assert!(
+            reported.is_empty(),
+            "progress on a terminal alone: {reported}"
+        );
     }
     let report = json(&bench.path().join("one/report.json"));
     assert_eq!(report["verdict"], "none");

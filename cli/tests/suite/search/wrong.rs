@@ -11,10 +11,10 @@ fn refused(table: &str, parts: &[&str]) -> Outcome {
     std::fs::write(folder.path().join("model.toml"), MODEL)?;
     std::fs::write(folder.path().join("experiments.csv"), table)?;
     let output = discover(folder.path(), "experiments.csv", &[])?;
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(3), "{told}");
+    let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{reported}");
     for part in parts {
-        assert!(told.contains(part), "{part} not in {told}");
+        assert!(reported.contains(part), "{part} not in {reported}");
     }
     assert!(!folder.path().join("out/report.json").exists());
     Ok(())
@@ -66,19 +66,27 @@ fn cells_columns_and_files_that_are_wrong_are_named_with_their_place() -> Outcom
 fn missing_files_folders_and_unknown_effects_are_named() -> Outcome {
     let folder = tempfile::tempdir()?;
     let at = folder.path();
-    let told = |output: &Output| String::from_utf8_lossy(&output.stderr).into_owned();
+    let reported = |output: &Output| String::from_utf8_lossy(&output.stderr).into_owned();
     std::fs::write(at.join("experiments.csv"), TABLE)?;
     let output = discover(at, "experiments.csv", &[])?;
     assert_eq!(output.status.code(), Some(3));
-    assert!(told(&output).contains("model.toml"), "{}", told(&output));
+    assert!(
+        reported(&output).contains("model.toml"),
+        "{}",
+        reported(&output)
+    );
     std::fs::write(at.join("model.toml"), MODEL)?;
     let output = discover(at, "nowhere.csv", &[])?;
     assert_eq!(output.status.code(), Some(3));
-    assert!(told(&output).contains("nowhere.csv"), "{}", told(&output));
+    assert!(
+        reported(&output).contains("nowhere.csv"),
+        "{}",
+        reported(&output)
+    );
     let output = discover(at, ".", &[])?;
     assert_eq!(output.status.code(), Some(3));
     for part in ["a folder", "such as ./experiments.csv"] {
-        assert!(told(&output).contains(part), "{}", told(&output));
+        assert!(reported(&output).contains(part), "{}", reported(&output));
     }
     for (effect, parts) in [
         (
@@ -104,12 +112,12 @@ fn missing_files_folders_and_unknown_effects_are_named() -> Outcome {
     ] {
         std::fs::write(at.join("model.toml"), format!("{MODEL}{effect}"))?;
         let output = discover(at, "experiments.csv", &[])?;
-        assert_eq!(output.status.code(), Some(3), "{}", told(&output));
+        assert_eq!(output.status.code(), Some(3), "{}", reported(&output));
         for part in parts {
             assert!(
-                told(&output).contains(part),
+                reported(&output).contains(part),
                 "no {part} in {}",
-                told(&output)
+                reported(&output)
             );
         }
     }

@@ -230,6 +230,6 @@ the share of each effect that a refit of the base leaves, and the effect that re
         ];
         (false, cells)
     };
-    let columns = "effect|parameter|#smallest size|#share left|most like|#correlation";
+    let columns = "effect|parameter|#smallest size|#share after the refit|most like|#correlation";
     table(out, columns, effects.iter().map(row));
 }

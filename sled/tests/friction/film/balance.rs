@@ -53,7 +53,7 @@ fn totals_are_the_integrals_of_the_stations() {
             .sum()
     };
     // At the leading edge shear and heat times sqrt(xi) are finite: half a step of the first
-    // station's is what stands there.
+    // station's is their value there.
     let edge = |of: f64| of * film.stations[0].xi.sqrt() * width * ends;
     let drag = sum(&|k| film.stations[k].shear) + edge(film.stations[0].shear);
     assert!(

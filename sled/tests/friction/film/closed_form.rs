@@ -68,7 +68,7 @@ pub fn cold_friction(l: f64, p: f64, conditions: &FilmConditions, properties: &P
 /// ```
 ///
 /// `pressure` [Pa] is that at the leading edge, `dT = T_m(pressure) - T_ice`; heat into the steel
-/// is left out.
+/// is neglected.
 pub fn self_similar_start(
     pressure: f64,
     conditions: &FilmConditions,
@@ -104,7 +104,7 @@ pub fn self_similar_start(
 /// ```
 ///
 /// The factor is exactly 1 where `p` [Pa] is the pressure averaged over the width (8/12 of it
-/// stands for the peak, which is 3/2 of the mean). Source: the squeeze film between parallel
+/// enters for the peak, which is 3/2 of the mean). Source: the squeeze film between parallel
 /// plates, O. Reynolds, Phil. Trans. R. Soc. 177 (1886).
 pub fn squeeze_out_rate(p: f64, h: f64, w: f64, viscosity: f64) -> f64 {
     p * h.powi(3) / (viscosity * w * w)

@@ -69,7 +69,7 @@ pub fn reynolds_film(
         }
         for row in 0..rows {
             // What a long strip would need to lose as much: s = p h^3/(mu w^2), the viscosity being
-            // left out of `losses`.
+            // not in `losses`.
             outflow[row + 1] = losses.rate[row] * strip.width()[row + 1].powi(2) / h[row].powi(3);
         }
         for (end, row) in [(0, 1), (rows + 1, rows)] {

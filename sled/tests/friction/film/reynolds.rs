@@ -146,7 +146,7 @@ fn pressure_and_thickness_meet_the_reynolds_equation() {
 
 #[test]
 fn more_columns_bring_the_closure_of_an_even_strip_to_one() {
-    // Cells across see the parabola's mean with an error of the second order: what is left of a
+    // Cells across see the parabola's mean with an error of the second order: the residual of a
     // long strip.
     let conditions = FilmConditions::new(25.0, -5.0);
     let off = |columns: usize| {

@@ -48,7 +48,7 @@ fn index(folder: &Path, rows: &[(&str, &str)]) -> PathBuf {
 }
 
 /// The message about one spoilt run.
-fn told(samples: usize, spoil: &dyn Fn(usize, &str, f64) -> String) -> String {
+fn reported(samples: usize, spoil: &dyn Fn(usize, &str, f64) -> String) -> String {
     let folder = tempfile::tempdir().unwrap();
     run_file(folder.path(), "bad", samples, spoil);
     let index = index(folder.path(), &[("K1", "bad.csv")]);
@@ -138,7 +138,7 @@ fn wrong_units_are_told_by_their_range() {
         ("az_mps2", 1.0 / 9.81, ["az_mps2", "multiples of g", "9.81"]),
         ("v_mps", 3.6, ["v_mps", "km/h", "metres per second"]),
     ] {
-        let message = told(400, &|_, name, value| {
+        let message = reported(400, &|_, name, value| {
             (if name == column {
                 factor * value
             } else {
@@ -153,7 +153,7 @@ fn wrong_units_are_told_by_their_range() {
 
 #[test]
 fn irregular_time_and_clock_jumps_are_placed() {
-    let message = told(200, &|i, name, value| {
+    let message = reported(200, &|i, name, value| {
         (if name == "t_s" && i == 57 {
             value + 0.002
         } else {
@@ -162,7 +162,7 @@ fn irregular_time_and_clock_jumps_are_placed() {
         .to_string()
     });
     has(&message, &["row 59", "irregular time", "0.012", "0.010000"]);
-    let message = told(200, &|i, name, value| {
+    let message = reported(200, &|i, name, value| {
         (if name == "t_s" && i >= 100 {
             value + 5.0
         } else {
@@ -171,7 +171,7 @@ fn irregular_time_and_clock_jumps_are_placed() {
         .to_string()
     });
     has(&message, &["row 102", "clock jump", "5.01"]);
-    let message = told(200, &|i, name, value| {
+    let message = reported(200, &|i, name, value| {
         (if name == "t_s" && i >= 100 {
             value - 0.5
         } else {
@@ -184,7 +184,7 @@ fn irregular_time_and_clock_jumps_are_placed() {
 
 #[test]
 fn bursts_of_nan_are_counted_and_placed_and_never_filled() {
-    let message = told(300, &|i, name, value| {
+    let message = reported(300, &|i, name, value| {
         let gone = name == "az_mps2" && ((40..75).contains(&i) || i == 200);
         if gone {
             "NaN".to_string()
@@ -203,7 +203,7 @@ fn bursts_of_nan_are_counted_and_placed_and_never_filled() {
             "36 values",
         ],
     );
-    let message = told(300, &|i, name, value| {
+    let message = reported(300, &|i, name, value| {
         if name == "v_mps" && i == 3 {
             String::new()
         } else {
@@ -211,7 +211,7 @@ fn bursts_of_nan_are_counted_and_placed_and_never_filled() {
         }
     });
     has(&message, &["v_mps", "1 values", "row 5"]);
-    let message = told(300, &|i, name, value| {
+    let message = reported(300, &|i, name, value| {
         if name == "v_mps" && i == 3 {
             "fast".to_string()
         } else {
@@ -260,8 +260,8 @@ fn text_in_any_column_of_a_run_is_refused_and_other_words_for_no_value_are_not()
 
 #[test]
 fn three_samples_and_standstill_are_refused() {
-    has(&told(3, &plain), &["3 samples", "at least 64"]);
-    let message = told(200, &|i, name, value| {
+    has(&reported(3, &plain), &["3 samples", "at least 64"]);
+    let message = reported(200, &|i, name, value| {
         (if name == "v_mps" && i < 20 {
             0.0
         } else {

@@ -85,20 +85,20 @@ fn effects_that_give_no_number_or_stand_on_no_track_are_named() {
     }
     let elsewhere = "\n[effects.temperature]\nslope_per_k = 0.02\ntrack = \"igls\"\n";
     let elsewhere = Vehicle::with_effects(&model(elsewhere)).unwrap();
-    let told = elsewhere.effects_elsewhere(&["east", "west"]);
-    assert_eq!(told.len(), 1);
+    let reported = elsewhere.effects_elsewhere(&["east", "west"]);
+    assert_eq!(reported.len(), 1);
     for part in ["[effects.temperature]", "\"igls\"", "east, west"] {
-        assert!(told[0].contains(part), "{told:?}");
+        assert!(reported[0].contains(part), "{reported:?}");
     }
     assert!(elsewhere.effects_elsewhere(&["igls"]).is_empty());
-    // Two effects of one track are told of in one line.
+    // Two effects of one track are reported of in one line.
     let both = "\n[effects.temperature]\nslope_per_k = 0.02\ntrack = \"igls\"\n[effects.speed]\nexponent = 0.5\ntrack = \"igls\"\n";
     let both = Vehicle::with_effects(&model(both)).unwrap();
-    let told = both.effects_elsewhere(&["east"]);
-    assert_eq!(told.len(), 1, "{told:?}");
+    let reported = both.effects_elsewhere(&["east"]);
+    assert_eq!(reported.len(), 1, "{reported:?}");
     assert!(
-        told[0].contains("[effects.temperature]") && told[0].contains("[effects.speed]"),
-        "{told:?}"
+        reported[0].contains("[effects.temperature]") && reported[0].contains("[effects.speed]"),
+        "{reported:?}"
     );
 }
 

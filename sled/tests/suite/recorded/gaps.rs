@@ -8,7 +8,7 @@ use kufe_sled::{
     evaluate, fit, prepare, prepare_all, read_run, validate, write_run,
 };
 
-/// Samples a state, and states beside a gap that take no part: two periods of 20 Hz at 100 Hz and
+/// Samples of a state, and states next to a gap that are excluded: two periods of 20 Hz at 100 Hz and
 /// the derivative's three.
 const RATIO: usize = 5;
 const MARGIN: usize = 13;
@@ -144,7 +144,7 @@ fn fits_of_runs_with_a_twentieth_gone_agree_with_those_of_whole_ones_within_thei
 
 #[test]
 fn each_stretch_is_prepared_as_a_run_of_its_own_and_its_margins_are_left_out() {
-    // The slow plain version: the stretch alone, prepared as a whole run, less what stands beside
+    // The slow plain version: the stretch alone, prepared as a whole run, without the samples next to
     // the gap.
     let run = &RUNS[0];
     let gone = [4000..4100, 9000..9995];

@@ -67,7 +67,7 @@ fn a_lateral_fit_is_the_same_without_what_it_does_not_use() {
 #[test]
 fn what_a_computation_lacks_is_named_with_the_computation() {
     let folder = tempfile::tempdir().unwrap();
-    let told = |vehicle: &Vehicle| prepared(folder.path(), vehicle).unwrap_err().to_string();
+    let reported = |vehicle: &Vehicle| prepared(folder.path(), vehicle).unwrap_err().to_string();
     written(folder.path(), &["gamma_rad"], "run,file", "");
     let index = folder.path().join("runs.csv");
     let error = read_runs(&index, &Needs::FORCES, OnGaps::LeaveOut).unwrap_err();
@@ -94,7 +94,7 @@ fn what_a_computation_lacks_is_named_with_the_computation() {
     };
     prepare(&runs[0], &vehicle(""), None, &options).unwrap();
     written(folder.path(), &["ax_mps2"], "run,file", "");
-    let said = told(&vehicle(""));
+    let said = reported(&vehicle(""));
     assert!(
         said.contains("air_c, which the drag of sled.cda_m2 = 0.28 needs, is not stated"),
         "{said}"
@@ -104,7 +104,7 @@ fn what_a_computation_lacks_is_named_with_the_computation() {
     let runs = prepared(folder.path(), &flat).unwrap();
     assert!(runs[0].states.iter().all(|state| state.fz_r_n.is_finite()));
     // An effect over what was not recorded is refused by its name.
-    let said = told(&vehicle(
+    let said = reported(&vehicle(
         "\n[effects.own]\nexpression = \"ax_mps2\"\nchannel = \"lateral\"\nvalue = 1e-3\n",
     ));
     assert!(said.contains("own") && said.contains("ax_mps2"), "{said}");

@@ -53,7 +53,7 @@ pub struct Walls {
 }
 
 impl Walls {
-    /// Draws places far enough apart to be told apart.
+    /// Draws places far enough apart to be reported apart.
     pub fn draw(hits: Chance, roads: &[Road; 2], source: &mut Source) -> Walls {
         let count = 1 + source.uniform(0.0, 6.0).min(5.0) as usize;
         let spots = (0..count).map(|k| {

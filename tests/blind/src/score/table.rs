@@ -24,8 +24,8 @@ pub struct Rates {
     pub exact: Option<f64>,
     /// Share of hidden effects named exactly or inside a class.
     pub in_class: Option<f64>,
-    /// Share of hidden effects that are in a class or told as an error of the installation.
-    pub told: Option<f64>,
+    /// Share of hidden effects that are in a class or reported as an error of the installation.
+    pub reported: Option<f64>,
     /// Median size of that class.
     pub class_size: Option<f64>,
     /// Median explainable gap closed.
@@ -76,7 +76,7 @@ pub fn rates(group: &str, outcomes: &[&Outcome]) -> Rates {
         overconfident: rate(good.iter().map(|o| o.overconfident)),
         exact: rate(found.iter().map(|f| f.exact)),
         in_class: rate(found.iter().map(|f| f.in_class)),
-        told: rate(found.iter().map(|f| f.in_class || f.installed)),
+        reported: rate(found.iter().map(|f| f.in_class || f.installed)),
         class_size: median(
             found
                 .iter()
@@ -142,7 +142,7 @@ pub fn markdown(rows: &[Rates], date: &str) -> String {
             percent(row.overconfident),
             percent(row.exact),
             percent(row.in_class),
-            percent(row.told),
+            percent(row.reported),
             number(row.class_size),
             percent(row.closed),
             percent(row.closed_covers),
@@ -170,14 +170,14 @@ pub fn base_table(outcomes: &[Outcome]) -> String {
         let mean = found.iter().map(|base| base.error).sum::<f64>() / n;
         let squares: f64 = found.iter().map(|base| (base.error - mean).powi(2)).sum();
         let spread = (squares / (n - 1.0).max(1.0)).sqrt();
-        let told: Vec<bool> = found.iter().filter_map(|base| base.inside).collect();
-        let covered = told.iter().filter(|inside| **inside).count();
+        let reported: Vec<bool> = found.iter().filter_map(|base| base.inside).collect();
+        let covered = reported.iter().filter(|inside| **inside).count();
         let _ = writeln!(
             text,
             "| {key} | {n} | {:+.2} % | {:.2} % | {covered} of {} |",
             100.0 * mean,
             100.0 * spread / n.sqrt(),
-            told.len()
+            reported.len()
         );
     }
     text
@@ -204,7 +204,7 @@ pub fn by_share(outcomes: &[Outcome]) -> String {
         .into_iter()
         .partition(|(share, asked, ..)| asked.is_some_and(|asked| *share < NEAR * asked));
     let mut text = String::from(
-        "| share after tolerances | effects | in class | told as installation | nothing said | a false name |\n|---|---|---|---|---|---|\n",
+        "| share after tolerances | effects | in class | reported as installation | nothing said | a false name |\n|---|---|---|---|---|---|\n",
     );
     let mut row = |what: String, holds: &dyn Fn(f64) -> bool| {
         let of: Vec<(&Found, &Outcome)> = free

@@ -51,7 +51,7 @@ fn a_thousandth_is_stated_and_reached_on_finer_grids() {
 /// Three times the range over three grids: one contact in twenty may be off.
 #[test]
 fn stated_errors_hold_in_95_of_100_random_contacts() {
-    let (mut covered, mut count, mut told) = (0, 0, Vec::new());
+    let (mut covered, mut count, mut reported) = (0, 0, Vec::new());
     for row in rows() {
         let found = match boundary_elements(&row.problem()) {
             Ok(found) => found,
@@ -71,7 +71,7 @@ fn stated_errors_hold_in_95_of_100_random_contacts() {
             if row.holds(figure, miss) {
                 covered += 1
             } else {
-                told.push(format!("{}: {miss:?}", row.text))
+                reported.push(format!("{}: {miss:?}", row.text))
             }
             let Miss { off, stated } = miss;
             let [most, largest] = if figure == 1 {
@@ -85,7 +85,7 @@ fn stated_errors_hold_in_95_of_100_random_contacts() {
     assert!(count >= 560, "{count} figures");
     assert!(
         100 * covered >= 95 * count,
-        "{covered} of {count}: {told:?}"
+        "{covered} of {count}: {reported:?}"
     );
 }
 

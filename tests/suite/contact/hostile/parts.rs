@@ -142,8 +142,8 @@ fn hexahedra_that_are_no_runner_are_refused() {
     };
     // Fixed by an edge it turns about it.
     let hinged = RunnerSolid::new(mesh(), 210e9, 0.3, |p| p[2] > 0.09 && p[0] < 0.01);
-    let told = hinged.unwrap_err().to_string();
-    assert!(told.contains("hold every rigid motion"), "{told}");
+    let reported = hinged.unwrap_err().to_string();
+    assert!(reported.contains("hold every rigid motion"), "{reported}");
     refused(|m| m.cells[0][3] = usize::MAX, "a node that is none");
     refused(|m| m.cells.clear(), "no cells");
     refused(
