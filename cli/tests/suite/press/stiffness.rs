@@ -25,7 +25,7 @@ const SCRIPT: &str = "import re, numpy as np, scipy.io\n\
     k = scipy.io.mmread('K.mtx').tocsc()\n\
     n = k.shape[0]\n\
     lines = [line for line in open('K.mtx') if line.startswith('%')]\n\
-    held = [int(w) - 1 for line in lines if line.startswith('% ice held:') for w in line.split(':')[1].split()]\n\
+    held = [int(w) - 1 for line in lines if line.startswith('% ice fixed:') for w in line.split(':')[1].split()]\n\
     size = abs(k).max()\n\
     assert abs(k - k.T).max() == 0\n\
     u, ku = np.loadtxt('product.txt').T\n\
