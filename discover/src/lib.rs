@@ -6,7 +6,7 @@
 //! | [`maps`] | pressure maps against contact solves |
 //! | [`experiments`] | friction over pressure and conditions |
 //! | [`Report`], [`Verdict`] | what is found |
-//! | [`Options`], [`Rules`] | how a search is made: seed, channels; every constant of judgement |
+//! | [`Options`], [`Rules`] | how a search is made: seed, channels; its thresholds |
 //!
 //! ```no_run
 //! use kufe_discover::{Options, runs};

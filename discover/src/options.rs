@@ -26,7 +26,7 @@ pub struct Options {
     pub strict: bool,
     /// The only effects that are searched for, by name, and [`OUTSIDE_CATALOGUE`] for what no name of the catalogue is; all where empty.
     pub only: Vec<String>,
-    /// Every constant of judgement.
+    /// Thresholds of the search.
     pub rules: Rules,
 }
 

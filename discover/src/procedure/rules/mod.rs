@@ -1,7 +1,8 @@
-//! Every constant of judgement, with what it does and whether it is derived or chosen.
+//! The thresholds of a search, with what each does and whether it is derived or chosen.
 //!
-//! *Derived* constants follow from statistics or from the data's own kind; *chosen* ones could be others, and
-//! `blind constants` scores searches at half and at twice each of them.
+//! *Derived* thresholds follow from statistics or from the kind of data. *Chosen* ones could have
+//! other values: `blind constants` scores searches at half and at twice each of them. Numerical
+//! constants of one method, such as lengths of cells and numbers of trials, are in its file.
 
 mod contacts;
 mod laws;
@@ -16,7 +17,7 @@ pub use maps::MapRules;
 use crate::procedure::lock::LockRules;
 use crate::procedure::rivals::RivalRule;
 
-/// The constants of a search. [`Rules::default`] is what the command uses.
+/// The thresholds of a search. [`Rules::default`] is what the command uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Rules {

@@ -4,7 +4,7 @@
 //! remains of the side balance in cells of two metres, and sums Z over ten metres, a run differs where
 //!
 //! ```text
-//! |Z| > 8 (1.4826 median |Z|)        8 and the other constants: ContactRules
+//! |Z| > 8 (1.4826 median |Z|)        8: ContactRules::differs
 //! ```
 //!
 //! and so do runs of which none is significant alone but whose squares together exceed those of other places.
