@@ -14,11 +14,8 @@ use kufe_lut::read_fmu;
 use kufe_mesh::{HullOptions, load_hull};
 use serde::Serialize;
 
-use crate::report::read_json;
+use crate::report::{LONGEST_TREE, read_json};
 use crate::terminal::Global;
-
-/// Longest result [bytes].
-const LONGEST: u64 = 1 << 24;
 
 /// Arguments of `kufe info`.
 #[derive(clap::Args, Debug)]
@@ -130,7 +127,7 @@ fn hull(path: &Path) -> Result<HullInfo, Failure> {
 
 /// Kind, command, version and figures of a result.
 fn result(path: &Path) -> Result<ResultInfo, Failure> {
-    let document: Datum = read_json(path, LONGEST)?;
+    let document: Datum = read_json(path, LONGEST_TREE)?;
     let Some(kind) = DocumentKind::of(&document) else {
         return Err(Failure::BadInput(format!(
             "{}: not a result of kufe: expected result.json or another that a command writes",

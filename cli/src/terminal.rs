@@ -30,7 +30,8 @@ pub struct Global {
     /// Print nothing but the result, warnings and errors
     #[arg(long, short, global = true)]
     pub quiet: bool,
-    /// Replace files that kufe did not write, or that another of its commands wrote
+    /// Replace files that kufe did not write, that another of its commands wrote, or that were
+    /// changed since
     #[arg(long, global = true)]
     pub force: bool,
     /// Print each step on standard error, a line a step

@@ -1,5 +1,6 @@
 //! What a command writes is not what it reads.
 
+use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
 
 use crate::place::replaceable;
@@ -45,11 +46,11 @@ pub fn outputs_apart(
     inputs: &[impl AsRef<Path>],
     outputs: &[impl AsRef<Path>],
 ) -> Result<(), Clash> {
-    let inputs: Vec<PathBuf> = inputs
+    let inputs: HashSet<PathBuf> = inputs
         .iter()
         .map(|input| resolved(input.as_ref()))
         .collect();
-    let mut taken: Vec<PathBuf> = Vec::new();
+    let mut taken: HashSet<PathBuf> = HashSet::new();
     for output in outputs.iter().map(AsRef::as_ref) {
         let named = || output.display().to_string();
         replaceable(output).map_err(|reason| Clash::NoFile {
@@ -60,10 +61,9 @@ pub fn outputs_apart(
         if inputs.contains(&place) {
             return Err(Clash::Input { output: named() });
         }
-        if taken.contains(&place) {
+        if !taken.insert(place) {
             return Err(Clash::Output { output: named() });
         }
-        taken.push(place);
     }
     Ok(())
 }
@@ -71,6 +71,20 @@ pub fn outputs_apart(
 /// Whether two paths lead to one file, by links and by `..` too; they need not exist.
 pub fn same_file(a: &Path, b: &Path) -> bool {
     resolved(a) == resolved(b)
+}
+
+/// Whether a link on the way from `folder` to `file`, or `file` itself, leads out of `folder`.
+///
+/// A path that does not begin with `folder` is taken from the folder that it names its file in.
+pub fn leads_out(folder: &Path, file: &Path) -> bool {
+    let own = file.parent().unwrap_or(Path::new(""));
+    let below = file.starts_with(folder) && file.is_absolute() == folder.is_absolute();
+    let folder = if below { folder } else { own };
+    // An empty path is the present folder.
+    let inside = resolved(&folder.join("."));
+    let way = file.ancestors().take_while(|part| *part != folder);
+    way.filter(|part| part.is_symlink())
+        .any(|link| !resolved(link).starts_with(&inside))
 }
 
 /// The path from the root without `.`, `..` and links, as far as the file system has it.
@@ -120,6 +134,35 @@ mod tests {
             assert!(said(&at("link")).unwrap_err().contains("reads it"));
         }
         assert!(said(&at("inner")).unwrap_err().contains("a folder"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_leads_out_of_its_folder_itself_or_by_a_folder_on_the_way() {
+        use std::os::unix::fs::symlink;
+        let root = tempfile::tempdir().unwrap();
+        let at = |name: &str| root.path().join(name);
+        std::fs::create_dir_all(at("in/deep")).unwrap();
+        std::fs::create_dir(at("out")).unwrap();
+        for name in ["in/a", "in/deep/b", "out/c"] {
+            std::fs::write(at(name), "").unwrap();
+        }
+        symlink("deep/b", at("in/inner")).unwrap();
+        symlink("../a", at("in/deep/up")).unwrap();
+        symlink("../out", at("in/folder")).unwrap();
+        symlink("../out/c", at("in/file")).unwrap();
+        symlink("file", at("in/twice")).unwrap();
+        symlink("in", at("linked")).unwrap();
+        let leads = |folder: &str, file: &str| leads_out(&at(folder), &at(file));
+        for file in ["a", "deep/b", "inner", "deep/up", "../out/c"] {
+            assert!(!leads("in", &format!("in/{file}")), "{file}");
+            assert!(!leads("linked", &format!("linked/{file}")), "{file}");
+        }
+        for file in ["folder/c", "file", "twice"] {
+            assert!(leads("in", &format!("in/{file}")), "{file}");
+            assert!(leads("linked", &format!("linked/{file}")), "{file}");
+        }
+        assert!(leads("in", "linked/file") && !leads("in", "linked/a"));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use crate::whole::PREFIX;
+use crate::whole::TEMPORARY;
 
 /// Temporaries that nothing has written to for so long are nobody's any more.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
@@ -19,7 +19,7 @@ fn clear_older_than(folder: &Path, age: Duration) {
         return;
     };
     for entry in entries.flatten() {
-        let ours = entry.file_name().to_string_lossy().starts_with(PREFIX);
+        let ours = entry.file_name().to_string_lossy().starts_with(TEMPORARY);
         let touched = |found: &std::fs::Metadata| found.modified().unwrap_or(SystemTime::now());
         let Ok(found) = entry.metadata() else {
             continue;

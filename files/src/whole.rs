@@ -7,8 +7,8 @@ use tempfile::{Builder, NamedTempFile};
 
 use crate::place::{folder_of, replaceable};
 
-/// What names of temporaries begin with.
-pub(crate) const PREFIX: &str = ".kufe-";
+/// What names of temporary files and folders begin with.
+pub const TEMPORARY: &str = ".kufe-";
 
 /// Writes `path` through a temporary file in its folder, which is flushed to the disk and renamed once it is whole.
 ///
@@ -34,7 +34,7 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>
 /// A hidden file in `folder`; temporary files are private unless they are asked not to be.
 fn temporary_in(folder: &Path) -> Result<NamedTempFile> {
     let mut builder = Builder::new();
-    builder.prefix(PREFIX);
+    builder.prefix(TEMPORARY);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

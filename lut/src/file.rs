@@ -331,14 +331,11 @@ fn from_column(quantity: Quantity, file: ColumnFile, shape: &[usize]) -> Result<
         .errors
         .map(|errors| errors.of_shape(&key("errors"), shape));
     let errors = errors.transpose()?;
-    if let Some(n) = errors.iter().flatten().position(|&error| error < 0.0) {
-        let found = errors.iter().flatten().nth(n).map(f64::to_string);
-        let key = format!("{}, number {}", key("errors"), n + 1);
-        return Err(Error::format(
-            &key,
-            &found.unwrap_or_default(),
-            "0 or a positive number",
-        ));
+    for (n, &error) in errors.iter().flatten().enumerate() {
+        if let Some(expected) = Quantity::error_expectation(error) {
+            let key = format!("{}, number {}", key("errors"), n + 1);
+            return Err(Error::format(&key, &error.to_string(), expected));
+        }
     }
     Ok(Column { values, errors })
 }

@@ -104,15 +104,22 @@ impl Quantity {
 
     /// What a value must be, where this one is not: pressures, sizes and friction are positive;
     /// ploughing and groove are 0 on ice that does not yield, boundary friction where the film
-    /// separates steel and ice.
+    /// separates steel and ice. A subnormal number is what an underflow left of another.
     pub(crate) fn expectation(self, value: f64) -> Option<&'static str> {
         match self {
+            _ if value.is_subnormal() => Some("0 or a number of at least 2.3e-308 in size"),
             Quantity::Approach => None,
             Quantity::MuPloughing | Quantity::MuBoundary | Quantity::GrooveDepth => {
                 (value < 0.0).then_some("0 or a positive number")
             }
             _ => (value <= 0.0).then_some("a positive number"),
         }
+    }
+
+    /// What the estimated error of a value must be, where this one is not.
+    pub(crate) fn error_expectation(error: f64) -> Option<&'static str> {
+        let wrong = error < 0.0 || error.is_subnormal();
+        wrong.then_some("0 or a positive number, at least 2.3e-308")
     }
 }
 

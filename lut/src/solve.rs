@@ -96,8 +96,8 @@ impl<'de> Visitor<'de> for SolveVisitor {
                 figures = figures.with(quantity, value);
             } else if let Some(quantity) = Quantity::ALL.into_iter().find(|q| is(q.error_key())) {
                 let error: f64 = map.next_value()?;
-                if error < 0.0 {
-                    let text = format!("{key} = {error}: expected 0 or a positive number");
+                if let Some(expected) = Quantity::error_expectation(error) {
+                    let text = format!("{key} = {error}: expected {expected}");
                     return Err(A::Error::custom(text));
                 }
                 figures = figures.with_error(quantity, error);

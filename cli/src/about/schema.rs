@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use kufe::case::Case;
 use kufe::jobs::Failure;
+use kufe::results::finding::Report;
 use kufe::results::{
     Alignment, ContactResult, Evaluation, FrictionOptimum, FrictionTable, IceHouseResult,
     LateralFitDocument, MeshQuality, PressureFit, ReplayResult, RunCheck, SampleTruth, SeriesRow,
@@ -90,6 +91,8 @@ pub enum Document {
     Alignment,
     /// truth.json: sample runs
     Truth,
+    /// report.json: the effects found
+    Finding,
 }
 
 impl From<Kind> for Document {
@@ -130,10 +133,17 @@ pub fn write_with_schema(
 ) -> Result<PathBuf, Failure> {
     let name = format!("{}.schema.json", kind.name());
     let schema = file.parent().unwrap_or(Path::new("")).join(&name);
-    let outputs = [schema.clone(), file.to_path_buf()];
-    let files = OutputFiles::begin(command, inputs, &outputs, force)?;
     let content = Document::from(kind).schema();
-    files.write(&schema, |writer| writer.write_all(content.as_bytes()))?;
+    let mut outputs = vec![file.to_path_buf()];
+    // Commands share it.
+    let found = kufe_files::read_regular(&schema, content.len() as u64);
+    if found.ok().as_deref() != Some(content.as_bytes()) {
+        outputs.push(schema.clone());
+    }
+    let files = OutputFiles::begin(command, inputs, &outputs, force)?;
+    if outputs.contains(&schema) {
+        files.write(&schema, |writer| writer.write_all(content.as_bytes()))?;
+    }
     files.write(file, |writer| write!(writer, "#:schema ./{name}\n{text}"))?;
     files.commit()?;
     Ok(schema)
@@ -163,6 +173,7 @@ impl Document {
             Document::Check => generator.root_schema_for::<RunCheck>(),
             Document::Alignment => generator.root_schema_for::<Alignment>(),
             Document::Truth => generator.root_schema_for::<SampleTruth>(),
+            Document::Finding => generator.root_schema_for::<Report>(),
         };
         format!("{:#}\n", schema.to_value())
     }

@@ -109,7 +109,7 @@ struct WrittenHull<'a> {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let none = None;
     let (name, swept, out, points, turn) = match &args.kind {
-        Kind::Bob(bob) => ("bob", bob.swept()?, &bob.file, &bob.rocker_points, None),
+        Kind::Bob(bob) => ("bob", bob.swept(), &bob.file, &bob.rocker_points, None),
         Kind::Luge(luge) => ("luge", luge.swept(), &luge.file, &none, Some(EDGE_TURN)),
         Kind::Check(check) => return scan::run(check, global),
     };
@@ -143,7 +143,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 }
 
 impl Bob {
-    fn swept(&self) -> Result<Result<Swept, MeshError>, Failure> {
+    fn swept(&self) -> Result<Swept, MeshError> {
         let bob = BobRunner {
             length: self.length_m,
             rocker_radius: self.rocker_radius_m,
@@ -153,10 +153,10 @@ impl Bob {
             ..BobRunner::default()
         };
         let Some(path) = &self.rocker_points else {
-            return Ok(bob.swept());
+            return bob.swept();
         };
-        let points = load_points(path, ["x_m", "z_m"]).map_err(Failure::bad_input)?;
-        Ok(Rocker::points(&points).and_then(|rocker| bob.swept_along(rocker)))
+        let points = load_points(path, ["x_m", "z_m"])?;
+        bob.swept_along(Rocker::points(&points)?)
     }
 }
 

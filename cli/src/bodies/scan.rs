@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use kufe::jobs::{Failure, check_hull};
-use kufe::results::{Angle, HullCheck, ResolvedLoad};
+use kufe::jobs::{ExaminedHull, Failure, check_hull};
+use kufe::results::{Angle, ResolvedLoad};
 use kufe_mesh::strips_warning;
 
 use crate::output::OutputFiles;
@@ -49,8 +49,8 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
         files.write(out, |writer| writer.write_all(text.as_bytes()))?;
     }
     files.commit()?;
-    found.written.clone_from(&check.out);
-    global.print(&found, || text(&found))
+    found.result.written.clone_from(&check.out);
+    global.print(&found.result, || text(&found))
 }
 
 /// Degrees with as many digits as the uncertainty has.
@@ -60,7 +60,8 @@ fn degrees(angle: Angle) -> String {
     format!("{value:.digits$} +- {error:.digits$} degrees")
 }
 
-fn text(found: &HullCheck) -> String {
+fn text(examined: &ExaminedHull) -> String {
+    let found = &examined.result;
     let [length, width, height] = [found.length_m, found.width_m, found.height_m].map(|m| 1e3 * m);
     let mut text = format!(
         "{}: {} vertices, {} triangles\n\
@@ -72,7 +73,7 @@ fn text(found: &HullCheck) -> String {
         found.scale,
         found.up,
         found.forward,
-        found.backward(),
+        examined.backward(),
         found.rocker_radius_m,
         1e3 * found.section_radius_m
     );
@@ -81,7 +82,7 @@ fn text(found: &HullCheck) -> String {
         ("pitch", found.pitch_rad),
         ("roll", found.roll_rad),
     ];
-    if found.oriented {
+    if examined.oriented {
         let angles = angles.map(|(name, angle)| {
             let shown = angle.map_or("not shown by its shape".to_owned(), degrees);
             format!("{name} {shown}")
@@ -101,7 +102,7 @@ fn text(found: &HullCheck) -> String {
         text,
         "  near the keel: triangles of {spacing:.3} mm, noise {noise}"
     );
-    if let (Some(_), [Some(x), Some(y)]) = (found.beyond_origin_m, found.offset_m) {
+    if let (Some(_), [Some(x), Some(y)]) = (found.beyond_origin_m, examined.offset_m) {
         let _ = writeln!(
             text,
             "  the file's origin lies outside the hull; its middle: load.offset_x_m = {x:.4}, load.offset_y_m = {y:.4}"

@@ -1,6 +1,5 @@
 //! `kufe friction fit`: mu over pressure from experiments, in the form of a model file.
 
-use std::io::BufReader;
 use std::path::PathBuf;
 
 use kufe::jobs::Failure;
@@ -10,9 +9,9 @@ use kufe_sled::friction::{
     read_experiments,
 };
 
-use crate::friction::failure;
+use crate::friction::{failure, open};
 use crate::output::OutputDir;
-use crate::terminal::{Global, warn_if_cut};
+use crate::terminal::Global;
 
 /// Arguments of `kufe friction fit`.
 #[derive(clap::Args, Debug)]
@@ -44,10 +43,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         return Err(Failure::Usage(text));
     }
     let name = args.experiments.display().to_string();
-    let file = kufe_files::open_regular(&args.experiments)
-        .map_err(|error| Failure::BadInput(format!("{name}: cannot be read: {error}")))?;
-    warn_if_cut(&args.experiments);
-    let experiments = read_experiments(&name, BufReader::new(file)).map_err(failure)?;
+    let experiments = read_experiments(&name, open(&args.experiments)?).map_err(failure)?;
     let weighting = if args.unweighted {
         Weighting::None
     } else {

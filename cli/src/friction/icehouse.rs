@@ -1,7 +1,5 @@
 //! `kufe icehouse`: the coefficient of friction by specimen from gliding runs.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
@@ -11,9 +9,9 @@ use kufe_sled::friction::{
     read_glide_index, write_experiments,
 };
 
-use crate::friction::failure;
+use crate::friction::{failure, open};
 use crate::output::OutputDir;
-use crate::terminal::{Global, warn_if_cut};
+use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
 glides.csv has one row a run: run, file, specimen, direction, mass_kg, cda_m2, air_c, air_pa;
@@ -59,14 +57,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     output.json("icehouse.json", &result)?;
     output.commit()?;
     global.print(&result, || summary(&house, &args.out))
-}
-
-fn open(path: &Path) -> Result<BufReader<File>, Failure> {
-    let file = kufe_files::open_regular(path).map_err(|error| {
-        Failure::BadInput(format!("{}: cannot be read: {error}", path.display()))
-    })?;
-    warn_if_cut(path);
-    Ok(BufReader::new(file))
 }
 
 fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, Failure> {

@@ -9,10 +9,14 @@ mod request;
 mod sliding;
 mod sliding_picture;
 
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
 use kufe::jobs::Failure;
 use kufe_sled::friction::Error;
 
-use crate::terminal::Global;
+use crate::terminal::{Global, warn_if_cut};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -53,6 +57,15 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Some(request) => optimum::run(&request, global),
         None => point::run(&args.point, global),
     }
+}
+
+/// Opens a table, with a warning where it may be cut.
+fn open(path: &Path) -> Result<BufReader<File>, Failure> {
+    let file = kufe_files::open_regular(path).map_err(|error| {
+        Failure::BadInput(format!("{}: cannot be read: {error}", path.display()))
+    })?;
+    warn_if_cut(path);
+    Ok(BufReader::new(file))
 }
 
 /// A library's error as the command's.

@@ -3,13 +3,13 @@
 
 use std::path::PathBuf;
 
-use kufe::jobs::{Failure, FrictionLaw, Watch, case_file::LoadedCase};
+use kufe::jobs::{Failure, FrictionLaw, case_file::LoadedCase};
 use kufe::results::FrictionByLaw;
 use kufe_sled::Conditions;
 use kufe_sled::effects::OperatingPoint;
 
 use crate::friction::request::Request;
-use crate::terminal::{Global, warn};
+use crate::terminal::Global;
 
 /// Options of a law over the pressure, and of no groove.
 const BY_LAW: [&str; 5] = ["alpha_rad", "model", "air_c", "air_pa", "humidity_pct"];
@@ -136,12 +136,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let loaded = LoadedCase::read(path)?;
     let at = operating_point(args, speed, law.drag_area);
-    let watch = Watch {
-        warn: Some(&warn),
-        ..Watch::default()
-    };
-    let result = global.during("solving the contact", || {
-        law.solve(&loaded, args.alpha_rad, at, &watch)
+    let result = global.watched(|watch| {
+        watch.progress("solving the contact");
+        law.solve(&loaded, args.alpha_rad, at, watch)
     })?;
     global.answer(&result, || text(&result))
 }

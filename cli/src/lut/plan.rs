@@ -89,17 +89,12 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
     let spec = TableSpec::read(&args.table)?;
     let solver = solver(&spec)?;
     let origin = solver.origin()?;
-    let is_own = args.out.join(PlanFile::NAMES[0]).exists();
-    if is_own {
-        let old = PlanFile::read(&args.out)?;
-        same_origin(&args.out, &old.origin, &origin)?;
-        if !global.force {
-            old.check_unchanged(&args.out)?;
-        }
+    if args.out.join(PlanFile::NAMES[0]).exists() {
+        same_origin(&args.out, &PlanFile::read(&args.out)?.origin, &origin)?;
     }
     let outputs = PlanFile::NAMES.map(|name| args.out.join(name));
     let inputs = solver.inputs(&spec)?;
-    let files = OutputFiles::begin("lut plan", &inputs, &outputs, is_own || global.force)?;
+    let files = OutputFiles::begin("lut plan", &inputs, &outputs, global.force)?;
     let table = args
         .table
         .canonicalize()
@@ -168,7 +163,7 @@ pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
     inputs.extend(PlanFile::NAMES.map(|name| args.plan.join(name)));
     let mut outputs = args.forms.paths(&args.out);
     outputs.push(args.out.clone());
-    let files = OutputFiles::begin("lut merge", &inputs, &outputs, global.force)?;
+    let files = OutputFiles::begin("lut", &inputs, &outputs, global.force)?;
     match replay(&spec.plan, |point| store.get(point)).map_err(Failure::bad_input)? {
         Progress::Finished(swept) => {
             let swept = solver.finished(*swept)?;
@@ -205,12 +200,9 @@ pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
             )))
         }
         Progress::Batch { points, round, .. } => {
-            if !global.force {
-                plan.check_unchanged(&args.plan)?;
-            }
             let next = PlanFile::new(plan.origin, plan.table, round, plan.shards, points);
             let outputs = PlanFile::NAMES.map(|name| args.plan.join(name));
-            let files = OutputFiles::begin("lut plan", &[], &outputs, true)?;
+            let files = OutputFiles::begin("lut plan", &[], &outputs, global.force)?;
             write_plan(&args.plan, &next, files)?;
             Err(Failure::Partial(format!(
                 "{}: round {round} is planned with {} points where the interpolation is not accurate enough yet; run the \

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use kufe::jobs::{Failure, table::read_table};
-use kufe::results::{Description, QUANTITIES, TableLookup};
+use kufe::results::{Description, TableLookup};
 use kufe_lut::{MIN_SPEED, Mode, Sample, Table, curvature_from_pitch};
 
 use crate::terminal::{Global, warn};
@@ -85,7 +85,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         }
         _ => {
             return Err(Failure::Usage(
-                "which track? give --curvature-1pm, --radius-m, or --v-mps with --pitch-rate-radps"
+                "the track is missing: give --curvature-1pm, --radius-m, or --v-mps with --pitch-rate-radps"
                     .into(),
             ));
         }
@@ -120,7 +120,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     for (name, option, value, axis) in further {
         if axis.is_some() && value.is_none_or(f64::is_nan) {
             return Err(Failure::Usage(format!(
-                "which {name}? the table has that axis: give {option}"
+                "the {name} is missing: the table has that axis; give {option}"
             )));
         }
     }
@@ -169,17 +169,11 @@ fn within(args: &Args, table: &Table, curvature: f64) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What a quantity is called and how it is shown.
-fn description(key: &str) -> Description {
-    let found = QUANTITIES.iter().find(|quantity| quantity.key == key);
-    *found.expect("every quantity of a table is one of a result")
-}
-
 fn text(found: &TableLookup, table: &Table) -> String {
     let mut text = String::new();
     let (mut with, mut without) = (Vec::new(), false);
     for one in &found.values {
-        let shown = description(one.quantity.key());
+        let shown = Description::of(one.quantity);
         let error = one
             .error
             .map(|error| format!(" (+- {})", shown.number(error)));

@@ -1,35 +1,30 @@
 //! Single output files, which are all written or none.
 
+use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::fs::File;
-use std::io::{Read, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
-use kufe_files::{open_regular, outputs_apart, resolved};
+use kufe_files::{outputs_apart, resolved};
 use tempfile::TempDir;
 
-use crate::output::{FolderRecord, NewFolders, Staging, unwritable};
-
-/// Endings of files that cannot state that kufe wrote them: they are compared once they are
-/// written.
-const UNMARKED: [&str; 6] = ["csv", "fmu", "json", "md", "parquet", "toml"];
-/// Length of a file's beginning that contains the mark of kufe [bytes].
-const HEAD: u64 = 1 << 13;
-/// Marks of plans and tables, apart from `kufe 1.2.3`.
-const FORMATS: [&str; 1] = ["\"kufe-lut"];
-/// Bytes before the mark that two files of one kind have in common.
-const BEFORE: usize = 8;
+use crate::output::folder::{hash, lock};
+use crate::output::{FolderRecord, NewFolders, Staging, remove_on_interrupt, unwritable};
 
 /// Files that a command writes at places of their own.
 ///
-/// Each is new, or an earlier output of kufe, or replaced with `--force`. An input of the command
-/// is never replaced. The files are moved to their places by [`OutputFiles::commit`].
+/// Each is new, or what the same command wrote there and nobody changed, or replaced with
+/// `--force`. An input of the command is never replaced. The files are moved to their places by
+/// [`OutputFiles::commit`], which adds them to the records of their folders.
 pub struct OutputFiles {
     command: &'static str,
     inputs: Vec<PathBuf>,
     force: bool,
     outputs: Vec<Output>,
+    /// A hidden folder in each folder that receives files.
+    hidden: BTreeMap<PathBuf, TempDir>,
     /// Dropped after the hidden folders in them.
     _made: Vec<NewFolders>,
 }
@@ -39,23 +34,16 @@ struct Output {
     named: PathBuf,
     /// Its place, without links.
     place: PathBuf,
-    /// A folder in that of the place.
-    hidden: TempDir,
-}
-
-impl Output {
-    /// Where it is written before it is moved.
-    fn new_file(&self) -> PathBuf {
-        self.hidden.path().join(name_of(&self.place))
-    }
 }
 
 impl OutputFiles {
     /// Prepares the outputs of `command`, which reads `inputs`.
     ///
+    /// An interrupt removes the hidden folders and ends the process with code 130.
+    ///
     /// # Errors
     /// [`Failure::BadInput`] for an output that is an input, is named twice, cannot be written, or
-    /// exists and is not kufe's.
+    /// exists and is not the command's.
     pub fn begin(
         command: &'static str,
         inputs: &[PathBuf],
@@ -63,31 +51,39 @@ impl OutputFiles {
         force: bool,
     ) -> Result<OutputFiles, Failure> {
         outputs_apart(inputs, outputs).map_err(Failure::bad_input)?;
+        let outputs = outputs.iter().map(|named| Output {
+            named: named.clone(),
+            place: resolved(named),
+        });
         let mut files = OutputFiles {
             command,
             inputs: inputs.to_vec(),
             force,
-            outputs: Vec::new(),
+            outputs: outputs.collect(),
+            hidden: BTreeMap::new(),
             _made: Vec::new(),
         };
-        for named in outputs {
-            let ending = named.extension().unwrap_or_default();
-            if !UNMARKED.iter().any(|unmarked| ending == *unmarked) {
-                files.check(named, &resolved(named), None)?;
+        for output in &files.outputs {
+            files.check(output)?;
+        }
+        for Output { named, place } in &files.outputs {
+            let folder = folder_of(place);
+            if !files.hidden.contains_key(folder) {
+                let staging = Staging::in_folder(folder);
+                let Staging { hidden, made } =
+                    staging.map_err(|error| unwritable(named, &error))?;
+                files.hidden.insert(folder.to_path_buf(), hidden);
+                files._made.insert(0, made);
             }
         }
-        for named in outputs {
-            let place = resolved(named);
-            let staging = Staging::in_folder(folder_of(&place));
-            let Staging { hidden, made } = staging.map_err(|error| unwritable(named, &error))?;
-            files._made.insert(0, made);
-            files.outputs.push(Output {
-                named: named.clone(),
-                place,
-                hidden,
-            });
-        }
+        remove_on_interrupt(files.hidden.values(), &files._made);
         Ok(files)
+    }
+
+    /// Where an output is written before it is moved.
+    fn new_file(&self, output: &Output) -> PathBuf {
+        let hidden = &self.hidden[folder_of(&output.place)];
+        hidden.path().join(name_of(&output.place))
     }
 
     /// Writes one of the outputs with a function that takes a writer.
@@ -102,7 +98,7 @@ impl OutputFiles {
         let output = self.outputs.iter().find(|output| output.named == path);
         let output = output.expect("an output that was stated at the beginning");
         let failure = |error: &dyn Display| unwritable(path, error);
-        let file = File::create(output.new_file()).map_err(|error| failure(&error))?;
+        let file = File::create(self.new_file(output)).map_err(|error| failure(&error))?;
         let mut writer = std::io::BufWriter::new(&file);
         write(&mut writer).map_err(|error| failure(&error))?;
         writer.flush().map_err(|error| failure(&error))?;
@@ -115,46 +111,41 @@ impl OutputFiles {
     /// # Errors
     /// [`Failure::BadInput`] with a path that is not as it was at the beginning.
     pub fn commit(self) -> Result<(), Failure> {
-        let written = || {
-            self.outputs
-                .iter()
-                .filter(|output| output.new_file().exists())
-        };
-        for output in written() {
-            let Output { named, place, .. } = output;
-            outputs_apart(&self.inputs, &[named]).map_err(Failure::bad_input)?;
+        let outputs = self.outputs.iter();
+        let written = outputs.map(|output| (output, self.new_file(output)));
+        let written: Vec<(&Output, PathBuf)> = written.filter(|(_, new)| new.exists()).collect();
+        let _locks: Vec<_> = self.hidden.keys().map(|folder| lock(folder)).collect();
+        let named: Vec<&PathBuf> = written.iter().map(|(output, _)| &output.named).collect();
+        outputs_apart(&self.inputs, &named).map_err(Failure::bad_input)?;
+        for (output, _) in &written {
+            let Output { named, place } = output;
             if resolved(named) != *place {
                 return Err(unwritable(named, &"it has become a link"));
             }
-            self.check(named, place, Some(&output.new_file()))?;
+            self.check(output)?;
         }
-        for output in written() {
-            let place = &output.place;
-            std::fs::rename(output.new_file(), place)
+        for folder in self.hidden.keys() {
+            let of_folder = written.iter();
+            let of_folder = of_folder.filter(|(output, _)| folder_of(&output.place) == folder);
+            let hashes = of_folder.filter_map(|(o, new)| Some((name_of(&o.place), hash(new)?)));
+            FolderRecord::add(folder, hashes, self.command);
+        }
+        for (output, new) in &written {
+            std::fs::rename(new, &output.place)
                 .map_err(|error| unwritable(&output.named, &error))?;
-            FolderRecord::add(folder_of(place), &name_of(place), self.command);
         }
         Ok(())
     }
 
-    /// Checks that what is at `place` may be replaced, by `content` if it is written already.
-    fn check(&self, named: &Path, place: &Path, content: Option<&Path>) -> Result<(), Failure> {
+    /// Checks that what is at the place of an output may be replaced.
+    fn check(&self, Output { named, place }: &Output) -> Result<(), Failure> {
         if self.force || !place.exists() {
             return Ok(());
         }
-        let writer = FolderRecord::writer_of(folder_of(place), &name_of(place));
-        let own = match &writer {
-            Some(writer) => writer == self.command,
-            None => {
-                mark(place).is_some_and(|found| content.is_none_or(|new| mark(new) == Some(found)))
-            }
-        };
-        if own || content.is_some_and(|content| head(content, u64::MAX) == head(place, u64::MAX)) {
-            return Ok(());
-        }
-        let reason = match writer {
+        let reason = match FolderRecord::writer_of(folder_of(place), &name_of(place)) {
+            Some(writer) if writer == self.command => return Ok(()),
             Some(writer) => format!("kufe {writer} wrote it; --force replaces it"),
-            None => "it exists already; --force replaces it".to_owned(),
+            None => "it exists, and kufe did not write it as it is; --force replaces it".to_owned(),
         };
         Err(unwritable(named, &reason))
     }
@@ -169,36 +160,10 @@ fn name_of(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// What a file states near its beginning to be kufe's, by name and version or a format: its first
-/// bytes and those before the mark, which are equal in files of one kind.
-fn mark(path: &Path) -> Option<(Vec<u8>, Vec<u8>)> {
-    let head = head(path, HEAD)?;
-    let is_version = |rest: &[u8]| {
-        let end = rest.iter().position(|c| !c.is_ascii_digit() && *c != b'.');
-        let version = String::from_utf8_lossy(&rest[..end.unwrap_or(rest.len())]);
-        version.trim_end_matches('.').split('.').count() == 3
-    };
-    let is_mark = |at: &usize| {
-        let rest = &head[*at..];
-        rest.strip_prefix(b"kufe ").is_some_and(is_version)
-            || FORMATS.iter().any(|mark| rest.starts_with(mark.as_bytes()))
-    };
-    let at = (0..head.len()).find(is_mark)?;
-    let before = &head[at.saturating_sub(BEFORE)..at];
-    Some((head[..4.min(at)].to_vec(), before.to_vec()))
-}
-
-/// The first bytes of a file, `None` where it cannot be read.
-fn head(path: &Path, bytes: u64) -> Option<Vec<u8>> {
-    let mut head = Vec::new();
-    let file = open_regular(path).ok()?;
-    file.take(bytes).read_to_end(&mut head).ok()?;
-    Some(head)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::TEMPORARY;
 
     type Outcome = Result<(), Box<dyn std::error::Error>>;
 
@@ -215,22 +180,27 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_exists_is_replaced_by_its_own_kind_or_with_force() -> Outcome {
+    fn a_file_that_exists_is_replaced_by_its_command_where_nobody_changed_it() -> Outcome {
         let root = tempfile::tempdir()?;
         let write = |name: &str, text: &str, force| write(root.path(), name, text, force);
         std::fs::write(root.path().join("in"), "read")?;
         write("a.csv", "1", false)?;
-        write("a.csv", "1", false)?;
-        assert!(write("a.csv", "2", false).unwrap_err().contains("--force"));
-        assert!(write("new/../a.csv", "2", false).is_err());
-        assert!(!root.path().join("new").exists());
-        write("a.csv", "2", true)?;
-        write("new/a.csv", "3", false)?;
-        write("a.html", "<html> kufe 0.1.0", false)?;
-        write("a.html", "<html> kufe 0.1.0, again", false)?;
-        for other in ["# kufe 0.1.0", "<html> Lists, kufe 0.1.0", "<html>"] {
-            assert!(write("a.html", other, false).is_err(), "{other}");
+        write("a.csv", "2", false)?;
+        write("new/b.csv", "3", false)?;
+        // A change of one sign, with what kufe writes otherwise.
+        for changed in ["3", "2\n", "# kufe 0.1.0\n2"] {
+            std::fs::write(root.path().join("a.csv"), changed)?;
+            for name in ["a.csv", "none/../a.csv"] {
+                assert!(write(name, "2", false).unwrap_err().contains("--force"));
+            }
+            assert_eq!(std::fs::read_to_string(root.path().join("a.csv"))?, changed);
         }
+        assert!(!root.path().join("none").exists());
+        write("a.csv", "2", true)?;
+        write("a.csv", "3", false)?;
+        let other = OutputFiles::begin("report", &[], &[root.path().join("a.csv")], false);
+        let refused = other.map(|_| ()).unwrap_err().to_string();
+        assert!(refused.contains("kufe lut wrote it"), "{refused}");
         for name in ["in", "./in", "none/../in"] {
             assert!(
                 write(name, "x", true).unwrap_err().contains("reads it"),
@@ -238,7 +208,7 @@ mod tests {
             );
         }
         let entries = std::fs::read_dir(root.path())?;
-        let hidden = |name: &std::ffi::OsString| name.to_string_lossy().starts_with('.');
+        let hidden = |name: &std::ffi::OsString| name.to_string_lossy().starts_with(TEMPORARY);
         assert!(!entries.flatten().any(|entry| hidden(&entry.file_name())));
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Output folders, which receive all files of a command or none.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -8,21 +8,24 @@ use std::path::{Path, PathBuf};
 use kufe::jobs::Failure;
 use kufe::jobs::field::{NewFiles, is_plain};
 use kufe::plot::Figure;
-use kufe_files::{outputs_apart, resolved, same_file, sha256_of_file};
+use kufe_files::{outputs_apart, resolved, sha256_of_file};
 use serde::{Deserialize, Serialize};
 
-use crate::output::{NewFolders, Staging, TEMPORARY, unwritable};
+use crate::output::{Staging, TEMPORARY, remove_on_interrupt, unwritable};
 
 /// The file of an output folder that records which command wrote which files there.
 const RECORD: &str = ".kufe.json";
 /// The index of runs, which names other files of its folder.
 const INDEX: &str = "runs.csv";
 
-/// Which command wrote a folder, and which files.
+/// Which command wrote a folder, and which commands wrote which files in it.
 #[derive(Serialize, Deserialize, Clone, Debug)]
 pub struct FolderRecord {
     version: String,
-    command: String,
+    /// The command whose output the folder is; none where the folder is the user's, with single
+    /// files of commands in it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    command: Option<String>,
     files: BTreeMap<String, FileRecord>,
 }
 
@@ -42,13 +45,22 @@ impl FileRecord {
 }
 
 /// SHA-256 of a file; `None` for links and what is no file.
-fn hash(path: &Path) -> Option<String> {
+pub(super) fn hash(path: &Path) -> Option<String> {
     let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
     let file = is_file.then(|| File::open(path).ok()).flatten()?;
     sha256_of_file(&file).ok()
 }
 
 impl FolderRecord {
+    /// The record of a folder without files.
+    fn new(command: Option<&str>) -> FolderRecord {
+        FolderRecord {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            command: command.map(str::to_owned),
+            files: BTreeMap::new(),
+        }
+    }
+
     /// The record of `folder`; `None` where kufe did not write that folder.
     fn read(folder: &Path) -> Option<FolderRecord> {
         let path = folder.join(RECORD);
@@ -86,20 +98,19 @@ impl FolderRecord {
             .then(|| file.command.clone())
     }
 
-    /// Adds `name`, which `command` has written into `folder`, to the folder's record, if it has
-    /// one.
-    pub fn add(folder: &Path, name: &str, command: &str) {
-        let _lock = lock(folder);
+    /// Adds files with their SHA-256, which `command` writes into `folder`, to the folder's record.
+    ///
+    /// Where the record cannot be written, the files are only replaced with `--force`.
+    pub fn add(folder: &Path, files: impl Iterator<Item = (String, String)>, command: &str) {
         let record = FolderRecord::read(folder);
-        let (Some(mut record), Some(hash)) = (record, hash(&folder.join(name))) else {
-            return;
-        };
-        let file = FileRecord {
-            command: command.to_owned(),
-            sha256: vec![hash],
-        };
-        record.files.insert(name.to_owned(), file);
-        // Without its entry the file is only never replaced.
+        let mut record = record.unwrap_or_else(|| FolderRecord::new(None));
+        record.files.extend(files.map(|(name, hash)| {
+            let file = FileRecord {
+                command: command.to_owned(),
+                sha256: vec![hash],
+            };
+            (name, file)
+        }));
         let _ = record.write(folder);
     }
 }
@@ -137,14 +148,8 @@ impl OutputDir {
         force: bool,
     ) -> Result<OutputDir, Failure> {
         let output = OutputDir::prepare(command, inputs, target, force)?;
-        let hidden = output.staging.hidden.path().to_path_buf();
-        let made = output.staging.made.0.clone();
-        // A process that handles interrupts already continues to do so.
-        let _ = ctrlc::set_handler(move || {
-            let _ = std::fs::remove_dir_all(&hidden);
-            drop(NewFolders(made.clone()));
-            std::process::exit(130);
-        });
+        let Staging { hidden, made } = &output.staging;
+        remove_on_interrupt([hidden], std::slice::from_ref(made));
         Ok(output)
     }
 
@@ -189,31 +194,25 @@ impl OutputDir {
     /// Checks that the folder may receive files of these names; returns the record of those that
     /// an earlier run of the command wrote there.
     fn check(&self, names: &[String]) -> Result<FolderRecord, Failure> {
-        let found = FolderRecord::read(&self.target);
-        let own = match found {
-            Some(record) if record.command == self.command => record,
+        let own = match FolderRecord::read(&self.target) {
+            Some(record) if record.command.as_deref() == Some(self.command) => record,
             found => {
-                if let Some(reason) = self.foreign(found.as_ref()).filter(|_| !self.force) {
+                let owner = found.and_then(|record| record.command);
+                if let Some(reason) = self.foreign(owner)?.filter(|_| !self.force) {
                     let place = self.named.display();
                     return Err(Failure::BadInput(format!(
                         "{place}: {reason}; expected another folder, or --force"
                     )));
                 }
-                FolderRecord {
-                    version: env!("CARGO_PKG_VERSION").to_owned(),
-                    command: self.command.to_owned(),
-                    files: BTreeMap::new(),
-                }
+                FolderRecord::new(Some(self.command))
             }
         };
-        let failure = |name: &str, reason: &str| {
-            let reason = format!("{reason}; expected another folder");
-            Err(unwritable(&self.named.join(name), &reason))
-        };
+        let failure = |name: &str, reason: &str| Err(unwritable(&self.named.join(name), &reason));
+        let inputs: BTreeSet<PathBuf> = self.inputs.iter().map(|path| resolved(path)).collect();
         for (name, file) in own.files_of(self.command) {
             let path = self.target.join(name);
-            if self.inputs.iter().any(|input| same_file(input, &path)) {
-                return failure(name, "this command reads it");
+            if inputs.contains(&resolved(&path)) {
+                return failure(name, "this command reads it; expected another folder");
             }
             if !self.force && path.symlink_metadata().is_ok() && !file.describes(&path) {
                 return failure(
@@ -222,12 +221,12 @@ impl OutputDir {
                 );
             }
         }
-        for name in names {
-            let path = self.named.join(name);
-            if path.is_symlink() {
-                return failure(name, "a link is in the way");
-            }
-            outputs_apart(&self.inputs, &[&path]).map_err(Failure::bad_input)?;
+        let paths: Vec<PathBuf> = names.iter().map(|name| self.named.join(name)).collect();
+        if let Some((name, _)) = names.iter().zip(&paths).find(|(_, path)| path.is_symlink()) {
+            return failure(name, "a link is in the way; expected another folder");
+        }
+        outputs_apart(&self.inputs, &paths).map_err(Failure::bad_input)?;
+        for (name, path) in names.iter().zip(&paths) {
             let is_own = own.files_of(self.command).any(|(one, _)| one == name);
             if path.exists() && !self.force && !is_own {
                 return failure(
@@ -239,22 +238,26 @@ impl OutputDir {
         Ok(own)
     }
 
-    /// Why the folder is not this command's; `None` for an empty one.
-    fn foreign(&self, record: Option<&FolderRecord>) -> Option<String> {
-        if let Some(record) = record {
-            return Some(format!("it contains results of kufe {}", record.command));
+    /// Why the folder, of the command `owner`, is not this command's; `None` for an empty one.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] for a folder that cannot be read.
+    fn foreign(&self, owner: Option<String>) -> Result<Option<String>, Failure> {
+        if let Some(owner) = owner {
+            return Ok(Some(format!("it contains results of kufe {owner}")));
         }
-        let entries = std::fs::read_dir(&self.target).into_iter().flatten();
-        let mut names = entries.flatten().map(|entry| entry.file_name());
-        let name = names.find(|name| {
+        let failure = |error: std::io::Error| unwritable(&self.named, &error);
+        for entry in std::fs::read_dir(&self.target).map_err(failure)? {
+            let name = entry.map_err(failure)?.file_name();
             let name = name.to_string_lossy();
-            !name.starts_with(TEMPORARY) && name != RECORD
-        })?;
-        Some(format!(
-            "it is not empty and kufe {} did not write it ({})",
-            self.command,
-            name.to_string_lossy()
-        ))
+            if !name.starts_with(TEMPORARY) && name != RECORD {
+                return Ok(Some(format!(
+                    "it is not empty and kufe {} did not write it ({name})",
+                    self.command
+                )));
+            }
+        }
+        Ok(None)
     }
 
     /// Writes the file `name` with a function that takes the file.
@@ -301,7 +304,7 @@ impl OutputDir {
     /// # Errors
     /// As [`OutputDir::write`].
     pub fn json(&self, name: &str, result: &impl Serialize) -> Result<(), Failure> {
-        self.files().json(name, result).map(|_| ())
+        self.files().json(name, result)
     }
 
     /// Moves every file into the output folder and removes those of an earlier run of the command.
@@ -324,10 +327,14 @@ impl OutputDir {
         let stale: Vec<String> = own.filter(|name| !names.contains(name)).cloned().collect();
         // Both sets of files are kufe's until the last is moved.
         for name in &names {
-            let places = [self.staging.hidden.path(), &self.target].map(|folder| folder.join(name));
+            let new = hash(&self.staging.hidden.path().join(name));
+            let before = record.files.remove(name).map(|file| file.sha256);
             let file = FileRecord {
                 command: self.command.to_owned(),
-                sha256: places.iter().filter_map(|path| hash(path)).collect(),
+                sha256: new
+                    .into_iter()
+                    .chain(before.into_iter().flatten())
+                    .collect(),
             };
             record.files.insert(name.clone(), file);
         }
@@ -372,7 +379,7 @@ pub fn remove_outputs(folder: &Path) {
 }
 
 /// A lock on a folder, which other processes of kufe wait for; none where the system has no such.
-fn lock(folder: &Path) -> Option<File> {
+pub(super) fn lock(folder: &Path) -> Option<File> {
     let file = File::open(folder).ok()?;
     file.lock().ok()?;
     Some(file)
@@ -381,6 +388,7 @@ fn lock(folder: &Path) -> Option<File> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::OutputFiles;
 
     type Outcome = Result<(), Box<dyn std::error::Error>>;
 
@@ -414,8 +422,9 @@ mod tests {
         let out = root.path().join("out");
         write_all(&out, false, &["x", "y"])?;
         let case = out.join("case.toml");
-        std::fs::write(&case, "a case")?;
-        FolderRecord::add(&out, "case.toml", "init");
+        let files = OutputFiles::begin("init", &[], std::slice::from_ref(&case), false)?;
+        files.write(&case, |writer| writer.write_all(b"a case"))?;
+        files.commit()?;
         std::fs::write(&case, "a case of the user's own")?;
         for force in [false, true] {
             let inputs = [case.clone()];

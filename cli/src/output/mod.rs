@@ -6,26 +6,18 @@ mod folder;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::{Failure, case_file::LoadedCase};
-use kufe_files::resolved;
+use kufe_files::TEMPORARY;
 use tempfile::TempDir;
 
 pub use file::OutputFiles;
 pub use folder::{FolderRecord, OutputDir, remove_outputs};
 
-/// Beginning of the names of temporary files and folders.
-const TEMPORARY: &str = ".kufe-";
 /// How often a folder is made that other processes remove.
 const ATTEMPTS: usize = 20;
 
 /// The failure to write `path`.
 fn unwritable(path: &Path, reason: &dyn std::fmt::Display) -> Failure {
     Failure::BadInput(format!("{}: cannot be written: {reason}", path.display()))
-}
-
-/// Whether a file is a link that leads out of its folder.
-pub fn leads_out(file: &Path) -> bool {
-    let folder = file.parent().unwrap_or(Path::new(""));
-    file.is_symlink() && !resolved(file).starts_with(resolved(folder))
 }
 
 /// The files that a command reads that solves a case: the case, and all that it names.
@@ -72,6 +64,7 @@ impl Staging {
 }
 
 /// Folders that were made, the innermost first.
+#[derive(Clone)]
 struct NewFolders(Vec<PathBuf>);
 
 impl Drop for NewFolders {
@@ -80,4 +73,20 @@ impl Drop for NewFolders {
             let _ = std::fs::remove_dir(path);
         }
     }
+}
+
+/// Lets an interrupt remove hidden folders, and those made for them, and end the process with code
+/// 130.
+fn remove_on_interrupt<'a>(hidden: impl IntoIterator<Item = &'a TempDir>, made: &[NewFolders]) {
+    let hidden = hidden.into_iter().map(|folder| folder.path().to_path_buf());
+    let hidden: Vec<PathBuf> = hidden.collect();
+    let made = made.to_vec();
+    // A process that handles interrupts already continues to do so.
+    let _ = ctrlc::set_handler(move || {
+        for folder in &hidden {
+            let _ = std::fs::remove_dir_all(folder);
+        }
+        drop(made.clone());
+        std::process::exit(130);
+    });
 }

@@ -69,7 +69,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     bar.finish_and_clear();
     let pressed = pressed?;
     let started = Instant::now();
-    let (result, _) = write_contact(output.files(), &pressed, args.mat)?;
+    let result = write_contact(output.files(), &pressed, args.mat)?;
     output.commit()?;
     let writing = started.elapsed().as_secs_f64();
     global.print(&result, || {

@@ -17,7 +17,7 @@ use crate::press::{Args, summary};
 use crate::report::read_json;
 use crate::terminal::Global;
 
-/// Most bytes of a result.json.
+/// Most bytes of a result.json: 3 kB, and the points that its case lists.
 const LONGEST: u64 = 1 << 22;
 /// Largest number of steps, so that a slip of the hand does not fill the disk.
 const MOST: usize = 10_000;
@@ -75,13 +75,18 @@ pub fn run(
     };
     let output = OutputDir::prepare("press (series)", &series.inputs, &args.out, global.force)?;
     output.record()?;
-    for step in &steps {
+    let finished: Vec<_> = steps.iter().map(|step| series.finished(step)).collect();
+    for (step, _) in steps
+        .iter()
+        .zip(&finished)
+        .filter(|(_, found)| found.is_none())
+    {
         // Refused before the first step is solved.
         series.output_of(step)?;
     }
     remove_other_steps(&args.out, &steps);
     let mut tried = Tried::default();
-    let solved = global.watched(|watch| series.solve(&steps, watch, &mut tried));
+    let solved = global.watched(|watch| series.solve(&steps, &finished, watch, &mut tried));
     write_overview(&output, &args.out, &tried.rows, &args.lists, steps.len())?;
     output.commit()?;
     solved?;
@@ -154,6 +159,9 @@ impl Series<'_> {
             return None;
         }
         let folder = self.args.out.join(&step.folder);
+        if folder.is_symlink() {
+            return None;
+        }
         let result: ContactResult = read_json(&folder.join("result.json"), LONGEST).ok()?;
         (step.is_solved_by(&result, &self.content)
             && (!self.args.mat || folder.join("result.mat").is_file())
@@ -161,9 +169,15 @@ impl Series<'_> {
             .then_some(result)
     }
 
-    /// Solves the steps that have no result. Of warnings that differ in their numbers alone the
+    /// Solves the steps that have no `finished` result. Of warnings that differ in their numbers alone the
     /// first is printed.
-    fn solve(&self, steps: &[Step], watch: &Watch, tried: &mut Tried) -> Result<(), Failure> {
+    fn solve(
+        &self,
+        steps: &[Step],
+        finished: &[Option<ContactResult>],
+        watch: &Watch,
+        tried: &mut Tried,
+    ) -> Result<(), Failure> {
         let warned = Mutex::new(BTreeMap::new());
         let warn_once = |text: &str| {
             let alike: String = text.chars().filter(|c| !c.is_ascii_digit()).collect();
@@ -178,10 +192,8 @@ impl Series<'_> {
             warn: Some(&warn_once),
             ..*watch
         };
-        let finished: Vec<Option<ContactResult>> =
-            steps.iter().map(|step| self.finished(step)).collect();
         let mut took = Vec::new();
-        for (k, (step, finished_step)) in steps.iter().zip(&finished).enumerate() {
+        for (k, (step, finished_step)) in steps.iter().zip(finished).enumerate() {
             if finished_step.is_some() {
                 tried.retained += 1;
                 tried.rows.push(step.row(finished_step.as_ref(), None));
@@ -197,7 +209,7 @@ impl Series<'_> {
             let (result, short) = match step.solve(&quieter, self.options) {
                 Ok(pressed) => {
                     let output = self.output_of(step)?;
-                    let (result, _) = write_contact(output.files(), &pressed, self.args.mat)?;
+                    let result = write_contact(output.files(), &pressed, self.args.mat)?;
                     output.commit()?;
                     (Some(result), pressed.short.map(|why| why.to_string()))
                 }

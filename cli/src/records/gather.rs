@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use kufe::jobs::Failure;
 use kufe::jobs::gather::{Gathered, UNNAMED, folder_of, gather, is_run, relative, track_tables};
 use kufe::jobs::runs::run_inputs;
+use kufe_files::leads_out;
 use kufe_sled::{Entry, file_stem, write_index};
 use serde::Serialize;
 
-use crate::output::{OutputFiles, leads_out};
+use crate::output::OutputFiles;
 use crate::terminal::{Global, warn};
 
 const EXAMPLES: &str = "\
@@ -90,7 +91,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let copies: Vec<String> = entries.iter().map(copied_as).collect();
     let mut paths: Vec<PathBuf> = tracks.keys().map(|name| folder.join(name)).collect();
     if args.copy {
-        entries.iter().try_for_each(check_copied)?;
+        let check = |entry| check_copied(entry, &args.from);
+        entries.iter().try_for_each(check)?;
         paths.extend(copies.iter().map(|name| folder.join(name)));
     }
     paths.push(args.out.clone());
@@ -114,16 +116,22 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     report(args, global, &gathered)
 }
 
-/// Refuses to copy files that are no runs, and links that lead out of their folder.
-fn check_copied(entry: &Entry) -> Result<(), Failure> {
+/// Refuses to copy files that are no runs, and files that a link reaches outside of their folder of
+/// `from`.
+fn check_copied<'a>(entry: &'a Entry, from: &'a [PathBuf]) -> Result<(), Failure> {
     let refuse = |reason: &str| {
         let file = entry.file.display();
         Err(Failure::BadInput(format!(
             "{file}: not copied: {reason}; expected a file of a run"
         )))
     };
-    if leads_out(&entry.file) {
-        return refuse("a link that leads out of its folder");
+    let parent = |path: &'a Path| path.parent().unwrap_or(Path::new(""));
+    let folder = |path: &'a PathBuf| if path.is_dir() { path } else { parent(path) };
+    let folders = from.iter().map(folder);
+    let own = folders.filter(|folder| entry.file.starts_with(folder));
+    let own = own.max_by_key(|folder| folder.components().count());
+    if leads_out(own.unwrap_or(parent(&entry.file)), &entry.file) {
+        return refuse("a link leads to it, out of its folder");
     }
     if !is_run(&entry.file)? {
         return refuse("it has no columns t_s and v_mps");

@@ -5,13 +5,13 @@ mod pages;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
-use kufe_files::same_file;
+use kufe_files::{leads_out, same_file};
 use serde::Serialize;
 
-use crate::output::{FolderRecord, OutputFiles, leads_out};
+use crate::output::{FolderRecord, OutputFiles};
 use crate::terminal::Global;
 
-pub use pages::read_json;
+pub use pages::{LONGEST_TREE, read_json};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -58,7 +58,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     // kufe discover writes its page itself.
     if kind != "discovery" || !same_file(&out, &args.result.join(PAGE)) {
         let outputs = std::slice::from_ref(&out);
-        let files = OutputFiles::begin("report", &read(&args.result), outputs, global.force)?;
+        let files = OutputFiles::begin("report", &read(&args.result, &out), outputs, global.force)?;
         files.write(&out, |writer| writer.write_all(html.as_bytes()))?;
         files.commit()?;
     }
@@ -74,21 +74,17 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     })
 }
 
-/// The inputs: a table, or the files of a folder, without pages that this command made of it.
-fn read(result: &Path) -> Vec<PathBuf> {
+/// The inputs: a table, or the files of a folder, without `out` where it is this command's page.
+fn read(result: &Path, out: &Path) -> Vec<PathBuf> {
     if !result.is_dir() {
         return vec![result.to_path_buf()];
     }
-    let is_page = |path: &Path| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        match FolderRecord::writer_of(result, &name) {
-            Some(writer) => writer == "report",
-            None => name == PAGE,
-        }
-    };
+    let name = out.file_name().unwrap_or_default();
+    let writer = FolderRecord::writer_of(result, &name.to_string_lossy());
+    let is_page = writer.map_or(name == PAGE, |writer| writer == "report");
     let entries = std::fs::read_dir(result).into_iter().flatten().flatten();
-    let files = entries.map(|entry| entry.path());
-    files.filter(|path| !is_page(path)).collect()
+    let files = entries.filter(|entry| !(is_page && entry.file_name() == name));
+    files.map(|entry| entry.path()).collect()
 }
 
 /// The kind of the result, where its page goes by default, and the page.
@@ -108,7 +104,7 @@ fn html(result: &Path) -> Result<(&'static str, PathBuf, String), Failure> {
     }
     let entries = std::fs::read_dir(result).into_iter().flatten().flatten();
     let mut files = entries.map(|entry| entry.path());
-    if let Some(link) = files.find(|path| path.is_file() && leads_out(path)) {
+    if let Some(link) = files.find(|path| path.is_file() && leads_out(result, path)) {
         return Err(Failure::BadInput(format!(
             "{}: a link that leads out of the folder; expected a file in it",
             link.display()

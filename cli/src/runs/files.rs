@@ -1,12 +1,14 @@
 //! Runs, tracks and tables as files of an output folder.
 
+use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
 use kufe::charts::{Slice, table_picture};
-use kufe::jobs::{Failure, table::read_table};
-use kufe_lut::Sample;
+use kufe::jobs::{Failure, table::read_table, write_document_mat};
+use kufe_lut::{MatValue, Sample};
 use kufe_sled::{Run, RunFormat, Track, Vehicle, run_file, track_file, write_index, write_run};
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::output::OutputDir;
 
@@ -41,6 +43,20 @@ pub fn write_runs(output: &OutputDir, runs: &mut [Run], format: RunFormat) -> Re
 pub fn write_track(output: &OutputDir, track: &Track) -> Result<(), Failure> {
     output.write(&track_file(&track.name), |file| {
         track.write_csv(std::io::BufWriter::new(file))
+    })
+}
+
+/// Writes every key of `document`, and `series`, for MATLAB.
+pub fn write_mat(
+    output: &OutputDir,
+    name: &str,
+    document: &impl Serialize,
+    series: (String, MatValue),
+) -> Result<(), Failure> {
+    output.write(name, |file| {
+        let mut writer = BufWriter::new(file);
+        write_document_mat(&mut writer, document, vec![series])?;
+        writer.flush().map_err(Failure::bad_input)
     })
 }
 

@@ -1,17 +1,17 @@
 //! `kufe validate`: the friction model against runs that it was not fitted to.
 
 use std::collections::BTreeSet;
-use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use kufe::charts::{lateral_force_picture, rmse_picture};
-use kufe::jobs::{Failure, force_series, write_document_mat};
+use kufe::jobs::{Failure, force_series};
 use kufe::results::{LateralFitDocument, RunsUsed, Validation};
 use kufe_sled::friction::MagicFormula;
 use kufe_sled::{RunValidation, RunnerFitResult, by_track, validate};
 
 use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
+use crate::runs::files::write_mat;
 use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
@@ -88,10 +88,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         output.picture(&name, &lateral_force_picture(run))?;
     }
     if args.mat {
-        output.write("validation.mat", |file| {
-            let series = vec![force_series(runs)];
-            write_document_mat(&mut BufWriter::new(file), &document, series)
-        })?;
+        write_mat(&output, "validation.mat", &document, force_series(runs))?;
     }
     output.json("validation.json", &document)?;
     output.commit()?;

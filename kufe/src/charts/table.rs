@@ -8,6 +8,7 @@ use crate::plot::{
     Axis, Cells, Colour, ColourBar, Figure, INK, Layer, Panel, Point, Symbol, Ticks, axis_ticks,
     contour, extent, short,
 };
+use crate::results::Description;
 
 /// Cells of the map along each axis.
 const CELLS: usize = 240;
@@ -76,19 +77,6 @@ pub struct TablePicture {
     pub outside: usize,
 }
 
-/// Factor and unit in which a quantity is shown.
-fn shown_unit(quantity: Quantity) -> (f64, &'static str) {
-    match quantity {
-        Quantity::PMax | Quantity::PMean => (1e-6, "MPa"),
-        Quantity::Area => (1e6, "mm²"),
-        Quantity::Length | Quantity::Width => (1e3, "mm"),
-        Quantity::Approach | Quantity::GrooveDepth | Quantity::FilmMean => (1e6, "µm"),
-        Quantity::Mu | Quantity::MuPloughing | Quantity::MuViscous | Quantity::MuBoundary => {
-            (1e3, "1e-3")
-        }
-    }
-}
-
 /// A quantity over curvature and (logarithmic) force: colours and contour lines of the smooth mode,
 /// dots at the nodes, crosses at the checks, and where `samples` of runs are.
 ///
@@ -102,7 +90,7 @@ pub fn table_picture(
 ) -> Result<TablePicture, kufe_lut::Error> {
     let slice = slice.of(table);
     let interpolator = Interpolator::new(table, quantity, Mode::Smooth, slice.rocker_radius)?;
-    let (factor, unit) = shown_unit(quantity);
+    let shown = Description::of(quantity);
     let fz = table.axes().fz();
     let (least, most) = (fz[0], fz[fz.len() - 1]);
     let fz = wider([least, most], 0.1 * least);
@@ -117,12 +105,12 @@ pub fn table_picture(
     };
     let nodes: Vec<f64> = (0..=CELLS)
         .flat_map(|row| (0..=CELLS).map(move |column| (column as f64, row as f64)))
-        .map(|node| factor * interpolator.at(slice.sample(place(node))).value)
+        .map(|node| shown.times * interpolator.at(slice.sample(place(node))).value)
         .collect();
     let value = |column: usize, row: usize| nodes[row * (CELLS + 1) + column];
     let [low, high] = extent(nodes.iter().copied());
     let range = [low, if high > low { high } else { low + 1.0 }];
-    let name = format!("{} [{unit}]", quantity.title());
+    let name = format!("{} [{}]", quantity.title(), shown.unit);
     let bar = ColourBar::viridis(&*name, range);
     let cells = Cells::new([CELLS; 2], |column, row| {
         let corners = [(0, 0), (1, 0), (0, 1), (1, 1)];

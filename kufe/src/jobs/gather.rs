@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
-use kufe_files::{resolved, same_file};
+use kufe_files::{leads_out, resolved, same_file};
 use kufe_sled::{Conditions, Entry, IceAlong, read_columns, read_index, track_file};
 
 use crate::jobs::failure::Failure;
@@ -225,10 +225,13 @@ pub fn track_tables(
     let mut tables: BTreeMap<String, (PathBuf, Vec<u8>)> = BTreeMap::new();
     for entry in entries {
         let name = track_file(&entry.track);
-        let in_its_folder = entry.file.parent().unwrap_or(Path::new("")).join(&name);
-        for path in [in_its_folder, folder.join(&name)] {
+        for folder in [entry.file.parent().unwrap_or(Path::new("")), folder] {
+            let path = folder.join(&name);
             if !path.is_file() {
                 continue;
+            }
+            if leads_out(folder, &path) {
+                return Err(wrong(&path, "a link that leads out of its folder"));
             }
             let bytes = kufe_files::read_regular(&path, LONGEST).map_err(|error| {
                 Failure::BadInput(format!("{}: cannot be read: {error}", path.display()))

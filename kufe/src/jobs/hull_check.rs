@@ -19,12 +19,30 @@ const WITHOUT_NOISE: f64 = 0.01;
 /// Plane-strain modulus of ice as cases have it by default, 9 GPa/(1 - 0.33^2) [Pa].
 const ICE: f64 = 9.0e9 / (1.0 - 0.33 * 0.33);
 
+/// An examined hull, and how a case reads it.
+pub struct ExaminedHull {
+    /// What was found.
+    pub result: HullCheck,
+    /// Whether the rotation into runner axes could be found.
+    pub oriented: bool,
+    /// Place of the load, along and across, where it is not over the file's origin [m].
+    pub offset_m: [Option<f64>; 2],
+    /// Relative error of the peak that the case requests.
+    p_max: f64,
+    /// How the file is to be read.
+    options: HullOptions,
+}
+
 /// Examines the hull in `file` under `forces` [N]; `p_max` is the requested relative error of the
 /// peak.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for a hull that cannot be read or has no rounded underside.
-pub fn check_hull(file: &Path, forces: &[f64], p_max: Option<f64>) -> Result<HullCheck, Failure> {
+pub fn check_hull(
+    file: &Path,
+    forces: &[f64],
+    p_max: Option<f64>,
+) -> Result<ExaminedHull, Failure> {
     let as_it_is = HullOptions {
         up: Some(Axis::Z),
         ..HullOptions::default()
@@ -65,7 +83,7 @@ pub fn check_hull(file: &Path, forces: &[f64], p_max: Option<f64>) -> Result<Hul
     let keel = keel.filter(Estimate::significant).map(|y| y.value);
     let [x, y] = [0, 1].map(|axis| middle.map(|middle| middle[axis]));
     let [length_m, width_m, height_m] = report.extent;
-    Ok(HullCheck {
+    let result = HullCheck {
         file: file.to_path_buf(),
         scale: frame.options.scale,
         up: frame.options.up.unwrap_or(Axis::Z).to_string(),
@@ -90,6 +108,9 @@ pub fn check_hull(file: &Path, forces: &[f64], p_max: Option<f64>) -> Result<Hul
         loads: loads.ok(),
         warnings: report.warnings.iter().map(ToString::to_string).collect(),
         written: None,
+    };
+    Ok(ExaminedHull {
+        result,
         oriented: orientation.is_some(),
         p_max: p_max.unwrap_or(noise.map_or(WITHOUT_NOISE, |_| USUAL_SHARE)),
         options: frame.options,
@@ -145,8 +166,8 @@ fn middle_if_outside([low, high]: [[f64; 3]; 2]) -> Option<[f64; 2]> {
     outside.then(|| [0, 1].map(|axis| 0.5 * (low[axis] + high[axis])))
 }
 
-impl HullCheck {
-    /// The axis opposite to [`forward`](Self::forward), which the shape does not exclude.
+impl ExaminedHull {
+    /// The axis opposite to [`forward`](HullCheck::forward), which the shape does not exclude.
     pub fn backward(&self) -> String {
         let forward = self.options.forward;
         let negative = !forward.negative;
@@ -164,17 +185,18 @@ impl HullCheck {
     /// [`Failure::BadInput`] where the place of the hull cannot be found.
     pub fn case(&self, path: &Path, forces: &[f64]) -> Result<String, Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
-        let hull = match self.file.strip_prefix(folder) {
+        let hull = match self.result.file.strip_prefix(folder) {
             Ok(inside) => inside.to_path_buf(),
-            Err(_) => std::path::absolute(&self.file)
-                .map_err(|error| Failure::BadInput(format!("{}: {error}", self.file.display())))?,
+            Err(_) => std::path::absolute(&self.result.file).map_err(|error| {
+                Failure::BadInput(format!("{}: {error}", self.result.file.display()))
+            })?,
         };
         let mut text = format!(
             "[runner]\nhull = {}\nscale = {}\nup = \"{}\"\nforward = \"{}\"   # or \"{}\": its shape does not tell\n",
             toml::Value::from(hull.display().to_string()),
-            self.scale,
-            self.up,
-            self.forward,
+            self.result.scale,
+            self.result.up,
+            self.result.forward,
             self.backward(),
         );
         let [roll, pitch, yaw] = self.options.rotation;
@@ -183,8 +205,8 @@ impl HullCheck {
                 let _ = writeln!(text, "{key} = {angle:.6e}");
             }
         }
-        if self.noise_m > 0.0 {
-            let _ = writeln!(text, "noise_m = {:.2e}", self.noise_m);
+        if self.result.noise_m > 0.0 {
+            let _ = writeln!(text, "noise_m = {:.2e}", self.result.noise_m);
         }
         text += "\n[ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.05\n\n[track]\nradius_m = inf\n";
         let far = |fz: &f64| (fz - 1000.0).abs();

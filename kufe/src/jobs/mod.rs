@@ -42,7 +42,7 @@ mod write_whole;
 
 pub use document_mat::{channel_series, force_series, write_document_mat};
 pub use failure::Failure;
-pub use hull_check::check_hull;
+pub use hull_check::{ExaminedHull, check_hull};
 pub use law_friction::FrictionLaw;
 pub use meshes::{CaseMeshes, write_mesh_quality};
 pub use press::{

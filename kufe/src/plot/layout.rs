@@ -16,6 +16,10 @@ const RIGHT: f64 = 1.4;
 const BAR: f64 = 7.5;
 /// Space between two names of the legend.
 const KEYS: f64 = 1.5;
+/// Width of a layer's symbol in the legend, with the space after it.
+const SYMBOL: f64 = 2.2;
+/// Most lines of a title or of a name in the legend.
+const MOST_LINES: usize = 8;
 
 /// Height of a row of a panel with names along y, next to it or above it.
 const NAMED: f64 = 1.6;
@@ -202,6 +206,13 @@ fn names(panel: &Panel, share: f64, size: f64) -> Option<(usize, bool)> {
     }
 }
 
+/// A part of the legend: a layer's symbol and name; without the symbol where the name goes on from
+/// the row above.
+struct Key<'a> {
+    layer: Option<&'a Layer>,
+    text: String,
+}
+
 /// Shapes, and the size of the letters.
 struct Page {
     shapes: Vec<Shape>,
@@ -304,31 +315,37 @@ impl Page {
         (numbers + label) * self.size
     }
 
-    /// Width of a layer's part of the legend.
-    fn key(&self, layer: &Layer) -> f64 {
-        2.2 * self.size + width(&layer.name, self.size)
+    /// Width of a part of the legend.
+    fn key(&self, text: &str) -> f64 {
+        SYMBOL * self.size + width(text, self.size)
     }
 
-    /// The rows of the legend: each name once.
-    fn legend<'a>(&self, panel: &'a Panel, wide: f64) -> Vec<Vec<&'a Layer>> {
-        let mut rows: Vec<Vec<&Layer>> = Vec::new();
+    /// The rows of the legend: each name once, one that is too long for a row on several.
+    fn legend<'a>(&self, panel: &'a Panel, wide: f64) -> Vec<Vec<Key<'a>>> {
+        let mut rows: Vec<Vec<Key>> = Vec::new();
+        let mut names: Vec<&str> = Vec::new();
         for layer in panel.layers.iter().filter(|layer| !layer.name.is_empty()) {
-            if rows.iter().flatten().any(|other| other.name == layer.name) {
+            if names.contains(&&*layer.name) {
                 continue;
             }
-            match rows.last_mut() {
-                Some(row) if self.length(row) + KEYS * self.size + self.key(layer) <= wide => {
-                    row.push(layer);
+            names.push(&layer.name);
+            let lines = wrapped(&layer.name, self.size, wide - SYMBOL * self.size);
+            for (k, text) in lines.into_iter().enumerate() {
+                let room = wide - KEYS * self.size - self.key(&text);
+                let layer = (k == 0).then_some(layer);
+                let key = Key { layer, text };
+                match rows.last_mut() {
+                    Some(row) if k == 0 && self.length(row) <= room => row.push(key),
+                    _ => rows.push(vec![key]),
                 }
-                _ => rows.push(vec![layer]),
             }
         }
         rows
     }
 
     /// Width of a row of the legend.
-    fn length(&self, row: &[&Layer]) -> f64 {
-        let keys: f64 = row.iter().map(|layer| self.key(layer)).sum();
+    fn length(&self, row: &[Key]) -> f64 {
+        let keys: f64 = row.iter().map(|key| self.key(&key.text)).sum();
         keys + KEYS * self.size * (row.len() as f64 - 1.0)
     }
 
@@ -337,23 +354,25 @@ impl Page {
         for (k, row) in self.legend(panel, area.wide).iter().enumerate() {
             let y = snapped(top + LINE * size * (k as f64 + 0.5));
             let mut left = area.x[0] + 0.5 * (area.wide - self.length(row)).max(0.0);
-            for layer in row {
-                let (right, colour) = (left + 1.7 * size, layer.colour);
-                self.shapes.push(match &layer.mark {
+            for Key { layer, text } in row {
+                let right = left + 1.7 * size;
+                self.shapes.extend(layer.map(|layer| match &layer.mark {
                     Mark::Line(_, width) => {
-                        Shape::Line(vec![[left, y], [right, y]], width.max(2.0), colour)
+                        let ends = vec![[left, y], [right, y]];
+                        Shape::Line(ends, width.max(2.0), layer.colour)
                     }
                     Mark::Dots(_, radius, symbol) => {
                         let middle = [0.5 * (left + right), y];
-                        symbol_shape(*symbol, middle, radius.max(3.0), colour)
+                        symbol_shape(*symbol, middle, radius.max(3.0), layer.colour)
                     }
                     _ => {
                         let half = 0.45 * size;
-                        Shape::Polygon(rectangle([left, right], [y - half, y + half]), colour)
+                        let sides = ([left, right], [y - half, y + half]);
+                        Shape::Polygon(rectangle(sides.0, sides.1), layer.colour)
                     }
-                });
-                self.text([left + 2.2 * size, y], &layer.name, 0.0);
-                left += self.key(layer) + KEYS * size;
+                }));
+                self.text([left + SYMBOL * size, y], text, 0.0);
+                left += self.key(text) + KEYS * size;
             }
         }
     }
@@ -518,15 +537,40 @@ fn stretch_text(stretch: f64) -> String {
     }
 }
 
-/// The words of a text in lines of at most this width.
+/// The words of a text in lines of at most this width, up to [`MOST_LINES`]; a word that is wider
+/// is broken.
 fn wrapped(text: &str, size: f64, wide: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
+    let mut used = 0.0;
     for word in text.split(' ') {
+        let space = width(" ", size);
         match lines.last_mut() {
-            Some(line) if width(&format!("{line} {word}"), size) <= wide => {
-                *line = format!("{line} {word}");
+            Some(line) if used + space + width(word, size) <= wide => {
+                line.push(' ');
+                used += space;
             }
-            _ => lines.push(word.to_owned()),
+            _ => {
+                lines.push(String::new());
+                used = 0.0;
+            }
+        }
+        for letter in word.chars() {
+            let more = width(letter.encode_utf8(&mut [0; 4]), size);
+            match lines.last_mut() {
+                Some(line) if used + more <= wide || line.is_empty() => line.push(letter),
+                _ => {
+                    lines.push(letter.to_string());
+                    used = 0.0;
+                }
+            }
+            used += more;
+        }
+    }
+    if lines.len() > MOST_LINES {
+        lines.truncate(MOST_LINES);
+        if let Some(line) = lines.last_mut() {
+            line.pop();
+            line.push('…');
         }
     }
     lines
@@ -614,11 +658,25 @@ mod tests {
     fn no_text_runs_out_of_a_narrow_picture() {
         let rows = ["a name that is nearly as long as a phone is wide", "short"];
         let names = Axis::names("", rows).reversed();
-        let dots = Layer::dots(4.0, [(10.0, 0.5), (1e3, 1.5)], INK);
+        let formula =
+            "mu = 0.003 + 1e-4*(temperature_c+5)*sqrt(humidity_pct/50)*exp(-p_max_pa/1e7)";
+        let dots = Layer::dots(4.0, [(10.0, 0.5), (1e3, 1.5)], INK).named(formula);
+        let session =
+            Layer::level(1.0).named("a session whose name is a whole sentence about the day");
         let x = Axis::new("peak pressure [MPa]").within([0.0, 1e3]);
         let title = "a title that is too long for one line of a telephone's narrow screen";
-        let named = Panel::new(x, names, vec![dots, Layer::above(999.0, "the end")]).titled(title);
+        let named = Panel::new(
+            x,
+            names,
+            vec![dots, session, Layer::above(999.0, "the end")],
+        )
+        .titled(title);
         let (shapes, _) = laid_out(&Figure::new(400.0, "").row(0.0, [named]));
+        let drawn: String = texts(&shapes).into_iter().map(|text| text.0).collect();
+        let drawn = drawn.replace(' ', "");
+        for part in ["exp(-p_max_pa/1e7)", "abouttheday"] {
+            assert!(drawn.contains(part), "{part}: {drawn}");
+        }
         for (text, at, anchor) in texts(&shapes) {
             let wide = width(&text, 14.0);
             let from = at[0] - anchor * wide;

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use kufe_mesh::{HexMesh, HullOptions};
+use kufe_mesh::HexMesh;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A value with its uncertainty (95 %).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Angle {
     /// The value [rad].
     pub value: f64,
@@ -16,8 +16,7 @@ pub struct Angle {
 }
 
 /// A scanned hull: its frame, its sampling, and the loads that it resolves.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(title = "kufe hull check --json")]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct HullCheck {
     /// The hull.
@@ -68,22 +67,10 @@ pub struct HullCheck {
     pub warnings: Vec<String>,
     /// The case that was written.
     pub written: Option<PathBuf>,
-    /// Whether the rotation into runner axes could be found.
-    #[serde(skip)]
-    pub oriented: bool,
-    /// Relative error of the peak that the case requests.
-    #[serde(skip)]
-    pub p_max: f64,
-    /// How the file is to be read.
-    #[serde(skip)]
-    pub options: HullOptions,
-    /// Place of the load, along and across, where it is not over the file's origin [m].
-    #[serde(skip)]
-    pub offset_m: [Option<f64>; 2],
 }
 
 /// Whether a hull is fine enough for a load.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct ResolvedLoad {
     /// Normal force [N].

@@ -2,10 +2,11 @@
 //!
 //! [`Report`] is the whole document; [`Picture`]s are on the page alone.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The outcome in one word.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// One effect, distinguished from all others.
@@ -28,7 +29,7 @@ pub enum Verdict {
 }
 
 /// A value with its 95 % interval.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Interval {
     /// Value.
     pub value: f64,
@@ -39,7 +40,7 @@ pub struct Interval {
 }
 
 /// A fitted parameter.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Fitted {
     /// Key, as in `[effects.NAME]`.
     pub name: String,
@@ -54,7 +55,7 @@ pub struct Fitted {
 }
 
 /// What an installation is off by.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Tolerated {
     /// What it is, such as the delay of a channel.
     pub what: String,
@@ -65,7 +66,7 @@ pub struct Tolerated {
 }
 
 /// A rival and why it is in the class or not.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Rival {
     /// Name of the effect.
     pub effect: String,
@@ -91,7 +92,7 @@ pub struct Rival {
 }
 
 /// One effect found.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Step {
     /// Name.
     pub effect: String,
@@ -139,7 +140,7 @@ pub struct Step {
 }
 
 /// What one kind of data of a campaign says of an effect by itself.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct OfKind {
     /// Kind of data.
     pub data: String,
@@ -157,7 +158,7 @@ pub struct OfKind {
 }
 
 /// A place at which runs meet a wall, or miss it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ContactPlace {
     /// Track.
     pub track: String,
@@ -180,7 +181,7 @@ pub struct ContactPlace {
 }
 
 /// How a driver meets a place.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct DriverContacts {
     /// Driver.
     pub driver: String,
@@ -193,7 +194,7 @@ pub struct DriverContacts {
 }
 
 /// The contact of one run at a place.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RunContact {
     /// Run.
     pub run: String,
@@ -210,7 +211,7 @@ pub struct RunContact {
 }
 
 /// The gap on runs that were locked away.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct HeldOut {
     /// What one of them is: `run`, `segment`, `row` or `measurement`.
     pub what: String,
@@ -227,7 +228,7 @@ pub struct HeldOut {
 }
 
 /// The gap of one channel.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct ChannelGap {
     /// Channel.
     pub channel: String,
@@ -242,7 +243,7 @@ pub struct ChannelGap {
 }
 
 /// What a model leaves of the misfit that repeats from run to run, in one channel.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Remaining {
     /// Channel.
     pub channel: String,
@@ -263,7 +264,7 @@ pub struct Remaining {
 }
 
 /// A model that may be written to `model.next.toml`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ModelKind {
     /// With the effects of the report's steps.
@@ -276,7 +277,7 @@ pub enum ModelKind {
 }
 
 /// Root mean square of one quantity over the locked-away runs, for each model.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Baseline {
     /// A force channel, or a column of the replay (`replay v_mps`).
     pub quantity: String,
@@ -293,7 +294,7 @@ pub struct Baseline {
 }
 
 /// A model that was fitted but is not written.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Withheld {
     /// Which one.
     pub model: ModelKind,
@@ -304,7 +305,7 @@ pub struct Withheld {
 }
 
 /// What would have been seen.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Detectable {
     /// Effect.
     pub effect: String,
@@ -323,7 +324,7 @@ pub struct Detectable {
 }
 
 /// A bin in which the residual is significant.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Bin {
     /// Channel.
     pub channel: String,
@@ -344,7 +345,7 @@ pub struct Bin {
 }
 
 /// The means of one channel's residual, run by run.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct ByRun {
     /// Channel.
     pub channel: String,
@@ -360,7 +361,7 @@ pub struct ByRun {
 }
 
 /// A run's mean residual.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct RunMean {
     /// Run.
     pub run: String,
@@ -375,7 +376,8 @@ pub struct RunMean {
 }
 
 /// The whole report.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, JsonSchema)]
+#[schemars(title = "report.json")]
 pub struct Report {
     /// The outcome.
     pub verdict: Verdict,
@@ -447,7 +449,7 @@ pub struct Report {
 }
 
 /// Runs that could be driven next, and what they are expected to tell.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct NextRuns {
     /// How many, in one session.
     pub runs: usize,

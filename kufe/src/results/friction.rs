@@ -125,7 +125,7 @@ pub struct SolvedRunner {
 }
 
 /// Friction of one runner under one load, by a law over the pressure.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrictionByLaw {
     /// Peak pressure.
     #[serde(flatten)]

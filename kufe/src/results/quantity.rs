@@ -62,6 +62,15 @@ impl<Q: Quantity> From<kufe_contact::Measure> for Measured<Q> {
 }
 
 impl Description {
+    /// That of a quantity of a lookup table.
+    ///
+    /// # Panics
+    /// Where no result has the quantity.
+    pub fn of(quantity: kufe_lut::Quantity) -> Description {
+        let found = QUANTITIES.iter().find(|one| one.key == quantity.key());
+        *found.expect("every quantity of a table is one of a result")
+    }
+
     /// A value [SI] in the shown unit, without the unit.
     pub fn number(&self, value: f64) -> String {
         format!("{:.*}", self.digits(value), self.times * value)
@@ -260,6 +269,13 @@ mod tests {
         let of = |text| read(text).expect_err("broken").to_string();
         assert!(of(r#"{"width_m":"wide"}"#).contains("width_m: invalid type: string \"wide\""));
         assert!(of(r#"{"width_m":1.0}"#).contains("width_error_m"));
+    }
+
+    #[test]
+    fn every_quantity_of_a_table_is_described() {
+        for quantity in kufe_lut::Quantity::ALL {
+            assert_eq!(Description::of(quantity).error_key, quantity.error_key());
+        }
     }
 
     #[test]

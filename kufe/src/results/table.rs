@@ -1,15 +1,11 @@
 //! Documents of lookup tables: what one contains, and its values at one contact.
 
-use std::collections::BTreeMap;
-
 use kufe_lut::{Error, Interpolated, Interpolator, Method, Mode, Quantity, Sample, Table};
-use schemars::JsonSchema;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 /// A table that was solved, and what it cost.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(title = "kufe lut --json")]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct TableSummary {
     /// Nodes.
@@ -82,8 +78,7 @@ impl TableSummary {
 }
 
 /// The axes, quantities and errors of a table.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(title = "kufe info TABLE --json")]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct TableInfo {
     /// "lookup table".
@@ -92,11 +87,9 @@ pub struct TableInfo {
     pub written_by: &'static str,
     /// The axes by key.
     #[serde(serialize_with = "in_order")]
-    #[schemars(with = "BTreeMap<String, AxisRange>")]
     pub axes: Vec<(&'static str, AxisRange)>,
     /// The quantities by key.
     #[serde(serialize_with = "in_order")]
-    #[schemars(with = "BTreeMap<String, QuantityRange>")]
     pub quantities: Vec<(&'static str, QuantityRange)>,
     /// Nodes.
     pub nodes: usize,
@@ -122,7 +115,7 @@ pub struct TableInfo {
 }
 
 /// The extent of an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AxisRange {
     /// Breakpoints.
     pub points: usize,
@@ -133,7 +126,7 @@ pub struct AxisRange {
 }
 
 /// The range of a quantity, and its largest relative errors of interpolation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct QuantityRange {
     /// Smallest value at a node.
     pub min: f64,
@@ -205,13 +198,11 @@ impl TableInfo {
 }
 
 /// The values of a table at one contact.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[schemars(title = "kufe lut query --json")]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct TableLookup {
     /// The quantities with their errors.
     #[serde(flatten, serialize_with = "by_key")]
-    #[schemars(with = "BTreeMap<String, Option<f64>>")]
     pub values: Vec<LookupValue>,
     /// Normal force [N].
     pub fz_n: f64,

@@ -135,6 +135,11 @@ fn broken_files_are_named_by_place() {
                 "\"errors\":[[-1.0",
                 "expected 0 or a positive number",
             ),
+            (
+                "\"errors\":[[0.0",
+                "\"errors\":[[5e-324",
+                "errors, number 1: found 0.000",
+            ),
             ("\"checks\": [", "\"checks\": [3,", "invalid type"),
             (
                 "\"checks\": [\n {\"fz_n\"",

@@ -20,11 +20,11 @@ use crate::error::Error;
 /// Reads every flat column of numbers; nulls become NaN, other columns are not read.
 ///
 /// Decimals have their point, unsigned integers their sign, and times and time stamps are in
-/// seconds.
+/// seconds. Pages are plain, or compressed by Snappy, gzip or Zstandard.
 ///
 /// # Errors
 /// [`Error::File`] where the file is no Parquet, is cut short, states a wrong length or wrong
-/// pages, or unpacks to more numbers than [`most_values`].
+/// pages, is compressed otherwise, or unpacks to more numbers than [`most_values`].
 pub fn read_parquet(file: impl ChunkReader + 'static, name: &str) -> Result<Columns, Error> {
     // The library panics on some damaged pages; nothing of it outlives the reading.
     catch_unwind(AssertUnwindSafe(|| read_columns(file, name))).unwrap_or_else(|panic| {
@@ -56,6 +56,24 @@ fn read_columns(file: impl ChunkReader + 'static, name: &str) -> Result<Columns,
             let start = start.unwrap_or_else(|| chunk.data_page_offset());
             let length = chunk.compressed_size();
             let column = descriptor.name();
+            use Compression as C;
+            let packed = chunk.compression();
+            if !matches!(
+                packed,
+                C::UNCOMPRESSED | C::SNAPPY | C::GZIP(_) | C::ZSTD(_)
+            ) {
+                let reason = format!(
+                    "column {column}: its pages are compressed by {}: expected snappy, gzip, zstd or none; write the \
+                     file again with one of these",
+                    packed
+                        .to_string()
+                        .split('(')
+                        .next()
+                        .unwrap_or_default()
+                        .to_lowercase()
+                );
+                return Err(Error::file(name, reason));
+            }
             if start < 0 || length < 0 {
                 return Err(Error::file(
                     name,

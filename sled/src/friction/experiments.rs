@@ -86,6 +86,9 @@ const NUMBERS: [(&str, f64, f64, &str); 14] = [
 
 const CELSIUS: &str = "a temperature in degrees Celsius, -60 to 60";
 
+/// Most bytes of a table: empty cells and short rows take up to twenty times as many in memory.
+const MOST_BYTES: u64 = 1 << 25;
+
 /// The least positive number.
 const LEAST: f64 = f64::MIN_POSITIVE;
 
@@ -205,7 +208,7 @@ impl Table {
         };
         let mut csv = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
-            .from_reader(reader);
+            .from_reader(reader.take(MOST_BYTES + 1));
         let header: Vec<String> = csv
             .headers()
             .map_err(unreadable)?
@@ -243,10 +246,14 @@ impl Table {
                 });
             }
         }
-        let rows = csv
-            .into_records()
-            .collect::<Result<Vec<_>, _>>()
-            .map_err(unreadable)?;
+        let rows: Result<Vec<_>, _> = csv.records().collect();
+        if csv.get_ref().limit() == 0 {
+            return Err(Error::Unreadable {
+                file: file.into(),
+                reason: format!("it is longer than {MOST_BYTES} bytes: expected fewer rows"),
+            });
+        }
+        let rows = rows.map_err(unreadable)?;
         Ok(Table {
             file: file.into(),
             columns,

@@ -1,10 +1,9 @@
 //! Runs of one driver on one track.
 
-use std::io::BufWriter;
 use std::path::Path;
 
 use kufe::charts::run_picture;
-use kufe::jobs::{Failure, channel_series, runs::failure, write_document_mat};
+use kufe::jobs::{Failure, channel_series, runs::failure};
 use kufe::results::{SimulatedRun, Simulation};
 use kufe_lut::Sample;
 use kufe_sled::sample_data::{DRIVERS, sample_driver};
@@ -15,7 +14,7 @@ use kufe_sled::{
 use rayon::prelude::*;
 
 use crate::output::OutputDir;
-use crate::runs::files::{draw_tables, run_format, write_runs, write_track};
+use crate::runs::files::{draw_tables, run_format, write_mat, write_runs, write_track};
 use crate::runs::simulate::Args;
 use crate::terminal::{Global, warn, warn_if_cut};
 
@@ -101,10 +100,7 @@ pub fn run(args: &Args, model_file: &Path, track: &Path, global: &Global) -> Res
     write_runs(&output, &mut runs, run_format(args.parquet))?;
     write_track(&output, &track)?;
     if args.mat {
-        output.write("simulation.mat", |file| {
-            let series = vec![channel_series(&runs)];
-            write_document_mat(&mut BufWriter::new(file), &document, series)
-        })?;
+        write_mat(&output, "simulation.mat", &document, channel_series(&runs))?;
     }
     let mut pictures = draw_first(&output, &runs, &model, &vehicle)?;
     pictures.extend(draw_tables(&output, &vehicle, &samples)?);
@@ -119,7 +115,7 @@ pub fn run(args: &Args, model_file: &Path, track: &Path, global: &Global) -> Res
                 ", finish not reached"
             };
             text += &format!(
-                "{}  {:.2} s{finish}  energy balanced to {:.1e} of it\n",
+                "{}  {:.2} s{finish}  relative error of the energy balance {:.1e}\n",
                 run.run, run.time_s, run.energy_balance_relative_error,
             );
         }

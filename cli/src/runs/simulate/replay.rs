@@ -1,11 +1,10 @@
 //! A measured run driven again by the model.
 
-use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use kufe::charts::replay_picture;
 use kufe::jobs::runs::{failure, on_gaps, run_inputs};
-use kufe::jobs::{Failure, channel_series, write_document_mat};
+use kufe::jobs::{Failure, channel_series};
 use kufe::plot::unit_of;
 use kufe::results::ReplayResult;
 use kufe_sled::{
@@ -15,7 +14,7 @@ use kufe_sled::{
 };
 
 use crate::output::OutputDir;
-use crate::runs::files::{draw_tables, run_format, write_runs, write_track};
+use crate::runs::files::{draw_tables, run_format, write_mat, write_runs, write_track};
 use crate::runs::simulate::Args;
 use crate::terminal::{Global, warn};
 
@@ -65,10 +64,8 @@ pub fn run(
     )?;
     write_track(&output, &track)?;
     if args.mat {
-        output.write("simulation.mat", |file| {
-            let series = vec![channel_series(std::slice::from_ref(&driven))];
-            write_document_mat(&mut BufWriter::new(file), &document, series)
-        })?;
+        let series = channel_series(std::slice::from_ref(&driven));
+        write_mat(&output, "simulation.mat", &document, series)?;
     }
     output.picture("replay.png", &replay_picture(&done))?;
     let samples = table_samples(states);
@@ -125,14 +122,14 @@ fn entry(args: &Args, track: &Track) -> Result<Entry, Failure> {
     let known: Vec<&str> = entries.iter().map(|entry| entry.run.as_str()).collect();
     let Some(entry) = entries.iter().find(|entry| entry.run == *name) else {
         return Err(Failure::BadInput(format!(
-            "--run {name}: {} has {}",
+            "--run {name}: expected a run of {}: {}",
             file.display(),
             known.join(", ")
         )));
     };
     if entry.track != track.name {
         return Err(Failure::BadInput(format!(
-            "{}: run {name} is one on track {}, expected one on {}",
+            "{}: run {name} is on track {}: expected a run on {}",
             file.display(),
             entry.track,
             track.name
@@ -162,7 +159,7 @@ fn summary(done: &Replay) -> String {
             &format!("{column:18} {rms:17.4} {end:17.4} {largest:17.4} at {largest_at_m:.0} m\n");
     }
     text += &format!(
-        "the model misses {:.1} N along the sled on average\n",
+        "mean force along the sled that the model lacks: {:.1} N\n",
         done.mean_force_n
     );
     for section in &done.sections {

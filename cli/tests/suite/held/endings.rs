@@ -172,7 +172,8 @@ fn a_command_that_is_terminated_leaves_nothing() {
     let inputs = bench.names();
     let press = "press case.toml -o out";
     let discover = "discover experiments.csv --model model.toml --twins 1000 -o out";
-    for words in [press, discover] {
+    let export = "export case.toml --stiffness out/k.mtx";
+    for words in [press, discover, export] {
         let mut child = Command::new(env!("CARGO_BIN_EXE_kufe"))
             .current_dir(bench.folder.path())
             .args(words.split(' '))

@@ -178,6 +178,8 @@ fn files_that_commands_name_by_themselves_replace_nothing() {
     bench.succeeds(&["press", "case.toml", "-o", "out", "-q"]);
     bench.write("log.csv", "Time [s],Speed [km/h]\n0,50\n0.1,50\n0.2,51\n");
     let rows = [
+        ("lut export t.lut --fmu", "t.fmu"),
+        ("lut export t.lut --mat", "t.mat"),
         ("lut export t.lut --csv", "t.csv"),
         ("lut export t.lut --header", "t.h"),
         ("lut export t.lut --simulink", "t_sfun.c"),
@@ -209,8 +211,14 @@ fn files_that_commands_name_by_themselves_replace_nothing() {
         is_refused(&bench, &words, &[output, "--force"]);
         bench.succeeds(&[&words[..], &["--force", "-q"]].concat());
         assert_ne!(std::fs::read(bench.path(output)).expect("there"), b"mine");
-        if !output.ends_with(".toml") {
-            bench.succeeds(&[&words[..], &["-q"]].concat());
+        bench.succeeds(&[&words[..], &["-q"]].concat());
+        // Its own file, which the user changed: by one bit, and by a line.
+        let own = std::fs::read(bench.path(output)).expect("there");
+        let mut changed = own.clone();
+        changed[own.len() / 2] ^= 1;
+        for changed in [changed, [&own[..], b"\n% mine\n"].concat()] {
+            bench.write(output, &changed);
+            is_refused(&bench, &words, &[output, "--force"]);
         }
         std::fs::remove_file(bench.path(output)).expect("there");
         assert!(!bench.path("new").exists());

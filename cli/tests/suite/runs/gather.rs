@@ -189,14 +189,40 @@ fn only_runs_are_copied_and_no_links_out_of_their_folder() {
     let bench = days();
     bench.write("secret.csv", "user,password\nanna,1234\n");
     bench.write("other.csv", run(30.0));
-    std::os::unix::fs::symlink("../other.csv", bench.path("tuesday/link.csv")).expect("a link");
+    std::fs::create_dir(bench.path("elsewhere")).expect("a folder");
+    bench.write("elsewhere/run.csv", run(30.0));
+    let link = |to: &str, name: &str| {
+        std::os::unix::fs::symlink(to, bench.path(name)).expect("a link");
+    };
+    link("../other.csv", "tuesday/link.csv");
+    link("link.csv", "tuesday/twice.csv");
+    link("../elsewhere", "tuesday/folder");
     for (file, part) in [
         ("../secret.csv", "no columns t_s and v_mps"),
-        ("link.csv", "a link that leads out of its folder"),
+        ("link.csv", "a link leads to it, out of its folder"),
+        ("twice.csv", "a link leads to it, out of its folder"),
+        ("folder/run.csv", "a link leads to it, out of its folder"),
     ] {
         bench.write("tuesday/runs.csv", format!("run,file\nA1,{file}\n"));
         let words = ["runs", "gather", "tuesday", "-o", "all/runs.csv", "--copy"];
         refused(bench.folder.path(), &words, 3, &[part]);
         assert!(!bench.path("all").exists());
     }
+    // Neither by a table of a track, which is copied with or without --copy.
+    bench.write("tuesday/runs.csv", "run,file,track\nA1,first.csv,lost\n");
+    link("../secret.csv", "tuesday/track_lost.csv");
+    let words = ["runs", "gather", "tuesday", "-o", "all/runs.csv"];
+    refused(
+        bench.folder.path(),
+        &words,
+        3,
+        &["track_lost.csv", "a link that leads out"],
+    );
+    // A link within the folder, and a folder that is a link itself, are what the user named.
+    std::fs::remove_file(bench.path("tuesday/track_lost.csv")).expect("there");
+    link("second.csv", "tuesday/inner.csv");
+    link("tuesday", "linked");
+    bench.write("tuesday/runs.csv", "run,file\nA1,inner.csv\n");
+    bench.succeeds(&["runs", "gather", "linked", "-o", "all/runs.csv", "--copy"]);
+    assert!(bench.path("all/A1.csv").is_file());
 }

@@ -237,3 +237,105 @@ pub(crate) fn combination(key: &'static str, expected: &'static str) -> CaseErro
         expected,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOB: &str = "{ kind = \"bob\", length_m = 1.0, rocker_radius_m = 30.0, section_radius_m = 0.005, \
+                       width_m = 0.01, height_m = 0.03 }";
+    const LUGE: &str = "{ kind = \"luge\", length_m = 0.6, rocker_radius_m = 25.0, edge_radius_m = 3e-4, \
+                        tilt_rad = 0.02, width_m = 0.02, height_m = 0.008 }";
+
+    /// A case with every key that has a number; which keys go together is not checked before the
+    /// ranges.
+    fn all_keys(shape: &str) -> toml::Table {
+        let text = format!(
+            "[runner]
+             shape = {shape}
+             elastic = true
+             scale = 1.0
+             yaw_rad = 0.0
+             pitch_rad = 0.0
+             roll_rad = 0.0
+             noise_m = 0.0
+             height_m = 0.03
+             youngs_modulus_pa = 2.1e11
+             poissons_ratio = 0.3
+             [runner.section]
+             worn_m = 0.0
+             worn_edge = 0.5
+             [runner.mount]
+             held = [{{ x_m = 0.0, length_m = 0.1 }}]
+             carries = [{{ x_m = 0.0, length_m = 0.1, share = 1.0 }}]
+             [ice]
+             temperature_c = -5.0
+             youngs_modulus_pa = 9e9
+             poissons_ratio = 0.33
+             thickness_m = 0.05
+             hardness_pa = 1e7
+             bed = {{ youngs_modulus_pa = 3e10, poissons_ratio = 0.2, thickness_m = 0.2 }}
+             waviness = {{ amplitude_m = 0.0, wavelength_m = 0.1, direction_rad = 0.0, phase_rad = 0.0 }}
+             [track]
+             curvature_1pm = 0.0
+             [sliding]
+             v_mps = 20.0
+             ice_c = -5.0
+             viscosity_factor = 1.0
+             roughness_m = 0.0
+             boundary_shear_pa = 0.0
+             hardness = {{ pressure_pa = 1e7, ice_c = -5.0, contact_time_s = 1.0 }}
+             [load]
+             fz_n = 1000.0
+             offset_x_m = 0.0
+             offset_y_m = 0.0
+             pitch_rad = 0.0
+             roll_rad = 0.0
+             [accuracy]
+             p_max = 0.01
+            "
+        );
+        text.parse().expect("TOML")
+    }
+
+    /// The number of a dotted key, in the first item of lists.
+    fn number<'a>(table: &'a mut toml::Table, key: &str) -> Option<&'a mut toml::Value> {
+        let (first, rest) = key.split_once('.').unwrap_or((key, ""));
+        let mut value = table.get_mut(first)?;
+        if let toml::Value::Array(items) = value {
+            value = items.first_mut()?;
+        }
+        match value {
+            toml::Value::Table(inner) => number(inner, rest),
+            number => Some(number),
+        }
+    }
+
+    #[test]
+    fn every_range_refuses_what_is_below_and_above_it_by_its_key() {
+        for range in RANGES {
+            let mut tried = 0;
+            let below = range.low - range.low.abs() - 1e-3;
+            let above = if range.high.is_finite() {
+                range.high
+            } else {
+                LARGEST_RADIUS
+            };
+            for wrong in [below, above + above.abs() + 1e-3, f64::NAN] {
+                for shape in [BOB, LUGE] {
+                    let mut case = all_keys(shape);
+                    let Some(value) = number(&mut case, range.key) else {
+                        continue;
+                    };
+                    *value = wrong.into();
+                    let refused = Case::parse(&case.to_string());
+                    let error = refused.expect_err(range.key).to_string();
+                    let named = error.contains(&format!("{} = ", range.key));
+                    assert!(named && error.contains(range.what), "{wrong}: {error}");
+                    tried += 1;
+                }
+            }
+            assert!(tried >= 3, "{}: no case has it", range.key);
+        }
+    }
+}

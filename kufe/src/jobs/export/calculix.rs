@@ -6,7 +6,6 @@ use std::path::Path;
 use kufe_contact::{
     Foundation, Load, Mount, Options, Problem, Solution, Tilt, runner_loads, solve,
 };
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::jobs::case_file::LoadedCase;
@@ -22,7 +21,7 @@ pub struct CalculixDeck<'a> {
 }
 
 /// The contents of a deck, and the contact on its mesh.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DeckResult {
     /// The deck's file.
     pub deck: String,

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use kufe_contact::{Options, Solution, StiffnessForm, VolumeField, solve};
 use kufe_fem::write_matrix_market;
-use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::jobs::case_file::LoadedCase;
@@ -21,7 +20,7 @@ pub struct AssembledStiffness {
 }
 
 /// The size of a matrix, and the contact on its mesh.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StiffnessResult {
     /// The matrix's file.
     pub stiffness: String,

@@ -65,14 +65,13 @@ impl NewFiles<'_> {
         self.write(name, |mut file| file.write_all(&figure.png()))
     }
 
-    /// Writes a result as JSON that people can read; returns the text.
+    /// Writes a result as JSON that people can read.
     ///
     /// # Errors
     /// As [`write`](Self::write).
-    pub fn json(&self, name: &str, result: &impl Serialize) -> Result<String, Failure> {
+    pub fn json(&self, name: &str, result: &impl Serialize) -> Result<(), Failure> {
         let text = pretty(result)?;
-        self.write(name, |mut file| file.write_all(text.as_bytes()))?;
-        Ok(text)
+        self.write(name, |mut file| file.write_all(text.as_bytes()))
     }
 
     fn failure(&self, name: &str, reason: &dyn Display) -> Failure {
@@ -104,7 +103,7 @@ fn title(solution: &Solution) -> String {
 /// Writes result.json, pressure.exr, pressure.png, field.vtu where the ice was solved in its
 /// volume, contact.vtp, hull.glb where the shape has ends, and runner.vtu and stress.png where the runner deforms; where it slides groove.exr,
 /// groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum
-/// shear stress in the VTU files; with `mat` result.mat. Returns the document and its text.
+/// shear stress in the VTU files; with `mat` result.mat. Returns the document.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the file that cannot be written.
@@ -112,7 +111,7 @@ pub fn write_contact(
     output: NewFiles,
     pressed: &SolvedContact,
     mat: bool,
-) -> Result<(ContactResult, String), Failure> {
+) -> Result<ContactResult, Failure> {
     let (p_max_map, stress_max) = fields(output, pressed)?;
     let mut result = pressed.result();
     result.p_max_map_pa = Some(p_max_map);
@@ -128,8 +127,8 @@ pub fn write_contact(
             write_mat(&mut BufWriter::new(&mut file), &result, &pressed.solution)
         })?;
     }
-    let text = output.json("result.json", &result)?;
-    Ok((result, text))
+    output.json("result.json", &result)?;
+    Ok(result)
 }
 
 /// Writes maps, fields and the surfaces, side by side; returns the largest pressure of the map and

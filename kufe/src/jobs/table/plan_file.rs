@@ -88,24 +88,6 @@ impl PlanFile {
         Ok(plan)
     }
 
-    /// Refuses a folder whose files of this plan were changed.
-    ///
-    /// # Errors
-    /// [`Failure::BadInput`] with the file; those of [`files`](Self::files).
-    pub fn check_unchanged(&self, folder: &Path) -> Result<(), Failure> {
-        for (name, text) in self.files(folder)? {
-            let path = folder.join(name);
-            let found = kufe_files::read_regular(&path, MAX_BYTES).ok();
-            if path.exists() && found.is_none_or(|found| found != text.as_bytes()) {
-                return Err(Failure::BadInput(format!(
-                    "{}: it was changed since kufe wrote it; --force replaces it",
-                    path.display()
-                )));
-            }
-        }
-        Ok(())
-    }
-
     /// The points of shard `index` (from 1) of `count`: neighbours stay together.
     ///
     /// # Errors

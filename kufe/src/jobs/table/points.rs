@@ -88,6 +88,9 @@ impl PointStore {
     /// # Errors
     /// As [`of_file`](Self::of_file).
     pub fn of_folder(folder: &Path, name: &str, origin: Origin) -> Result<Self, Failure> {
+        if folder.is_symlink() {
+            return Err(link(folder));
+        }
         let own = folder.join(name).with_extension(ENDING);
         let mut store = PointStore::of_file(&own, origin)?;
         let mut files = Vec::new();
@@ -114,7 +117,7 @@ impl PointStore {
             )))
         };
         if path.is_symlink() {
-            return foreign("it is a link");
+            return Err(link(path));
         }
         let mut file = kufe_files::open_regular(path).map_err(cannot("be read", path))?;
         let mut begins = Vec::new();
@@ -197,6 +200,10 @@ impl PointStore {
         if !folder.as_os_str().is_empty() {
             std::fs::create_dir_all(folder).map_err(cannot("be written", folder))?;
         }
+        // A link may have been put in the way since the file was read.
+        if folder.is_symlink() || self.path.is_symlink() {
+            return Err(link(&self.path));
+        }
         let mut options = OpenOptions::new();
         let open = options
             .read(true)
@@ -271,6 +278,13 @@ pub fn same_origin(place: &str, stored: &Origin, now: &Origin) -> Result<(), Fai
         }
     }
     Ok(())
+}
+
+fn link(path: &Path) -> Failure {
+    Failure::BadInput(format!(
+        "{}: a link is in the way; expected solved points, or none",
+        path.display()
+    ))
 }
 
 fn cannot<'a>(what: &'a str, path: &'a Path) -> impl Fn(std::io::Error) -> Failure + 'a {
@@ -378,6 +392,37 @@ mod tests {
                 "{text}"
             );
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_not_followed_neither_before_nor_after_the_points_are_read() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir(at("mine")).expect("a folder");
+        written(&at("mine/shard.jsonl"));
+        let before = std::fs::read(at("mine/shard.jsonl")).expect("lines");
+        symlink("mine", at("linked")).expect("a link");
+        let whole = PointStore::of_folder(&at("linked"), "shard", origin("1", "a"));
+        assert!(
+            whole
+                .expect_err("a linked folder")
+                .to_string()
+                .contains("a link")
+        );
+        std::fs::create_dir(at("points")).expect("a folder");
+        let store = PointStore::of_folder(&at("points"), "shard", origin("1", "a"));
+        let store = store.expect("a store");
+        symlink("../mine/shard.jsonl", at("points/shard.jsonl")).expect("a link");
+        let text = store.append(&solve(9)).expect_err("a link").to_string();
+        assert!(text.contains("a link"), "{text}");
+        let again = PointStore::of_folder(&at("points"), "shard", origin("1", "a"));
+        assert!(again.expect_err("a link").to_string().contains("a link"));
+        assert_eq!(
+            std::fs::read(at("mine/shard.jsonl")).expect("lines"),
+            before
+        );
     }
 
     #[test]

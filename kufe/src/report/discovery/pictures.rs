@@ -96,13 +96,9 @@ fn diagram(plot: &Scatter) -> Panel {
 
 /// Every run along a track in its session's colour, the mean of all, and the places of effects.
 fn strip(plot: &Strip, after: bool) -> Panel {
-    let values = |run: &StripRun| {
-        if after {
-            run.after.clone()
-        } else {
-            run.before.clone()
-        }
-    };
+    fn values(run: &StripRun, after: bool) -> &[f64] {
+        if after { &run.after } else { &run.before }
+    }
     let count = plot
         .runs
         .iter()
@@ -115,10 +111,10 @@ fn strip(plot: &Strip, after: bool) -> Panel {
         .iter()
         .flat_map(|run| run.before.iter().chain(&run.after));
     let [_, largest] = extent(both.map(|value| value.abs()).chain([1e-300]));
-    let line = |values: Vec<f64>, width: f64, colour: Colour| {
+    let line = |values: &[f64], width: f64, colour: Colour| {
         let at = |k: usize| plot.from_m + plot.step_m * (k as f64 + 0.5);
-        let points = values.into_iter().enumerate();
-        Layer::line(width, points.map(|(k, value)| (at(k), value)), colour)
+        let points = values.iter().enumerate();
+        Layer::line(width, points.map(|(k, value)| (at(k), *value)), colour)
     };
     let mut layers = Vec::new();
     for place in &plot.places {
@@ -142,7 +138,7 @@ fn strip(plot: &Strip, after: bool) -> Panel {
         let session = sessions.iter().position(|session| *session == run.session);
         let session = session.unwrap_or(0);
         let colour = Colour::hue(session, sessions.len()).alpha(0.6);
-        let layer = line(values(run), 0.9, colour).hinted(&*run.run);
+        let layer = line(values(run, after), 0.9, colour).hinted(&*run.run);
         let name = if session < MOST_SESSIONS {
             &*run.session
         } else {
@@ -152,17 +148,18 @@ fn strip(plot: &Strip, after: bool) -> Panel {
     }
     if sessions.len() > MOST_SESSIONS {
         let more = format!("and {} sessions", sessions.len() - MOST_SESSIONS);
-        layers.push(named(line(Vec::new(), 1.0, INK.alpha(0.0)), &more));
+        layers.push(named(line(&[], 1.0, INK.alpha(0.0)), &more));
     }
     let mean = |k: usize| {
         let at = plot
             .runs
             .iter()
-            .filter_map(|run| values(run).get(k).copied());
+            .filter_map(|run| values(run, after).get(k).copied());
         let at: Vec<f64> = at.filter(|value| value.is_finite()).collect();
         at.iter().sum::<f64>() / at.len() as f64
     };
-    let means = line((0..count).map(mean).collect(), 1.8, INK);
+    let means: Vec<f64> = (0..count).map(mean).collect();
+    let means = line(&means, 1.8, INK);
     layers.push(named(means, "mean of all runs"));
     let x = Axis::new(if after {
         "distance along the track [m]"

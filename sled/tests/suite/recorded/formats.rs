@@ -111,7 +111,7 @@ data = {'t_s': t, 'v_mps': 20 + t, 'count': numpy.arange(200, dtype='int32'), 'h
 frame = pandas.DataFrame(data)
 frame['mood'] = 'fine'
 frame['gap'] = [None if i == 7 else float(i) for i in range(200)]
-for codec in ('snappy', 'zstd'):
+for codec in ('none', 'snappy', 'gzip', 'zstd', 'brotli', 'lz4'):
     frame.to_parquet(os.path.join(sys.argv[1], codec + '.parquet'), compression=codec)
 scipy.io.savemat(os.path.join(sys.argv[1], 'two.mat'), {k: data[k] for k in ('t_s', 'v_mps', 'half')}, format='5')
 scipy.io.savemat(os.path.join(sys.argv[1], 'packed.mat'), {k: data[k][:, None] for k in ('t_s', 'v_mps', 'half')}, format='5', do_compression=True)
@@ -119,7 +119,18 @@ scipy.io.savemat(os.path.join(sys.argv[1], 'packed.mat'), {k: data[k][:, None] f
     if python(&["pandas", "pyarrow", "scipy"], script, &[folder.path()]).is_none() {
         return;
     }
-    for name in ["snappy.parquet", "zstd.parquet", "two.mat", "packed.mat"] {
+    for codec in ["brotli", "lz4"] {
+        let path = folder.path().join(format!("{codec}.parquet"));
+        let error = read_columns(&path, &[]).unwrap_err().to_string();
+        assert!(error.contains("expected snappy, gzip, zstd"), "{error}");
+        assert!(
+            error.contains(codec) && error.lines().count() == 1,
+            "{error}"
+        );
+    }
+    let packed = ["none", "snappy", "gzip", "zstd"].map(|codec| format!("{codec}.parquet"));
+    let matlab = ["two.mat", "packed.mat"].map(str::to_owned);
+    for name in packed.iter().chain(&matlab) {
         let columns = read_columns(&folder.path().join(name), &[]).unwrap();
         assert_eq!(columns["t_s"].len(), 200, "{name}");
         assert!((columns["v_mps"][100] - 21.0).abs() < 1e-12, "{name}");
