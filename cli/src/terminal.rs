@@ -106,7 +106,7 @@ impl Global {
         let bar = self.progress();
         let done = work(&Watch {
             progress: Some(&|text| bar.set_message(text.to_owned())),
-            warn: Some(&|text| bar.bar.suspend(|| warn(text))),
+            warn: Some(&|text| bar.warn(text)),
             stop: Some(&INTERRUPTED),
         });
         bar.finish_and_clear();
@@ -164,6 +164,11 @@ impl Progress {
             note(&format!("{seconds:.2} s: {text}"));
         }
         self.bar.set_message(text);
+    }
+
+    /// Prints a warning above the line.
+    pub fn warn(&self, text: &str) {
+        self.bar.suspend(|| warn(text));
     }
 
     /// Removes the line.

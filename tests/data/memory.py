@@ -102,6 +102,11 @@ def page(size):
     return b'{"points":[' + repeated(b"0,", size) + b"0]}"
 
 
+@reader("table.json", ["report", "series"])
+def series(size):
+    return b"[" + repeated(b'{"step":1,"folder":"","error":null},', size) + b"{}]"
+
+
 @reader("fit.json", ["validate", "runs.csv", "--model", "model.toml", "--fit", "fit.json", "-o", "out"])
 def fit(size):
     return b'{"front":[' + repeated(b"0,", size) + b"0]}"
@@ -243,7 +248,7 @@ def prepare(command, folder, name, data):
     for other, text in files.items():
         with open(os.path.join(folder, other), "w") as file:
             file.write(text)
-    own = {"runs.csv": "index.csv", "report": "page/friction.json", "model.toml": "model_big.toml"}.get(name, name)
+    own = {"runs.csv": "index.csv", "report": "page/friction.json", "table.json": "series/table.json", "model.toml": "model_big.toml"}.get(name, name)
     path = os.path.join(folder, own)
     os.makedirs(os.path.dirname(path), exist_ok=True)
     with open(path, "wb") as file:

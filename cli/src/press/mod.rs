@@ -12,7 +12,7 @@ use kufe_contact::Options;
 
 use crate::output::{OutputDir, case_inputs};
 use crate::press::series::Lists;
-use crate::terminal::{Global, warn};
+use crate::terminal::Global;
 
 /// Arguments of `kufe press`.
 #[derive(clap::Args, Debug)]
@@ -59,7 +59,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let options = with_progress(options, accuracy, move |line| shown.set_message(line));
     let watch = Watch {
         progress: Some(&|text| bar.set_message(text.to_owned())),
-        warn: Some(&warn),
+        warn: Some(&|text| bar.warn(text)),
         ..Watch::default()
     };
     let pressed = Contact::from(loaded).options(options).best(&watch);

@@ -60,6 +60,15 @@ fn schemas(bench: &Bench) -> impl Fn(&str) -> PathBuf {
 fn results_have_schemas() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
+    let experiments = (0..24).map(|k| {
+        let mu = 0.0035 + 1e-5 * f64::from(37 * k % 61);
+        format!("S{k},{}e4,5e5,{mu:.6},0.0003\n", 700 + 40 * k)
+    });
+    let head = "specimen,p_max_pa,p_max_sd_pa,mu,mu_sd\n";
+    bench.write(
+        "experiments.csv",
+        head.to_owned() + &experiments.collect::<String>(),
+    );
     for (document, words, file) in [
         ("result", "press case.toml", "out/result.json"),
         (
@@ -77,6 +86,11 @@ fn results_have_schemas() {
             "check",
             "runs check sample/runs.csv -o check",
             "check/check.json",
+        ),
+        (
+            "finding",
+            "discover experiments.csv --model sample/model.toml -o finding",
+            "finding/report.json",
         ),
     ] {
         bench.succeeds(&["schema", document, "-q", "-o", "schema.json", "--force"]);
