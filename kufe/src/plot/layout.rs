@@ -330,12 +330,15 @@ impl Page {
             }
             names.push(&layer.name);
             let lines = wrapped(&layer.name, self.size, wide - SYMBOL * self.size);
+            let whole = lines.len() == 1;
             for (k, text) in lines.into_iter().enumerate() {
                 let room = wide - KEYS * self.size - self.key(&text);
                 let layer = (k == 0).then_some(layer);
                 let key = Key { layer, text };
                 match rows.last_mut() {
-                    Some(row) if k == 0 && self.length(row) <= room => row.push(key),
+                    Some(row) if whole && row[0].layer.is_some() && self.length(row) <= room => {
+                        row.push(key);
+                    }
                     _ => rows.push(vec![key]),
                 }
             }
