@@ -126,6 +126,48 @@ pub fn resample_from(values: &[f64], from_hz: f64, to_hz: f64, offset: f64) -> V
         .collect()
 }
 
+/// Brings a column with gaps to a lower rate, each stretch of finite values by itself as
+/// [`resample`] does; NaN in the gaps.
+///
+/// Sample k of the result is at the time of sample `k from_hz / to_hz` of the column. Of a stretch
+/// too short for the low pass the recorded values next to those times are taken.
+pub fn resample_stretches(column: &[f64], from_hz: f64, to_hz: f64) -> Vec<f64> {
+    let ratio = if to_hz >= from_hz * (1.0 - 1e-3) {
+        return column.to_vec();
+    } else {
+        ratio(from_hz, to_hz)
+    };
+    let last_before = |end: usize| ((end - 1) as f64 / ratio + 1e-9).floor() as usize;
+    let mut result = vec![
+        f64::NAN;
+        column
+            .len()
+            .checked_sub(1)
+            .map_or(0, |n| last_before(n + 1) + 1)
+    ];
+    let mut start = 0;
+    for stretch in column.split_inclusive(|x| !x.is_finite()) {
+        let finite = stretch.iter().take_while(|x| x.is_finite()).count();
+        let (first, end) = (
+            (start as f64 / ratio - 1e-9).ceil() as usize,
+            start + finite,
+        );
+        if finite > 0 && first <= last_before(end) {
+            let places = first..last_before(end) + 1;
+            let values: Vec<f64> = if finite >= LEAST_SAMPLES {
+                let offset = first as f64 * ratio - start as f64;
+                resample_from(&column[start..end], from_hz, to_hz, offset)
+            } else {
+                let near = |k: usize| ((k as f64 * ratio).round() as usize).clamp(start, end - 1);
+                places.clone().map(|k| column[near(k)]).collect()
+            };
+            result[places].copy_from_slice(&values);
+        }
+        start += stretch.len();
+    }
+    result
+}
+
 /// Samples on each side of the one whose slope is taken.
 pub const HALF_WIDTH: usize = 3;
 /// Degree of the local polynomial.
@@ -251,6 +293,32 @@ pub fn bridged(column: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod filter_tests {
     use super::*;
+
+    #[test]
+    fn a_column_with_gaps_has_its_values_at_their_times_at_a_lower_rate() {
+        for (from, to) in [(500.0, 100.0), (500.0, 83.0), (100.0, 100.0)] {
+            let mut column = sine(1.0, from, 1003);
+            for gap in [0..3, 200..260, 261..262, 270..300, 990..1003] {
+                column[gap].fill(f64::NAN);
+            }
+            let found = resample_stretches(&column, from, to);
+            let step = from / to;
+            assert_eq!(found.len(), (1002.0 / step).floor() as usize + 1);
+            for (k, value) in found.iter().enumerate() {
+                let at = k as f64 * step;
+                let near = [at.floor() as usize, (at.ceil() as usize).min(1002)];
+                if near.iter().all(|i| column[*i].is_finite()) {
+                    let expected = (std::f64::consts::TAU * at / from).sin();
+                    // A short stretch has its nearest value: half a sample at most.
+                    let bound = 2e-3 + std::f64::consts::PI / from;
+                    assert!((value - expected).abs() < bound, "{at}: {value} {expected}");
+                } else if near.iter().all(|i| column[*i].is_nan()) {
+                    assert!(value.is_nan(), "{at}: {value}");
+                }
+            }
+        }
+        assert!(resample_stretches(&[], 500.0, 100.0).is_empty());
+    }
 
     fn sine(frequency: f64, rate: f64, count: usize) -> Vec<f64> {
         (0..count)

@@ -5,6 +5,7 @@ mod check;
 mod gather;
 mod import;
 mod init;
+mod view;
 
 use kufe::jobs::Failure;
 
@@ -16,7 +17,8 @@ Examples:
   kufe runs import mapping.toml -o runs/               bring them into kufe's form
   kufe runs gather monday/ tuesday/ -o runs.csv        bring the runs of several folders into one index
   kufe runs check runs/runs.csv -o check/              examine them
-  kufe runs align runs/runs.csv --model model.toml -o aligned/   bring them to one distance along the track";
+  kufe runs align runs/runs.csv --model model.toml -o aligned/   bring them to one distance along the track
+  kufe runs view runs/runs.csv -o view.html            show them over distance and time";
 
 /// Arguments of `kufe runs`.
 #[derive(clap::Args, Debug)]
@@ -38,6 +40,8 @@ enum Command {
     Check(check::Args),
     /// Bring runs to one distance along their track, or estimate the track from them
     Align(align::Args),
+    /// Show runs over distance and time on one page, one over another and beside the model
+    View(view::Args),
 }
 
 /// Runs the subcommand.
@@ -51,5 +55,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Command::Gather(args) => gather::run(args, global),
         Command::Check(args) => check::run(args, global),
         Command::Align(args) => align::run(args, global),
+        Command::View(args) => view::run(args, global),
     }
 }

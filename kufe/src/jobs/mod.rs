@@ -13,7 +13,7 @@
 //! | [`FrictionLaw`] | friction of a contact by a law over its pressure |
 //! | [`slide`] | a case's groove, melt film and friction, and friction over speed and temperature |
 //! | [`table`] | a table file and the lookup table that it specifies |
-//! | [`runs`], [`gather`], [`align`] | recorded runs, selected and prepared, gathered, aligned |
+//! | [`runs`], [`gather`], [`align`], [`view_runs`] | recorded runs, selected and prepared, gathered, aligned, shown |
 //!
 //! ```
 //! use kufe::jobs::{Contact, case_file::LoadedCase};
@@ -37,6 +37,7 @@ pub mod runs;
 mod series;
 pub mod slide;
 pub mod table;
+pub mod view_runs;
 mod watch;
 mod write_whole;
 

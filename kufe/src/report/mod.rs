@@ -14,7 +14,7 @@
 //! | [`index_page`] | an index of runs |
 //! | [`PackedGrid`] | fields on a regular grid, thinned and packed for a page |
 //! | [`pack`] | numbers as the page's scripts read them |
-//! | [`ContactPage`], [`SeriesPage`], [`TablePage`] | the data of three kinds |
+//! | [`ContactPage`], [`SeriesPage`], [`TablePage`], [`RunsPage`] | the data of four kinds |
 //!
 //! ```
 //! use kufe::report::{Kind, page};
@@ -32,6 +32,7 @@ mod pack;
 mod page;
 mod record;
 mod results;
+mod runs;
 mod sign;
 mod table;
 
@@ -43,4 +44,5 @@ pub use pack::{Packed, pack};
 pub use page::{Kind, page};
 pub use record::record_page;
 pub use results::{Picture, picture_url, results_page};
+pub use runs::RunsPage;
 pub use table::TablePage;

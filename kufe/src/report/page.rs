@@ -19,6 +19,8 @@ pub enum Kind {
     Series,
     /// An evaluation of drivers.
     Evaluation,
+    /// Recorded runs over time and distance.
+    Runs,
     /// One contact with a form that solves again.
     View,
 }
@@ -41,6 +43,7 @@ const PRESS: &str = include_str!("../../assets/press.js");
 const TABLE: &str = include_str!("../../assets/table.js");
 const SERIES: &str = include_str!("../../assets/series.js");
 const EVALUATION: &str = include_str!("../../assets/evaluation.js");
+const RUNS: &str = include_str!("../../assets/runs.js");
 const VIEW: &str = include_str!("../../assets/view.js");
 
 impl Kind {
@@ -52,6 +55,7 @@ impl Kind {
             Kind::Table => &[THREE, BASE, CHART, HEAT_MAP, SCENE, TABLE],
             Kind::Series => &[BASE, CHART, SERIES],
             Kind::Evaluation => &[BASE, CHART, EVALUATION],
+            Kind::Runs => &[BASE, RUNS],
         }
     }
 }
@@ -67,7 +71,7 @@ impl Kind {
     /// It allows the page's own script by its digest, and no other: neither an inline event
     /// handler nor a script that data bring in. The page may ask the server that it came from.
     pub fn policy(self) -> String {
-        static DIGESTS: [OnceLock<String>; 5] = [const { OnceLock::new() }; 5];
+        static DIGESTS: [OnceLock<String>; 6] = [const { OnceLock::new() }; 6];
         let digest = DIGESTS[self as usize].get_or_init(|| {
             let hexadecimal = kufe_files::sha256(self.script().as_bytes());
             let byte = |k: usize| u8::from_str_radix(&hexadecimal[2 * k..2 * k + 2], 16);
@@ -151,6 +155,7 @@ mod tests {
             Kind::Table,
             Kind::Series,
             Kind::Evaluation,
+            Kind::Runs,
             Kind::View,
         ] {
             let html = page(kind, "x", &json!({}));
@@ -170,7 +175,7 @@ mod tests {
     #[test]
     fn no_script_ends_its_element_early() {
         for text in [
-            THREE, BASE, CHART, HEAT_MAP, SCENE, CONTACT, PRESS, TABLE, EVALUATION, VIEW,
+            THREE, BASE, CHART, HEAT_MAP, SCENE, CONTACT, PRESS, TABLE, EVALUATION, RUNS, VIEW,
         ] {
             assert!(!text.to_ascii_lowercase().contains("</script"));
         }

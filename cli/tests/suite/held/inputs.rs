@@ -65,7 +65,7 @@ fn pipes_and_devices_are_refused_wherever_a_file_is_read() {
         "glides.csv",
         "run,file,specimen,direction,mass_kg,cda_m2,air_c,air_pa\n1,p.csv,a,up,50,0,2,94700\n",
     );
-    let rows: [&[&str]; 24] = [
+    let rows: [&[&str]; 25] = [
         &["press", "p.toml"],
         &["press", "hull.toml"],
         &["press", "device.toml"],
@@ -116,6 +116,7 @@ fn pipes_and_devices_are_refused_wherever_a_file_is_read() {
             "p.toml",
         ],
         &["runs", "check", "p.csv"],
+        &["runs", "view", "p.csv"],
         &["runs", "align", "p.csv", "--model", "model.toml", "-o", "a"],
         &["friction", "fit", "p.csv"],
         &["icehouse", "p.csv"],

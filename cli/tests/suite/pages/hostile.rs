@@ -87,6 +87,7 @@ fn names_in_pages_are_text_and_nothing_runs() {
         bench.kufe(&[&words[..], &["-q"]].concat());
     };
     of("runs check sample/runs.csv -o check".to_owned());
+    of(format!("runs view sample/runs.csv {model} -o viewed.html"));
     of(format!("evaluate sample/runs.csv {model} -o evaluated"));
     of("report evaluated".to_owned());
     of(format!("discover experiments.csv {model} -o found"));
@@ -100,6 +101,7 @@ fn names_in_pages_are_text_and_nothing_runs() {
     );
     for page in [
         "check/check.html",
+        "viewed.html",
         "evaluated/report.html",
         "found/report.html",
         "foreign/report.html",

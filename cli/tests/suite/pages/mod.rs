@@ -5,4 +5,5 @@ mod finding;
 mod hostile;
 mod report;
 mod results;
+mod runs;
 mod view;

@@ -3,7 +3,7 @@
 
 mod amount;
 mod entry;
-mod label;
+pub(super) mod label;
 mod page;
 mod records;
 mod sections;

@@ -11,6 +11,7 @@ use crate::columns::read_columns;
 use crate::error::Error;
 use crate::fault::Fault;
 use crate::record::check::judge::judge;
+use crate::record::check::odd_stretch::{OddStretch, odd_stretches};
 use crate::record::check::profile::Profile;
 use crate::record::check::rigid_body::{Slow, delays};
 use crate::record::files::{find_copy, read_run};
@@ -65,6 +66,8 @@ pub struct Examination {
     pub used_s: f64,
     /// Every channel.
     pub channels: BTreeMap<String, Profile>,
+    /// Where channels are odd for a while.
+    pub stretches: Vec<OddStretch>,
 }
 
 impl Examination {
@@ -79,6 +82,19 @@ impl Examination {
 /// # Errors
 /// Those of the index; errors of a run are in its examination.
 pub fn examine(index: &Path) -> Result<Vec<Examination>, Error> {
+    let examined = examine_with(index, |_, _| ())?;
+    Ok(examined.into_iter().map(|(one, ())| one).collect())
+}
+
+/// Like [`examine`], with what `also` makes of each examination and, where it can be read, of its
+/// run.
+///
+/// # Errors
+/// As [`examine`].
+pub fn examine_with<T: Send>(
+    index: &Path,
+    also: impl Fn(&Examination, Option<&Run>) -> T + Sync,
+) -> Result<Vec<(Examination, T)>, Error> {
     let read: Vec<(Entry, Result<Run, Error>)> = read_index(index)?
         .into_par_iter()
         .map(|entry| (entry.clone(), read_run(entry, &LEAST, OnGaps::LeaveOut)))
@@ -91,7 +107,11 @@ pub fn examine(index: &Path) -> Result<Vec<Examination>, Error> {
                 runs.push(run);
                 places.push(place);
             }
-            Err(error) => examined.push((place, refused(&entry, error.to_string()))),
+            Err(error) => {
+                let one = refused(&entry, error.to_string());
+                let made = also(&one, None);
+                examined.push((place, (one, made)));
+            }
         }
     }
     while let Some((first, second)) = find_copy(&runs) {
@@ -101,20 +121,23 @@ pub fn examine(index: &Path) -> Result<Vec<Examination>, Error> {
         one.refused = Some(format!(
             "holds the same samples as run {of}: expected each run once"
         ));
-        examined.push((place, one));
+        let made = also(&one, Some(&copy));
+        examined.push((place, (one, made)));
     }
     let faults = judge(&runs);
-    let found: Vec<(usize, Examination)> = runs
+    let found: Vec<(usize, (Examination, T))> = runs
         .par_iter()
         .zip(places)
         .map(|(run, place)| {
             let own = faults.iter().filter(|fault| fault.run == run.entry.run);
-            (place, examine_run(run, own.cloned().collect()))
+            let one = examine_run(run, own.cloned().collect());
+            let made = also(&one, Some(run));
+            (place, (one, made))
         })
         .collect();
     examined.extend(found);
     examined.sort_by_key(|(place, _)| *place);
-    let mut examined: Vec<Examination> = examined.into_iter().map(|(_, one)| one).collect();
+    let mut examined: Vec<(Examination, T)> = examined.into_iter().map(|(_, both)| both).collect();
     let rank = |one: &Examination| {
         let odd = one.notes.first().map_or(0.0, |note| note.weight);
         (
@@ -123,7 +146,7 @@ pub fn examine(index: &Path) -> Result<Vec<Examination>, Error> {
             -odd,
         )
     };
-    examined.sort_by(|a, b| {
+    examined.sort_by(|(a, _), (b, _)| {
         let (a, b) = (rank(a), rank(b));
         (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
     });
@@ -176,6 +199,7 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
         rate_hz,
         length_s,
         used_s,
+        stretches: odd_stretches(run, &COLUMNS, STILL_S),
         channels,
     }
 }

@@ -5,6 +5,7 @@ pub(crate) mod columns;
 pub(crate) mod examine;
 pub(crate) mod judge;
 mod mends;
+pub(crate) mod odd_stretch;
 pub(crate) mod profile;
 mod response;
 mod rigid_body;

@@ -1,5 +1,7 @@
 //! Profile of a recorded channel: its noise, its steps, its stretches of one value.
 
+use std::ops::Range;
+
 use serde::Serialize;
 
 use crate::record::check::single::rows_held;
@@ -51,7 +53,6 @@ pub struct Profile {
 impl Profile {
     /// Of the stretches of a channel that take part, at a rate [Hz].
     pub fn of<'a>(stretches: impl Iterator<Item = &'a [f64]> + Clone, rate_hz: f64) -> Profile {
-        let noise_sd = noise_sd_within(stretches.clone());
         let differences = stretches
             .clone()
             .flat_map(|x| x.windows(2))
@@ -66,58 +67,91 @@ impl Profile {
             }
         }
         let coarse = 10 * equal >= 3 * count && least.is_finite();
-        let ends = stretches.clone().flatten();
-        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-            (x.min(l), x.max(h))
-        });
-        // A fifth of all that it does is more than a quick hand.
-        let far = (20.0 * noise_sd).max(0.2 * (high - low));
-        let off = |w: &[f64]| (w[1] - 0.5 * (w[0] + w[2])).abs() > far;
-        let lone = |w: &&[f64]| noise_sd > 0.0 && off(w) && (w[2] - w[0]).abs() < 10.0 * noise_sd;
-        let most = (DROPOUT_S * rate_hz) as usize;
-        let away = |x: &[f64]| dropouts(x, far, most);
-        let longest = stretches.clone().map(longest_still).max().unwrap_or(0);
+        let limits = Limits::of(stretches.clone(), rate_hz);
+        let still = stretches.clone().map(|x| longest_still(x).len());
+        let longest = still.max().unwrap_or(0).saturating_sub(1);
         Profile {
-            noise_sd,
+            noise_sd: limits.noise_sd,
             quantum: coarse.then_some(least),
             rows_held: rows_held(stretches.clone()),
             longest_still_s: longest as f64 / rate_hz,
-            leaps: stretches
-                .clone()
-                .flat_map(|x| x.windows(3))
-                .filter(lone)
-                .count(),
-            dropouts: stretches.clone().map(away).sum(),
+            leaps: stretches.clone().map(|x| limits.leaps(x).count()).sum(),
+            dropouts: stretches.clone().map(|x| limits.dropouts(x).len()).sum(),
             octaves: octaves(stretches, rate_hz),
             ..Profile::default()
         }
     }
 }
 
-/// Stretches of 2 to `most` equal values that are further than `far` off the values on either side,
-/// which are nearer to each other.
-fn dropouts(x: &[f64], far: f64, most: usize) -> usize {
-    let (mut count, mut start) = (0, 1);
-    while start < x.len() {
-        let value = x[start];
-        let length = x[start..].iter().take_while(|y| **y == value).count();
-        let end = start + length;
-        if (2..=most).contains(&length) && end < x.len() {
-            let (before, after) = (x[start - 1], x[end]);
-            let off = (value - before).abs().min((value - after).abs());
-            count += usize::from(off > far && (after - before).abs() < off);
-        }
-        start = end.max(start + 1);
-    }
-    count
+/// From where on a value is off those next to it.
+pub(super) struct Limits {
+    noise_sd: f64,
+    /// Least size of a leap, in the channel's unit.
+    far: f64,
+    /// Most samples of a drop-out.
+    most: usize,
 }
 
-/// Most equal values one after the other; 0 where none repeats.
-fn longest_still(x: &[f64]) -> usize {
-    let (mut longest, mut length) = (0, 0);
-    for pair in x.windows(2) {
-        length = if pair[0] == pair[1] { length + 1 } else { 0 };
-        longest = longest.max(length);
+impl Limits {
+    /// Of the stretches of a channel that take part, at a rate [Hz].
+    pub(super) fn of<'a>(
+        stretches: impl Iterator<Item = &'a [f64]> + Clone,
+        rate_hz: f64,
+    ) -> Limits {
+        let noise_sd = noise_sd_within(stretches.clone());
+        let ends = stretches.flatten();
+        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+            (x.min(l), x.max(h))
+        });
+        Limits {
+            noise_sd,
+            // A fifth of all that it does is more than a quick hand.
+            far: (20.0 * noise_sd).max(0.2 * (high - low)),
+            most: (DROPOUT_S * rate_hz) as usize,
+        }
+    }
+
+    /// Samples of a stretch that leap off the line of their neighbours.
+    pub(super) fn leaps<'a>(&self, x: &'a [f64]) -> impl Iterator<Item = usize> + use<'a> {
+        let (noise_sd, far) = (self.noise_sd, self.far);
+        let off = move |w: &[f64]| (w[1] - 0.5 * (w[0] + w[2])).abs() > far;
+        let near = move |w: &[f64]| noise_sd > 0.0 && (w[2] - w[0]).abs() < 10.0 * noise_sd;
+        let leaping = x.windows(3).enumerate();
+        let leaping = leaping.filter(move |(_, w)| off(w) && near(w));
+        leaping.map(|(i, _)| i + 1)
+    }
+
+    /// Stretches of equal values that are further off the values on either side than those are
+    /// from each other.
+    pub(super) fn dropouts(&self, x: &[f64]) -> Vec<Range<usize>> {
+        let (mut found, mut start) = (Vec::new(), 1);
+        while start < x.len() {
+            let value = x[start];
+            let length = x[start..].iter().take_while(|y| **y == value).count();
+            let end = start + length;
+            if (2..=self.most).contains(&length) && end < x.len() {
+                let (before, after) = (x[start - 1], x[end]);
+                let off = (value - before).abs().min((value - after).abs());
+                if off > self.far && (after - before).abs() < off {
+                    found.push(start..end);
+                }
+            }
+            start = end.max(start + 1);
+        }
+        found
+    }
+}
+
+/// The longest stretch of equal values, the first of several.
+pub(super) fn longest_still(x: &[f64]) -> Range<usize> {
+    let (mut longest, mut start) = (0..0, 0);
+    for i in 1..=x.len() {
+        if i == x.len() || x[i] != x[i - 1] {
+            if i - start > longest.len() {
+                longest = start..i;
+            }
+            start = i;
+        }
     }
     longest
 }

@@ -1,0 +1,87 @@
+//! `kufe runs view`: one page that shows recorded runs over time and distance.
+
+use std::path::{Path, PathBuf};
+
+use kufe::jobs::Failure;
+use kufe::jobs::runs::run_inputs;
+use kufe::jobs::view_runs::{ViewOptions, view_runs};
+use kufe::report::{Kind, RunsPage, page};
+use serde::Serialize;
+
+use crate::output::OutputFiles;
+use crate::terminal::{Global, warn};
+
+const EXAMPLES: &str = "\
+Examples:
+  kufe runs view runs.csv -o view.html                      every run of an index
+  kufe runs view runs.csv --model model.toml -o view.html   with the model driven as in each run
+  kufe runs view runs.csv --run A1-01,B1-02 -o view.html    two runs
+
+The page is one file that needs no network. It shows channels over distance or time, runs over one another, their time
+and every channel against a reference run or the model, and marks gaps and faults. Channels are low-passed at 0.4 of the
+page's rate: 100 Hz, or less where the page would exceed 15 MB.";
+
+/// Arguments of `kufe runs view`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Index of the runs
+    pub runs: PathBuf,
+    /// Model of the sled and its friction: its curves are shown too
+    #[arg(long, short, value_name = "MODEL.toml")]
+    pub model: Option<PathBuf>,
+    /// Only these runs (several with commas)
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub run: Vec<String>,
+    /// Where the page goes
+    #[arg(long, short, value_name = "HTML", default_value = "view.html")]
+    pub out: PathBuf,
+}
+
+/// A page that was written.
+#[derive(Serialize)]
+struct WrittenPage<'a> {
+    written: &'a Path,
+    runs: usize,
+    left_out: Vec<[String; 2]>,
+    rate_hz: f64,
+    bytes: usize,
+}
+
+/// Reads the runs and writes the page.
+///
+/// # Errors
+/// [`Failure::BadInput`] with file and place, and where no run can be shown.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let mut inputs = run_inputs(&args.runs);
+    inputs.extend(args.model.clone());
+    let outputs = std::slice::from_ref(&args.out);
+    let files = OutputFiles::begin("runs view", &inputs, outputs, global.force)?;
+    let options = ViewOptions {
+        runs: args.runs.clone(),
+        model: args.model.clone(),
+        only: args.run.clone(),
+        most_values: RunsPage::MOST_VALUES,
+    };
+    let viewed = global.watched(|watch| view_runs(&options, watch))?;
+    for [run, reason] in &viewed.left_out {
+        warn(&format!("run {run} is not shown: {reason}"));
+    }
+    let mut written = WrittenPage {
+        written: &args.out,
+        runs: viewed.runs.len(),
+        left_out: viewed.left_out.clone(),
+        rate_hz: viewed.rate_hz,
+        bytes: 0,
+    };
+    let title = format!("Runs of {}", viewed.index);
+    let html = page(Kind::Runs, &title, &RunsPage::new(viewed));
+    written.bytes = html.len();
+    files.write(&args.out, |writer| writer.write_all(html.as_bytes()))?;
+    files.commit()?;
+    global.print(&written, || {
+        let (out, megabytes) = (args.out.display(), written.bytes as f64 / 1e6);
+        let (runs, rate) = (written.runs, written.rate_hz);
+        format!("{out}: {runs} runs at {rate} Hz, {megabytes:.2} MB\n")
+    })
+}

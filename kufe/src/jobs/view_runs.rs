@@ -1,0 +1,365 @@
+//! Recorded runs for a page that shows them: every channel at one rate, the model's curves at the
+//! same places, and what is odd.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use kufe_sled::{
+    COLUMNS, Column, Entry, Examination, Inputs, Model, PrepareOptions, Prepared, Run, Section,
+    SimulateOptions, Track, TrackShape, Vehicle, bridged, examine_with, find_contacts, prepare,
+    read_index, record, replay, resample_stretches, track_file,
+};
+
+use crate::jobs::failure::Failure;
+use crate::jobs::runs::failure;
+use crate::jobs::watch::Watch;
+
+/// Rates at which channels are shown [Hz]: the first with which the page is short enough.
+const RATES_HZ: [f64; 7] = [100.0, 50.0, 25.0, 10.0, 5.0, 2.0, 1.0];
+
+/// Which runs are shown, and how much of them.
+#[derive(Clone, Debug)]
+pub struct ViewOptions {
+    /// Index of the runs.
+    pub runs: PathBuf,
+    /// Sled and friction: the model's curves are shown too.
+    pub model: Option<PathBuf>,
+    /// Only these runs; all where empty.
+    pub only: Vec<String>,
+    /// Most values of all runs and channels together.
+    pub most_values: usize,
+}
+
+/// Recorded runs at one rate.
+pub struct ViewedRuns {
+    /// Index of the runs.
+    pub index: String,
+    /// Largest rate of the channels [Hz]; a slower recording keeps its own.
+    pub rate_hz: f64,
+    /// The model's file.
+    pub model: Option<String>,
+    /// Run by run, in the order of the index.
+    pub runs: Vec<ViewedRun>,
+    /// Runs that cannot be read, each with the reason.
+    pub left_out: Vec<[String; 2]>,
+}
+
+/// One recorded run.
+pub struct ViewedRun {
+    /// Its row in the index.
+    pub entry: Entry,
+    /// Its faults and what is odd.
+    pub examination: Examination,
+    /// Time of the first sample, as recorded [s].
+    pub t0_s: f64,
+    /// Rate of the channels [Hz].
+    pub rate_hz: f64,
+    /// Every channel, `s_m` among them; NaN in gaps.
+    pub columns: BTreeMap<String, Vec<f64>>,
+    /// What the model's sensors say at the same places, and `behind_s`, the time by which the run
+    /// comes later than the model; NaN where the model did not come. Empty without a model.
+    pub model: BTreeMap<String, Vec<f64>>,
+    /// Where run and model part.
+    pub sections: Vec<Section>,
+    /// Times at which something other than ice and air pushes, by the model [s].
+    pub contacts: Vec<[f64; 2]>,
+}
+
+/// The model and the tracks that it drives on.
+struct Driven {
+    model: Model,
+    vehicle: Vehicle,
+    tracks: BTreeMap<String, Track>,
+}
+
+/// Reads and examines the runs of an index, and brings them to a rate with which all values
+/// together are at most `most_values`.
+///
+/// A run without `s_m` has the integral of its speed, from the start of its track's table where
+/// there is a model. A run on a track without a table has no curves of the model.
+///
+/// # Errors
+/// [`Failure::BadInput`] for index, model and tracks that cannot be read, and where no run can be
+/// shown or they are too long.
+pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Failure> {
+    let wrong = |reason: String| {
+        let index = options.runs.display();
+        Failure::BadInput(format!("{index}: {reason}"))
+    };
+    let entries = read_index(&options.runs).map_err(failure)?;
+    if let Some(name) = (options.only.iter()).find(|name| entries.iter().all(|e| e.run != **name)) {
+        let names: Vec<&str> = entries.iter().map(|entry| entry.run.as_str()).collect();
+        let names = names.join(", ");
+        return Err(wrong(format!("--run {name}: the runs are {names}")));
+    }
+    let driven = match &options.model {
+        Some(model) => Some(Driven::read(model, &options.runs, &entries, watch)?),
+        None => None,
+    };
+    watch.progress(&format!("examining {} runs", entries.len()));
+    let is_chosen = |run: &str| options.only.is_empty() || options.only.iter().any(|n| n == run);
+    let examined = examine_with(&options.runs, |one, run| {
+        let run = run.filter(|_| one.refused.is_none() && is_chosen(&one.run))?;
+        Some(viewed(run, one, driven.as_ref(), watch))
+    });
+    let (mut runs, mut left_out) = (BTreeMap::new(), Vec::new());
+    let mut prepared = Vec::new();
+    for (one, run) in examined.map_err(failure)? {
+        match (one.refused, run) {
+            (Some(reason), _) if is_chosen(&one.run) => left_out.push([one.run, reason]),
+            (_, Some((run, states))) => {
+                prepared.extend(states);
+                runs.insert(one.run, run);
+            }
+            _ => {}
+        }
+    }
+    if let Some(driven) = &driven {
+        let marks = find_contacts(&prepared, &driven.vehicle);
+        for (run, marks) in prepared.iter().zip(marks) {
+            if let Some(viewed) = runs.get_mut(&run.entry.run) {
+                viewed.contacts = marked_times(run, &marks);
+            }
+        }
+    }
+    let mut runs: Vec<ViewedRun> = (entries.iter())
+        .filter_map(|entry| runs.remove(&entry.run))
+        .collect();
+    if runs.is_empty() {
+        let reason = left_out
+            .first()
+            .map_or(String::new(), |[run, why]| format!(": run {run}: {why}"));
+        return Err(wrong(format!("no run can be shown{reason}")));
+    }
+    let fits = |rate: &&f64| count(&runs, **rate) <= options.most_values;
+    let Some(&rate_hz) = RATES_HZ.iter().find(fits) else {
+        return Err(wrong(format!(
+            "{} runs of {:.0} s together: too long for one page; expected fewer, by --run",
+            runs.len(),
+            runs.iter().map(|run| run.examination.length_s).sum::<f64>()
+        )));
+    };
+    for run in runs.iter_mut().filter(|run| run.rate_hz > rate_hz) {
+        for values in run.columns.values_mut().chain(run.model.values_mut()) {
+            *values = resample_stretches(values, run.rate_hz, rate_hz);
+        }
+        run.rate_hz = rate_hz;
+    }
+    Ok(ViewedRuns {
+        index: options.runs.display().to_string(),
+        rate_hz,
+        model: options
+            .model
+            .as_ref()
+            .map(|path| path.display().to_string()),
+        runs,
+        left_out,
+    })
+}
+
+/// Values of all channels at a rate [Hz].
+fn count(runs: &[ViewedRun], rate_hz: f64) -> usize {
+    let values = |run: &ViewedRun| {
+        let samples = run.columns.values().chain(run.model.values()).map(Vec::len);
+        samples.sum::<usize>() as f64 * (rate_hz / run.rate_hz).min(1.0)
+    };
+    runs.iter().map(values).sum::<f64>() as usize
+}
+
+impl Driven {
+    fn read(
+        model: &Path,
+        index: &Path,
+        entries: &[Entry],
+        watch: &Watch,
+    ) -> Result<Driven, Failure> {
+        let file = model;
+        let model = Model::load(file).map_err(failure)?;
+        let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
+        let names: BTreeSet<&str> = entries.iter().map(|entry| entry.track.as_str()).collect();
+        let names: Vec<&str> = names.into_iter().collect();
+        for text in vehicle.effects_elsewhere(&names) {
+            watch.warn(&format!("{}: {text}", file.display()));
+        }
+        let mut tracks = BTreeMap::new();
+        for name in names {
+            let path = index
+                .parent()
+                .unwrap_or(Path::new(""))
+                .join(track_file(name));
+            if path.is_file() {
+                tracks.insert(name.to_owned(), Track::load(&path).map_err(failure)?);
+            } else {
+                let path = path.display();
+                watch.warn(&format!("{path}: no such table: no model on track {name}"));
+            }
+        }
+        Ok(Driven {
+            model,
+            vehicle,
+            tracks,
+        })
+    }
+
+    /// The model driven as in a run.
+    fn replayed(&self, run: &Run, track: &Track) -> Result<(Run, Vec<Section>), kufe_sled::Error> {
+        let options = SimulateOptions {
+            conditions: run.entry.conditions,
+            ..SimulateOptions::default()
+        };
+        let inputs = Inputs::of(run, &self.vehicle, track.s_m[0])?;
+        let done = replay(&inputs, &self.vehicle, &TrackShape::new(track), &options)?;
+        let mut driven = record(&done.simulated, &self.vehicle, None, run.entry.clone(), 0);
+        driven.t0_s = inputs.readings[0].t_s;
+        Ok((driven, done.sections))
+    }
+}
+
+/// A run at the largest rate, and its states where there is a model and all its channels are.
+fn viewed(
+    run: &Run,
+    examination: &Examination,
+    driven: Option<&Driven>,
+    watch: &Watch,
+) -> (ViewedRun, Option<Prepared>) {
+    let rate_hz = RATES_HZ[0].min(run.rate_hz());
+    let resampled = |values: &[f64]| resample_stretches(values, run.rate_hz(), rate_hz);
+    let there = |values: &&Vec<f64>| values.iter().any(|x| x.is_finite());
+    let mut columns: BTreeMap<String, Vec<f64>> = (run.columns.iter())
+        .filter(|(_, values)| there(values))
+        .map(|(name, values)| (name.clone(), resampled(values)))
+        .collect();
+    let track = driven.and_then(|driven| driven.tracks.get(&run.entry.track));
+    if !columns.contains_key(Column::Distance.name()) {
+        let start_m = track.map_or(0.0, |track| track.s_m[0]);
+        let distance = travelled(run, start_m);
+        columns.insert(Column::Distance.name().to_owned(), resampled(&distance));
+    }
+    let (mut model, mut sections, mut prepared) = (BTreeMap::new(), Vec::new(), None);
+    if let Some((driven, track)) = driven.zip(track) {
+        match driven.replayed(run, track) {
+            Ok((replayed, parts)) => {
+                let places = &columns[Column::Distance.name()];
+                model = beside(places, run.t0_s, rate_hz, &replayed);
+                model.retain(|name, _| name == BEHIND || columns.contains_key(name));
+                sections = parts;
+            }
+            Err(error) => watch.warn(&format!("{error}: no model of run {}", run.entry.run)),
+        }
+        let noise = driven.model.noise.as_ref();
+        prepared = prepare(run, &driven.vehicle, noise, &PrepareOptions::default()).ok();
+    }
+    let viewed = ViewedRun {
+        entry: run.entry.clone(),
+        examination: examination.clone(),
+        t0_s: run.t0_s,
+        rate_hz,
+        columns,
+        model,
+        sections,
+        contacts: Vec::new(),
+    };
+    (viewed, prepared)
+}
+
+/// The integral of a run's speed by the trapezoidal rule [m].
+fn travelled(run: &Run, start_m: f64) -> Vec<f64> {
+    let speed = run.columns.get(Column::Speed.name()).map(|v| bridged(v));
+    let speed = speed.unwrap_or_default();
+    let mut distance = vec![start_m; speed.len()];
+    for i in 1..speed.len() {
+        distance[i] = distance[i - 1] + 0.5 * run.dt_s * (speed[i - 1] + speed[i]);
+    }
+    distance
+}
+
+/// The column of the time by which a run is later than the model.
+pub const BEHIND: &str = "behind_s";
+
+/// The channels of a replayed run at the places of the measured one, whose times are `t0_s` and
+/// steps at a rate; the steering is the measured one.
+fn beside(places: &[f64], t0_s: f64, rate_hz: f64, replayed: &Run) -> BTreeMap<String, Vec<f64>> {
+    let passed = &replayed.columns[Column::Distance.name()];
+    let names = COLUMNS
+        .iter()
+        .filter(|name| **name != Column::Steering.name());
+    let mut channels: Vec<(String, &[f64], Vec<f64>)> = names
+        .map(|name| ((*name).to_owned(), &replayed.columns[*name][..], Vec::new()))
+        .collect();
+    let mut behind = Vec::with_capacity(places.len());
+    let mut at = 0;
+    for (k, place) in places.iter().enumerate() {
+        while at + 2 < passed.len() && passed[at + 1] <= *place {
+            at += 1;
+        }
+        let around = passed[at..].first_chunk::<2>();
+        let share = around.filter(|[a, b]| a < b && (*a..=*b).contains(place));
+        let share = share.map(|[a, b]| (place - a) / (b - a));
+        for (_, from, to) in &mut channels {
+            let value = share.map(|share| from[at] + share * (from[at + 1] - from[at]));
+            to.push(value.unwrap_or(f64::NAN));
+        }
+        let measured_s = t0_s + k as f64 / rate_hz;
+        let late =
+            share.map(|share| measured_s - replayed.t0_s - (at as f64 + share) * replayed.dt_s);
+        behind.push(late.unwrap_or(f64::NAN));
+    }
+    let channels = channels.into_iter().map(|(name, _, values)| (name, values));
+    channels.chain([(BEHIND.to_owned(), behind)]).collect()
+}
+
+/// The times of the first and last of each stretch of marked states [s].
+fn marked_times(run: &Prepared, marks: &[bool]) -> Vec<[f64; 2]> {
+    let mut times: Vec<[f64; 2]> = Vec::new();
+    let mut last = None;
+    for (i, state) in run.states.iter().enumerate().filter(|(i, _)| marks[*i]) {
+        match times.last_mut().filter(|_| last == Some(i.wrapping_sub(1))) {
+            Some(stretch) => stretch[1] = state.t_s,
+            None => times.push([state.t_s, state.t_s]),
+        }
+        last = Some(i);
+    }
+    times
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rate_is_the_first_that_the_page_has_room_for_and_distance_is_the_speeds_integral() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let index = folder.path().join("runs.csv");
+        std::fs::write(&index, "run,file\na,a.csv\n").expect("a file");
+        let rows = (0..=1200).map(|i| {
+            let t = 0.01 * f64::from(i);
+            format!("{t:.2},{:.6}\n", 10.0 + 2.0 * t)
+        });
+        let text = "t_s,v_mps\n".to_owned() + &rows.collect::<String>();
+        std::fs::write(folder.path().join("a.csv"), text).expect("a file");
+        let with = |most_values| {
+            let options = ViewOptions {
+                runs: index.clone(),
+                model: None,
+                only: Vec::new(),
+                most_values,
+            };
+            view_runs(&options, &Watch::default())
+        };
+        // Speed and distance, 1201 values each at 100 Hz.
+        for (most, rate_hz, samples) in [(2402, 100.0, 1201), (2401, 50.0, 601), (150, 5.0, 61)] {
+            let viewed = with(most).expect("runs");
+            assert_eq!(viewed.rate_hz, rate_hz);
+            let run = &viewed.runs[0];
+            let distance = &run.columns["s_m"];
+            assert_eq!((run.rate_hz, distance.len()), (rate_hz, samples));
+            // 10 t + t^2, of a speed that is even: the trapezoidal rule is exact.
+            for (k, s) in distance.iter().enumerate().skip(2).take(samples - 4) {
+                let t = k as f64 / rate_hz;
+                assert!((s - t * (10.0 + t)).abs() < 2e-3, "{most}: {s} m at {t} s");
+            }
+        }
+        let refused = with(20).err().expect("too long").to_string();
+        assert!(refused.contains("too long for one page"), "{refused}");
+    }
+}
