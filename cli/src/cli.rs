@@ -33,6 +33,8 @@ pub struct Cli {
 pub enum Command {
     /// Solve one contact problem and write its pressure map
     Press(press::Args),
+    /// Compare two solved contacts: maps, cuts and figures
+    Compare(press::compare::Args),
     /// Write a parametric runner as a hull file, or check a scanned one
     Hull(bodies::hull::Args),
     /// Write the hexahedra of ice and runner, with their quality

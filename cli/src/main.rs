@@ -38,6 +38,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
     }
     match command {
         Command::Press(args) => press::run(&args, &global),
+        Command::Compare(args) => press::compare::run(&args, &global),
         Command::Hull(args) => hull::run(&args, &global),
         Command::Mesh(args) => mesh::run(&args, &global),
         Command::Export(args) => export::run(&args, &global),

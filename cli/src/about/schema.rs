@@ -6,9 +6,9 @@ use kufe::case::Case;
 use kufe::jobs::Failure;
 use kufe::results::finding::Report;
 use kufe::results::{
-    Alignment, ContactResult, Evaluation, FrictionOptimum, FrictionTable, IceHouseResult,
-    LateralFitDocument, MeshQuality, PressureFit, ReplayResult, RunCheck, SampleTruth, SeriesRow,
-    Simulation, Validation,
+    Alignment, Comparison, ContactResult, Evaluation, FrictionOptimum, FrictionTable,
+    IceHouseResult, LateralFitDocument, MeshQuality, PressureFit, ReplayResult, RunCheck,
+    SampleTruth, SeriesRow, Simulation, Validation,
 };
 use kufe_sled::Model;
 use kufe_telemetry::Mapping;
@@ -63,6 +63,8 @@ pub enum Document {
     Mapping,
     /// result.json: one solved contact
     Result,
+    /// comparison.json: two solved contacts
+    Comparison,
     /// table.json: the contacts of a series
     Series,
     /// quality.json: the quality of a mesh
@@ -159,6 +161,7 @@ impl Document {
             Document::Model => generator.root_schema_for::<Model>(),
             Document::Mapping => generator.root_schema_for::<Mapping>(),
             Document::Result => generator.root_schema_for::<ContactResult>(),
+            Document::Comparison => generator.root_schema_for::<Comparison>(),
             Document::Series => generator.root_schema_for::<Vec<SeriesRow>>(),
             Document::Mesh => generator.root_schema_for::<MeshQuality>(),
             Document::Friction => generator.root_schema_for::<FrictionTable>(),

@@ -1,5 +1,6 @@
 //! `kufe press`: one contact problem or a series of them, from its case to its pressure map.
 
+pub mod compare;
 mod series;
 mod summary;
 

@@ -113,6 +113,11 @@ fn html(result: &Path) -> Result<(&'static str, PathBuf, String), Failure> {
     let has = |name: &str| result.join(name).is_file();
     let (kind, html) = if has("result.json") {
         ("press", pages::contact(result)?)
+    } else if has("comparison.json") {
+        (
+            "comparison",
+            pages::written(&result.join("comparison.html"))?,
+        )
     } else if has("table.json") {
         ("series", pages::series(result)?)
     } else if has("evaluation.json") {

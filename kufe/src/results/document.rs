@@ -28,8 +28,9 @@ const fn kind(
 
 /// All kinds of documents.
 #[rustfmt::skip]
-const DOCUMENT_KINDS: [DocumentKind; 20] = [
+const DOCUMENT_KINDS: [DocumentKind; 21] = [
     kind("a solved contact", "kufe press", &["p_max_pa", "kkt_residual", "history"]),
+    kind("a comparison of two contacts", "kufe compare", &["quantities", "map", "first"]),
     kind("a series of contacts", "kufe press", &["step", "folder"]),
     kind("an evaluation of drivers", "kufe evaluate", &["runs", "groups", "interval"]),
     kind("a finding", "kufe discover", &["verdict", "steps", "held_out"]),

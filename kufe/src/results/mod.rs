@@ -7,6 +7,7 @@
 //! | item | document |
 //! |---|---|
 //! | [`ContactResult`], [`SlidingResult`] | `result.json`: one solved contact |
+//! | [`Comparison`] | `comparison.json`: two solved contacts |
 //! | [`SeriesRow`] | a row of `table.json`: one contact of a series |
 //! | [`FrictionTable`], [`FrictionOptimum`] | `friction.json` |
 //! | [`PressureFit`] | `fit.json` of friction over pressure |
@@ -29,6 +30,7 @@
 //! ```
 
 mod bodies;
+mod comparison;
 mod contact;
 mod datum;
 mod document;
@@ -41,6 +43,7 @@ mod series;
 mod table;
 
 pub use bodies::*;
+pub use comparison::*;
 pub use contact::*;
 pub use datum::{Data, Datum};
 pub use document::DocumentKind;

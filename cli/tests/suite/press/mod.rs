@@ -1,5 +1,6 @@
 //! One contact or a series of them, and what is written for other programs.
 
+mod compare;
 mod elastic;
 mod export;
 mod gallery;

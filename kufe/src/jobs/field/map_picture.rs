@@ -3,8 +3,8 @@
 use kufe_contact::PressureMap;
 
 use crate::plot::{
-    Axis, Cells, Colour, ColourBar, Figure, INK, Layer, PALETTE, Panel, Point, Scales, contour,
-    extent, tick_text,
+    Axis, Cells, Colour, ColourBar, Figure, INK, Layer, PALETTE, Panel, Point, Rgb, Scales,
+    contour, extent, tick_text,
 };
 
 /// Ground of a map where there is nothing to show.
@@ -55,24 +55,32 @@ fn window(map: &PressureMap) -> [[f64; 2]; 2] {
 }
 
 fn map_panel(map: &PressureMap, bar: &ColourBar) -> Panel {
-    let [x, y] = window(map);
     let edge = EDGE * bar.range[1];
+    let cell = |x: f64, y: f64| {
+        let pressure = map.pressure_at(1e-3 * x, 1e-3 * y) / 1e6;
+        (pressure > edge).then(|| bar.colour(pressure))
+    };
+    let value = |i: usize, j: usize| map.pressure[j * map.nx + i];
+    let outline = contour([map.nx, map.ny], value, 1e6 * edge).into_iter();
+    let place = |(i, j): Point| (1e3 * (map.x0 + i * map.dx), 1e3 * (map.y0 + j * map.dy));
+    let outline = Layer::segments(1.0, outline.map(|ends| ends.map(place)), INK);
+    coloured_panel(window(map), cell, vec![outline])
+}
+
+/// A map over a window [mm] with the colour of each place [mm], and further layers on it.
+pub(super) fn coloured_panel(
+    [x, y]: [[f64; 2]; 2],
+    cell: impl Fn(f64, f64) -> Option<Rgb>,
+    above: Vec<Layer>,
+) -> Panel {
     let middle = |[from, to]: [f64; 2], k: usize, count: usize| {
         from + (k as f64 + 0.5) / count as f64 * (to - from)
     };
     let cells = Cells::new(CELLS, |column, row| {
-        let at = [middle(x, column, CELLS[0]), middle(y, row, CELLS[1])];
-        let pressure = map.pressure_at(1e-3 * at[0], 1e-3 * at[1]) / 1e6;
-        (pressure > edge).then(|| bar.colour(pressure))
+        cell(middle(x, column, CELLS[0]), middle(y, row, CELLS[1]))
     });
-    let value = |i: usize, j: usize| map.pressure[j * map.nx + i];
-    let outline = contour([map.nx, map.ny], value, 1e6 * edge).into_iter();
-    let place = |(i, j): Point| (1e3 * (map.x0 + i * map.dx), 1e3 * (map.y0 + j * map.dy));
-    let layers = vec![
-        Layer::rectangle(x, y, GROUND),
-        Layer::map([x, y], cells),
-        Layer::segments(1.0, outline.map(|ends| ends.map(place)), INK),
-    ];
+    let ground = [Layer::rectangle(x, y, GROUND), Layer::map([x, y], cells)];
+    let layers = ground.into_iter().chain(above).collect();
     let x = Axis::new("x along the runner [mm]").within(x);
     let y = Axis::new("y across [mm]").within(y);
     Panel::new(x, y, layers).scaled(Scales::Stretched)

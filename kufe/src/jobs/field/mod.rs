@@ -1,5 +1,6 @@
 //! A solved contact's fields as files and pictures: the map of the pressure, the groove, what is in the bodies.
 
+pub mod compared_maps;
 pub mod contact_vtp;
 mod files;
 pub mod groove_map;

@@ -1,0 +1,134 @@
+//! `kufe compare`: two solved contacts.
+
+use std::path::{Path, PathBuf};
+
+use kufe::jobs::Failure;
+use kufe::jobs::field::compared_maps::ComparedMaps;
+use kufe::jobs::field::read_exr::read_map;
+use kufe::report::{Picture, results_page};
+use kufe::results::{
+    ComparedQuantity, Comparison, ContactResult, Datum, QUANTITIES, compared_quantities,
+};
+
+use crate::output::OutputDir;
+use crate::report::read_json;
+use crate::terminal::Global;
+
+const EXAMPLES: &str = "\
+Example:
+  kufe compare worn/ new/ -o compared/
+
+Writes comparison.json, comparison.png (both maps in one scale of colours, their difference, cuts) and comparison.html.
+Differences are those of the second from the first. Maps on different grids are brought to the finer one, bilinear between
+pixels and 0 outside of a map.";
+
+/// Longest result [bytes].
+const LONGEST: u64 = 1 << 25;
+
+/// Arguments of `kufe compare`.
+#[derive(clap::Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Folder of the first contact, as kufe press writes it
+    pub first: PathBuf,
+    /// Folder of the second
+    pub second: PathBuf,
+    /// Folder for comparison.json, comparison.png and comparison.html
+    #[arg(long, short, value_name = "FOLDER", default_value = "compared")]
+    pub out: PathBuf,
+}
+
+/// Compares two contacts and writes.
+///
+/// # Errors
+/// [`Failure::BadInput`] with file and place.
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let folders = [&args.first, &args.second];
+    let files = folders.map(|folder| ["result.json", "pressure.exr"].map(|name| folder.join(name)));
+    let output = OutputDir::begin("compare", files.as_flattened(), &args.out, global.force)?;
+    let [[first, first_map], [second, second_map]] = &files;
+    let first: ContactResult = read_json(first, LONGEST)?;
+    let second: ContactResult = read_json(second, LONGEST)?;
+    let compared = ComparedMaps::new([&read_map(first_map)?, &read_map(second_map)?]);
+    let names = folders.map(|folder| name_of(folder));
+    let document = Comparison {
+        first: names[0].clone(),
+        second: names[1].clone(),
+        quantities: compared_quantities(&first, &second).map_err(Failure::bad_input)?,
+        map: compared.difference(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+    };
+    let figure = compared.picture(names.each_ref().map(String::as_str));
+    let picture = Picture {
+        name: format!("{} and {}", names[0], names[1]),
+        png: figure.png(),
+    };
+    let data = Datum::of(&document).map_err(Failure::bad_input)?;
+    let documents = [("second less first".to_owned(), data)];
+    let title = format!("{} and {}", document.first, document.second);
+    output.text(
+        "comparison.html",
+        &results_page(&title, &[picture], &documents),
+    )?;
+    output.picture("comparison.png", &figure)?;
+    output.json("comparison.json", &document)?;
+    output.commit()?;
+    global.print(&document, || {
+        let out = args.out.display();
+        text(&document) + &format!("{out}: comparison.json, comparison.png, comparison.html\n")
+    })
+}
+
+/// The folder without a stroke at its end.
+fn name_of(folder: &Path) -> String {
+    let name = folder.display().to_string();
+    let short = name.trim_end_matches('/');
+    if short.is_empty() {
+        name
+    } else {
+        short.to_owned()
+    }
+}
+
+fn text(document: &Comparison) -> String {
+    let mut text = format!(
+        "{:38} {:>22} {:>22} {:>22}\n",
+        "", document.first, document.second, "difference"
+    );
+    for quantity in &document.quantities {
+        text += &row(quantity);
+    }
+    let map = &document.map;
+    text + &format!(
+        "the maps differ by up to {:.2} MPa, at x = {:.2} mm, y = {:.3} mm; {:.1} N act elsewhere\n",
+        map.largest_pa / 1e6,
+        1e3 * map.largest_x_m,
+        1e3 * map.largest_y_m,
+        map.moved_n
+    )
+}
+
+/// A quantity in its usual unit, with errors; a star where the difference exceeds them.
+fn row(quantity: &ComparedQuantity) -> String {
+    let known = QUANTITIES.iter().find(|known| known.key == quantity.key);
+    let shown = |value: f64, error: Option<f64>| {
+        let number = |value: f64| known.map_or(format!("{value:.1}"), |known| known.number(value));
+        let error = error.map_or(String::new(), |error| format!(" +- {}", number(error)));
+        number(value) + &error
+    };
+    let name = known.map_or("normal force [N]".to_owned(), |known| match known.unit {
+        "" => known.label.to_owned(),
+        unit => format!("{} [{unit}]", known.label),
+    });
+    let star = if quantity.exceeds_errors == Some(true) {
+        " *"
+    } else {
+        ""
+    };
+    format!(
+        "{name:38} {:>22} {:>22} {:>22}{star}\n",
+        shown(quantity.first, quantity.first_error),
+        shown(quantity.second, quantity.second_error),
+        shown(quantity.difference, quantity.difference_error)
+    )
+}

@@ -1,0 +1,111 @@
+//! `comparison.json`: two solved contacts.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::results::contact::ContactResult;
+use crate::results::datum::{Data, Datum};
+use crate::results::quantity::{PeakPressure, QUANTITIES, Quantity};
+
+/// `comparison.json`: two solved contacts, quantity by quantity and place by place.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(title = "comparison.json")]
+pub struct Comparison {
+    /// Folder of the first contact.
+    pub first: String,
+    /// Folder of the second.
+    pub second: String,
+    /// The quantities that both have.
+    pub quantities: Vec<ComparedQuantity>,
+    /// The difference of the pressure maps.
+    pub map: MapDifference,
+    /// Version of the program.
+    pub version: String,
+}
+
+/// A quantity of two contacts, in SI units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ComparedQuantity {
+    /// Its key in `result.json`.
+    pub key: String,
+    /// Value of the first contact.
+    pub first: f64,
+    /// Its error.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_error: Option<f64>,
+    /// Value of the second contact.
+    pub second: f64,
+    /// Its error.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_error: Option<f64>,
+    /// The second less the first.
+    pub difference: f64,
+    /// The sum of both errors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub difference_error: Option<f64>,
+    /// Whether the difference is larger than that sum.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exceeds_errors: Option<bool>,
+}
+
+/// The difference of two pressure maps, second less first, on the finer of both grids.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MapDifference {
+    /// Pixel along the runner [m].
+    pub pixel_x_m: f64,
+    /// Pixel across [m].
+    pub pixel_y_m: f64,
+    /// The largest in magnitude [Pa].
+    pub largest_pa: f64,
+    /// Its place along the runner [m].
+    pub largest_x_m: f64,
+    /// Its place across [m].
+    pub largest_y_m: f64,
+    /// Root mean square over the pixels that carry load in either map [Pa].
+    pub rms_pa: f64,
+    /// Force that acts elsewhere [N]: half of what the integral of its magnitude exceeds the
+    /// difference of the loads by.
+    pub moved_n: f64,
+}
+
+/// The quantities that two contacts have, the normal force first; the error of the peak pressure
+/// is its total one.
+///
+/// # Errors
+/// Those of a number that JSON cannot state.
+pub fn compared_quantities(
+    first: &ContactResult,
+    second: &ContactResult,
+) -> serde_json::Result<Vec<ComparedQuantity>> {
+    let documents = [Datum::of(first)?, Datum::of(second)?];
+    let peaks = [first, second].map(|result| result.peak().error);
+    let none = Data::default();
+    let [a, b] = documents
+        .each_ref()
+        .map(|document| document.group().unwrap_or(&none));
+    let number = |data: &Data, key: &str| data.get(key).and_then(Datum::number);
+    let row = |key: &str, error_key: &str| {
+        let [first, second] = [number(a, key)?, number(b, key)?];
+        let error = |k: usize, data: &Data| match key == PeakPressure::DESCRIPTION.key {
+            true => Some(peaks[k]).filter(|error| error.is_finite()),
+            false => number(data, error_key),
+        };
+        let (first_error, second_error) = (error(0, a), error(1, b));
+        let difference = second - first;
+        let difference_error = first_error.zip(second_error).map(|(a, b)| a + b);
+        Some(ComparedQuantity {
+            key: key.to_owned(),
+            first,
+            first_error,
+            second,
+            second_error,
+            difference,
+            difference_error,
+            exceeds_errors: difference_error.map(|error| difference.abs() > error),
+        })
+    };
+    let rows = QUANTITIES
+        .iter()
+        .filter_map(|quantity| row(quantity.key, quantity.error_key));
+    Ok(row("fz_n", "").into_iter().chain(rows).collect())
+}
