@@ -1,6 +1,6 @@
 // The page of an evaluation of drivers.
 //
-// Data: evaluation.json: { runs: [one a run], groups: [{ by, name, track, runs, increase_*: { mean, low, high } }], interval, left_out, tables: [{ runner, picture }] }.
+// Data: evaluation.json: { runs: [one a run], groups: [{ by, name, track, runs, increase_*: { mean, low, high } }], drivers: [{ driver, track, runs, lost_s, stretches: [{ from_m, to_m, front_j, rear_j, aero_j, lost_s }] }], interval, left_out, tables: [{ runner, picture }] }.
 
 const PARTS = [["increase_front", "front runner", "--accent"], ["increase_rear", "rear runner", "--second"], ["increase_aero", "air", "--third"]];
 
@@ -24,6 +24,7 @@ function evaluationPage(main, data) {
     el("div", { class: "tools", style: "margin-bottom:.8rem" }, el("label", {}, "by", by), el("label", { hidden: places.length < 2 }, "on", where)),
     el("div", { class: "panels" },
       el("section", { class: "panel wide" }, el("h2", {}, "Loss beyond a straight glide"), box, el("p", { class: "soft" }, `Bars: mean by part. Line: interval of the total (${data.interval ?? "as evaluated"}). Rings: single runs.`)),
+      ...(data.drivers?.length ? [losses(data.drivers, tracks)] : []),
       ...(data.tables ?? []).map(({ runner, picture }) => el("section", { class: "panel wide" }, el("h2", {}, `Where the ${runner} asks its table of friction`),
         el("label", { class: "picture", title: "a click shows it at full size" }, el("input", { type: "checkbox" }), el("img", { alt: `samples of the ${runner} upon its table`, src: picture })))),
       el("section", { class: "panel wide" }, el("h2", {}, "Every run"), runTable(data.runs))),
@@ -37,6 +38,37 @@ function evaluationPage(main, data) {
     box.replaceChildren(bars(groups, runsOf, width));
   }
   new ResizeObserver(([entry]) => { width = Math.round(entry.contentRect.width); requestAnimationFrame(draw); }).observe(box);
+}
+
+/** The time that two drivers lose along a track, and where they differ most. */
+function losses(drivers, tracks) {
+  const here = () => drivers.filter((one) => one.track === track.value), picked = (list) => here().find((one) => one.driver === list.value);
+  const option = (name) => el("option", { value: name }, name);
+  const track = el("select", { onchange: () => fill() }, tracks.map(option)), lists = [0, 1].map(() => el("select", { onchange: () => draw() }));
+  const [by, sum] = [chart(), chart()], differences = el("div");
+  function fill() {
+    // The one who loses least, and the one who loses most.
+    const sorted = here().sort((a, b) => a.lost_s - b.lost_s);
+    lists.forEach((list, k) => { list.replaceChildren(...sorted.map((one) => option(one.driver))); list.value = sorted[k === 0 ? 0 : sorted.length - 1].driver; });
+    draw();
+  }
+  function draw() {
+    const pair = [...new Set(lists.map(picked))], colours = ["var(--accent)", "var(--second)"];
+    const line = (x, y) => pair.map((one, k) => ({ ...one, name: `${one.driver} (${one.runs})`, colour: colours[k], x: x(one), y: y(one) }));
+    const total = (one) => one.stretches.reduce((sums, { lost_s: lost }) => [...sums, (sums[sums.length - 1] ?? 0) + lost], []);
+    const x = { title: "distance [m]" };
+    by.draw({ x, y: { title: "lost on 25 m [s]" }, series: line((one) => one.stretches.flatMap((s) => [s.from_m, s.to_m]), (one) => one.stretches.flatMap((s) => [s.lost_s, s.lost_s])) });
+    sum.draw({ x, y: { title: "lost so far [s]" }, series: line((one) => one.stretches.map((s) => s.to_m), total) });
+    if (pair.length < 2) { differences.replaceChildren(); return; }
+    const [a, b] = pair, other = new Map(a.stretches.map((stretch) => [stretch.from_m, stretch]));
+    const rows = b.stretches.filter((s) => other.has(s.from_m)).map((s) => [s, other.get(s.from_m)]).sort(([p, q], [r, t]) => Math.abs(r.lost_s - t.lost_s) - Math.abs(p.lost_s - q.lost_s));
+    differences.replaceChildren(table(["from [m]", "to [m]", `${a.driver} [s]`, `${b.driver} [s]`, "difference [s]", "energy [J]"], rows.slice(0, 5).map(([s, t]) => [
+      s.from_m.toFixed(0), s.to_m.toFixed(0), t.lost_s.toFixed(4), s.lost_s.toFixed(4), (s.lost_s - t.lost_s).toFixed(4), ["front_j", "rear_j", "aero_j"].reduce((energy, key) => energy + s[key] - t[key], 0).toFixed(1)])));
+  }
+  const box = el("section", { class: "panel wide" }, el("h2", {}, "Where the time goes"), el("div", { class: "tools" }, el("label", { hidden: tracks.length < 2 }, "on", track), lists.map((list) => el("label", {}, list))), by.box, sum.box, differences,
+    el("p", { class: "soft" }, "Energy lost over a straight glide, by the time that it delays the end of the run: the slower sled has less drag. Means of runs, in brackets their number."));
+  fill();
+  return box;
 }
 
 const percent = (share) => `${figure(100 * share, 3)} %`;

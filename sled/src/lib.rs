@@ -65,6 +65,7 @@ pub use error::Error;
 pub use evaluate::driving::{Angles, DrivingForce, RunEvaluation, evaluate};
 pub use evaluate::groups::{Group, distinct, groups};
 pub use evaluate::groups::{Summary, quantile};
+pub use evaluate::track_loss::{DriverLosses, TrackLoss, losses_by_driver};
 pub use evaluate::validate::{
     Disagreement, LateralForce, RunValidation, TrackValidation, by_track, validate,
 };

@@ -1,10 +1,13 @@
 //! `kufe evaluate`: losses of drivers over a straight glide.
 
-use kufe::charts::{angle_picture, energy_picture, force_picture};
+use kufe::charts::{angle_picture, energy_picture, force_picture, losses_picture};
 use kufe::jobs::Failure;
 use kufe::plot::Figure;
 use kufe::results::{Evaluation, RunsUsed, write_evaluation_csv};
-use kufe_sled::{Group, RunEvaluation, distinct, evaluate, file_stem, groups, table_samples};
+use kufe_sled::{
+    DriverLosses, Group, RunEvaluation, distinct, evaluate, file_stem, groups, losses_by_driver,
+    table_samples,
+};
 
 use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
@@ -16,7 +19,8 @@ Example:
   kufe evaluate runs.csv --model model.toml -o evaluation/
 
 Writes evaluation.json, evaluation.csv (one row a run), box plots of the loss increases by driver on each track and
-by track, steering and slip angles by driver, and the force along the motion over one run. Where the model has tables,
+by track, the time that drivers lose along each track, steering and slip angles by driver, and the force along the
+motion over one run. Where the model has tables,
 table_front.png and table_rear.png show where the samples lie on them.";
 
 /// Arguments of `kufe evaluate`.
@@ -43,9 +47,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let loaded = args.runs.load(global, |_| true)?;
     let runs = evaluate(&loaded.prepared, &loaded.vehicle);
     let groups = groups(&runs, args.seed);
+    let drivers = losses_by_driver(&runs);
     let document = Evaluation {
         runs,
         groups,
+        drivers,
         interval: "95 % of the mean, bootstrap over runs".to_owned(),
         used: RunsUsed::new(&loaded),
     };
@@ -58,7 +64,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         })?,
     };
     output.write("evaluation.csv", |file| write_evaluation_csv(file, runs))?;
-    let mut pictures = draw(&output, runs, drawn)?;
+    let mut pictures = draw(&output, runs, &document.drivers, drawn)?;
     let states = loaded.prepared.iter().flat_map(|run| &run.states);
     let samples = table_samples(states);
     pictures.extend(draw_tables(&output, &loaded.vehicle, &samples)?);
@@ -66,6 +72,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     output.commit()?;
     global.print(&document, || {
         summary(&document.groups)
+            + &places(&document.drivers)
             + &format!(
                 "{}: evaluation.json, evaluation.csv, {}\n",
                 args.runs.out.display(),
@@ -79,6 +86,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 fn draw(
     output: &OutputDir,
     runs: &[RunEvaluation],
+    drivers: &[DriverLosses],
     drawn: &RunEvaluation,
 ) -> Result<Vec<String>, Failure> {
     let mut files = Vec::new();
@@ -96,6 +104,11 @@ fn draw(
             format!("energy_{}.png", file_stem(track)),
             &energy_picture(&title, &here, |run| &run.driver),
         )?;
+        let drivers = drivers.iter().filter(|one| one.track == *track);
+        picture(
+            format!("losses_{}.png", file_stem(track)),
+            &losses_picture(track, &drivers.collect::<Vec<_>>()),
+        )?;
     }
     if tracks.len() > 1 {
         picture(
@@ -107,6 +120,30 @@ fn draw(
     let forces = format!("forces_{}.png", file_stem(&drawn.run));
     picture(forces, &force_picture(drawn))?;
     Ok(files)
+}
+
+/// Where each driver loses most, by the time that it costs.
+fn places(drivers: &[DriverLosses]) -> String {
+    const MOST: usize = 3;
+    let mut text = String::from("time lost over a straight glide, mean of runs\n");
+    for driver in drivers {
+        let mut worst: Vec<_> = driver.stretches.iter().collect();
+        worst.sort_by(|a, b| b.lost_s.total_cmp(&a.lost_s));
+        let worst = worst.iter().take(MOST).map(|one| {
+            format!(
+                "{:.3} s at {:.0} to {:.0} m",
+                one.lost_s, one.from_m, one.to_m
+            )
+        });
+        text += &format!(
+            "{:9} {:9} {:7.3} s, of them {}\n",
+            driver.driver,
+            driver.track,
+            driver.lost_s,
+            worst.collect::<Vec<_>>().join(", ")
+        );
+    }
+    text
 }
 
 fn summary(groups: &[Group]) -> String {

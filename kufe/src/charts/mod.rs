@@ -7,5 +7,7 @@ mod table;
 
 pub use distributions::{angle_picture, energy_picture, rmse_picture};
 pub use friction::{fit_picture, glide_picture, mu_picture};
-pub use series::{force_picture, lateral_force_picture, replay_picture, run_picture};
+pub use series::{
+    force_picture, lateral_force_picture, losses_picture, replay_picture, run_picture,
+};
 pub use table::{Slice, TablePicture, table_picture};

@@ -1,7 +1,8 @@
 //! Runs over time or distance: one panel below the other.
 
 use kufe_sled::{
-    Compared, DrivingForce, LateralForce, Prepared, Replay, RunEvaluation, RunValidation,
+    Compared, DriverLosses, DrivingForce, LateralForce, Prepared, Replay, RunEvaluation,
+    RunValidation,
 };
 
 use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, broken, extent};
@@ -176,6 +177,37 @@ pub fn force_picture(run: &RunEvaluation) -> Figure {
             [panel("distance [m]", "force along the motion [N]", forces)],
         )
         .row(270.0, [panel("distance [m]", "angle [degrees]", angles)])
+}
+
+/// The time that drivers lose on a track: by stretch, and summed up to a place.
+pub fn losses_picture(track: &str, drivers: &[&DriverLosses]) -> Figure {
+    let lines = |point: &dyn Fn(&DriverLosses) -> Vec<Point>| {
+        let drivers = drivers.iter().enumerate();
+        let layers = drivers.map(|(k, driver)| {
+            let colour = PALETTE[k % PALETTE.len()];
+            let name = format!("{} ({} runs)", driver.driver, driver.runs);
+            Layer::line(1.6, point(driver), colour).named(name)
+        });
+        layers.collect::<Vec<_>>()
+    };
+    let by_stretch = lines(&|driver| {
+        let ends = driver.stretches.iter();
+        let ends = ends.flat_map(|one| [(one.from_m, one.lost_s), (one.to_m, one.lost_s)]);
+        ends.collect()
+    });
+    let summed = lines(&|driver| {
+        let mut sum = 0.0;
+        let add = |one: &kufe_sled::TrackLoss| {
+            sum += one.lost_s;
+            (one.to_m, sum)
+        };
+        driver.stretches.iter().map(add).collect()
+    });
+    let panel = |y: &str, layers| Panel::new(Axis::new("distance [m]"), Axis::new(y), layers);
+    let title = format!("Time lost over a straight glide on {track}, mean of runs");
+    Figure::new(WIDTH, title)
+        .row(280.0, [panel("lost on 25 m [s]", by_stretch)])
+        .row(280.0, [panel("lost so far [s]", summed)])
 }
 
 #[cfg(test)]

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 use kufe_sled::sample_data::{DRIVERS, Planned, sample_driver};
 use kufe_sled::{
-    AlignedRun, EnergyBalance, Examination, FitResult, Group, OutsideTable, Replay, RunEvaluation,
-    RunValidation, SampleCoverage, TrackEstimate, TrackValidation,
+    AlignedRun, DriverLosses, EnergyBalance, Examination, FitResult, Group, OutsideTable, Replay,
+    RunEvaluation, RunValidation, SampleCoverage, TrackEstimate, TrackValidation,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -49,6 +49,9 @@ pub struct Evaluation {
     pub runs: Vec<RunEvaluation>,
     /// Drivers, classes and tracks.
     pub groups: Vec<Group>,
+    /// Where each driver loses on each track, and how many seconds.
+    #[serde(default)]
+    pub drivers: Vec<DriverLosses>,
     /// What the intervals of the groups are.
     pub interval: String,
     /// The runs.

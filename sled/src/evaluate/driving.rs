@@ -8,6 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::contacts::with_own_contacts;
+use crate::evaluate::track_loss::{TrackLoss, add_loss, seconds_per_joule};
 use crate::evaluate::validate::{residuals, root_mean_square};
 use crate::model::vehicle::Vehicle;
 use crate::motion::aero::{along_driving_direction, drag};
@@ -53,6 +54,9 @@ pub struct RunEvaluation {
     pub slip_rear: Angles,
     /// Chassis slip angle.
     pub chassis_slip: Angles,
+    /// Where along the track these losses are, and the time that they cost.
+    #[serde(default)]
+    pub losses: Vec<TrackLoss>,
     /// Forces over the run; not part of the report.
     #[serde(skip)]
     pub series: Vec<DrivingForce>,
@@ -124,6 +128,8 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
     // Ideal loss, and what front, rear and air take in addition.
     let mut energies = [0.0; 4];
     let mut before: Option<[f64; 4]> = None;
+    let price = seconds_per_joule(sled, &run.states);
+    let mut losses = Vec::new();
     for (i, state) in run.states.iter().enumerate() {
         if run.pieces.iter().any(|piece| piece.start == i) {
             before = None;
@@ -160,9 +166,14 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
             (actual[2] - ideal[2]) * state.v_mps,
         ];
         if let Some(before) = before {
-            for i in 0..4 {
-                energies[i] += 0.5 * run.dt_s * (before[i] + power[i]);
-            }
+            let taken: [f64; 4] = std::array::from_fn(|k| 0.5 * run.dt_s * (before[k] + power[k]));
+            energies
+                .iter_mut()
+                .zip(taken)
+                .for_each(|(sum, taken)| *sum += taken);
+            let lost = [-taken[1], -taken[2], -taken[3]];
+            let s_m = 0.5 * (run.states[i - 1].s_m + state.s_m);
+            add_loss(&mut losses, s_m, lost, 0.5 * (price[i - 1] + price[i]));
         }
         before = Some(power);
     }
@@ -187,6 +198,7 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
         slip_front,
         slip_rear,
         chassis_slip,
+        losses,
         series,
         pieces: run.pieces.clone(),
     }

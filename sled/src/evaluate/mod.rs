@@ -2,4 +2,5 @@
 
 pub(crate) mod driving;
 pub(crate) mod groups;
+pub(crate) mod track_loss;
 pub(crate) mod validate;

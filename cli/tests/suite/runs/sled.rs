@@ -75,7 +75,23 @@ fn sample_data_goes_through_fit_validation_and_evaluation() {
     call(&["evaluate", runs, "-o", "evaluation"]);
     let evaluation = json(&folder.join("evaluation/evaluation.json"));
     assert_eq!(evaluation["runs"].as_array().expect("runs").len(), 44);
+    // The stretches of a run are all of its losses, and those of a driver the mean of the runs'.
+    for run in evaluation["runs"].as_array().expect("runs") {
+        let stretches = run["losses"].as_array().expect("losses");
+        let sum: f64 = stretches
+            .iter()
+            .flat_map(|one| ["front_j", "rear_j", "aero_j"].map(|key| one[key].as_f64()))
+            .sum::<Option<f64>>()
+            .expect("numbers");
+        let number = |key: &str| run[key].as_f64().expect("a number");
+        let whole = -number("increase_total") * number("e_tot_loss_j");
+        assert!((sum / whole - 1.0).abs() < 1e-6, "{sum} J of {whole} J");
+    }
+    let drivers = evaluation["drivers"].as_array().expect("drivers");
+    let runs_of = |driver: &serde_json::Value| driver["runs"].as_u64().expect("a count");
+    assert_eq!(drivers.iter().map(runs_of).sum::<u64>(), 44);
     for name in [
+        "evaluation/losses_east.png",
         "fit/fit_front.png",
         "fit/fit_rear.png",
         "fit/model.fit.toml",
