@@ -3,10 +3,11 @@
 
 use std::path::PathBuf;
 
+use kufe::charts::odd_curves;
 use kufe::jobs::Failure;
 use kufe::jobs::runs::{failure, run_inputs};
 use kufe::results::RunCheck;
-use kufe_sled::{Examination, examine};
+use kufe_sled::{Examination, examine_with};
 
 use crate::output::OutputDir;
 use crate::terminal::Global;
@@ -36,10 +37,14 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let inputs = run_inputs(&args.runs);
     let output = OutputDir::begin("runs check", &inputs, &args.out, global.force)?;
-    let runs = global.during("examining the runs", || examine(&args.runs));
-    let runs = runs.map_err(failure)?;
+    let examined = global.during("examining the runs", || {
+        examine_with(&args.runs, |one, run| {
+            run.map_or_else(Vec::new, |run| odd_curves(one, run))
+        })
+    });
+    let (runs, curves): (Vec<_>, Vec<_>) = examined.map_err(failure)?.into_iter().unzip();
     let check = RunCheck::new(args.runs.display().to_string(), runs);
-    output.text("check.html", &kufe::report::record_page(&check))?;
+    output.text("check.html", &kufe::report::record_page(&check, &curves))?;
     output.json("check.json", &check)?;
     output.commit()?;
     global.print(&check, || {

@@ -1,16 +1,20 @@
 //! The page of recorded runs: what is wrong, what is odd, what to do, and the properties of every
 //! channel.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use kufe_sled::{Examination, Octave, Profile};
 
+use crate::charts::OddCurve;
 use crate::plot::number4;
 use crate::report::page::{escape, plain_page};
 use crate::results::RunCheck;
 
-/// The page of `check.json`: one HTML file without scripts, the worst run first.
-pub fn record_page(check: &RunCheck) -> String {
+/// The page of `check.json`: one HTML file without scripts. A summary comes first, each finding
+/// once with the runs that it is in, then the runs, the worst first. `curves` are those of each
+/// run.
+pub fn record_page(check: &RunCheck, curves: &[Vec<OddCurve>]) -> String {
     let count = check.runs.len();
     let (class, verdict) = match check.wrong {
         0 => (
@@ -27,19 +31,35 @@ pub fn record_page(check: &RunCheck) -> String {
         "<h1>Recorded runs</h1>\n<p class=\"told {class}\"><b>{verdict}</b> <small>{}</small></p>\n",
         escape(&check.index)
     );
-    out.push_str("<p><small>Wrong is what channels prove of one another; odd is what only you can judge. The worst run comes first.</small></p>\n");
-    let (clean, entry): (Vec<_>, Vec<_>) = check.runs.iter().partition(|run| is_clean(run));
-    for run in entry {
-        let _ = writeln!(out, "<h2>{}</h2>", escape(&run.run));
-        one_run(&mut out, run);
+    let clean = check.runs.iter().filter(|run| is_clean(run)).count();
+    let findings = findings(&check.runs);
+    let of_class = |class| {
+        findings
+            .iter()
+            .filter(|finding| finding.class == class)
+            .count()
+    };
+    let _ = writeln!(
+        out,
+        "<div class=\"tiles\"><div><b>{}</b><span>findings that are wrong</span></div><div><b>{}</b><span>findings that are odd</span></div>\
+<div><b>{clean}</b><span>runs without findings</span></div></div>",
+        of_class("wrong"),
+        of_class("odd")
+    );
+    out.push_str("<p><small>Wrong is what channels prove of one another; odd is what only you can judge. Equal findings of several runs are one box.</small></p>\n");
+    let mut drawn = BTreeSet::new();
+    for finding in &findings {
+        let column = finding.columns.first();
+        let curve = curves[finding.runs[0]]
+            .iter()
+            .find(|curve| Some(&curve.column) == column);
+        // A channel is drawn once.
+        let curve = curve.filter(|curve| drawn.insert((finding.runs[0], &curve.column)));
+        entry(&mut out, finding, &check.runs, curve);
     }
-    if !clean.is_empty() {
-        out.push_str("<h2>Runs without findings</h2>\n");
-    }
-    for run in clean {
-        let _ = writeln!(out, "<details><summary>{}</summary>", escape(&run.run));
-        one_run(&mut out, run);
-        out.push_str("</details>\n");
+    out.push_str("<h2>Every run</h2>\n");
+    for (number, run) in check.runs.iter().enumerate() {
+        one_run(&mut out, number, run);
     }
     let _ = writeln!(
         out,
@@ -55,11 +75,106 @@ fn is_clean(run: &Examination) -> bool {
     run.refused.is_none() && run.faults.is_empty() && run.notes.is_empty()
 }
 
-/// The findings and the channels of a run, below its name.
-fn one_run(out: &mut String, run: &Examination) {
-    if let Some(reason) = &run.refused {
-        entry(out, "wrong", "Refused", reason, "");
-    } else {
+/// A finding and the runs that have it.
+struct Finding<'a> {
+    class: &'static str,
+    /// The channels, none of the whole run.
+    columns: Vec<String>,
+    head: String,
+    /// Of the first run.
+    what: &'a str,
+    mend: &'a str,
+    /// Places in the list of runs, the worst first.
+    runs: Vec<usize>,
+}
+
+/// The findings of one run, worst first.
+fn findings_of(number: usize, run: &Examination) -> Vec<Finding<'_>> {
+    let refused = run.refused.iter().map(|reason| Finding {
+        class: "wrong",
+        columns: Vec::new(),
+        head: "Refused".to_owned(),
+        what: reason,
+        mend: "",
+        runs: vec![number],
+    });
+    let faults = run.faults.iter().map(|fault| {
+        let verb = match fault.columns.len() {
+            1 => "resembles",
+            _ => "resemble",
+        };
+        Finding {
+            class: if fault.proven { "wrong" } else { "odd" },
+            columns: fault.columns.clone(),
+            head: format!("{} {verb} {}", fault.columns.join(", "), fault.looks_like),
+            what: &fault.evidence,
+            mend: &fault.mend,
+            runs: vec![number],
+        }
+    });
+    let notes = run.notes.iter().map(|note| {
+        let of_run = note.column.is_empty();
+        Finding {
+            class: "odd",
+            columns: (!of_run).then(|| note.column.clone()).into_iter().collect(),
+            head: if of_run {
+                "The run".to_owned()
+            } else {
+                note.column.clone()
+            },
+            what: &note.what,
+            mend: &note.advice,
+            runs: vec![number],
+        }
+    });
+    refused.chain(faults).chain(notes).collect()
+}
+
+/// Findings of all runs, those that differ only in their numbers as one; what is wrong comes first,
+/// then what is in most runs.
+fn findings(runs: &[Examination]) -> Vec<Finding<'_>> {
+    let words = |text: &str| text.replace(|c: char| c.is_ascii_digit() || c == '.', "");
+    let mut all: Vec<Finding> = Vec::new();
+    for one in runs
+        .iter()
+        .enumerate()
+        .flat_map(|(number, run)| findings_of(number, run))
+    {
+        let same = |known: &&mut Finding| {
+            (known.class, &known.head, known.mend) == (one.class, &one.head, one.mend)
+                && words(known.what) == words(one.what)
+        };
+        match all.iter_mut().find(same) {
+            Some(known) => known.runs.extend(one.runs),
+            None => all.push(one),
+        }
+    }
+    all.sort_by_key(|finding| {
+        (
+            finding.class != "wrong",
+            std::cmp::Reverse(finding.runs.len()),
+        )
+    });
+    all
+}
+
+/// A run: its findings in a line each, and its channels, folded.
+fn one_run(out: &mut String, number: usize, run: &Examination) {
+    let own = findings_of(number, run);
+    let wrong = own
+        .iter()
+        .filter(|finding| finding.class == "wrong")
+        .count();
+    let state = match (wrong, own.len() - wrong) {
+        (0, 0) => String::new(),
+        (wrong, odd) => format!(": {wrong} wrong, {odd} odd"),
+    };
+    let _ = writeln!(
+        out,
+        "<details id=\"run-{number}\"><summary>{}{state}</summary>",
+        escape(&run.run)
+    );
+    if run.refused.is_none() {
         let _ = writeln!(
             out,
             "<p><small>{}: {:.2} s at {} Hz, {:.2} s of it take part</small></p>",
@@ -69,44 +184,26 @@ fn one_run(out: &mut String, run: &Examination) {
             run.used_s
         );
     }
-    for fault in &run.faults {
-        let verb = if fault.columns.len() == 1 {
-            "resembles"
-        } else {
-            "resemble"
-        };
-        let head = format!("{} {verb} {}", fault.columns.join(", "), fault.looks_like);
-        let class = if fault.proven { "wrong" } else { "odd" };
-        entry(out, class, &head, &fault.evidence, &fault.mend);
+    for finding in &own {
+        let _ = writeln!(
+            out,
+            "<p class=\"told {}\"><b>{}.</b> {}</p>",
+            finding.class,
+            escape(&finding.head),
+            escape(finding.what)
+        );
     }
-    for note in &run.notes {
-        let head = if note.column.is_empty() {
-            "The run"
-        } else {
-            &note.column
-        };
-        entry(out, "odd", head, &note.what, &note.advice);
+    if !run.channels.is_empty() {
+        out.push_str(
+            "<div class=\"wide\"><table><tr><th>channel</th><th class=\"n\">missing</th><th class=\"n\">noise</th>\
+<th class=\"n\">steps</th><th class=\"n\">still [s]</th><th class=\"n\">leaps</th><th class=\"n\">drop-outs</th><th class=\"n\">at its stop</th><th class=\"n\">at rest</th><th class=\"n\">delay [ms]</th><th>by octave</th></tr>\n",
+        );
+        for (name, channel) in &run.channels {
+            row(out, name, channel);
+        }
+        out.push_str("</table></div>\n");
     }
-    if run.channels.is_empty() {
-        return;
-    }
-    let [begin, end] = match (is_clean(run), run.faults.is_empty()) {
-        (true, _) => ["", ""],
-        (false, true) => ["<details><summary>Every channel</summary>\n", "</details>"],
-        (false, false) => [
-            "<details open><summary>Every channel</summary>\n",
-            "</details>",
-        ],
-    };
-    let _ = writeln!(
-        out,
-        "{begin}<div class=\"wide\"><table><tr><th>channel</th><th class=\"n\">missing</th><th class=\"n\">noise</th>\
-<th class=\"n\">steps</th><th class=\"n\">still [s]</th><th class=\"n\">leaps</th><th class=\"n\">drop-outs</th><th class=\"n\">at its stop</th><th class=\"n\">at rest</th><th class=\"n\">delay [ms]</th><th>by octave</th></tr>"
-    );
-    for (name, channel) in &run.channels {
-        row(out, name, channel);
-    }
-    let _ = writeln!(out, "</table></div>{end}");
+    out.push_str("</details>\n");
 }
 
 /// One channel.
@@ -139,15 +236,43 @@ fn row(out: &mut String, name: &str, channel: &Profile) {
     let _ = writeln!(out, "<td>{}</td></tr>", bars(&channel.octaves));
 }
 
-fn entry(out: &mut String, class: &str, head: &str, what: &str, mend: &str) {
+/// Most names of runs that are shown at once.
+const MOST_NAMES: usize = 6;
+
+/// A finding with its runs and the curve of its channel in the first of them.
+fn entry(out: &mut String, finding: &Finding, runs: &[Examination], curve: Option<&OddCurve>) {
     let _ = write!(
         out,
-        "<div class=\"told {class}\"><p><b>{}.</b> {}</p>",
-        escape(head),
-        escape(what)
+        "<div class=\"told {}\"><p><b>{}.</b> {}</p>",
+        finding.class,
+        escape(&finding.head),
+        escape(finding.what)
     );
-    if !mend.is_empty() {
-        let _ = write!(out, "<p>To do: <code>{}</code></p>", escape(mend));
+    if !finding.mend.is_empty() {
+        let _ = write!(out, "<p>To do: <code>{}</code></p>", escape(finding.mend));
+    }
+    let links = finding.runs.iter().map(|&number| {
+        format!(
+            "<a href=\"#run-{number}\">{}</a>",
+            escape(&runs[number].run)
+        )
+    });
+    let links: Vec<String> = links.collect();
+    let (first, count) = (escape(&runs[finding.runs[0]].run), links.len());
+    let _ = match count {
+        ..=MOST_NAMES => writeln!(out, "<p>In {}</p>", links.join(", ")),
+        _ => writeln!(
+            out,
+            "<details><summary>In {count} runs; the numbers are those of {first}</summary><p>{}</p></details>",
+            links.join(", ")
+        ),
+    };
+    if let Some(curve) = curve {
+        let _ = writeln!(
+            out,
+            "<div class=\"figures\"><div class=\"whole\">{}</div></div>",
+            curve.svg(&runs[finding.runs[0]].run)
+        );
     }
     out.push_str("</div>\n");
 }
@@ -187,35 +312,46 @@ mod tests {
     use super::*;
 
     #[test]
-    fn runs_with_findings_come_first_and_open() {
-        let run = |name: &str, notes| Examination {
-            run: name.into(),
+    fn equal_findings_are_one_box_and_the_summary_comes_first() {
+        let run = |name: String, notes| Examination {
             file: format!("{name}.csv"),
+            run: name,
             notes,
             channels: BTreeMap::from([("v_mps".to_owned(), Profile::default())]),
             ..Examination::default()
         };
-        let note = Note {
+        let note = |what: &str| Note {
             column: "v_mps".into(),
-            what: "stands still".into(),
+            what: what.into(),
             advice: String::new(),
             weight: 0.1,
         };
-        let page = record_page(&RunCheck::new(
-            "runs.csv",
-            vec![run("still", Vec::new()), run("odd", vec![note])],
-        ));
-        let at = |text: &str| {
-            page.find(text)
-                .unwrap_or_else(|| panic!("{text} in {page}"))
+        let page = |count: usize| {
+            let odd = |k: usize| run(format!("r<{k}>"), vec![note(&format!("{k}.5 % leap"))]);
+            let other = run("other".to_owned(), vec![note("stands still")]);
+            let runs: Vec<Examination> = (0..count).map(odd).chain([other]).collect();
+            let curves: Vec<Vec<OddCurve>> = runs.iter().map(|_| Vec::new()).collect();
+            record_page(&RunCheck::new("runs.csv", runs), &curves)
         };
-        assert!(at("<h2>odd</h2>") < at("stands still"));
-        assert!(at("stands still") < at("<details><summary>still</summary>"));
-        // Of either the channels are there, once.
-        assert_eq!(page.matches("<td>v_mps</td>").count(), 2);
+        let (few, many) = (page(2), page(42));
+        let boxes = |page: &str| page.matches("<div class=\"told").count();
+        assert_eq!((boxes(&few), boxes(&many)), (2, 2), "{many}");
+        assert!(
+            many.contains("In 42 runs; the numbers are those of r&lt;0&gt;"),
+            "{many}"
+        );
+        let at = |text: &str| {
+            many.find(text)
+                .unwrap_or_else(|| panic!("{text} in {many}"))
+        };
+        assert!(at("0.5 % leap") < at("stands still") && at("stands still") < at("<h2>Every run"));
+        // Each run has its channels, once, and its own numbers.
+        assert_eq!(many.matches("<td>v_mps</td>").count(), 43);
+        assert!(at("<h2>Every run") < at("41.5 % leap"));
+        assert!(at("href=\"#run-41\"") < at("id=\"run-41\""));
         assert_eq!(
-            page.matches("<details>").count(),
-            page.matches("</details>").count()
+            many.matches("<details").count(),
+            many.matches("</details>").count()
         );
     }
 }

@@ -1,0 +1,122 @@
+//! A channel of a run around what is odd in it.
+
+use kufe_sled::{Column, Examination, Run};
+
+use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, unit_of};
+
+/// Most points of a curve.
+const MOST_POINTS: usize = 600;
+/// What is shown before and after an odd stretch, at least [s].
+const AROUND_S: f64 = 1.0;
+
+/// A channel of a run around what is odd in it, or over the whole run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OddCurve {
+    /// The channel.
+    pub column: String,
+    /// Time [s] and value, as recorded.
+    pub points: Vec<Point>,
+    /// The odd stretch [s].
+    pub marked: Option<[f64; 2]>,
+}
+
+/// The curves of a run: each channel around the longest of its odd stretches, and the channels of
+/// faults without one over the whole run.
+pub fn odd_curves(examination: &Examination, run: &Run) -> Vec<OddCurve> {
+    let mut curves: Vec<OddCurve> = Vec::new();
+    for (name, column) in &run.columns {
+        let own = examination
+            .stretches
+            .iter()
+            .filter(|one| one.column == *name);
+        let longest = own.max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)));
+        let marked = longest.map(|one| [one.from_s, one.to_s]);
+        let is_faulty = examination
+            .faults
+            .iter()
+            .any(|fault| fault.columns.contains(name));
+        if marked.is_none() && !is_faulty {
+            continue;
+        }
+        let [from, to] = marked.map_or([f64::NEG_INFINITY, f64::INFINITY], |[from, to]| {
+            let around = AROUND_S.max(to - from);
+            [from - around, to + around]
+        });
+        let points = column
+            .iter()
+            .enumerate()
+            .map(|(i, value)| (run.t0_s + i as f64 * run.dt_s, *value));
+        let points: Vec<Point> = points.filter(|(t, _)| (from..=to).contains(t)).collect();
+        curves.push(OddCurve {
+            column: name.clone(),
+            points: thinned(points),
+            marked,
+        });
+    }
+    curves
+}
+
+/// The least and the largest value of as many points after one another as leave at most
+/// [`MOST_POINTS`], in their order.
+fn thinned(points: Vec<Point>) -> Vec<Point> {
+    let together = (2 * points.len()).div_ceil(MOST_POINTS);
+    if together <= 2 {
+        return points;
+    }
+    let ends = points.chunks(together).flat_map(|chunk| {
+        let finite = || {
+            chunk
+                .iter()
+                .enumerate()
+                .filter(|(_, point)| point.1.is_finite())
+        };
+        let low = finite().min_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
+        let high = finite().max_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
+        match low.zip(high) {
+            None => vec![(chunk[0].0, f64::NAN)],
+            Some(((i, low), (j, high))) if i <= j => vec![*low, *high],
+            Some(((_, low), (_, high))) => vec![*high, *low],
+        }
+    });
+    ends.collect()
+}
+
+impl OddCurve {
+    /// The curve as an SVG element; the odd stretch is shaded.
+    pub fn svg(&self, run: &str) -> String {
+        let known = Column::named(&self.column);
+        let label = known.map_or(self.column.as_str(), |column| column.label());
+        let marked = self.marked.map(|[from, to]| {
+            // A single sample is seen too.
+            let least = 0.002
+                * (self.points.last().map_or(0.0, |p| p.0)
+                    - self.points.first().map_or(0.0, |p| p.0));
+            Layer::stretch([from - least, to + least], PALETTE[4].alpha(0.35))
+        });
+        let line = Layer::line(1.0, self.points.iter().copied(), PALETTE[0]);
+        let layers = marked.into_iter().chain([line]).collect();
+        let y = Axis::new(format!("[{}]", unit_of(&self.column)));
+        let panel = Panel::new(Axis::new("time [s]"), y, layers);
+        let mut figure = Figure::new(860.0, format!("{label} of {run}")).row(110.0, [panel]);
+        figure.letters = 12.0;
+        figure.svg()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thinned_curve_has_its_extremes() {
+        let value = |i: usize| match i {
+            7000 => 9.0,
+            _ => (1e-3 * i as f64).sin(),
+        };
+        let points: Vec<Point> = (0..20_000).map(|i| (i as f64, value(i))).collect();
+        let thin = thinned(points);
+        assert!(thin.len() <= MOST_POINTS, "{}", thin.len());
+        assert!(thin.contains(&(7000.0, 9.0)));
+        assert!(thin.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+    }
+}
