@@ -8,10 +8,14 @@ const FIELDS = [
   ["rocker_radius_m", "rocker radius", "m", true, (v) => figure(v, 3), ["bob", "luge"]],
   ["section_radius_m", "section radius", "mm", true, (v) => figure(1e3 * v, 3), ["bob"]],
   ["edge_radius_m", "edge radius", "mm", true, (v) => figure(1e3 * v, 3), ["luge"]],
-  ["tilt_rad", "tilt about x", "mrad", false, (v) => figure(1e3 * v, 3), ["bob", "luge"]],
+  ["tilt_rad", "tilt about x", "mrad", false, (v) => figure(1e3 * v, 3), ["bob", "luge", "none"]],
   ["fz_n", "normal force", "N", true, (v) => figure(v, 3), ["bob", "luge", "none"]],
   ["curvature_1pm", "track radius", "m", false, (v) => (Math.abs(v) < 5e-5 ? "straight" : figure(1 / v, 3)), ["bob", "luge", "none"]],
+  ["offset_x_m", "load ahead of the origin", "mm", false, (v) => figure(1e3 * v, 3), ["bob", "luge", "none"]],
+  ["hardness_pa", "hardness of the ice", "MPa", true, (v) => (v > 0.999e9 ? "none" : figure(1e-6 * v, 3)), ["bob", "luge", "none"]],
 ];
+/** Texts of values without a unit. */
+const WORDS = ["straight", "none"];
 
 function viewPage(main, first) {
   const form = { ...first.form }, state = el("p", { class: "state", role: "status" }, "");
@@ -19,7 +23,7 @@ function viewPage(main, first) {
   const box = el("div", { class: "form" });
   const save = el("button", { class: "button", type: "button", onclick: () => download() }, "save as case.toml");
   const fixed = form.shape === "none";
-  const section = el("section", { class: "panel", style: "margin-bottom:1rem" },
+  const section = el("section", { class: "panel sliders" },
     el("div", { class: "tools", style: "margin:0 0 .6rem" }, el("label", { hidden: fixed }, "runner", kind), save), box, state);
   const page = contactPage(main, section);
   let text = first.case_text, waiting = null;
@@ -28,7 +32,7 @@ function viewPage(main, first) {
     kind.value = form.shape;
     box.replaceChildren(...FIELDS.filter((field) => field[5].includes(form.shape)).map(([name, label, unit, log, shown]) => {
       const [from, to] = first.ranges[name];
-      const value = el("b"), say = () => { const text = shown(form[name]); value.textContent = text === "straight" ? text : `${text} ${unit}`; };
+      const value = el("b"), say = () => { const text = shown(form[name]); value.textContent = WORDS.includes(text) ? text : `${text} ${unit}`; };
       const place = (v) => 1000 * (log ? Math.log(v / from) / Math.log(to / from) : (v - from) / (to - from));
       const input = el("input", { type: "range", name, min: 0, max: 1000, step: 1, oninput: () => {
         const t = Number(input.value) / 1000;

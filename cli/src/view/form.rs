@@ -2,19 +2,23 @@
 
 use std::collections::BTreeMap;
 
-use kufe::case::{Case, Shape, TiltWord};
+use kufe::case::{Case, Hardness, Shape, TiltWord};
 use kufe_mesh::{BobRunner, LugeSteel};
 use serde::{Deserialize, Serialize};
 
 /// Ranges of the sliders: from, to.
-const RANGES: [(&str, f64, f64); 6] = [
+const RANGES: [(&str, f64, f64); 8] = [
     ("rocker_radius_m", 2.0, 200.0),
     ("section_radius_m", 1e-3, 0.05),
     ("edge_radius_m", 5e-5, 5e-3),
     ("tilt_rad", -0.1, 0.1),
     ("fz_n", 50.0, 10_000.0),
     ("curvature_1pm", -0.02, 0.08),
+    ("offset_x_m", -0.4, 0.4),
+    ("hardness_pa", 5e6, ELASTIC_PA),
 ];
+/// End of the slider of the hardness [Pa], where no hardness is stated.
+const ELASTIC_PA: f64 = 1e9;
 
 /// Which runner the form shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,12 +44,16 @@ pub struct Form {
     pub section_radius_m: f64,
     /// Radius of a luge steel's edge [m].
     pub edge_radius_m: f64,
-    /// Fixed roll of a bobsled runner, tilt of a luge steel's underside [rad].
+    /// Fixed roll of a bobsled runner or a hull, tilt of a luge steel's underside [rad].
     pub tilt_rad: f64,
     /// Normal force [N].
     pub fz_n: f64,
     /// Curvature of the track, positive in a valley [1/m].
     pub curvature_1pm: f64,
+    /// Line of action of the load along the runner [m].
+    pub offset_x_m: f64,
+    /// Hardness of the ice [Pa]; at its largest nothing is stated.
+    pub hardness_pa: f64,
 }
 
 impl Form {
@@ -60,7 +68,17 @@ impl Form {
             tilt_rad: 0.0,
             fz_n: case.load.fz_n,
             curvature_1pm: case.track.curvature(),
+            offset_x_m: case.load.offset_x_m,
+            hardness_pa: match case.ice.hardness_pa {
+                Some(Hardness::Stated(hardness_pa)) => hardness_pa,
+                _ => ELASTIC_PA,
+            },
         };
+        if !matches!(case.runner.shape, Some(Shape::Luge { .. }))
+            && case.load.tilt == TiltWord::Fixed
+        {
+            form.tilt_rad = case.load.roll_rad.unwrap_or(0.0);
+        }
         match case.runner.shape {
             Some(Shape::Bob {
                 rocker_radius_m,
@@ -70,9 +88,6 @@ impl Form {
                 form.shape = Runner::Bob;
                 form.rocker_radius_m = rocker_radius_m;
                 form.section_radius_m = section_radius_m;
-                if case.load.tilt == TiltWord::Fixed {
-                    form.tilt_rad = case.load.roll_rad.unwrap_or(0.0);
-                }
             }
             Some(Shape::Luge {
                 rocker_radius_m,
@@ -108,6 +123,8 @@ impl Form {
             self.tilt_rad,
             self.fz_n,
             self.curvature_1pm,
+            self.offset_x_m,
+            self.hardness_pa,
         ];
         for ((name, from, to), value) in RANGES.iter().zip(values) {
             let slack = 1e-9 * (to - from);
@@ -119,6 +136,22 @@ impl Form {
         case.load.fz_n = self.fz_n;
         case.track.radius_m = None;
         case.track.curvature_1pm = Some(self.curvature_1pm);
+        case.load.offset_x_m = self.offset_x_m;
+        // The end of a slider, but for rounding.
+        let bounded = self.hardness_pa < 0.999 * ELASTIC_PA;
+        case.ice.hardness_pa = match base.ice.hardness_pa {
+            _ if bounded => Some(Hardness::Stated(self.hardness_pa)),
+            Some(Hardness::Stated(_)) => None,
+            other => other,
+        };
+        if self.shape != Runner::Luge {
+            if self.tilt_rad != 0.0 {
+                case.load.tilt = TiltWord::Fixed;
+                case.load.roll_rad = Some(self.tilt_rad);
+            } else if case.load.tilt == TiltWord::Fixed {
+                case.load.roll_rad = Some(0.0);
+            }
+        }
         match self.shape {
             Runner::None => return Ok(case),
             Runner::Bob => {
@@ -143,12 +176,6 @@ impl Form {
                     width_m: width_m.min(2.0 * self.section_radius_m),
                     height_m,
                 });
-                if self.tilt_rad != 0.0 {
-                    case.load.tilt = TiltWord::Fixed;
-                    case.load.roll_rad = Some(self.tilt_rad);
-                } else if case.load.tilt == TiltWord::Fixed {
-                    case.load.roll_rad = Some(0.0);
-                }
             }
             Runner::Luge => {
                 let (length_m, width_m, height_m) = match base.runner.shape {
@@ -194,6 +221,38 @@ mod tests {
         back.track = base.track.clone();
         assert_eq!(back, base);
         Ok(())
+    }
+
+    #[test]
+    fn a_hull_is_loaded_elsewhere_rolled_and_pressed_on_softer_ice() {
+        let mut base = LoadedCase::example().expect("a case").case;
+        base.runner.shape = None;
+        base.runner.hull = Some("bob.stl".into());
+        let form = Form {
+            offset_x_m: 0.05,
+            tilt_rad: 0.01,
+            hardness_pa: 20e6,
+            ..Form::of(&base)
+        };
+        assert_eq!(form.shape, Runner::None);
+        let case = form.case(&base).expect("a case");
+        assert_eq!(
+            (case.load.offset_x_m, case.ice.hardness_pa),
+            (0.05, Some(Hardness::Stated(20e6)))
+        );
+        assert_eq!(
+            (case.load.tilt, case.load.roll_rad),
+            (TiltWord::Fixed, Some(0.01))
+        );
+        assert_eq!(case.runner, base.runner);
+        let again = Form::of(&case);
+        assert_eq!(again, form);
+        // At its end the slider removes the bound.
+        let elastic = Form {
+            hardness_pa: Form::ranges()["hardness_pa"][1],
+            ..form
+        };
+        assert_eq!(elastic.case(&case).expect("a case").ice.hardness_pa, None);
     }
 
     #[test]

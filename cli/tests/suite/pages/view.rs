@@ -12,7 +12,7 @@ use crate::kufe::{Bench, CASE, errors};
 use crate::pages::browser::{Browser, DESK, Look, chromium, wait};
 
 const FORM: &str = "{\"shape\":\"bob\",\"rocker_radius_m\":20.0,\"section_radius_m\":0.005,\"edge_radius_m\":0.0003,\
-                    \"tilt_rad\":0.0,\"fz_n\":1000.0,\"curvature_1pm\":0.0}";
+                    \"tilt_rad\":0.0,\"fz_n\":1000.0,\"curvature_1pm\":0.0,\"offset_x_m\":0.0,\"hardness_pa\":1e9}";
 
 /// A running `kufe view`, ended with this value.
 struct View {
@@ -286,6 +286,13 @@ fn sliders_solve_again_in_a_browser() {
             "{peak}"
         );
         assert!(browser.colours(".stage canvas").0 > 100);
+        if look.width < 600 {
+            // Scrolled to the picture, sliders and picture are both on the screen.
+            browser.evaluate("scrollBy(0, document.querySelector('.stage').getBoundingClientRect().bottom - innerHeight)");
+            browser.settle();
+            let both = "['.sliders', '.stage'].map((name) => document.querySelector(name).getBoundingClientRect()).every((box) => box.top >= 0 && box.bottom <= innerHeight + 1)";
+            assert_eq!(browser.evaluate(both), true);
+        }
         assert_eq!(browser.errors(), Vec::<String>::new());
         browser.keep_picture(name, look, if look.dark { 1300 } else { 1180 });
     }

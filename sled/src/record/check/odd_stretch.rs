@@ -99,13 +99,13 @@ mod tests {
         for i in 0..1000 {
             let t = 0.01 * f64::from(i);
             // Noise of which no two values are equal.
-            let noise = 1e-3 * (f64::from(i * i % 97) / 97.0 - 0.5);
+            let noise = 1e-2 * (f64::from(i * i % 97) / 97.0 - 0.5);
             let yaw = match i {
                 200 => 9.0,
                 400..=403 => -9.0,
                 600..=699 => 0.25,
                 800..=819 => f64::NAN,
-                _ => (2.0 * t).sin() + noise,
+                _ => (0.3 * t).sin() + noise,
             };
             text += &format!("{t},{},{yaw}\n", 20.0 + noise);
         }
