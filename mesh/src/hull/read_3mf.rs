@@ -27,9 +27,10 @@ const USUAL_MODEL: &str = "3D/3dmodel.model";
 /// state another axis.
 ///
 /// # Errors
-/// [`MeshError::Value`] with the part of the package, [`MeshError::Invalid`] if it unpacks to more
-/// than 256 MiB or 50 million triangles, and those of a hull without triangles or with positions
-/// that are not finite.
+/// [`MeshError::Value`] with the part of the package, [`MeshError::Invalid`] if its parts unpack to
+/// more than 256 MiB (some three million triangles) or its objects, each used many times, make more
+/// than 50 million triangles, and those of a hull without triangles or with positions that are not
+/// finite.
 pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> {
     let rows = options.rows(Axis::Z)?;
     let mut package = Package::open(bytes)?;
@@ -127,7 +128,13 @@ impl<'a> Package<'a> {
         let file = file.map_err(|source| error(part, source, "a part that unpacks"))?;
         let mut file = file.take(self.budget + 1);
         file.read_to_end(&mut bytes).map_err(broken)?;
-        limit("unpacked bytes", bytes.len(), self.budget as usize)?;
+        if bytes.len() as u64 > self.budget {
+            return Err(MeshError::Invalid(format!(
+                "the 3MF file unpacks to more than {} MiB: expected fewer triangles, or the hull as \
+                 binary STL",
+                MOST_BYTES >> 20
+            )));
+        }
         self.budget -= bytes.len() as u64;
         Ok(Some(bytes))
     }
@@ -403,5 +410,19 @@ mod tests {
         };
         assert!(message(b"no zip").contains("zip archive"));
         assert!(message(&package(&[])).contains("3D/3dmodel.model"));
+    }
+    #[test]
+    fn a_file_that_unpacks_to_too_much_is_refused_with_what_to_do()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let bytes = package(&[(USUAL_MODEL, " ".repeat(100))]);
+        let mut file = Package::open(&bytes)?;
+        file.budget = 99;
+        let error = file.model(USUAL_MODEL).err().ok_or("it was read")?;
+        assert_eq!(
+            error.to_string(),
+            "the 3MF file unpacks to more than 256 MiB: expected fewer triangles, or the hull as \
+             binary STL"
+        );
+        Ok(())
     }
 }
