@@ -102,8 +102,8 @@ fn an_acceleration_that_raises_the_energy_is_put_back_and_the_contact_found_all_
         reported.windows(2).all(|pair| pair[1].0 <= pair[0].0),
         "{reported:?}"
     );
-    // After what is accepted sweeps search the next set; after what is not, the forces accepted
-    // last have it.
+    // After an accepted acceleration, sweeps search for the next set; after a rejected one, it is that
+    // of the forces accepted last.
     assert!(reported[1].1 > 0 && reported[2].1 == 0, "{reported:?}");
     let largest = expected.force.iter().copied().fold(0.0, f64::max);
     for (a, b) in state.force.iter().zip(&expected.force) {

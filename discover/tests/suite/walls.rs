@@ -54,7 +54,7 @@ fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
             .find(|c| (middle - c.s_m - 0.5 * c.length_m).abs() < 4.0)
             .unwrap_or_else(|| {
                 panic!(
-                    "{} hit nothing at {middle:.0} m, reported {:.0} +- {:.0} N",
+                    "{} hit nothing at {middle:.0} m, where the report has {:.0} +- {:.0} N",
                     own.run, own.force_n, own.error_n
                 )
             });

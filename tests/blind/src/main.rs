@@ -62,10 +62,10 @@ enum Task {
         /// One row a case instead of a family.
         #[arg(long)]
         by_case: bool,
-        /// Have the finder look for the hidden effect and for no other: what it misses then, these
-        /// data do not hold.
+        /// Let the finder search for the hidden effect and for no other: what it misses then, these
+        /// data do not contain.
         #[arg(long)]
-        reported: bool,
+        only_hidden: bool,
     },
     /// Prints the table of saved outcomes.
     Table {
@@ -120,7 +120,7 @@ impl How {
             limit: Duration::from_secs(self.limit),
             keep: self.keep.map(std::path::absolute).transpose()?,
             rules: None,
-            reported: false,
+            only_hidden: false,
         })
     }
 }
@@ -171,12 +171,12 @@ fn run(task: Task) -> Result<bool, String> {
             first_seed,
             save,
             by_case,
-            reported,
+            only_hidden,
         } => {
             let specs = catalogue::chosen(&families).map_err(|error| error.to_string())?;
             let options = how.options(first_seed, seeds);
             let options = Options {
-                reported,
+                only_hidden,
                 ..options.map_err(|error| error.to_string())?
             };
             let file = save

@@ -297,8 +297,8 @@ fn a_runner_on_many_crests_presses_each_by_its_part_of_approach_and_pitch() {
 }
 
 /// Width where ice yields all across, by its force: a strip of the plane bears H times its width,
-/// whatever nodes lie beside the rim. Over an ellipse of this length all strips tell that of the
-/// middle one; single ones are reported to the cell.
+/// whatever nodes lie beside the rim. Over an ellipse of this length all strips give that of the
+/// middle one; a single strip has it to a cell.
 fn width_by_strips(s: &Solution) -> f64 {
     let f = &s.surface;
     let nx = f.x.len();

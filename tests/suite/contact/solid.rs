@@ -269,8 +269,8 @@ fn stated_errors_hold_what_a_runners_own_hexahedra_leave() {
         );
         stated.push(error);
     }
-    // Coarse faces of soft runners are reported to be worse than fine ones, and those of stiff runners
-    // to matter less.
+    // Coarse faces have larger stated errors than fine ones, and those of stiff runners smaller ones
+    // than those of soft runners.
     assert!(
         stated[0] > stated[1] && stated[4] < 0.5 * stated[0],
         "{stated:?}"

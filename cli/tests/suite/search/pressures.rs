@@ -48,7 +48,7 @@ fn hardness_and_roll_tilt_are_named_and_act_in_the_next_case_and_nothing_is_foun
         limit: Duration::from_secs(1800),
         keep: Some(at.to_path_buf()),
         rules: None,
-        reported: false,
+        only_hidden: false,
     };
     let outcomes = score(&cases, &options, &|_| {}).expect("scored");
     assert_eq!(outcomes.len(), 3);

@@ -30,8 +30,8 @@ pub struct Options {
     pub keep: Option<PathBuf>,
     /// Rules of judgement for the finder; its own where absent.
     pub rules: Option<PathBuf>,
-    /// Whether the finder is reported what is hidden, and looks for nothing else.
-    pub reported: bool,
+    /// Whether the finder searches for the hidden effects and for no others.
+    pub only_hidden: bool,
 }
 
 /// Runs every case for every seed; `done` is called with each outcome as it comes.
@@ -147,12 +147,12 @@ fn discover(
     let file =
         std::fs::File::create(&log).map_err(|error| format!("{}: {error}", log.display()))?;
     let rules = options.rules.iter();
-    let hidden = answer.hides.iter().filter(|_| options.reported);
-    let reported: Vec<String> = hidden.map(|h| name_of(&h.effect)).collect();
+    let hidden = answer.hides.iter().filter(|_| options.only_hidden);
+    let hidden: Vec<String> = hidden.map(|h| name_of(&h.effect)).collect();
     let mut child = Command::new(kufe)
         .arg("discover")
         .args(rules.flat_map(|path| [Path::new("--rules"), path.as_path()]))
-        .args(reported.iter().flat_map(|name| ["--only", name.as_str()]))
+        .args(hidden.iter().flat_map(|name| ["--only", name.as_str()]))
         .arg(&answer.data)
         .args(answer.model.iter().flat_map(|model| ["--model", model]))
         .arg("-o")
