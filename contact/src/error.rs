@@ -56,8 +56,9 @@ fn size(spacing: f64) -> String {
 fn coarse(reached: bool, finest: f64) -> String {
     if reached {
         format!(
-            ", but the pressure needs somewhere cells of {finest:.2} of those there, {COARSE} is the least that passes, and such have \
-             too many unknowns or were requested too often"
+            ", but somewhere the pressure needs cells of {finest:.2} times the size of those there, \
+             less than the {COARSE} that pass; finer ones have too many unknowns, or the mesh was \
+             graded anew too often"
         )
     } else {
         String::new()

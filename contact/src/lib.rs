@@ -99,6 +99,7 @@ pub use problem::ice::{
 };
 pub use problem::mount::{LoadedPlace, Mount, Place};
 pub use problem::runner_solid::RunnerSolid;
+pub use result::asperity::Asperity;
 pub use result::centre_line::{CentreLine, LargestShear, UnderPeak, centre_line};
 pub use result::runner_loads::{MountForce, RunnerLoads, runner_loads};
 pub use result::solution::{Iterate, RunnerField, Solution, SurfaceField, VolumeField};

@@ -7,7 +7,7 @@ use crate::Iterate;
 
 /// Version of the numerics: it rises whenever the same problem and options give other figures, so
 /// that results stored by an older version are not taken for this one's.
-pub const NUMERICS: u32 = 18;
+pub const NUMERICS: u32 = 19;
 
 /// Weight of the relative error of the area where the ice's hardness fixes the peak and the area is
 /// what is refined.
@@ -52,10 +52,12 @@ pub struct Options {
     pub residual: f64,
     /// Largest number of unknowns that a mesh is expected to have when its resolution is chosen:
     /// 1.5^3 times those of the last one. The mesh itself may have about a tenth more, and the
-    /// coarsest one is solved whatever it has.
+    /// coarsest one is solved whatever it has. A cell of boundary elements counts four times, as
+    /// their transforms work on twice the cells along either axis.
     pub max_dofs: usize,
     /// Where given, one mesh with this many cells over half the patch is solved instead of refining
-    /// to `p_max_tolerance`; the reported error is then infinite.
+    /// to `p_max_tolerance`; the reported error is then infinite. Of many asperities on uneven ice,
+    /// solved by boundary elements, the patch is that of one: half of their mean size.
     pub cells: Option<usize>,
     /// The form of the stiffness.
     pub stiffness: StiffnessForm,

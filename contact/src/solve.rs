@@ -1,11 +1,8 @@
 //! From a problem to a pressure field of the requested accuracy.
 
-use crate::accuracy::find_patch::capacity;
-use crate::accuracy::meshes::Meshes;
-use crate::accuracy::meshes::{Estimate, Verdict};
+use crate::accuracy::meshes::{Estimate, Meshes, Verdict};
 use crate::boundary_elements::asperities::Asperities;
-use crate::problem::check::{MOST_TILT, check};
-use crate::problem::gap::Gap;
+use crate::problem::check::{MOST_TILT, checked};
 use crate::{Error, Load, Options, Problem, Solution};
 
 /// Solves a contact problem.
@@ -14,7 +11,8 @@ use crate::{Error, Load, Options, Problem, Solution};
 /// for the method. The mesh is refined until the estimated discretisation error of the peak
 /// pressure is below `options.p_max_tolerance`. A rigid runner that touches uneven ice at some
 /// thousand nodes or more is solved by boundary elements on the contact plane instead, whose cost
-/// grows with n log n; [`Solution::volume`] is empty then.
+/// grows with n log n; [`Solution::volume`] is empty then. Where their contact set does not settle,
+/// finite elements follow, with the grids before them in [`Solution::history`].
 ///
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::Unsuitable`] and [`Error::LoadExceedsHardness`] for problems
@@ -27,24 +25,24 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     // Among the workers from the start: every parallel loop begun outside would wait for one to
     // wake up.
     rayon::scope(|_| {
-        if let Some(asperities) = Asperities::of(problem, options)?
-            && let Some(solution) = asperities.solve()?
-        {
-            return answered(problem, verified(solution, options)?);
-        }
-        refined(problem, options, Meshes::guess(problem, options)?)
+        let (material, gap) = checked(problem, options)?;
+        let mut history = Vec::new();
+        let asperities = Asperities::of(problem, options, &gap)?;
+        let on_plane = asperities.and_then(|found| found.solve(&mut history).transpose());
+        let solved = on_plane.unwrap_or_else(|| {
+            let meshes = Meshes::guess(problem, options, (material, gap), history)?;
+            refined(options, meshes)
+        });
+        passed(problem, options, solved)
     })
 }
 
 /// Solves mesh after mesh, from what is known of the problem.
-fn refined(problem: &Problem, options: &Options, mut meshes: Meshes) -> Result<Solution, Error> {
+fn refined(options: &Options, mut meshes: Meshes) -> Result<Solution, Error> {
     loop {
         let contact = meshes.solve_next()?;
         match meshes.judge(&contact) {
-            Verdict::Reached(limits) => {
-                let solution = meshes.solution(contact, limits);
-                return answered(problem, verified(solution, options)?);
-            }
+            Verdict::Reached(limits) => return Ok(meshes.solution(contact, limits)),
             Verdict::Refine(plan) => meshes.refine(contact, plan),
             Verdict::Widen(found) => meshes.widen(&contact, &found)?,
             Verdict::OutOfReach(limits) => {
@@ -54,7 +52,7 @@ fn refined(problem: &Problem, options: &Options, mut meshes: Meshes) -> Result<S
                     estimate: relative,
                     tolerance: options.p_max_tolerance,
                     finest,
-                    best: Box::new(answered(problem, verified(best, options)?)?),
+                    best: Box::new(best),
                 });
             }
         }
@@ -66,9 +64,33 @@ fn refined(problem: &Problem, options: &Options, mut meshes: Meshes) -> Result<S
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::Unsuitable`], [`Error::LoadExceedsHardness`].
 pub fn check_problem(problem: &Problem, options: &Options) -> Result<(), Error> {
-    check(problem, options)?;
-    Gap::new(problem)?;
-    capacity(problem)
+    checked(problem, options).map(|_| ())
+}
+
+/// Passes a solution on that is an answer and verified, one that misses its accuracy too.
+fn passed(
+    problem: &Problem,
+    options: &Options,
+    solved: Result<Solution, Error>,
+) -> Result<Solution, Error> {
+    let pass = |solution| answered(problem, verified(solution, options)?);
+    match solved {
+        Ok(solution) => pass(solution),
+        Err(Error::AccuracyNotReached {
+            dofs,
+            estimate,
+            tolerance,
+            finest,
+            best,
+        }) => Err(Error::AccuracyNotReached {
+            dofs,
+            estimate,
+            tolerance,
+            finest,
+            best: Box::new(pass(*best)?),
+        }),
+        Err(error) => Err(error),
+    }
 }
 
 /// Relative difference of the force carried from the requested one that a balanced contact may
@@ -191,14 +213,15 @@ mod tests {
             ..Options::default()
         };
         let graded = solve(&problem, &options)?;
-        let mut meshes = Meshes::guess(&problem, &options)?;
+        let start = checked(&problem, &options)?;
+        let mut meshes = Meshes::guess(&problem, &options, start, Vec::new())?;
         meshes.regraded = REGRADINGS;
         let Err(Error::AccuracyNotReached {
             estimate,
             finest,
             best,
             ..
-        }) = refined(&problem, &options, meshes)
+        }) = refined(&options, meshes)
         else {
             return Err("meshes without a grading were taken for an answer".into());
         };
@@ -283,7 +306,7 @@ mod tests {
         };
         let reported = coarse.to_string();
         assert!(
-            reported.contains("cells of 0.25 of those there, 0.6 is the least"),
+            reported.contains("cells of 0.25 times the size of those there, less than the 0.6"),
             "{reported}"
         );
         Ok(())

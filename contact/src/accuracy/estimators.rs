@@ -119,6 +119,17 @@ impl Limit {
         }
     }
 
+    /// The last of three meshes, and as its error what first order, the slowest that was seen,
+    /// leaves of [`Limit::of_range`]: R h3 / (h1 - h3).
+    pub fn of_first_order(meshes: [MeshValue; 3]) -> Self {
+        let [first, _, last] = meshes;
+        let Limit { value, error } = Limit::of_range(&meshes.map(|mesh| mesh.value));
+        Limit {
+            value,
+            error: error * first.cells / (last.cells - first.cells),
+        }
+    }
+
     /// The last of some values, and as its error a multiple of their range; infinite for a single
     /// one.
     pub fn of_range(values: &[f64]) -> Self {
@@ -170,21 +181,41 @@ fn order_of(observed: f64, ratio: impl Fn(f64) -> f64) -> f64 {
 
 // What meshes say together of a figure, and how fine they are to be.
 
+/// How a figure settles as cells get smaller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Settling {
+    /// By an order, or not at all.
+    #[default]
+    ByOrder,
+    /// By an order, or to and fro: no rim between nodes moves the figure.
+    Alternating,
+    /// To and fro: the highest of many peaks, each of few cells, is sometimes one and sometimes
+    /// another.
+    FirstOrder,
+}
+
 /// What the meshes solved so far say of one figure.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sequence {
     meshes: Vec<MeshValue>,
     /// How many of the last ones are similar: the same zones, all spacings in proportion.
     similar: usize,
-    /// Whether no rim between nodes moves the figure, so that it may go to and fro by law.
-    alternating: bool,
+    settling: Settling,
 }
 
 impl Sequence {
     /// Of a figure that no rim between nodes moves.
     pub fn alternating() -> Self {
         Sequence {
-            alternating: true,
+            settling: Settling::Alternating,
+            ..Self::default()
+        }
+    }
+
+    /// Of the highest of many peaks, each of few cells.
+    pub fn of_many_peaks() -> Self {
+        Sequence {
+            settling: Settling::FirstOrder,
             ..Self::default()
         }
     }
@@ -214,15 +245,19 @@ impl Sequence {
     ///
     /// Three similar meshes give it by their order. A figure that no rim moves and that goes to and
     /// fro over all similar meshes, whatever order three of them show, has the last one's value
-    /// with [`Limit::of_alternating`]. Without three similar meshes it is the last one's value with
-    /// the spread of the last three and of those between them and the last coarser one.
+    /// with [`Limit::of_alternating`]. The highest of many peaks has [`Limit::of_first_order`] of
+    /// the last three meshes. Without three similar meshes it is the last one's value with the
+    /// spread of the last three and of those between them and the last coarser one.
     pub fn limit(&self) -> Option<Limit> {
-        match self.three() {
-            Some((_, used)) if self.alternating && !is_monotone(&used) => {
+        match (self.settling, self.three()) {
+            (_, None) => self.spread(),
+            (Settling::FirstOrder, Some(_)) => {
+                self.meshes.last_chunk().copied().map(Limit::of_first_order)
+            }
+            (Settling::Alternating, Some((_, used))) if !is_monotone(&used) => {
                 Some(Limit::of_alternating(&used))
             }
-            Some((three, _)) => Some(Limit::richardson(three)),
-            None => self.spread(),
+            (_, Some((three, _))) => Some(Limit::richardson(three)),
         }
     }
 
@@ -422,6 +457,21 @@ mod tests {
         assert_eq!(limit.value, 336.3);
         assert!((limit.value - 334.3).abs() < limit.error, "{limit:?}");
         assert!(limit.error < 0.01 * limit.value, "{limit:?}");
+    }
+
+    /// A peak whose error of first order has either sign by where the cells lie.
+    #[test]
+    fn the_highest_of_many_peaks_has_what_first_order_leaves_of_its_range() {
+        let mut sequence = Sequence::of_many_peaks();
+        for (cells, part) in [(3.0, 1.0), (4.0, -1.0), (6.0, 1.0)] {
+            assert!(sequence.limit().is_none());
+            let value = 5.0 + 0.3 * part / cells;
+            sequence.push(MeshValue { cells, value }, false);
+        }
+        let limit = sequence.last();
+        // The range is 0.1 + 0.075, and 3 / (6 - 3) of it is left.
+        assert!((limit.value - 5.05).abs() < 1e-12, "{limit:?}");
+        assert!((limit.error - 3.0 * 0.175).abs() < 1e-12, "{limit:?}");
     }
 
     fn sequence_of<const N: usize>(cells: [f64; N], values: &[f64; N]) -> Sequence {

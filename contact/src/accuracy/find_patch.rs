@@ -11,7 +11,7 @@ use crate::grid::patch::Patch;
 use crate::mesh::discretise::{MeshPlan, Reach};
 use crate::problem::gap::Gap;
 use crate::result::pressure::Field;
-use crate::{Error, Load, Options, Problem};
+use crate::{Error, Options, Problem};
 
 /// Cells over half the patch while it is being found.
 const COARSE_MESH: Resolution = Resolution {
@@ -30,7 +30,6 @@ pub(crate) fn find_patch(
     material: Material,
     options: &Options,
 ) -> Result<(Patch, Forces), Error> {
-    capacity(problem)?;
     let mut patch = first_guess(problem, gap);
     for _ in 0..ROUNDS {
         if options.stopped() {
@@ -66,18 +65,4 @@ fn similar(a: &Patch, b: &Patch) -> bool {
     a.all_stretches(b, |a, b| {
         a.ends_near(b, 0.3) && b.half() > 0.75 * a.half() && b.finest() > 0.85 * a.finest()
     })
-}
-
-/// Refuses a load that the hull cannot pass on at the stated hardness.
-pub(crate) fn capacity(problem: &Problem) -> Result<(), Error> {
-    let (Load::Force { fz, .. }, Some(hardness)) = (problem.load, problem.ice.hardness) else {
-        return Ok(());
-    };
-    let [x0, x1, y0, y1] = problem.runner.underside.extent();
-    let capacity = hardness * (x1 - x0) * (y1 - y0);
-    if capacity <= fz {
-        Err(Error::LoadExceedsHardness { fz, capacity })
-    } else {
-        Ok(())
-    }
 }

@@ -6,7 +6,7 @@ use kufe_fem::Material;
 
 use crate::accuracy::answer::Answer;
 use crate::accuracy::estimators::{
-    LEAST_REFINEMENT, Limit, REFINEMENT, first_resolution, next_refinement,
+    LEAST_REFINEMENT, REFINEMENT, first_resolution, next_refinement,
 };
 use crate::accuracy::find_patch::find_patch;
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
@@ -20,7 +20,6 @@ use crate::grid::patch::{COARSE, Patch};
 use crate::mesh::assembled::assemble;
 use crate::mesh::contact_mesh::State;
 use crate::mesh::discretise::{Discretisation, MeshPlan, Reach, expected};
-use crate::problem::check::check;
 use crate::problem::gap::Gap;
 use crate::result::pressure::{Field, Pressure};
 use crate::{Error, Iterate, NextMesh, Options, Problem, Solution, StiffnessForm};
@@ -32,7 +31,7 @@ pub(crate) const REGRADINGS: usize = 6;
 const WIDENINGS: usize = 4;
 
 /// Fewest cells over half the patch where the limit of unknowns leaves no more.
-pub(super) const FEWEST: f64 = 2.0;
+pub(crate) const FEWEST: f64 = 2.0;
 
 /// Growth of the spacing away from the patch in a mesh of `cells` cells over half the patch.
 fn growth(cells: f64) -> f64 {
@@ -84,10 +83,14 @@ pub(crate) struct Plan {
 }
 
 impl<'a> Meshes<'a> {
-    /// Checks the problem and finds the patch on the contact plane alone.
-    pub fn guess(problem: &'a Problem, options: &'a Options) -> Result<Self, Error> {
-        let material = check(problem, options)?;
-        let gap = Gap::new(problem)?;
+    /// Finds the patch of a checked problem on the contact plane alone; its meshes follow those of
+    /// a `history` that ended without an answer.
+    pub fn guess(
+        problem: &'a Problem,
+        options: &'a Options,
+        (material, gap): (Material, Gap<'a>),
+        history: Vec<Iterate>,
+    ) -> Result<Self, Error> {
         let (patch, forces) = find_patch(problem, &gap, material, options)?;
         let own = OwnCells::new(problem, &patch);
         let coarsest = options.cells.map_or_else(
@@ -110,12 +113,12 @@ impl<'a> Meshes<'a> {
             first: coarsest.round(),
             coarsest,
             own,
-            number: 0,
+            number: history.last().map_or(0, |last| last.level + 1),
             solved: FigureHistory::new(problem.ice.hardness, error_floor(own)),
             graded_anew: false,
             regraded: 0,
             widened: Vec::new(),
-            history: Vec::new(),
+            history,
         })
     }
 
@@ -233,7 +236,7 @@ impl<'a> Meshes<'a> {
         }
     }
 
-    /// Searches contact at these places too, from the first mesh's cells on.
+    /// Makes these places part of the patch, and begins again with the first mesh's cells.
     ///
     /// # Errors
     /// [`Error::Unsolved`] where it was widened often enough.
@@ -368,7 +371,7 @@ impl Meshes<'_> {
 
     fn judge_accuracy(&self, contact: &Contact) -> Verdict {
         if self.options.cells.is_some() {
-            return Verdict::Reached(self.unjudged(contact));
+            return Verdict::Reached(unjudged(contact));
         }
         let limits = self.solved.limits();
         let tolerance = self.options.p_max_tolerance;
@@ -426,25 +429,17 @@ impl Meshes<'_> {
     pub fn out_of_reach(self, contact: Contact, limits: Option<Limits>) -> (Solution, Estimate) {
         let best = limits
             .or_else(|| self.solved.last())
-            .unwrap_or_else(|| self.unjudged(&contact));
+            .unwrap_or_else(|| unjudged(&contact));
         let estimate = Estimate {
             relative: best.relative,
             finest: contact.pressure.patch.finest_over(&self.patch),
         };
         (self.solution(contact, best), estimate)
     }
+}
 
-    /// One mesh, without an error estimate.
-    fn unjudged(&self, contact: &Contact) -> Limits {
-        Limits {
-            peak: Limit {
-                value: contact.pressure.figures.p_max,
-                error: f64::INFINITY,
-            },
-            approach: contact.mesh.contact.depth(&contact.state),
-            area_error: f64::INFINITY,
-            length_error: f64::INFINITY,
-            relative: f64::INFINITY,
-        }
-    }
+/// One mesh, without an error estimate.
+fn unjudged(contact: &Contact) -> Limits {
+    let approach = contact.mesh.contact.depth(&contact.state);
+    Limits::unjudged(contact.pressure.figures.p_max, approach)
 }

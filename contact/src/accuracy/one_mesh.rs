@@ -10,8 +10,7 @@ use crate::grid::grading::Resolution;
 use crate::grid::patch::Patch;
 use crate::mesh::contact_mesh::State;
 use crate::mesh::discretise::{Discretisation, MeshPlan, Reach};
-use crate::problem::check::check;
-use crate::problem::gap::Gap;
+use crate::problem::check::checked;
 use crate::{Error, Options, Problem};
 
 /// A mesh of a problem's patch as found, and what it is solved from.
@@ -27,8 +26,7 @@ impl MeshProblem {
     /// With so many cells over half the patch.
     pub fn new(problem: Problem, cells: f64) -> Result<Self, Error> {
         let options = Options::default();
-        let material = check(&problem, &options)?;
-        let gap = Gap::new(&problem)?;
+        let (material, gap) = checked(&problem, &options)?;
         let (patch, forces) = find_patch(&problem, &gap, material, &options)?;
         let mesh = MeshPlan {
             problem: &problem,

@@ -63,6 +63,41 @@ pub(crate) struct Place {
     pub missed: f64,
 }
 
+impl Limits {
+    /// One mesh, without an error estimate.
+    pub fn unjudged(p_max: f64, approach: f64) -> Self {
+        Limits {
+            peak: Limit {
+                value: p_max,
+                error: f64::INFINITY,
+            },
+            approach,
+            area_error: f64::INFINITY,
+            length_error: f64::INFINITY,
+            relative: f64::INFINITY,
+        }
+    }
+}
+
+/// How fine a mesh is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fineness {
+    /// Cells over half of what the peak lies in: the patch, or one of many asperities.
+    pub cells: f64,
+    /// Cells over half the length and over half the width of the contact.
+    pub extents: [f64; 2],
+}
+
+impl From<f64> for Fineness {
+    /// So many cells over half the one patch there is.
+    fn from(cells: f64) -> Self {
+        Fineness {
+            cells,
+            extents: [cells; 2],
+        }
+    }
+}
+
 /// Errors of the figures that do not decide on refinement.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OtherErrors {
@@ -92,17 +127,35 @@ impl FigureHistory {
         }
     }
 
+    /// Of a contact of many asperities.
+    pub fn of_asperities(hardness: Option<f64>) -> Self {
+        FigureHistory {
+            peak: Sequence::of_many_peaks(),
+            ..FigureHistory::new(hardness, ErrorFloor::default())
+        }
+    }
+
     /// Adds a mesh: similar to the last one and finer, or `graded_anew`.
-    pub fn push(&mut self, figures: Figures, place: Place, cells: f64, graded_anew: bool) {
+    pub fn push(
+        &mut self,
+        figures: Figures,
+        place: Place,
+        fineness: impl Into<Fineness>,
+        graded_anew: bool,
+    ) {
+        let Fineness {
+            cells,
+            extents: [along, across],
+        } = fineness.into();
         let [pitch, roll] = &mut self.tilt;
-        for (sequence, value) in [
-            (&mut self.peak, figures.p_max),
-            (&mut self.approach, place.approach),
-            (&mut self.area, figures.area),
-            (&mut self.length, figures.length),
-            (&mut self.width, figures.width),
-            (pitch, place.tilt[0]),
-            (roll, place.tilt[1]),
+        for (sequence, cells, value) in [
+            (&mut self.peak, cells, figures.p_max),
+            (&mut self.approach, cells, place.approach),
+            (&mut self.area, cells, figures.area),
+            (&mut self.length, along, figures.length),
+            (&mut self.width, across, figures.width),
+            (pitch, cells, place.tilt[0]),
+            (roll, cells, place.tilt[1]),
         ] {
             sequence.push(MeshValue { cells, value }, graded_anew);
         }
@@ -348,6 +401,36 @@ mod tests {
         // nothing yields three times their range.
         assert!((of(20e6) - 4.0 / 3.0).abs() < 1e-12);
         assert!(of(1e9) > 20.0);
+    }
+
+    #[test]
+    fn lengths_of_many_asperities_beyond_ice_that_yields_are_known_to_their_own_cells() {
+        let mut watched = FigureHistory::of_asperities(Some(20e6));
+        let mut stated = [0.0; 2];
+        for (cells, length) in [(3.0, 0.098), (4.0, 0.102), (6.0, 0.1)] {
+            // 50 asperities along and 5 across.
+            let fineness = Fineness {
+                cells,
+                extents: [50.0 * cells, 5.0 * cells],
+            };
+            let figures = Figures {
+                p_max: 20e6,
+                area: 1.0,
+                length,
+                width: 0.1 * length,
+                off: [0.0; 3],
+            };
+            watched.push(figures, PLACE, fineness, false);
+            let limits = watched.last().expect("a mesh");
+            stated = [limits.length_error, watched.other_errors().width_error];
+        }
+        // Cells of 0.1 / 600 and 0.01 / 60, and two thirds of one at either end.
+        for (found, cell) in stated.into_iter().zip([0.1 / 600.0, 0.01 / 60.0]) {
+            assert!(
+                (found / (4.0 / 3.0 * cell) - 1.0).abs() < 1e-12,
+                "{stated:?}"
+            );
+        }
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! Pressures on cells: sets of open, pressed and yielding cells, each solved by projected conjugate
 //! gradients.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -69,8 +71,9 @@ pub(super) fn press(
     operator: &mut Operator,
     start: Option<Vec<f64>>,
     precision: Precision,
+    stop: Option<&AtomicBool>,
 ) -> Result<PressureState, CheckUnavailable> {
-    let mut solve = Solve::new(plane, operator, start);
+    let mut solve = Solve::new(plane, operator, start, stop);
     let mut tolerance = ROUGH;
     for set in 0..MOST_SETS {
         // Rough residuals may send cells to and fro for ever.
@@ -96,10 +99,17 @@ struct Solve<'a> {
     now: PressureState,
     direction: Vec<f64>,
     product: Vec<f64>,
+    /// Once true, the solve ends.
+    stop: Option<&'a AtomicBool>,
 }
 
 impl<'a> Solve<'a> {
-    fn new(plane: &'a Plane, operator: &'a mut Operator, start: Option<Vec<f64>>) -> Self {
+    fn new(
+        plane: &'a Plane,
+        operator: &'a mut Operator,
+        start: Option<Vec<f64>>,
+        stop: Option<&'a AtomicBool>,
+    ) -> Self {
         let count = plane.gap.len();
         let pressure = start.unwrap_or_else(|| {
             let mut sorted: Vec<f64> = plane
@@ -134,6 +144,7 @@ impl<'a> Solve<'a> {
             },
             direction: vec![0.0; count],
             product: vec![0.0; count],
+            stop,
         }
     }
 
@@ -163,6 +174,9 @@ impl<'a> Solve<'a> {
         self.direction.fill(0.0);
         let mut before = f64::INFINITY;
         for _ in 0..MOST_STEPS {
+            if self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+                return Err(CheckUnavailable::Stopped);
+            }
             self.now.motion = balance.take_out(self.plane, &pressed, &residual);
             self.plane
                 .opened(&residual, &self.now.motion, &mut self.now.opening);

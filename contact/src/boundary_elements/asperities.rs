@@ -2,23 +2,27 @@
 
 use std::f64::consts::PI;
 
-use crate::accuracy::estimators::{
-    Limit, MeshValue, REFINEMENT, first_resolution, next_refinement, range,
-};
-use crate::accuracy::find_patch::capacity;
-use crate::accuracy::watched::{ErrorFloor, FigureHistory, Limits, Place};
-use crate::boundary_elements::active_set::{Plane, Precision};
+use rayon::prelude::*;
+
+use crate::accuracy::estimators::{REFINEMENT, first_resolution, next_refinement};
+use crate::accuracy::meshes::FEWEST as LEAST_RESOLUTION;
+use crate::accuracy::watched::{FigureHistory, Fineness, Limits, Place};
+use crate::boundary_elements::active_set::Precision;
 use crate::boundary_elements::operator::Operator;
 use crate::boundary_elements::window::{CheckUnavailable, Surface, Window};
-use crate::boundary_elements::window_contact::{MOST_WINDOWS, Search, WindowContact, carried};
-use crate::problem::check::check;
+use crate::boundary_elements::window_contact::{
+    AllCells, MOST_WINDOWS, Search, WindowContact, carried,
+};
+use crate::grid::grading::storable;
 use crate::problem::gap::Gap;
-use crate::result::measure::{Figures, PressureField, ROUNDED};
+use crate::result::measure::{Figures, ROUNDED};
 use crate::{Error, Iterate, NextMesh, Options, Problem, Solution, StiffnessForm, SurfaceField};
 
 /// Touching nodes from which the contact plane alone is solved: the cost of finite elements grows
 /// with their square.
 const MANY: f64 = 4000.0;
+/// Touching nodes below which nothing is searched around a contact that makes them many.
+const FEW: f64 = 0.5 * MANY;
 /// Fewest cells along an axis of a window that contact is looked for in, and most cells in all: of
 /// the first windows, and of those that asperities are counted on.
 const FEWEST: f64 = 20.0;
@@ -39,18 +43,18 @@ const AROUND: f64 = 2.0;
 const LEAST_AROUND: f64 = 1.0;
 /// Depth of a place outside the window over the approach that counts as contact.
 const DEEP: f64 = 1e-3;
-/// Factor of safety on errors of an order that is assumed, not observed (P.J. Roache, J. Fluids
-/// Eng. 116, 405, 1994).
-const SAFETY: f64 = 3.0;
-/// Unknowns, as limited, for each cell: those of the padded grid.
+/// What a cell counts for in the limit of unknowns: transforms work on a grid padded to twice the
+/// cells along either axis.
 const PADDED: usize = 4;
 
 /// A contact of many asperities.
 pub(crate) struct Asperities<'a> {
     problem: &'a Problem,
     options: &'a Options,
-    gap: Gap<'a>,
+    gap: &'a Gap<'a>,
     surface: Surface,
+    /// Size of what the ice's surface consists of [m].
+    spacing: [f64; 2],
     /// The contact on coarse cells.
     scouted: WindowContact,
     /// Half the mean size of an asperity's contact along x and y [m].
@@ -62,149 +66,209 @@ impl<'a> Asperities<'a> {
     /// solved; `None` for any other contact.
     ///
     /// # Errors
-    /// Those of a problem that is out of range.
-    pub fn of(problem: &'a Problem, options: &'a Options) -> Result<Option<Self>, Error> {
+    /// [`Error::Stopped`].
+    pub fn of(
+        problem: &'a Problem,
+        options: &'a Options,
+        gap: &'a Gap<'a>,
+    ) -> Result<Option<Self>, Error> {
         let in_volume = options.subsurface
             || options.stiffness == StiffnessForm::Assembled
             || problem.runner.elastic.is_some();
         let Some(ice) = problem.ice_surface.as_ref().filter(|_| !in_volume) else {
             return Ok(None);
         };
-        check(problem, options)?;
-        let gap = Gap::new(problem)?;
-        capacity(problem)?;
-        let found = Surface::of(problem).and_then(|surface| {
-            let search = Search {
-                problem,
-                gap: &gap,
-                surface: &surface,
-                precision: ROUGH,
-            };
-            Ok((search.scouted(ice.spacing())?, surface))
-        });
-        // What boundary elements do not find, finite elements may.
-        let Ok((scouted, surface)) = found else {
-            return Ok(None);
-        };
-        let half = scouted.half_asperity();
+        let spacing = ice.spacing();
         let finest = options.cells.map_or_else(
             || REFINEMENT.powi(2) * first_resolution(options.p_max_tolerance, true),
             |cells| cells as f64,
         );
-        let size = scouted.window.size();
-        let finer = |axis: usize| finest * size[axis] / half[axis];
-        let touching = scouted.touching() as f64 * finer(0) * finer(1);
-        Ok((touching >= MANY).then_some(Asperities {
+        let scouted = |surface: &Surface| {
+            let search = Search {
+                problem,
+                gap,
+                surface,
+                precision: ROUGH,
+                stop: options.stop.as_deref(),
+            };
+            let near = search.near(spacing)?;
+            let scouted = of_size(near.window, spacing, SCOUTED) == near.window;
+            if scouted && near.nodes(near.half_asperity(), finest) < FEW {
+                return Ok(None);
+            }
+            search.scouted(near, spacing).map(Some)
+        };
+        let found = Surface::of(problem)
+            .and_then(|surface| Ok(scouted(&surface)?.map(|found| (surface, found))));
+        let (surface, scouted) = match found {
+            Ok(Some(found)) => found,
+            Err(CheckUnavailable::Stopped) => return Err(Error::Stopped),
+            // What boundary elements do not find, finite elements may.
+            Ok(None) | Err(_) => return Ok(None),
+        };
+        let half = scouted.half_asperity();
+        let many = scouted.nodes(half, finest) >= MANY;
+        Ok(many.then_some(Asperities {
             problem,
             options,
             gap,
             surface,
+            spacing,
             scouted,
             half,
         }))
     }
 
-    /// The solution, to the requested accuracy; `None` where the set of cells in contact does not
-    /// settle.
+    /// The solution, to the requested accuracy, with the grids in `history`; `None` where the set
+    /// of cells in contact does not settle on one of them, or no window has all of the contact.
     ///
     /// # Errors
-    /// [`Error::AccuracyNotReached`] where the finest cells allowed do not do, [`Error::Stopped`].
-    pub fn solve(&self) -> Result<Option<Solution>, Error> {
+    /// [`Error::AccuracyNotReached`] where the finest cells allowed do not do, [`Error::Unsolved`]
+    /// where the coarsest are too many, [`Error::Stopped`].
+    pub fn solve(&self, history: &mut Vec<Iterate>) -> Result<Option<Solution>, Error> {
         let options = self.options;
+        let tolerance = options.p_max_tolerance;
         let search = Search {
             problem: self.problem,
-            gap: &self.gap,
+            gap: self.gap,
             surface: &self.surface,
             precision: FINE,
+            stop: options.stop.as_deref(),
         };
-        let first = || first_resolution(options.p_max_tolerance, true);
-        let mut wanted = options.cells.map_or_else(first, |cells| cells as f64);
+        let new_figures = || FigureHistory::of_asperities(self.problem.ice.hardness);
         let coarse = &self.scouted.window;
         let mut window = coarse.around(self.scouted.touched(), AROUND);
-        let mut figures = FigureHistory::new(self.problem.ice.hardness, ErrorFloor::default());
-        let mut peaks: Vec<MeshValue> = Vec::new();
+        let mut wanted = self.coarsest(window);
+        let mut figures = new_figures();
         let mut judged: Option<Limits> = None;
-        let mut history: Vec<Iterate> = Vec::new();
         let mut before: Option<WindowContact> = None;
-        loop {
+        let mut windows = 1;
+        while windows <= MOST_WINDOWS {
             let (divided, cells) = self.divided(window, wanted);
-            let dofs = divided.solved().iter().product();
-            let error_before = judged.map(|limits| limits.relative);
-            if PADDED * dofs > options.max_dofs
-                && let (Some(contact), Some(limits)) = (&before, judged.or_else(|| figures.last()))
-            {
-                let best = self.solution(contact, (limits, &figures), history);
-                return Err(Error::AccuracyNotReached {
-                    dofs: best.dofs,
-                    estimate: limits.relative,
-                    tolerance: options.p_max_tolerance,
-                    finest: 1.0,
-                    best: Box::new(best),
-                });
-            }
-            if options.stopped() {
-                return Err(Error::Stopped);
-            }
-            let level = history.len();
-            if let Some(watcher) = &options.next_mesh {
-                watcher(&NextMesh {
-                    level,
-                    dofs,
-                    error_before,
-                });
-            }
             let from = before.as_ref().unwrap_or(&self.scouted);
-            let start = carried(&from.pressed.pressure, &from.window, &divided);
-            let Ok(contact) = search.solved(divided, Some(start)) else {
+            let error_before = judged.map(|limits| limits.relative);
+            if figures.similar() == 0 {
+                let [nx, ny] = divided.solved();
+                storable([2 * nx, 2 * ny, 1])?;
+            }
+            let found = self.on_grid(&search, (from, divided), error_before, history)?;
+            let Some((contact, read)) = found else {
                 return Ok(None);
             };
             let touched = contact.touched();
             if !window.contains(&contact.window.around(touched, LEAST_AROUND)) {
                 window = contact.window.around(touched, FEWEST);
+                windows += 1;
                 before = Some(contact);
                 continue;
             }
-            let read = contact.read();
             let place = Place {
                 approach: contact.approach(),
                 tilt: self.tilt(&contact),
                 missed: 0.0,
             };
-            figures.push(read.figures, place, cells, false);
-            let iterate = Iterate {
+            figures.push(read.figures, place, read.fineness(&contact, cells), false);
+            judged = figures.limits();
+            let single = || Limits::unjudged(read.figures.p_max, place.approach);
+            let reached = match judged {
+                _ if options.cells.is_some() => Some(single()),
+                limits => limits.filter(|limits| limits.relative <= tolerance),
+            };
+            wanted *= match judged {
+                Some(limits) => next_refinement(limits.relative / tolerance),
+                None => REFINEMENT,
+            };
+            let next = PADDED * self.divided(window, wanted).0.count();
+            if reached.is_none() && next <= options.max_dofs {
+                before = Some(contact);
+                continue;
+            }
+            // The last grid of this window: is it the whole contact?
+            let Ok(wider) = search.touched_around(&contact, self.spacing) else {
+                return Ok(None);
+            };
+            if let Some(wider) = wider {
+                window = wider;
+                windows += 1;
+                // Grids without that place say nothing of this contact.
+                wanted = self.coarsest(window);
+                figures = new_figures();
+                judged = None;
+                before = Some(contact);
+                continue;
+            }
+            if let Some(limits) = reached {
+                let solution = self.solution(&contact, read, (limits, &figures), history);
+                return Ok(Some(solution));
+            }
+            let limits = judged.or_else(|| figures.last()).unwrap_or_else(single);
+            let best = self.solution(&contact, read, (limits, &figures), history);
+            return Err(Error::AccuracyNotReached {
+                dofs: best.dofs,
+                estimate: limits.relative,
+                tolerance,
+                finest: 1.0,
+                best: Box::new(best),
+            });
+        }
+        Ok(None)
+    }
+
+    /// The contact on a grid from a coarser one, announced before and recorded after; `None` where
+    /// it does not settle.
+    fn on_grid(
+        &self,
+        search: &Search,
+        (from, grid): (&WindowContact, Window),
+        error_before: Option<f64>,
+        history: &mut Vec<Iterate>,
+    ) -> Result<Option<(WindowContact, Read)>, Error> {
+        let (level, dofs) = (history.len(), grid.count());
+        if let Some(watcher) = &self.options.next_mesh {
+            watcher(&NextMesh {
                 level,
                 dofs,
                 error_before,
-                contact_nodes: contact.touching(),
-                iterations: contact.pressed.steps,
-                residual: contact.violation(),
-                p_max: read.figures.p_max,
-                sweeps: 0,
-                accelerations: contact.pressed.sets,
-                energy: contact.energy(),
-            };
-            if let Some(watcher) = &options.progress {
-                watcher(&iterate);
-            }
-            history.push(iterate);
-            if options.cells.is_some() {
-                let limits = unjudged(read.figures.p_max, contact.approach());
-                return Ok(Some(self.solution(&contact, (limits, &figures), history)));
-            }
-            let value = read.figures.p_max;
-            peaks.push(MeshValue { cells, value });
-            judged = figures
-                .limits()
-                .and_then(|limits| by_first_order(limits, &peaks));
-            wanted *= match judged {
-                Some(limits) if limits.relative <= options.p_max_tolerance => {
-                    return Ok(Some(self.solution(&contact, (limits, &figures), history)));
-                }
-                Some(limits) => next_refinement(limits.relative / options.p_max_tolerance),
-                None => REFINEMENT,
-            };
-            before = Some(contact);
+            });
         }
+        let start = carried(&from.pressed.pressure, &from.window, &grid);
+        let contact = match search.solved(grid, Some(start)) {
+            Ok(contact) => contact,
+            Err(CheckUnavailable::Stopped) => return Err(Error::Stopped),
+            Err(_) => return Ok(None),
+        };
+        let read = contact.read();
+        let iterate = Iterate {
+            level,
+            dofs,
+            error_before,
+            contact_nodes: contact.touching(),
+            iterations: contact.pressed.steps,
+            residual: contact.violation(),
+            p_max: read.figures.p_max,
+            sweeps: 0,
+            accelerations: contact.pressed.sets,
+            energy: contact.energy(),
+        };
+        if let Some(watcher) = &self.options.progress {
+            watcher(&iterate);
+        }
+        history.push(iterate);
+        Ok(Some((contact, read)))
+    }
+
+    /// Cells over half an asperity's contact of a window's first grid: few enough that the limit of
+    /// unknowns leaves room for two more, to estimate an error from.
+    fn coarsest(&self, window: Window) -> f64 {
+        if let Some(cells) = self.options.cells {
+            return cells as f64;
+        }
+        let third = |first: f64| self.divided(window, REFINEMENT.powi(2) * first).0.count();
+        let mut first = first_resolution(self.options.p_max_tolerance, true);
+        while PADDED * third(first) > self.options.max_dofs && first > LEAST_RESOLUTION {
+            first = (0.95 * first).max(LEAST_RESOLUTION);
+        }
+        first
     }
 
     /// The window with about so many cells over half an asperity's contact, in numbers that are
@@ -230,10 +294,11 @@ impl<'a> Asperities<'a> {
     fn solution(
         &self,
         contact: &WindowContact,
+        read: Read,
         (limits, figures): (Limits, &FigureHistory),
-        history: Vec<Iterate>,
+        history: &mut Vec<Iterate>,
     ) -> Solution {
-        let read = contact.read();
+        let Read { all, force, .. } = read;
         let Figures {
             p_max,
             area,
@@ -241,23 +306,23 @@ impl<'a> Asperities<'a> {
             width,
             ..
         } = read.figures;
-        let fz = read.force.iter().sum::<f64>();
-        let nx = read.x.len();
+        let fz = force.iter().sum::<f64>();
+        let nx = all.x.len();
         let moment = |at: &dyn Fn(usize) -> f64| -> f64 {
-            read.force.iter().enumerate().map(|(n, f)| f * at(n)).sum()
+            force.iter().enumerate().map(|(n, f)| f * at(n)).sum()
         };
         let centre_of_pressure = [
-            moment(&|n| read.x[n % nx]) / fz,
-            moment(&|n| read.y[n / nx]) / fz,
+            moment(&|n| all.x[n % nx]) / fz,
+            moment(&|n| all.y[n / nx]) / fz,
         ];
         let other = figures.other_errors();
         let [pitch, roll] = self.tilt(contact);
         let bound = ROUNDED * contact.plane.hardness;
         let gap = contact.unfolded(&contact.pressed.opening);
-        let cells = read.pressure.iter().zip(&gap);
+        let cells = all.pressure.iter().zip(&gap);
         let yielded = cells.map(|(p, gap)| if *p >= bound { -gap } else { 0.0 });
         let yielded = yielded.collect();
-        let last = history.last();
+        let sunk = contact.unfolded(&contact.pressed.sunk);
         Solution {
             p_max: limits.peak.value,
             p_max_error: limits.peak.error,
@@ -280,65 +345,23 @@ impl<'a> Asperities<'a> {
             under_peak: None,
             fz,
             centre_of_pressure,
-            kkt_residual: last.map_or(f64::INFINITY, |last| last.residual),
-            dofs: last.map_or(0, |last| last.dofs),
-            iterations: last.map_or(0, |last| last.iterations),
-            history,
+            kkt_residual: contact.violation(),
+            dofs: contact.plane.gap.len(),
+            iterations: contact.pressed.steps,
+            history: std::mem::take(history),
             surface: SurfaceField {
-                x: read.x,
-                y: read.y,
-                pressure: read.pressure,
+                x: all.x,
+                y: all.y,
+                pressure: all.pressure,
                 yielded,
                 gap,
-                uz: contact
-                    .unfolded(&contact.pressed.sunk)
-                    .iter()
-                    .map(|u| -u)
-                    .collect(),
+                uz: sunk.iter().map(|u| -u).collect(),
             },
             volume: None,
             runner_volume: None,
             symmetry: contact.window.mirrored,
             assembled: Vec::new(),
         }
-    }
-}
-
-/// Limits with the peak of the last grid and its error by the range R of the last three: the
-/// highest of many asperities has few cells, and its peak goes to and fro with their places. Errors
-/// of first order, the slowest seen, would leave R h3 / (h1 - h3) on the finest cells h3; with a
-/// factor of safety. A peak that the ice's hardness fixes has none.
-fn by_first_order(limits: Limits, peaks: &[MeshValue]) -> Option<Limits> {
-    let [.., first, second, last] = peaks else {
-        return None;
-    };
-    if limits.peak.error == 0.0 {
-        return Some(limits);
-    }
-    let three = [first.value, second.value, last.value];
-    let rest = first.cells / (last.cells - first.cells);
-    let error = SAFETY * range(&three) * rest;
-    Some(Limits {
-        peak: Limit {
-            value: last.value,
-            error,
-        },
-        relative: error / last.value,
-        ..limits
-    })
-}
-
-/// One grid, without an error estimate.
-fn unjudged(p_max: f64, approach: f64) -> Limits {
-    Limits {
-        peak: Limit {
-            value: p_max,
-            error: f64::INFINITY,
-        },
-        approach,
-        area_error: f64::INFINITY,
-        length_error: f64::INFINITY,
-        relative: f64::INFINITY,
     }
 }
 
@@ -360,20 +383,27 @@ fn fast(least: usize, even: bool) -> usize {
 // Where asperities touch, before anything is refined.
 
 impl Search<'_> {
-    /// The contact on cells of the size of what the surface consists of, as far as there are not
-    /// too many, in a window outside of which nothing touches.
-    fn scouted(&self, spacing: [f64; 2]) -> Result<WindowContact, CheckUnavailable> {
-        let modulus = 1.0 / self.surface.compliance;
-        let mut window = Window::first(self.problem, self.gap, modulus, FEWEST as usize)
-            .ok_or(CheckUnavailable::NotSettled)?;
-        let mut most = FIRST;
+    /// The contact on few cells, of the size of what the surface consists of where that is few.
+    fn near(&self, spacing: [f64; 2]) -> Result<WindowContact, CheckUnavailable> {
+        self.fitted(FEWEST as usize, |window| of_size(window, spacing, FIRST))
+    }
+
+    /// The same on more cells where there are such, in a window outside of which nothing touches.
+    fn scouted(
+        &self,
+        near: WindowContact,
+        spacing: [f64; 2],
+    ) -> Result<WindowContact, CheckUnavailable> {
+        let (mut window, mut found) = (near.window, near);
         for _ in 0..MOST_WINDOWS {
-            let found = self.solved(of_size(window, spacing, most), None)?;
+            let finer = of_size(window, spacing, SCOUTED);
+            if finer != found.window {
+                let start = carried(&found.pressed.pressure, &found.window, &finer);
+                found = self.solved(finer, Some(start))?;
+            }
             if let Some(next) = found.window.fitted(found.touched()) {
                 window = next;
-            } else if most < SCOUTED {
-                most = SCOUTED;
-            } else if let Some(wider) = self.touched_around(&found)? {
+            } else if let Some(wider) = self.touched_around(&found, spacing)? {
                 window = wider;
             } else {
                 return Ok(found);
@@ -382,36 +412,35 @@ impl Search<'_> {
         Err(CheckUnavailable::NotSettled)
     }
 
-    /// The window with what touches around a contact in it; `None` where nothing does.
-    fn touched_around(&self, found: &WindowContact) -> Result<Option<Window>, CheckUnavailable> {
-        let (wide, first) = found.window.surroundings();
-        let plane = Plane::new(self.problem, self.gap, &wide);
-        let mut pressure = vec![0.0; plane.gap.len()];
-        for (j, row) in found
-            .pressed
-            .pressure
-            .chunks_exact(found.plane.width)
-            .enumerate()
-        {
-            let start = (first[1] + j) * plane.width + first[0];
-            pressure[start..start + row.len()].copy_from_slice(row);
+    /// The window with what touches around a contact in it, by cells of about this size; `None`
+    /// where nothing does.
+    fn touched_around(
+        &self,
+        found: &WindowContact,
+        size: [f64; 2],
+    ) -> Result<Option<Window>, CheckUnavailable> {
+        let (window, pressure) = found.coarsened(size);
+        let (wide, first) = window.surroundings();
+        let width = wide.solved()[0];
+        let mut all = vec![0.0; wide.count()];
+        for (j, row) in pressure.chunks_exact(window.solved()[0]).enumerate() {
+            let start = (first[1] + j) * width + first[0];
+            all[start..start + row.len()].copy_from_slice(row);
         }
-        let mut sunk = vec![0.0; pressure.len()];
-        Operator::new(&wide, self.surface)?.apply(&pressure, &mut sunk);
+        let mut sunk = vec![0.0; all.len()];
+        Operator::new(&wide, self.surface)?.apply(&all, &mut sunk);
         let least = DEEP * found.approach();
-        let touches = |cell: usize| {
-            let closing = plane.closing(cell, &found.pressed.motion);
-            pressure[cell] == 0.0 && closing - plane.gap[cell] - sunk[cell] > least
-        };
-        let mut wider = found.window;
-        for cell in (0..sunk.len()).filter(|&cell| touches(cell)) {
-            let place = [cell % plane.width, cell / plane.width];
-            wider = wider.with_place([0, 1].map(|axis| wide.centre(axis, place[axis])));
-        }
-        let (place, depth) = found.elsewhere(self.gap, self.surface.compliance);
-        if depth > least {
-            wider = wider.with_place(place);
-        }
+        let depth = |place| found.plane.depth(self.gap, &found.pressed.motion, place);
+        let touches =
+            |cell: &usize| all[*cell] == 0.0 && depth(wide.place(*cell)) - sunk[*cell] > least;
+        let touching = (0..all.len()).into_par_iter().filter(touches);
+        let touching: Vec<usize> = touching.collect();
+        let (place, below) = found.elsewhere(self.gap, self.surface);
+        let elsewhere = Some(place).filter(|_| below > least);
+        let places = touching.into_iter().map(|cell| wide.place(cell));
+        let wider = places
+            .chain(elsewhere)
+            .fold(found.window, |wider, place| wider.with_place(place));
         Ok((!found.window.contains(&wider)).then_some(wider))
     }
 }
@@ -435,45 +464,72 @@ fn of_size(window: Window, size: [f64; 2], most: f64) -> Window {
 
 // What the pressures of a contact say.
 
-/// A contact on all cells of its window, mirror planes unfolded.
+/// Pressures and forces of a contact on all cells of its window, and its figures.
 struct Read {
-    x: Vec<f64>,
-    y: Vec<f64>,
-    pressure: Vec<f64>,
+    all: AllCells,
     /// Of each cell [N].
     force: Vec<f64>,
     figures: Figures,
 }
 
+impl Read {
+    /// How fine a contact's cells are, so many of them over half an asperity's.
+    fn fineness(&self, contact: &WindowContact, cells: f64) -> Fineness {
+        let [dx, dy] = contact.window.size();
+        Fineness {
+            cells,
+            extents: [
+                0.5 * self.figures.length / dx,
+                0.5 * self.figures.width / dy,
+            ],
+        }
+    }
+}
+
 impl WindowContact {
     fn read(&self) -> Read {
-        let [x, y] = [0, 1].map(|axis| self.nodes(axis));
+        let all = self.all_cells();
         let [dx, dy] = self.window.size();
-        let pressure = self.unfolded(&self.pressed.pressure);
-        let force: Vec<f64> = pressure.iter().map(|p| p * dx * dy).collect();
-        let lumped = [vec![dx; x.len()], vec![dy; y.len()]];
-        let field = PressureField {
-            x: &x,
-            y: &y,
-            force: &force,
-            gap: None,
-            lumped: [&lumped[0], &lumped[1]],
-            symmetry: [false; 2],
-            hardness: self.plane.hardness,
-        };
-        let mut figures = field.figures(&pressure);
+        let force: Vec<f64> = all.pressure.iter().map(|p| p * dx * dy).collect();
+        let lumped = [vec![dx; all.x.len()], vec![dy; all.y.len()]];
+        let field = all.field(&force, [&lumped[0], &lumped[1]]);
+        let mut figures = field.figures(&all.pressure);
         // Cells in contact are too many, as a rim has it in part of the outermost; ends of short
         // chords by shape and load lie too far inside. The truth is between them.
         let counted = force.iter().filter(|f| **f > 0.0).count() as f64 * dx * dy;
         figures.off[0] = (0.5 * (counted - figures.area).abs()).max(figures.off[0]);
         figures.area = 0.5 * (counted + figures.area);
         Read {
-            x,
-            y,
-            pressure,
+            all,
             force,
             figures,
         }
+    }
+
+    /// Touching nodes of a mesh with so many cells over half of an asperity's contact, of this half
+    /// size [m].
+    fn nodes(&self, half: [f64; 2], cells: f64) -> f64 {
+        let size = self.window.size();
+        let finer = [0, 1].map(|axis| cells * size[axis] / half[axis]);
+        self.touching() as f64 * finer[0] * finer[1]
+    }
+
+    /// The same forces on a window's cells of this size, or of its own where these are larger.
+    fn coarsened(&self, size: [f64; 2]) -> (Window, Vec<f64>) {
+        let coarse = of_size(self.window, size, SCOUTED);
+        let cells = [0, 1].map(|axis| coarse.cells[axis].min(self.window.cells[axis]));
+        let coarse = self.window.with_cells(cells);
+        let width = coarse.solved()[0];
+        let part = coarse.count() as f64 / self.window.count() as f64;
+        let mut pressure = vec![0.0; coarse.count()];
+        let own = self.pressed.pressure.iter().enumerate();
+        for (cell, p) in own.filter(|(_, p)| **p > 0.0) {
+            let [x, y] = self.window.place(cell);
+            if let (Some(i), Some(j)) = (coarse.cell(0, x), coarse.cell(1, y)) {
+                pressure[j * width + i] += part * p;
+            }
+        }
+        (coarse, pressure)
     }
 
     /// Solved cells in contact.

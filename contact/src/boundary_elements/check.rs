@@ -126,6 +126,7 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
         gap: &gap,
         surface: &surface,
         precision: PRECISION,
+        stop: None,
     };
     let mut last = search.window(GRIDS[0])?;
     let mut found = vec![last.figures()];
@@ -139,7 +140,7 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
         }
     }
     let [p_max, approach, area, length, width] = found[found.len() - 1];
-    if last.elsewhere(&gap, surface.compliance).1 > DEEP * approach {
+    if last.elsewhere(&gap, &surface).1 > DEEP * approach {
         return Err(CheckUnavailable::Elsewhere);
     }
     // Whatever grids say of them, rims are read to a part of a cell.

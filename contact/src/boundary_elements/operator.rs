@@ -350,6 +350,7 @@ impl Radial {
         let step = upper / PLACES;
         let places = (reach / step).ceil() as usize + 3;
         let values = (0..places)
+            .into_par_iter()
             .map(|i| {
                 let r = i as f64 * step;
                 waves.iter().map(|[k, w]| w * libm::j0(k * r)).sum()

@@ -103,6 +103,11 @@ impl Window {
         })
     }
 
+    /// Number of cells that are solved for.
+    pub fn count(&self) -> usize {
+        self.solved().iter().product()
+    }
+
     /// Number of cells with the pressure of a solved one.
     pub fn copies(&self) -> f64 {
         self.mirrored
@@ -111,14 +116,51 @@ impl Window {
             .product()
     }
 
-    /// Centre of a solved cell along an axis [m].
-    pub fn centre(&self, axis: usize, cell: usize) -> f64 {
-        let from = if self.mirrored[axis] {
+    /// Where the solved cells of an axis begin [m].
+    fn origin(&self, axis: usize) -> f64 {
+        if self.mirrored[axis] {
             0.0
         } else {
             self.low[axis]
-        };
-        from + (cell as f64 + 0.5) * self.size()[axis]
+        }
+    }
+
+    /// Centre of a solved cell along an axis [m].
+    pub fn centre(&self, axis: usize, cell: usize) -> f64 {
+        self.origin(axis) + (cell as f64 + 0.5) * self.size()[axis]
+    }
+
+    /// Centre of a solved cell, by its number with x fastest [m].
+    pub fn place(&self, cell: usize) -> [f64; 2] {
+        let width = self.solved()[0];
+        [self.centre(0, cell % width), self.centre(1, cell / width)]
+    }
+
+    /// The solved cell that mirror planes make a cell of, along an axis.
+    pub fn solved_cell(&self, axis: usize, cell: usize) -> usize {
+        match self.cells[axis] / 2 {
+            half if self.mirrored[axis] && cell < half => half - 1 - cell,
+            half if self.mirrored[axis] => cell - half,
+            _ => cell,
+        }
+    }
+
+    /// A place and its images by the mirror planes [m].
+    pub fn images(&self, [x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
+        let signs = self
+            .mirrored
+            .map(|m| if m { &[1.0, -1.0][..] } else { &[1.0] });
+        let along = signs[0].iter();
+        along.flat_map(move |s| signs[1].iter().map(move |t| [s * x, t * y]))
+    }
+
+    /// The distance from a place to the farthest corner [m].
+    pub fn farthest(&self, place: [f64; 2]) -> f64 {
+        let [x, y] = [0, 1].map(|axis| {
+            let [low, high] = [self.low[axis], self.high[axis]];
+            (place[axis] - low).abs().max((place[axis] - high).abs())
+        });
+        x.hypot(y)
     }
 
     /// Whether a place is on its cells or half its size from them.
@@ -250,12 +292,7 @@ impl Window {
 
     /// The solved cell that holds a place.
     pub fn cell(&self, axis: usize, at: f64) -> Option<usize> {
-        let from = if self.mirrored[axis] {
-            0.0
-        } else {
-            self.low[axis]
-        };
-        let place = (at - from) / self.size()[axis];
+        let place = (at - self.origin(axis)) / self.size()[axis];
         (place >= 0.0 && place < self.solved()[axis] as f64).then_some(place as usize)
     }
 
@@ -384,6 +421,9 @@ pub enum CheckUnavailable {
     /// The patch or its set does not settle.
     #[error("the contact set does not settle")]
     NotSettled,
+    /// The caller stopped the solve.
+    #[error("stopped before the end")]
+    Stopped,
 }
 
 /// The two bodies' surfaces as one that gives for both.

@@ -1,10 +1,13 @@
 //! A contact on the cells of one window, and the window that fits it.
 
+use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
+
 use rayon::prelude::*;
 
 use crate::Problem;
 use crate::boundary_elements::active_set::{Plane, Precision, PressureState, press};
-use crate::boundary_elements::operator::Operator;
+use crate::boundary_elements::operator::{Operator, Radial};
 use crate::boundary_elements::window::{CheckUnavailable, Surface, Window};
 use crate::problem::gap::Gap;
 use crate::result::measure::PressureField;
@@ -27,17 +30,28 @@ pub(super) struct Search<'a> {
     pub gap: &'a Gap<'a>,
     pub surface: &'a Surface,
     pub precision: Precision,
+    /// Once true, the solve ends.
+    pub stop: Option<&'a AtomicBool>,
 }
 
 impl Search<'_> {
     /// The contact on so many cells each way of a window that fits it.
     pub fn window(&self, cells: usize) -> Result<WindowContact, CheckUnavailable> {
+        self.fitted(cells, |window| window)
+    }
+
+    /// The contact on a window that fits it, `divided` anew wherever it changes.
+    pub fn fitted(
+        &self,
+        cells: usize,
+        divided: impl Fn(Window) -> Window,
+    ) -> Result<WindowContact, CheckUnavailable> {
         let modulus = 1.0 / self.surface.compliance;
         let mut window = Window::first(self.problem, self.gap, modulus, cells)
             .ok_or(CheckUnavailable::NotSettled)?;
         for _ in 0..MOST_WINDOWS {
-            let found = self.solved(window, None)?;
-            match window.fitted(found.touched()) {
+            let found = self.solved(divided(window), None)?;
+            match found.window.fitted(found.touched()) {
                 Some(next) => window = next,
                 None => return Ok(found),
             }
@@ -53,7 +67,7 @@ impl Search<'_> {
     ) -> Result<WindowContact, CheckUnavailable> {
         let plane = Plane::new(self.problem, self.gap, &window);
         let mut operator = Operator::new(&window, self.surface)?;
-        let pressed = press(&plane, &mut operator, start, self.precision)?;
+        let pressed = press(&plane, &mut operator, start, self.precision, self.stop)?;
         Ok(WindowContact {
             window,
             plane,
@@ -79,77 +93,74 @@ impl WindowContact {
         peak(&closing, self.plane.width, self.window.mirrored)
     }
 
-    /// The place outside the window where the hull lies deepest in the ice, and how deep [m]; the
-    /// pressures lower the ice there as on a half-space, by p dA / (pi E* r).
-    pub fn elsewhere(&self, gap: &Gap, compliance: f64) -> ([f64; 2], f64) {
+    /// The place outside the window where the hull lies deepest in the ice, and how deep [m], under
+    /// the displacements that the pressures' forces make there.
+    pub fn elsewhere(&self, gap: &Gap, surface: &Surface) -> ([f64; 2], f64) {
         let (window, plane) = (&self.window, &self.plane);
-        let [dx, dy] = window.size();
-        let mirrors = window
-            .mirrored
-            .map(|m| if m { &[1.0, -1.0][..] } else { &[1.0] });
-        let lowered = |[x, y]: [f64; 2]| {
-            let pressed = self.pressed.pressure.iter().enumerate();
-            let sum: f64 = pressed
-                .filter(|(_, p)| **p > 0.0)
-                .map(|(c, p)| {
-                    let u = window.centre(0, c % plane.width);
-                    let v = window.centre(1, c / plane.width);
-                    let copies = mirrors[0]
-                        .iter()
-                        .flat_map(|s| mirrors[1].iter().map(move |t| (x - s * u).hypot(y - t * v)));
-                    p * copies.map(|r| 1.0 / r).sum::<f64>()
-                })
-                .sum();
-            sum * dx * dy * compliance / std::f64::consts::PI
-        };
-        let deep = |place: [f64; 2]| match plane.depth(gap, &self.pressed.motion, place) {
-            depth if depth > 0.0 => depth - lowered(place),
-            _ => 0.0,
-        };
         let lows = gap.lows().filter(|place| !window.holds(*place));
         let places: Vec<[f64; 2]> = window.outside().chain(lows).collect();
-        let depths = places.par_iter().map(|&place| (place, deep(place)));
+        let depth = |place: &[f64; 2]| plane.depth(gap, &self.pressed.motion, *place);
+        let depths = places.into_par_iter().map(|place| (place, depth(&place)));
+        let deep: Vec<([f64; 2], f64)> = depths.filter(|(_, depth)| *depth > 0.0).collect();
+        let farthest = deep.iter().map(|(place, _)| window.farthest(*place));
+        let layers = (!surface.layers.is_empty() && !deep.is_empty())
+            .then(|| Radial::new(&surface.layers, farthest.fold(0.0, f64::max)));
+        // A force on a half-space moves its surface by F / (pi E* r).
+        let response = |r: f64| {
+            surface.compliance / (PI * r) + layers.as_ref().map_or(0.0, |layers| layers.at(r))
+        };
+        let [dx, dy] = window.size();
+        let pressed = self.pressed.pressure.iter().enumerate();
+        let forces: Vec<([f64; 2], f64)> = pressed
+            .filter(|(_, p)| **p > 0.0)
+            .flat_map(|(cell, p)| {
+                let images = window.images(window.place(cell));
+                images.map(move |place| (place, p * dx * dy))
+            })
+            .collect();
+        let lowered = |[x, y]: [f64; 2]| -> f64 {
+            let each = forces.iter();
+            each.map(|([u, v], force)| force * response((x - u).hypot(y - v)))
+                .sum()
+        };
+        let below: Vec<([f64; 2], f64)> = deep
+            .into_par_iter()
+            .map(|(place, depth)| (place, depth - lowered(place)))
+            .collect();
         let none = ([0.0; 2], 0.0);
-        let all: Vec<([f64; 2], f64)> = depths.collect();
-        all.into_iter()
+        below
+            .into_iter()
             .fold(none, |most, next| if next.1 > most.1 { next } else { most })
     }
 
     /// Area, length and width, from where p^2 reaches zero along the cells' lines.
     fn extents(&self) -> [f64; 3] {
-        let [x, y] = [0, 1].map(|axis| self.nodes(axis));
-        let pressure = self.unfolded(&self.pressed.pressure);
-        let field = PressureField {
-            x: &x,
-            y: &y,
-            force: &[],
-            gap: None,
-            lumped: [&[], &[]],
-            symmetry: [false; 2],
-            hardness: self.plane.hardness,
-        };
-        field.extents(&pressure, RimEstimator::Shape)
+        let all = self.all_cells();
+        let field = all.field(&[], [&[], &[]]);
+        field.extents(&all.pressure, RimEstimator::Shape)
     }
 
-    /// Centres of all cells of an axis [m].
-    pub fn nodes(&self, axis: usize) -> Vec<f64> {
-        let centre =
-            |cell: usize| self.window.low[axis] + (cell as f64 + 0.5) * self.window.size()[axis];
-        (0..self.window.cells[axis]).map(centre).collect()
+    /// The pressures on all cells of the window.
+    pub fn all_cells(&self) -> AllCells {
+        let [x, y] = [0, 1].map(|axis| {
+            let (low, size) = (self.window.low[axis], self.window.size()[axis]);
+            let centre = |cell: usize| low + (cell as f64 + 0.5) * size;
+            (0..self.window.cells[axis]).map(centre).collect()
+        });
+        AllCells {
+            x,
+            y,
+            pressure: self.unfolded(&self.pressed.pressure),
+            hardness: self.plane.hardness,
+        }
     }
 
     /// Values of the solved cells on all of them.
     pub fn unfolded(&self, values: &[f64]) -> Vec<f64> {
         let [nx, ny] = self.window.cells;
-        // The solved cell that a mirror plane makes a cell of.
-        let solved = |axis: usize, cell: usize| match self.window.cells[axis] {
-            cells if self.window.mirrored[axis] && 2 * cell < cells => cells / 2 - 1 - cell,
-            cells if self.window.mirrored[axis] => cell - cells / 2,
-            _ => cell,
-        };
         let row = |j: usize| {
-            let start = solved(1, j) * self.plane.width;
-            (0..nx).map(move |i| values[start + solved(0, i)])
+            let start = self.window.solved_cell(1, j) * self.plane.width;
+            (0..nx).map(move |i| values[start + self.window.solved_cell(0, i)])
         };
         (0..ny).flat_map(row).collect()
     }
@@ -206,6 +217,32 @@ impl WindowContact {
             }
         }
         ends
+    }
+}
+
+/// Pressures on all cells of a window, mirror planes unfolded.
+pub(super) struct AllCells {
+    /// Centres of the cells along x [m].
+    pub x: Vec<f64>,
+    /// Centres of the cells along y [m].
+    pub y: Vec<f64>,
+    /// Pressures, x fastest [Pa].
+    pub pressure: Vec<f64>,
+    hardness: f64,
+}
+
+impl AllCells {
+    /// The field of these pressures, with forces and the cells' sizes for what needs them.
+    pub fn field<'a>(&'a self, force: &'a [f64], lumped: [&'a [f64]; 2]) -> PressureField<'a> {
+        PressureField {
+            x: &self.x,
+            y: &self.y,
+            force,
+            gap: None,
+            lumped,
+            symmetry: [false; 2],
+            hardness: self.hardness,
+        }
     }
 }
 

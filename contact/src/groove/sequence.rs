@@ -4,7 +4,6 @@ use kufe_fem::Material;
 
 use crate::accuracy::answer::Answer;
 use crate::accuracy::estimators::{Limit, grid_convergence_index};
-use crate::accuracy::find_patch::capacity;
 use crate::accuracy::mesh_solve::Forces;
 use crate::accuracy::watched::{Limits, ShearHistory};
 use crate::active_set::contact_set::Progress;
@@ -16,7 +15,7 @@ use crate::groove::on_mesh::{MeshContact, SlidingState, Start, WarmStart};
 use crate::groove::plastic_contact::Kind;
 use crate::groove::solution::{Groove, GrooveProfile, Measure, SlidingMesh, SlidingSolution};
 use crate::mesh::discretise::{Discretisation, MeshPlan, Reach};
-use crate::problem::check::check;
+use crate::problem::check::{capacity, check};
 use crate::problem::gap::Gap;
 use crate::result::pressure::{Field, Pressure};
 use crate::solve::answered;

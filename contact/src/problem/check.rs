@@ -2,12 +2,38 @@
 
 use kufe_fem::Material;
 
+use crate::problem::gap::Gap;
 use crate::{
     ElasticRunner, Error, Foundation, Ice, Load, LoadedPlace, Mount, Options, Problem, Tilt,
 };
 
 const PASCALS: &str = "a positive number of Pa";
 const METRES: &str = "a positive number of m";
+
+/// The ice's material and the gap of a problem that has passed every check before it is solved.
+pub(crate) fn checked<'a>(
+    problem: &'a Problem,
+    options: &Options,
+) -> Result<(Material, Gap<'a>), Error> {
+    let material = check(problem, options)?;
+    let gap = Gap::new(problem)?;
+    capacity(problem)?;
+    Ok((material, gap))
+}
+
+/// Refuses a load that the hull cannot pass on at the stated hardness.
+pub(crate) fn capacity(problem: &Problem) -> Result<(), Error> {
+    let (Load::Force { fz, .. }, Some(hardness)) = (problem.load, problem.ice.hardness) else {
+        return Ok(());
+    };
+    let [x0, x1, y0, y1] = problem.runner.underside.extent();
+    let capacity = hardness * (x1 - x0) * (y1 - y0);
+    if capacity <= fz {
+        Err(Error::LoadExceedsHardness { fz, capacity })
+    } else {
+        Ok(())
+    }
+}
 
 /// The ice's material, where every number of the problem is in its range.
 pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Error> {

@@ -1,5 +1,6 @@
 //! From nodal forces to pressures and figures, and what a solve returns.
 
+pub(crate) mod asperity;
 pub(crate) mod centre_line;
 pub(crate) mod measure;
 pub(crate) mod pressure;

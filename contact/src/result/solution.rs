@@ -103,7 +103,8 @@ pub struct Iterate {
     pub p_max: f64,
     /// Projected SOR sweeps since the last update.
     pub sweeps: usize,
-    /// Accelerations since the last update: on the contact plane, and the iterations on this set.
+    /// Accelerations since the last update: on the contact plane, and the iterations on this set. By
+    /// boundary elements, the contact sets whose equations were solved.
     pub accelerations: usize,
     /// Complementary energy of the contact forces accepted so far, which falls from update to
     /// update of a mesh: at the solution minus the total potential energy, with the load's work
@@ -171,7 +172,7 @@ impl SurfaceField {
     }
 
     /// Integrals of the nodes' hat functions [m2].
-    fn node_areas(&self) -> Vec<f64> {
+    pub(super) fn node_areas(&self) -> Vec<f64> {
         let widths = |nodes: &[f64]| -> Vec<f64> {
             let last = nodes.len() - 1;
             let width = |k: usize| 0.5 * (nodes[(k + 1).min(last)] - nodes[k.saturating_sub(1)]);

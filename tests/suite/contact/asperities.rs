@@ -1,9 +1,13 @@
 //! Contacts of many asperities, which are solved on the contact plane alone.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
-use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, Solution, Tilt, hertz, solve};
+use kufe_contact::{
+    Error, Foundation, Ice, Iterate, Load, NextMesh, Options, Problem, Runner, Solution, Tilt,
+    hertz, solve,
+};
 use kufe_mesh::{BobRunner, HeightMap, Interpolation, Paraboloid, Waviness};
 use kufe_tests::contact::{ICE_E, ICE_NU, contact_modulus, on_half_space};
 
@@ -160,6 +164,17 @@ fn loads_of_single_asperities_are_those_of_finite_elements() {
         }
         assert!((one / two - 1.0).abs() < 0.02, "{crest}: {one} {two}");
     }
+    // Every crest that touches is an asperity, with its force.
+    let asperities = plane.surface.asperities();
+    let touching = (-20..=20).filter(|crest| share(&plane, *crest) > 0.0);
+    assert_eq!(asperities.len(), touching.count());
+    for asperity in &asperities {
+        let crest = (asperity.centre[0] / length).round() as i32;
+        let of_all = asperity.force / plane.fz;
+        let off = of_all / share(&plane, crest) - 1.0;
+        assert!(off.abs() < 1e-9, "{crest}: {off:e}");
+    }
+    assert!(asperities.is_sorted_by(|a, b| a.force >= b.force));
 }
 
 /// Heights of random waves up to four points long, 48 of them over the map.
@@ -200,7 +215,8 @@ fn rough(count: usize, size: f64) -> HeightMap {
     .unwrap()
 }
 
-fn on_rough_ice(tilt: Tilt) -> Problem {
+/// A ball on such ice.
+pub fn on_rough_ice(tilt: Tilt) -> Problem {
     Problem {
         ice_surface: Some(Arc::new(rough(97, 4e-3))),
         load: Load::central(40.0, tilt),
@@ -253,4 +269,92 @@ fn pitch_and_roll_balance_the_load_on_rough_ice_and_bits_do_not_depend_on_thread
     assert!(x.abs() < 1e-8 && y.abs() < 1e-8, "{x:e} {y:e}");
     assert!(one.pitch != 0.0 && one.roll != 0.0);
     assert!(one.kkt_residual < 1e-5, "{:e}", one.kkt_residual);
+}
+
+#[test]
+fn a_stop_ends_the_iterations_of_a_grid_too() {
+    let problem = on_rough_ice(Tilt::LEVEL);
+    let stop = Arc::new(AtomicBool::new(true));
+    let options = Options {
+        stop: Some(stop.clone()),
+        ..Options::default()
+    };
+    assert_eq!(solve(&problem, &options).err(), Some(Error::Stopped));
+    // Raised before the iterations of the second grid begin: no third follows and the second is not
+    // solved.
+    stop.store(false, Ordering::Relaxed);
+    let levels = Arc::new(Mutex::new(Vec::new()));
+    let (raised, solved) = (stop.clone(), levels.clone());
+    let options = Options {
+        next_mesh: Some(Arc::new(move |mesh: &NextMesh| {
+            raised.store(mesh.level == 1, Ordering::Relaxed);
+        })),
+        progress: Some(Arc::new(move |iterate: &Iterate| {
+            solved.lock().unwrap().push(iterate.level);
+        })),
+        ..options
+    };
+    assert_eq!(solve(&problem, &options).err(), Some(Error::Stopped));
+    assert_eq!(*levels.lock().unwrap(), [0]);
+}
+
+#[test]
+fn grids_are_announced_once_each_and_the_finest_allowed_has_its_error() {
+    let problem = on_rough_ice(Tilt::LEVEL);
+    let begun = Arc::new(Mutex::new(Vec::new()));
+    let announced = begun.clone();
+    let options = Options {
+        max_dofs: 200_000,
+        p_max_tolerance: 1e-4,
+        next_mesh: Some(Arc::new(move |mesh: &NextMesh| {
+            announced.lock().unwrap().push((mesh.level, mesh.dofs));
+        })),
+        ..Options::default()
+    };
+    let Err(Error::AccuracyNotReached {
+        dofs,
+        estimate,
+        best,
+        ..
+    }) = solve(&problem, &options)
+    else {
+        panic!("more was reached than requested");
+    };
+    assert!(best.volume.is_none());
+    // Transforms work on four times the cells.
+    assert!(4 * dofs <= options.max_dofs && dofs == best.dofs, "{dofs}");
+    assert!((best.p_max_error / best.p_max - estimate).abs() < 1e-12);
+    assert!(1e-4 < estimate && estimate < 0.5, "{estimate}");
+    assert!((best.fz / 40.0 - 1.0).abs() < 1e-6, "{}", best.fz);
+    // The limit left room for three grids, from which the error is.
+    assert!(best.history.len() >= 3, "{}", best.history.len());
+    let solved: Vec<(usize, usize)> = best.history.iter().map(|i| (i.level, i.dofs)).collect();
+    assert_eq!(*begun.lock().unwrap(), solved);
+    assert!(solved.iter().enumerate().all(|(k, (level, _))| k == *level));
+}
+
+/// Where ice yields under asperities, their cells are much smaller than the contact, whose length
+/// they give.
+#[test]
+fn the_length_of_many_asperities_on_yielding_ice_is_known_to_their_cells() {
+    let mut problem = on_rough_ice(Tilt::LEVEL);
+    problem.ice.hardness = Some(150e6);
+    let options = Options {
+        p_max_tolerance: 0.05,
+        ..Options::default()
+    };
+    let s = solve(&problem, &options).unwrap();
+    assert!(s.volume.is_none(), "finite elements");
+    assert_eq!((s.p_max, s.p_max_error), (150e6, 0.0));
+    let cells = [&s.surface.x, &s.surface.y].map(|nodes| nodes[1] - nodes[0]);
+    for (name, error, cell) in [
+        ("length", s.length_error, cells[0]),
+        ("width", s.width_error, cells[1]),
+    ] {
+        // Two thirds of a cell at either end.
+        assert!(
+            0.0 < error && error < 1.4 * cell,
+            "{name}: {error:e} {cell:e}"
+        );
+    }
 }

@@ -191,6 +191,39 @@ fn a_second_patch_beyond_the_cells_leaves_no_second_answer() {
     );
 }
 
+/// A half-space sinks by 0.2 µm at 0.15 m from 1 kN, a layer of 2 mm on a rigid bed by nothing.
+#[test]
+fn a_second_patch_on_thin_ice_is_seen_where_a_half_space_would_sink_away_from_it() {
+    let with_bump = |low: f64, foundation: Foundation| {
+        let hull = Formula {
+            height: move |x: f64, y: f64| {
+                let bump = low + (x - 0.15).powi(2) / 20.0;
+                (x * x / 60.0).min(bump) + y * y / 0.01
+            },
+            extent: [-0.5, 0.5, -0.005, 0.005],
+            symmetric: [false, true],
+        };
+        let problem = Problem {
+            ice: Ice {
+                foundation,
+                ..Ice::half_space(9e9, 0.33)
+            },
+            load: Load::central(1000.0, Tilt::LEVEL),
+            ..on_half_space(hull, 1000.0)
+        };
+        boundary_elements(&problem)
+    };
+    let thin = Foundation::RigidBed { thickness: 2e-3 };
+    for (foundation, expected) in [
+        (Foundation::HalfSpace, None),
+        (thin, Some(CheckUnavailable::Elsewhere)),
+    ] {
+        let approach = with_bump(1e-3, foundation).unwrap().approach;
+        let found = with_bump(approach - 1.5e-7, foundation);
+        assert_eq!(found.err(), expected, "{foundation:?}");
+    }
+}
+
 #[test]
 fn ice_that_yields_under_most_of_the_patch_has_the_approach_of_finite_elements() {
     let hardness = 25e6;
