@@ -1,6 +1,6 @@
 //! `result.json`: one solved contact, at rest or sliding.
 
-use kufe_contact::{Iterate, MountForce, SlidingMesh};
+use kufe_contact::{Asperity, Iterate, MountForce, SlidingMesh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -71,6 +71,9 @@ pub struct ContactResult {
     /// Stress of a runner that deforms, and the load on its mount.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub runner: Option<RunnerResult>,
+    /// Where a contact of many asperities touches.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub asperities: Option<AsperitiesResult>,
     /// Residual of the complementarity conditions.
     pub kkt_residual: f64,
     /// How the stiffness is applied; `boundary elements` where the contact plane alone was solved.
@@ -186,6 +189,48 @@ impl From<&MountForce> for MountResult {
             force_n: mount.force,
             moment_nm: mount.moment,
             von_mises_max_pa: mount.von_mises,
+        }
+    }
+}
+
+/// Where a contact of many asperities touches.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct AsperitiesResult {
+    /// Number of asperities in contact.
+    pub asperity_count: usize,
+    /// Each of them, the largest force first.
+    pub asperities: Vec<AsperityResult>,
+}
+
+/// One asperity in contact.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct AsperityResult {
+    /// Where its force acts along the runner [m].
+    pub x_m: f64,
+    /// Where its force acts across the runner [m].
+    pub y_m: f64,
+    /// Normal force [N].
+    pub force_n: f64,
+    /// Area of its cells [m2].
+    pub area_m2: f64,
+    /// Largest pressure of a cell [Pa].
+    pub p_max_pa: f64,
+}
+
+impl AsperitiesResult {
+    pub(crate) fn of(found: &[Asperity]) -> Self {
+        let of = |asperity: &Asperity| AsperityResult {
+            x_m: asperity.centre[0],
+            y_m: asperity.centre[1],
+            force_n: asperity.force,
+            area_m2: asperity.area,
+            p_max_pa: asperity.p_max,
+        };
+        AsperitiesResult {
+            asperity_count: found.len(),
+            asperities: found.iter().map(of).collect(),
         }
     }
 }

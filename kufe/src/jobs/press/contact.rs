@@ -255,7 +255,7 @@ pub fn press_prepared(
         stiffness: loaded.case.solver.stiffness.into(),
         ..options
     };
-    let (solution, sliding, short) = match &loaded.case.sliding {
+    let (mut solution, sliding, short) = match &loaded.case.sliding {
         None => match solve(&problem, &options) {
             Ok(solution) => (solution, None, None),
             Err(error) => {
@@ -300,6 +300,16 @@ pub fn press_prepared(
     let of_hull = of_hull[0].hypot(of_hull[1]);
     let uncertain = resting.filter(|_| of_hull > loaded.case.accuracy.p_max);
     let short = short.or_else(|| Some(loaded.peak_uncertain(uncertain?, of_hull)));
+    let check = sliding.is_none().then(|| Check::of(&problem, &solution));
+    let stated = solution.p_max_error;
+    let mut differ = check
+        .as_ref()
+        .map_or_else(Vec::new, |check| check.widen(&mut solution));
+    let requested = loaded.case.accuracy.p_max * solution.p_max;
+    let short = short.or_else(|| {
+        (solution.p_max_error > requested.max(stated))
+            .then(|| Failure::NotConverged(format!("{}: {}", loaded.name, differ.remove(0))))
+    });
     // Not reported now: the command ends with it.
     warnings.extend(
         short
@@ -321,8 +331,7 @@ pub fn press_prepared(
         watch.warn(&warning);
         warnings.push(warning);
     }
-    let check = sliding.is_none().then(|| Check::of(&problem, &solution));
-    if let Some(warning) = check.as_ref().and_then(|check| check.parted(&solution)) {
+    for warning in differ {
         watch.warn(&warning);
         warnings.push(warning);
     }

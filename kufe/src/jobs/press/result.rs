@@ -4,8 +4,8 @@ use kufe_contact::RunnerLoads;
 
 use crate::jobs::press::contact::SolvedContact;
 use crate::results::{
-    CaseRecord, CheckResult, ContactResult, HullFit, Measured, MeshResult, RunnerResult,
-    ShearResult, SubsurfaceResult,
+    AsperitiesResult, CaseRecord, CheckResult, ContactResult, HullFit, Measured, MeshResult,
+    RunnerResult, ShearResult, SubsurfaceResult,
 };
 
 impl SolvedContact {
@@ -42,6 +42,10 @@ impl SolvedContact {
             roll: Measured::new(solution.roll, solution.roll_error),
             fz_n: solution.fz,
             runner: self.runner.as_ref().map(RunnerResult::from),
+            asperities: solution
+                .volume
+                .is_none()
+                .then(|| AsperitiesResult::of(&solution.surface.asperities())),
             kkt_residual: solution.kkt_residual,
             stiffness: match &solution.volume {
                 None => "boundary elements".into(),
