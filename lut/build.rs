@@ -1,10 +1,29 @@
-//! Compiles the FMU's library with the system's C compiler, so that an installed `kufe` carries it.
+//! Compiles the FMU's library with the system's C compiler, and for Windows with MinGW-w64's where
+//! it is installed, so that an installed `kufe` carries them.
 //!
 //! Without a usable compiler the crate still builds; only writing an FMU is refused then, with the
 //! reason.
 
+use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
+
+/// A platform that a library is compiled for: its names in FMI 2.0 and 3.0, and the ending of its
+/// libraries.
+struct Platform {
+    fmi2: &'static str,
+    fmi3: &'static str,
+    ending: &'static str,
+}
+
+const WINDOWS: Platform = Platform {
+    fmi2: "win64",
+    fmi3: "x86_64-windows",
+    ending: "dll",
+};
+
+/// The cross-compiler for Windows, as Debian, Fedora, Arch and Homebrew name it.
+const MINGW: &str = "x86_64-w64-mingw32-gcc";
 
 fn main() {
     for file in ["c", "build.rs"] {
@@ -12,33 +31,41 @@ fn main() {
     }
     println!("cargo::rerun-if-env-changed=CC");
     let variable = |name: &str| std::env::var(name).unwrap_or_default();
-    let library = Path::new(&variable("OUT_DIR")).join("kufe_lut_fmu.bin");
-    let (platform, suffix) = match (
+    let folder = variable("OUT_DIR");
+    let folder = Path::new(&folder);
+    let platform = |fmi2, fmi3, ending| Platform { fmi2, fmi3, ending };
+    let native = match (
         variable("CARGO_CFG_TARGET_ARCH").as_str(),
         variable("CARGO_CFG_TARGET_OS").as_str(),
     ) {
-        ("x86_64", "linux") => ("x86_64-linux", "so"),
-        ("aarch64", "linux") => ("aarch64-linux", "so"),
-        ("x86_64", "macos") => ("x86_64-darwin", "dylib"),
-        ("aarch64", "macos") => ("aarch64-darwin", "dylib"),
-        _ => ("", ""),
+        ("x86_64", "linux") => Some(platform("linux64", "x86_64-linux", "so")),
+        ("aarch64", "linux") => Some(platform("aarch64-linux", "aarch64-linux", "so")),
+        ("x86_64", "macos") => Some(platform("darwin64", "x86_64-darwin", "dylib")),
+        ("aarch64", "macos") => Some(platform("aarch64-darwin", "aarch64-darwin", "dylib")),
+        _ => None,
     };
-    let reason = if platform.is_empty() {
-        "FMUs are made on Linux and macOS, x86-64 and ARM64".to_string()
-    } else if machine(&variable("HOST")) != machine(&variable("TARGET")) {
-        "it was cross-compiled".to_string()
-    } else {
-        compile(&library).err().unwrap_or_default()
-    };
-    if !reason.is_empty() {
-        println!("cargo::warning=kufe-lut: no FMU export: {reason}");
-        // Empty on purpose: the library detects its absence by its length.
-        if let Err(error) = std::fs::write(&library, b"") {
-            println!("cargo::error=kufe-lut: {}: {error}", library.display());
+    let mut libraries = String::from("[");
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    let compiled = match &native {
+        None => Err("FMUs are made on Linux and macOS, x86-64 and ARM64".into()),
+        Some(_) if machine(&variable("HOST")) != machine(&variable("TARGET")) => {
+            Err("it was cross-compiled".into())
         }
+        Some(platform) => compile(&compiler, &["-fPIC"], platform, folder),
+    };
+    let reason = compiled.as_ref().err().cloned().unwrap_or_default();
+    if !reason.is_empty() {
+        println!("cargo::warning=kufe-lut: no FMU for this machine: {reason}");
     }
-    println!("cargo::rustc-env=KUFE_FMU_PLATFORM={platform}");
-    println!("cargo::rustc-env=KUFE_FMU_SUFFIX={suffix}");
+    let on_windows = compile(MINGW, &["-static-libgcc", "-s"], &WINDOWS, folder);
+    for entry in [compiled, on_windows].into_iter().flatten() {
+        libraries += &entry;
+    }
+    libraries.push(']');
+    let list = folder.join("libraries.rs");
+    if let Err(error) = std::fs::write(&list, libraries) {
+        println!("cargo::error=kufe-lut: {}: {error}", list.display());
+    }
     println!(
         "cargo::rustc-env=KUFE_FMU_REASON={}",
         reason.replace('\n', " ")
@@ -52,20 +79,33 @@ fn machine(triple: &str) -> (Option<&str>, Option<&str>) {
     (parts.next(), parts.nth(1))
 }
 
-fn compile(library: &Path) -> Result<(), String> {
-    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    let output = Command::new(&compiler)
-        .args(["-std=c99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden"])
-        .args(["-ffp-contract=off", "-Ic", "c/fmu.c", "-o"])
-        .arg(library)
+/// Compiles the library of a platform; its entry of the list of libraries.
+fn compile(
+    compiler: &str,
+    flags: &[&str],
+    platform: &Platform,
+    folder: &Path,
+) -> Result<String, String> {
+    let Platform { fmi2, fmi3, ending } = platform;
+    let library = folder.join(format!("{fmi3}.bin"));
+    let output = Command::new(compiler)
+        .args(["-std=c99", "-O2", "-shared", "-fvisibility=hidden"])
+        .args(["-ffp-contract=off", "-Ic", "c/fmi2.c", "c/fmi3.c", "-o"])
+        .arg(&library)
+        .args(flags)
         .arg("-lm")
         .output()
         .map_err(|error| format!("{compiler}: {error}"))?;
-    if output.status.success() {
-        return Ok(());
+    if !output.status.success() {
+        let messages = String::from_utf8_lossy(&output.stderr);
+        return Err(format!("{compiler} failed: {}", messages.trim()));
     }
-    Err(format!(
-        "{compiler} failed: {}",
-        String::from_utf8_lossy(&output.stderr).trim()
-    ))
+    let mut entry = String::new();
+    // Writing to a String cannot fail.
+    let _ = write!(
+        entry,
+        "Library {{ fmi2: {fmi2:?}, fmi3: {fmi3:?}, ending: {ending:?}, \
+         bytes: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{fmi3}.bin\")) }},"
+    );
+    Ok(entry)
 }

@@ -59,10 +59,10 @@ function heatMap(onCursor, height = 380) {
     pen.imageSmoothingEnabled = true;
     pen.drawImage(image, x0, y0, x1 - x0, y1 - y0);
     pen.restore();
-    for (const [x, y] of spec.dots ?? []) {
+    for (const [x, y, share] of spec.dots ?? []) {
       const [px, py] = place(x, y);
-      pen.fillStyle = "#fff"; pen.strokeStyle = "#000"; pen.lineWidth = 0.8;
-      pen.beginPath(); pen.arc(px, py, 3, 0, 7); pen.fill(); pen.stroke();
+      pen.fillStyle = share === undefined ? "#fff" : `rgb(${viridis(share)})`; pen.strokeStyle = "#000"; pen.lineWidth = 0.8;
+      pen.beginPath(); pen.arc(px, py, share === undefined ? 3 : 6, 0, 7); pen.fill(); pen.stroke();
     }
     pen.fillStyle = ink("soft"); pen.strokeStyle = ink("line");
     pen.strokeRect(left + 0.5, top + 0.5, right - left - 1, bottom - top - 1);

@@ -1,7 +1,8 @@
 // The page of a lookup table.
 //
-// Data: { name, fz, curvature, flush or null, layers: [name] or null, nodes, thinned, check_count, by_boundary_elements, quantities: [{ name,
-// unit, errors: { mode: number }, values: [layer][fz][curvature] }], solver_error, judged, interpolation_requested, case, case_sha256, version }.
+// Data: { name, axes: [{ name, points, from, to, outside }], fz, curvature, flush or null, layers: [name] or null, nodes, thinned, check_count,
+// checks: [{ fz, curvature, layer }], by_boundary_elements, quantities: [{ name, unit, errors: { mode: number }, values:
+// [layer][fz][curvature], solver: the same or null, check_errors: [number or null] }], solver_error, judged, interpolation_requested, case, case_sha256, version }.
 // A layer is one of the runner's rocker radii, speeds and temperatures of the ice; judged is the quantity that the errors are asked of.
 // With flush [curvature, scale, from, to] the numbers in `curvature` are reduced curvatures, 0 to 1.
 
@@ -13,6 +14,13 @@ const UNITS = {
   groove_depth: ["depth of the groove", "\u00b5m", 1e6], film_mean: ["mean thickness of the film", "\u00b5m", 1e6],
 };
 
+const AXES = {
+  fz_n: ["normal force", "N"], curvature_1pm: ["track curvature", "1/m"], rocker_radius_m: ["rocker radius", "m"],
+  v_mps: ["speed", "m/s"], ice_c: ["ice temperature", "\u00b0C"],
+};
+/** An error between nodes that the page warns of. */
+const LARGE = 0.05;
+
 function tablePage(main, data) {
   const { reduced, curvatureAt } = reductionOf(data.flush);
   const ends = data.flush ? data.flush.slice(2) : [data.curvature[0], data.curvature[data.curvature.length - 1]];
@@ -23,23 +31,27 @@ function tablePage(main, data) {
   const judged = data.quantities.findIndex((q) => q.name === data.judged), ofJudged = data.judged === "mu" ? "friction" : "peak";
   quantity.value = judged;
   const overForce = chart(), overCurvature = chart();
-  const map = heatMap((x, y) => say(x, y));
+  const map = heatMap((x, y) => say(x, y)), errorMap = heatMap((x, y) => sayError(x, y));
+  const errorReadout = el("output", { class: "readout" }, "");
+  const ofChecks = data.quantities[judged].check_errors.map((error, k) => [error ?? 0, data.checks[k]]).sort((a, b) => b[0] - a[0]);
+  const placeOf = (check) => `${figure(check.fz, 4)} N, ${figure(check.curvature, 3)} 1/m${check.layer ? `, ${check.layer}` : ""}`;
   const fact = (text) => el("p", { class: "soft" }, text);
   const percent = (value) => (value === null || value === undefined ? "not measured" : `${figure(100 * value, 2)} %`);
   main.replaceChildren(
     el("header", {}, el("h1", {}, data.name), fact(`Lookup table of ${data.nodes} solved contacts over normal force and track curvature${data.layers ? `, ${data.layered}` : ""}.${data.by_boundary_elements ? ` Of nodes and checks ${data.by_boundary_elements} were solved by boundary elements, the others by finite elements.` : ""}`)),
     el("ul", { class: "figures" }, figures([
-      [`${plain(data.fz[0])} to ${plain(data.fz[data.fz.length - 1])} N`, `normal force, ${data.fz.length} breakpoints`],
-      [`${figure(ends[0], 3)} to ${figure(ends[1], 3)} 1/m`, `track curvature, ${data.curvature.length} breakpoints`],
+      ...data.axes.map((axis) => [`${figure(axis.from, 4)} to ${figure(axis.to, 4)} ${AXES[axis.name][1]}`, `${AXES[axis.name][0]}, ${axis.points} breakpoints; outside: ${axis.outside}`]),
       [percent(data.solver_error), `largest solver error of the ${ofJudged}`],
       [percent(data.quantities[judged].errors.smooth), `largest smooth interpolation error, at ${data.check_count} solves between nodes`],
       [percent(data.quantities[judged].errors.bilinear), "the same, bilinear"],
     ])),
+    ofChecks.length && ofChecks[0][0] > LARGE ? el("p", { class: "warning" }, `Between the nodes the ${ofJudged} is off by up to ${percent(ofChecks[0][0])}, at ${placeOf(ofChecks[0][1])}: more breakpoints there, or an axis with from and to, reduce it.`) : "",
     data.thinned ? el("p", { class: "warning" }, "The table is finer than this page, which carries some of its breakpoints only.") : "",
     el("div", { class: "tools", style: "margin-bottom:.8rem" }, el("label", {}, "quantity", quantity), el("label", { hidden: !data.layers }, data.layered, layer)),
     el("div", { class: "panels" },
       panel("Surface", space.box),
       panel("Map", map.box, readout, fact(`Between breakpoints (dots) values are bilinear here${data.flush ? " over reduced curvature" : ""}, as in Simulink's n-D lookup table.`)),
+      panel("Stated error", errorMap.box, errorReadout, fact("Colour: the solver's relative error, between the nodes. Large dots: relative error of smooth interpolation at the solves between nodes, of all layers.")),
       panel("Over normal force", overForce.box),
       panel("Over track curvature", overCurvature.box),
       panel("Interpolation", table(["quantity", "smooth", "bilinear"], data.quantities.map((q) => [UNITS[q.name]?.[0] ?? q.name, percent(q.errors.smooth), percent(q.errors.bilinear)])),
@@ -52,6 +64,13 @@ function tablePage(main, data) {
     const value = at(fz, curvature), [, unit, times] = unitOf();
     const radius = curvature === 0 ? "straight" : `radius ${figure(1 / curvature, 4)} m`;
     readout.textContent = `Fz ${figure(fz, 5)} N, curvature ${figure(curvature, 4)} 1/m (${radius}): ${figure(times * value, 5)} ${unit}`;
+  }
+  let errorAt = null;
+  function sayError(fz, curvature) {
+    const solver = errorAt(fz, curvature), shown = data.quantities[quantity.value].check_errors;
+    const worst = shown.reduce((best, error, k) => (error !== null && (best < 0 || error > shown[best]) ? k : best), -1);
+    const between = worst < 0 ? "" : `; interpolation: up to ${percent(shown[worst])}, at ${placeOf(data.checks[worst])}`;
+    errorReadout.textContent = `Fz ${figure(fz, 5)} N, curvature ${figure(curvature, 4)} 1/m: solver ${Number.isFinite(solver) ? percent(solver) : "not stated"}${between}`;
   }
   const unitOf = () => UNITS[data.quantities[quantity.value].name] ?? [data.quantities[quantity.value].name, data.quantities[quantity.value].unit, 1];
 
@@ -70,6 +89,17 @@ function tablePage(main, data) {
     const middleForce = data.fz[Math.floor(data.fz.length / 2)], middle = [middleForce, curvatureAt(middleForce, data.curvature[Math.floor(data.curvature.length / 2)])];
     map.point(...middle);
     say(...middle);
+    const solver = data.quantities[quantity.value].solver?.[layer.value], ofQuantity = data.quantities[quantity.value].check_errors;
+    const inErrors = solver && between(data.fz, data.curvature, solver);
+    errorAt = (fz, curvature) => (inErrors ? inErrors(fz, reduced(held(fz), curvature)) : NaN);
+    const most = 100 * Math.max(1e-6, ...(solver ?? []).flat(), ...ofQuantity.map((error) => error ?? 0));
+    errorMap.draw({
+      x: [...xs, "normal force [N]"], y: [...ys, "track curvature [1/m]"], bar: [0, most, "relative error [%]"],
+      image: { nx, ny, x: xs, y: ys, value: (i, j) => 100 * errorAt(x(i), y(j)), draws: Number.isFinite },
+      dots: data.checks.flatMap((check, k) => (ofQuantity[k] === null ? [] : [[check.fz, check.curvature, 100 * ofQuantity[k] / most]])),
+    });
+    errorMap.point(...middle);
+    sayError(...middle);
     const colours = ["accent", "second", "third", "fourth"].map((name) => `var(--${name})`), axis = { title: `${title} [${unit}]` };
     const alongForce = few(data.curvature, 4).map((j, n) => {
       const curvature = curvatureAt(middleForce, data.curvature[j]);

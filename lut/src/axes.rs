@@ -1,5 +1,7 @@
 //! The axes of a table: their breakpoints, and the points that they span.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::Error;
 use crate::reduced::CurvatureScaling;
 
@@ -53,6 +55,34 @@ impl AxisKind {
     /// Whether only a runner that slides has it.
     pub(crate) fn is_sliding(self) -> bool {
         matches!(self, AxisKind::Speed | AxisKind::IceTemperature)
+    }
+}
+
+/// What becomes of an input outside an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Outside {
+    /// The end of the axis takes its place.
+    #[default]
+    Hold,
+    /// The interpolant continues straight, in the coordinates in which its mode interpolates.
+    Linear,
+    /// There is no value: NaN.
+    Error,
+}
+
+impl Outside {
+    /// All rules.
+    pub const ALL: [Outside; 3] = [Outside::Hold, Outside::Linear, Outside::Error];
+
+    /// Name in files.
+    pub fn name(self) -> &'static str {
+        ["hold", "linear", "error"][self as usize]
+    }
+
+    /// Whether it is the default, which files omit.
+    pub(crate) fn is_hold(&self) -> bool {
+        *self == Outside::Hold
     }
 }
 
@@ -130,6 +160,8 @@ impl std::fmt::Display for Point {
 pub struct Axes {
     /// Breakpoints by kind.
     values: [Option<Vec<f64>>; KINDS],
+    /// What becomes of inputs outside, by kind.
+    outside: [Outside; KINDS],
     /// The parameters of the reduced curvatures that the second axis holds, where it does.
     flush: Option<CurvatureScaling>,
 }
@@ -142,6 +174,7 @@ impl Axes {
     pub fn new(fz: Vec<f64>, curvature: Vec<f64>) -> Result<Self, Error> {
         Axes {
             values: Default::default(),
+            outside: Default::default(),
             flush: None,
         }
         .with(AxisKind::Fz, fz)?
@@ -194,6 +227,18 @@ impl Axes {
             )));
         }
         Ok(self)
+    }
+
+    /// With this rule for inputs outside an axis. A rocker radius outside is refused in any case.
+    #[must_use]
+    pub fn with_outside(mut self, kind: AxisKind, rule: Outside) -> Self {
+        self.outside[kind as usize] = rule;
+        self
+    }
+
+    /// What becomes of inputs outside an axis.
+    pub fn outside(&self, kind: AxisKind) -> Outside {
+        self.outside[kind as usize]
     }
 
     /// Breakpoints along an axis, where the table has it.

@@ -14,7 +14,7 @@ use serde::de::{
 use serde::{Serialize, Serializer};
 use serde_json::value::RawValue;
 
-use crate::axes::{Axes, AxisKind, KINDS, MAX_AXIS, MAX_NODES, Point};
+use crate::axes::{Axes, AxisKind, KINDS, MAX_AXIS, MAX_NODES, Outside, Point};
 use crate::error::Error;
 use crate::interpolator::Mode;
 use crate::quantity::{Method, Quantity};
@@ -70,6 +70,9 @@ struct AxisFile {
     name: String,
     unit: String,
     values: Nested<f64>,
+    /// What becomes of inputs outside.
+    #[serde(default, skip_serializing_if = "Outside::is_hold")]
+    outside: Outside,
     /// Parameters of a reduced curvature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     flush: Option<CurvatureScaling>,
@@ -127,8 +130,10 @@ impl Table {
             let start = if n == 0 { "{" } else { "," };
             write!(writer, "{start}\n\"{key}\": {value}")?;
         }
-        let axes = self.axes().named().into_iter();
-        let axes = axes.map(|(name, unit, values)| json(&self.axis(name, unit, values)));
+        let kinds = self.axes().present().map(|(kind, _)| kind);
+        let axes = kinds.zip(self.axes().named());
+        let axes =
+            axes.map(|(kind, (name, unit, values))| json(&self.axis(kind, name, unit, values)));
         write_lines(writer, "axes", ['[', ']'], axes)?;
         let shape = self.axes().shape();
         let columns = self.columns().iter().map(|(quantity, column)| {
@@ -149,7 +154,7 @@ impl Table {
         Ok(())
     }
 
-    fn axis(&self, name: &str, unit: &str, values: &[f64]) -> AxisFile {
+    fn axis(&self, kind: AxisKind, name: &str, unit: &str, values: &[f64]) -> AxisFile {
         let flush = self.axes().flush().filter(|_| name == "reduced_curvature");
         let curvatures = flush.map(|_| {
             let points = self.axes().points();
@@ -160,6 +165,7 @@ impl Table {
             name: name.into(),
             unit: unit.into(),
             values: Nested::new(&[values.len()], values),
+            outside: self.axes().outside(kind),
             flush: flush.copied(),
             curvature_1pm: curvatures,
         }
@@ -262,7 +268,7 @@ fn from_file(file: TableFile) -> Result<Table, Error> {
 
 fn from_axes(files: Vec<AxisFile>) -> Result<Axes, Error> {
     let mut read: Vec<(AxisKind, Vec<f64>)> = Vec::new();
-    let mut flush = None;
+    let (mut flush, mut outside) = (None, Vec::new());
     for (n, axis) in files.into_iter().enumerate() {
         let key = format!("axes[{n}]");
         let allowed: Vec<AxisKind> = match n {
@@ -293,6 +299,12 @@ fn from_axes(files: Vec<AxisFile>) -> Result<Axes, Error> {
             let expected = "flush with the axis reduced_curvature, and only there";
             return Err(Error::format(&format!("{key}.flush"), &axis.name, expected));
         }
+        if kind == AxisKind::RockerRadius && !axis.outside.is_hold() {
+            let expected = "no such key: a rocker radius outside is refused in any case";
+            let found = axis.outside.name();
+            return Err(Error::format(&format!("{key}.outside"), found, expected));
+        }
+        outside.push((kind, axis.outside));
         flush = flush.or(axis.flush);
         let length = [axis.values.flat.len()];
         read.push((
@@ -312,7 +324,11 @@ fn from_axes(files: Vec<AxisFile>) -> Result<Axes, Error> {
         None => Axes::new(fz, curvature),
         Some(flush) => Axes::reduced(fz, curvature, flush),
     }?;
-    read.try_fold(axes, |axes, (kind, values)| axes.with(kind, values))
+    let axes = read.try_fold(axes, |axes, (kind, values)| axes.with(kind, values))?;
+    let with_rules = outside
+        .into_iter()
+        .fold(axes, |axes, (kind, rule)| axes.with_outside(kind, rule));
+    Ok(with_rules)
 }
 
 fn from_column(quantity: Quantity, file: ColumnFile, shape: &[usize]) -> Result<Column, Error> {

@@ -12,7 +12,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::axes::{AxisKind, Point};
+use crate::axes::{Axes, AxisKind, Outside, Point};
 use crate::error::Error;
 use crate::monotone::{Jet, jets};
 use crate::quantity::Quantity;
@@ -94,10 +94,19 @@ impl From<Point> for Sample {
 /// An interpolated value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpolated {
-    /// The value, in the quantity's unit; NaN where an input was NaN.
+    /// The value, in the quantity's unit; NaN where an input was NaN, or outside an axis whose rule
+    /// is [`Outside::Error`].
     pub value: f64,
-    /// Whether an input was outside the table (and was clipped to it) or NaN.
+    /// Whether an input was outside the table or NaN.
     pub out_of_range: bool,
+}
+
+impl Interpolated {
+    /// No value.
+    const NONE: Interpolated = Interpolated {
+        value: f64::NAN,
+        out_of_range: true,
+    };
 }
 
 /// One quantity of a table, ready for evaluation.
@@ -164,11 +173,13 @@ impl Interpolator {
         })?;
         let logarithmic = mode == Mode::Smooth && all.iter().all(|&value| value > 0.0);
         let nodes = at_rocker(table, all, mode, logarithmic, rocker_radius)?;
-        let fz = Breakpoints::new(AxisKind::Fz, axes.fz());
-        let curvature = Breakpoints::new(AxisKind::Curvature, axes.curvature());
+        let [fz, curvature] = [AxisKind::Fz, AxisKind::Curvature].map(|kind| {
+            let values = axes.get(kind).unwrap_or_default();
+            Breakpoints::new(axes, kind, values)
+        });
         let stack = axes.present().filter(|(kind, _)| kind.is_sliding());
         let stack: Vec<LayerAxis> = stack
-            .map(|(kind, values)| LayerAxis::new(kind, values))
+            .map(|(kind, values)| LayerAxis::new(Breakpoints::new(axes, kind, values)))
             .collect();
         assert!(stack.len() <= MAX_STACK, "{} axes of layers", stack.len());
         let layers: usize = stack.iter().map(|axis| axis.points.plain.len()).product();
@@ -196,53 +207,68 @@ impl Interpolator {
 
     /// The quantity at a sample.
     ///
-    /// Inputs outside the table are clipped to it and flagged; NaN gives NaN and the flag. Needs
-    /// no allocation and at most `log2` of the axes' lengths in comparisons.
+    /// Inputs outside the table are flagged, and become what the rules of their axes say
+    /// ([`Outside`]); NaN gives NaN and the flag. Needs no allocation and at most `log2` of the
+    /// axes' lengths in comparisons.
     #[inline]
     pub fn at(&self, sample: Sample) -> Interpolated {
         let missing = |axis: &LayerAxis| sample.get(axis.points.kind).is_nan();
         if sample.fz.is_nan() || sample.curvature.is_nan() || self.stack.iter().any(missing) {
-            return Interpolated {
-                value: f64::NAN,
-                out_of_range: true,
-            };
+            return Interpolated::NONE;
         }
         let x = self.fz.place(sample.fz);
         let y = self.curvature.place(match &self.flush {
             None => sample.curvature,
-            Some(flush) => flush.reduced(x.clipped, sample.curvature),
+            Some(flush) => flush.reduced(self.fz.held(sample.fz), sample.curvature),
         });
-        let outside = x.outside || y.outside;
         if self.stack.is_empty() {
+            if self.refuses(&[x, y]) {
+                return Interpolated::NONE;
+            }
             let value = match self.mode {
                 Mode::Bilinear => self.bilinear(0, &x, &y),
                 Mode::Smooth => self.risen(self.corner(0, &x, &y), self.rise(0, &x, &y)),
             };
             return Interpolated {
                 value,
-                out_of_range: outside,
+                out_of_range: x.outside || y.outside,
             };
         }
-        let (value, stack_outside) = self.stacked(&sample, &x, &y);
+        let mut places = [x, y, Place::default(), Place::default()];
+        for (place, axis) in places[2..].iter_mut().zip(&self.stack) {
+            *place = axis.points.place(sample.get(axis.points.kind));
+        }
+        if self.refuses(&places) {
+            return Interpolated::NONE;
+        }
         Interpolated {
-            value,
-            out_of_range: outside || stack_outside,
+            value: self.stacked(&places[2..], &x, &y),
+            out_of_range: places.iter().any(|place| place.outside),
         }
     }
 
-    /// The value between layers, and whether an input along their axes is outside.
-    fn stacked(&self, sample: &Sample, x: &Place, y: &Place) -> (f64, bool) {
+    /// Whether an input is outside an axis whose rule is an error.
+    #[inline]
+    fn refuses(&self, places: &[Place]) -> bool {
+        if places.iter().all(|place| !place.outside) {
+            return false;
+        }
+        let stack = self.stack.iter().map(|axis| &axis.points);
+        let axes = [&self.fz, &self.curvature].into_iter().chain(stack);
+        let mut pairs = axes.zip(places);
+        pairs.any(|(axis, place)| place.outside && axis.outside == Outside::Error)
+    }
+
+    /// The value between layers.
+    fn stacked(&self, places: &[Place], x: &Place, y: &Place) -> f64 {
         let mut weights = [Weights::default(); MAX_STACK];
-        let mut outside = false;
         let mut nearest = 0;
-        for (weights, axis) in weights.iter_mut().zip(&self.stack) {
-            let place = axis.points.place(sample.get(axis.points.kind));
-            outside |= place.outside;
-            *weights = axis.weights(&place, self.mode);
+        for ((weights, axis), place) in weights.iter_mut().zip(&self.stack).zip(places) {
+            *weights = axis.weights(place, self.mode);
             nearest = nearest * weights.layers + place.low;
         }
         let weights = &weights[..self.stack.len()];
-        let value = match self.mode {
+        match self.mode {
             Mode::Bilinear => weighted_sum(weights, 0, &|layer| self.bilinear(layer, x, y)),
             Mode::Smooth => {
                 // Differences to one node, so that nodes are reproduced exactly.
@@ -253,8 +279,7 @@ impl Interpolator {
                 });
                 self.risen(near, rise)
             }
-        };
-        (value, outside)
+        }
     }
 
     /// The value at a node plus a difference of scaled values.
@@ -280,8 +305,8 @@ impl Interpolator {
     fn bilinear(&self, layer: usize, x: &Place, y: &Place) -> f64 {
         let columns = self.curvature.plain.len();
         let values = &self.values[layer * self.fz.plain.len() * columns..];
-        let tx = fraction(&self.fz.plain, x, x.clipped);
-        let ty = fraction(&self.curvature.plain, y, y.clipped);
+        let tx = fraction(&self.fz.plain, x, x.at);
+        let ty = fraction(&self.curvature.plain, y, y.at);
         let (v00, v10) = (
             values[x.low * columns + y.low],
             values[x.high * columns + y.low],
@@ -300,15 +325,11 @@ impl Interpolator {
     fn rise(&self, layer: usize, x: &Place, y: &Place) -> f64 {
         let columns = self.curvature.plain.len();
         let jets = &self.jets[layer * self.fz.plain.len() * columns..];
-        let hx = self.fz.scaled[x.high] - self.fz.scaled[x.low];
-        let hy = self.curvature.scaled[y.high] - self.curvature.scaled[y.low];
-        let tx = fraction(&self.fz.scaled, x, x.clipped.ln());
-        let ty = fraction(&self.curvature.scaled, y, y.clipped);
         let corner = |i: usize, j: usize| &jets[i * columns + j];
         let (a, b) = (corner(x.low, y.low), corner(x.high, y.low));
         let (c, d) = (corner(x.low, y.high), corner(x.high, y.high));
-        let [x0, x1, x2] = hermite(tx, hx);
-        let [y0, y1, y2] = hermite(ty, hy);
+        let [x0, x1, x2] = self.fz.hermite(x);
+        let [y0, y1, y2] = self.curvature.hermite(y);
         // Along x on both grid lines: the value minus f of corner `a`, and the slope along y.
         let low = (b.f - a.f) * x0 + a.fx * x1 + b.fx * x2;
         let high = (c.f - a.f) + ((d.f - c.f) * x0 + c.fx * x1 + d.fx * x2);
@@ -337,6 +358,12 @@ impl Interpolator {
     /// Whether the jets are of logarithms.
     pub(crate) fn is_logarithmic(&self) -> bool {
         self.logarithmic
+    }
+
+    /// The breakpoints of force or curvature.
+    pub(crate) fn breakpoints(&self, kind: AxisKind) -> Option<&Breakpoints> {
+        let axes = [&self.fz, &self.curvature].into_iter();
+        axes.into_iter().find(|axis| axis.kind == kind)
     }
 
     /// The axis of layers of a kind.
@@ -399,6 +426,7 @@ fn at_rocker(
 #[derive(Clone, Debug)]
 pub(crate) struct Breakpoints {
     pub kind: AxisKind,
+    pub outside: Outside,
     /// The breakpoints.
     pub plain: Vec<f64>,
     /// The breakpoints over which the smooth mode interpolates: their logarithms, or themselves.
@@ -406,16 +434,17 @@ pub(crate) struct Breakpoints {
 }
 
 /// Where an input lies on an axis: the breakpoint at or below it and the next one.
+#[derive(Clone, Copy, Default)]
 struct Place {
     low: usize,
     high: usize,
-    /// The input, clipped to the axis.
-    clipped: f64,
+    /// The input, or the end of the axis in its place.
+    at: f64,
     outside: bool,
 }
 
 impl Breakpoints {
-    fn new(kind: AxisKind, values: &[f64]) -> Self {
+    fn new(axes: &Axes, kind: AxisKind, values: &[f64]) -> Self {
         let scale = |&value: &f64| {
             if kind.is_logarithmic() {
                 value.ln()
@@ -425,28 +454,39 @@ impl Breakpoints {
         };
         Breakpoints {
             kind,
+            outside: axes.outside(kind),
             plain: values.to_vec(),
             scaled: values.iter().map(scale).collect(),
         }
+    }
+
+    /// The input, or the end of the axis that it is past.
+    #[inline]
+    fn held(&self, value: f64) -> f64 {
+        value.clamp(self.plain[0], self.plain[self.plain.len() - 1])
     }
 
     #[inline]
     fn place(&self, value: f64) -> Place {
         let last = self.plain.len() - 1;
         if value >= self.plain[last] {
+            let outside = value > self.plain[last];
+            let continued = outside && self.outside == Outside::Linear;
             return Place {
-                low: last,
+                low: last.saturating_sub(usize::from(continued)),
                 high: last,
-                clipped: self.plain[last],
-                outside: value > self.plain[last],
+                at: if continued { value } else { self.plain[last] },
+                outside,
             };
         }
         if value <= self.plain[0] {
+            let outside = value < self.plain[0];
+            let continued = outside && self.outside == Outside::Linear;
             return Place {
                 low: 0,
                 high: 1.min(last),
-                clipped: self.plain[0],
-                outside: value < self.plain[0],
+                at: if continued { value } else { self.plain[0] },
+                outside,
             };
         }
         // Halving without branches: random inputs would mispredict every other one.
@@ -460,9 +500,28 @@ impl Breakpoints {
         Place {
             low,
             high: low + 1,
-            clipped: value,
+            at: value,
             outside: false,
         }
+    }
+
+    /// As the smooth mode sees an input: logarithms continue below the axis along the tangent.
+    #[inline]
+    fn scale(&self, at: f64) -> f64 {
+        let first = self.plain[0];
+        match self.kind.is_logarithmic() {
+            false => at,
+            true if at >= first => at.ln(),
+            true => self.scaled[0] + (at - first) / first,
+        }
+    }
+
+    /// Hermite weights of the far value and of both slopes at a place.
+    #[inline]
+    fn hermite(&self, place: &Place) -> [f64; 3] {
+        let t = fraction(&self.scaled, place, self.scale(place.at));
+        let h = self.scaled[place.high] - self.scaled[place.low];
+        hermite(t, h, place.outside)
     }
 }
 
@@ -475,11 +534,15 @@ fn fraction(axis: &[f64], place: &Place, value: f64) -> f64 {
     (value - axis[place.low]) / (axis[place.high] - axis[place.low])
 }
 
-/// Hermite weights of the far value and of both slopes.
+/// Hermite weights of the far value and of both slopes, straight outside.
 #[inline]
-fn hermite(t: f64, h: f64) -> [f64; 3] {
+fn hermite(t: f64, h: f64, outside: bool) -> [f64; 3] {
     let s = 1.0 - t;
-    [t * t * (3.0 - 2.0 * t), h * t * s * s, -(h * t * t * s)]
+    match outside {
+        false => [t * t * (3.0 - 2.0 * t), h * t * s * s, -(h * t * t * s)],
+        true if t >= 0.5 => [1.0, 0.0, h * (t - 1.0)],
+        true => [0.0, h * t, 0.0],
+    }
 }
 
 /// Largest number of layers that the cubic of a cell depends on.
@@ -494,8 +557,7 @@ pub(crate) struct LayerAxis {
 }
 
 impl LayerAxis {
-    fn new(kind: AxisKind, values: &[f64]) -> Self {
-        let points = Breakpoints::new(kind, values);
+    fn new(points: Breakpoints) -> Self {
         let x = &points.scaled;
         let slopes = (0..x.len().saturating_sub(1)).map(|low| {
             let start = window(low, x.len()).start;
@@ -520,19 +582,12 @@ impl LayerAxis {
             return weights;
         }
         if mode == Mode::Bilinear {
-            let t = fraction(&self.points.plain, place, place.clipped);
+            let t = fraction(&self.points.plain, place, place.at);
             weights.count = 2;
             weights.of = [1.0 - t, t, 0.0, 0.0];
             return weights;
         }
-        let scaled = &self.points.scaled;
-        let input = if self.points.kind.is_logarithmic() {
-            place.clipped.ln()
-        } else {
-            place.clipped
-        };
-        let t = fraction(scaled, place, input);
-        let [x0, x1, x2] = hermite(t, scaled[place.high] - scaled[place.low]);
+        let [x0, x1, x2] = self.points.hermite(place);
         let window = window(place.low, layers);
         let [at_low, at_high] = &self.slopes[place.low];
         weights.first = window.start;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::axes::{Axes, Point};
+use crate::axes::{Axes, AxisKind, Outside, Point};
 use crate::error::Error;
 use crate::interpolator::{Interpolator, Mode, Sample};
 use crate::quantity::{Figures, Method, Quantity};
@@ -174,6 +174,13 @@ impl Table {
         &self.axes
     }
 
+    /// With this rule for inputs outside an axis.
+    #[must_use]
+    pub fn with_outside(mut self, kind: AxisKind, rule: Outside) -> Self {
+        self.axes = self.axes.with_outside(kind, rule);
+        self
+    }
+
     /// Solves between the nodes: what the interpolation is measured against.
     pub fn checks(&self) -> &[Solve] {
         &self.checks
@@ -256,6 +263,25 @@ impl Table {
         self.solver_error_of(self.judged()).unwrap_or(f64::NAN)
     }
 
+    /// Relative interpolation error at every check; `None` where a contact has no such quantity.
+    ///
+    /// # Errors
+    /// As [`Interpolator::new`].
+    pub fn check_errors(&self, quantity: Quantity, mode: Mode) -> Result<Vec<Option<f64>>, Error> {
+        let mut interpolator: Option<(Option<f64>, Interpolator)> = None;
+        let mut errors = Vec::with_capacity(self.checks.len());
+        for check in &self.checks {
+            let radius = check.point.rocker_radius;
+            let ready = interpolator.take().filter(|(of, _)| *of == radius);
+            let (_, ready) = interpolator.insert(match ready {
+                Some(ready) => ready,
+                None => (radius, Interpolator::new(self, quantity, mode, radius)?),
+            });
+            errors.push(relative_error(ready, check, quantity));
+        }
+        Ok(errors)
+    }
+
     /// Interpolation error measured at the checks; `None` where there are none.
     ///
     /// # Errors
@@ -265,18 +291,11 @@ impl Table {
         quantity: Quantity,
         mode: Mode,
     ) -> Result<Option<InterpolationError>, Error> {
-        let mut interpolator: Option<(Option<f64>, Interpolator)> = None;
         let mut worst: Option<InterpolationError> = None;
         let mut squares = 0.0;
-        for check in &self.checks {
-            let radius = check.point.rocker_radius;
-            if interpolator.as_ref().is_none_or(|(of, _)| *of != radius) {
-                interpolator = Some((radius, Interpolator::new(self, quantity, mode, radius)?));
-            }
-            let Some((_, interpolator)) = &interpolator else {
-                continue;
-            };
-            let Some(error) = relative_error(interpolator, check, quantity) else {
+        let errors = self.check_errors(quantity, mode)?;
+        for (check, error) in self.checks.iter().zip(errors) {
+            let Some(error) = error else {
                 continue;
             };
             squares += error * error;

@@ -262,7 +262,7 @@ class Table:
         """
         One quantity at forces [N], curvatures [1/m] and, where the table has those axes, speeds
         [m/s] and temperatures of the ice [C], which are broadcast, and where an input was outside
-        the table and clipped to it; NaN gives NaN and the flag.
+        the table; it then becomes what the rules of the axes say. NaN gives NaN and the flag.
         """
     def interpolation_error(
         self, quantity: _Quantity = "p_max", *, mode: _Mode = "smooth"

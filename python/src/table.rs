@@ -60,7 +60,7 @@ impl Table {
 
     /// One quantity at forces [N], curvatures [1/m] and, where the table has those axes, speeds
     /// [m/s] and temperatures of the ice [C], which are broadcast, and where an input was outside
-    /// the table and clipped to it; NaN gives NaN and the flag.
+    /// the table; it then becomes what the rules of the axes say. NaN gives NaN and the flag.
     #[pyo3(signature = (fz_n, curvature_1pm, quantity = "p_max", *, v_mps = None, ice_c = None, mode = "smooth", rocker_radius_m = None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn lookup<'py>(

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::{Failure, table::read_table};
-use kufe_lut::{Table, simulink_files};
+use kufe_lut::{Fmi, OCTAVE_FUNCTION, Table, binding_files, simulink_files};
 use serde::Serialize;
 
 use crate::output::OutputFiles;
@@ -34,9 +34,38 @@ pub struct Forms {
     /// Write an FMU (FMI 3.0, co-simulation and model exchange)
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub fmu: Option<Option<PathBuf>>,
-    /// Radius of the rocker [m], for --header, --simulink and --fmu where the table has that axis
+    /// Write an FMU of FMI 2.0 [default file: the table's name with _fmi2.fmu]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
+    pub fmu2: Option<Option<PathBuf>>,
+    /// Write a Python module that calls the C header's shared library by ctypes, and the header,
+    /// into the folder of the table
+    #[arg(long)]
+    pub ctypes: bool,
+    /// Write a C# class that calls the C header's shared library, and the header, into the folder
+    /// of the table
+    #[arg(long)]
+    pub csharp: bool,
+    /// Write kufe_lut_at.m, which evaluates MAT-files of tables in MATLAB and Octave, into the
+    /// folder of the table
+    #[arg(long)]
+    pub octave: bool,
+    /// Radius of the rocker [m], for C, Simulink and FMUs where the table has that axis
     #[arg(long, value_name = "METRES")]
     pub rocker_radius_m: Option<f64>,
+}
+
+/// A form of a table.
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    Csv,
+    Mat,
+    Octave,
+    Header,
+    Ctypes,
+    CSharp,
+    SFunction,
+    SimulinkScript,
+    Fmu(Fmi),
 }
 
 /// Arguments of `kufe lut export`.
@@ -55,7 +84,7 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if args.forms.none() {
         return Err(Failure::Usage(
-            "nothing to export: give --csv, --mat, --header, --simulink or --fmu".into(),
+            "nothing to export: give --csv, --mat, --octave, --header, --ctypes, --csharp, --simulink, --fmu or --fmu2".into(),
         ));
     }
     let inputs = std::slice::from_ref(&args.table);
@@ -74,38 +103,39 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 impl Forms {
     fn none(&self) -> bool {
-        [&self.csv, &self.mat, &self.header, &self.fmu]
-            .iter()
-            .all(|form| form.is_none())
-            && !self.simulink
+        self.places(Path::new("")).is_empty()
     }
 
     /// The requested forms with their files: in the folder of the table where they name none.
-    fn places(&self, sibling: &Path) -> Vec<(&'static str, PathBuf)> {
-        let forms = [
-            (&self.csv, "csv"),
-            (&self.mat, "mat"),
-            (&self.header, "h"),
-            (&self.fmu, "fmu"),
+    fn places(&self, sibling: &Path) -> Vec<(Form, PathBuf)> {
+        let named = [
+            (&self.csv, Form::Csv, ".csv"),
+            (&self.mat, Form::Mat, ".mat"),
+            (&self.header, Form::Header, ".h"),
+            (&self.fmu, Form::Fmu(Fmi::V3), ".fmu"),
+            (&self.fmu2, Form::Fmu(Fmi::V2), "_fmi2.fmu"),
         ];
-        let requested = forms.into_iter().filter_map(|(requested, ending)| {
+        let stem = stem(sibling);
+        let requested = named.into_iter().filter_map(|(requested, form, ending)| {
             let named = requested.as_ref()?.clone();
-            Some((
-                ending,
-                named.unwrap_or_else(|| sibling.with_extension(ending)),
-            ))
+            let own = || sibling.with_file_name(format!("{stem}{ending}"));
+            Some((form, named.unwrap_or_else(own)))
         });
-        let mut places: Vec<(&'static str, PathBuf)> = requested.collect();
-        if self.simulink {
-            let folder = sibling.parent().unwrap_or(Path::new(""));
-            for (form, name) in ["h", "sfun", "m"]
-                .into_iter()
-                .zip(simulink_files(&stem(sibling)))
-            {
-                let path = folder.join(name);
-                if places.iter().all(|(_, known)| *known != path) {
-                    places.push((form, path));
-                }
+        let mut places: Vec<(Form, PathBuf)> = requested.collect();
+        let [header, source, script] = simulink_files(&stem);
+        let [_, ctypes, csharp] = binding_files(&stem);
+        let c = self.simulink || self.ctypes || self.csharp;
+        for (requested, form, name) in [
+            (c, Form::Header, header),
+            (self.simulink, Form::SFunction, source),
+            (self.simulink, Form::SimulinkScript, script),
+            (self.ctypes, Form::Ctypes, ctypes),
+            (self.csharp, Form::CSharp, csharp),
+            (self.octave, Form::Octave, "kufe_lut_at.m".into()),
+        ] {
+            let path = sibling.with_file_name(name);
+            if requested && places.iter().all(|(_, known)| *known != path) {
+                places.push((form, path));
             }
         }
         places
@@ -127,19 +157,25 @@ impl Forms {
         sibling: &Path,
         files: &OutputFiles,
     ) -> Result<Vec<PathBuf>, Failure> {
-        let stem = stem(sibling);
-        let form = |ending: &str, bytes: &mut Vec<u8>| match ending {
-            "csv" => table.write_csv(bytes),
-            "mat" => table.write_mat(bytes),
-            "h" => table.write_header(&stem, self.rocker_radius_m, bytes),
-            "sfun" => table.write_s_function(&stem, self.rocker_radius_m, bytes),
-            "m" => table.write_simulink_script(&stem, bytes),
-            _ => table.write_fmu(&stem, self.rocker_radius_m, bytes),
+        let (stem, radius) = (stem(sibling), self.rocker_radius_m);
+        let write = |form: Form, bytes: &mut Vec<u8>| match form {
+            Form::Csv => table.write_csv(bytes),
+            Form::Mat => table.write_mat(bytes),
+            Form::Octave => {
+                bytes.extend(OCTAVE_FUNCTION.as_bytes());
+                Ok(())
+            }
+            Form::Header => table.write_header(&stem, radius, bytes),
+            Form::Ctypes => table.write_ctypes(&stem, bytes),
+            Form::CSharp => table.write_csharp(&stem, bytes),
+            Form::SFunction => table.write_s_function(&stem, radius, bytes),
+            Form::SimulinkScript => table.write_simulink_script(&stem, bytes),
+            Form::Fmu(fmi) => table.write_fmu(&stem, radius, fmi, bytes),
         };
         let mut written = Vec::new();
-        for (ending, path) in self.places(sibling) {
+        for (form, path) in self.places(sibling) {
             let mut bytes = Vec::new();
-            form(ending, &mut bytes)
+            write(form, &mut bytes)
                 .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;
             files.write(&path, |writer| writer.write_all(&bytes))?;
             written.push(path);

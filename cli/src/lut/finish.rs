@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use kufe::jobs::{Failure, percent};
 use kufe::results::TableSummary;
-use kufe_lut::{Point, Quantity, SweepResult, Table};
+use kufe_lut::{AxisKind, Mode, Point, Quantity, SweepResult, Table};
 
 use crate::terminal::Global;
 
@@ -101,10 +101,26 @@ fn in_words(summary: &TableSummary, table: &Table) -> String {
             names += &format!(" x {name}");
         }
     }
+    let ranges: String = AxisKind::ALL
+        .into_iter()
+        .filter_map(|kind| {
+            let values = table.axes().get(kind)?;
+            let [low, high] = match kind {
+                AxisKind::Curvature => table.axes().curvature_range(table.axes().fz()[0]),
+                _ => [values[0], values[values.len() - 1]],
+            };
+            Some(format!("  {:<21} {low} to {high}\n", kind.key()))
+        })
+        .collect();
+    let measured = table.interpolation_error(table.judged(), Mode::Smooth);
+    let worst = match measured {
+        Ok(Some(error)) => format!(" (smooth: largest at {})", error.max_at),
+        _ => String::new(),
+    };
     format!(
-        "  nodes                 {} x {}{sizes} ({names}), {} checks between them\n  \
+        "{ranges}  nodes                 {} x {}{sizes} ({names}), {} checks between them\n  \
          solver error          {} of the {}, estimated\n  \
-         interpolation error   {} smooth, {} bilinear, measured at the checks\n  \
+         interpolation error   {} smooth, {} bilinear, measured at the checks{worst}\n  \
          time                  {:.1} s for {} solves{}\n",
         summary.fz_values,
         summary.curvature_values,

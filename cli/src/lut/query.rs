@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use kufe::jobs::{Failure, table::read_table};
 use kufe::results::{Description, TableLookup};
-use kufe_lut::{MIN_SPEED, Mode, Sample, Table, curvature_from_pitch};
+use kufe_lut::{AxisKind, MIN_SPEED, Mode, Outside, Sample, Table, curvature_from_pitch};
 
 use crate::terminal::{Global, warn};
 
@@ -47,7 +47,7 @@ pub struct Args {
     /// How values between the nodes are found
     #[arg(long, value_enum, default_value = "smooth")]
     pub mode: ModeWord,
-    /// Refuse a place outside the table instead of taking the nearest within
+    /// Refuse a place outside the table along any axis
     #[arg(long)]
     pub strict: bool,
 }
@@ -124,9 +124,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             )));
         }
     }
-    if args.strict {
-        within(args, &table, curvature)?;
-    }
+    within(args, &table, curvature)?;
     let at = Sample {
         fz: args.fz_n,
         curvature,
@@ -138,7 +136,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     global.answer(&found, || text(&found, &table))
 }
 
-/// Refuses a place outside the table.
+/// Refuses a place outside an axis whose rule is an error; with `--strict` outside any.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the input, its value and the table's range.
@@ -146,23 +144,22 @@ fn within(args: &Args, table: &Table, curvature: f64) -> Result<(), Failure> {
     let axes = table.axes();
     let ends = |axis: &[f64]| [axis[0], axis[axis.len() - 1]];
     let [low, high] = ends(axes.fz());
+    let curvatures = axes.curvature_range(args.fz_n.clamp(low, high));
     let inputs = [
-        ("fz_n", Some(args.fz_n), Some([low, high])),
-        (
-            "curvature_1pm",
-            Some(curvature),
-            Some(axes.curvature_range(args.fz_n.clamp(low, high))),
-        ),
-        ("v_mps", args.v_mps, axes.speed().map(ends)),
-        ("ice_c", args.ice_c, axes.ice_c().map(ends)),
+        (AxisKind::Fz, Some(args.fz_n), Some([low, high])),
+        (AxisKind::Curvature, Some(curvature), Some(curvatures)),
+        (AxisKind::Speed, args.v_mps, axes.speed().map(ends)),
+        (AxisKind::IceTemperature, args.ice_c, axes.ice_c().map(ends)),
     ];
-    for (name, value, range) in inputs {
+    for (kind, value, range) in inputs {
         if let (Some(value), Some([low, high])) = (value, range)
+            && (args.strict || axes.outside(kind) == Outside::Error)
             && !(low..=high).contains(&value)
         {
             return Err(Failure::BadInput(format!(
-                "{}: {name} = {value}: outside the table, expected {low} to {high}",
-                args.table.display()
+                "{}: {} = {value}: outside the table, expected {low} to {high}",
+                args.table.display(),
+                kind.key()
             )));
         }
     }
@@ -201,8 +198,14 @@ fn text(found: &TableLookup, table: &Table) -> String {
         let axes = table.axes();
         let [low, high] = [axes.fz()[0], axes.fz()[axes.fz().len() - 1]];
         let [from, to] = axes.curvature_range(found.fz_n.clamp(low, high));
+        let is_linear = |kind: &AxisKind| axes.outside(*kind) == Outside::Linear;
+        let what = if AxisKind::ALL.iter().any(is_linear) {
+            "held at its edge or continued straight, as its axes say; the errors are those within"
+        } else {
+            "clipped to its nearest value, whose errors these are"
+        };
         text += &format!(
-            "outside the table ({low} to {high} N; curvature {from:.4} to {to:.4} 1/m): clipped to its nearest value, whose errors these are\n"
+            "outside the table ({low} to {high} N; curvature {from:.4} to {to:.4} 1/m): {what}\n"
         );
     }
     text

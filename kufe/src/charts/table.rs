@@ -12,6 +12,8 @@ use crate::results::Description;
 
 /// Cells of the map along each axis.
 const CELLS: usize = 240;
+/// Checks whose interpolation error is written beside them: those with the largest.
+const LABELS: usize = 8;
 /// Places that a picture of samples distinguishes along each axis.
 const PLACES: f64 = 500.0;
 
@@ -130,6 +132,17 @@ pub fn table_picture(
         .iter()
         .map(|check| (check.point.curvature, check.point.fz));
     layers.push(Layer::symbols(Symbol::Cross, 4.0, checks, WHITE));
+    let mut errors: Vec<(f64, Point)> = table
+        .check_errors(quantity, Mode::Smooth)?
+        .into_iter()
+        .zip(table.checks())
+        .filter_map(|(error, check)| Some((error?, (check.point.curvature, check.point.fz))))
+        .collect();
+    errors.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for &(error, at) in errors.iter().take(LABELS) {
+        let text = format!("{} %", short(100.0 * error));
+        layers.push(Layer::text(at, text, [0.0, 1.6], WHITE));
+    }
     let placed = Samples::new(samples, &interpolator, fz, curvature);
     layers.push(Layer::dots(1.0, placed.inside, INSIDE));
     layers.push(Layer::dots(2.0, placed.outside, OUTSIDE));

@@ -1,20 +1,25 @@
 //! Data of the page of a lookup table.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use kufe_lut::{Axes, CurvatureScaling, Error, Method, Mode, Quantity, Table};
+use kufe_lut::{Axes, CurvatureScaling, Error, Method, Mode, Point, Table};
 use serde::Serialize;
 
-use crate::results::CaseRecord;
+use crate::results::{AxisRange, CaseRecord};
 
 /// Most forces, curvatures and layers (rocker radii, speeds, temperatures of the ice) that the page
 /// carries; more are thinned.
 const MOST: [usize; 3] = [60, 60, 30];
 
+/// Most checks that the page carries: those with the largest errors.
+const MOST_CHECKS: usize = 300;
+
 /// Data of the page of a table.
 #[derive(Clone, Debug, Serialize)]
 pub struct TablePage<'a> {
     name: &'a str,
+    axes: Vec<AxisData>,
     fz: Vec<f64>,
     curvature: Vec<f64>,
     flush: Option<[f64; 4]>,
@@ -25,6 +30,8 @@ pub struct TablePage<'a> {
     thinned: bool,
     nodes: usize,
     check_count: usize,
+    /// The solves between the nodes with the largest errors.
+    checks: Vec<CheckPlace>,
     by_boundary_elements: usize,
     quantities: Vec<QuantityData>,
     solver_error: f64,
@@ -44,6 +51,27 @@ struct QuantityData {
     errors: BTreeMap<&'static str, Option<f64>>,
     /// Values by layer, force and curvature.
     values: Vec<Vec<Vec<f64>>>,
+    /// Relative errors of the solver in the same order, where they are known.
+    solver: Option<Vec<Vec<Vec<f64>>>>,
+    /// Relative error of smooth interpolation at the checks of the page.
+    check_errors: Vec<Option<f64>>,
+}
+
+/// An axis of a table.
+#[derive(Clone, Debug, Serialize)]
+struct AxisData {
+    name: &'static str,
+    #[serde(flatten)]
+    range: AxisRange,
+}
+
+/// Where a check is.
+#[derive(Clone, Debug, Serialize)]
+struct CheckPlace {
+    fz: f64,
+    curvature: f64,
+    /// The coordinates along the axes of layers.
+    layer: String,
 }
 
 impl<'a> TablePage<'a> {
@@ -61,8 +89,22 @@ impl<'a> TablePage<'a> {
         let pick = |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect();
         let (layered, layers) = layers(axes, &taken[2]).unzip();
         let mut quantities = Vec::new();
+        let judged = table.check_errors(table.judged(), Mode::Smooth)?;
+        let mut worst: Vec<usize> = (0..judged.len()).collect();
+        worst.sort_by(|&a, &b| judged[b].partial_cmp(&judged[a]).unwrap_or(Ordering::Equal));
+        worst.truncate(MOST_CHECKS);
+        let checks = worst.iter().map(|&k| {
+            let point = table.checks()[k].point;
+            CheckPlace {
+                fz: point.fz,
+                curvature: point.curvature,
+                layer: layer_name(&point),
+            }
+        });
+        let checks = checks.collect();
         for &quantity in table.quantities() {
             let mut errors = BTreeMap::new();
+            let at_checks = table.check_errors(quantity, Mode::Smooth)?;
             for mode in Mode::ALL {
                 let measured = table.interpolation_error(quantity, mode)?;
                 errors.insert(mode.name(), measured.map(|m| m.max));
@@ -71,12 +113,24 @@ impl<'a> TablePage<'a> {
                 name: quantity.name(),
                 unit: quantity.unit(),
                 errors,
-                values: values(table, axes, quantity, &taken),
+                values: cube(axes, &taken, |node| {
+                    table
+                        .values(quantity)
+                        .map_or(f64::NAN, |values| values[node])
+                }),
+                solver: table.errors(quantity).map(|errors| {
+                    let values = table.values(quantity).unwrap_or_default();
+                    cube(axes, &taken, |node| (errors[node] / values[node]).abs())
+                }),
+                check_errors: worst.iter().map(|&k| at_checks[k]).collect(),
             });
         }
         let case: CaseRecord = serde_json::from_str(&table.case).unwrap_or_default();
         Ok(TablePage {
             name,
+            axes: AxisRange::of(axes)
+                .map(|(name, range)| AxisData { name, range })
+                .collect(),
             fz: pick(axes.fz(), &taken[0]),
             curvature: pick(axes.curvature(), &taken[1]),
             flush: axes.flush().map(CurvatureScaling::numbers),
@@ -85,6 +139,7 @@ impl<'a> TablePage<'a> {
             thinned: table.axes().node_count() > taken.iter().map(Vec::len).product(),
             nodes: table.axes().node_count(),
             check_count: table.checks().len(),
+            checks,
             by_boundary_elements: table.solved_by(Method::BoundaryElements),
             quantities,
             solver_error: table.solver_error(),
@@ -107,32 +162,31 @@ fn layers(axes: &Axes, taken: &[usize]) -> Option<(String, Vec<String>)> {
     let present = named.into_iter().filter(|(_, _, axis)| axis.is_some());
     let titles: Vec<&str> = present.map(|(title, _, _)| title).collect();
     let first = axes.points();
-    let name = |&k: &usize| {
-        let point = first[k];
-        let values = [
-            (point.rocker_radius, "m"),
-            (point.speed, "m/s"),
-            (point.ice_c, "C"),
-        ];
-        let texts = values
-            .into_iter()
-            .filter_map(|(value, unit)| Some(format!("{} {unit}", value?)));
-        texts.collect::<Vec<_>>().join(", ")
-    };
+    let name = |&k: &usize| layer_name(&first[k]);
     let names = taken.iter().map(name).collect();
     (!titles.is_empty()).then(|| (titles.join(", "), names))
 }
 
-fn values(
-    table: &Table,
-    axes: &Axes,
-    quantity: Quantity,
-    taken: &[Vec<usize>; 3],
-) -> Vec<Vec<Vec<f64>>> {
+/// The coordinates of a point along the axes of layers.
+fn layer_name(point: &Point) -> String {
+    let values = [
+        (point.rocker_radius, "m"),
+        (point.speed, "m/s"),
+        (point.ice_c, "C"),
+    ];
+    let texts = values
+        .into_iter()
+        .filter_map(|(value, unit)| Some(format!("{} {unit}", value?)));
+    texts.collect::<Vec<_>>().join(", ")
+}
+
+/// A number of every node that is taken, by layer, force and curvature.
+fn cube(axes: &Axes, taken: &[Vec<usize>; 3], of: impl Fn(usize) -> f64) -> Vec<Vec<Vec<f64>>> {
     let [forces, curvatures, layers] = taken;
-    let values = table.values(quantity).unwrap_or_default();
-    let at = |i: usize, j: usize, k: usize| values[axes.node(i, j, k)];
-    let row = |i: usize, k: usize| curvatures.iter().map(|&j| at(i, j, k)).collect();
+    let row = |i: usize, k: usize| {
+        let row = curvatures.iter().map(|&j| of(axes.node(i, j, k)));
+        row.collect()
+    };
     let layer = |&k: &usize| forces.iter().map(|&i| row(i, k)).collect();
     layers.iter().map(layer).collect()
 }

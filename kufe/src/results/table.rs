@@ -1,6 +1,9 @@
 //! Documents of lookup tables: what one contains, and its values at one contact.
 
-use kufe_lut::{Error, Interpolated, Interpolator, Method, Mode, Quantity, Sample, Table};
+use kufe_lut::{
+    Axes, AxisKind, Error, Interpolated, Interpolator, Method, Mode, Outside, Quantity, Sample,
+    Table,
+};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
@@ -123,6 +126,33 @@ pub struct AxisRange {
     pub from: f64,
     /// The last.
     pub to: f64,
+    /// What becomes of inputs outside: "hold", "linear" or "error".
+    pub outside: &'static str,
+}
+
+impl AxisRange {
+    /// The axes of a table by key.
+    pub(crate) fn of(axes: &Axes) -> impl Iterator<Item = (&'static str, AxisRange)> {
+        AxisKind::ALL.into_iter().filter_map(|kind| {
+            let values = axes.get(kind)?;
+            let [from, to] = match kind {
+                AxisKind::Curvature => axes.curvature_range(axes.fz()[0]),
+                _ => [values[0], values[values.len() - 1]],
+            };
+            // A rocker radius outside is refused.
+            let outside = match kind {
+                AxisKind::RockerRadius => Outside::Error,
+                _ => axes.outside(kind),
+            };
+            let range = AxisRange {
+                points: values.len(),
+                from,
+                to,
+                outside: outside.name(),
+            };
+            Some((kind.key(), range))
+        })
+    }
 }
 
 /// The range of a quantity, and its largest relative errors of interpolation.
@@ -154,15 +184,7 @@ impl TableInfo {
     /// Those of the interpolation at the checks.
     pub fn new(table: &Table, platforms: Option<String>) -> Result<Self, Error> {
         let axes = table.axes();
-        let [from, to] = axes.curvature_range(axes.fz()[0]);
-        let points = axes.curvature().len();
-        let mut ranges = vec![("curvature_1pm", AxisRange { points, from, to })];
-        for (name, _, values) in axes.named() {
-            if !name.ends_with("curvature_1pm") && name != "reduced_curvature" {
-                let (points, from, to) = (values.len(), values[0], values[values.len() - 1]);
-                ranges.push((name, AxisRange { points, from, to }));
-            }
-        }
+        let ranges = AxisRange::of(axes).collect();
         let mut quantities = Vec::new();
         for &quantity in table.quantities() {
             let values = || table.values(quantity).unwrap_or_default().iter().copied();
@@ -216,7 +238,8 @@ pub struct TableLookup {
     pub ice_c: Option<f64>,
     /// The interpolation.
     pub mode: &'static str,
-    /// Whether the place is outside the table; the values are those of the nearest place inside.
+    /// Whether the place is outside the table; the values are then those that the rules of its axes
+    /// give.
     pub out_of_range: bool,
     /// Version of kufe that made the table.
     pub version: String,

@@ -6,21 +6,70 @@ use std::io::Write;
 use crate::axes::AxisKind;
 use crate::error::Error;
 use crate::export::escape::{comment, identifier};
-use crate::interpolator::{Interpolator, LayerAxis, Mode};
+use crate::interpolator::{Breakpoints, Interpolator, Mode};
 use crate::table::Table;
 
 /// The axes along which layers lie, as C code has them.
 pub(crate) const LAYER_AXES: [(AxisKind, &str); 2] =
-    [(AxisKind::Speed, "v"), (AxisKind::IceTemperature, "ice")];
+    [(AxisKind::Speed, "v"), (AxisKind::IceTemperature, "ice_c")];
 
 /// The evaluation in C, shared by headers and FMUs.
 pub(crate) const EVALUATION: &str = include_str!("../../c/kufe_lut.h");
 
+/// The functions of a table in C: one for each quantity and mode, and one with derivatives.
+pub(crate) struct Symbols {
+    /// The table's name as an identifier.
+    pub name: String,
+    /// Arguments in order.
+    pub arguments: &'static [&'static str],
+    /// Names of the functions that return `kufe_lut_interpolated`; with [`DERIVATIVES`] behind them,
+    /// of those that return `kufe_lut_derivatives`.
+    pub functions: Vec<String>,
+}
+
+impl Symbols {
+    /// The functions' names without that of the table.
+    pub(crate) fn own_names(&self) -> impl Iterator<Item = &str> {
+        let start = self.name.len() + 1;
+        self.functions.iter().map(move |name| &name[start..])
+    }
+}
+
+/// Ending of the functions that also give derivatives.
+pub(crate) const DERIVATIVES: &str = "_derivatives";
+
+/// Fields of `kufe_lut_derivatives`, all of type double, before its flag `out_of_range`.
+pub(crate) const FIELDS: [&str; 5] = ["value", "d_fz", "d_curvature", "d_v", "d_ice_c"];
+
 impl Table {
+    /// The functions that the header of this name has.
+    pub(crate) fn symbols(&self, name: &str) -> Symbols {
+        let name = identifier(name);
+        let functions = self.quantities().iter().flat_map(|quantity| {
+            Mode::ALL.map(|mode| format!("{name}_{}_{}", quantity.name(), mode.name()))
+        });
+        let functions = functions.collect();
+        let arguments: &[&str] = if self.axes().is_sliding() {
+            &["fz", "curvature", "v", "ice_c"]
+        } else {
+            &["fz", "curvature"]
+        };
+        Symbols {
+            name,
+            arguments,
+            functions,
+        }
+    }
+
     /// Writes a C99 header with all quantities: `NAME_QUANTITY_bilinear(fz, curvature)` and
-    /// `NAME_QUANTITY_smooth(fz, curvature)` return a value and the out-of-range flag; nothing else
-    /// is needed to use them but `libm`. Where the table has speeds or temperatures of the ice the
-    /// functions take `(fz, curvature, v, ice_c)`.
+    /// `NAME_QUANTITY_smooth(fz, curvature)` return a value and the out-of-range flag, and the same
+    /// with `_derivatives` behind it also the first derivatives; nothing else is needed to use them
+    /// but `libm`. Where the table has speeds or temperatures of the ice the functions take `(fz,
+    /// curvature, v, ice_c)`.
+    ///
+    /// Macros hold the range and the rule of every axis (`NAME_FZ_N_MIN`, `_MAX`, `_OUTSIDE`), and
+    /// `NAME_QUANTITY_errors` the measured errors. With `KUFE_LUT_SHARED` defined the functions are
+    /// those of a shared library.
     ///
     /// `name` becomes a C identifier; several such headers fit into one program. `rocker_radius`
     /// chooses a breakpoint of the rocker axis where the table has one [m].
@@ -35,16 +84,24 @@ impl Table {
         writer: &mut dyn Write,
     ) -> Result<(), Error> {
         rocker_on_axis(self, rocker_radius)?;
-        let name = identifier(name);
+        let symbols = self.symbols(name);
+        let name = &symbols.name;
         let guard = format!("KUFE_LUT_TABLE_{}_H", name.to_uppercase());
-        let fz = self.axes().fz();
-        let curvature = self.axes().curvature();
-        let log_fz: Vec<f64> = fz.iter().map(|fz| fz.ln()).collect();
-        let mut text = self.header_comment(&name, rocker_radius)?;
+        let mut text = self.header_comment(name, rocker_radius)?;
         text += &format!("#ifndef {guard}\n#define {guard}\n\n{EVALUATION}\n");
-        array(&mut text, &format!("{name}_fz"), fz);
-        array(&mut text, &format!("{name}_log_fz"), &log_fz);
-        array(&mut text, &format!("{name}_curvature"), curvature);
+        text += &self.ranges(name);
+        let smooth = Interpolator::new(self, self.judged(), Mode::Smooth, rocker_radius)?;
+        for (kind, axis) in [(AxisKind::Fz, "fz"), (AxisKind::Curvature, "curvature")] {
+            text += &axis_of(smooth.breakpoints(kind), &[], &format!("{name}_{axis}"));
+        }
+        for (kind, axis) in LAYER_AXES {
+            let (points, slopes) = smooth
+                .layer_axis(kind)
+                .map(|axis| (&axis.points, axis.slopes.concat().concat()))
+                .unzip();
+            let slopes = slopes.unwrap_or_default();
+            text += &axis_of(points, &slopes, &format!("{name}_{axis}"));
+        }
         let flush = match self.axes().flush() {
             None => "0".to_string(),
             Some(flush) => {
@@ -52,37 +109,46 @@ impl Table {
                 format!("{name}_flush")
             }
         };
-        let layered = self.axes().is_sliding();
-        if layered {
-            let smooth = Interpolator::new(self, self.judged(), Mode::Smooth, rocker_radius)?;
-            for (kind, axis) in LAYER_AXES {
-                text += &layer_axis(smooth.layer_axis(kind), &format!("{name}_{axis}"));
-            }
-        }
+        let mut functions = symbols.functions.iter();
+        let declared: Vec<String> = symbols
+            .arguments
+            .iter()
+            .map(|argument| format!("double {argument}"))
+            .collect();
+        let declared = declared.join(", ");
+        let given = match symbols.arguments.len() {
+            2 => "fz, curvature, 0.0, 0.0",
+            _ => "fz, curvature, v, ice_c",
+        };
         for &quantity in self.quantities() {
             let own = format!("{name}_{}", quantity.name());
             let smooth = Interpolator::new(self, quantity, Mode::Smooth, rocker_radius)?;
             text += &format!("/* {} [{}] */\n", quantity.key(), quantity.unit());
             array(&mut text, &format!("{own}_values"), smooth.values());
             array(&mut text, &format!("{own}_jets"), &smooth.flat_jets());
-            let table = format!(
-                "{{ {}, {}, {name}_fz, {name}_log_fz, {name}_curvature, {flush}, {own}_values, {own}_jets, {} }}",
-                fz.len(),
-                curvature.len(),
+            let mut errors = vec![self.solver_error_of(quantity)];
+            for mode in [Mode::Smooth, Mode::Bilinear] {
+                let measured = self.interpolation_error(quantity, mode)?;
+                errors.push(measured.map(|measured| measured.max));
+            }
+            let errors: Vec<String> = errors
+                .iter()
+                .map(|error| error.map_or("(double)NAN".into(), |error| format!("{error:e}")))
+                .collect();
+            text += &format!(
+                "static KUFE_LUT_UNUSED const kufe_lut_errors {own}_errors = {{ {} }};\n\
+                 static KUFE_LUT_UNUSED const kufe_lut_table {own} = {{ &{name}_fz, &{name}_curvature, &{name}_v, \
+                 &{name}_ice_c, {flush}, {own}_values, {own}_jets, {} }};\n",
+                errors.join(", "),
                 u8::from(smooth.is_logarithmic())
             );
-            let (kind, table, further, given) = if layered {
-                let table = format!("{{ {table}, &{name}_v, &{name}_ice }}");
-                ("layers", table, ", double v, double ice_c", ", v, ice_c")
-            } else {
-                ("table", table, "", "")
-            };
-            text += &format!("static KUFE_LUT_UNUSED const kufe_lut_{kind} {own} = {table};\n");
-            let of_layers = if layered { "layers_" } else { "" };
-            for mode in Mode::ALL.map(Mode::name) {
+            for (mode, function) in Mode::ALL.into_iter().zip(&mut functions) {
+                let smooth = u8::from(mode == Mode::Smooth);
                 text += &format!(
-                    "static KUFE_LUT_UNUSED kufe_lut_interpolated {own}_{mode}(double fz, double curvature{further}) {{\n  \
-                     return kufe_lut_{of_layers}{mode}(&{own}, fz, curvature{given});\n}}\n"
+                    "KUFE_LUT_API kufe_lut_interpolated {function}({declared}) {{\n  \
+                     return kufe_lut_at(&{own}, {given}, {smooth});\n}}\n\
+                     KUFE_LUT_API kufe_lut_derivatives {function}{DERIVATIVES}({declared}) {{\n  \
+                     return kufe_lut_derivatives_at(&{own}, {given}, {smooth});\n}}\n"
                 );
             }
             text.push('\n');
@@ -90,6 +156,28 @@ impl Table {
         text += &format!("#endif /* {guard} */\n");
         writer.write_all(text.as_bytes())?;
         Ok(())
+    }
+
+    /// Macros of the range and the rule of each axis that the functions have.
+    fn ranges(&self, name: &str) -> String {
+        let name = name.to_uppercase();
+        let axes = self.axes();
+        let kinds = AxisKind::ALL.into_iter();
+        let kinds = kinds.filter(|kind| *kind != AxisKind::RockerRadius);
+        let ranges = kinds.filter_map(|kind| {
+            let values = axes.get(kind)?;
+            let [low, high] = match kind {
+                AxisKind::Curvature => axes.curvature_range(axes.fz()[0]),
+                _ => [values[0], values[values.len() - 1]],
+            };
+            let key = kind.key().to_uppercase();
+            let rule = axes.outside(kind).name().to_uppercase();
+            Some(format!(
+                "#define {name}_{key}_MIN {low:e}\n#define {name}_{key}_MAX {high:e}\n\
+                 #define {name}_{key}_OUTSIDE KUFE_LUT_{rule}\n"
+            ))
+        });
+        ranges.collect()
     }
 
     fn header_comment(&self, name: &str, rocker_radius: Option<f64>) -> Result<String, Error> {
@@ -118,22 +206,29 @@ impl Table {
     }
 }
 
-/// An axis of layers with its arrays.
-fn layer_axis(axis: Option<&LayerAxis>, name: &str) -> String {
+/// An axis with its arrays; one without breakpoints where there is none.
+fn axis_of(points: Option<&Breakpoints>, slopes: &[f64], name: &str) -> String {
     let mut text = String::new();
-    let definition = match axis {
-        None => "{ 0, 0, 0, 0, 0 }".to_string(),
-        Some(axis) => {
-            array(&mut text, &format!("{name}_values"), &axis.points.plain);
-            array(&mut text, &format!("{name}_scaled"), &axis.points.scaled);
-            let mut slopes = axis.slopes.concat().concat();
+    let definition = match points {
+        None => "{ 0, 0, 0, 0, 0, 0 }".to_string(),
+        Some(points) => {
+            array(&mut text, &format!("{name}_values"), &points.plain);
+            let mut names = [format!("{name}_values"), "0".into()];
+            if points.scaled != points.plain {
+                names[0] = format!("{name}_scaled");
+                array(&mut text, &names[0], &points.scaled);
+            }
             // One breakpoint has no cell, and C no empty array.
-            slopes.resize(slopes.len().max(1), 0.0);
-            array(&mut text, &format!("{name}_slopes"), &slopes);
+            if !slopes.is_empty() {
+                names[1] = format!("{name}_slopes");
+                array(&mut text, &names[1], slopes);
+            }
+            let [scaled, slopes] = names;
             format!(
-                "{{ {}, {name}_values, {name}_scaled, {name}_slopes, {} }}",
-                axis.points.plain.len(),
-                u8::from(axis.points.kind.is_logarithmic())
+                "{{ {}, KUFE_LUT_{}, {}, {name}_values, {scaled}, {slopes} }}",
+                points.plain.len(),
+                points.outside.name().to_uppercase(),
+                u8::from(points.kind.is_logarithmic()),
             )
         }
     };

@@ -6,6 +6,7 @@
 
 use std::io::{Error, Result, Write};
 
+use crate::axes::{AxisKind, Outside};
 use crate::table::Table;
 use crate::unit::unit_of;
 
@@ -216,7 +217,8 @@ fn unit(name: &str) -> Option<String> {
 impl Table {
     /// Writes the axes (`fz_n`, `curvature_1pm`, perhaps `rocker_radius_m`, `v_mps`, `ice_c`, as
     /// rows) and every figure as an array over them, force first, named as in `result.json`; with
-    /// `case_json`, `case_sha256` and `version` as text, and `units`.
+    /// `outside`, the rule of every axis, `case_json`, `case_sha256` and `version` as text, and
+    /// `units`.
     ///
     /// Where the second axis holds reduced curvatures it is called `reduced_curvature`; `flush`
     /// holds the four numbers that define them (flush curvature, scale, ends) and `curvature_1pm`
@@ -238,6 +240,15 @@ impl Table {
         let over_nodes = |value: &dyn Fn(usize) -> f64| {
             MatValue::Numbers(shape.clone(), self.column_major(&shape, value))
         };
+        let rules = axes.present().zip(&named).map(|((kind, _), (name, ..))| {
+            // A rocker radius outside is refused.
+            let rule = match kind {
+                AxisKind::RockerRadius => Outside::Error.name(),
+                _ => axes.outside(kind).name(),
+            };
+            (name.to_string(), MatValue::Text(rule.into()))
+        });
+        variables.push(("outside".into(), MatValue::structure(rules.collect())));
         if let Some(flush) = axes.flush() {
             variables.push(("flush".into(), MatValue::row(flush.numbers().to_vec())));
             let points = axes.points();

@@ -1,6 +1,7 @@
-//! The forms that other programs read: CSV, MAT-files, C headers, blocks for Simulink, FMUs, and
-//! scripts for clusters.
+//! The forms that other programs read: CSV, MAT-files, C headers and their callers, blocks for
+//! Simulink, FMUs, and scripts for clusters.
 
+mod bindings;
 mod escape;
 mod fmu;
 mod header;
@@ -8,7 +9,8 @@ mod mat;
 mod script;
 mod simulink;
 
-pub use fmu::{Fmu, read_fmu};
+pub use bindings::{OCTAVE_FUNCTION, binding_files};
+pub use fmu::{Fmi, Fmu, read_fmu};
 pub use mat::{MatValue, write_mat_file};
 pub use script::{parallel_script, slurm_script};
 pub use simulink::simulink_files;

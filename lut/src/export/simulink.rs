@@ -32,7 +32,7 @@ pub fn simulink_files(name: &str) -> [String; 3] {
 
 impl Table {
     /// Writes the S-function (level 2, C MEX) that includes the header of [`Table::write_header`]
-    /// and gives each quantity of the table at one output, and whether an input was clipped at the
+    /// and gives each quantity of the table at one output, and whether an input was outside at the
     /// last. Its parameter is 1 for the smooth mode, 2 for the bilinear one.
     ///
     /// Sources: MathWorks, "Create C S-Functions" (Simulink): the four callbacks that a level-2
@@ -60,7 +60,7 @@ impl Table {
                 .map(|mode| format!("{own}_{}({})", mode.name(), given.join(", ")));
             outputs_text += &format!(
                 "  found = smooth ? {smooth} : {bilinear};\n  *ssGetOutputPortRealSignal(S, {k}) = found.value;\n  \
-                 outside |= found.out_of_range;\n"
+                 outside |= found.out_of_range;\n  refused |= found.out_of_range == 2;\n"
             );
         }
         let listed = |ports: &[Port]| {
@@ -82,8 +82,9 @@ impl Table {
              static void mdlInitializeSampleTimes(SimStruct *S) {{\n  ssSetSampleTime(S, 0, INHERITED_SAMPLE_TIME);\n  \
              ssSetOffsetTime(S, 0, 0.0);\n}}\n\n\
              static void mdlOutputs(SimStruct *S, int_T tid) {{\n  const int smooth = mxGetScalar(ssGetSFcnParam(S, 0)) < 1.5;\n  \
-             int outside = 0;\n  kufe_lut_interpolated found;\n  (void)tid;\n{outputs_text}  \
-             *ssGetOutputPortRealSignal(S, {last}) = outside;\n}}\n\n\
+             int outside = 0, refused = 0;\n  kufe_lut_interpolated found;\n  (void)tid;\n{outputs_text}  \
+             *ssGetOutputPortRealSignal(S, {last}) = outside != 0;\n  \
+             if (refused) ssSetErrorStatus(S, \"{name}: an input is outside the table along an axis whose rule is error\");\n}}\n\n\
              static void mdlTerminate(SimStruct *S) {{ (void)S; }}\n\n\
              #ifdef MATLAB_MEX_FILE\n#include \"simulink.c\"\n#else\n#include \"cg_sfun.h\"\n#endif\n",
             version = comment(self.origin.version()),
@@ -160,7 +161,7 @@ impl Table {
             ins = list(&inputs),
             outs = list(&outputs),
             described = matlab_string(
-                "Figures of a contact over normal force and track curvature; out_of_range is 1 where an input was clipped"
+                "Figures of a contact over normal force and track curvature; out_of_range is 1 where an input was outside"
             ),
         );
         writer.write_all(text.as_bytes())?;

@@ -2,7 +2,7 @@
 
 use crate::c::run_c;
 use crate::tables::{reduced, table};
-use kufe_lut::{Error, Interpolator, Mode, Quantity, Sample, Table};
+use kufe_lut::{Error, Fmi, Interpolator, Mode, Quantity, Sample, Table};
 use std::fmt::Write as _;
 
 #[test]
@@ -115,7 +115,7 @@ fn an_export_of_a_rocker_table_asks_for_one_of_its_radii() {
     assert!(failed(Some(24.0)).to_string().contains("20, 25, 30"));
     assert!(
         table
-            .write_fmu("front", Some(25.0), &mut Vec::new())
+            .write_fmu("front", Some(25.0), Fmi::V2, &mut Vec::new())
             .is_ok()
     );
 }

@@ -2,22 +2,31 @@
 
 use crate::python::run_python;
 use crate::tables::{reduced, table};
-use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
+use kufe_lut::{AxisKind, Fmi, Interpolator, Mode, Outside, Quantity, Sample, Table};
 use kufe_outside::python;
 
 #[test]
 fn the_fmu_is_valid_and_simulates_what_the_library_computes() {
     let Some(python) = python("fmpy") else { return };
-    for table in [table(false), reduced()] {
-        the_fmu_agrees(&python, &table);
+    let linear = reduced().with_outside(AxisKind::Curvature, Outside::Linear);
+    for (table, fmi) in [
+        (table(false), Fmi::V2),
+        (table(false), Fmi::V3),
+        (linear, Fmi::V2),
+        (reduced(), Fmi::V3),
+    ] {
+        the_fmu_agrees(&python, &table, fmi);
     }
 }
 
-fn the_fmu_agrees(python: &std::path::Path, table: &Table) {
+fn written(folder: &std::path::Path, table: &Table, name: &str, fmi: Fmi) {
+    let mut file = std::fs::File::create(folder.join("front.fmu")).unwrap();
+    table.write_fmu(name, None, fmi, &mut file).unwrap();
+}
+
+fn the_fmu_agrees(python: &std::path::Path, table: &Table, fmi: Fmi) {
     let folder = tempfile::tempdir().unwrap();
-    let mut file = std::fs::File::create(folder.path().join("front.fmu")).unwrap();
-    table.write_fmu("front <&>", None, &mut file).unwrap();
-    drop(file);
+    written(folder.path(), table, "front <&>", fmi);
     let out = run_python(
         python,
         folder.path(),
@@ -74,4 +83,34 @@ fn the_fmu_agrees(python: &std::path::Path, table: &Table) {
         }
     }
     assert!(inside > 100 && outside > 40, "{inside} {outside}");
+}
+
+#[test]
+fn an_fmu_of_either_version_stops_outside_an_axis_whose_rule_is_error() {
+    let Some(python) = python("fmpy") else { return };
+    for fmi in [Fmi::V2, Fmi::V3] {
+        let folder = tempfile::tempdir().unwrap();
+        let table = table(false).with_outside(AxisKind::Fz, Outside::Error);
+        written(folder.path(), &table, "front", fmi);
+        let said = run_python(
+            &python,
+            folder.path(),
+            "import numpy as np, fmpy\n\
+             messages = []\n\
+             def run(most):\n\
+             \x20 t = np.linspace(0, 1, 11)\n\
+             \x20 s = np.zeros(11, dtype=[(n, float) for n in ('time', 'fz', 'v', 'pitch_rate', 'curvature')])\n\
+             \x20 s['time'], s['fz'], s['v'] = t, 300 + (most - 300) * t, 30.0\n\
+             \x20 return fmpy.simulate_fmu('front.fmu', fmi_type='CoSimulation', step_size=0.1, output_interval=0.1, stop_time=1.0, input=s, output=['pressure'],\n\
+             \x20   logger=lambda *words: messages.append(str(words)))\n\
+             assert len(run(7900.0)) >= 11 and not messages, messages\n\
+             try:\n\
+             \x20 run(8100.0)\n\
+             \x20 print('went on')\n\
+             except Exception as stopped:\n\
+             \x20 print('stopped', stopped)\n\
+             assert any('rule is error' in m for m in messages), messages\n",
+        );
+        assert!(said.starts_with("stopped"), "{fmi:?}: {said}");
+    }
 }

@@ -89,7 +89,10 @@ fn a_name_from_outside_stays_a_name_in_every_export() {
         assert!(!text.contains(foreign), "{foreign:?}");
     }
     let mut fmu = Vec::new();
-    if table.write_fmu(name, None, &mut fmu).is_err() {
+    if table
+        .write_fmu(name, None, kufe_lut::Fmi::V3, &mut fmu)
+        .is_err()
+    {
         return;
     }
     let mut archive = zip::ZipArchive::new(Cursor::new(fmu)).unwrap();

@@ -13,6 +13,7 @@ use crate::tables::{reduced, table};
 const SIMSTRUC: &str = r#"
 #ifndef SIMSTRUC
 #define SIMSTRUC
+#include <stdio.h>
 typedef int int_T;
 typedef double real_T;
 typedef struct { double parameter; int parameters, inputs, outputs; double in[8], out[16]; double sample_time; } SimStruct;
@@ -36,6 +37,7 @@ typedef struct { double parameter; int parameters, inputs, outputs; double in[8]
 #define ssSetOptions(S, o) ((void)(S))
 #define ssSetSampleTime(S, n, t) ((S)->sample_time = (t))
 #define ssSetOffsetTime(S, n, t) ((void)(S))
+#define ssSetErrorStatus(S, message) printf("%s ", message)
 #define ssGetInputPortRealSignal(S, n) (&(S)->in[n])
 #define ssGetOutputPortRealSignal(S, n) (&(S)->out[n])
 #endif

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use kufe_lut::{AxisKind, Interpolated, Interpolator, Mode, Quantity, Sample, Table};
+use kufe_lut::{AxisKind, Interpolated, Interpolator, Mode, Outside, Quantity, Sample, Table};
 
 use crate::column::Column;
 use crate::conditions::Conditions;
@@ -321,6 +321,14 @@ impl RunnerTable {
         let mut opened =
             kufe_files::open_regular(path).map_err(|error| Error::file(&file, error))?;
         let table = Table::read(&mut opened).map_err(failure)?;
+        let refuses = |kind: &AxisKind| table.axes().outside(*kind) == Outside::Error;
+        if let Some(kind) = AxisKind::ALL.into_iter().find(refuses) {
+            let reason = format!(
+                "axis {}, outside = \"error\": expected \"hold\" or \"linear\", since a simulation tries states outside",
+                kind.key()
+            );
+            return Err(Error::file(&file, reason));
+        }
         let interpolator =
             Interpolator::new(&table, quantity, Mode::Smooth, None).map_err(failure)?;
         let values = table.values(quantity).unwrap_or_default();

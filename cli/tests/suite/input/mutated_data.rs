@@ -53,7 +53,9 @@ fn damaged_tables_are_tables_or_errors() {
 #[test]
 fn damaged_fmus_are_described_or_errors() {
     let mut seed = Vec::new();
-    table().write_fmu("front", None, &mut seed).expect("memory");
+    table()
+        .write_fmu("front", None, kufe_lut::Fmi::V3, &mut seed)
+        .expect("memory");
     rounds("fmu", &[seed], |bytes| {
         read_fmu(std::io::Cursor::new(bytes)).is_ok()
     });

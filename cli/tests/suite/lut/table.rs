@@ -358,6 +358,63 @@ fn points_short_of_the_tolerance_are_kept_told_and_end_with_code_4() {
 }
 
 #[test]
+fn the_rules_of_a_table_file_hold_in_its_queries_and_exports() {
+    let bench = bench(
+        "[axes]\nfz_n = { values = [250.0, 1000.0, 4000.0], outside = \"linear\" }\n\
+         radius_m = { values = [60.0, inf, -60.0], outside = \"error\" }\n[accuracy]\np_max = 0.005\nchecks = 1\n",
+    );
+    let said = bench.succeeds(&words(
+        "lut table.toml -o front.lut --mat --octave --ctypes --csharp --fmu2",
+    ));
+    assert!(said.contains("fz_n                  250 to 4000"), "{said}");
+    assert!(said.contains("largest at fz_n = "), "{said}");
+    let names = [
+        "case.toml",
+        "front.cs",
+        "front.h",
+        "front.lut",
+        "front.mat",
+        "front.py",
+        "front_fmi2.fmu",
+        "kufe_lut_at.m",
+        "table.toml",
+    ];
+    assert_eq!(bench.names(), names);
+    let header = std::fs::read_to_string(bench.path("front.h")).unwrap();
+    assert!(header.contains("#define FRONT_FZ_N_OUTSIDE KUFE_LUT_LINEAR\n"));
+    assert!(header.contains("#define FRONT_CURVATURE_1PM_OUTSIDE KUFE_LUT_ERROR\n"));
+    let p_max = |fz: &str| {
+        let line = format!("lut query front.lut --radius-m inf --json --fz-n {fz}");
+        let answer = json(&bench.succeeds(&words(&line)));
+        assert_eq!(answer["out_of_range"], fz == "32000");
+        answer["p_max_pa"].as_f64().unwrap()
+    };
+    // Hertz: eight times the force has twice the peak; the nodes are within half a per cent of it.
+    let ratio = p_max("32000") / p_max("4000");
+    assert!((ratio - 2.0).abs() < 0.03, "{ratio}");
+    let line = "lut query front.lut --fz-n 1000 --radius-m 20";
+    let (code, said) = fails(&bench, &words(line));
+    assert!(
+        code == 3 && said.contains("curvature_1pm = 0.05: outside the table"),
+        "{said}"
+    );
+    let facts = json(&bench.succeeds(&words("info front_fmi2.fmu --json")));
+    assert_eq!(facts["axes"]["fz_n"]["outside"], "linear");
+    assert_eq!(facts["axes"]["curvature_1pm"]["outside"], "error");
+
+    bench.write(
+        "wrong.toml",
+        "case = \"case.toml\"\n[axes]\nfz_n = { values = [250.0] }\nradius_m = { values = [inf] }\n\
+         rocker_radius_m = { values = [20.0, 30.0], outside = \"linear\" }\n",
+    );
+    let (code, said) = fails(&bench, &words("lut wrong.toml -o wrong.lut"));
+    assert!(
+        code == 3 && said.contains("rocker_radius_m.outside"),
+        "{said}"
+    );
+}
+
+#[test]
 fn bad_tables_and_arguments_are_told() {
     let bench = Bench::new();
     bench.write("broken.lut", "{\"format\": \"kufe-lut\"");

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use crate::case::{Case, CaseError, FittedHull, TrackTable};
 use kufe_contact::{Load, Options, Problem, Runner, Solution};
 use kufe_files::sha256;
-use kufe_lut::{AxisKind, Figures, Origin, Point, Solve, SweepResult, check_finite, each};
+use kufe_lut::{AxisKind, Figures, Origin, Outside, Point, Solve, SweepResult, check_finite, each};
 
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
@@ -45,6 +45,8 @@ pub struct Solver {
     pub(crate) hull: Option<FittedHull>,
     pub(crate) tolerance: f64,
     content: String,
+    /// The rules of the table's axes.
+    outside: Vec<(AxisKind, Outside)>,
     anchors: Vec<Point>,
     anchored: OnceLock<Anchors>,
 }
@@ -97,6 +99,7 @@ impl Solver {
             runner,
             hull,
             content,
+            outside: spec.outside.clone(),
             anchors: spec.plan.anchors().map_err(Failure::bad_input)?,
             anchored: OnceLock::new(),
         })
@@ -261,13 +264,17 @@ impl Solver {
         outcomes.into_iter().sum()
     }
 
-    /// The table of a finished sweep, with its case and origin.
+    /// The table of a finished sweep, with its case, origin and rules.
     ///
     /// # Errors
     /// As [`origin`](Self::origin).
     pub fn finished(&self, mut swept: SweepResult) -> Result<SweepResult, Failure> {
         swept.table.case = CaseRecord::of(&self.loaded.case).to_string();
         swept.table.origin = self.origin()?;
+        let rules = self.outside.iter();
+        swept.table = rules.fold(swept.table, |table, &(kind, rule)| {
+            table.with_outside(kind, rule)
+        });
         Ok(swept)
     }
 

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use kufe_files::text_of_regular;
-use kufe_lut::{AxisKind, Error, Mode, Plan, Spacing};
+use kufe_lut::{AxisKind, Error, Mode, Outside, Plan, Spacing};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 
@@ -60,6 +60,18 @@ struct AxisToml {
     from: Option<f64>,
     /// Where it ends.
     to: Option<f64>,
+    /// What becomes of inputs outside; `hold` where absent.
+    outside: Option<OutsideToml>,
+}
+
+/// The end of the axis takes the input's place, the interpolant continues straight, or there is no
+/// value.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+enum OutsideToml {
+    Hold,
+    Linear,
+    Error,
 }
 
 /// An axis of curvatures, perhaps seen from where the runner lies flush.
@@ -72,6 +84,8 @@ struct CurvatureToml {
     from: Option<f64>,
     /// Where it ends.
     to: Option<f64>,
+    /// What becomes of inputs outside; `hold` where absent.
+    outside: Option<OutsideToml>,
     /// Where the runner lies flush on the track: the table is made over reduced curvatures.
     flush: Option<FlushToml>,
 }
@@ -130,6 +144,8 @@ pub struct TableSpec {
     pub plan: Plan,
     /// Solver tolerance of the peak pressure, where the file states one.
     pub p_max: Option<f64>,
+    /// What becomes of inputs outside the axes of which the file says so.
+    pub outside: Vec<(AxisKind, Outside)>,
 }
 
 impl TableSpec {
@@ -147,6 +163,7 @@ impl TableSpec {
             failed(format!("line {line}: {}", error.message()))
         })?;
         let plan = plan(&file).map_err(failed)?;
+        let outside = outside(&file.axes).map_err(failed)?;
         plan.check().map_err(|error| {
             failed(match line_of(&text, &error) {
                 Some(line) => format!("line {line}: {error}"),
@@ -166,8 +183,36 @@ impl TableSpec {
             case: base.join(&file.case),
             plan,
             p_max: file.accuracy.p_max,
+            outside,
         })
     }
+}
+
+/// The rules of the axes that state one.
+fn outside(axes: &AxesToml) -> Result<Vec<(AxisKind, Outside)>, String> {
+    let curvature = axes.curvature_1pm.as_ref().and_then(|axis| axis.outside);
+    let of = |axis: &Option<AxisToml>| axis.as_ref().and_then(|axis| axis.outside);
+    if of(&axes.rocker_radius_m).is_some() {
+        return Err(
+            "axes.rocker_radius_m.outside: expected no such key: a radius outside is refused"
+                .into(),
+        );
+    }
+    let rules = [
+        (AxisKind::Fz, axes.fz_n.outside),
+        (AxisKind::Curvature, curvature.or(of(&axes.radius_m))),
+        (AxisKind::Speed, of(&axes.v_mps)),
+        (AxisKind::IceTemperature, of(&axes.ice_c)),
+    ];
+    let stated = rules.into_iter().filter_map(|(kind, rule)| {
+        let rule = match rule? {
+            OutsideToml::Hold => Outside::Hold,
+            OutsideToml::Linear => Outside::Linear,
+            OutsideToml::Error => Outside::Error,
+        };
+        Some((kind, rule))
+    });
+    Ok(stated.collect())
 }
 
 /// The line of the axis that an error is about.
@@ -249,6 +294,7 @@ impl CurvatureToml {
             values: self.values.clone(),
             from: self.from,
             to: self.to,
+            outside: self.outside,
         }
     }
 }

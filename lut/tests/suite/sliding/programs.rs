@@ -3,7 +3,7 @@
 use crate::c::run_c;
 use crate::python::run_python;
 use crate::tables::sliding;
-use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
+use kufe_lut::{Fmi, Interpolator, Mode, Quantity, Sample, Table};
 use kufe_outside::python;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -187,13 +187,19 @@ fn the_header_computes_what_the_library_computes() {
 #[test]
 fn the_fmu_is_valid_and_has_the_friction_of_speed_and_temperature() {
     let Some(python) = python("fmpy") else { return };
+    for fmi in [Fmi::V2, Fmi::V3] {
+        the_fmu_agrees(&python, fmi);
+    }
+}
+
+fn the_fmu_agrees(python: &Path, fmi: Fmi) {
     let folder = tempfile::tempdir().unwrap();
     let table = sliding(false);
     let mut file = std::fs::File::create(folder.path().join("front.fmu")).unwrap();
-    table.write_fmu("front", None, &mut file).unwrap();
+    table.write_fmu("front", None, fmi, &mut file).unwrap();
     drop(file);
     let out = run_python(
-        &python,
+        python,
         folder.path(),
         "import numpy as np, fmpy\n\
          from fmpy.validation import validate_fmu\n\
