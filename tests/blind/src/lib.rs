@@ -13,6 +13,7 @@
 //! | [`film`] | the friction of groove and melt film, by closed forms |
 //! | [`inverse`], [`signature`] | residuals by an independent inversion; size and likeness of effects in them |
 //! | [`other_worlds`] | runs by a second generator, in worlds where data are wrong as real ones are |
+//! | [`open_worlds`] | runs by a third generator, of a two-track sled, in worlds where much is wrong at once |
 //! | [`half_space`], [`fourier`] | contact pressures by boundary elements |
 //! | [`answer`] | what a case hides, as a file |
 //! | [`score`], [`table`], [`ci`] | runs the finder on cases and compares its reports with the answers |
@@ -25,6 +26,7 @@
 
 mod cases;
 mod contact;
+pub mod open_worlds;
 pub mod other_worlds;
 mod residuals;
 pub mod score;

@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use clap::{Parser, Subcommand};
-use kufe_blind::score::{Options, Outcome, score};
+use kufe_blind::score::{Options, Outcome, open_table, score};
 use kufe_blind::{catalogue, ci, constants, table};
 
 #[derive(Parser)]
@@ -283,9 +283,10 @@ fn print(outcomes: &[Outcome], by_case: bool) -> Result<(), String> {
         .map(|(group, of)| table::rates(group, of))
         .collect();
     say(&format!(
-        "{}\n{}\n{}\n",
+        "{}\n{}\n{}\n{}",
         table::markdown(&rows, &table::today()),
         table::by_share(outcomes),
-        table::base_table(outcomes)
+        table::base_table(outcomes),
+        open_table(outcomes)
     ))
 }

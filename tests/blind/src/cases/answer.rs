@@ -55,6 +55,9 @@ pub struct Case {
     pub files: Vec<(String, Vec<u8>)>,
     /// Its answer.
     pub answer: Answer,
+    /// Data that only the scorer sees, where written models are compared on such: fresh runs, and
+    /// `refitted.toml`, the refitted base.
+    pub fresh: Vec<(String, Vec<u8>)>,
 }
 
 /// What can go wrong with a case.
@@ -92,8 +95,8 @@ pub enum CaseError {
 }
 
 impl Case {
-    /// Writes the data into `data` and the answer as `answer_file`; each file is renamed into
-    /// place.
+    /// Writes the data into `data`, the answer as `answer_file`, and fresh data into a folder
+    /// `NAME-fresh` next to it; each file is renamed into place.
     pub fn write(
         &self,
         data: &std::path::Path,
@@ -103,20 +106,38 @@ impl Case {
             let path = path.display().to_string();
             move |source| CaseError::File { path, source }
         };
-        std::fs::create_dir_all(data).map_err(failed(data))?;
-        if let Some(parent) = answer_file.parent() {
-            std::fs::create_dir_all(parent).map_err(failed(parent))?;
+        let fresh = fresh_folder(answer_file);
+        let has_fresh = !self.fresh.is_empty();
+        let folders = [
+            Some(data),
+            answer_file.parent(),
+            has_fresh.then_some(fresh.as_path()),
+        ];
+        for folder in folders.into_iter().flatten() {
+            std::fs::create_dir_all(folder).map_err(failed(folder))?;
         }
         let json = serde_json::to_vec_pretty(&self.answer).expect("an answer is plain data");
-        let files = self
-            .files
-            .iter()
-            .map(|(name, bytes)| (data.join(name), bytes.as_slice()));
-        for (path, bytes) in files.chain([(answer_file.to_path_buf(), json.as_slice())]) {
+        let of = |folder: &std::path::Path, files: &[(String, Vec<u8>)]| {
+            let path = |(name, bytes): &(String, Vec<u8>)| (folder.join(name), bytes.clone());
+            files.iter().map(path).collect::<Vec<_>>()
+        };
+        let answer = [(answer_file.to_path_buf(), json)];
+        let files = of(data, &self.files)
+            .into_iter()
+            .chain(of(&fresh, &self.fresh));
+        for (path, bytes) in files.chain(answer) {
             let draft = path.with_extension("part");
             std::fs::write(&draft, bytes).map_err(failed(&draft))?;
             std::fs::rename(&draft, &path).map_err(failed(&path))?;
         }
         Ok(())
     }
+}
+
+/// Folder of the fresh data next to an answer: `NAME-fresh` of `NAME.json`.
+pub fn fresh_folder(answer_file: &std::path::Path) -> std::path::PathBuf {
+    let stem = answer_file.file_stem().unwrap_or_default();
+    let mut name = stem.to_os_string();
+    name.push("-fresh");
+    answer_file.with_file_name(name)
 }

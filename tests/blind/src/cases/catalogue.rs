@@ -3,6 +3,7 @@
 use crate::cases::answer::{Case, CaseError};
 use crate::cases::label::Label;
 use crate::cases::{campaign_case, experiments, pressure_case, run_case};
+use crate::open_worlds::{self, faults::Family};
 use crate::other_worlds::{self, EFFECTS, LEVELS, WORLDS, World};
 use crate::world::hidden::{ENTRIES, Kind};
 
@@ -29,6 +30,8 @@ pub enum Recipe {
     Runs(run_case::Recipe),
     /// A campaign of another world, with what it hides.
     World(other_worlds::World, Option<other_worlds::Effect>),
+    /// A campaign of an open world.
+    Open(Family, open_worlds::Hiding),
     /// A table of friction experiments.
     Experiments(experiments::Recipe),
     /// Runs and friction experiments together.
@@ -61,6 +64,9 @@ impl Spec {
             Recipe::Runs(recipe) => Ok(run_case::build(&self.label, recipe, seed)),
             Recipe::World(world, effect) => {
                 Ok(other_worlds::build(world, effect, &self.label, seed))
+            }
+            Recipe::Open(family, hiding) => {
+                Ok(open_worlds::build(family, hiding, &self.label, seed))
             }
             Recipe::Experiments(recipe) => Ok(experiments::build(&self.label, recipe, seed)),
             Recipe::Campaign(recipe) => Ok(campaign_case::build(&self.label, recipe, seed)),
@@ -226,6 +232,18 @@ pub fn all() -> Vec<Spec> {
         for law in EFFECTS.iter().filter(|e| e.name.starts_with("unknown:")) {
             let recipe = Recipe::World(world, Some(*law));
             add(effects, law.case, share, recipe);
+        }
+    }
+    for family in Family::ALL {
+        for (hiding, name) in open_worlds::Hiding::ALL {
+            let recipe = Recipe::Open(family, hiding);
+            if hiding == open_worlds::Hiding::None {
+                add(family.name(), name, None, recipe);
+                continue;
+            }
+            for share in open_worlds::SHARES {
+                add(family.name(), name, Some(share), recipe);
+            }
         }
     }
     for cause in experiments::CAUSES {

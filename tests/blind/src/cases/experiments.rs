@@ -199,6 +199,7 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
             ("experiments.csv".to_owned(), table.into_bytes()),
             ("model.toml".to_owned(), model(law_stated).into_bytes()),
         ],
+        fresh: Vec::new(),
         answer: Answer {
             family: label.family.to_owned(),
             name: label.name.clone(),

@@ -189,6 +189,7 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Result<Case, CaseError
     };
     Ok(Case {
         files,
+        fresh: Vec::new(),
         answer: Answer {
             family: label.family.to_owned(),
             name: label.name.clone(),

@@ -173,6 +173,7 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
     ];
     Case {
         files,
+        fresh: Vec::new(),
         answer: Answer {
             family: label.family.to_owned(),
             name: label.name.clone(),

@@ -110,6 +110,7 @@ pub fn build(world: World, effect: Option<Effect>, label: &Label, seed: u64) -> 
     ];
     Case {
         files,
+        fresh: Vec::new(),
         answer: Answer {
             family: label.family.to_owned(),
             name: label.name.clone(),

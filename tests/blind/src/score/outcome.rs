@@ -67,6 +67,35 @@ pub struct Outcome {
     pub base: Vec<BaseFound>,
     /// Time of the finder's run.
     pub seconds: f64,
+    /// Processor time of the finder's run, where it can be read.
+    #[serde(default)]
+    pub cpu_seconds: Option<f64>,
+    /// Whether the report says that the answer suffices, where it says so.
+    #[serde(default)]
+    pub adequate: Option<bool>,
+    /// Models on fresh runs, where the case has such.
+    #[serde(default)]
+    pub fresh: Option<Fresh>,
+}
+
+/// Models on fresh runs.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Fresh {
+    /// As given.
+    pub given: Vec<OnRun>,
+    /// The base refitted by the generator, installation errors ignored.
+    pub refitted: Vec<OnRun>,
+    /// As the finder wrote it; nothing where it wrote none or one that cannot be used.
+    pub written: Vec<OnRun>,
+}
+
+/// A model on one fresh run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct OnRun {
+    /// Root mean squares of what the balances leave: along [N], side [N], yaw [N m].
+    pub force: [f64; 3],
+    /// Root mean squares of the replay's differences: time [s], speed [m/s].
+    pub replay: [f64; 2],
 }
 
 /// A base parameter as it was found.

@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::cases::answer::{Answer, CaseError};
+use crate::cases::answer::{Answer, CaseError, fresh_folder};
 use crate::cases::catalogue::Spec;
+use crate::score::fresh::compared;
 use crate::score::judge::{base_found, judge};
 use crate::score::outcome::Outcome;
 
@@ -83,6 +84,7 @@ fn one(spec: &Spec, seed: u64, options: &Options, root: &Path) -> Outcome {
     let folder = spec.folder(seed);
     let data = root.join("data").join(&folder);
     let out = root.join("out").join(&folder);
+    let answer_file = root.join("answers").join(format!("{folder}.json"));
     let mut outcome = Outcome {
         id,
         family: spec.label.family.to_owned(),
@@ -97,9 +99,12 @@ fn one(spec: &Spec, seed: u64, options: &Options, root: &Path) -> Outcome {
         found: Vec::new(),
         base: Vec::new(),
         seconds: 0.0,
+        cpu_seconds: None,
+        adequate: None,
+        fresh: None,
     };
     let case = match spec.build(seed).and_then(|case| {
-        case.write(&data, &root.join("answers").join(format!("{folder}.json")))?;
+        case.write(&data, &answer_file)?;
         Ok(case)
     }) {
         Ok(case) => case,
@@ -110,8 +115,18 @@ fn one(spec: &Spec, seed: u64, options: &Options, root: &Path) -> Outcome {
     };
     let start = Instant::now();
     let threads = if options.jobs > 1 { 1 } else { 2 };
-    match discover(options, &data, &case.answer, &out, threads) {
+    let answered = discover(
+        options,
+        &data,
+        &case.answer,
+        &out,
+        threads,
+        &mut outcome.cpu_seconds,
+    );
+    outcome.seconds = start.elapsed().as_secs_f64();
+    match answered {
         Ok(report) => {
+            outcome.adequate = report["adequate"].as_bool();
             judge(&report, &case.answer, &mut outcome);
             if let Ok(next) = std::fs::read_to_string(out.join("model.next.toml")) {
                 outcome.base = base_found(&next, &report, &case.answer);
@@ -119,18 +134,40 @@ fn one(spec: &Spec, seed: u64, options: &Options, root: &Path) -> Outcome {
         }
         Err(message) => outcome.failure = Some(message),
     }
-    outcome.seconds = start.elapsed().as_secs_f64();
+    if !case.fresh.is_empty() && outcome.failure.is_none() {
+        let written = out.join("model.next.toml");
+        match compared(
+            &options.kufe,
+            &fresh_folder(&answer_file),
+            &data.join("model.toml"),
+            &written,
+        ) {
+            Ok(fresh) => outcome.fresh = Some(fresh),
+            Err(message) => outcome.failure = Some(message),
+        }
+    }
     if options.keep.is_none() {
         // a folder that cannot be removed goes with the temporary root
         let _ = std::fs::remove_dir_all(&data);
+        let _ = std::fs::remove_dir_all(fresh_folder(&answer_file));
         let _ = std::fs::remove_dir_all(&out);
     }
     outcome
 }
 
+/// Processor time of a running process and its threads [s], from Linux's `/proc`: fields 14 and 15
+/// of `stat` (proc_pid_stat(5)), in hundredths of a second.
+fn cpu(process: u32) -> Option<f64> {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
+    // The second field is a name in parentheses, which may contain anything.
+    let mut fields = stat.rsplit(')').next()?.split_whitespace().skip(11);
+    let mut ticks = || fields.next()?.parse::<f64>().ok();
+    Some((ticks()? + ticks()?) / 100.0)
+}
+
 /// What the finder calls a hidden effect, or all that no name of its catalogue is.
 fn name_of(effect: &str) -> String {
-    let beyond = effect.starts_with("unknown:");
+    let beyond = effect.starts_with("unknown:") || effect.starts_with("beyond:");
     String::from(if beyond { "unknown" } else { effect })
 }
 
@@ -141,6 +178,7 @@ fn discover(
     answer: &Answer,
     out: &Path,
     threads: usize,
+    cpu_seconds: &mut Option<f64>,
 ) -> Result<Value, String> {
     let (kufe, limit) = (&options.kufe, options.limit);
     let log = data.with_extension("log");
@@ -167,6 +205,7 @@ fn discover(
         .map_err(|error| format!("{}: {error}", kufe.display()))?;
     let start = Instant::now();
     let status = loop {
+        *cpu_seconds = cpu(child.id()).or(*cpu_seconds);
         match child.try_wait() {
             Ok(Some(status)) => break status,
             Ok(None) if start.elapsed() > limit => {

@@ -45,6 +45,9 @@ fn judged(answer: &Answer, verdict: &str, steps: serde_json::Value) -> Outcome {
         found: Vec::new(),
         base: Vec::new(),
         seconds: 0.0,
+        cpu_seconds: None,
+        adequate: None,
+        fresh: None,
     };
     judge(
         &json!({ "verdict": verdict, "steps": steps }),

@@ -4,4 +4,5 @@ mod command;
 mod film;
 mod generator;
 mod judge;
+mod open_worlds;
 mod shares;
