@@ -100,8 +100,10 @@ mod tests {
                 warnings.len() == 1 && warnings[0].contains(name),
                 "{warnings:?}"
             );
-            assert!((off.p_max - found.p_max).abs() <= off.p_max_error);
-            assert!((off.approach - found.approach).abs() <= off.approach_error);
+            let peaks = off.p_max_error + found.p_max_error;
+            assert!((off.p_max - found.p_max).abs() <= peaks);
+            let approaches = off.approach_error + found.approach_error;
+            assert!((off.approach - found.approach).abs() <= approaches);
         }
         Ok(())
     }
