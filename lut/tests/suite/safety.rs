@@ -84,6 +84,8 @@ fn a_name_from_outside_stays_a_name_in_every_export() {
     table.write_header(name, None, &mut text).unwrap();
     table.write_s_function(name, None, &mut text).unwrap();
     table.write_simulink_script(name, &mut text).unwrap();
+    table.write_ctypes(name, &mut text).unwrap();
+    table.write_csharp(name, &mut text).unwrap();
     let text = String::from_utf8(text).unwrap();
     for foreign in ["int evil", "system('x", "\u{85}", "\u{2028}", "\r"] {
         assert!(!text.contains(foreign), "{foreign:?}");
