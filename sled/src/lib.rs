@@ -88,6 +88,7 @@ pub use motion::state::{AxleForces, Motion, State};
 pub use motion::state::{Slips, slips, to_centre_of_gravity};
 pub use motion::{aero, one_track};
 pub use record::check;
+pub use record::check::columns::LARGEST_VALUE;
 pub use record::check::examine::{Examination, Note, examine, examine_with};
 pub use record::check::judge::{RelationRules, check_relations, judge, judge_by};
 pub use record::check::odd_stretch::{OddKind, OddStretch};
@@ -99,7 +100,8 @@ pub use record::gaps::Saturation;
 pub use record::gaps::{Gaps, OnGaps};
 pub use record::gaps::{SampleCoverage, gaps_line};
 pub use record::index::{
-    Entry, ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS, read_index, write_index,
+    COVARIATE, Entry, ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS, covariates, read_index,
+    write_index,
 };
 pub use record::needs::{Needs, refuse_unstated_air};
 pub use record::run::Run;

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use kufe_sled::{Columns, Gaps, Run};
+use kufe_sled::{Columns, Gaps, LARGEST_VALUE, Run};
 use serde::Serialize;
 
 use crate::delay::{LoggerClock, align};
@@ -16,9 +16,6 @@ use crate::relation::{LoggerSeries, Series};
 use crate::resample::{Base, resample};
 use crate::text::TextOptions;
 use crate::unit::{column_unit, conversion};
-
-/// Largest number of a column in its unit, as of a run's file.
-const LARGEST: f64 = 1e6;
 
 /// Most rows of a run: a day at 100 Hz and more.
 const MOST_ROWS: f64 = 1e7;
@@ -221,7 +218,7 @@ impl Importer {
             .map(|x| recipe.factor * x + recipe.offset)
             .collect();
         let mut both = values.iter().zip(&channel.values);
-        let beyond = |value: f64| !value.is_finite() || value.abs() > LARGEST;
+        let beyond = |value: f64| !value.is_finite() || value.abs() > LARGEST_VALUE;
         if let Some(row) = both.position(|(value, x)| x.is_finite() && beyond(*value)) {
             return Err(Error::Channel {
                 file: file.to_string(),
@@ -232,7 +229,7 @@ impl Importer {
                     recipe.unit,
                     row as u64 + log.first_row.max(1)
                 ),
-                expected: format!("at most {LARGEST:e} {}", column_unit(column)),
+                expected: format!("at most {LARGEST_VALUE:e} {}", column_unit(column)),
             });
         }
         Ok((recipe, Series { time, values }, remark))

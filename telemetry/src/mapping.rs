@@ -154,6 +154,9 @@ pub struct IndexValues {
     pub distance_m: Option<f64>,
     /// Mass of the sled with its crew [kg], where it is not the model's.
     pub mass_kg: Option<f64>,
+    /// The cells of the table's columns `x_NAME` that are not empty.
+    #[serde(skip)]
+    pub covariates: BTreeMap<String, String>,
 }
 
 /// One run that differs from the others.

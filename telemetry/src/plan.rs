@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use kufe_sled::{
-    CONDITIONS, Conditions, Entry, ICE_AT, INDEX_COLUMNS, IceAlong, MORE_INDEX_COLUMNS, file_stem,
-    write_index,
+    CONDITIONS, COVARIATE, Conditions, Entry, ICE_AT, INDEX_COLUMNS, IceAlong, MORE_INDEX_COLUMNS,
+    file_stem, write_index,
 };
 use serde::Serialize;
 
@@ -242,6 +242,10 @@ impl IndexValues {
             *self.texts()[at].1 = Some(cell.to_string());
             return Ok(());
         }
+        if name.starts_with(COVARIATE) {
+            self.covariates.insert(name.to_owned(), cell.to_owned());
+            return Ok(());
+        }
         let place = name.strip_prefix(ICE_AT);
         let column = place.map_or(name, |_| "ice_c");
         let known = CONDITIONS.iter().position(|known| known.0 == column);
@@ -271,6 +275,8 @@ impl IndexValues {
         if both.ice_c_at.is_empty() {
             both.ice_c_at = own.ice_c_at;
         }
+        own.covariates.append(&mut both.covariates);
+        both.covariates = own.covariates;
         IndexValues {
             table: None,
             ..both
@@ -298,7 +304,8 @@ impl PlannedRun {
             session,
             conditions: Conditions::from_values(stated),
             ice_along,
-            ice_of_track: IceAlong::default(),
+            covariates: index.covariates,
+            ..Entry::default()
         }
     }
 }
@@ -328,7 +335,10 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
             ));
         }
         let place = name.strip_prefix(ICE_AT);
-        if place.is_some_and(|place| place_of(place).is_some()) {
+        let own = name.strip_prefix(COVARIATE);
+        if place.is_some_and(|place| place_of(place).is_some())
+            || own.is_some_and(|own| !own.is_empty())
+        {
             continue;
         }
         if name == "file" || !known().any(|known| *known == name) {
@@ -336,7 +346,7 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
             return Err(Error::file(
                 file,
                 format!(
-                    "column {name:?} is unknown, expected some of: {}, {ICE_AT}350 (at 350 m)",
+                    "column {name:?} is unknown, expected some of: {}, {ICE_AT}350 (at 350 m), {COVARIATE}NAME (your own)",
                     names.join(", ")
                 ),
             ));

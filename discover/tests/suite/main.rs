@@ -1,6 +1,7 @@
 //! What a search finds and what it does not.
 
 mod campaign;
+mod covariates;
 mod hidden_effects;
 mod misaligned;
 mod next_runs;

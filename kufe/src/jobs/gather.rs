@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 use kufe_files::{leads_out, resolved, same_file};
-use kufe_sled::{Conditions, Entry, IceAlong, read_columns, read_index, track_file};
+use kufe_sled::{Entry, read_columns, read_index, track_file};
 
 use crate::jobs::failure::Failure;
 use crate::jobs::runs::failure;
@@ -168,9 +168,7 @@ fn loose(file: &Path) -> Entry {
         driver: unnamed(),
         driver_class: unnamed(),
         session: unnamed(),
-        conditions: Conditions::UNSTATED,
-        ice_along: IceAlong::default(),
-        ice_of_track: IceAlong::default(),
+        ..Entry::default()
     }
 }
 

@@ -1,6 +1,6 @@
 //! The index `runs.csv`: one row a run.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use crate::conditions::{CONDITIONS, Conditions};
@@ -26,6 +26,10 @@ pub const INDEX_COLUMNS: [&str; 9] = [
 /// model's.
 pub const MORE_INDEX_COLUMNS: [&str; 3] = ["humidity_pct", "distance_m", "mass_kg"];
 
+/// Begin of the columns of whatever else a user states of each run, as numbers or words:
+/// `x_start_order`, `x_runners`. See [`covariates`].
+pub const COVARIATE: &str = "x_";
+
 /// Most runs of an index: a campaign has hundreds.
 const MOST_RUNS: usize = 20_000;
 
@@ -39,7 +43,7 @@ const UNNAMED: &str = "unnamed";
 pub const ICE_AT: &str = "ice_c@";
 
 /// One row of the index.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Entry {
     /// Name of the run, unique in the index.
     pub run: String,
@@ -59,6 +63,8 @@ pub struct Entry {
     pub ice_along: IceAlong,
     /// The same of the track's own table, for every run on it.
     pub ice_of_track: IceAlong,
+    /// The cells of the columns `x_NAME` that are not empty, by the column's name.
+    pub covariates: BTreeMap<String, String>,
 }
 
 impl Entry {
@@ -67,6 +73,41 @@ impl Entry {
     pub fn ice_at(&self, s_m: f64) -> Option<f64> {
         self.ice_along.at(s_m).or_else(|| self.ice_of_track.at(s_m))
     }
+}
+
+/// What the columns `x_NAME` of an index state, as numbers: for each run, the value by name; a run
+/// that does not state a column has none.
+///
+/// A column of which every cell is a finite number is that number. One of words is a factor: each
+/// word that several runs have, but not all of those that state the column, is an indicator
+/// `x_NAME=WORD` of 1 or 0. Of two words the first by alphabet is the reference and has none.
+pub fn covariates(entries: &[&Entry]) -> Vec<BTreeMap<String, f64>> {
+    let mut values = vec![BTreeMap::new(); entries.len()];
+    let names: BTreeSet<&String> = entries.iter().flat_map(|e| e.covariates.keys()).collect();
+    for name in names {
+        let cells: Vec<(usize, &str)> = (entries.iter().enumerate())
+            .filter_map(|(run, entry)| Some((run, entry.covariates.get(name)?.as_str())))
+            .collect();
+        let number = |cell: &str| cell.parse().ok().filter(|value: &f64| value.is_finite());
+        let numbers: Option<Vec<f64>> = cells.iter().map(|(_, cell)| number(cell)).collect();
+        if let Some(numbers) = numbers {
+            for ((run, _), value) in cells.iter().zip(numbers) {
+                values[*run].insert(name.clone(), value);
+            }
+            continue;
+        }
+        let words: BTreeSet<&str> = cells.iter().map(|(_, cell)| *cell).collect();
+        for word in words.iter().skip(usize::from(words.len() == 2)) {
+            let with = cells.iter().filter(|(_, cell)| cell == word).count();
+            if with < 2 || with == cells.len() {
+                continue;
+            }
+            for (run, cell) in &cells {
+                values[*run].insert(format!("{name}={word}"), f64::from(cell == word));
+            }
+        }
+    }
+    values
 }
 
 /// Reads the index `runs.csv`; paths in it are relative to its folder, and so is `track_NAME.csv`,
@@ -85,7 +126,11 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
         .headers()
         .map_err(|error| Error::file(&file, error))?
         .clone();
-    let (at, sensors) = place_columns(&header, &file)?;
+    let Places {
+        at,
+        sensors,
+        covariates,
+    } = place_columns(&header, &file)?;
     let folder = index.parent().unwrap_or(Path::new(""));
     let mut entries: Vec<Entry> = Vec::new();
     let mut files: BTreeMap<PathBuf, String> = BTreeMap::new();
@@ -159,6 +204,10 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
             driver_class,
             session,
             conditions: Conditions::from_values(stated),
+            covariates: (covariates.iter())
+                .map(|(name, place)| (name.clone(), record.get(*place).unwrap_or("").to_owned()))
+                .filter(|(_, cell)| !cell.is_empty())
+                .collect(),
         });
     }
     if entries.is_empty() {
@@ -171,8 +220,8 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
     Ok(entries)
 }
 
-/// Writes the index; files are named relative to its folder, and [`MORE_INDEX_COLUMNS`] are
-/// written where a run states them.
+/// Writes the index; files are named relative to its folder, and [`MORE_INDEX_COLUMNS`] and the
+/// columns `x_NAME` are written where a run states them.
 ///
 /// # Errors
 /// [`Error::File`].
@@ -191,7 +240,9 @@ pub fn write_index(writer: impl std::io::Write, entries: &[Entry]) -> Result<(),
     let names = INDEX_COLUMNS[..6].iter().copied().map(str::to_string);
     let stated = written.iter().map(|place| CONDITIONS[*place].0.to_string());
     let sensors = places.iter().map(|s_m| format!("{ICE_AT}{s_m}"));
-    let header = names.chain(stated).chain(sensors);
+    let covariates: BTreeSet<&String> = entries.iter().flat_map(|e| e.covariates.keys()).collect();
+    let further = covariates.iter().map(|name| (*name).clone());
+    let header = names.chain(stated).chain(sensors).chain(further);
     table.write_record(header).map_err(failure)?;
     let number = |value: f64| {
         if value.is_finite() {
@@ -215,6 +266,8 @@ pub fn write_index(writer: impl std::io::Write, entries: &[Entry]) -> Result<(),
             let point = entry.ice_along.points().iter().find(|p| p[0] == *s_m);
             row.push(number(point.map_or(f64::NAN, |point| point[1])));
         }
+        let further = covariates.iter().map(|name| entry.covariates.get(*name));
+        row.extend(further.map(|cell| cell.cloned().unwrap_or_default()));
         table.write_record(&row).map_err(failure)?;
     }
     table
@@ -237,19 +290,26 @@ fn ice_of(path: &Path) -> Result<IceAlong, Error> {
     }
 }
 
-/// Places of the columns, and of those of temperatures at places [m].
-type Places = (BTreeMap<&'static str, usize>, Vec<(f64, usize)>);
+/// Places of the columns of an index.
+#[derive(Default)]
+struct Places {
+    /// Those of [`INDEX_COLUMNS`] and [`MORE_INDEX_COLUMNS`].
+    at: BTreeMap<&'static str, usize>,
+    /// Those of temperatures at distances [m].
+    sensors: Vec<(f64, usize)>,
+    /// Those of covariates.
+    covariates: BTreeMap<String, usize>,
+}
 
 fn place_columns(header: &csv::StringRecord, file: &str) -> Result<Places, Error> {
-    let mut at = BTreeMap::new();
-    let mut sensors: Vec<(f64, usize)> = Vec::new();
+    let mut places = Places::default();
     for (place, name) in header.iter().enumerate() {
         let odd = |what| Error::Column {
             file: file.to_string(),
             column: name.to_string(),
             what,
             expected: format!(
-                "some of {}, {}, {ICE_AT}350 (at 350 m)",
+                "some of {}, {}, {ICE_AT}350 (at 350 m), {COVARIATE}NAME (your own)",
                 INDEX_COLUMNS.join(", "),
                 MORE_INDEX_COLUMNS.join(", ")
             ),
@@ -257,10 +317,19 @@ fn place_columns(header: &csv::StringRecord, file: &str) -> Result<Places, Error
         if let Some(s_m) = name.strip_prefix(ICE_AT) {
             let s_m: Option<f64> = s_m.parse().ok().filter(|s: &f64| s.abs() < 1e6);
             let s_m = s_m.ok_or_else(|| odd("at no distance"))?;
-            if sensors.iter().any(|(known, _)| *known == s_m) {
+            if places.sensors.iter().any(|(known, _)| *known == s_m) {
                 return Err(odd("given twice"));
             }
-            sensors.push((s_m, place));
+            places.sensors.push((s_m, place));
+            continue;
+        }
+        if name
+            .strip_prefix(COVARIATE)
+            .is_some_and(|own| !own.is_empty())
+        {
+            if places.covariates.insert(name.to_owned(), place).is_some() {
+                return Err(odd("given twice"));
+            }
             continue;
         }
         let known = INDEX_COLUMNS
@@ -268,12 +337,12 @@ fn place_columns(header: &csv::StringRecord, file: &str) -> Result<Places, Error
             .chain(&MORE_INDEX_COLUMNS)
             .find(|known| **known == name)
             .ok_or_else(|| odd("unknown"))?;
-        if at.insert(*known, place).is_some() {
+        if places.at.insert(*known, place).is_some() {
             return Err(odd("given twice"));
         }
     }
-    match ALWAYS.iter().find(|name| !at.contains_key(*name)) {
-        None => Ok((at, sensors)),
+    match ALWAYS.iter().find(|name| !places.at.contains_key(*name)) {
+        None => Ok(places),
         Some(missing) => Err(Error::MissingColumn {
             file: file.to_string(),
             column: missing.to_string(),

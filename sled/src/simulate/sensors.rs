@@ -139,8 +139,6 @@ fn complete_rates(signals: &mut [Signals], dt_s: f64) {
 /// An index row for a simulated run.
 pub fn simulated_entry(run: &str, track: &Track, driver: &str, conditions: Conditions) -> Entry {
     Entry {
-        ice_along: crate::track::table::IceAlong::default(),
-        ice_of_track: crate::track::table::IceAlong::default(),
         run: run.to_string(),
         file: PathBuf::from(format!("{run}.csv")),
         track: track.name.clone(),
@@ -148,5 +146,6 @@ pub fn simulated_entry(run: &str, track: &Track, driver: &str, conditions: Condi
         driver_class: "simulated".to_string(),
         session: "1".to_string(),
         conditions,
+        ..Entry::default()
     }
 }

@@ -202,17 +202,6 @@ impl Track {
         }
         write_csv(writer, &columns)
     }
-
-    /// Altitude lost from the start to each row [m]: the integral of `sin(slope)` along the line.
-    pub fn drop_m(&self) -> Vec<f64> {
-        let mut drop = vec![0.0; self.s_m.len()];
-        for i in 1..drop.len() {
-            let ds = self.s_m[i] - self.s_m[i - 1];
-            drop[i] =
-                drop[i - 1] + 0.5 * ds * (self.slope_rad[i - 1].sin() + self.slope_rad[i].sin());
-        }
-        drop
-    }
 }
 
 fn cell(file: &str, row: usize, column: &str, found: f64, expected: &str) -> Error {

@@ -16,8 +16,6 @@ fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
     };
     let file = PathBuf::from(data).join("revs/run.csv");
     let entry = Entry {
-        ice_along: kufe_sled::IceAlong::default(),
-        ice_of_track: kufe_sled::IceAlong::default(),
         run: "revs".to_string(),
         file,
         track: "road".to_string(),
@@ -32,6 +30,7 @@ fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
             distance_m: f64::NAN,
             mass_kg: f64::NAN,
         },
+        ..Entry::default()
     };
     let required = [
         "ax_mps2",

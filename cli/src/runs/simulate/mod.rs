@@ -7,7 +7,7 @@ mod sample;
 use std::path::PathBuf;
 
 use kufe::jobs::Failure;
-use kufe_sled::Conditions;
+use kufe_sled::{CONDITIONS, Conditions};
 
 use crate::terminal::Global;
 
@@ -114,32 +114,25 @@ impl Args {
     /// # Errors
     /// [`Failure::Usage`] for a value out of range.
     pub fn conditions(&self) -> Result<Conditions, Failure> {
-        for (name, value, low, high) in [
-            ("--ice-c", self.ice_c, -60.0, 5.0),
-            ("--air-c", self.air_c, -60.0, 50.0),
-            ("--air-pa", self.air_pa, 50e3, 110e3),
-            (
-                "--humidity-pct",
-                self.humidity_pct.unwrap_or(0.0),
-                0.0,
-                100.0,
-            ),
-            ("--distance-m", self.distance_m.unwrap_or(0.0), 0.0, 1e8),
-        ] {
-            if !(low..=high).contains(&value) {
+        let stated = [
+            Some(self.ice_c),
+            Some(self.air_c),
+            Some(self.air_pa),
+            self.humidity_pct,
+            self.distance_m,
+            None,
+        ];
+        for ((name, low, high), value) in CONDITIONS.iter().zip(stated) {
+            if let Some(value) = value.filter(|value| !(*low..=*high).contains(value)) {
+                let option = name.replace('_', "-");
                 return Err(Failure::Usage(format!(
-                    "{name} {value}: expected {low} to {high}"
+                    "--{option} {value}: expected {low} to {high}"
                 )));
             }
         }
-        Ok(Conditions {
-            ice_c: self.ice_c,
-            air_c: self.air_c,
-            air_pa: self.air_pa,
-            humidity_pct: self.humidity_pct.unwrap_or(f64::NAN),
-            distance_m: self.distance_m.unwrap_or(f64::NAN),
-            mass_kg: f64::NAN,
-        })
+        Ok(Conditions::from_values(
+            stated.map(|value| value.unwrap_or(f64::NAN)),
+        ))
     }
 }
 

@@ -107,8 +107,6 @@ fn entry(args: &Args, track: &Track) -> Result<Entry, Failure> {
             .file_stem()
             .map(|stem| stem.to_string_lossy().into_owned());
         return Ok(Entry {
-            ice_along: kufe_sled::IceAlong::default(),
-            ice_of_track: kufe_sled::IceAlong::default(),
             run: stem.unwrap_or_default(),
             file,
             track: track.name.clone(),
@@ -116,6 +114,7 @@ fn entry(args: &Args, track: &Track) -> Result<Entry, Failure> {
             driver_class: "measured".to_owned(),
             session: args.session.clone(),
             conditions: args.conditions()?,
+            ..Entry::default()
         });
     };
     let entries = read_index(&file).map_err(failure)?;

@@ -9,7 +9,7 @@ use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps, Saturation};
 
 /// Largest number of a column that is used, and of a time [s]: no sled is further, faster or more
 /// turned, and squares of these are finite.
-const LARGEST: f64 = 1e6;
+pub const LARGEST_VALUE: f64 = 1e6;
 const LATEST_S: f64 = 1e15;
 
 /// Fewest samples of a run that filters and derivatives can work on.
@@ -44,7 +44,7 @@ pub fn check_columns(
     }
     refuse_too_large(&columns["t_s"], "t_s", LATEST_S, file)?;
     for name in used {
-        refuse_too_large(&columns[*name], name, LARGEST, file)?;
+        refuse_too_large(&columns[*name], name, LARGEST_VALUE, file)?;
     }
     let mut time = columns.remove("t_s").unwrap_or_default();
     if time.len() < LEAST_SAMPLES {

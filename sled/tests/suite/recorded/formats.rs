@@ -56,8 +56,6 @@ fn entry(file: PathBuf) -> Entry {
     };
     let text = || "x".to_string();
     Entry {
-        ice_along: kufe_sled::IceAlong::default(),
-        ice_of_track: kufe_sled::IceAlong::default(),
         run: text(),
         file,
         track: text(),
@@ -65,6 +63,7 @@ fn entry(file: PathBuf) -> Entry {
         driver_class: text(),
         session: text(),
         conditions,
+        ..Entry::default()
     }
 }
 

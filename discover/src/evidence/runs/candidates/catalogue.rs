@@ -5,8 +5,9 @@ use kufe_sled::effects::{
 };
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::candidates::columns::covariates;
 use crate::evidence::runs::recordings::prepare::Data;
-use crate::options::Options;
+use crate::options::{OUTSIDE_CATALOGUE, Options};
 use crate::procedure::candidate::Candidate;
 
 /// All candidates by the way in which they are tested.
@@ -96,6 +97,9 @@ pub fn list(data: &Data, own: &Effects, along: bool, options: &Options) -> Candi
                 Judged::ByPressure => {}
             }
         }
+    }
+    if options.looks_for(OUTSIDE_CATALOGUE) && !data.segmented {
+        out.levels.extend(covariates(data, along));
     }
     for effect in &own.active {
         if let Kind::Custom(custom) = &effect.kind

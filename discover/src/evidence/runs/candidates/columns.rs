@@ -1,6 +1,8 @@
 //! Dependences on a column that no effect of the catalogue has.
 
-use kufe_sled::effects::{Channel, Column, Custom, Expression};
+use std::collections::BTreeMap;
+
+use kufe_sled::effects::{Channel, Column, Custom, Expression, Level};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::recordings::frame::further_columns;
@@ -27,7 +29,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
         .filter(|(_, column)| data.available.contains(column))
         .map(|(name, _)| ((*name).to_owned(), None))
         .collect();
-    let carried = further_columns(&data.frames).into_iter();
+    let carried = further_columns(&data.frames, true).into_iter();
     columns.extend(carried.map(|name| (name.clone(), Some(name))));
     let mut out = Vec::new();
     for (name, carrier) in columns {
@@ -70,6 +72,39 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
                 unit,
                 sizes,
             ));
+        }
+    }
+    out
+}
+
+/// Dependences of grip and friction on columns that differ from run to run only.
+pub fn covariates(data: &Data, along: bool) -> Vec<Candidate<Amplitude>> {
+    let mut out = Vec::new();
+    for name in further_columns(&data.frames, false) {
+        let Some((centre, scale)) = spread(data, 1.0, &name) else {
+            continue;
+        };
+        let mut of_session = BTreeMap::new();
+        let varies_in_sessions = data.training().any(|frame| {
+            let value = frame.extra[&name][0];
+            *of_session.entry(&frame.session).or_insert(value) != value
+        });
+        let text = format!(
+            "({} - {centre:.6e}) / {scale:.6e}",
+            Expression::quoted(&name)
+        );
+        let grip = (Channel::Grip, 0.02);
+        let friction = along.then_some((Channel::Friction, 1e-4));
+        for (channel, typical) in [grip].into_iter().chain(friction) {
+            let Some(custom) = Custom::new(channel, &text, Some(&name)) else {
+                continue;
+            };
+            let mut law = Candidate::law(&[&name], custom, Some(name.clone()), "", [typical, 10.0]);
+            law.act.level = match varies_in_sessions {
+                true => Level::Run,
+                false => Level::Session,
+            };
+            out.push(law);
         }
     }
     out

@@ -41,7 +41,7 @@ impl Campaign<'_> {
         let known: Vec<Candidate<Amplitude>> =
             selection.iter().map(|c| c.candidate.clone()).collect();
         let channels = self.law_channels();
-        let extra = further_columns(&self.training);
+        let extra = further_columns(&self.training, true);
         let design = at.design(&known);
         let terms = Terms::new(&design, &self.training, at.simulator, &channels, &extra);
         let fitter = LawFitter {

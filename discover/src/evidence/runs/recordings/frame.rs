@@ -182,15 +182,21 @@ impl Frame {
     }
 }
 
-/// Columns of the files that every run records and that the model has no name for.
-pub fn further_columns(frames: &[Frame]) -> Vec<String> {
+/// Columns that every run has and that the model has no name for: those that vary within a run, or
+/// those that only differ from run to run (the covariates of an index, and channels that never
+/// change).
+pub fn further_columns(frames: &[Frame], within_runs: bool) -> Vec<String> {
     /// What conditions are made of.
     const CONDITIONS: [&str; 3] = ["humidity_pct", "distance_m", "ice_c"];
     let Some(first) = frames.first() else {
         return Vec::new();
     };
+    let varies = |column: &[f64]| column.iter().any(|x| *x != column[0]);
     let further = |name: &&String| {
-        frames.iter().all(|f| f.extra.contains_key(*name)) && !CONDITIONS.contains(&name.as_str())
+        let columns: Option<Vec<_>> = frames.iter().map(|f| f.extra.get(*name)).collect();
+        let varying = |columns: Vec<&Vec<f64>>| columns.iter().any(|column| varies(column));
+        columns.is_some_and(|columns| varying(columns) == within_runs)
+            && !CONDITIONS.contains(&name.as_str())
     };
     first.extra.keys().filter(further).cloned().collect()
 }

@@ -1,9 +1,9 @@
 //! Runs made ready: smoothed alike, decimated, with derivatives and conditions.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use kufe_sled::effects::Column;
-use kufe_sled::{Model, Noise, Run, SampleCoverage, Track, gaps_line};
+use kufe_sled::{Entry, Model, Noise, Run, SampleCoverage, Track, covariates, gaps_line};
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
@@ -104,7 +104,9 @@ pub fn prepare(
     let segmented = runs.len() == 1;
     let (mut frames, mut gaps) = (Vec::new(), Vec::new());
     let mut before: BTreeMap<&str, f64> = BTreeMap::new();
-    for run in runs {
+    let entries: Vec<&Entry> = runs.iter().map(|run| &run.entry).collect();
+    let stated_of_all = covariates(&entries);
+    for (run, stated_of_run) in runs.iter().zip(&stated_of_all) {
         let own = signal_kernel(run.dt_s, recordings);
         let travelled = before.entry(run.entry.session.as_str()).or_insert(0.0);
         let mut frame = frame(run, &own, surveys, recordings)?;
@@ -115,6 +117,9 @@ pub fn prepare(
             distance if distance.is_nan() => *travelled,
             distance => distance,
         };
+        for (name, value) in stated_of_run {
+            frame.extra.insert(name.clone(), vec![*value; frame.len()]);
+        }
         *travelled += frame.s.last().unwrap_or(&0.0) - frame.s.first().unwrap_or(&0.0);
         if !run.gaps.is_none() {
             gaps.push(taking_part(run, &frame));
@@ -135,6 +140,16 @@ pub fn prepare(
             ));
         } else {
             frames.push(frame);
+        }
+    }
+    let names: BTreeSet<&String> = stated_of_all.iter().flat_map(BTreeMap::keys).collect();
+    for name in names {
+        let without = stated_of_all.iter().filter(|s| !s.contains_key(name));
+        if let count @ 1.. = without.count() {
+            remarks.push(format!(
+                "column {name} is not stated for {count} of {} runs: it is not tested",
+                runs.len()
+            ));
         }
     }
     if !gaps.is_empty() {

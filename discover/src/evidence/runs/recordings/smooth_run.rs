@@ -203,8 +203,6 @@ mod tests {
         }
         Run {
             entry: Entry {
-                ice_along: kufe_sled::IceAlong::default(),
-                ice_of_track: kufe_sled::IceAlong::default(),
                 run: "one".to_owned(),
                 file: "one.csv".into(),
                 track: "east".to_owned(),
@@ -217,6 +215,7 @@ mod tests {
                     air_pa: 95e3,
                     ..Conditions::UNSTATED
                 },
+                ..Entry::default()
             },
             t0_s: 0.0,
             dt_s: 0.01,

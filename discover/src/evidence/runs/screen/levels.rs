@@ -117,17 +117,21 @@ pub fn judge(
             seen[*c] = Some(one);
         }
     }
-    for c in (0..q).filter(|c| candidates[*c].act.level == Level::Run) {
-        let k = level_of[c];
-        let (y, x) = (
-            within(&of_level(k), &sessions),
-            within(&covariates[c], &sessions),
-        );
-        let observed = correlation(&y, &x).abs();
+    for k in 0..OWN_LEVELS {
+        let of_runs = |c: &usize| level_of[*c] == k && candidates[*c].act.level == Level::Run;
+        let mine: Vec<usize> = (0..q).filter(of_runs).collect();
+        let Some(first) = mine.first() else {
+            continue;
+        };
+        let y = within(&of_level(k), &sessions);
+        let xs: Vec<Vec<f64>> = (mine.iter())
+            .map(|c| within(&covariates[*c], &sessions))
+            .collect();
+        let observed: Vec<f64> = xs.iter().map(|x| correlation(&y, x).abs()).collect();
         let permutations = 1999;
-        let mut above = 1;
+        let mut above = vec![1; mine.len()];
         for trial in 0..permutations {
-            let mut rng = stream(seed, 0x0BDE + c as u64, trial);
+            let mut rng = stream(seed, 0x0BDE + *first as u64, trial);
             let mut mixed = y.clone();
             for runs in sessions.values() {
                 let mut order = runs.clone();
@@ -136,15 +140,20 @@ pub fn judge(
                     mixed[*to] = y[*from];
                 }
             }
-            if correlation(&mixed, &x).abs() >= observed - 1e-12 {
-                above += 1;
+            // The largest of all candidates: one p-value for the family.
+            let largest = xs.iter().map(|x| correlation(&mixed, x).abs());
+            let largest = largest.fold(0.0, f64::max);
+            for (above, observed) in above.iter_mut().zip(&observed) {
+                *above += i32::from(largest >= observed - 1e-12);
             }
         }
         let weight: f64 = weights.iter().map(|w| w[k]).sum::<f64>() / y.len() as f64;
-        let mut one = slope(&y, &x, candidates[c].typical, weight);
-        one.p_value = f64::from(above) / (permutations + 1) as f64;
-        one.testable = sessions.values().any(|runs| runs.len() > 2);
-        seen[c] = Some(one);
+        for ((c, x), above) in mine.iter().zip(&xs).zip(above) {
+            let mut one = slope(&y, x, candidates[*c].typical, weight);
+            one.p_value = f64::from(above) / (permutations + 1) as f64;
+            one.testable = sessions.values().any(|runs| runs.len() > 2);
+            seen[*c] = Some(one);
+        }
     }
     let nothing = LevelScore {
         correlation: 0.0,
