@@ -231,7 +231,7 @@ def test_ctrl_c_ends_within_two_seconds(work, tmp_path):
     }
     if work == "discover":
         rng = np.random.default_rng(1)
-        pressures = enumerate(rng.uniform(5e7, 1e8, 1000))
+        pressures = enumerate(rng.uniform(5e7, 1e8, 20_000))
         rows = [f"s{k},{p:.9e},1e5,{4e-3 + 1e-4 * rng.normal():.9f},1e-4" for k, p in pressures]
         header = "specimen,p_max_pa,p_max_sd_pa,mu,mu_sd"
         (tmp_path / "experiments.csv").write_text("\n".join([header, *rows]))
