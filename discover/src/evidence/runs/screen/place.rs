@@ -4,7 +4,10 @@ use kufe_sled::effects::Kind;
 
 use crate::evidence::runs::campaign::{Campaign, Current, scale_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
+use crate::evidence::runs::fit::gauss_newton::residuals;
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ResidualModel};
+use crate::evidence::runs::model::whiten::Whitener;
 use crate::procedure::candidate::Candidate;
 
 impl Campaign<'_> {
@@ -76,7 +79,29 @@ impl Campaign<'_> {
         size: f64,
     ) -> usize {
         let mut energy = [0.0; CHANNELS];
-        for frame in self.training.iter().take(4) {
+        let few = &self.training[..self.training.len().min(4)];
+        if candidate.act.carrier.is_some() {
+            // No simulation knows its column: to first order.
+            let whitener = Whitener::estimate(&residuals(residual_model, few), self.used);
+            let design = Design {
+                residual_model,
+                whitener: &whitener,
+                free_base: &self.free,
+                candidates: std::slice::from_ref(candidate),
+                local: &[],
+                windows: &[],
+            };
+            for frame in few {
+                let columns = design.columns(frame);
+                let own = columns.column(OWN_LEVELS + design.fitted());
+                let used = (0..BALANCES).filter(|c| self.used[*c]);
+                let channels = used.flat_map(|c| (0..frame.row_count()).map(move |_| c));
+                for (c, change) in channels.zip(own.iter()) {
+                    energy[c] += change * change;
+                }
+            }
+        }
+        for frame in few.iter().filter(|_| candidate.act.carrier.is_none()) {
             let rest = residual_model.residuals(frame);
             let moved = residual_model.with(candidate.active(size)).residuals(frame);
             for c in (0..CHANNELS).filter(|c| self.used[*c]) {
