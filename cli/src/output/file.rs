@@ -145,7 +145,9 @@ impl OutputFiles {
         let reason = match FolderRecord::writer_of(folder_of(place), &name_of(place)) {
             Some(writer) if writer == self.command => return Ok(()),
             Some(writer) => format!("kufe {writer} wrote it; --force replaces it"),
-            None => "it exists, and kufe did not write it as it is; --force replaces it".to_owned(),
+            None => {
+                "it exists already, and kufe did not write it so; --force replaces it".to_owned()
+            }
         };
         Err(unwritable(named, &reason))
     }
