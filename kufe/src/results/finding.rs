@@ -132,10 +132,10 @@ pub struct Step {
     /// The rivals, best first.
     pub rivals: Vec<Rival>,
     /// Where runs meet a wall, each with a force of its own.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<ContactPlace>,
     /// What each kind of data of a campaign says of it by itself.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub evidence: Vec<OfKind>,
 }
 
@@ -385,12 +385,12 @@ pub struct Report {
     pub sentence: String,
     /// What share of the repeatable misfit the answer explains, what remains and where; empty where
     /// the data are no runs.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub explained: String,
     /// Whether nothing that repeats from run to run remains above a small share in any channel.
     pub adequate: bool,
     /// What remains of it by channel; empty where the data are no runs.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remaining: Vec<Remaining>,
     /// What the installation is off by within its tolerances: allowed for, and no finding.
     pub within_tolerance: Vec<Tolerated>,
@@ -401,20 +401,20 @@ pub struct Report {
     /// The model that is written to `model.next.toml`.
     pub written: ModelKind,
     /// Three models on the same locked-away runs.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub baselines: Vec<Baseline>,
     /// Models that are not written, and why.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub withheld: Vec<Withheld>,
     /// Base parameters that a refit moves out of their plausible range.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub implausible: Vec<Fitted>,
     /// What would have been seen.
     pub minimum_detectable: Vec<Detectable>,
     /// What to measure next.
     pub next_experiment: String,
     /// The next runs that would split a class, by simulating them, the best first.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub next_runs: Vec<NextRuns>,
     /// Base parameters as the next model states them, with intervals for what is true: as wide as
     /// what the installation leaves open of them, and by as much as its errors, which a model file
@@ -438,7 +438,7 @@ pub struct Report {
     /// What the reader should know.
     pub remarks: Vec<String>,
     /// Runs with gaps: what is not there, and how much takes part; absent where there are none.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gaps: Vec<kufe_sled::SampleCoverage>,
     /// Kind of data.
     pub data: String,
