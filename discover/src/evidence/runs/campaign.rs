@@ -63,8 +63,10 @@ pub struct Unwritten {
     pub step: usize,
     /// How it acts.
     pub candidate: Candidate<Amplitude>,
-    /// Its size.
+    /// Its size, to first order.
     pub size: f64,
+    /// Standard error of the size.
+    pub error: f64,
 }
 
 /// The model with its effects, fitted.

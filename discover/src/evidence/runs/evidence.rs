@@ -203,6 +203,7 @@ impl Evidence for Campaign<'_> {
                 step,
                 candidate: selection.candidate.clone(),
                 size: selection.size,
+                error: selection.error,
             });
             return Ok(Added {
                 fit: next,

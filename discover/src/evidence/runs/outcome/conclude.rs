@@ -51,6 +51,16 @@ impl Campaign<'_> {
                 unit,
             });
         }
+        if let Some(unwritten) = &last.unwritten {
+            let half = quantile * unwritten.error;
+            parameters[unwritten.step].push(Fitted {
+                name: unwritten.candidate.key.clone(),
+                value: unwritten.size,
+                low: unwritten.size - half,
+                high: unwritten.size + half,
+                unit: unwritten.candidate.unit.clone(),
+            });
+        }
         self.contact_parameters(last, &mut parameters);
         parameters
     }
@@ -66,6 +76,11 @@ impl Campaign<'_> {
             ) {
                 laws[*step] = Some(custom.text.clone());
             }
+        }
+        if let Some(unwritten) = &last.unwritten
+            && let Kind::Custom(custom) = &unwritten.candidate.act.kind
+        {
+            laws[unwritten.step] = Some(custom.text.clone());
         }
         laws
     }
