@@ -105,7 +105,7 @@ fn an_fmu_of_either_version_stops_outside_an_axis_whose_rule_is_error() {
              \x20   logger=lambda *words: messages.append(str(words)))\n\
              assert len(run(7900.0)) >= 11 and not messages, messages\n\
              try:\n\
-             \x20 run(8100.0)\n\
+             \x20 run(9300.0)\n\
              \x20 print('went on')\n\
              except Exception as stopped:\n\
              \x20 print('stopped', stopped)\n\
