@@ -135,13 +135,7 @@ fn the_library_for_windows_computes_what_rust_computes() {
         path.replace(' ', "%20").replace('ü', "%C3%BC")
     );
     let ran = wine
-        .args([
-            "caller.exe",
-            "kufe_lut.dll",
-            &guid[..64],
-            &uri,
-            "points",
-        ])
+        .args(["caller.exe", "kufe_lut.dll", &guid[..64], &uri, "points"])
         .current_dir(folder.path())
         .env("WINEPREFIX", folder.path().join("wine"))
         .env("WINEDEBUG", "-all")
