@@ -222,7 +222,8 @@ impl Interpolator {
             Some(flush) => flush.reduced(self.fz.held(sample.fz), sample.curvature),
         });
         if self.stack.is_empty() {
-            if self.refuses(&[x, y]) {
+            let outside = x.outside || y.outside;
+            if outside && self.refuses(&[x, y]) {
                 return Interpolated::NONE;
             }
             let value = match self.mode {
@@ -231,28 +232,26 @@ impl Interpolator {
             };
             return Interpolated {
                 value,
-                out_of_range: x.outside || y.outside,
+                out_of_range: outside,
             };
         }
         let mut places = [x, y, Place::default(), Place::default()];
         for (place, axis) in places[2..].iter_mut().zip(&self.stack) {
             *place = axis.points.place(sample.get(axis.points.kind));
         }
-        if self.refuses(&places) {
+        let outside = places.iter().any(|place| place.outside);
+        if outside && self.refuses(&places) {
             return Interpolated::NONE;
         }
         Interpolated {
             value: self.stacked(&places[2..], &x, &y),
-            out_of_range: places.iter().any(|place| place.outside),
+            out_of_range: outside,
         }
     }
 
     /// Whether an input is outside an axis whose rule is an error.
-    #[inline]
+    #[cold]
     fn refuses(&self, places: &[Place]) -> bool {
-        if places.iter().all(|place| !place.outside) {
-            return false;
-        }
         let stack = self.stack.iter().map(|axis| &axis.points);
         let axes = [&self.fz, &self.curvature].into_iter().chain(stack);
         let mut pairs = axes.zip(places);
@@ -505,23 +504,35 @@ impl Breakpoints {
         }
     }
 
-    /// As the smooth mode sees an input: logarithms continue below the axis along the tangent.
-    #[inline]
-    fn scale(&self, at: f64) -> f64 {
-        let first = self.plain[0];
-        match self.kind.is_logarithmic() {
-            false => at,
-            true if at >= first => at.ln(),
-            true => self.scaled[0] + (at - first) / first,
-        }
-    }
-
     /// Hermite weights of the far value and of both slopes at a place.
     #[inline]
     fn hermite(&self, place: &Place) -> [f64; 3] {
-        let t = fraction(&self.scaled, place, self.scale(place.at));
+        if place.outside {
+            return self.straight(place);
+        }
+        let scaled = match self.kind.is_logarithmic() {
+            false => place.at,
+            true => place.at.ln(),
+        };
+        let t = fraction(&self.scaled, place, scaled);
+        hermite(t, self.scaled[place.high] - self.scaled[place.low])
+    }
+
+    /// The same outside the axis, straight; logarithms continue below it along the tangent.
+    #[cold]
+    fn straight(&self, place: &Place) -> [f64; 3] {
+        let (first, at) = (self.plain[0], place.at);
+        let scaled = match self.kind.is_logarithmic() {
+            false => at,
+            true if at >= first => at.ln(),
+            true => self.scaled[0] + (at - first) / first,
+        };
+        let t = fraction(&self.scaled, place, scaled);
         let h = self.scaled[place.high] - self.scaled[place.low];
-        hermite(t, h, place.outside)
+        match t >= 0.5 {
+            true => [1.0, 0.0, h * (t - 1.0)],
+            false => [0.0, h * t, 0.0],
+        }
     }
 }
 
@@ -534,15 +545,11 @@ fn fraction(axis: &[f64], place: &Place, value: f64) -> f64 {
     (value - axis[place.low]) / (axis[place.high] - axis[place.low])
 }
 
-/// Hermite weights of the far value and of both slopes, straight outside.
+/// Hermite weights of the far value and of both slopes.
 #[inline]
-fn hermite(t: f64, h: f64, outside: bool) -> [f64; 3] {
+fn hermite(t: f64, h: f64) -> [f64; 3] {
     let s = 1.0 - t;
-    match outside {
-        false => [t * t * (3.0 - 2.0 * t), h * t * s * s, -(h * t * t * s)],
-        true if t >= 0.5 => [1.0, 0.0, h * (t - 1.0)],
-        true => [0.0, h * t, 0.0],
-    }
+    [t * t * (3.0 - 2.0 * t), h * t * s * s, -(h * t * t * s)]
 }
 
 /// Largest number of layers that the cubic of a cell depends on.
