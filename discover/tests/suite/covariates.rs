@@ -34,6 +34,9 @@ fn friction_that_differs_between_sets_of_runners_is_found_as_their_column() {
     let found = searched(&on_two_sets(1.0e-3), 7).report;
     let first = found.steps.first().unwrap_or_else(|| panic!("{found:?}"));
     assert_eq!(first.effect, "unknown:x_runners=old", "{found:?}");
+    // One standard deviation of an indicator of half the runs is a half: a half of the difference.
+    let size = first.parameters[0].value;
+    assert!((-0.65e-3..-0.35e-3).contains(&size), "{size}");
 }
 
 #[test]

@@ -187,7 +187,9 @@ impl Campaign<'_> {
                 chosen = Some((kind, fit));
             }
         }
-        let (mut written, fit) = chosen.unwrap_or((ModelKind::AsGiven, as_given));
+        let (mut written, mut fit) = chosen.unwrap_or((ModelKind::AsGiven, as_given));
+        // What no simulation knows is in none of the three, and reported whichever is written.
+        fit.unwritten = last.unwritten;
         if written == ModelKind::Refitted && fit.settled.base == self.given.base {
             written = ModelKind::AsGiven;
         }
