@@ -202,6 +202,17 @@ static WEIGHTS: LazyLock<[[f64; WIDTH]; WIDTH]> = LazyLock::new(|| {
     weights
 });
 
+/// Running integral by the trapezoidal rule over uniform steps, from 0: distance from speed.
+pub fn integral(values: &[f64], dt: f64) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut out = vec![0.0; values.len()];
+    for i in 1..values.len() {
+        sum += 0.5 * dt * (values[i - 1] + values[i]);
+        out[i] = sum;
+    }
+    out
+}
+
 /// Derivative of a uniformly sampled signal: a quartic through seven samples by least squares
 /// (Savitzky and Golay).
 ///

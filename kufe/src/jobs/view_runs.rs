@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use kufe_sled::{
     COLUMNS, Column, Entry, Examination, Inputs, Model, PrepareOptions, Prepared, Run, Section,
-    SimulateOptions, Track, TrackShape, Vehicle, bridged, examine_with, find_contacts, prepare,
-    read_index, record, replay, resample_stretches, track_file,
+    SimulateOptions, Track, TrackShape, Vehicle, bridged, examine_with, find_contacts, integral,
+    prepare, read_index, record, replay, resample_stretches, track_file,
 };
 
 use crate::jobs::failure::Failure;
@@ -240,7 +240,7 @@ fn viewed(
         match driven.replayed(run, track) {
             Ok((replayed, parts)) => {
                 let places = &columns[Column::Distance.name()];
-                model = beside(places, run.t0_s, rate_hz, &replayed);
+                model = model_at(places, run.t0_s, rate_hz, &replayed);
                 model.retain(|name, _| name == BEHIND || columns.contains_key(name));
                 sections = parts;
             }
@@ -266,11 +266,8 @@ fn viewed(
 fn travelled(run: &Run, start_m: f64) -> Vec<f64> {
     let speed = run.columns.get(Column::Speed.name()).map(|v| bridged(v));
     let speed = speed.unwrap_or_default();
-    let mut distance = vec![start_m; speed.len()];
-    for i in 1..speed.len() {
-        distance[i] = distance[i - 1] + 0.5 * run.dt_s * (speed[i - 1] + speed[i]);
-    }
-    distance
+    let distance = integral(&speed, run.dt_s).into_iter();
+    distance.map(|s_m| start_m + s_m).collect()
 }
 
 /// The column of the time by which a run is later than the model.
@@ -278,7 +275,7 @@ pub const BEHIND: &str = "behind_s";
 
 /// The channels of a replayed run at the places of the measured one, whose times are `t0_s` and
 /// steps at a rate; the steering is the measured one.
-fn beside(places: &[f64], t0_s: f64, rate_hz: f64, replayed: &Run) -> BTreeMap<String, Vec<f64>> {
+fn model_at(places: &[f64], t0_s: f64, rate_hz: f64, replayed: &Run) -> BTreeMap<String, Vec<f64>> {
     let passed = &replayed.columns[Column::Distance.name()];
     let names = COLUMNS
         .iter()

@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::model::sled::Tolerances;
 use crate::model::vehicle::Vehicle;
 use crate::record::run::Run;
-use crate::series::bridged;
+use crate::series::{bridged, integral};
 use crate::signals::prepare::Prepared;
 use crate::track::table::TrackShape;
 
@@ -212,20 +212,7 @@ fn to_mean_distance(felt: &[&TrackSignature], aligned: &mut [AlignedRun]) {
 pub fn state_places(run: &mut Run, warp: &DistanceWarp) -> Result<(), Error> {
     let own = match run.columns.get("s_m") {
         Some(recorded) => recorded.clone(),
-        None => {
-            let v = bridged(run.column("v_mps")?);
-            let mut s = 0.0;
-            (0..v.len())
-                .map(|i| {
-                    s += if i > 0 {
-                        0.5 * run.dt_s * (v[i - 1] + v[i])
-                    } else {
-                        0.0
-                    };
-                    s
-                })
-                .collect()
-        }
+        None => integral(&bridged(run.column("v_mps")?), run.dt_s),
     };
     let places = own.iter().map(|own| warp.at(*own)).collect();
     run.columns.insert("s_m".to_string(), places);

@@ -15,8 +15,7 @@ use crate::record::gaps::SampleCoverage;
 use crate::record::index::Entry;
 use crate::record::needs::Needs;
 use crate::record::run::Run;
-use crate::series::bridged;
-use crate::series::{self, HALF_WIDTH, noise_gain, ratio, resample_from};
+use crate::series::{self, HALF_WIDTH, bridged, integral, noise_gain, ratio, resample_from};
 use crate::signals::sensed::{Further, Sensed, estimate_noise, no_number, slip_noise};
 
 /// A run as a series of states with the motion measured at each.
@@ -345,7 +344,7 @@ impl Distance {
                         s + across(bridged, (from, v_from), (first, v[0])) / base.from_hz
                     }
                 };
-                let mut distance = integrate(v, 1.0 / base.rate_hz);
+                let mut distance = integral(v, 1.0 / base.rate_hz);
                 if start != 0.0 {
                     distance.iter_mut().for_each(|s| *s += start);
                 }
@@ -372,15 +371,4 @@ fn across(v: &[f64], (from, v_from): (f64, f64), (to, v_to): (f64, f64)) -> f64 
         before = point;
     }
     sum
-}
-
-/// Distance from speed by the trapezoidal rule.
-fn integrate(v: &[f64], dt: f64) -> Vec<f64> {
-    let mut s = 0.0;
-    let mut distance = vec![0.0; v.len()];
-    for i in 1..v.len() {
-        s += 0.5 * dt * (v[i - 1] + v[i]);
-        distance[i] = s;
-    }
-    distance
 }

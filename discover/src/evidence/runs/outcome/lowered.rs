@@ -24,7 +24,6 @@ use crate::evidence::runs::contacts::own::{left_without, rows_beneath, without_p
 use crate::evidence::runs::contacts::promise::{kept_promise, rows_alike};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::row_noise::expected;
-use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{
     BALANCES, CHANNEL_NAMES, CHANNELS, ChannelRows, ResidualModel, TRACK,
@@ -161,20 +160,11 @@ impl Campaign<'_> {
                 candidate, size, ..
             }) = unwritten
             {
-                let design = Design {
-                    residual_model: after,
-                    whitener: &whitener,
-                    free_base: &self.free,
-                    candidates: std::slice::from_ref(candidate),
-                    local: &[],
-                    windows: &[],
-                };
-                let columns = design.columns(frame);
-                let own = columns.column(OWN_LEVELS + design.fitted());
-                let used = (0..3).filter(|c| self.used[*c]);
-                let places = used.flat_map(|c| (0..frame.row_count()).map(move |i| (c, i)));
-                for ((c, i), change) in places.zip(own.iter()) {
-                    after_rows[c][i] -= change * size / candidate.typical;
+                let direction = self.direction(after, &whitener, candidate, frame);
+                for (rows, direction) in after_rows.iter_mut().zip(&direction) {
+                    for (row, change) in rows.iter_mut().zip(direction) {
+                        *row -= change * size / candidate.typical;
+                    }
                 }
             }
             if promised {

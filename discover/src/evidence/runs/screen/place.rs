@@ -6,8 +6,11 @@ use crate::evidence::runs::campaign::{Campaign, Current, scale_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
-use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ResidualModel};
+use crate::evidence::runs::model::residual_model::{
+    BALANCES, CHANNELS, ChannelRows, ResidualModel,
+};
 use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 
 impl Campaign<'_> {
@@ -78,43 +81,61 @@ impl Campaign<'_> {
         candidate: &Candidate<Amplitude>,
         size: f64,
     ) -> usize {
-        let mut energy = [0.0; CHANNELS];
         let few = &self.training[..self.training.len().min(4)];
-        if candidate.act.carrier.is_some() {
-            // No simulation knows its column: to first order.
-            let whitener = Whitener::estimate(&residuals(residual_model, few), self.used);
-            let design = Design {
-                residual_model,
-                whitener: &whitener,
-                free_base: &self.free,
-                candidates: std::slice::from_ref(candidate),
-                local: &[],
-                windows: &[],
-            };
-            for frame in few {
-                let columns = design.columns(frame);
-                let own = columns.column(OWN_LEVELS + design.fitted());
-                let used = (0..BALANCES).filter(|c| self.used[*c]);
-                let channels = used.flat_map(|c| (0..frame.row_count()).map(move |_| c));
-                for (c, change) in channels.zip(own.iter()) {
-                    energy[c] += change * change;
-                }
-            }
-        }
-        for frame in few.iter().filter(|_| candidate.act.carrier.is_none()) {
+        let of_run = |frame: &Frame| -> [f64; CHANNELS] {
             let rest = residual_model.residuals(frame);
             let moved = residual_model.with(candidate.active(size)).residuals(frame);
-            for c in (0..CHANNELS).filter(|c| self.used[*c]) {
+            std::array::from_fn(|c| {
                 let scale = scale_of(&rest[c]);
-                energy[c] += rest[c]
-                    .iter()
-                    .zip(&moved[c])
-                    .map(|(a, b)| ((a - b) / scale).powi(2))
-                    .sum::<f64>();
+                let both = rest[c].iter().zip(&moved[c]);
+                both.map(|(a, b)| ((a - b) / scale).powi(2)).sum()
+            })
+        };
+        let energies: Vec<[f64; CHANNELS]> = match candidate.act.carrier {
+            None => few.iter().map(of_run).collect(),
+            // No simulation knows its column.
+            Some(_) => {
+                let whitener = Whitener::estimate(&residuals(residual_model, few), self.used);
+                let of_run = |frame: &Frame| {
+                    let rows = self.direction(residual_model, &whitener, candidate, frame);
+                    rows.map(|row| row.iter().map(|x| x * x).sum())
+                };
+                few.iter().map(of_run).collect()
             }
-        }
+        };
+        let energy = |c: usize| match self.used[c] {
+            true => energies.iter().map(|of_run| of_run[c]).sum(),
+            false => 0.0,
+        };
         (0..CHANNELS)
-            .max_by(|a, b| energy[*a].total_cmp(&energy[*b]))
+            .max_by(|a, b| f64::total_cmp(&energy(*a), &energy(*b)))
             .unwrap_or(1)
+    }
+
+    /// What a typical amplitude of a candidate takes from the whitened rows of each channel, to
+    /// first order.
+    pub fn direction(
+        &self,
+        residual_model: &ResidualModel,
+        whitener: &Whitener,
+        candidate: &Candidate<Amplitude>,
+        frame: &Frame,
+    ) -> ChannelRows {
+        let design = Design {
+            residual_model,
+            whitener,
+            free_base: &self.free,
+            candidates: std::slice::from_ref(candidate),
+            local: &[],
+            windows: &[],
+        };
+        let columns = design.columns(frame);
+        let own = columns.column(OWN_LEVELS + design.fitted());
+        let mut used = own.as_slice().chunks_exact(frame.row_count().max(1));
+        let row = |c: usize| match c < BALANCES && self.used[c] {
+            true => used.next().map_or_else(Vec::new, <[f64]>::to_vec),
+            false => Vec::new(),
+        };
+        std::array::from_fn(row)
     }
 }
