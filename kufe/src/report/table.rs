@@ -167,8 +167,9 @@ fn layers(axes: &Axes, taken: &[usize]) -> Option<(String, Vec<String>)> {
     (!titles.is_empty()).then(|| (titles.join(", "), names))
 }
 
-/// The coordinates of a point along the axes of layers.
+/// The coordinates of a point along the axes of layers, to four digits.
 fn layer_name(point: &Point) -> String {
+    let rounded = |x: f64| format!("{x:.3e}").parse().unwrap_or(x);
     let values = [
         (point.rocker_radius, "m"),
         (point.speed, "m/s"),
@@ -176,7 +177,7 @@ fn layer_name(point: &Point) -> String {
     ];
     let texts = values
         .into_iter()
-        .filter_map(|(value, unit)| Some(format!("{} {unit}", value?)));
+        .filter_map(|(value, unit)| Some(format!("{} {unit}", rounded(value?))));
     texts.collect::<Vec<_>>().join(", ")
 }
 
