@@ -40,7 +40,7 @@ enum Command {
     Check(check::Args),
     /// Bring runs to one distance along their track, or estimate the track from them
     Align(align::Args),
-    /// Show runs over distance and time on one page, one over another and beside the model
+    /// Show runs over distance and time on one page, overlaid, with the model's curves
     View(view::Args),
 }
 

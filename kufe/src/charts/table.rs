@@ -12,7 +12,7 @@ use crate::results::Description;
 
 /// Cells of the map along each axis.
 const CELLS: usize = 240;
-/// Checks whose interpolation error is written beside them: those with the largest.
+/// Checks whose interpolation error labels them: those with the largest.
 const LABELS: usize = 8;
 /// Places that a picture of samples distinguishes along each axis.
 const PLACES: f64 = 500.0;

@@ -28,7 +28,7 @@ pub fn record_page(check: &RunCheck, curves: &[Vec<OddCurve>]) -> String {
         ),
     };
     let mut out = format!(
-        "<h1>Recorded runs</h1>\n<p class=\"told {class}\"><b>{verdict}</b> <small>{}</small></p>\n",
+        "<h1>Recorded runs</h1>\n<p class=\"finding {class}\"><b>{verdict}</b> <small>{}</small></p>\n",
         escape(&check.index)
     );
     let clean = check.runs.iter().filter(|run| is_clean(run)).count();
@@ -187,7 +187,7 @@ fn one_run(out: &mut String, number: usize, run: &Examination) {
     for finding in &own {
         let _ = writeln!(
             out,
-            "<p class=\"told {}\"><b>{}.</b> {}</p>",
+            "<p class=\"finding {}\"><b>{}.</b> {}</p>",
             finding.class,
             escape(&finding.head),
             escape(finding.what)
@@ -243,7 +243,7 @@ const MOST_NAMES: usize = 6;
 fn entry(out: &mut String, finding: &Finding, runs: &[Examination], curve: Option<&OddCurve>) {
     let _ = write!(
         out,
-        "<div class=\"told {}\"><p><b>{}.</b> {}</p>",
+        "<div class=\"finding {}\"><p><b>{}.</b> {}</p>",
         finding.class,
         escape(&finding.head),
         escape(finding.what)
@@ -334,7 +334,7 @@ mod tests {
             record_page(&RunCheck::new("runs.csv", runs), &curves)
         };
         let (few, many) = (page(2), page(42));
-        let boxes = |page: &str| page.matches("<div class=\"told").count();
+        let boxes = |page: &str| page.matches("<div class=\"finding").count();
         assert_eq!((boxes(&few), boxes(&many)), (2, 2), "{many}");
         assert!(
             many.contains("In 42 runs; the numbers are those of r&lt;0&gt;"),

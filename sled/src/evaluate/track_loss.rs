@@ -11,7 +11,7 @@ use crate::motion::state::State;
 /// Length of the stretches [m], which begin at its multiples: a third of a curve.
 const STRETCH_M: f64 = 25.0;
 
-/// What a stretch of the track costs beyond a straight glide.
+/// What a stretch of the track costs more than a straight glide.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TrackLoss {
     /// Where it begins [m].

@@ -158,7 +158,7 @@ fn summary(done: &Replay) -> String {
             &format!("{column:18} {rms:17.4} {end:17.4} {largest:17.4} at {largest_at_m:.0} m\n");
     }
     text += &format!(
-        "mean force along the sled that the model lacks: {:.1} N\n",
+        "mean force along the sled missing from the model: {:.1} N\n",
         done.mean_force_n
     );
     for section in &done.sections {

@@ -41,12 +41,12 @@ fn residuals(campaign: &Campaign, runs: &[&Run], rows: &[Vec<Row>], base: &Base)
     for (run, rows) in runs.iter().zip(rows) {
         let samples: Vec<Sample> = rows.iter().map(sample).collect();
         let slope = |s: f64| -campaign.surveyed(run, s);
-        let left = residuals_every(1, &sled, &campaign.conditions(run), &samples, &slope);
+        let rest = residuals_every(1, &sled, &campaign.conditions(run), &samples, &slope);
         let pick = [
-            left.iter().map(|r| r.x_mps2).collect::<Vec<f64>>(),
-            left.iter().map(|r| r.v_mps2).collect(),
-            left.iter().map(|r| r.y_mps2).collect(),
-            left.iter().map(|r| r.yaw_radps2).collect(),
+            rest.iter().map(|r| r.x_mps2).collect::<Vec<f64>>(),
+            rest.iter().map(|r| r.v_mps2).collect(),
+            rest.iter().map(|r| r.y_mps2).collect(),
+            rest.iter().map(|r| r.yaw_radps2).collect(),
         ];
         for ((all, mut values), cutoff) in all.iter_mut().zip(pick).zip(CUTOFF_HZ) {
             low_pass(&mut values, cutoff);
@@ -212,14 +212,14 @@ pub fn refitted(campaign: &Campaign, runs: &[&Run], rows: &[Vec<Row>]) -> (f64, 
     let mut base: Base = [1.0; 5];
     let change = columns(campaign, runs, rows, &base);
     for _ in 0..3 {
-        let left = residuals(campaign, runs, rows, &base);
+        let rest = residuals(campaign, runs, rows, &base);
         let inner = |a: &[Vec<f64>; 4], b: &[Vec<f64>; 4]| -> f64 {
             (0..4).map(|c| WEIGHTS[c].powi(2) * dot(&a[c], &b[c])).sum()
         };
         let gram = change
             .each_ref()
             .map(|a| change.each_ref().map(|b| inner(a, b)));
-        let right = change.each_ref().map(|a| -inner(a, &left));
+        let right = change.each_ref().map(|a| -inner(a, &rest));
         let mut step = [0.0; 5];
         for _ in 0..500 {
             for j in 0..5 {

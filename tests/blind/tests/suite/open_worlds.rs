@@ -267,7 +267,7 @@ fn a_box_that_is_pitched_feels_its_part_of_the_weight_and_its_gyros_feel_it_too(
     assert!((row[6] - 10.0).abs() < 1e-6);
 }
 
-/// What a quiet sled has beyond one rigid track is less than what its sensors' noise leaves; the
+/// By what a quiet sled differs from one rigid track is less than what its sensors' noise leaves; the
 /// friction of the model is that of the sled.
 #[test]
 fn in_the_quiet_family_the_stated_model_is_right_within_the_noise() {
