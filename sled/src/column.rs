@@ -1,12 +1,18 @@
 //! Quantities that runs record or state, each with its name in files, its unit and its label.
 
+use serde::Deserialize;
+
 /// Declares [`Column`]: variant, name in files, unit, label.
 macro_rules! columns {
     ($($column:ident $name:literal [$unit:literal] $label:literal)*) => {
         /// A quantity that is recorded or stated.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
         pub enum Column {
-            $(#[doc = concat!($label, " [", $unit, "].")] $column,)*
+            $(
+                #[doc = concat!($label, " [", $unit, "].")]
+                #[serde(rename = $name)]
+                $column,
+            )*
         }
 
         impl Column {
@@ -75,7 +81,8 @@ pub const COLUMNS: [&str; SENSORS] = {
 };
 
 /// A recorded channel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "Column")]
 pub enum Sensor {
     /// Specific force forward [m/s2].
     Ax,
@@ -126,5 +133,14 @@ impl Sensor {
     /// The sensor of this column.
     pub fn named(name: &str) -> Option<Sensor> {
         Sensor::ALL.into_iter().find(|sensor| sensor.name() == name)
+    }
+}
+
+impl TryFrom<Column> for Sensor {
+    type Error = String;
+
+    fn try_from(column: Column) -> Result<Self, String> {
+        let name = column.name();
+        Sensor::named(name).ok_or_else(|| format!("{name}: expected a column of a sensor"))
     }
 }

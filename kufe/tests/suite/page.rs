@@ -53,7 +53,7 @@ const GROUPS: [(ActsOn, &str); 8] = [
 ];
 
 /// Markdown tables of effects under a heading for what they act on: name, formula, parameters, signature, what looks alike.
-/// Sources stay in the effects' files.
+/// Sources stay in the catalogues.
 fn tables(effects: impl Iterator<Item = &'static Info>) -> String {
     let rows: Vec<&Info> = effects.collect();
     let mut page = String::new();

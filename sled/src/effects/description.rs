@@ -1,12 +1,15 @@
 //! What is known of an effect before it is fitted: name, formula, parameters, columns it needs, and
 //! the test that decides on it.
 
+use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
 
 use crate::column::Column;
+use crate::effects::Fault;
 
 /// What an effect acts on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ActsOn {
     /// The friction coefficient of a runner.
     Friction,
@@ -27,9 +30,11 @@ pub enum ActsOn {
 }
 
 /// How far the effect's formula can be trusted with its size.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Form {
     /// It holds at every admissible size.
+    #[default]
     Exact,
     /// It holds to first order in the size.
     FirstOrder,
@@ -38,7 +43,10 @@ pub enum Form {
 }
 
 /// What is known of an effect.
-#[derive(Clone, Copy, Debug)]
+///
+/// Read from a built-in catalogue, whose texts and lists live as long as the program.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Info {
     /// Name as in `[effects.NAME]`.
     pub name: &'static str,
@@ -49,18 +57,25 @@ pub struct Info {
     /// How it shows in data.
     pub signature: &'static str,
     /// What it acts on.
+    #[serde(deserialize_with = "leaked")]
     pub acts_on: &'static [ActsOn],
     /// Parameters in the order in which they are passed.
+    #[serde(deserialize_with = "leaked")]
     pub parameters: &'static [Parameter],
     /// What must be recorded or stated for the effect to act and to be testable.
+    #[serde(default, deserialize_with = "leaked")]
     pub needs: &'static [Column],
     /// Which test decides about it on runs.
+    #[serde(default)]
     pub judged: Judged,
     /// What friction experiments say of it, where it acts on the friction coefficient.
+    #[serde(default)]
     pub experiments: Experiments,
     /// Whether the formula holds at every size.
+    #[serde(default)]
     pub form: Form,
     /// Names of the effects with a similar signature.
+    #[serde(default, deserialize_with = "leaked")]
     pub looks_like: &'static [&'static str],
     /// What would distinguish it from those.
     pub decides: &'static str,
@@ -68,28 +83,20 @@ pub struct Info {
     pub source: &'static str,
     /// Parameters, known quantities and the number that the effect must give, by the names that
     /// files use: `0.5, 1000: mu 0.004, fz_n 2250 -> mu 0.006`. Everything else is 0.
+    #[serde(default)]
     pub example: &'static str,
+    /// Faults of sensors.
+    #[serde(default, deserialize_with = "leaked")]
+    pub faults: &'static [Fault],
+}
+
+fn leaked<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    list: D,
+) -> Result<&'static [T], D::Error> {
+    Ok(Vec::deserialize(list)?.leak())
 }
 
 impl Info {
-    /// The defaults of an entry: nothing needed, judged within runs, exact.
-    pub const NEW: Info = Info {
-        name: "",
-        summary: "",
-        formula: "",
-        signature: "",
-        acts_on: &[],
-        parameters: &[],
-        needs: &[],
-        judged: Judged::WithinRuns,
-        experiments: Experiments::AsNeeded,
-        form: Form::Exact,
-        looks_like: &[],
-        decides: "",
-        source: "",
-        example: "",
-    };
-
     /// The level on which it varies.
     pub fn level(&self) -> Level {
         self.judged.level()
@@ -152,7 +159,8 @@ impl Info {
 }
 
 /// A parameter of an effect: name, unit and the range that physics allows.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Parameter {
     /// Key in the model or case file, with its unit as a suffix.
     pub name: &'static str,
@@ -163,52 +171,22 @@ pub struct Parameter {
     /// Largest admissible value.
     pub high: f64,
     /// Value when the key is absent; 0 for an amplitude, which switches the effect off.
+    #[serde(default)]
     pub default: f64,
     /// Order of magnitude of a noticeable change; steps of differences are taken from it. 0 for a
     /// setting that is not fitted.
+    #[serde(default)]
     pub typical: f64,
     /// Values of a setting that a search tries in turn; the default alone where empty.
+    #[serde(default, deserialize_with = "leaked")]
     pub tried: &'static [f64],
     /// Which end of a window of distance the setting is, where it is one.
     pub edge: Option<Edge>,
 }
 
-/// An amplitude: 0 means off.
-pub const fn amplitude(
-    name: &'static str,
-    unit: &'static str,
-    low: f64,
-    high: f64,
-    typical: f64,
-) -> Parameter {
-    Parameter {
-        typical,
-        ..setting(name, unit, low, high, 0.0)
-    }
-}
-
-/// A setting that shapes the effect and is not fitted with it.
-pub const fn setting(
-    name: &'static str,
-    unit: &'static str,
-    low: f64,
-    high: f64,
-    default: f64,
-) -> Parameter {
-    Parameter {
-        name,
-        unit,
-        low,
-        high,
-        default,
-        typical: 0.0,
-        tried: &[],
-        edge: None,
-    }
-}
-
 /// An end of the stretch of distance on which an effect acts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Edge {
     /// Where it begins.
     From,
@@ -217,27 +195,9 @@ pub enum Edge {
 }
 
 impl Parameter {
-    /// A setting of which a search tries these values.
-    pub const fn tried(mut self, values: &'static [f64]) -> Self {
-        self.tried = values;
-        self
-    }
-
-    /// Where a stretch of the track begins [m].
-    pub const FROM: Self = Self {
-        edge: Some(Edge::From),
-        ..setting("from_m", "m", -1.0e5, 1.0e6, 0.0)
-    };
-
-    /// Where a stretch of the track ends [m].
-    pub const TO: Self = Self {
-        edge: Some(Edge::To),
-        ..setting("to_m", "m", -1.0e5, 1.0e6, 1.0e6)
-    };
-
-    /// Standard deviation of an amplitude from run to run: where it is not 0 every recorded run has
-    /// its own.
-    pub const SPREAD: Self = setting("spread_n", "N", 0.0, 20000.0, 0.0);
+    /// The key of the standard deviation of an amplitude from run to run: where it is not 0 every
+    /// recorded run has its own.
+    pub const SPREAD: &'static str = "spread_n";
 
     /// Whether the parameter is an amplitude, fitted to data.
     pub fn is_amplitude(&self) -> bool {
@@ -246,9 +206,11 @@ impl Parameter {
 }
 
 /// Which test decides about an effect on runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Judged {
     /// Sample by sample within runs, everywhere.
+    #[default]
     WithinRuns,
     /// Within runs, in a window of distance on one track that is searched for.
     InWindow,
@@ -306,12 +268,14 @@ impl Judged {
 }
 
 /// What a table of friction coefficients says of an effect on them.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Experiments {
     /// It can be tested where the columns that it needs are there and vary.
+    #[default]
     AsNeeded,
     /// It can be tested where these columns are there and vary.
-    Needs(&'static [Column]),
+    Needs(#[serde(deserialize_with = "leaked")] &'static [Column]),
     /// It cannot be tested, for this reason.
     Never(&'static str),
 }

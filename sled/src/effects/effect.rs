@@ -1,5 +1,7 @@
 //! An effect as a value: a plain description with plain functions.
 
+use serde::Deserialize;
+
 use crate::column::Sensor;
 use crate::effects::Info;
 use crate::effects::{Constants, Forces, OperatingPoint, Signals, State};
@@ -34,56 +36,52 @@ pub struct Effect {
     pub on_slope: Option<fn(&[f64], f64) -> f64>,
 }
 
-impl Info {
-    /// An effect without a law.
-    pub(crate) const fn effect(self) -> Effect {
+impl Effect {
+    /// An effect without a law but for the faults of sensors of its entry.
+    pub(crate) fn new(info: Info) -> Effect {
         Effect {
-            info: self,
+            info,
             on_friction: None,
             on_forces: None,
-            on_sensors: &[],
+            on_sensors: info.faults,
             relaxes: None,
             on_sled: None,
             on_slope: None,
         }
     }
 
-    /// An effect of these faults of sensors.
-    pub(crate) const fn faults(self, faults: &'static [Fault]) -> Effect {
-        Effect {
-            on_sensors: faults,
-            ..self.effect()
-        }
+    /// The effect with these faults of sensors.
+    pub(crate) fn on_sensors(mut self, faults: &'static [Fault]) -> Effect {
+        self.on_sensors = faults;
+        self
     }
-}
 
-impl Effect {
     /// The effect with a law for the friction coefficient.
-    pub(crate) const fn on_friction(mut self, law: FrictionLaw) -> Effect {
+    pub(crate) fn on_friction(mut self, law: FrictionLaw) -> Effect {
         self.on_friction = Some(law);
         self
     }
 
     /// The effect with a law for the forces.
-    pub(crate) const fn on_forces(mut self, law: ForceLaw) -> Effect {
+    pub(crate) fn on_forces(mut self, law: ForceLaw) -> Effect {
         self.on_forces = Some(law);
         self
     }
 
     /// The effect with a law for the constants of the sled.
-    pub(crate) const fn on_sled(mut self, law: fn(&[f64], &mut Constants)) -> Effect {
+    pub(crate) fn on_sled(mut self, law: fn(&[f64], &mut Constants)) -> Effect {
         self.on_sled = Some(law);
         self
     }
 
     /// The effect with a law for the track's slope.
-    pub(crate) const fn on_slope(mut self, law: fn(&[f64], f64) -> f64) -> Effect {
+    pub(crate) fn on_slope(mut self, law: fn(&[f64], f64) -> f64) -> Effect {
         self.on_slope = Some(law);
         self
     }
 
     /// The effect with the parameter that is a relaxation length.
-    pub(crate) const fn relaxes_after(mut self, parameter: usize) -> Effect {
+    pub(crate) fn relaxes_after(mut self, parameter: usize) -> Effect {
         self.relaxes = Some(parameter);
         self
     }
@@ -165,7 +163,8 @@ impl std::fmt::Debug for Effect {
 }
 
 /// How a reading departs from the truth by a size k.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Reading {
     /// `read = true + k`.
     Biased,
@@ -184,43 +183,26 @@ pub enum Reading {
 }
 
 /// A fault of one sensor with one parameter of an effect as its size.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Fault {
     /// The sensor.
     pub of: Sensor,
     /// Its law.
     pub reading: Reading,
     /// Place of the size among the effect's parameters.
+    #[serde(default)]
     pub parameter: usize,
 }
 
 impl Fault {
-    const fn new(of: Sensor, reading: Reading, parameter: usize) -> Self {
-        Self {
-            of,
-            reading,
-            parameter,
-        }
-    }
-
-    /// `read = true + k`.
-    pub const fn bias(of: Sensor, parameter: usize) -> Self {
-        Self::new(of, Reading::Biased, parameter)
-    }
-
-    /// `read = (1 + k) true`.
-    pub const fn scale(of: Sensor, parameter: usize) -> Self {
-        Self::new(of, Reading::Scaled, parameter)
-    }
-
-    /// `read(t) = true(t - k)`.
-    pub const fn lag(of: Sensor, parameter: usize) -> Self {
-        Self::new(of, Reading::Late, parameter)
-    }
-
     /// `read = true + factor k other`.
     pub const fn picks_up(of: Sensor, other: Sensor, factor: f64, parameter: usize) -> Self {
-        Self::new(of, Reading::PicksUp { other, factor }, parameter)
+        Self {
+            of,
+            reading: Reading::PicksUp { other, factor },
+            parameter,
+        }
     }
 
     /// The inertial unit turned by a small angle about x (left side up), y (nose down) and z (to

@@ -35,11 +35,9 @@ mod state;
 mod switched;
 
 pub use crate::column::{Column, SENSORS, Sensor};
-pub use catalogue::{CATALOGUE, find};
+pub use catalogue::{CATALOGUE, find, read_catalogue};
 pub use custom::{Channel, Custom, columns_of_forces, columns_of_sensors, is_column};
-pub use description::{
-    ActsOn, Edge, Experiments, Form, Info, Judged, Level, Parameter, amplitude, setting,
-};
+pub use description::{ActsOn, Edge, Experiments, Form, Info, Judged, Level, Parameter};
 pub use effect::{Effect, Fault, Reading};
 pub use expression::{Expression, ExpressionError};
 pub use series::{Relaxed, ahead};

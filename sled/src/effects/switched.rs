@@ -211,7 +211,7 @@ impl Active {
             return false;
         };
         let mut parameters = effect.info.parameters.iter().zip(&self.values);
-        parameters.any(|(p, value)| p.name == Parameter::SPREAD.name && *value > 0.0)
+        parameters.any(|(p, value)| p.name == Parameter::SPREAD && *value > 0.0)
     }
 
     /// Names of the columns that it needs.

@@ -30,7 +30,7 @@ fn outcome(
 
 #[test]
 fn every_example_gives_its_number() {
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter() {
         let name = effect.info.name;
         let example = Example::read(effect.info.example);
         let (wanted, found) = (example.gives, example.outcome(effect));
@@ -47,7 +47,7 @@ fn every_example_gives_its_number() {
 
 #[test]
 fn every_effect_is_off_at_its_defaults_and_acts_at_each_amplitude() {
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter() {
         let info = effect.info();
         let off = outcome(effect, &info.off());
         let nothing = (0.004, forces(), [signals(), signals()], 0.0);
@@ -73,7 +73,7 @@ fn every_effect_is_off_at_its_defaults_and_acts_at_each_amplitude() {
 
 #[test]
 fn every_effect_acts_on_what_it_says_and_on_nothing_else() {
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter() {
         let info = effect.info();
         let on: Vec<f64> = info
             .parameters
@@ -107,7 +107,7 @@ fn every_effect_acts_on_what_it_says_and_on_nothing_else() {
 
 #[test]
 fn names_are_unique_and_found_and_every_page_is_full() {
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter() {
         let info = effect.info();
         assert_eq!(find(info.name).map(|e| e.info.name), Some(info.name));
         let same = CATALOGUE.iter().filter(|e| e.info.name == info.name);
@@ -134,7 +134,7 @@ fn names_are_unique_and_found_and_every_page_is_full() {
 
 #[test]
 fn effects_of_a_place_have_a_window_and_others_have_none() {
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter() {
         let info = effect.info();
         let local = matches!(info.judged, Judged::InWindow | Judged::ByProfile);
         assert_eq!(info.window().is_some(), local, "{}", info.name);

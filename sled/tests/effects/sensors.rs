@@ -14,7 +14,7 @@ fn largest_error(a: &Signals, b: &Signals) -> f64 {
 
 #[test]
 fn what_disturb_does_correct_undoes() {
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter() {
         let info = effect.info();
         let on: Vec<f64> = info
             .parameters

@@ -53,7 +53,7 @@ fn every_effect_within_its_ranges_is_written_read_and_simulated() {
         ..SimulateOptions::default()
     };
     let mut undriven = Vec::new();
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter() {
         let info = effect.info();
         let mut driven = 0;
         for _ in 0..DRAWS {

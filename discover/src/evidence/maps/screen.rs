@@ -36,7 +36,7 @@ pub fn screen_maps(
     };
     let mapped = simulations.rows.iter().any(|r| r.map.is_some());
     let mut lines = Vec::new();
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter() {
         let name = effect.info().name;
         let on = active.iter().any(|(e, _)| e.info().name == name);
         if on || !options.looks_for(name) || (!mapped && effect.search.needs_map) {

@@ -1,47 +1,31 @@
-//! An effect on pressures: its laws, how a search follows it, and an example with the number it
-//! must give.
+//! An effect on pressures: its laws and how a search follows it.
 
 use kufe_contact::Problem;
-use kufe_sled::effects::{Form, Info, Judged, Parameter};
+use kufe_sled::effects::{Form, Info, Parameter};
+use serde::Deserialize;
 
 /// A switchable part of a contact problem or of its measurement; at size 0 it changes nothing.
+#[derive(Deserialize)]
+#[serde(bound(deserialize = "'de: 'static"))]
 pub struct Effect {
     /// Name, formula, parameter and source.
+    #[serde(flatten)]
     pub info: Info,
+    /// How a search follows it.
+    #[serde(default)]
+    pub search: Search,
     /// Changes the problem before it is solved; never called with size 0.
+    #[serde(skip)]
     pub on_problem: Option<fn(f64, &mut Problem)>,
     /// Changes the map as the sensor would; never called with size 0.
+    #[serde(skip)]
     pub on_map: Option<fn(f64, &mut Map)>,
     /// Factor of a peak pressure that is measured without a map.
+    #[serde(skip)]
     pub on_peak: Option<fn(f64) -> f64>,
-    /// How a search follows it.
-    pub search: Search,
-    /// A number that it must give.
-    pub example: Example,
 }
 
 impl Effect {
-    /// What a file of an effect leaves out: no law, a straight search.
-    pub(crate) const NEW: Effect = Effect {
-        info: Self::ON_PRESSURE,
-        on_problem: None,
-        on_map: None,
-        on_peak: None,
-        search: Search::NEW,
-        example: Example {
-            size: 0.0,
-            of: "",
-            measure: Measure::OfMap(|_| f64::NAN),
-            gives: f64::NAN,
-        },
-    };
-
-    /// What the description of an effect leaves out: it is judged by pressures.
-    pub(crate) const ON_PRESSURE: Info = Info {
-        judged: Judged::ByPressure,
-        ..Info::NEW
-    };
-
     /// What is known of it.
     pub fn info(&'static self) -> &'static Info {
         &self.info
@@ -91,31 +75,6 @@ impl std::fmt::Debug for Effect {
     }
 }
 
-/// A size and the number that it must give.
-///
-/// The problem is a rigid paraboloid of radii 30 m and 5 mm on a half-space of 9 GPa under 1 kN,
-/// free to turn; the map has 41 by 31 pixels of 1 mm, 1 MPa on the one in the middle.
-#[derive(Clone, Copy, Debug)]
-pub struct Example {
-    /// Size of the effect.
-    pub size: f64,
-    /// What is measured, in words, with its unit.
-    pub of: &'static str,
-    /// How it is measured.
-    pub measure: Measure,
-    /// What must come out.
-    pub gives: f64,
-}
-
-/// What is measured after an effect has acted.
-#[derive(Clone, Copy, Debug)]
-pub enum Measure {
-    /// Of the problem.
-    OfProblem(fn(&Problem) -> f64),
-    /// Of the map.
-    OfMap(fn(&Map) -> f64),
-}
-
 /// A pressure map on a regular grid, `ny` rows of `nx`, as a film or sensor array gives it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
@@ -136,9 +95,11 @@ pub struct Map {
 }
 
 /// How the maps follow the size of an effect.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Growth {
     /// Nearly in proportion.
+    #[default]
     Straight,
     /// In proportion to its square.
     Square,
@@ -149,9 +110,11 @@ pub enum Growth {
 }
 
 /// What two of the same effect, one after the other, are together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Adds {
     /// a + b.
+    #[default]
     Sums,
     /// (1 + a) (1 + b) - 1.
     Factors,
@@ -159,8 +122,10 @@ pub enum Adds {
     Squares,
 }
 
-/// How a search for the best size follows an effect.
-#[derive(Clone, Copy, Debug)]
+/// How a search for the best size follows an effect: straight from 0, sizes add up, peaks are
+/// enough, unless its entry says otherwise.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Search {
     /// Whether a peak pressure alone says next to nothing of it.
     pub needs_map: bool,
@@ -170,18 +135,11 @@ pub struct Search {
     pub adds: Adds,
     /// The size up to which it does nothing, from the problem and the largest pressure measured
     /// [Pa]; 0 where absent.
+    #[serde(skip)]
     pub begins: Option<fn(&Problem, f64) -> f64>,
 }
 
 impl Search {
-    /// Straight from 0, sizes add up, peaks are enough.
-    pub(crate) const NEW: Search = Search {
-        needs_map: false,
-        growth: Growth::Straight,
-        adds: Adds::Sums,
-        begins: None,
-    };
-
     /// From a size to its place on the line that the maps follow nearly straight.
     pub fn along(&self, size: f64) -> f64 {
         match self.growth {

@@ -13,7 +13,7 @@ use serde_json::{Map as JsonMap, Value, json};
 use crate::case::CaseError;
 
 pub use catalogue::{CATALOGUE, find};
-pub use effect::{Adds, Effect, Example, Growth, Map, Measure, Search};
+pub use effect::{Adds, Effect, Growth, Map, Search};
 pub use kufe_sled::effects::{Form, Info, Parameter};
 
 /// Changes a problem by the effects of a case's `[effects]` tables; those of the sensor leave it as

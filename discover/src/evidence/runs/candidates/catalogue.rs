@@ -33,7 +33,7 @@ pub fn list(data: &Data, own: &Effects, along: bool, options: &Options) -> Candi
         track: Vec::new(),
         untestable: Vec::new(),
     };
-    for effect in CATALOGUE {
+    for effect in CATALOGUE.iter() {
         let info = effect.info();
         if !options.looks_for(info.name) {
             continue;

@@ -65,7 +65,7 @@ mod tests {
             [1.3, 0.7, 1.1, 0.9, 1.2],
             Effects::default(),
         );
-        for effect in CATALOGUE {
+        for effect in CATALOGUE.iter() {
             for share in [0.0, 0.137, 1.0] {
                 let parameters = effect.info.parameters.iter();
                 let values = parameters.map(|p| match p.is_amplitude() {
