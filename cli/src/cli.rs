@@ -5,21 +5,9 @@ use clap::{Parser, Subcommand};
 use crate::terminal::Global;
 use crate::{about, bodies, friction, info, lut, press, records, report, runs, view};
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe press                        solve a built-in bobsled runner into out/
-  kufe init case.toml               write a commented case to edit
-  kufe press case.toml -o out/      solve it
-  kufe report out/                  one page of it: out/report.html
-  kufe view                         the same with sliders that solve again
-  kufe info out/pressure.exr        figures of the pressure map
-
-Exit codes: 0 done, 2 wrong arguments, 3 bad input or unwritable output,
-4 accuracy not reached, 5 partly done (run again to resume), 130 interrupted";
-
 /// Contact pressure, lookup tables, friction and dynamics of runners on ice.
 #[derive(Parser)]
-#[command(name = "kufe", version, propagate_version = true, after_help = EXAMPLES)]
+#[command(name = "kufe", version, propagate_version = true)]
 pub struct Cli {
     #[command(flatten)]
     /// Options that every command takes.

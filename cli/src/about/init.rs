@@ -9,18 +9,8 @@ use serde::Serialize;
 use crate::about::schema::{Kind, write_with_schema};
 use crate::terminal::Global;
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe init                       case.toml: one contact problem
-  kufe init --kind table          table.toml: a lookup table of case.toml
-  kufe init bob.toml --kind model  a sled and its friction
-
-The schema, case.schema.json, goes into the same folder; the file's first line names it: editors that read such schemas
-complete the keys and show what they mean.";
-
 /// Arguments of `kufe init`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// The file to write [default: case.toml, table.toml, model.toml or mapping.toml]
     pub file: Option<PathBuf>,

@@ -17,18 +17,8 @@ use schemars::generate::SchemaSettings;
 use crate::output::OutputFiles;
 use crate::terminal::{Global, say};
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe schema case                          print it
-  kufe schema model -o model.schema.json    write it
-  kufe schema result                        what kufe press writes to result.json
-
-An editor that knows JSON schemas for TOML (Even Better TOML, taplo) completes and checks a file whose first line is
-  #:schema ./case.schema.json";
-
 /// Arguments of `kufe schema`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Which file's
     pub document: Document,

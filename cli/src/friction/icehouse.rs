@@ -13,14 +13,8 @@ use crate::friction::{failure, open};
 use crate::output::OutputDir;
 use crate::terminal::Global;
 
-const EXAMPLES: &str = "\
-glides.csv has one row a run: run, file, specimen, direction, mass_kg, cda_m2, air_c, air_pa;
-with p_max_pa and p_max_sd_pa as well, experiments.csv is ready for kufe friction fit.
-A run's file has t_s, v_mps and optionally s_m.";
-
 /// Arguments of `kufe icehouse`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Index of the runs
     pub glides: PathBuf,

@@ -14,22 +14,12 @@ use kufe::jobs::Failure;
 
 use crate::terminal::Global;
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe lut bob-table.toml -o front.lut --csv --fmu     solve and write the table
-  kufe lut show front.lut                              draw it
-  kufe lut show front.lut --runs runs.csv --model model.toml   with where the runs lie on it
-  kufe lut query front.lut --fz-n 1800 --radius-m 40   interpolate it at a contact
-  kufe lut plan bob-table.toml -o plan --shards 50     cut it into shards, then:
-  kufe lut run plan --shard 7/50                       solve one of them
-  kufe lut merge plan -o front.lut                     put them together";
-
 /// The subcommands.
 const SUBCOMMANDS: [&str; 6] = ["show", "query", "export", "plan", "run", "merge"];
 
 /// Arguments of `kufe lut`.
 #[derive(clap::Args, Debug)]
-#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = EXAMPLES)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Args {
     #[command(subcommand)]
     command: Option<Command>,

@@ -14,20 +14,11 @@ use crate::output::OutputDir;
 use crate::report::read_json;
 use crate::terminal::Global;
 
-const EXAMPLES: &str = "\
-Example:
-  kufe compare worn/ new/ -o compared/
-
-Writes comparison.json, comparison.png (both maps in one scale of colours, their difference, cuts) and comparison.html.
-Differences are those of the second from the first. Maps on different grids are brought to the finer one, bilinear between
-pixels and 0 outside of a map.";
-
 /// Longest result [bytes].
 const LONGEST: u64 = 1 << 25;
 
 /// Arguments of `kufe compare`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Folder of the first contact, as kufe press writes it
     pub first: PathBuf,

@@ -13,24 +13,11 @@ use crate::terminal::Global;
 
 pub use pages::{LONGEST_TREE, read_json};
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe report out/                             a solved contact, to out/report.html
-  kufe report series/                          a series of contacts, over what was varied
-  kufe report front.lut -o front.html          a lookup table
-  kufe report evaluation/ -o drivers.html      losses of drivers
-  kufe report finding/ -o finding.html         the effects that kufe discover found
-  kufe report check/                           the faults that kufe runs check found
-  kufe report gathered/                        the runs that kufe runs gather has brought together
-
-The page is one file that needs no network: open it in a browser, or send it to someone.";
-
 /// The page of a folder, by default.
 const PAGE: &str = "report.html";
 
 /// Arguments of `kufe report`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// A folder that a command has written, or a lookup table (.lut)
     pub result: PathBuf,

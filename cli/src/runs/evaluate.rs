@@ -14,18 +14,8 @@ use crate::runs::arguments::RunArgs;
 use crate::runs::files::draw_tables;
 use crate::terminal::Global;
 
-const EXAMPLES: &str = "\
-Example:
-  kufe evaluate runs.csv --model model.toml -o evaluation/
-
-Writes evaluation.json, evaluation.csv (one row a run), box plots of the loss increases by driver on each track and
-by track, the time that drivers lose along each track, steering and slip angles by driver, and the force along the
-motion over one run. Where the model has tables,
-table_front.png and table_rear.png show where the samples lie on them.";
-
 /// Arguments of `kufe evaluate`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     #[command(flatten)]
     runs: RunArgs,

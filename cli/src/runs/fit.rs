@@ -10,16 +10,8 @@ use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
 use crate::terminal::Global;
 
-const EXAMPLES: &str = "\
-Example:
-  kufe fit lateral runs.csv --model model.toml --session d1,d2,d3 -o fit/
-
-Writes fit.json (front and rear: mu_zeta, c, e, k_n_per_rad with value, low, high), model.fit.toml,
-and the lateral force over slip for three ranges of load, front and rear.";
-
 /// Arguments of `kufe fit`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     #[command(subcommand)]
     what: What,

@@ -14,15 +14,8 @@ use crate::runs::arguments::RunArgs;
 use crate::runs::files::write_mat;
 use crate::terminal::Global;
 
-const EXAMPLES: &str = "\
-Example:
-  kufe validate runs.csv --model model.toml --fit fit/fit.json -o validation/
-
-Writes validation.json, rmse.png, and for each track the lateral force over time of its worst run.";
-
 /// Arguments of `kufe validate`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     #[command(flatten)]
     runs: RunArgs,

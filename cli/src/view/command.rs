@@ -15,17 +15,8 @@ use crate::view::form::Form;
 use crate::view::server::{Server, Solved, serve, solved};
 use crate::view::turn::Turn;
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe view                     the built-in runner, with sliders
-  kufe view case.toml           a case of your own; save what you find as case.toml
-  kufe view --port 8000         at an address that stays
-
-Open the address that is printed; Ctrl-C ends it. It listens on 127.0.0.1 only.";
-
 /// Arguments of `kufe view`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// The case to begin with; a built-in bobsled runner where none is given
     pub case: Option<PathBuf>,

@@ -11,20 +11,8 @@ use kufe_sled::{CONDITIONS, Conditions};
 
 use crate::terminal::Global;
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe simulate model.toml track.csv -o out/ --runs 4 --seed 7     four runs with the model's sensor noise
-  kufe simulate model.toml track.csv --skill 1 --no-noise          a steady driver and perfect sensors
-  kufe simulate model.toml track.csv --replay runs.csv --run A1-01  that run's start and steering, compared with the measurement
-  kufe simulate --sample-data sample/ --seed 1                     44 runs, five drivers, two tracks, stated truth
-
-The track has s_m, slope_rad (positive downhill), curvature_1pm (1/r_y, positive in a valley) and bank_rad (positive with
-the left side up). The output is what the other commands read: runs.csv, one file a run, the track. A replay needs v_mps and
-delta_rad of the run and compares speed, slip, yaw rate and roll split where they are recorded.";
-
 /// Arguments of `kufe simulate`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Model of the sled and its friction
     #[arg(value_name = "MODEL.toml", required_unless_present = "sample_data")]
