@@ -20,32 +20,6 @@ enum Law {
     Tabled(f64),
 }
 
-/// A parameter of the base laws that a fit may move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BaseParameter {
-    /// The longitudinal coefficient of both runners.
-    Longitudinal,
-    /// `mu_zeta` of the front runner.
-    FrontGrip,
-    /// `k_n_per_rad` of the front runner.
-    FrontStiffness,
-    /// `mu_zeta` of the rear runner.
-    RearGrip,
-    /// `k_n_per_rad` of the rear runner.
-    RearStiffness,
-}
-
-impl BaseParameter {
-    /// All of them.
-    pub const ALL: [BaseParameter; 5] = [
-        BaseParameter::Longitudinal,
-        BaseParameter::FrontGrip,
-        BaseParameter::FrontStiffness,
-        BaseParameter::RearGrip,
-        BaseParameter::RearStiffness,
-    ];
-}
-
 /// A sled with the friction of both runners.
 #[derive(Clone)]
 pub struct Vehicle {
@@ -249,23 +223,6 @@ impl Vehicle {
         }
     }
 
-    /// The vehicle with its base parameters times these multipliers, in the order of
-    /// [`BaseParameter::ALL`].
-    pub fn scaled(&self, by: &[f64; 5]) -> Vehicle {
-        let law = |law: &MagicFormula, grip: f64, stiffness: f64| MagicFormula {
-            mu_zeta: law.mu_zeta * grip,
-            k_n_per_rad: law.k_n_per_rad * stiffness,
-            ..*law
-        };
-        let mut vehicle = self.with_lateral(
-            law(&self.front.lateral, by[1], by[2]),
-            law(&self.rear.lateral, by[3], by[4]),
-        );
-        vehicle.front.mu_scale *= by[0];
-        vehicle.rear.mu_scale *= by[0];
-        vehicle
-    }
-
     /// The vehicle with other lateral laws, for fits.
     pub fn with_lateral(&self, front: MagicFormula, rear: MagicFormula) -> Vehicle {
         let mut vehicle = self.clone();
@@ -384,25 +341,6 @@ impl RunnerFriction {
             }
         };
         self.mu_scale * mu
-    }
-
-    /// How [`RunnerFriction::mu`] changes with the normal force [1/N], the curvature [m] and the
-    /// speed [s/m]: of a table by central differences over a thousandth of each.
-    pub fn mu_by(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> [f64; 3] {
-        if self.table().is_none() {
-            return [0.0; 3];
-        }
-        let at = [fz, curvature, speed];
-        let least = [1.0, 1e-6, 1e-3];
-        std::array::from_fn(|k| {
-            let step = (1e-3 * at[k].abs()).max(least[k]);
-            let moved = |by: f64| {
-                let mut there = at;
-                there[k] += by;
-                self.mu(there[0], there[1], there[2], ice_c)
-            };
-            (moved(step) - moved(-step)) / (2.0 * step)
-        })
     }
 
     /// Friction of groove and film over the mean of their table, where [`RunnerFriction::mu`] is

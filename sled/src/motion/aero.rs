@@ -24,16 +24,6 @@ pub fn drag(sled: &Sled, speed: f64, density: f64, beta: f64) -> f64 {
     }
 }
 
-/// How [`drag`] changes with `beta` [N/rad]; 0 at `beta = 0`, where it has a kink.
-#[inline]
-pub(crate) fn drag_by_slip(sled: &Sled, speed: f64, density: f64, beta: f64) -> f64 {
-    let side = if beta == 0.0 { 0.0 } else { beta.signum() };
-    match sled.cda_m2 * sled.yaw_drag_per_deg * side.to_degrees() {
-        0.0 => 0.0,
-        by => -0.5 * density * by * speed * speed,
-    }
-}
-
 /// Component of a body-frame force along the driving direction [N].
 ///
 /// ```text

@@ -13,11 +13,10 @@
 //! atan(v_y/v_x) to the centre of gravity. Fits, validation, evaluation, simulation and discovery
 //! all take their forces and balances from here.
 
-use crate::column::Sensor;
-use crate::effects::{self as effects, Active, Forces, OperatingPoint, Signals};
-use crate::friction::{GRAVITY, LateralDerivatives, sin_cos_near};
+use crate::effects::{self as effects, Forces, OperatingPoint};
+use crate::friction::{LateralDerivatives, sin_cos_near};
 use crate::model::sled::Sled;
-use crate::model::vehicle::{BaseParameter, RunnerFriction, Vehicle};
+use crate::model::vehicle::{RunnerFriction, Vehicle};
 use crate::motion::aero;
 use crate::motion::state::{AxleForces, Motion, Resultant, State, turned};
 use schemars::JsonSchema;
@@ -33,15 +32,15 @@ pub struct Balance {
     /// What the sensors say of the motion; zero where it is not known yet.
     pub motion: Motion,
     /// Sine and cosine of the steering angle.
-    pub(crate) steer: (f64, f64),
+    pub steer: (f64, f64),
     /// Sine and cosine of the roll-split angle.
-    pub(crate) split: (f64, f64),
+    pub split: (f64, f64),
     /// Sine and cosine of the slip angles at the runners.
-    pub(crate) slips: [(f64, f64); 2],
+    pub slips: [(f64, f64); 2],
     /// Sine and cosine of the slip angle at the centre of gravity.
-    pub(crate) chassis: (f64, f64),
+    pub chassis: (f64, f64),
     /// Drag of the base model, never positive [N].
-    pub(crate) drag: f64,
+    pub drag: f64,
 }
 
 /// What the three balances of the sled in its plane leave: measured less modelled.
@@ -231,40 +230,6 @@ impl Balance {
             yaw_nm: self.sled.j_zz_kgm2 * self.motion.yaw_accel_radps2 - sum.mz_nm,
         }
     }
-
-    /// What the balances leave with one more effect, `seen` being this instant and `forces` those
-    /// without it.
-    pub fn left_with(
-        &self,
-        effect: &Active,
-        seen: &effects::State,
-        forces: &Forces,
-    ) -> BalanceResidual {
-        let mut forces = *forces;
-        effect.act(seen, &mut forces);
-        self.residual(&forces)
-    }
-
-    /// What the balance along the track's axis leaves [m/s2], the slope [rad] being positive
-    /// downhill.
-    ///
-    /// `signals` are those of the instant, faults taken out; speed and slip with their rates.
-    pub fn left_along_axis(&self, signals: &Signals, slope: f64) -> f64 {
-        let (v, v_rate) = (signals[Sensor::Speed], signals.rate(Sensor::Speed));
-        let (slip, slip_rate) = (signals[Sensor::Slip], signals.rate(Sensor::Slip));
-        let (sine, cosine) = slip.sin_cos();
-        let forward = v_rate * cosine - v * sine * slip_rate;
-        let across = -v * sine - self.sled.slip_x_m * self.state.yaw_rate_radps;
-        let a = &self.motion.accel_mps2;
-        forward - GRAVITY * slope.sin() - a[0] - self.state.yaw_rate_radps * across
-    }
-
-    /// What the balance along the sled's way leaves [m/s2], the slope [rad] being positive
-    /// downhill.
-    pub fn left_along_way(&self, signals: &Signals, slope: f64) -> f64 {
-        let (a, (sine, cosine)) = (&self.motion.accel_mps2, self.chassis);
-        signals.rate(Sensor::Speed) - GRAVITY * slope.sin() - a[0] * cosine + a[1] * sine
-    }
 }
 
 /// What the base laws of both runners give, before any effect.
@@ -276,28 +241,6 @@ pub struct LawForces {
     pub lateral: [LateralDerivatives; 2],
     /// The forces; those on the body are 0.
     pub forces: Forces,
-}
-
-impl LawForces {
-    /// The forces to first order, with a base parameter of the vehicle moved by a share of itself.
-    pub fn moved(&self, vehicle: &Vehicle, parameter: BaseParameter, share: f64) -> Forces {
-        let mut forces = self.forces;
-        let across = &mut forces.across;
-        let (front, rear) = (&vehicle.front.lateral, &vehicle.rear.lateral);
-        let [by_front, by_rear] = &self.lateral;
-        match parameter {
-            BaseParameter::Longitudinal => forces.along.iter_mut().for_each(|f| *f *= 1.0 + share),
-            BaseParameter::FrontGrip => across[0] += front.mu_zeta * share * by_front.mu_zeta,
-            BaseParameter::FrontStiffness => {
-                across[0] += front.k_n_per_rad * share * by_front.k_n_per_rad;
-            }
-            BaseParameter::RearGrip => across[1] += rear.mu_zeta * share * by_rear.mu_zeta,
-            BaseParameter::RearStiffness => {
-                across[1] += rear.k_n_per_rad * share * by_rear.k_n_per_rad;
-            }
-        }
-        forces
-    }
 }
 
 impl Balance {

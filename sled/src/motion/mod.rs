@@ -4,5 +4,4 @@ pub mod aero;
 pub(crate) mod balance;
 pub mod one_track;
 pub(crate) mod outside;
-pub(crate) mod residual_jacobian;
 pub(crate) mod state;

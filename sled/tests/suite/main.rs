@@ -4,7 +4,6 @@
 mod align;
 mod effects_in_commands;
 mod effects_in_the_loop;
-mod left_by;
 mod real_car;
 mod recorded;
 mod replay;

@@ -7,6 +7,7 @@ pub(crate) mod installation;
 pub(crate) mod instant;
 pub(crate) mod on_run;
 pub(crate) mod readings;
+pub(crate) mod residual_jacobian;
 pub(crate) mod residual_model;
 pub(crate) mod whiten;
 pub(crate) mod windows;

@@ -8,13 +8,13 @@ use std::sync::OnceLock;
 
 use kufe_sled::effects::{Active, Constants, Forces, OperatingPoint, Relaxed, Sensor, Signals};
 use kufe_sled::{
-    Balance, BaseParameter, Conditions, Motion, ResidualJacobian, Sled, State, Vehicle, aero,
-    from_sensors,
+    Balance, Conditions, GRAVITY, LawForces, Motion, Sled, State, Vehicle, aero, from_sensors,
 };
 
 use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::instant::Instant;
 use crate::evidence::runs::model::readings::Differences;
+use crate::evidence::runs::model::residual_jacobian::ResidualJacobian;
 use crate::evidence::runs::model::residual_model::{
     BALANCES, CHANNELS, ChannelRows, ResidualModel,
 };
@@ -92,7 +92,7 @@ pub struct ModelOnRun<'a> {
 impl<'a> ModelOnRun<'a> {
     /// Prepares a run.
     pub fn new(residual_model: &'a ResidualModel, frame: &'a Frame) -> Self {
-        let mut vehicle = residual_model.vehicle.scaled(&residual_model.base);
+        let mut vehicle = residual_model.scaled_vehicle();
         let effects = residual_model.effects.on_track(&frame.track);
         let delays = effects.delays();
         vehicle.effects = effects.in_time();
@@ -268,7 +268,7 @@ impl<'a> ModelOnRun<'a> {
     pub fn left_by(&self, at: &Instant, forces: &Forces) -> Option<ResidualJacobian> {
         let moves = at.signals[Sensor::Speed] > LEAST_SPEED;
         let plain = moves && *forces == at.laws.forces;
-        plain.then(|| at.balance.left_by(&self.vehicle, &at.laws, &at.signals))
+        plain.then(|| ResidualJacobian::new(&at.balance, &self.vehicle, &at.laws, &at.signals))
     }
 
     /// By how much the balances of a sample, `own` as it is, change where its sensors read otherwise and the sled is another.
@@ -316,7 +316,7 @@ impl<'a> ModelOnRun<'a> {
     /// Balances with base multiplier `b` moved by a small `step`.
     pub fn balances_with_base(&self, at: &Instant, b: usize, step: f64) -> [f64; BALANCES] {
         let share = step / self.residual_model.base[b];
-        let moved = at.laws.moved(&self.vehicle, BaseParameter::ALL[b], share);
+        let moved = moved(&at.laws, &self.vehicle, b, share);
         self.balances(at, &self.with_effects(at, moved))
     }
 
@@ -327,9 +327,9 @@ impl<'a> ModelOnRun<'a> {
         };
         let slope = slope + self.vehicle.effects.slope("", self.frame.s[i]);
         if self.residual_model.along_path {
-            balance.left_along_way(signals, slope)
+            left_along_way(balance, signals, slope)
         } else {
-            balance.left_along_axis(signals, slope)
+            left_along_axis(balance, signals, slope)
         }
     }
 
@@ -415,7 +415,7 @@ impl<'a> ModelOnRun<'a> {
             effect.correct(&at.seen.point, &mut signals);
         }
         if signals == at.signals {
-            return at.balance.left_with(effect, &at.seen, forces).values();
+            return left_with(effect, at, forces);
         }
         // Another signal is another motion; what changes what a sensor reads acts on no force.
         if let Some(by) = by {
@@ -424,9 +424,48 @@ impl<'a> ModelOnRun<'a> {
         }
         let other = self.instant_near(i, &signals, at);
         let forces = self.forces(&other);
-        other
-            .balance
-            .left_with(effect, &other.seen, &forces)
-            .values()
+        left_with(effect, &other, &forces)
     }
+}
+
+/// What the balances leave with one more effect, `forces` being those without it.
+fn left_with(effect: &Active, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
+    let mut forces = *forces;
+    effect.act(&at.seen, &mut forces);
+    at.balance.residual(&forces).values()
+}
+
+/// Forces of the base laws to first order, with base parameter `b` moved by a share of itself.
+fn moved(laws: &LawForces, vehicle: &Vehicle, b: usize, share: f64) -> Forces {
+    let mut forces = laws.forces;
+    let across = &mut forces.across;
+    let (front, rear) = (&vehicle.front.lateral, &vehicle.rear.lateral);
+    let [by_front, by_rear] = &laws.lateral;
+    match b {
+        0 => forces.along.iter_mut().for_each(|f| *f *= 1.0 + share),
+        1 => across[0] += front.mu_zeta * share * by_front.mu_zeta,
+        2 => across[0] += front.k_n_per_rad * share * by_front.k_n_per_rad,
+        3 => across[1] += rear.mu_zeta * share * by_rear.mu_zeta,
+        _ => across[1] += rear.k_n_per_rad * share * by_rear.k_n_per_rad,
+    }
+    forces
+}
+
+/// What the balance along the track's axis leaves [m/s2], the slope [rad] being positive downhill.
+///
+/// `signals` are those of the instant, faults taken out; speed and slip with their rates.
+fn left_along_axis(balance: &Balance, signals: &Signals, slope: f64) -> f64 {
+    let (v, v_rate) = (signals[Sensor::Speed], signals.rate(Sensor::Speed));
+    let (slip, slip_rate) = (signals[Sensor::Slip], signals.rate(Sensor::Slip));
+    let (sine, cosine) = slip.sin_cos();
+    let forward = v_rate * cosine - v * sine * slip_rate;
+    let yaw_rate = balance.state.yaw_rate_radps;
+    let across = -v * sine - balance.sled.slip_x_m * yaw_rate;
+    forward - GRAVITY * slope.sin() - balance.motion.accel_mps2[0] - yaw_rate * across
+}
+
+/// What the balance along the sled's way leaves [m/s2], the slope [rad] being positive downhill.
+fn left_along_way(balance: &Balance, signals: &Signals, slope: f64) -> f64 {
+    let (a, (sine, cosine)) = (&balance.motion.accel_mps2, balance.chassis);
+    signals.rate(Sensor::Speed) - GRAVITY * slope.sin() - a[0] * cosine + a[1] * sine
 }

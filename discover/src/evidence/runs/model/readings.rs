@@ -1,9 +1,9 @@
 //! What the sensors of a run would say, and what its sled would be, were something else off a little.
 
-use kufe_sled::ResidualJacobian;
 use kufe_sled::effects::{Constants, Sensor, Signals};
 
 use crate::evidence::runs::model::channels::Channels;
+use crate::evidence::runs::model::residual_jacobian::ResidualJacobian;
 use crate::evidence::runs::model::residual_model::{BALANCES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 

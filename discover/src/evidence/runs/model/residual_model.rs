@@ -93,8 +93,25 @@ impl ResidualModel {
 
     /// The lateral laws with the base multipliers applied, front and rear.
     pub fn laws(&self) -> [MagicFormula; 2] {
-        let vehicle = self.vehicle.scaled(&self.base);
+        let vehicle = self.scaled_vehicle();
         [vehicle.front.lateral, vehicle.rear.lateral]
+    }
+
+    /// The vehicle with its base parameters times the base multipliers.
+    pub fn scaled_vehicle(&self) -> Vehicle {
+        let by = &self.base;
+        let law = |law: &MagicFormula, grip: f64, stiffness: f64| MagicFormula {
+            mu_zeta: law.mu_zeta * grip,
+            k_n_per_rad: law.k_n_per_rad * stiffness,
+            ..*law
+        };
+        let mut vehicle = self.vehicle.with_lateral(
+            law(&self.vehicle.front.lateral, by[1], by[2]),
+            law(&self.vehicle.rear.lateral, by[3], by[4]),
+        );
+        vehicle.front.mu_scale *= by[0];
+        vehicle.rear.mu_scale *= by[0];
+        vehicle
     }
 
     /// The same, with the installation fixed or not.

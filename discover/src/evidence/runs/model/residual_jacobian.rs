@@ -10,11 +10,8 @@
 //!
 //! the laws to first order, the front runner's load as [`Balance::laws_near`] has it.
 
-use crate::column::{SENSORS, Sensor};
-use crate::effects::{Constants, Signals};
-use crate::model::vehicle::{RunnerFriction, Vehicle};
-use crate::motion::aero;
-use crate::motion::balance::{Balance, LawForces};
+use kufe_sled::effects::{Constants, SENSORS, Sensor, Signals};
+use kufe_sled::{Balance, LawForces, RunnerFriction, Sled, Vehicle};
 
 /// Derivatives of the balances along, aside and about the vertical, in the shape of what they are
 /// taken by.
@@ -100,36 +97,21 @@ impl ResidualJacobian {
         };
         sum([(1.0, &total), (1.0, &self.of_constants(&by))])
     }
-}
 
-/// Longitudinal force of a runner by its load, the curvature, the speed and its slip.
-struct Along {
-    load: f64,
-    curvature: f64,
-    speed: f64,
-    slip: f64,
-}
-
-impl Balance {
-    /// Derivatives of [`Balance::left`] of the base laws' forces `of`, by what the sensors say and
-    /// the constants of the sled.
+    /// Derivatives of [`Balance::residual`] of the base laws' forces `of`, by what the sensors say
+    /// and the constants of the sled.
     ///
-    /// `signals` are those from which the balance was made ([`from_sensors`](crate::from_sensors)).
-    /// Effects are not counted.
-    pub fn left_by(
-        &self,
-        vehicle: &Vehicle,
-        of: &LawForces,
-        signals: &Signals,
-    ) -> ResidualJacobian {
-        let (sled, state, motion) = (&self.sled, &self.state, &self.motion);
+    /// `signals` are those from which the balance was made
+    /// ([`from_sensors`](kufe_sled::from_sensors)). Effects are not counted.
+    pub fn new(at: &Balance, vehicle: &Vehicle, of: &LawForces, signals: &Signals) -> Self {
+        let (sled, state, motion) = (&at.sled, &at.state, &at.motion);
         let (m, v) = (sled.mass_kg, state.v_mps);
-        let ((sd, cd), (sg, cg)) = (self.steer, self.split);
+        let ((sd, cd), (sg, cg)) = (at.steer, at.split);
         let (fx, [fy, fy_r]) = (of.forces.along[0], of.forces.across);
         let (l_f, l_r, length) = (sled.l_f_m, sled.l_r_m, sled.wheelbase_m());
         let [front, rear] = &of.lateral;
-        let along = self.along_by(&vehicle.front, self.slips[0], of.load_n[0]);
-        let along_r = self.along_by(&vehicle.rear, self.slips[1], of.load_n[1]);
+        let along = Along::of(at, &vehicle.front, at.slips[0], of.load_n[0]);
+        let along_r = Along::of(at, &vehicle.rear, at.slips[1], of.load_n[1]);
 
         // Forces at the centre of gravity, x, y and about z, by those of the runners and the angles
         // between them.
@@ -166,9 +148,8 @@ impl Balance {
         let axle_f = sum([(1.0, &aside(-sg / cg)), (load_by(-1.0), &by_load)]);
         let axle_r = sum([(rear.fz, &by_fy_r), (along_r.load, &by_fx_r)]);
         let curvature = sum([(along.curvature, &by_fx), (along_r.curvature, &by_fx_r)]);
-        let ((sine, cosine), drag) = (self.chassis, self.drag);
-        let drag_by_slip =
-            -aero::drag_by_slip(sled, v, state.air_density_kgpm3, -state.alpha_cog_rad);
+        let ((sine, cosine), drag) = (at.chassis, at.drag);
+        let drag_by_slip = -drag_by_slip(sled, v, state.air_density_kgpm3, -state.alpha_cog_rad);
         let chassis = [
             drag_by_slip * cosine - drag * sine,
             -drag_by_slip * sine - drag * cosine,
@@ -185,12 +166,12 @@ impl Balance {
         // From there to what the sensors say; the rest falls as the forces rise.
         let [a_x, a_y, a_z] = motion.accel_mps2;
         let (yaw, pitch) = (state.yaw_rate_radps, state.pitch_rate_radps);
-        let at = |place: f64| (place - sled.slip_x_m) / v;
+        let lever = |place: f64| (place - sled.slip_x_m) / v;
         let slips = sum([(1.0, &chassis), (1.0, &slip_f), (1.0, &slip_r)]);
         let by_turn = sum([
-            (-at(0.0), &chassis),
-            (-at(l_f), &slip_f),
-            (-at(-l_r), &slip_r),
+            (-lever(0.0), &chassis),
+            (-lever(l_f), &slip_f),
+            (-lever(-l_r), &slip_r),
         ]);
         let turn = yaw / v;
         let up = sum([(-m * l_r / length, &axle_f), (-m * l_f / length, &axle_r)]);
@@ -249,12 +230,32 @@ impl Balance {
         by.axles[1][2] += fy_r;
         by
     }
+}
 
-    fn along_by(&self, runner: &RunnerFriction, (sine, cosine): (f64, f64), load: f64) -> Along {
-        let at = &self.state;
+/// Longitudinal force of a runner by its load, the curvature, the speed and its slip.
+struct Along {
+    load: f64,
+    curvature: f64,
+    speed: f64,
+    slip: f64,
+}
+
+impl Along {
+    fn of(
+        balance: &Balance,
+        runner: &RunnerFriction,
+        (sine, cosine): (f64, f64),
+        load: f64,
+    ) -> Self {
+        let at = &balance.state;
         let mu = runner.mu(load, at.curvature_1pm, at.v_mps, at.conditions.ice_c);
-        let [by_load, by_curvature, by_speed] =
-            runner.mu_by(load, at.curvature_1pm, at.v_mps, at.conditions.ice_c);
+        let [by_load, by_curvature, by_speed] = mu_by(
+            runner,
+            load,
+            at.curvature_1pm,
+            at.v_mps,
+            at.conditions.ice_c,
+        );
         let pressed = load.max(0.0);
         let own = if load > 0.0 { mu } else { 0.0 };
         Along {
@@ -262,6 +263,161 @@ impl Balance {
             curvature: -by_curvature * pressed * cosine,
             speed: -by_speed * pressed * cosine,
             slip: mu * pressed * sine,
+        }
+    }
+}
+
+/// How [`RunnerFriction::mu`] changes with the normal force [1/N], the curvature [m] and the speed
+/// [s/m]: of a table by central differences over a thousandth of each.
+fn mu_by(runner: &RunnerFriction, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> [f64; 3] {
+    if runner.table().is_none() {
+        return [0.0; 3];
+    }
+    let at = [fz, curvature, speed];
+    let least = [1.0, 1e-6, 1e-3];
+    std::array::from_fn(|k| {
+        let step = (1e-3 * at[k].abs()).max(least[k]);
+        let moved = |by: f64| {
+            let mut there = at;
+            there[k] += by;
+            runner.mu(there[0], there[1], there[2], ice_c)
+        };
+        (moved(step) - moved(-step)) / (2.0 * step)
+    })
+}
+
+/// How the drag of the base model changes with `beta` [N/rad]; 0 at `beta = 0`, where it has a
+/// kink.
+fn drag_by_slip(sled: &Sled, speed: f64, density: f64, beta: f64) -> f64 {
+    let side = if beta == 0.0 { 0.0 } else { beta.signum() };
+    match sled.cda_m2 * sled.yaw_drag_per_deg * side.to_degrees() {
+        0.0 => 0.0,
+        by => -0.5 * density * by * speed * speed,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kufe_sled::effects::OperatingPoint;
+    use kufe_sled::{Model, from_sensors};
+
+    use super::*;
+
+    /// A sled that slips, steers, pitches and turns, all at once.
+    fn signals(sled: &Sled, k: usize) -> Signals {
+        let wave = |c: usize| (1.7 * c as f64 + 0.9 * k as f64).sin();
+        let mut signals = Signals {
+            sled: Constants {
+                accelerometer: [0.3, -0.1, 0.25],
+                slip_sensor: -0.6,
+                ..sled.constants()
+            },
+            ..Signals::default()
+        };
+        signals[Sensor::Ax] = 0.5 * wave(1);
+        signals[Sensor::Ay] = 4.0 * wave(2);
+        signals[Sensor::Az] = 18.0 + 8.0 * wave(3);
+        signals.set(Sensor::RollRate, 0.4 * wave(4), 2.0 * wave(5));
+        signals.set(Sensor::PitchRate, 0.5 * wave(6), 1.5 * wave(7));
+        signals.set(Sensor::YawRate, 0.3 * wave(8), 1.1 * wave(9));
+        signals.set(Sensor::Speed, 28.0 + 7.0 * wave(10), 0.4);
+        signals.set(Sensor::Slip, 0.02 * wave(11), 0.1);
+        signals.set(Sensor::Steering, 0.03 * wave(12), 0.2);
+        signals[Sensor::RollSplit] = 0.05 * wave(13);
+        signals
+    }
+
+    /// What the balances leave.
+    fn left(vehicle: &Vehicle, signals: &Signals) -> [f64; 3] {
+        let balance = balance(vehicle, signals);
+        balance.residual(&balance.laws(vehicle).forces).values()
+    }
+
+    fn balance(vehicle: &Vehicle, signals: &Signals) -> Balance {
+        let mut sled = vehicle.sled;
+        sled.set_constants(&signals.sled);
+        let at = OperatingPoint {
+            air_density: 1.2,
+            ..OperatingPoint::default()
+        };
+        let (state, motion) = from_sensors(&sled, signals, &at);
+        Balance::new(&sled, &state, &motion)
+    }
+
+    #[test]
+    fn derivatives_by_every_sensor_and_constant_are_those_of_the_balances() {
+        let vehicle = Vehicle::new(&Model::published()).unwrap();
+        type Move = (&'static str, f64, fn(&mut Signals, f64));
+        let mut moves: Vec<Move> = vec![
+            ("mass", 1.0, |s, by| s.sled.mass += by),
+            ("pitch inertia", 1.0, |s, by| s.sled.pitch_inertia += by),
+            ("yaw inertia", 1.0, |s, by| s.sled.yaw_inertia += by),
+            ("front axle", 1e-3, |s, by| s.sled.axles[0] += by),
+            ("rear axle", 1e-3, |s, by| s.sled.axles[1] += by),
+            ("accelerometer x", 1e-3, |s, by| {
+                s.sled.accelerometer[0] += by
+            }),
+            ("accelerometer y", 1e-3, |s, by| {
+                s.sled.accelerometer[1] += by
+            }),
+            ("accelerometer z", 1e-3, |s, by| {
+                s.sled.accelerometer[2] += by
+            }),
+            ("slip sensor", 1e-3, |s, by| s.sled.slip_sensor += by),
+            ("roll acceleration", 1e-3, |s, by| {
+                s.rate[Sensor::RollRate as usize] += by
+            }),
+            ("pitch acceleration", 1e-3, |s, by| {
+                s.rate[Sensor::PitchRate as usize] += by
+            }),
+            ("yaw acceleration", 1e-3, |s, by| {
+                s.rate[Sensor::YawRate as usize] += by
+            }),
+        ];
+        moves.extend([
+            (
+                "ax",
+                1e-3,
+                (|s, by| s[Sensor::Ax] += by) as fn(&mut Signals, f64),
+            ),
+            ("ay", 1e-3, |s, by| s[Sensor::Ay] += by),
+            ("az", 1e-3, |s, by| s[Sensor::Az] += by),
+            ("roll rate", 1e-4, |s, by| s[Sensor::RollRate] += by),
+            ("pitch rate", 1e-4, |s, by| s[Sensor::PitchRate] += by),
+            ("yaw rate", 1e-4, |s, by| s[Sensor::YawRate] += by),
+            ("speed", 1e-3, |s, by| s[Sensor::Speed] += by),
+            ("slip", 1e-5, |s, by| s[Sensor::Slip] += by),
+            ("steering", 1e-5, |s, by| s[Sensor::Steering] += by),
+            ("roll-split", 1e-5, |s, by| s[Sensor::RollSplit] += by),
+        ]);
+        for k in 0..12 {
+            let at = signals(&vehicle.sled, k);
+            let here = balance(&vehicle, &at);
+            let laws = here.laws(&vehicle);
+            let by = ResidualJacobian::new(&here, &vehicle, &laws, &at);
+            for (name, step, moved) in &moves {
+                let there = |by: f64| {
+                    let mut there = at;
+                    moved(&mut there, by);
+                    there
+                };
+                let (up, down) = (there(*step), there(-step));
+                let (plus, minus) = (left(&vehicle, &up), left(&vehicle, &down));
+                let closed = by.between(&down, &up);
+                let largest = plus.iter().zip(minus).map(|(p, m)| (p - m).abs());
+                let size = largest.fold(1e-9, f64::max);
+                for c in 0..3 {
+                    // The load's own equation is solved to 1e-6, and the second order of differences is
+                    // below that.
+                    let off = (plus[c] - minus[c] - closed[c]).abs();
+                    assert!(
+                        off < 2e-4 * size,
+                        "{name} {c} at {k}: {} {}",
+                        plus[c] - minus[c],
+                        closed[c]
+                    );
+                }
+            }
         }
     }
 }
