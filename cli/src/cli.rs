@@ -1,5 +1,7 @@
 //! The command line: global options and the commands.
 
+use std::path::Path;
+
 use clap::{Parser, Subcommand};
 
 use crate::terminal::Global;
@@ -63,4 +65,19 @@ pub enum Command {
     Completions(about::completions::Args),
     /// Write the manual pages
     Man(about::completions::ManArgs),
+}
+
+/// What to say of a word that is no file and nearly one of a command's `subcommands`.
+pub fn misspelt(word: &str, subcommands: &[&str]) -> Option<String> {
+    if Path::new(word).extension().is_some() || Path::new(word).exists() {
+        return None;
+    }
+    let like = subcommands.iter();
+    let like = like.map(|name| (strsim::jaro_winkler(word, name), name));
+    let (_, name) = like
+        .filter(|(likeness, _)| *likeness > 0.7)
+        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(format!(
+        "unrecognized subcommand '{word}'\n\n  tip: a similar subcommand exists: '{name}'"
+    ))
 }

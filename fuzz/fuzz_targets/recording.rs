@@ -5,7 +5,7 @@ use kufe_telemetry::{Mapping, TextOptions, guess_mapping, read_text};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    if let Ok(log) = read_text(bytes, TextOptions::default(), None, "a.csv") {
+    if let Ok(log) = read_text(bytes, TextOptions::default(), None, 1_000_000, "a.csv") {
         let _ = guess_mapping(&[("a.csv".into(), log)]);
     }
     let _ = Mapping::parse(&String::from_utf8_lossy(bytes), "mapping.toml");

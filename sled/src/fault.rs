@@ -14,6 +14,8 @@ pub enum FaultKind {
     Sign,
     /// Two channels under one another's names.
     Swapped,
+    /// Both vectors of a sensor box that is turned.
+    Rotation,
     /// A specific force from which gravity was taken.
     Gravity,
     /// One value throughout.
@@ -33,7 +35,7 @@ pub struct Fault {
     pub run: String,
     /// Its file.
     pub file: String,
-    /// The channels, one but for swapped ones.
+    /// The channels, one but for swapped ones and those of a box.
     pub columns: Vec<String>,
     /// What is wrong.
     pub kind: FaultKind,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use kufe_sled::COLUMNS;
+use kufe_sled::{COLUMNS, Sensor};
 
 use crate::log::{Channel, Log};
 use crate::plan::index_help;
@@ -133,6 +133,11 @@ fn head(text: &mut String, logger: &Logger, run: &str) {
         logger.name,
         quoted(&logger.pattern)
     );
+    if logger.sample.upside_down {
+        text.push_str(
+            "rotation = [3.141592653589793, 0.0, 0.0]      # likely: az points down, as in a box that is upside down\n",
+        );
+    }
     match &logger.sample.time {
         Some((name, unit, why)) => {
             let _ = writeln!(text, "time = {}          # {why}", quoted(name));
@@ -305,6 +310,8 @@ pub(crate) struct Sample {
     pub time: Option<(String, Option<&'static str>, String)>,
     /// Whether the file has times of its own.
     pub clocked: bool,
+    /// Whether its box is upside down, or has axes forward, right and down.
+    pub upside_down: bool,
     pub columns: BTreeMap<&'static str, Guess>,
     /// Channels that are no column.
     pub others: Vec<String>,
@@ -363,7 +370,49 @@ impl Sample {
             &mut found.columns,
             &["yaw_rate_radps", "roll_rate_radps", "pitch_rate_radps"],
         );
+        found.turn_over(log);
         found
+    }
+
+    /// A vertical axis that points down is that of the whole box where the pitch rate says so: a sled
+    /// that pitches up is pressed down in any box, but not where one axis has the other sign.
+    fn turn_over(&mut self, log: &Log) {
+        let guess = |axis: Sensor| self.columns.get(axis.name());
+        let values = |axis: Sensor| {
+            let from = &guess(axis)?.from;
+            let channel = log.channels.iter().find(|channel| channel.name == *from);
+            channel.map(|channel| channel.values.as_slice())
+        };
+        let axes = Sensor::ACCELEROMETER.iter().chain(&Sensor::GYROSCOPE);
+        let whole = axes.copied().all(|axis| guess(axis).is_some());
+        let (up, pitch) = (values(Sensor::Az), values(Sensor::PitchRate));
+        let turned = whole && correlation(up.unwrap_or_default(), pitch.unwrap_or_default()) < -0.3;
+        let up = self.columns.get_mut(Sensor::Az.name());
+        if let Some(up) = up.filter(|up| up.negative && turned) {
+            up.negative = false;
+            self.upside_down = true;
+        }
+    }
+}
+
+/// Correlation of two channels over their common samples; 0 where there is none.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let both = || {
+        a.iter()
+            .zip(b)
+            .filter(|(a, b)| a.is_finite() && b.is_finite())
+    };
+    let count = both().count().max(1) as f64;
+    let (sum_a, sum_b) = both().fold((0.0, 0.0), |(x, y), (a, b)| (x + a, y + b));
+    let (mean_a, mean_b) = (sum_a / count, sum_b / count);
+    let [aa, ab, bb] = both().fold([0.0; 3], |[aa, ab, bb], (a, b)| {
+        let (a, b) = (a - mean_a, b - mean_b);
+        [aa + a * a, ab + a * b, bb + b * b]
+    });
+    if aa * bb > 0.0 {
+        ab / (aa * bb).sqrt()
+    } else {
+        0.0
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use kufe_sled::{Columns, Gaps, LARGEST_VALUE, Run};
+use kufe_sled::{Columns, Gaps, LARGEST_VALUE, MOST_NUMBERS, Run};
 use serde::Serialize;
 
 use crate::delay::{LoggerClock, align};
@@ -11,14 +11,11 @@ use crate::error::Error;
 use crate::log::{Channel, Log};
 use crate::mapping::{ChannelSource, LoggerFiles, Mapping};
 use crate::plan::PlannedRun;
-use crate::recording::{bytes_of, read_log};
+use crate::recording::read_log;
 use crate::relation::{LoggerSeries, Series};
 use crate::resample::{Base, resample};
 use crate::text::TextOptions;
 use crate::unit::{column_unit, conversion};
-
-/// Most rows of a run: a day at 100 Hz and more.
-const MOST_ROWS: f64 = 1e7;
 
 /// Imports the runs of one mapping.
 #[derive(Debug)]
@@ -75,11 +72,14 @@ impl Importer {
         let mut files: BTreeMap<&str, (String, String)> = BTreeMap::new();
         let mut read: BTreeMap<String, Read> = BTreeMap::new();
         let mut also: Vec<LoggerSeries> = Vec::new();
+        let mut room = MOST_NUMBERS;
         for (name, path) in &planned.files {
-            let bytes = bytes_of(path)?;
             let file = path.display().to_string();
-            let sha256 = kufe_files::sha256(&bytes);
-            let log = self.log(name, path, bytes)?;
+            let sha256 = kufe_files::open_regular(path)
+                .and_then(|file| kufe_files::sha256_of_file(&file))
+                .map_err(|error| Error::file(&file, error))?;
+            let log = self.log(name, path, room)?;
+            room -= log.numbers();
             remarks.extend(log.remarks.iter().cloned());
             let rotation = self.mapping.logger[name].rotation;
             files.insert(name, (file.clone(), sha256));
@@ -179,8 +179,8 @@ impl Importer {
             .filter(move |(_, source)| self.mapping.logger_of(source) == logger)
     }
 
-    /// A logger's recording, with the channels that the mapping names.
-    fn log(&self, logger: &str, path: &std::path::Path, bytes: Vec<u8>) -> Result<Log, Error> {
+    /// A logger's recording, with the channels that the mapping names, of at most so many numbers.
+    fn log(&self, logger: &str, path: &std::path::Path, most: u64) -> Result<Log, Error> {
         let files = &self.mapping.logger[logger];
         let sources = || {
             self.channels_of(logger)
@@ -194,7 +194,7 @@ impl Importer {
             delimiter: files.delimiter.map(|c| c as u8),
             decimal_comma: files.decimal.map(|c| c == ','),
         };
-        read_log(path, bytes, options, Some(&wanted))
+        read_log(path, options, Some(&wanted), most)
     }
 
     /// A channel in its column's unit, by its logger's clock less its own delay.
@@ -282,7 +282,8 @@ impl Importer {
         let lead = spans.get(self.mapping.lead()).map_or(start, |span| span[0]);
         let start = lead + ((start - lead) * rate - 1e-6).ceil() / rate;
         let rows = ((end - start) * rate + 1e-6).floor() + 1.0;
-        if !(2.0..=MOST_ROWS).contains(&rows) {
+        let most = MOST_NUMBERS / (read.len() as u64).max(1);
+        if !(2.0..=most as f64).contains(&rows) {
             let parts: Vec<String> = spans
                 .iter()
                 .map(|(name, span)| format!("{name} {:.3} to {:.3} s", span[0], span[1]))
@@ -291,7 +292,7 @@ impl Importer {
                 run: planned.name.clone(),
                 logger: self.mapping.lead().to_string(),
                 reason: format!(
-                    "found {}, expected a time of at least two rows and at most {MOST_ROWS:e} that all share",
+                    "found {}, expected a time of at least two rows and at most {most} that all share",
                     parts.join(", ")
                 ),
             });

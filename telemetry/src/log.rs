@@ -33,7 +33,20 @@ pub struct Log {
     pub first_row: u64,
 }
 
+/// Whether two names differ in capitals and in spaces at their ends alone.
+pub(crate) fn alike(a: &str, b: &str) -> bool {
+    a.trim().to_lowercase() == b.trim().to_lowercase()
+}
+
 impl Log {
+    /// How many numbers it holds, those of its clocks included.
+    pub fn numbers(&self) -> u64 {
+        let channels = self.channels.iter().map(|channel| channel.values.len());
+        channels
+            .chain(self.clocks.iter().map(Vec::len))
+            .sum::<usize>() as u64
+    }
+
     /// Place of the channel of this name; capitals and spaces at its ends do not count where only
     /// one channel fits.
     ///
@@ -44,8 +57,8 @@ impl Log {
         if let Some(place) = names().position(|known| known == name) {
             return Ok(place);
         }
-        let alike = |known: &str| known.trim().to_lowercase() == name.trim().to_lowercase();
-        let mut fitting = (0..self.channels.len()).filter(|i| alike(&self.channels[*i].name));
+        let fits = |i: &usize| alike(&self.channels[*i].name, name);
+        let mut fitting = (0..self.channels.len()).filter(fits);
         if let (Some(place), None) = (fitting.next(), fitting.next()) {
             return Ok(place);
         }

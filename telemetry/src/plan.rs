@@ -11,7 +11,9 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::mapping::{IndexValues, Mapping, place_of, plain_name};
-use crate::recording::bytes_of;
+
+/// Longest table of runs [bytes].
+const LONGEST_TABLE: u64 = 1 << 24;
 
 /// One run to import.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,7 +93,10 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error>
         None => Vec::new(),
         Some(path) => {
             let path = folder.join(path);
-            read_table(&bytes_of(&path)?, &path.display().to_string())?
+            let file = path.display().to_string();
+            let bytes = kufe_files::read_regular(&path, LONGEST_TABLE)
+                .map_err(|error| Error::file(&file, error))?;
+            read_table(&bytes, &file)?
         }
     };
     if files.is_empty() {

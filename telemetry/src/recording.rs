@@ -1,75 +1,99 @@
 //! Recordings of any format: text, Parquet, MATLAB and MDF 4.
 
 use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
+use std::fs::File;
+use std::io::{Read, Seek};
 use std::path::Path;
 
-use falcon_mdf::Mf4File;
-use hdf5_pure::{AttrValue, DType, Dataset, File, Group};
-use kufe_sled::{matlab_remark, most_values, read_columns, read_matlab};
+use hdf5_pure::{AttrValue, DType, Dataset, File as Hdf5, Group, ReadSeekSource};
+use kufe_sled::{LONGEST_MATLAB, MOST_NUMBERS, Mdf4, matlab_remark, read_matlab, read_parquet};
 
 use crate::error::Error;
-use crate::log::{Channel, Log};
+use crate::log::{Channel, Log, alike};
 use crate::text::{TextOptions, read_text};
 use crate::unit::name_unit;
-
-/// Longest recording [bytes].
-const LONGEST: u64 = 4 << 30;
 
 /// Structs within structs that are read.
 const DEPTH: usize = 6;
 
-/// A recording's bytes; pipes, devices and files of more than 4 GiB are refused.
-///
-/// # Errors
-/// [`Error::File`].
-pub(crate) fn bytes_of(path: &Path) -> Result<Vec<u8>, Error> {
-    kufe_files::read_regular(path, LONGEST)
-        .map_err(|error| Error::file(&path.display().to_string(), error))
-}
+/// How a MATLAB file begins that is HDF5.
+const MATLAB_73: &[u8] = b"MATLAB 7.3";
 
 /// Reads a recording: Parquet (`.parquet`), MATLAB (`.mat`), MDF 4 (`.mf4`, `.mdf`) or, with any
 /// other ending, text.
 ///
-/// Of text, MDF 4 and MATLAB v7.3 only the channels `wanted` by name are read, where some are.
+/// Only the channels `wanted` by name are read, where some are, and at most `most` numbers: of text
+/// the first rows, where none are wanted. Files are read piece by piece, but for MATLAB v5.
 ///
 /// # Errors
-/// Those of the format's reader.
+/// Those of the format's reader; [`Error::File`] where the file cannot be read or holds more numbers.
 pub fn read_log(
     path: &Path,
-    bytes: Vec<u8>,
     options: TextOptions,
     wanted: Option<&[&str]>,
+    most: u64,
 ) -> Result<Log, Error> {
     let file = path.display().to_string();
+    let open = || kufe_files::open_regular(path).map_err(|error| Error::file(&file, error));
     let ending = path.extension().and_then(|ending| ending.to_str());
-    let failure = |error: kufe_sled::Error| match error {
-        kufe_sled::Error::File { file, reason } => Error::File { file, reason },
-        error => Error::file(&file, error),
-    };
-    match ending.unwrap_or("").to_ascii_lowercase().as_str() {
+    let log = match ending.unwrap_or("").to_ascii_lowercase().as_str() {
         "parquet" => {
-            let columns = read_columns(path, &[]).map_err(failure)?;
-            of_vectors(columns, Vec::new())
-                .with_channels(&file, "every column holds text, dates or nested values")
+            let named = |name: &str| wanted.is_none_or(|w| w.iter().any(|one| alike(one, name)));
+            let columns = read_parquet(open()?, wanted.is_some().then_some(&named), &file);
+            of_vectors(columns.map_err(of_sled(&file))?, Vec::new())
+                .with_channels(&file, "every column holds text, dates or nested values")?
         }
-        "mat" if bytes.starts_with(b"MATLAB 7.3") => read_matlab73(bytes, wanted, &file),
+        "mat" if is_matlab73(open()?) => read_matlab73(open()?, wanted, &file)?,
         "mat" => {
-            let found = read_matlab(&bytes, &file).map_err(failure)?;
+            let bytes = kufe_files::read_regular(path, LONGEST_MATLAB).map_err(|error| {
+                Error::file(
+                    &file,
+                    format!("{error}; save fewer variables, or with -v7.3"),
+                )
+            })?;
+            let found = read_matlab(&bytes, &file).map_err(of_sled(&file))?;
             of_vectors(found.vectors, found.remarks)
-                .with_channels(&file, "no variable is a vector of more than one number")
+                .with_channels(&file, "no variable is a vector of more than one number")?
         }
-        "mf4" | "mdf" => read_mdf4(bytes, wanted, &file),
-        _ => read_text(&bytes, options, wanted, &file),
+        "mf4" | "mdf" => read_mdf4(open()?, wanted, &file)?,
+        _ => read_text(open()?, options, wanted, most, &file)?,
+    };
+    if log.numbers() > most {
+        return Err(too_many(&file));
     }
+    Ok(log)
 }
 
 /// Reads every channel of a recording.
 ///
 /// # Errors
-/// As [`read_log`]; [`Error::File`] where it cannot be read.
+/// As [`read_log`].
 pub fn read_recording(path: &Path, options: TextOptions) -> Result<Log, Error> {
-    read_log(path, bytes_of(path)?, options, None)
+    read_log(path, options, None, MOST_NUMBERS)
+}
+
+/// The refusal of recordings with more than [`MOST_NUMBERS`].
+pub(crate) fn too_many(file: &str) -> Error {
+    Error::file(
+        file,
+        format!(
+            "the recordings of this run hold more than {MOST_NUMBERS} numbers in the channels that are read, expected \
+             fewer; split them, or name fewer channels"
+        ),
+    )
+}
+
+/// An error of the readers that runs share.
+fn of_sled(file: &str) -> impl Fn(kufe_sled::Error) -> Error {
+    move |error| match error {
+        kufe_sled::Error::File { file, reason } => Error::File { file, reason },
+        error => Error::file(file, error),
+    }
+}
+
+fn is_matlab73(mut file: File) -> bool {
+    let mut start = [0; MATLAB_73.len()];
+    file.read_exact(&mut start).is_ok() && start == MATLAB_73
 }
 
 /// Channels with the units that their names end in.
@@ -80,11 +104,13 @@ fn of_vectors(vectors: impl IntoIterator<Item = (String, Vec<f64>)>, remarks: Ve
         values,
         ..Channel::default()
     });
-    Log {
+    let mut log = Log {
         channels: channels.collect(),
         remarks,
         ..Log::default()
-    }
+    };
+    log.distinguish(|place| format!("column {}", place + 1));
+    log
 }
 
 /// Places of the channels to read.
@@ -100,40 +126,23 @@ fn numbers_of(shape: &[u64]) -> u64 {
     shape.iter().fold(1, |n: u64, k| n.saturating_mul(*k))
 }
 
-/// Counts numbers that a file unpacks to.
-struct Room(u64);
-
-impl Room {
-    fn take(&mut self, count: u64, name: &str, file: &str) -> Result<(), Error> {
-        match self.0.checked_sub(count) {
-            Some(rest) => {
-                self.0 = rest;
-                Ok(())
-            }
-            None => Err(Error::file(
-                file,
-                format!("channel {name}: the file unpacks to more numbers than a recording has"),
-            )),
-        }
-    }
-}
-
 /// Reads an MDF 4 log; of the channels only those `wanted` by name, or all that hold numbers.
 ///
 /// Values are physical: the file's own conversion is done. Samples that the file marks invalid are
 /// NaN.
 ///
 /// # Errors
-/// [`Error::File`] where it is no MDF 4, or a channel that is wanted cannot be decoded.
-pub fn read_mdf4(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Result<Log, Error> {
-    let failure = |error: falcon_mdf::Mf4Error| Error::file(file, error);
-    let mut room = Room(most_values(bytes.len() as u64));
-    let mdf = Mf4File::from_bytes(bytes).map_err(failure)?;
+/// [`Error::File`] where it is no MDF 4, a channel that is wanted cannot be decoded, or they hold
+/// more than [`MOST_NUMBERS`].
+pub fn read_mdf4(
+    reader: impl Read + Seek + Send + 'static,
+    wanted: Option<&[&str]>,
+    file: &str,
+) -> Result<Log, Error> {
+    let mdf = Mdf4::open(reader, file).map_err(of_sled(file))?;
+    let of = mdf.channels();
     let mut log = Log::default();
-    let mut clocks: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-    let mut of: Vec<&falcon_mdf::Channel> = Vec::new();
-    for channel in mdf.channels() {
-        of.push(channel);
+    for channel in &of {
         log.channels.push(Channel {
             name: channel.name.clone(),
             unit: Some(channel.unit.clone()).filter(|unit| !unit.trim().is_empty()),
@@ -149,35 +158,40 @@ pub fn read_mdf4(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Result<
         }
     });
     log.remarks.clear();
-    let mut read = vec![false; of.len()];
+    let mut groups: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
     for place in places(&log, wanted, file)? {
-        let shape = of[place].array_shape().unwrap_or_default();
-        let count = of[place].sample_count.saturating_mul(numbers_of(shape));
-        room.take(count, &log.channels[place].name, file)?;
-        let values = || -> Result<Vec<f64>, falcon_mdf::Mf4Error> {
-            let signal = mdf.signal(of[place])?;
-            let mut values = signal.values_f64()?;
-            for (value, valid) in values.iter_mut().zip(signal.validity().unwrap_or_default()) {
-                if !valid {
-                    *value = f64::NAN;
-                }
-            }
-            Ok(values)
-        };
-        log.channels[place].values = match values() {
+        groups.entry(group(place)).or_default().push(place);
+    }
+    let mut read = vec![false; of.len()];
+    for places in groups.into_values() {
+        let clock = mdf.clock_of(of[places[0]]);
+        let of_group = places.iter().map(|place| of[*place]).chain(clock);
+        let mut values = match mdf.values(&of_group.collect::<Vec<_>>()) {
             Ok(values) => values,
-            Err(error) if wanted.is_some() => return Err(failure(error)),
+            Err(error) if wanted.is_some() => return Err(of_sled(file)(error)),
+            // Groups of other things than numbers are left out.
             Err(_) => continue,
         };
-        read[place] = true;
-        if let Entry::Vacant(clock) = clocks.entry(group(place)) {
-            // A group without times leaves its channels without a clock.
-            if let Ok(times) = mdf.channel_timestamps(of[place]) {
-                clock.insert(log.clocks.len());
-                log.clocks.push(times);
+        let times = clock.and_then(|_| values.pop().flatten());
+        let clock = times.is_some().then_some(log.clocks.len());
+        log.clocks.extend(times);
+        for (place, values) in places.into_iter().zip(values) {
+            let channel = &mut log.channels[place];
+            match values {
+                Some(values) => {
+                    (channel.values, channel.clock) = (values, clock);
+                    read[place] = true;
+                }
+                None if wanted.is_some() => {
+                    let reason = format!("channel {}: it holds no numbers", channel.name);
+                    return Err(Error::file(file, reason));
+                }
+                None => {}
             }
         }
-        log.channels[place].clock = clocks.get(&group(place)).copied();
+        if log.numbers() > MOST_NUMBERS {
+            return Err(too_many(file));
+        }
     }
     if wanted.is_none() {
         let mut read = read.iter();
@@ -190,11 +204,17 @@ pub fn read_mdf4(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Result<
 /// those `wanted` by name, or all of numbers.
 ///
 /// # Errors
-/// [`Error::File`] where it is no HDF5, or a vector that is wanted cannot be read.
-pub fn read_matlab73(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Result<Log, Error> {
+/// [`Error::File`] where it is no HDF5, a vector that is wanted cannot be read, or they hold more
+/// than [`MOST_NUMBERS`].
+pub fn read_matlab73(
+    reader: impl Read + Seek + Send + Sync + 'static,
+    wanted: Option<&[&str]>,
+    file: &str,
+) -> Result<Log, Error> {
     let failure = |error: hdf5_pure::Error| Error::file(file, error);
-    let mut room = Room(most_values(bytes.len() as u64));
-    let hdf = File::from_bytes(bytes).map_err(failure)?;
+    let mut room = MOST_NUMBERS;
+    let source = ReadSeekSource::new(reader).map_err(|error| Error::file(file, error))?;
+    let hdf = Hdf5::from_source(source).map_err(failure)?;
     let mut found = Found::default();
     found.collect(&hdf.root(), "", DEPTH).map_err(failure)?;
     let names = found
@@ -203,8 +223,9 @@ pub fn read_matlab73(bytes: Vec<u8>, wanted: Option<&[&str]>, file: &str) -> Res
         .map(|(name, _)| (name.clone(), Vec::new()));
     let mut log = of_vectors(names, found.remarks);
     for place in places(&log, wanted, file)? {
-        let (name, data) = &found.vectors[place];
-        room.take(numbers_of(&data.shape().map_err(failure)?), name, file)?;
+        let (_, data) = &found.vectors[place];
+        let count = numbers_of(&data.shape().map_err(failure)?);
+        room = room.checked_sub(count).ok_or_else(|| too_many(file))?;
         log.channels[place].values = numbers(data).map_err(failure)?;
     }
     log.with_channels(file, "no variable is a vector of more than one number")

@@ -1,17 +1,30 @@
 //! Recordings as text: columns below any preamble, in the forms of AiM, MoTeC, RaceChrono, Race
 //! Logic and of spreadsheets.
 
-use std::borrow::Cow;
+use std::io::Read;
 
 use crate::error::Error;
 use crate::log::{Channel, Log};
+use crate::recording::too_many;
 use crate::unit::{is_unit, name_unit};
 
 /// Rows in which names, units and the separator are searched for.
 const WINDOW: usize = 500;
 
+/// Longest text in which they are searched for [bytes].
+const LONGEST_WINDOW: usize = 1 << 22;
+
+/// Most columns: a file has a hundred, and rarely a thousand.
+const MOST_COLUMNS: usize = 1 << 16;
+
 /// Longest quoted cell [bytes].
 const LONGEST_CELL: usize = 4096;
+
+/// Longest row [bytes].
+const LONGEST_ROW: usize = 1 << 24;
+
+/// What is read at a time [bytes].
+const BLOCK: usize = 1 << 20;
 
 /// How programs write that there is no value, in small letters.
 const MISSING: &str = "nan -nan +nan - -- --- n/a na n.a. none null #n/a #nv #div/0! #value! \
@@ -29,33 +42,104 @@ pub struct TextOptions {
     pub decimal_comma: Option<bool>,
 }
 
-/// The text of a file: UTF-8 with or without its mark, UTF-16 with its mark or without, else the
-/// Latin letters of Windows-1252, which any bytes are.
-fn text_of(bytes: &[u8]) -> Cow<'_, str> {
-    let wide = |bytes: &[u8], of: fn([u8; 2]) -> u16| -> Cow<'_, str> {
-        let units = bytes.as_chunks().0.iter().map(|pair| of(*pair));
-        char::decode_utf16(units)
-            .map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER))
-            .collect::<String>()
-            .into()
-    };
-    match bytes {
-        [0xff, 0xfe, rest @ ..] => return wide(rest, u16::from_le_bytes),
-        [0xfe, 0xff, rest @ ..] => return wide(rest, u16::from_be_bytes),
+/// A unit of UTF-16 from its bytes.
+type Unit = fn([u8; 2]) -> u16;
+
+/// The text of a file, a block at a time: UTF-8 with or without its mark, UTF-16 with its mark or
+/// without. Bytes that are no UTF-8 are the Latin letters of ISO 8859-1, which any bytes are.
+struct Text<R> {
+    reader: R,
+    /// A unit of UTF-16 from its bytes; none for UTF-8.
+    wide: Option<Unit>,
+    /// Bytes that are not decoded: those of a character that is not read whole.
+    rest: Vec<u8>,
+    /// What is decoded and not yet used.
+    text: String,
+    started: bool,
+    ended: bool,
+}
+
+impl<R: Read> Text<R> {
+    fn new(reader: R) -> Text<R> {
+        Text {
+            reader,
+            wide: None,
+            rest: Vec::new(),
+            text: String::new(),
+            started: false,
+            ended: false,
+        }
+    }
+
+    /// Reads and decodes a block, or as much as is there already, so that long rows need few blocks.
+    fn read_more(&mut self) -> std::io::Result<()> {
+        let wanted = BLOCK.max(self.text.len());
+        let mut block = self.reader.by_ref().take(wanted as u64);
+        let count = block.read_to_end(&mut self.rest)?;
+        self.ended = count < wanted;
+        if !self.started {
+            self.started = true;
+            let mark;
+            (self.wide, mark) = encoding(&self.rest);
+            self.rest.drain(..mark);
+        }
+        let decoded = match self.wide {
+            Some(unit) => decode_wide(&self.rest, unit, self.ended, &mut self.text),
+            None => decode_narrow(&self.rest, self.ended, &mut self.text),
+        };
+        self.rest.drain(..decoded);
+        Ok(())
+    }
+
+    /// Length of the text up to the end of its last whole line; of all of it where no line ends.
+    fn whole_lines(&self) -> usize {
+        self.text.rfind('\n').map_or(self.text.len(), |end| end + 1)
+    }
+}
+
+/// How the units of UTF-16 are read, if it is that, and the length of the mark before the text.
+fn encoding(start: &[u8]) -> (Option<Unit>, usize) {
+    match start {
+        [0xff, 0xfe, ..] => (Some(u16::from_le_bytes), 2),
+        [0xfe, 0xff, ..] => (Some(u16::from_be_bytes), 2),
         // Latin letters in UTF-16 have every other byte 0.
-        [1..=255, 0, 1..=255, 0, ..] => return wide(bytes, u16::from_le_bytes),
-        [0, 1..=255, 0, 1..=255, ..] => return wide(bytes, u16::from_be_bytes),
-        _ => {}
+        [1..=255, 0, 1..=255, 0, ..] => (Some(u16::from_le_bytes), 0),
+        [0, 1..=255, 0, 1..=255, ..] => (Some(u16::from_be_bytes), 0),
+        [0xef, 0xbb, 0xbf, ..] => (None, 3),
+        _ => (None, 0),
     }
-    let plain = bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes);
-    match std::str::from_utf8(plain) {
-        Ok(text) => text.into(),
-        Err(_) => plain
-            .iter()
-            .map(|byte| char::from(*byte))
-            .collect::<String>()
-            .into(),
+}
+
+/// Adds the characters of UTF-8 to `text`; how many bytes they are. Further bytes may follow unless
+/// the text `ended`.
+fn decode_narrow(bytes: &[u8], ended: bool, text: &mut String) -> usize {
+    let mut decoded = 0;
+    for chunk in bytes.utf8_chunks() {
+        text.push_str(chunk.valid());
+        decoded += chunk.valid().len();
+        // The rest of a character may follow.
+        if !ended && decoded + chunk.invalid().len() == bytes.len() {
+            break;
+        }
+        text.extend(chunk.invalid().iter().map(|byte| char::from(*byte)));
+        decoded += chunk.invalid().len();
     }
+    decoded
+}
+
+/// As [`decode_narrow`], for UTF-16.
+fn decode_wide(bytes: &[u8], unit: Unit, ended: bool, text: &mut String) -> usize {
+    let mut pairs = bytes.as_chunks().0;
+    // The other half of a pair of surrogates may follow.
+    if let [before @ .., last] = pairs
+        && !ended
+        && (0xd800..0xdc00).contains(&unit(*last))
+    {
+        pairs = before;
+    }
+    let units = pairs.iter().map(|pair| unit(*pair));
+    text.extend(char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)));
+    2 * pairs.len()
 }
 
 /// A number in a cell.
@@ -283,7 +367,7 @@ impl Rows<'_> {
 }
 
 /// The layout of a text file.
-struct Layout<'a> {
+struct Layout {
     delimiter: u8,
     decimal_comma: bool,
     names: Vec<String>,
@@ -291,7 +375,7 @@ struct Layout<'a> {
     /// Labels that distinguish columns of one name.
     sources: Vec<String>,
     /// Rows of names and units, which some programs repeat.
-    head: Vec<Vec<&'a str>>,
+    head: Vec<Vec<String>>,
     /// Place of the first row of numbers [bytes], and its line counted from 1.
     start: usize,
     first_row: u64,
@@ -322,7 +406,7 @@ fn contents(cells: &[&str]) -> (usize, usize) {
 ///
 /// # Errors
 /// [`Error::File`] where there are no such rows.
-fn layout_of<'a>(text: &'a str, options: TextOptions, file: &str) -> Result<Layout<'a>, Error> {
+fn layout_of(text: &str, options: TextOptions, file: &str) -> Result<Layout, Error> {
     if let Some(layout) = sections(text) {
         return Ok(layout);
     }
@@ -352,7 +436,7 @@ fn layout_of<'a>(text: &'a str, options: TextOptions, file: &str) -> Result<Layo
     Ok(layout)
 }
 
-fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout<'_>> {
+fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout> {
     let rows = Rows {
         text,
         at: 0,
@@ -362,7 +446,7 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout<'_>> {
     let rows: Vec<Row> = rows.take(WINDOW).collect();
     let of: Vec<(usize, usize)> = rows.iter().map(|row| contents(&row.cells)).collect();
     let width = |i: usize| rows[i].cells.len();
-    let is_data = |i: usize| width(i) >= 2 && of[i].0 > of[i].1;
+    let is_data = |i: usize| (2..=MOST_COLUMNS).contains(&width(i)) && of[i].0 > of[i].1;
     let is_head = |i: usize| of[i].1 > of[i].0 && width(i) >= 2;
     // Some write a delimiter after the last number, and none after the last name, or the other way
     // round.
@@ -441,7 +525,7 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout<'_>> {
         sources: (0..width).map(source).collect(),
         head: head[..=names_at]
             .iter()
-            .map(|i| rows[*i].cells.clone())
+            .map(|i| rows[*i].cells.iter().map(ToString::to_string).collect())
             .collect(),
         start: rows[first].at,
         first_row: rows[first].line,
@@ -452,7 +536,7 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout<'_>> {
 
 /// The layout of a file in sections, `[header]`, `[column names]` and `[data]`, as programs of Race
 /// Logic write it (`.vbo`).
-fn sections(text: &str) -> Option<Layout<'_>> {
+fn sections(text: &str) -> Option<Layout> {
     let mut at = 0;
     let mut section = String::new();
     let mut titles: Vec<&str> = Vec::new();
@@ -467,7 +551,7 @@ fn sections(text: &str) -> Option<Layout<'_>> {
                 continue;
             }
             let width = names.len();
-            if width < 2 {
+            if !(2..=MOST_COLUMNS).contains(&width) {
                 return None;
             }
             let of = |i: usize, name: &str| -> Option<String> {
@@ -557,23 +641,34 @@ fn is_units(cells: &[&str]) -> bool {
     unit_share(cells) > 0.6
 }
 
-/// Reads a text file; of the channels only those `wanted` by name, or all of numbers.
+/// Reads a text file, a block at a time; of the channels only those `wanted` by name, or all of
+/// numbers.
 ///
 /// A last line without its end is not read, with a remark: a logger that loses its power writes
-/// such. Times of the day continue after midnight.
+/// such. Times of the day continue after midnight. Where no channels are named and the file holds
+/// more than `most` numbers, its first rows are read, with a remark.
 ///
 /// # Errors
-/// [`Error::File`] where there are no rows of numbers, no channel, or a row with more or fewer
-/// cells than names,
+/// [`Error::File`] where there are no rows of numbers, no channel, a row with more or fewer cells
+/// than names, or more than `most` numbers in the channels that are wanted;
 /// [`Error::Cell`] for text in a channel that is wanted.
 pub fn read_text(
-    bytes: &[u8],
+    reader: impl Read,
     options: TextOptions,
     wanted: Option<&[&str]>,
+    most: u64,
     file: &str,
 ) -> Result<Log, Error> {
-    let text = text_of(bytes);
-    let layout = layout_of(&text, options, file)?;
+    let failure = |error: std::io::Error| Error::file(file, error);
+    let mut source = Text::new(reader);
+    while !source.ended && source.text.len() < LONGEST_WINDOW {
+        source.read_more().map_err(failure)?;
+    }
+    let window = match source.ended {
+        true => source.text.len(),
+        false => source.whole_lines(),
+    };
+    let layout = layout_of(&source.text[..window], options, file)?;
     let channels = layout.names.iter().zip(&layout.units);
     let channels = channels.map(|(name, unit)| Channel {
         name: name.clone(),
@@ -595,59 +690,76 @@ pub fn read_text(
         read[log.find(name, file)?] = true;
     }
     let width = log.channels.len();
-    let mut clocks = vec![false; width];
-    let mut refused: Option<String> = None;
-    // A last line without its end may be cut within its last cell, which is a number all the same.
-    let whole = text.rfind('\n').map_or(text.len(), |end| end + 1);
-    let (lines, cut) = text.split_at(whole);
-    if !cut
-        .trim_matches(['\0', '\u{1a}', ' ', '\t', '\r'])
-        .is_empty()
-    {
-        log.remarks.push(format!(
-            "{file}: row {}, the last, has no line end and is not read: it may be cut short",
-            lines.matches('\n').count() + 1
-        ));
-    }
-    let rows = Rows {
-        text: lines,
-        at: layout.start,
-        line: layout.first_row,
-        delimiter: layout.delimiter,
+    let mut numbers = Numbers {
+        columns: vec![Vec::new(); width],
+        clocks: vec![false; width],
+        read,
+        refused: None,
+        room: most,
     };
-    for Row { line, cells, .. } in rows {
-        if layout.head.contains(&cells) || cells.len() != width && cells[0].starts_with('#') {
-            continue;
-        }
-        if cells.len() < width || cells[width..].iter().any(|cell| !cell.is_empty()) {
-            return Err(wrong_width(file, line, cells.len(), width));
-        }
-        for (i, cell) in cells[..width].iter().enumerate() {
-            if !read[i] {
-                continue;
+    source.text.drain(..layout.start);
+    let mut line = layout.first_row;
+    loop {
+        let end = match source.ended {
+            // A last line without its end may be cut within its last cell, which is a number all
+            // the same.
+            true => source.whole_lines(),
+            false => source.text.len(),
+        };
+        let mut rows = Rows {
+            text: &source.text[..end],
+            at: 0,
+            line,
+            delimiter: layout.delimiter,
+        };
+        let mut used = 0;
+        let mut full = None;
+        while let Some(row) = rows.next() {
+            // Where the row and its quotes end is only known with what follows.
+            if !source.ended && rows.at + LONGEST_CELL > end {
+                break;
             }
-            let number = Cell::of(cell, layout.decimal_comma);
-            clocks[i] |= matches!(number, Cell::Clock(_));
-            let channel = &mut log.channels[i];
-            match number.value() {
-                Some(value) => channel.values.push(value),
-                None if wanted.is_none() => {
-                    let name = &channel.name;
-                    refused.get_or_insert(format!("column {name:?} has {cell:?} in row {line}"));
-                    read[i] = false;
-                    channel.values = Vec::new();
-                }
-                None => {
-                    return Err(Error::Cell {
-                        file: file.to_string(),
-                        row: line,
-                        channel: channel.name.clone(),
-                        found: cell.to_string(),
-                        expected: "a number",
-                    });
-                }
+            if !numbers.take(&row, &layout, wanted.is_none(), &log, file)? {
+                full = Some(row.line);
+                break;
             }
+            (used, line) = (rows.at.min(end), rows.line);
         }
+        if let Some(line) = full {
+            log.remarks.push(format!(
+                "{file}: only the rows before row {line} are read, {most} numbers"
+            ));
+            break;
+        }
+        if source.ended {
+            let cut = &source.text[end..];
+            let nothing = ['\0', '\u{1a}', ' ', '\t', '\r'];
+            if !cut.trim_matches(nothing).is_empty() {
+                line += source.text[used..end].matches('\n').count() as u64;
+                log.remarks.push(format!(
+                    "{file}: row {line}, the last, has no line end and is not read: it may be cut short"
+                ));
+            }
+            break;
+        }
+        if used == 0 && source.text.len() > LONGEST_ROW {
+            let reason =
+                format!("row {line}: longer than {LONGEST_ROW} bytes, expected a shorter row");
+            return Err(Error::file(file, reason));
+        }
+        source.text.drain(..used);
+        source.read_more().map_err(failure)?;
+    }
+    let Numbers {
+        columns,
+        clocks,
+        read,
+        refused,
+        ..
+    } = numbers;
+    for (channel, mut values) in log.channels.iter_mut().zip(columns) {
+        values.shrink_to_fit();
+        channel.values = values;
     }
     for (channel, clock) in log.channels.iter_mut().zip(clocks) {
         let name = channel.name.to_lowercase();
@@ -674,6 +786,81 @@ pub fn read_text(
     }
     let refused = refused.unwrap_or_else(|| "no column has a name".to_string());
     log.with_channels(file, &refused)
+}
+
+/// The numbers of a file's columns, as far as they are read.
+struct Numbers {
+    columns: Vec<Vec<f64>>,
+    /// Which columns are times of the day.
+    clocks: Vec<bool>,
+    /// Which columns are read.
+    read: Vec<bool>,
+    /// The first text in a column that may hold some.
+    refused: Option<String>,
+    /// How many more numbers may be read.
+    room: u64,
+}
+
+impl Numbers {
+    /// Adds a row; `false` where `partly` and there is no room for it.
+    ///
+    /// A column of text is not read where `any` column may be such.
+    ///
+    /// # Errors
+    /// As [`read_text`].
+    fn take(
+        &mut self,
+        Row { line, cells, .. }: &Row,
+        layout: &Layout,
+        any: bool,
+        log: &Log,
+        file: &str,
+    ) -> Result<bool, Error> {
+        let width = self.columns.len();
+        let repeated =
+            |head: &Vec<String>| head.iter().map(String::as_str).eq(cells.iter().copied());
+        if layout.head.iter().any(repeated) || cells.len() != width && cells[0].starts_with('#') {
+            return Ok(true);
+        }
+        if cells.len() < width || cells[width..].iter().any(|cell| !cell.is_empty()) {
+            return Err(wrong_width(file, *line, cells.len(), width));
+        }
+        let count = self.read.iter().filter(|read| **read).count() as u64;
+        let Some(room) = self.room.checked_sub(count) else {
+            return match any {
+                true => Ok(false),
+                false => Err(too_many(file)),
+            };
+        };
+        self.room = room;
+        for (i, cell) in cells[..width].iter().enumerate() {
+            if !self.read[i] {
+                continue;
+            }
+            let number = Cell::of(cell, layout.decimal_comma);
+            self.clocks[i] |= matches!(number, Cell::Clock(_));
+            let name = &log.channels[i].name;
+            match number.value() {
+                Some(value) => self.columns[i].push(value),
+                None if any => {
+                    let reason = || format!("column {name:?} has {cell:?} in row {line}");
+                    self.refused.get_or_insert_with(reason);
+                    self.read[i] = false;
+                    self.columns[i] = Vec::new();
+                }
+                None => {
+                    return Err(Error::Cell {
+                        file: file.to_string(),
+                        row: *line,
+                        channel: name.clone(),
+                        found: cell.to_string(),
+                        expected: "a number",
+                    });
+                }
+            }
+        }
+        Ok(true)
+    }
 }
 
 fn wrong_width(file: &str, row: u64, cells: usize, names: usize) -> Error {
@@ -724,10 +911,13 @@ fn continue_days(times: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
+    use kufe_sled::MOST_NUMBERS;
+
     use super::*;
 
     fn read(text: &str, wanted: Option<&[&str]>) -> Result<Log, Error> {
-        read_text(text.as_bytes(), TextOptions::default(), wanted, "a.csv")
+        let options = TextOptions::default();
+        read_text(text.as_bytes(), options, wanted, MOST_NUMBERS, "a.csv")
     }
 
     fn names(text: &str) -> Vec<(String, Option<String>)> {
@@ -784,8 +974,44 @@ mod tests {
             wide("s°/s", u16::to_be_bytes),
             wide("s°/s", u16::to_le_bytes),
         ] {
-            assert_eq!(text_of(&bytes), "s°/s", "{bytes:?}");
+            let mut text = Text::new(&bytes[..]);
+            text.read_more().unwrap();
+            assert_eq!(text.text, "s°/s", "{bytes:?}");
         }
+    }
+
+    #[test]
+    fn long_files_are_read_a_block_at_a_time() {
+        // Blocks end within rows, quotes and letters.
+        let rows = 300_000;
+        let mut text = String::from("t,note,v\n");
+        for k in 0..rows {
+            text += &format!("{k},\"é, 𝄞\nbend\",{k}.5\n");
+        }
+        assert!(text.len() > LONGEST_WINDOW + BLOCK);
+        let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+        let options = TextOptions::default();
+        for bytes in [text.as_bytes(), &wide] {
+            let log = read_text(bytes, options, Some(&["v"]), MOST_NUMBERS, "a.csv").unwrap();
+            let values = &log.channels[2].values;
+            let mut numbered = values.iter().enumerate();
+            assert_eq!(values.len(), rows);
+            assert!(numbered.all(|(k, v)| *v == k as f64 + 0.5));
+            assert!(log.remarks.is_empty());
+        }
+        let first = read_text(text.as_bytes(), options, None, 2001, "a.csv").unwrap();
+        assert_eq!(first.channels[1].values.len(), 1000);
+        assert_eq!(
+            first.remarks,
+            ["a.csv: only the rows before row 2002 are read, 2001 numbers"]
+        );
+        let refused = read_text(text.as_bytes(), options, Some(&["v"]), 1000, "a.csv");
+        let error = refused.unwrap_err().to_string();
+        assert!(error.contains("24000000 numbers"), "{error}");
+        let row = "t,v\n0,1\n".to_string() + &",".repeat(LONGEST_ROW + LONGEST_WINDOW);
+        let refused = read_text(row.as_bytes(), options, Some(&["v"]), MOST_NUMBERS, "a.csv");
+        let error = refused.unwrap_err().to_string();
+        assert!(error.contains("longer than"), "{error}");
     }
 
     #[test]

@@ -211,6 +211,33 @@ def parquet(size):
     return parquet_of(size)
 
 
+@reader("run.mf4", ["runs", "init", "run.mf4", "-o", "mapping.toml"])
+def mdf4(size):
+    import asammdf
+    import numpy
+
+    values = numpy.zeros(min(size * 3, 30_000_000))
+    log = asammdf.MDF(version="4.10")
+    log.append([asammdf.Signal(values, numpy.arange(len(values)) * 0.0, name="a")])
+    with tempfile.TemporaryDirectory() as folder:
+        path = log.save(os.path.join(folder, "log.mf4"), compression=1)
+        with open(path, "rb") as file:
+            return file.read()
+
+
+@reader("run73.mat", ["runs", "init", "run73.mat", "-o", "mapping.toml"])
+def mat73(size):
+    import h5py
+
+    sink = io.BytesIO()
+    with h5py.File(sink, "w", userblock_size=512) as file:
+        # Chunks that are not written hold zeros.
+        for name in ("a", "b"):
+            file.create_dataset(name, (1, size * 2), "f8", chunks=(1, 1_000_000), compression="gzip")
+    head = b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM"
+    return head + sink.getvalue()[len(head):]
+
+
 @reader("case.toml", ["press", "case.toml", "-o", "out"])
 def case(size):
     return b"[runner]\n" + repeated(b"a = [[[[[[]]]]]]\n", size)

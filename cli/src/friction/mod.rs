@@ -16,6 +16,7 @@ use std::path::Path;
 use kufe::jobs::Failure;
 use kufe_sled::friction::Error;
 
+use crate::cli::misspelt;
 use crate::terminal::{Global, warn_if_cut};
 
 /// Arguments of `kufe friction`.
@@ -41,6 +42,10 @@ enum Task {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if let Some(Task::Fit(args)) = &args.task {
         return fit::run(args, global);
+    }
+    let case = args.point.cases.first().map(|case| case.to_string_lossy());
+    if let Some(text) = case.and_then(|case| misspelt(&case, &["fit"])) {
+        return Err(Failure::Usage(text));
     }
     args.point.check_complete()?;
     match args.point.sliding() {

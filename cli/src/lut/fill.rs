@@ -9,9 +9,10 @@ use kufe::jobs::{
 };
 use kufe_files::resolved;
 
+use crate::cli::misspelt;
+use crate::lut::SUBCOMMANDS;
 use crate::lut::export::{Forms, write_table};
 use crate::lut::finish::{Spent, finish};
-use crate::lut::misspelt;
 use crate::output::OutputFiles;
 use crate::terminal::Global;
 
@@ -36,7 +37,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let Some(path) = &args.table else {
         return Err(Failure::Usage("kufe lut: which table file?".into()));
     };
-    if let Some(text) = misspelt(&path.to_string_lossy()) {
+    if let Some(text) = misspelt(&path.to_string_lossy(), &SUBCOMMANDS) {
         return Err(Failure::Usage(text));
     }
     let spec = TableSpec::read(path)?;

@@ -7,11 +7,10 @@ mod plan;
 mod query;
 mod show;
 
-use std::path::Path;
-
 use clap::error::ErrorKind;
 use kufe::jobs::Failure;
 
+use crate::cli::misspelt;
 use crate::terminal::Global;
 
 /// The subcommands.
@@ -50,28 +49,12 @@ pub fn explained(error: clap::Error) -> clap::Error {
     let [command, word] = &words[..] else {
         return error;
     };
-    match misspelt(word) {
+    match misspelt(word, &SUBCOMMANDS) {
         Some(text) if command == "lut" && error.kind() == ErrorKind::ArgumentConflict => {
             clap::Error::raw(ErrorKind::InvalidSubcommand, format!("{text}\n"))
         }
         _ => error,
     }
-}
-
-/// What to say of a word that is no file and nearly a subcommand.
-fn misspelt(word: &str) -> Option<String> {
-    if Path::new(word).extension().is_some() || Path::new(word).exists() {
-        return None;
-    }
-    let likeness = |name: &str| strsim::jaro_winkler(word, name);
-    let like = SUBCOMMANDS.map(|name| (likeness(name), name));
-    let (_, name) = like
-        .into_iter()
-        .filter(|(likeness, _)| *likeness > 0.7)
-        .max_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(format!(
-        "unrecognized subcommand '{word}'\n\n  tip: a similar subcommand exists: '{name}'"
-    ))
 }
 
 /// Runs the subcommand, or fills the table.

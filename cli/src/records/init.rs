@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
-use kufe_telemetry::{TextOptions, guess_mapping, read_recording};
+use kufe_sled::MOST_NUMBERS;
+use kufe_telemetry::{TextOptions, guess_mapping, read_log};
 use serde::Serialize;
 
 use crate::about::schema::{Kind, write_with_schema};
@@ -45,8 +46,10 @@ struct WrittenMapping<'a> {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let path = args.out.display();
     let mut logs = Vec::new();
+    let most = MOST_NUMBERS / args.samples.len() as u64;
     for sample in &args.samples {
-        let log = read_recording(sample, TextOptions::default()).map_err(Failure::bad_input)?;
+        let log =
+            read_log(sample, TextOptions::default(), None, most).map_err(Failure::bad_input)?;
         logs.push((from_mapping(sample, &args.out)?, log));
     }
     let text = guess_mapping(&logs);

@@ -4,5 +4,5 @@
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = kufe_telemetry::read_matlab73(bytes.to_vec(), None, "a.mat");
+    let _ = kufe_telemetry::read_matlab73(std::io::Cursor::new(bytes.to_vec()), None, "a.mat");
 });

@@ -4,5 +4,5 @@
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = kufe_telemetry::read_mdf4(bytes.to_vec(), None, "a.mf4");
+    let _ = kufe_telemetry::read_mdf4(std::io::Cursor::new(bytes.to_vec()), None, "a.mf4");
 });

@@ -1,5 +1,6 @@
 //! Hulls from glTF and GLB files.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 
 use base64::{Engine, engine::general_purpose::STANDARD};
@@ -10,6 +11,7 @@ use gltf::{
     mesh::Mode,
 };
 use nalgebra::Matrix4;
+use percent_encoding::percent_decode_str;
 
 use crate::error::MeshError;
 use crate::hull::triangles::{Axis, Hull, HullOptions, PlacedMeshes};
@@ -53,7 +55,7 @@ pub fn read_gltf(
             Source::Bin => blob.take().unwrap_or_default(),
             Source::Uri(uri) => match embedded_text(uri) {
                 Some(text) => STANDARD.decode(text).unwrap_or_default(),
-                None => open(uri).map_err(|error| {
+                None => open(&file_name(uri)).map_err(|error| {
                     MeshError::Invalid(format!("glTF buffer file {uri:?}: {error}"))
                 })?,
             },
@@ -99,7 +101,7 @@ pub(crate) fn outer_buffers(bytes: &[u8]) -> Result<Vec<String>, MeshError> {
     let uris = document
         .buffers()
         .filter_map(|buffer| match buffer.source() {
-            Source::Uri(uri) if embedded_text(uri).is_none() => Some(uri.to_owned()),
+            Source::Uri(uri) if embedded_text(uri).is_none() => Some(file_name(uri).into_owned()),
             _ => None,
         });
     Ok(uris.collect())
@@ -109,6 +111,11 @@ pub(crate) fn outer_buffers(bytes: &[u8]) -> Result<Vec<String>, MeshError> {
 fn embedded_text(uri: &str) -> Option<&str> {
     let (_, text) = uri.strip_prefix("data:")?.split_once(";base64,")?;
     Some(text)
+}
+
+/// The name of a buffer's file: an address has a blank as `%20`.
+fn file_name(uri: &str) -> Cow<'_, str> {
+    percent_decode_str(uri).decode_utf8_lossy()
 }
 
 /// The header's length of a binary file counts itself; less than that would wrap around.

@@ -5,8 +5,11 @@ use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
-use crate::columns::{Columns, collect, most_values};
+use crate::columns::{Columns, MOST_NUMBERS, collect};
 use crate::error::Error;
+
+/// Longest MATLAB v5 file [bytes]: it is read as a whole, and variables are unpacked beside it.
+pub const LONGEST_MATLAB: u64 = 1 << 28;
 
 /// Structs within structs that are read.
 const DEPTH: usize = 6;
@@ -58,7 +61,7 @@ pub(crate) fn read_matlab_columns(bytes: &[u8], file: &str) -> Result<Columns, E
 ///
 /// # Errors
 /// [`Error::File`] where the file is no MATLAB v5 file (v7.3 is HDF5), is cut short, or unpacks to
-/// more numbers than [`most_values`].
+/// more numbers than [`MOST_NUMBERS`].
 pub fn read_matlab(bytes: &[u8], file: &str) -> Result<MatlabVariables, Error> {
     let failure = |reason: &str| {
         Error::file(
@@ -76,7 +79,7 @@ pub fn read_matlab(bytes: &[u8], file: &str) -> Result<MatlabVariables, Error> {
     }
     let mut file = Variables {
         found: MatlabVariables::default(),
-        room: most_values(bytes.len() as u64) as usize,
+        room: MOST_NUMBERS as usize,
     };
     let mut elements = Elements {
         rest: &bytes[HEADER..],
@@ -164,7 +167,7 @@ impl Variables {
         decoder.read_exact(&mut unpacked).map_err(failure)?;
         let length = word(&unpacked[4..], big).unwrap_or(0) as usize;
         if length / 8 > self.room {
-            return Err(self.too_much());
+            return Err(Self::too_much());
         }
         unpacked.reserve_exact(length);
         decoder
@@ -174,8 +177,8 @@ impl Variables {
         Ok(unpacked)
     }
 
-    fn too_much(&self) -> String {
-        "unpacks to more numbers than a recording has".to_string()
+    fn too_much() -> String {
+        format!("it holds more than {MOST_NUMBERS} numbers; save fewer variables")
     }
 
     /// Reads an array, called `field` where it is one of a struct's.
@@ -210,7 +213,7 @@ impl Variables {
         let length = dimensions
             .iter()
             .try_fold(1usize, |product, n| product.checked_mul(*n))
-            .ok_or_else(|| self.too_much())?;
+            .ok_or_else(Self::too_much)?;
         // What MATLAB keeps of its objects has no name.
         if name.is_empty() {
             return Ok(());
@@ -222,7 +225,7 @@ impl Variables {
                     return Ok(());
                 }
                 if length > self.room {
-                    return Err(self.too_much());
+                    return Err(Self::too_much());
                 }
                 let (kind, data) = elements.next().ok_or_else(short)?;
                 let values = numbers(kind, data, big).ok_or_else(short)?;

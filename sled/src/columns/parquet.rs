@@ -4,6 +4,7 @@ use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
+use half::f16;
 use parquet::basic::{Compression, ConvertedType, LogicalType, TimeUnit, ZstdLevel};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{DataType, DoubleType};
@@ -14,20 +15,25 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use parquet::schema::types::ColumnDescriptor;
 
-use crate::columns::{Columns, collect, most_values};
+use crate::columns::{MOST_NUMBERS, too_many};
 use crate::error::Error;
 
-/// Reads every flat column of numbers; nulls become NaN, other columns are not read.
+/// Reads the flat columns of numbers in the file's order; nulls become NaN. Where some are
+/// `wanted`, the others are empty.
 ///
 /// Decimals have their point, unsigned integers their sign, and times and time stamps are in
 /// seconds. Pages are plain, or compressed by Snappy, gzip or Zstandard.
 ///
 /// # Errors
 /// [`Error::File`] where the file is no Parquet, is cut short, states a wrong length or wrong
-/// pages, is compressed otherwise, or unpacks to more numbers than [`most_values`].
-pub fn read_parquet(file: impl ChunkReader + 'static, name: &str) -> Result<Columns, Error> {
+/// pages, is compressed otherwise, or unpacks to more numbers than [`MOST_NUMBERS`].
+pub fn read_parquet(
+    file: impl ChunkReader + 'static,
+    wanted: Option<&dyn Fn(&str) -> bool>,
+    name: &str,
+) -> Result<Vec<(String, Vec<f64>)>, Error> {
     // The library panics on some damaged pages; nothing of it outlives the reading.
-    catch_unwind(AssertUnwindSafe(|| read_columns(file, name))).unwrap_or_else(|panic| {
+    catch_unwind(AssertUnwindSafe(|| read_columns(file, wanted, name))).unwrap_or_else(|panic| {
         let reason = panic.downcast_ref::<&str>().map(ToString::to_string);
         let reason = reason.or_else(|| panic.downcast_ref::<String>().cloned());
         let reason = reason.unwrap_or_else(|| "a page that cannot be decoded".into());
@@ -35,19 +41,26 @@ pub fn read_parquet(file: impl ChunkReader + 'static, name: &str) -> Result<Colu
     })
 }
 
-fn read_columns(file: impl ChunkReader + 'static, name: &str) -> Result<Columns, Error> {
+fn read_columns(
+    file: impl ChunkReader + 'static,
+    wanted: Option<&dyn Fn(&str) -> bool>,
+    name: &str,
+) -> Result<Vec<(String, Vec<f64>)>, Error> {
     let failure = |error: ParquetError| Error::file(name, error);
-    let most = most_values(file.len());
     let reader = SerializedFileReader::new(file).map_err(failure)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
-    let mut count = 0;
+    let mut room = MOST_NUMBERS;
     for (place, descriptor) in schema.columns().iter().enumerate() {
         let flat = descriptor.max_rep_level() == 0 && descriptor.path().parts().len() == 1;
         let Some(meaning) = Meaning::of(descriptor).filter(|_| flat) else {
             continue;
         };
         let mut values = Vec::new();
+        if wanted.is_some_and(|wanted| !wanted(descriptor.name())) {
+            columns.push((descriptor.name().to_string(), values));
+            continue;
+        }
         let mut numeric = true;
         for group in 0..reader.num_row_groups() {
             // The library does not check these.
@@ -84,13 +97,13 @@ fn read_columns(file: impl ChunkReader + 'static, name: &str) -> Result<Columns,
             }
             let unpacked = u64::try_from(chunk.uncompressed_size()).unwrap_or(u64::MAX);
             let values_stated = u64::try_from(chunk.num_values()).unwrap_or(u64::MAX);
-            if unpacked / 16 > most || values_stated > most - count.min(most) {
-                return Err(too_much(name, column, most));
+            if unpacked / 16 > MOST_NUMBERS || values_stated > room {
+                return Err(too_many(name));
             }
             let group = reader.get_row_group(group).map_err(failure)?;
             let optional = descriptor.max_def_level() > 0;
             let read = group.get_column_reader(place).map_err(failure)?;
-            let room = (most - count.min(most)) as usize;
+            let room = room as usize;
             let into = &mut values;
             use ColumnReader as R;
             let whole = match (read, &meaning) {
@@ -114,6 +127,12 @@ fn read_columns(file: impl ChunkReader + 'static, name: &str) -> Result<Columns,
                 (R::ByteArrayColumnReader(r), Meaning::Parts(parts)) => {
                     read_all(r, optional, room, into, |v| big_endian(v.data()) / parts)
                 }
+                (R::FixedLenByteArrayColumnReader(r), Meaning::Half) => {
+                    let number = |bytes: &[u8]| bytes.first_chunk().map(|b| f16::from_le_bytes(*b));
+                    read_all(r, optional, room, into, |v| {
+                        number(v.data()).map_or(f64::NAN, f64::from)
+                    })
+                }
                 (R::FixedLenByteArrayColumnReader(r), Meaning::Parts(parts)) => {
                     read_all(r, optional, room, into, |v| big_endian(v.data()) / parts)
                 }
@@ -124,24 +143,16 @@ fn read_columns(file: impl ChunkReader + 'static, name: &str) -> Result<Columns,
             }
             .map_err(failure)?;
             if !whole {
-                return Err(too_much(name, column, most));
+                return Err(too_many(name));
             }
         }
         if numeric {
-            count += values.len() as u64;
+            room -= values.len() as u64;
+            values.shrink_to_fit();
             columns.push((descriptor.name().to_string(), values));
         }
     }
-    collect(columns.into_iter(), name)
-}
-
-fn too_much(file: &str, column: &str, most: u64) -> Error {
-    Error::file(
-        file,
-        format!(
-            "column {column}: the file unpacks to more than {most} numbers; expected fewer: write fewer columns or rows"
-        ),
-    )
+    Ok(columns)
 }
 
 /// What the stored integers of a column are.
@@ -149,6 +160,8 @@ enum Meaning {
     /// So many of them are one.
     Parts(f64),
     Unsigned,
+    /// Numbers in half precision.
+    Half,
 }
 
 impl Meaning {
@@ -170,6 +183,7 @@ impl Meaning {
                 })
             }
             (Some(LogicalType::Integer(integer)), _) if !integer.is_signed => Meaning::Unsigned,
+            (Some(LogicalType::Float16), _) => Meaning::Half,
             (Some(LogicalType::Date), _) | (None, ConvertedType::DATE) => return None,
             (None, ConvertedType::DECIMAL) => power(column.type_scale()),
             (None, ConvertedType::TIME_MILLIS | ConvertedType::TIMESTAMP_MILLIS) => power(3),

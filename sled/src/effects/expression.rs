@@ -1,7 +1,8 @@
 //! A formula of named columns, for effects that a person adds.
 //!
-//! Grammar: numbers, names (in brackets where they are no plain words), `+ - * / ^`, parentheses,
-//! unary minus, and the functions `abs sqrt exp log sin cos tan atan sign step min max`.
+//! Grammar: numbers, names (in brackets where they are no plain words, a closing bracket of a name
+//! twice), `+ - * / ^`, parentheses, unary minus, and the functions
+//! `abs sqrt exp log sin cos tan atan sign step min max`.
 //! `^` binds to the right and tighter than unary minus: `-x^2` is `-(x^2)`.
 
 /// A parsed formula.
@@ -67,7 +68,8 @@ impl Expression {
         }
     }
 
-    /// A column's name as a formula has it: in brackets where it is no plain word.
+    /// A column's name as a formula has it: in brackets where it is no plain word, with its own
+    /// closing brackets twice.
     ///
     /// ```
     /// use kufe_sled::effects::Expression;
@@ -81,7 +83,7 @@ impl Expression {
         if first && name.chars().all(plain) {
             name.to_owned()
         } else {
-            format!("[{name}]")
+            format!("[{}]", name.replace(']', "]]"))
         }
     }
 
@@ -280,13 +282,23 @@ impl Parser<'_> {
                 Ok(())
             }
             Some(b'[') => {
-                let rest = &self.text[start + 1..];
-                let Some(end) = rest.find(']') else {
-                    self.at = self.bytes.len();
-                    return Err(self.error("`]`"));
-                };
-                self.at = start + end + 2;
-                self.refer_to(&rest[..end]);
+                let mut name = String::new();
+                let mut rest = &self.text[start + 1..];
+                loop {
+                    let Some((before, after)) = rest.split_once(']') else {
+                        self.at = self.bytes.len();
+                        return Err(self.error("`]`"));
+                    };
+                    name += before;
+                    rest = after;
+                    match after.strip_prefix(']') {
+                        Some(after) => rest = after,
+                        None => break,
+                    }
+                    name.push(']');
+                }
+                self.at = self.bytes.len() - rest.len();
+                self.refer_to(&name);
                 Ok(())
             }
             _ => Err(self.error("a number, a column or `(`")),
@@ -371,6 +383,27 @@ mod tests {
     }
 
     #[test]
+    fn any_name_can_be_quoted() {
+        for name in [
+            "x",
+            "2x",
+            "runner (left)",
+            "a]",
+            "]",
+            "]]",
+            "[a]b]]c",
+            "v [m/s]",
+            "é",
+            "a^b",
+        ] {
+            let quoted = Expression::quoted(name);
+            let formula = Expression::parse(&format!("2 * {quoted} - {quoted}")).unwrap();
+            assert_eq!(formula.names(), [name], "{quoted}");
+            assert_eq!(formula.evaluate(|_| 1.5), 1.5, "{quoted}");
+        }
+    }
+
+    #[test]
     fn unknown_names_give_nan() {
         assert!(value("x + q").is_nan());
     }
@@ -385,6 +418,7 @@ mod tests {
             ("1.2.3", 1),
             ("max(x)", 6),
             ("1 + [x", 7),
+            ("1 + [x]]", 9),
         ] {
             assert_eq!(Expression::parse(text).unwrap_err().at, at, "{text}");
         }

@@ -91,7 +91,14 @@ fn what_is_guessed_of_two_loggers_is_imported_once_its_questions_are_answered() 
         20.0,
     );
     let log = |text: &str, name: &str| {
-        read_text(text.as_bytes(), TextOptions::default(), None, name).unwrap()
+        read_text(
+            text.as_bytes(),
+            TextOptions::default(),
+            None,
+            u64::MAX,
+            name,
+        )
+        .unwrap()
     };
     let samples = [
         (PathBuf::from("raw/imu_r1.csv"), log(&imu, "imu")),
@@ -158,7 +165,14 @@ fn kufes_own_files_ask_for_no_more_than_the_index() {
         .chain(crate::truth::COLUMNS.map(|name| (name, name, 1.0)))
         .collect();
     let text = written(&own, ',', '.', 100.0);
-    let log = read_text(text.as_bytes(), TextOptions::default(), None, "r.csv").unwrap();
+    let log = read_text(
+        text.as_bytes(),
+        TextOptions::default(),
+        None,
+        u64::MAX,
+        "r.csv",
+    )
+    .unwrap();
     let guessed = guess_mapping(&[(PathBuf::from("r.csv"), log)]);
     assert_eq!(
         guessed.matches("sure: the name is kufe's own").count(),
@@ -170,8 +184,36 @@ fn kufes_own_files_ask_for_no_more_than_the_index() {
 }
 
 #[test]
+fn a_box_upside_down_is_turned_as_a_whole() {
+    let down = ["ay_mps2", "az_mps2", "pitch_rate_radps", "yaw_rate_radps"];
+    let own: Vec<(&str, &str, f64)> = std::iter::once(("t_s", "t", 1.0))
+        .chain(crate::truth::COLUMNS.map(|name| {
+            let sign = if down.contains(&name) { -1.0 } else { 1.0 };
+            (name, name, sign)
+        }))
+        .collect();
+    let text = written(&own, ',', '.', 100.0);
+    let options = TextOptions::default();
+    let log = read_text(text.as_bytes(), options, None, u64::MAX, "r.csv").unwrap();
+    let guessed = guess_mapping(&[(PathBuf::from("raw/r.csv"), log)]);
+    assert!(!guessed.contains("sign = -1"), "{guessed}");
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("raw")).unwrap();
+    std::fs::write(folder.path().join("raw/r.csv"), text).unwrap();
+    let imported = import(folder.path(), &answered(&guessed, &INDEX)).unwrap();
+    for name in down {
+        for (row, value) in imported[0].run.column(name).unwrap().iter().enumerate() {
+            let exact = column(name, row as f64 * 0.01);
+            assert!((value - exact).abs() < 1e-8, "{name}, row {row}: {value}");
+        }
+    }
+}
+
+#[test]
 fn files_of_one_name_in_two_folders_are_two_loggers() {
-    let log = |text: &str| read_text(text.as_bytes(), TextOptions::default(), None, "a").unwrap();
+    let log = |text: &str| {
+        read_text(text.as_bytes(), TextOptions::default(), None, u64::MAX, "a").unwrap()
+    };
     let rows = |names: &str, count: i32| -> String {
         let row = |i: i32| format!("{},{0},{0}\n", f64::from(i) * 2.0 / f64::from(count));
         format!("{names}\n{}", (0..count).map(row).collect::<String>())
@@ -215,7 +257,7 @@ fn the_faster_and_unsmoothed_channel_is_taken() {
             y + noise
         );
     }
-    let log = read_text(text.as_bytes(), TextOptions::default(), None, "a").unwrap();
+    let log = read_text(text.as_bytes(), TextOptions::default(), None, u64::MAX, "a").unwrap();
     let guessed = guess_mapping(&[(PathBuf::from("a.csv"), log)]);
     assert!(
         guessed.contains("ay_mps2 = { from = \"Acc Y\" }"),

@@ -1,7 +1,6 @@
 //! Imports from end to end.
 
 mod clocks;
-mod corpus;
 mod guessed;
 mod makers;
 mod one_logger;

@@ -115,6 +115,7 @@ fn a_misspelt_subcommand_is_answered_with_its_like() {
         (&["lut", "qeury", "t.lut"], "query"),
         (&["lut", "shwo", "t.lut"], "show"),
         (&["runs", "chekc", "runs.csv"], "check"),
+        (&["friction", "fitt", "experiments.csv"], "fit"),
     ] {
         let output = bench.kufe(words);
         let reported = errors(&output);

@@ -348,11 +348,13 @@ fn a_run_removes_the_files_of_the_one_before_and_no_others() {
 #[test]
 fn equal_commands_at_once_all_end_well() {
     let bench = bench();
-    for round in 0..3 {
+    let press = ["press", "case.toml", "-o", "out", "-q"];
+    let lut = ["lut", "t.toml", "-o", "t.lut", "-q"];
+    for (round, words) in [press, lut, press, lut].iter().enumerate() {
         let start = |_| {
             Command::new(env!("CARGO_BIN_EXE_kufe"))
                 .current_dir(bench.folder.path())
-                .args(["press", "case.toml", "-o", "out", "-q"])
+                .args(words)
                 .stderr(Stdio::piped())
                 .spawn()
                 .expect("the command runs")
@@ -367,7 +369,9 @@ fn equal_commands_at_once_all_end_well() {
             );
         }
         assert_eq!(names(&bench.path("out")).len(), 6);
+        assert!(!bench.path("t.lut.points").exists());
     }
+    assert!(bench.path("t.lut").exists());
 }
 
 #[test]

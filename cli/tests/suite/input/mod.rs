@@ -2,6 +2,7 @@
 
 mod bad_hulls;
 mod bad_input;
+mod corpus;
 mod damage;
 mod finite;
 mod mutated_data;

@@ -117,8 +117,14 @@ fn damaged_recordings_are_logs_or_errors() {
         .map(Vec::from)
         .into();
     rounds("recording.csv", &seeds, |bytes| {
-        read_text(bytes, TextOptions::default(), None, "recording.csv")
-            .is_ok_and(|log| !guess_mapping(&[("recording.csv".into(), log)]).is_empty())
+        read_text(
+            bytes,
+            TextOptions::default(),
+            None,
+            1_000_000,
+            "recording.csv",
+        )
+        .is_ok_and(|log| !guess_mapping(&[("recording.csv".into(), log)]).is_empty())
     });
 }
 
@@ -293,7 +299,7 @@ fn damaged_mdf4_logs_are_channels_or_errors() {
     let seeds = logs("asammdf, numpy", script, "mf4");
     if !seeds.is_empty() {
         rounds("log.mf4", &seeds, |bytes| {
-            kufe_telemetry::read_mdf4(bytes.to_vec(), None, "log.mf4").is_ok()
+            kufe_telemetry::read_mdf4(std::io::Cursor::new(bytes.to_vec()), None, "log.mf4").is_ok()
         });
     }
 }
@@ -307,7 +313,8 @@ fn damaged_matlab73_files_are_channels_or_errors() {
     let seeds = logs("h5py, numpy", script, "mat");
     if !seeds.is_empty() {
         rounds("log.mat", &seeds, |bytes| {
-            kufe_telemetry::read_matlab73(bytes.to_vec(), None, "log.mat").is_ok()
+            kufe_telemetry::read_matlab73(std::io::Cursor::new(bytes.to_vec()), None, "log.mat")
+                .is_ok()
         });
     }
 }

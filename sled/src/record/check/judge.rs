@@ -8,6 +8,7 @@ use crate::fault::{Fault, FaultKind};
 use crate::record::check::mends::{Mend, mends};
 use crate::record::check::response::response_faults;
 use crate::record::check::rigid_body::{Agreement, Slow, factor};
+use crate::record::check::rotation::BoxRotation;
 use crate::record::check::single::{constant_fault, plain_faults, range_faults};
 use crate::record::run::Run;
 use crate::series::bridged;
@@ -20,6 +21,7 @@ const MOST: usize = 4;
 /// - Of single channels ([`plain_faults`], [`range_faults`]).
 /// - By the relations of a rigid body: one remedy after the other as long as it lowers the
 ///   disagreement and the relations are then satisfied.
+/// - By the motion that a turned sensor box measures ([`BoxRotation`]), over all runs together.
 /// - By the response of a sled to steering ([`response_faults`]), over all runs together.
 pub fn judge(runs: &[Run]) -> Vec<Fault> {
     judge_by(runs, &RelationRules::default())
@@ -31,12 +33,27 @@ pub fn judge_by(runs: &[Run], rules: &RelationRules) -> Vec<Fault> {
         tried: mends(),
         rules,
     };
-    let by_run: Vec<(Vec<Fault>, Option<Slow>)> = runs
+    let plain: Vec<(Vec<Fault>, Option<Slow>)> = runs
         .par_iter()
         .map(|run| {
-            let mut faults = plain_faults(run);
+            let faults = plain_faults(run);
             // A channel that is constant or repeated cannot be mended by a unit.
             let slow = Slow::of(run).filter(|_| faults.is_empty());
+            (faults, slow)
+        })
+        .collect();
+    let slow: Vec<&Slow> = plain.iter().filter_map(|(_, slow)| slow.as_ref()).collect();
+    let rotation = BoxRotation::of(&slow, rules);
+    let by_run: Vec<(Vec<Fault>, Option<Slow>)> = runs
+        .par_iter()
+        .zip(plain)
+        .map(|(run, (mut faults, mut slow))| {
+            if let (Some(rotation), Some(slow)) = (&rotation, &mut slow)
+                && rotation.applies(slow)
+            {
+                faults.push(rotation.fault(run, slow));
+                *slow = rotation.applied(slow);
+            }
             let mended = slow.map(|slow| search.mend_all(run, slow, &mut faults));
             let ranges = range_faults(run, &faults);
             let responds = mended
@@ -295,7 +312,7 @@ fn distance_fault(run: &Run, slow: &Slow) -> Option<Fault> {
 }
 
 /// Residuals of the relations before and after.
-fn evidence(before: &Agreement, after: &Agreement) -> String {
+pub(super) fn evidence(before: &Agreement, after: &Agreement) -> String {
     let mut parts = Vec::new();
     let residuals = before.residual.iter().zip(after.residual);
     for (axis, (b, a)) in ["x", "y", "z"].iter().zip(residuals) {

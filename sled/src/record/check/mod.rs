@@ -9,6 +9,7 @@ pub(crate) mod odd_stretch;
 pub(crate) mod profile;
 mod response;
 mod rigid_body;
+mod rotation;
 mod single;
 
 pub use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps, SampleCoverage, gaps_line};

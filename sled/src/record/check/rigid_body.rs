@@ -192,12 +192,12 @@ impl IndexMut<Sensor> for Slow {
 }
 
 impl Slow {
-    fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.pieces.last().map_or(0, |piece| piece.end)
     }
 
     /// Rate of a slow channel, stretch by stretch.
-    fn rate(&self, x: &[f64]) -> Vec<f64> {
+    pub fn rate(&self, x: &[f64]) -> Vec<f64> {
         let mut rates = vec![0.0; x.len()];
         for piece in &self.pieces {
             for i in piece.clone() {

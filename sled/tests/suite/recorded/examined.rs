@@ -190,6 +190,68 @@ fn exchanged_channels_are_wrong_and_both_named() {
     assert!(fault.mend.contains("exchange"), "{}", fault.mend);
 }
 
+/// The run as a box records it whose axes are turned into the sled's by roll, pitch and yaw.
+fn in_a_box(name: &str, [roll, pitch, yaw]: [f64; 3]) -> Run {
+    let mut run = clean();
+    run.entry.run = name.to_owned();
+    for axes in [
+        ["ax_mps2", "ay_mps2", "az_mps2"],
+        ["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"],
+    ] {
+        for i in 0..run.len() {
+            let [x, y, z] = axes.map(|axis| run.columns[axis][i]);
+            let (s, c) = yaw.sin_cos();
+            let [x, y] = [c * x + s * y, -s * x + c * y];
+            let (s, c) = pitch.sin_cos();
+            let [x, z] = [c * x - s * z, s * x + c * z];
+            let (s, c) = roll.sin_cos();
+            let own = [x, c * y + s * z, -s * y + c * z];
+            for (axis, value) in axes.iter().zip(own) {
+                run.columns.get_mut(*axis).unwrap()[i] = value;
+            }
+        }
+    }
+    run
+}
+
+#[test]
+fn a_box_that_is_turned_is_one_fault_with_its_rotation() {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    for angles in [
+        [PI, 0.0, 0.0],
+        [0.0, 0.0, PI],
+        [0.0, 0.0, FRAC_PI_2],
+        [-FRAC_PI_2, 0.0, 0.0],
+        [0.3, -0.4, 2.0],
+        [-2.5, 1.0, -0.7],
+    ] {
+        let faults = judge(&[in_a_box("a", angles), in_a_box("b", angles)]);
+        let runs: Vec<&str> = faults.iter().map(|fault| fault.run.as_str()).collect();
+        assert_eq!(runs, ["a", "b"], "{angles:?}: {faults:#?}");
+        for fault in &faults {
+            assert!(
+                fault.proven && fault.kind == FaultKind::Rotation,
+                "{fault:?}"
+            );
+            assert_eq!(fault.columns.len(), 6);
+            let list = fault.mend.split(['[', ']']).nth(1).unwrap();
+            let found = list.split(", ").map(|angle| angle.parse::<f64>().unwrap());
+            for (found, exact) in found.zip(angles) {
+                let off = (found - exact + PI).rem_euclid(2.0 * PI) - PI;
+                assert!(off.abs() < 0.01, "{angles:?}: {list}");
+            }
+        }
+    }
+    // A box that is nearly aligned is advice.
+    let slight = judge(&[
+        in_a_box("a", [0.0, 0.1, 0.0]),
+        in_a_box("b", [0.0, 0.1, 0.0]),
+    ]);
+    assert!(slight.iter().all(|fault| !fault.proven), "{slight:?}");
+    assert_eq!(slight[0].kind, FaultKind::Rotation);
+    assert!(judge(&[in_a_box("a", [0.0, 0.0, 0.005]), in_a_box("b", [0.0; 3])]).is_empty());
+}
+
 /// The run under another name with its yaw rate times `sign`.
 fn turned(name: &str, sign: f64) -> Run {
     let mut run = clean();
