@@ -86,11 +86,15 @@ pub use boundary_elements::window::CheckUnavailable;
 pub use closed_forms::{Hertz, hertz};
 pub use error::Error;
 pub use groove::sequence::slide;
-pub use groove::solution::{Groove, GrooveProfile, Measure, Section, SlidingMesh, SlidingSolution};
+pub use groove::solution::{
+    Groove, GrooveProfile, Measure, Section, SlidingIterate, SlidingMesh, SlidingSolution,
+};
 pub use map::pressure_map::{PressureMap, parted, pressure_maps};
 pub use map::rim::squared_pressure;
 pub use mesh::assembled::AssembledBody;
-pub use options::{MeshWatcher, NUMERICS, NextMesh, Options, StiffnessForm, Watcher};
+pub use options::{
+    MeshWatcher, NUMERICS, NextMesh, Options, SlidingWatcher, StiffnessForm, Watcher,
+};
 pub use problem::contact_problem::{ElasticRunner, Load, Problem, Runner, Tilt};
 pub use problem::gap::track_height;
 pub use problem::ice::{

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::Iterate;
+use crate::{Iterate, SlidingIterate};
 
 /// Version of the numerics: it rises whenever the same problem and options give other figures, so
 /// that results stored by an older version are not taken for this one's.
-pub const NUMERICS: u32 = 19;
+pub const NUMERICS: u32 = 20;
 
 /// Weight of the relative error of the area where the ice's hardness fixes the peak and the area is
 /// what is refined.
@@ -43,6 +43,9 @@ pub struct NextMesh {
 /// Callback for every mesh before it is solved.
 pub type MeshWatcher = Arc<dyn Fn(&NextMesh) + Send + Sync>;
 
+/// Callback for every correction of a sliding contact.
+pub type SlidingWatcher = Arc<dyn Fn(&SlidingIterate) + Send + Sync>;
+
 /// Accuracy and limits of a solve.
 #[derive(Clone)]
 pub struct Options {
@@ -73,6 +76,9 @@ pub struct Options {
     pub progress: Option<Watcher>,
     /// Called before each mesh is solved, which may take longer than all before it.
     pub next_mesh: Option<MeshWatcher>,
+    /// Called while a runner slides: on each mesh with what the contact plane alone makes of it, and
+    /// after every correction by the bodies.
+    pub sliding_progress: Option<SlidingWatcher>,
     /// Once true, the solve ends with [`Error::Stopped`](crate::Error::Stopped), within about an
     /// iteration.
     pub stop: Option<Arc<AtomicBool>>,
@@ -101,6 +107,7 @@ impl Default for Options {
             subsurface: false,
             progress: None,
             next_mesh: None,
+            sliding_progress: None,
             stop: None,
         }
     }

@@ -233,14 +233,14 @@ fn solved(
     options: Options,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Contact> {
-    let (watched, accuracy) = (progress.is_some(), loaded.case.accuracy.p_max);
+    let watched = progress.is_some();
     let worked = work(py, progress, move |watch, teller| {
         let options = Options {
             stop: Some(teller.stop.clone()),
             ..options
         };
         let options = match watched {
-            true => with_progress(options, accuracy, move |line| teller.progress(line)),
+            true => with_progress(options, &loaded.case, move |line| teller.progress(line)),
             false => options,
         };
         kufe::Contact::from(loaded).options(options).best(watch)

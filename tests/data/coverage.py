@@ -6,8 +6,9 @@ With classes COUNT contacts of each of them and nothing else.
 
 Hertz's closed form (rigid, two elastic bodies, offset loads, which shift a paraboloid's patch and nothing else); Hankel transforms in depth
 (`layered.py`) for round hulls on one or two layers over a rigid bed; for gaps that are no paraboloid and for ice that yields, rectangles of uniform
-pressure (A. E. H. Love, 1929) whose displacements are convolutions, on N x N of them and on half as many along each side: `truth` is what the two
-differ by, over the figure. The last lines are those of `slender.py`, whose pressures have their peaks at a runner's ends.
+pressure (A. E. H. Love, 1929) whose displacements are convolutions, on so many of them and on half as many along each side: `truth` is what the two
+differ by, over the figure. Of worn flats the reach is found on a coarse grid first. The last lines are those of `slender.py`, whose pressures have their
+peaks at a runner's ends.
 """
 import csv
 import pathlib
@@ -22,7 +23,7 @@ E, NU = 9e9, 0.33
 STEEL = 210e9, 0.30
 COLUMNS = (
     "class rocker_radius_m section_radius_m quartic_1pm3 fz_n offset_x_m offset_y_m thickness_m bed_youngs_modulus_pa"
-    " bed_thickness_m steel hardness_pa worn_m curvature_1pm p_max_pa area_m2 approach_m truth"
+    " bed_thickness_m steel hardness_pa worn_m worn_edge_m curvature_1pm p_max_pa area_m2 approach_m truth"
 ).split()
 SEED = int(sys.argv[1]) if sys.argv[1:] else 20261122
 ASKED = sys.argv[3:]
@@ -39,14 +40,14 @@ def logarithmic(low, high):
 
 
 class Rectangles:
-    """A half-space under n x n rectangles over [-x, x] x [-y, y]."""
+    """A half-space under nx x ny rectangles over [-x, x] x [-y, y]."""
 
-    def __init__(self, n, x, y, contact_modulus):
-        self.n, self.dx, self.dy = n, 2 * x / n, 2 * y / n
-        self.x = (np.arange(n) + 0.5) * self.dx - x
-        self.y = (np.arange(n) + 0.5) * self.dy - y
-        place = np.concatenate([np.arange(n), np.arange(-n, 0)])
-        gx, gy = np.meshgrid(place * self.dx, place * self.dy, indexing="ij")
+    def __init__(self, shape, x, y, contact_modulus):
+        self.shape, self.double = shape, [2 * n for n in shape]
+        sizes = self.dx, self.dy = 2 * x / shape[0], 2 * y / shape[1]
+        self.x, self.y = ((np.arange(n) + 0.5) * d - reach for n, d, reach in zip(shape, sizes, (x, y)))
+        places = (np.concatenate([np.arange(n), np.arange(-n, 0)]) * d for n, d in zip(shape, sizes))
+        gx, gy = np.meshgrid(*places, indexing="ij")
 
         def corner(a, b):
             return a * np.arcsinh(b / np.abs(a)) + b * np.arcsinh(a / np.abs(b))
@@ -55,25 +56,28 @@ class Rectangles:
             s * t * corner(gx + s * self.dx / 2, gy + t * self.dy / 2) for s in (1, -1) for t in (1, -1)
         )
         self.kernel = np.fft.rfft2(love / (np.pi * contact_modulus))
+        waves = np.fft.fftfreq(shape[0], self.dx), np.fft.rfftfreq(shape[1], self.dy)
+        self.wave_number = np.hypot(*np.meshgrid(*waves, indexing="ij"))
+        self.wave_number[0, 0] = self.wave_number.ravel()[1:].min()
 
     def displacement(self, pressure):
-        padded = np.zeros((2 * self.n, 2 * self.n))
-        padded[: self.n, : self.n] = pressure
-        return np.fft.irfft2(np.fft.rfft2(padded) * self.kernel, padded.shape)[: self.n, : self.n]
+        spectrum = np.fft.rfft2(pressure, self.double) * self.kernel
+        return np.fft.irfft2(spectrum, self.double)[: self.shape[0], : self.shape[1]]
 
     def solve(self, inside, side, start):
-        """Conjugate gradients on the rectangles inside."""
+        """Conjugate gradients on the rectangles inside, preconditioned with what presses waves of a plane flat."""
         x = np.where(inside, start, 0.0)
         r = np.where(inside, side - self.displacement(x), 0.0)
-        p, rho = r.copy(), (r * r).sum()
+        p, rho = 0.0, 1.0
         first = (np.where(inside, side, 0) ** 2).sum()
-        while rho > 1e-18 * first:
+        while (r * r).sum() > 1e-18 * first:
+            z = np.where(inside, np.fft.irfft2(np.fft.rfft2(r) * self.wave_number, self.shape), 0.0)
+            rho, before = (r * z).sum(), rho
+            p = z + rho / before * p
             q = np.where(inside, self.displacement(p), 0.0)
             step = rho / (p * q).sum()
             x += step * p
             r -= step * q
-            rho, before = (r * r).sum(), rho
-            p = r + rho / before * p
         return x
 
     def press(self, gap, force, hardness):
@@ -108,17 +112,34 @@ def highest(pressure):
     return top
 
 
-def boundary(gap, force, hardness, reach):
+def boundary(gap, force, hardness, reach, coarse=(64, 64)):
     """Peak, area, approach and what two resolutions differ by."""
     found = []
-    for n in (64, 128):
-        grid = Rectangles(n, *reach, modulus())
+    for finer in (1, 2):
+        grid = Rectangles([finer * n for n in coarse], *reach, modulus())
         pressure, approach = grid.press(gap(*np.meshgrid(grid.x, grid.y, indexing="ij")), force, hardness)
         top = highest(pressure) if np.isinf(hardness) else pressure.max()
         area = (pressure > 0).sum() * grid.dx * grid.dy
         found.append((top, area, approach))
     coarse, fine = found
     return (*fine, max(abs(fine[0] / coarse[0] - 1), abs(fine[2] / coarse[2] - 1)))
+
+
+def reach_of(gap, force, reach):
+    """Half the sides of a rectangle somewhat larger than the contact."""
+    reach = np.array(reach)
+    while True:
+        grid = Rectangles((24, 128), *reach, modulus())
+        pressure, _ = grid.press(gap(*np.meshgrid(grid.x, grid.y, indexing="ij")), force, np.inf)
+        ends = [np.abs(line[(pressure > 0).any(1 - axis)]).max() for axis, line in enumerate((grid.x, grid.y))]
+        found = np.array(ends) + np.array([grid.dx, grid.dy]) / 2
+        if (found < 0.98 * reach).all():
+            return 1.06 * found
+        reach = np.where(found < 0.98 * reach, reach, 1.4 * reach)
+
+
+def arc(radius, x):
+    return x * x / (radius + np.sqrt((radius - x) * (radius + x)))
 
 
 def row(kind, rocker, section, force, figures, truth=1e-6, **more):
@@ -201,9 +222,23 @@ random = np.random.default_rng(SEED + 1)
 for kind, low, high in (("layer as thick as the patch", 0.1, 1.0), ("thin layer", 0.02, 0.1)):
     for _ in draws(f"{kind} anew", 15):
         layer(f"{kind} anew", low, high)
+# With peaks along both rounded edges of the flat.
+random = np.random.default_rng(SEED + 8)
+for _ in draws("worn flat", 30):
+    rocker, section, force = logarithmic(15, 60), logarithmic(3.5e-3, 8e-3), logarithmic(500, 5000)
+    worn, edge = logarithmic(2e-6, 15e-6), logarithmic(1e-4, 5e-4)
+
+    def gap(x, y):
+        above = arc(section, y) - worn
+        return arc(rocker, x) + 0.5 * (above + np.hypot(above, edge / section * worn))
+
+    reach = reach_of(gap, force, (4e-3 * np.sqrt(rocker * force / 1000), 1.4 * np.sqrt(2 * section * worn)))
+    peak, _, approach, truth = boundary(gap, force, np.inf, reach, (24, 512))
+    # 48 rectangles along the contact do not say how far it reaches.
+    row("worn flat", rocker, section, force, (peak, 0, approach), truth, worn_m=worn, worn_edge_m=edge)
 for line in [] if ASKED else csv.DictReader((pathlib.Path(__file__).parent / "slender.csv").open()):
     numbers = {key: float(value) for key, value in line.items()}
     worn = numbers["worn_m"]
-    kind = "worn flat" if worn else "peaks at the ends"
+    kind = "narrow flat" if worn else "peaks at the ends"
     figures = (numbers["p_max_pa"], 0, 0)
-    row(kind, numbers["rocker_radius_m"], numbers["section_radius_m"], numbers["fz_n"], figures, 2e-3, worn_m=worn, curvature_1pm=line["curvature_1pm"])
+    row(kind, numbers["rocker_radius_m"], numbers["section_radius_m"], numbers["fz_n"], figures, 2e-3, worn_m=worn, worn_edge_m=0.2 * numbers["section_radius_m"] if worn else 0, curvature_1pm=line["curvature_1pm"])

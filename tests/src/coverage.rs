@@ -17,8 +17,8 @@ pub struct Row {
     pub text: String,
     /// Rocker and section radius [m], share of x^4 [1/m^3], force [N], offset x and y [m],
     /// thickness [m], Young's modulus [Pa] and thickness of a bed [m], whether the runner is steel,
-    /// hardness [Pa], depth of a worn flat [m], track's curvature [1/m].
-    numbers: [f64; 13],
+    /// hardness [Pa], depth of a worn flat and radius of its edges [m], track's curvature [1/m].
+    numbers: [f64; 14],
     /// Peak pressure [Pa], area [m2] and approach [m]; 0 where nothing is known.
     truth: [f64; 3],
     /// What the truth of peak and approach itself may be off by, relative.
@@ -41,11 +41,11 @@ pub fn rows_of(table: &str) -> Vec<Row> {
             .split(',')
             .map(|number| number.parse().expect("a number"))
             .collect();
-        let (problem, reported) = numbers.split_at(13);
+        let (problem, reported) = numbers.split_at(14);
         Row {
             class: class.to_string(),
             text: line.to_string(),
-            numbers: problem.try_into().expect("13 numbers"),
+            numbers: problem.try_into().expect("14 numbers"),
             truth: reported[..3].try_into().expect("three figures"),
             truth_error: reported[3],
         }
@@ -90,11 +90,14 @@ impl Row {
             steel,
             hardness,
             worn,
+            worn_edge,
             curvature,
         ] = self.numbers;
         let bob = BobRunner::default();
         let underside: Arc<dyn Underside> = if curvature != 0.0 || worn > 0.0 {
-            let section = Section::arc(section, bob.width).and_then(|arc| arc.worn(worn, 0.2));
+            let width = bob.width.min(2.0 * section);
+            let section =
+                Section::arc(section, width).and_then(|arc| arc.worn(worn, worn_edge / section));
             let hull = Rocker::arc(rocker).and_then(|rocker| bob.swept_with(rocker, section?));
             Arc::new(hull.expect("a runner"))
         } else if quartic > 0.0 {

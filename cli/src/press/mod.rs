@@ -56,8 +56,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let inputs = case_inputs(args.case.as_deref(), &loaded)?;
     let output = OutputDir::begin("press", &inputs, &args.out, global.force)?;
     let bar = global.progress();
-    let (shown, accuracy) = (bar.clone(), loaded.case.accuracy.p_max);
-    let options = with_progress(options, accuracy, move |line| shown.set_message(line));
+    let shown = bar.clone();
+    let options = with_progress(options, &loaded.case, move |line| shown.set_message(line));
     let watch = Watch {
         progress: Some(&|text| bar.set_message(text.to_owned())),
         warn: Some(&|text| bar.warn(text)),

@@ -42,8 +42,8 @@ fn rows() -> Vec<Row> {
         };
         Row {
             problem: Problem::new(runner, ice, Load::central(cells[3], Tilt::Free)),
-            approach: cells[15],
-            known_to: cells[16],
+            approach: cells[16],
+            known_to: cells[17],
         }
     };
     let yields = table

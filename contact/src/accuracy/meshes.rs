@@ -178,6 +178,7 @@ impl<'a> Meshes<'a> {
             approach: mesh.contact.depth(&state),
             tilt: self.gap.tilt(state.motion[1], state.motion[2]),
             missed: self.patch.missed(&pressure.patch, cells),
+            at_ridge: !self.patch.is_even(),
         };
         self.solved
             .push(pressure.figures, place, cells, self.graded_anew);

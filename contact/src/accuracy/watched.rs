@@ -61,6 +61,8 @@ pub(crate) struct Place {
     pub tilt: [f64; 2],
     /// Relative error of peak and approach that comes from rims the mesh was not made for.
     pub missed: f64,
+    /// Whether the mesh is graded to a ridge of the pressure, or to an end of the hull.
+    pub at_ridge: bool,
 }
 
 impl Limits {
@@ -147,6 +149,9 @@ impl FigureHistory {
             cells,
             extents: [along, across],
         } = fineness.into();
+        if place.at_ridge {
+            self.peak.set_at_ridge();
+        }
         let [pitch, roll] = &mut self.tilt;
         for (sequence, cells, value) in [
             (&mut self.peak, cells, figures.p_max),
@@ -353,6 +358,7 @@ mod tests {
         approach: 1e-6,
         tilt: [0.0; 2],
         missed: 0.0,
+        at_ridge: false,
     };
 
     /// A mesh of so many cells whose figures have errors of second order, in parts of their limits

@@ -166,6 +166,7 @@ impl<'a> Asperities<'a> {
                 approach: contact.approach(),
                 tilt: self.tilt(&contact),
                 missed: 0.0,
+                at_ridge: false,
             };
             figures.push(read.figures, place, read.fineness(&contact, cells), false);
             judged = figures.limits();

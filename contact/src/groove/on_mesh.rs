@@ -58,8 +58,14 @@ impl MeshContact<'_> {
     /// f - G f, until the forces stay. Then they are those of S, whatever G: it only says how fast.
     /// Full nodes' parts of the plane add up to the area that yields below the cell,
     /// [`Rims::full_area`], so that the load does not depend on where nodes lie next to the rim.
-    /// Returns the solution and the residual without that correction.
-    pub fn solve(&self, start: &Start, forces: &Forces) -> Result<[SlidingState; 2], Error> {
+    /// Returns the solution and the residual without that correction; `report` receives the states
+    /// on the way.
+    pub fn solve(
+        &self,
+        start: &Start,
+        forces: &Forces,
+        report: impl Fn(&SlidingState),
+    ) -> Result<[SlidingState; 2], Error> {
         let contact = &self.mesh.contact;
         let green = self.green()?;
         let mut slid = self.begin(&green, &contact.unpressed_gap(), start)?;
@@ -76,6 +82,7 @@ impl MeshContact<'_> {
         let mut lines = self.lines();
         slid.residual = 1.0;
         while slid.corrections < CORRECTIONS {
+            report(&slid);
             if slid.corrections > 0 {
                 outer.fix_outer_faces(&Forces::of(self.mesh, &slid.state), &mut slid.state);
             }

@@ -13,7 +13,9 @@ use crate::grid::patch::Patch;
 use crate::groove::measures::{GrooveReading, Measures, Rims};
 use crate::groove::on_mesh::{MeshContact, SlidingState, Start, WarmStart};
 use crate::groove::plastic_contact::Kind;
-use crate::groove::solution::{Groove, GrooveProfile, Measure, SlidingMesh, SlidingSolution};
+use crate::groove::solution::{
+    Groove, GrooveProfile, Measure, SlidingIterate, SlidingMesh, SlidingSolution,
+};
 use crate::mesh::discretise::{Discretisation, MeshPlan, Reach};
 use crate::problem::check::{capacity, check};
 use crate::problem::gap::Gap;
@@ -115,14 +117,18 @@ impl<'a> SlidingMeshes<'a> {
             .map_or_else(|| first_cells(tolerance), |c| c as f64);
         self.fit(cells)?;
         let mut refined = 1.0;
+        let mut estimate = f64::INFINITY;
         loop {
             let mesh = self.mesh(cells)?;
             let dofs = mesh.free_dofs();
-            let [slid, plain] = self.on(&mesh).solve(&self.start, &self.forces)?;
+            let on = self.on(&mesh);
+            let [slid, plain] = on.solve(&self.start, &self.forces, |slid| {
+                self.report(&mesh, slid, dofs, estimate);
+            })?;
             let plain = self.measures(&mesh, &plain);
             self.take(&mesh, &slid, dofs);
             let errors = Errors::of(&self.measures, &plain, refined);
-            let estimate = errors.largest(&self.measures[self.measures.len() - 1]);
+            estimate = errors.largest(&self.measures[self.measures.len() - 1]);
             if self.options.cells.is_some() || estimate <= tolerance {
                 return Ok(self.put_together(mesh, slid, errors));
             }
@@ -188,6 +194,29 @@ impl<'a> SlidingMeshes<'a> {
         let field = Field::new(mesh, self.problem, &self.patch);
         let on = self.on(mesh);
         GrooveReading::new(&on, &self.gap, slid).measures(&field.pressure_field(&slid.state))
+    }
+
+    /// Passes a state of a mesh on, before which the meshes had this error.
+    fn report(&self, mesh: &Discretisation, slid: &SlidingState, dofs: usize, error: f64) {
+        let Some(watcher) = &self.options.sliding_progress else {
+            return;
+        };
+        let field = Field::new(mesh, self.problem, &self.patch);
+        let field = field.pressure_field(&slid.state);
+        let on = self.on(mesh);
+        let reading = GrooveReading::new(&on, &self.gap, slid);
+        let measures = reading.measures(&field);
+        watcher(&SlidingIterate {
+            hardness: self.problem.ice.hardness.unwrap_or(f64::INFINITY),
+            level: self.meshes.len(),
+            dofs,
+            error_before: error.is_finite().then_some(error),
+            corrections: slid.corrections,
+            residual: slid.residual,
+            fz: measures.fz,
+            ploughing: measures.ploughing,
+            sections: reading.sections(&field),
+        });
     }
 
     /// Keeps what a mesh says.
@@ -301,9 +330,10 @@ impl SlidingMeshes<'_> {
     }
 }
 
-/// Cells over half the patch of the first mesh.
+/// Cells over half the patch of the first mesh. A stricter request goes on with the same meshes:
+/// where nodes lie next to the rims is chance, and meshes of its own could leave it a larger error.
 fn first_cells(tolerance: f64) -> f64 {
-    (0.8 / tolerance.sqrt()).ceil().clamp(4.0, 16.0)
+    (0.8 / tolerance.sqrt()).ceil().clamp(4.0, 6.0)
 }
 
 /// Whether a grid made for one patch resolves the other.
@@ -332,7 +362,7 @@ fn unfolded(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
 ///
 /// `before` is the groove in which the ice comes, that of an earlier runner. Meshes are refined
 /// until the estimated errors of peak pressure, groove depth and ploughing force are below
-/// `options.p_max_tolerance`; `options.progress` is not called. The load's line of action stays
+/// `options.p_max_tolerance`; `options.sliding_progress` is called in place of `options.progress`. The load's line of action stays
 /// where it is: a runner that is free to tilt turns until the pressure is under it, and the drag's
 /// own moment is not in the balance. What the runner's sides push up is not in it either.
 ///

@@ -81,6 +81,29 @@ pub struct SlidingMesh {
     pub ploughing_by_slope: f64,
 }
 
+/// A sliding contact while it is being solved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlidingIterate {
+    /// Pressure at which the ice yields [Pa].
+    pub hardness: f64,
+    /// The mesh, counted from the coarsest.
+    pub level: usize,
+    /// Its unknowns.
+    pub dofs: usize,
+    /// Relative error that the meshes before it leave; `None` before there are two.
+    pub error_before: Option<f64>,
+    /// Corrections so far; 0 on the contact plane alone.
+    pub corrections: usize,
+    /// Sum of the forces' changes in the last one, over the load.
+    pub residual: f64,
+    /// Normal force [N].
+    pub fz: f64,
+    /// As [`Groove::ploughing`], at this moment [N].
+    pub ploughing: f64,
+    /// As [`Groove::sections`], at this moment.
+    pub sections: Vec<Section>,
+}
+
 // The section of the groove of an earlier runner.
 
 /// Depth of a groove over its section across the sliding direction.

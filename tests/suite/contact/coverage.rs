@@ -3,8 +3,7 @@
 
 use kufe_tests::coverage::rows;
 
-/// Every seventh row at 2 %: all classes but the slow ones of the last lines. One row in twenty may
-/// be off.
+/// Every seventh row at 2 %: all classes but the narrow flat. One row in twenty may be off.
 #[test]
 fn stated_errors_of_peaks_hold_in_95_of_100_random_contacts() {
     let (mut covered, mut count, mut reported) = (0, 0, Vec::new());

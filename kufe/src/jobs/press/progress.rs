@@ -3,19 +3,25 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use kufe_contact::{Iterate, NextMesh, Options};
+use kufe_contact::{Iterate, NextMesh, Options, SlidingIterate, SlidingWatcher};
+use kufe_sled::friction::film::FilmConditions;
 
-/// Options that report how far the contact is, a line at a time, of which `requested` is the
-/// relative error: the mesh in hand, how far those before it are from it, and about how long the
-/// rest takes where that is known and matters.
+use crate::case::Case;
+use crate::jobs::slide::{conditions, film_on};
+
+/// Options that report how far the contact of a case is, a line at a time: the mesh in hand, the
+/// error of those before it, and about how long the rest takes where that is known and matters; of
+/// a runner that slides the friction after each correction of a mesh.
 pub fn with_progress(
     options: Options,
-    requested: f64,
+    case: &Case,
     tell: impl Fn(String) + Send + Sync + 'static,
 ) -> Options {
+    let requested = case.accuracy.p_max;
+    let film = case.sliding.as_ref().map(conditions);
     let (since, meshes) = (Instant::now(), Arc::new(Mutex::new(Vec::new())));
     let (known, tell) = (meshes.clone(), Arc::new(tell));
-    let said = tell.clone();
+    let (said, slid) = (tell.clone(), tell.clone());
     let ending = move |meshes: &[MeshStart], error: Option<f64>| {
         let so_far = error.map_or("not known yet".to_owned(), percent);
         let rest = remaining(meshes, since.elapsed().as_secs_f64(), requested);
@@ -47,8 +53,39 @@ pub fn with_progress(
                 ending(&meshes, state.error_before)
             ));
         })),
+        sliding_progress: film.map(|film| -> SlidingWatcher {
+            Arc::new(move |state| slid(sliding_line(state, &film, requested)))
+        }),
         ..options
     }
+}
+
+/// One correction of a sliding contact: its mesh, the friction with the film of this moment.
+fn sliding_line(state: &SlidingIterate, film: &FilmConditions, requested: f64) -> String {
+    let ploughing = state.ploughing / state.fz;
+    let friction = film_on(&state.sections, state.fz, film).map_or_else(
+        |_| format!("ploughing {:.3}e-3 of the load", 1e3 * ploughing),
+        |along| {
+            let mu = ploughing + along.film.totals.friction;
+            format!(
+                "mu {:.3}e-3, ploughing {:.3}e-3 of it",
+                1e3 * mu,
+                1e3 * ploughing
+            )
+        },
+    );
+    let error = state
+        .error_before
+        .map_or("not known yet".to_owned(), percent);
+    format!(
+        "groove in ice of {:.2} MPa, mesh {}: {} unknowns, correction {}, forces change by {:.0e}, {friction}; error {error}, requested {}",
+        state.hardness / 1e6,
+        state.level + 1,
+        state.dofs,
+        state.corrections,
+        state.residual,
+        percent(requested)
+    )
 }
 
 /// A force as people read it, in kN from one on [N].
@@ -172,7 +209,7 @@ mod tests {
         let lines = reported.clone();
         let tell = move |line: String| lines.lock().expect("lines").push(line);
         let loaded = LoadedCase::parse("luge", Path::new(""), LUGE).expect("a case");
-        let options = with_progress(Options::default(), 0.002, tell);
+        let options = with_progress(Options::default(), &loaded.case, tell);
         let contact = Contact::from(loaded).options(options);
         contact.best(&Watch::default()).expect("an answer");
         let reported = reported.lock().expect("lines");

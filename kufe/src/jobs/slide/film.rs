@@ -25,19 +25,30 @@ impl FilmAlong {
     }
 }
 
-/// The film under these conditions on the patch of a solution, as a strip that bears the whole
-/// load: what stations leave out of it is made up by their widths, which are known to a part of a
-/// cell, for pressures are bounded by what the ice bears.
+/// The film under these conditions on the patch of a solution.
 ///
 /// # Errors
-/// [`kufe_sled::friction::Error`] for conditions out of range, and for a patch that is no strip.
+/// As [`film_on`].
 pub fn film_along(
     solution: &SlidingSolution,
     conditions: &FilmConditions,
 ) -> Result<FilmAlong, kufe_sled::friction::Error> {
-    let sections = &solution.groove.sections;
+    film_on(&solution.groove.sections, solution.contact.fz, conditions)
+}
+
+/// The film on stations of a patch under `fz` [N], as a strip that bears the whole load: what
+/// stations leave out of it is made up by their widths, which are known to a part of a cell, for
+/// pressures are bounded by what the ice bears.
+///
+/// # Errors
+/// [`kufe_sled::friction::Error`] for conditions out of range, and for a patch that is no strip.
+pub(crate) fn film_on(
+    sections: &[Section],
+    fz: f64,
+    conditions: &FilmConditions,
+) -> Result<FilmAlong, kufe_sled::friction::Error> {
     let front = sections.first().map_or(0.0, |s| s.x);
-    let share = solution.contact.fz / load(sections);
+    let share = fz / load(sections);
     let strip = Strip::new(
         sections.iter().map(|s| front - s.x).collect(),
         sections.iter().map(|s| share * s.width).collect(),

@@ -10,7 +10,7 @@ mod sliding;
 mod table;
 
 pub use film::{FilmAlong, film_along};
-pub(crate) use film::{conditions, film_failure};
+pub(crate) use film::{conditions, film_failure, film_on};
 pub use groove::Hardness;
 pub(crate) use groove::{Grooved, Ploughing};
 pub use hardness::HardnessFrom;
