@@ -126,6 +126,8 @@ pub struct Tolerances {
     pub misalignment_rad: f64,
     /// What each gyroscope's axis picks up of the vertical acceleration [rad s/m].
     pub gyro_g_sensitivity_radps_per_mps2: f64,
+    /// Offset of sensors that are mounted anew for each session: slip and steering [rad].
+    pub session_offset_rad: f64,
 }
 
 impl Tolerances {
@@ -142,10 +144,11 @@ impl Tolerances {
         steer_scale: 0.0,
         misalignment_rad: 0.0,
         gyro_g_sensitivity_radps_per_mps2: 0.0,
+        session_offset_rad: 0.0,
     };
 
     /// Keys and values.
-    pub(crate) fn named(&self) -> [(&'static str, f64); 11] {
+    pub(crate) fn named(&self) -> [(&'static str, f64); 12] {
         [
             ("tolerances.delay_s", self.delay_s),
             ("tolerances.place_m", self.place_m),
@@ -161,6 +164,7 @@ impl Tolerances {
                 "tolerances.gyro_g_sensitivity_radps_per_mps2",
                 self.gyro_g_sensitivity_radps_per_mps2,
             ),
+            ("tolerances.session_offset_rad", self.session_offset_rad),
         ]
     }
 }
@@ -179,6 +183,7 @@ impl Default for Tolerances {
             steer_scale: 0.01,
             misalignment_rad: 0.005,
             gyro_g_sensitivity_radps_per_mps2: 9e-5,
+            session_offset_rad: 0.001,
         }
     }
 }

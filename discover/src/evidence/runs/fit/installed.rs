@@ -59,12 +59,18 @@ impl Campaign<'_> {
         }
     }
 
+    /// What the tolerances of the model leave open in the training runs.
+    pub fn stated_installation(&self) -> Installation {
+        let sessions = self.training.iter().map(|frame| frame.session.as_str());
+        Installation::new(&self.model.tolerances.unwrap_or_default(), sessions)
+    }
+
     /// The fit without an installation, the stated one, and the products of its parts; nothing where none is stated.
     fn installable(
         &self,
         fit: &RunFit,
     ) -> Result<Option<(RunFit, Installation, PartProducts)>, Error> {
-        let mut stated = Installation::new(&self.model.tolerances.unwrap_or_default());
+        let mut stated = self.stated_installation();
         if stated.fitted() == 0 {
             return Ok(None);
         }

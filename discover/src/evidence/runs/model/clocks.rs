@@ -79,7 +79,7 @@ mod tests {
             delay_s: 0.002,
             ..Tolerances::EXACT
         };
-        let stated = Installation::new(&delays);
+        let stated = Installation::new(&delays, []);
         let count = stated.parts.len();
         // Differences alone show, each to a fifth of the stated deviation.
         let common = DMatrix::from_element(count, count, 25.0 / count as f64);

@@ -1,4 +1,5 @@
-//! What the installation may be off by: delays, scales, biases, places, mass and inertia, as random effects.
+//! What the installation may be off by: delays, scales, biases, places, mass and inertia, and offsets by session of sensors that are
+//! mounted anew, as random effects.
 //!
 //! Each error a has a standard deviation that `[tolerances]` states, and is counted in units of it. With N its columns and J
 //! those of the base, the fit is that of least squares with a penalty, and rows have a covariance of their own:
@@ -13,6 +14,7 @@
 //!
 //! Source: G. K. Robinson, That BLUP is a good thing: the estimation of random effects, Statistical Science 6 (1991) 15.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use kufe_sled::Tolerances;
@@ -59,6 +61,8 @@ pub struct Part {
     pub sd: f64,
     /// The same as it is stated.
     pub stated: f64,
+    /// The only session in which it is so; every one where there is none.
+    session: Option<String>,
     wrong: Wrong,
 }
 
@@ -79,6 +83,11 @@ impl Part {
     /// Whether it makes channels of the inertial unit pick up others.
     pub fn mixes(&self) -> bool {
         matches!(self.wrong, Wrong::Misaligned(_) | Wrong::GSensitive(_))
+    }
+
+    /// Whether it acts in a session.
+    pub fn acts_in(&self, session: &str) -> bool {
+        self.session.as_ref().is_none_or(|own| own == session)
     }
 
     /// The sensor whose reading it changes.
@@ -154,22 +163,22 @@ pub struct Installation {
 }
 
 impl Installation {
-    /// What the tolerances leave open; a standard deviation of 0 leaves nothing.
-    pub fn new(tolerances: &Tolerances) -> Self {
+    /// What the tolerances leave open in runs of these sessions; a standard deviation of 0 leaves nothing.
+    pub fn new<'s>(tolerances: &Tolerances, sessions: impl IntoIterator<Item = &'s str>) -> Self {
         let t = tolerances;
         let gyros = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
         let accelerometers = [Sensor::Ax, Sensor::Ay, Sensor::Az];
         let mut parts = Vec::new();
         let mut add = |what: String, unit, sd, wrong| {
             if sd > 0.0 {
-                let part = Part {
+                parts.push(Part {
                     what,
                     unit,
                     sd,
                     stated: sd,
+                    session: None,
                     wrong,
-                };
-                parts.push(part);
+                });
             }
         };
         for s in Sensor::ALL {
@@ -225,6 +234,22 @@ impl Installation {
         let inertias = [("pitch", Wrong::PitchInertia), ("yaw", Wrong::YawInertia)];
         for (axis, wrong) in inertias {
             add(format!("{axis} inertia, relative"), "", t.inertia, wrong);
+        }
+        if t.session_offset_rad > 0.0 {
+            let sessions: BTreeSet<&str> = sessions.into_iter().collect();
+            for (session, s) in sessions
+                .into_iter()
+                .flat_map(|session| [Sensor::Slip, Sensor::Steering].map(|s| (session, s)))
+            {
+                parts.push(Part {
+                    what: format!("offset of {} in session {session:?}", s.name()),
+                    unit: "rad",
+                    sd: t.session_offset_rad,
+                    stated: t.session_offset_rad,
+                    session: Some(session.to_owned()),
+                    wrong: Wrong::Biased(s),
+                });
+            }
         }
         Self::of(parts, None)
     }
@@ -483,10 +508,11 @@ impl Installation {
         }
     }
 
-    /// From what a sensor said to what was true: what the installation is off by, then this delay [s] by effects.
-    pub fn correct(&self, of: Sensor, delay_s: f64, channels: &mut Channels) {
+    /// From what a sensor said in a session to what was true: what the installation is off by, then this delay [s] by effects.
+    pub fn correct(&self, of: Sensor, session: &str, delay_s: f64, channels: &mut Channels) {
         let parts = self.parts.iter().zip(&self.sizes);
-        for (part, size) in parts.filter(|(part, s)| **s != 0.0 && part.sensor() == Some(of)) {
+        let acts = |part: &Part| part.sensor() == Some(of) && part.acts_in(session);
+        for (part, size) in parts.filter(|(part, size)| **size != 0.0 && acts(part)) {
             let size = size * part.sd;
             match part.wrong {
                 Wrong::Late(sensor) => channels.catch_up(sensor, size),
@@ -509,14 +535,31 @@ mod tests {
 
     #[test]
     fn what_is_exact_has_no_part_and_the_rest_one_each() {
-        assert_eq!(Installation::new(&Tolerances::EXACT).fitted(), 0);
+        assert_eq!(Installation::new(&Tolerances::EXACT, ["1"]).fitted(), 0);
         let delays = Tolerances {
             delay_s: 0.002,
             ..Tolerances::EXACT
         };
-        let parts = Installation::new(&delays).parts;
+        let parts = Installation::new(&delays, []).parts;
         assert_eq!(parts.len(), Sensor::ALL.len());
         assert_eq!(parts[5].what, "delay of yaw_rate_radps");
+    }
+
+    #[test]
+    fn an_offset_of_one_session_corrects_that_session_alone() {
+        let remounted = Tolerances {
+            session_offset_rad: 0.002,
+            ..Tolerances::EXACT
+        };
+        let none = Installation::new(&remounted, ["b", "a", "b"]);
+        let what: Vec<&str> = none.parts.iter().map(|part| part.what.as_str()).collect();
+        let of = |sensor: &str, session: &str| format!("offset of {sensor} in session {session:?}");
+        let expected =
+            ["a", "b"].map(|s| ["alpha_rad", "delta_rad"].map(|of_sensor| of(of_sensor, s)));
+        assert_eq!(what, expected.concat());
+        let off = none.moved(2, 0.5);
+        let of_part = |session: &str| off.parts[2].acts_in(session);
+        assert_eq!((of_part("a"), of_part("b")), (false, true));
     }
 
     #[test]
@@ -526,7 +569,7 @@ mod tests {
             steer_scale: 0.03,
             ..Tolerances::EXACT
         };
-        let both = Installation::new(&places);
+        let both = Installation::new(&places, []);
         // Only the sum of the two shows.
         let products = DMatrix::from_element(2, 2, 50.0);
         let mut determined = both.told_apart(&products, 1.0);

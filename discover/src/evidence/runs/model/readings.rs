@@ -34,7 +34,9 @@ impl Differences {
             let [own, other] = models.map(|model| &model.installation);
             let mut parts = own.parts.iter().zip(own.sizes.iter().zip(&other.sizes));
             delays[0][k] != delays[1][k]
-                || parts.any(|(part, (a, b))| a != b && part.sensor() == Some(*sensor))
+                || parts.any(|(part, (a, b))| {
+                    a != b && part.sensor() == Some(*sensor) && part.acts_in(&frame.session)
+                })
         };
         // What makes channels pick up others moves all of the inertial unit.
         let of_unit: Vec<usize> = (0..own.installation.parts.len())
@@ -49,7 +51,7 @@ impl Differences {
             let [own, other] = [0, 1].map(|m| {
                 let mut channels = Channels::new(frame);
                 let installation = &models[m].installation;
-                installation.correct(sensor, delays[m][k], &mut channels);
+                installation.correct(sensor, &frame.session, delays[m][k], &mut channels);
                 channels
             });
             let (own, other) = (own.series(sensor), other.series(sensor));
@@ -88,7 +90,8 @@ impl Differences {
             let delays = model.effects.on_track(&frame.track).delays();
             for sensor in UNIT {
                 let delay = delays[sensor as usize];
-                model.installation.correct(sensor, delay, &mut channels);
+                let installation = &model.installation;
+                installation.correct(sensor, &frame.session, delay, &mut channels);
             }
             model.installation.unmix(&mut channels);
             channels

@@ -24,7 +24,6 @@ use crate::evidence::runs::contacts::own::{left_without, rows_beneath, without_p
 use crate::evidence::runs::contacts::promise::{kept_promise, rows_alike};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::row_noise::expected;
-use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{
     BALANCES, CHANNEL_NAMES, CHANNELS, ChannelRows, ResidualModel, TRACK,
 };
@@ -101,7 +100,7 @@ impl Campaign<'_> {
     /// What one standard deviation of each of the installation's tolerances leaves on the locked-away runs after a refit of the base, summed.
     fn tolerated(&self, before: &ResidualModel) -> f64 {
         let model = ResidualModel {
-            installation: Installation::new(&self.model.tolerances.unwrap_or_default()),
+            installation: self.stated_installation(),
             ..before.clone()
         };
         if model.installation.fitted() == 0 {
