@@ -1,7 +1,7 @@
 //! What is wrong in every case: drawn at the sizes that a careful team would have, times the scale
 //! of the family.
 
-use super::recorder::CHANNELS;
+use super::recorder::{CHANNELS, delays};
 use super::sled::Sled;
 use crate::world::noise::Source;
 
@@ -121,11 +121,11 @@ impl Faults {
     /// Names that are true in this campaign besides what is hidden.
     ///
     /// A name that has a tolerance in models is true where the fault is larger than the default
-    /// tolerance. What changes forces is true always.
-    pub fn true_names(&self, biases: &[Session]) -> Vec<String> {
-        let rms = |values: &mut dyn Iterator<Item = f64>| {
-            let (sum, count) = values.fold((0.0, 0.0), |(s, n), v| (s + v * v, n + 1.0));
-            (sum / count).sqrt()
+    /// tolerance; a scale without one, from 0.1 %. What changes forces is true always.
+    pub fn true_names(&self, sessions: &[Session]) -> Vec<String> {
+        let rms = |of: &dyn Fn(&Session) -> f64| {
+            let squares: f64 = sessions.iter().map(|session| of(session).powi(2)).sum();
+            (squares / sessions.len() as f64).sqrt()
         };
         let most = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
         let mut names = vec![
@@ -135,26 +135,61 @@ impl Faults {
             "headwind",
             "track-profile",
         ];
+        let mut add = |true_ones: &[&'static str], size: f64, tolerance: f64| {
+            if size > tolerance {
+                names.extend(true_ones);
+            }
+        };
         let misaligned = most(&self.misaligned_rad);
-        if misaligned > 0.005 {
-            names.extend(["imu-misalignment", "accelerometer-tilt"]);
-        }
-        if most(&self.g_sensitivity.concat()) > 9e-5 {
-            names.push("gyro-g-sensitivity");
-        }
-        for (axis, name) in ["roll-rate-bias", "pitch-rate-bias", "yaw-rate-bias"]
-            .into_iter()
-            .enumerate()
+        add(
+            &["imu-misalignment", "accelerometer-tilt"],
+            misaligned,
+            5e-3,
+        );
+        add(
+            &["gyro-g-sensitivity"],
+            most(&self.g_sensitivity.concat()),
+            9e-5,
+        );
+        for (axis, [bias, scale]) in [
+            ["roll-rate-bias", "roll-rate-scale"],
+            ["pitch-rate-bias", "pitch-rate-scale"],
+            ["yaw-rate-bias", "yaw-rate-scale"],
+        ]
+        .into_iter()
+        .enumerate()
         {
-            if rms(&mut biases.iter().map(|s| s.gyro_bias_radps[axis])) > 1e-3 {
-                names.push(name);
-            }
+            add(&[bias], rms(&|s| s.gyro_bias_radps[axis]), 1e-3);
+            add(&[scale], self.channel_scale[3 + axis].abs(), 5e-3);
         }
-        for (k, name) in [(0, "slip-offset"), (1, "steer-offset")] {
-            if rms(&mut biases.iter().map(|s| s.offset_rad[k])) > 1e-3 {
-                names.push(name);
-            }
+        add(
+            &["accelerometer-scale"],
+            most(&self.channel_scale[..3]),
+            5e-3,
+        );
+        add(&["speed-scale"], self.channel_scale[6].abs(), 1e-3);
+        add(&["slip-scale"], self.channel_scale[7].abs(), 1e-3);
+        add(&["steer-scale"], self.channel_scale[8].abs(), 1e-2);
+        add(&["slip-offset"], rms(&|s| s.offset_rad[0]), 1e-3);
+        add(&["steer-offset"], rms(&|s| s.offset_rad[1]), 1e-3);
+        // Against the accelerometer, which has no name for being late.
+        let delays = delays(self);
+        let reference = delays[..3].iter().sum::<f64>() / 3.0;
+        for (channel, name) in [
+            (3, "roll-rate-lag"),
+            (4, "pitch-rate-lag"),
+            (5, "yaw-rate-lag"),
+            (6, "speed-lag"),
+            (7, "slip-lag"),
+            (8, "steer-lag"),
+            (9, "roll-split-lag"),
+        ] {
+            add(&[name], (delays[channel] - reference).abs(), 2e-3);
         }
+        let [mass, _, inertia, x, z, _] = self.weighed.map(f64::abs);
+        add(&["mass"], mass, 0.01);
+        add(&["yaw-inertia"], inertia, 0.05);
+        add(&["lever-arm"], x.max(z), 0.02);
         names.into_iter().map(str::to_owned).collect()
     }
 }

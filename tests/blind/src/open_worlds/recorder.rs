@@ -39,6 +39,12 @@ pub struct Recorder<'a> {
     pub rate_hz: f64,
 }
 
+/// Delay of every channel at low frequencies [s]: its own, and `sqrt(2)/(2 pi f)` of a Butterworth
+/// filter of second order with the corner f.
+pub fn delays(faults: &Faults) -> [f64; CHANNELS] {
+    std::array::from_fn(|c| faults.delay_s[c] + faults.scale * SQRT_2 / (2.0 * PI * CORNERS_HZ[c]))
+}
+
 impl Recorder<'_> {
     /// Records a ride, with noise where there is a source for it.
     pub fn record(
