@@ -56,10 +56,9 @@ pub(crate) fn mean_course(from_m: f64, table: &[Vec<[f64; 3]>]) -> ReferenceProf
     ReferenceProfile::new(from_m, rows.collect())
 }
 
-/// The mean over runs with its standard error: what runs differ by over the root of their number,
-/// of the bank what they differ by (the bank is that of the lines driven, and how far their mean
-/// lies off the track's own line is not felt), and what the installation, alike in all of them, may
-/// be off by (`[tolerances]`):
+/// The mean over runs with its standard error: what the runs differ by (they feel the lines that
+/// were driven, and how far their mean lies off the track's own line is not felt), and what the
+/// installation, alike in all of them, may be off by (`[tolerances]`):
 ///
 /// ```text
 /// slope, bank: bias_f / g and, of the bank, scale_f sin(bank) cos(bank)      curvature: bias_q / v and scale_q curvature
@@ -93,7 +92,6 @@ pub(crate) fn estimate(
             turn.hypot(tolerances.gyro_scale * curvature_1pm[i]),
         );
         let (sine, cosine) = bank_rad[i].sin_cos();
-        of_bank[i] *= (known(rows[i]) as f64).sqrt();
         add(
             &mut of_bank[i],
             tilt.hypot(tolerances.accel_scale * sine * cosine),
@@ -116,13 +114,13 @@ pub(crate) fn estimate(
     })
 }
 
-/// Mean of quantity `k` over the runs that have it, and its standard error.
+/// Mean of quantity `k` over the runs that have it, and their standard deviation.
 fn mean_sd(row: &[[f64; 3]], k: usize) -> (f64, f64) {
     let values = row.iter().map(|at| at[k]).filter(|x| x.is_finite());
     let count = values.clone().count() as f64;
     let mean = values.clone().sum::<f64>() / count;
     let variance = values.map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
-    (mean, (variance / count).sqrt())
+    (mean, variance.sqrt())
 }
 
 impl TrackEstimate {

@@ -19,13 +19,14 @@ pub(crate) struct TrackSignature {
 }
 
 impl TrackSignature {
-    /// The curvature is `-pitch_rate / v`; bank and slope are those of the upward direction u in
-    /// the body's axes, which what the sensors say of the motion leaves of the specific force f at
-    /// the centre of gravity, without a law of friction:
+    /// Those of the way: slope and bank are the angles of the upward direction u, which follows
+    /// from the specific force f at the centre of gravity and the measured motion, without a law of
+    /// friction:
     ///
     /// ```text
     /// g u_x = f_x + r v_y - dv_x/dt      g u_y = f_y - r v_x - dv_y/dt      g u_z = f_z - p v_y + q v_x
-    /// slope = atan2(-u_x, |u_y, u_z|)    bank = atan2(u_y, u_z)
+    /// u_t = (u_x v_x + u_y v_y)/v        u_n = (u_y v_x - u_x v_y)/v
+    /// slope = atan2(-u_t, |u_n, u_z|)    bank = atan2(u_n, u_z)             curvature = (p v_y - q v_x)/v^2
     /// ```
     ///
     /// with roll, pitch and yaw rate (p, q, r) and `v_z = 0`: the body moves on the ice.
@@ -62,11 +63,15 @@ impl TrackSignature {
                 }
                 let f = &run.motions[piece.start + i].accel_mps2;
                 let [vx, vy] = velocity[i];
+                let v = vx.hypot(vy);
+                let up_x = f[0] + state.yaw_rate_radps * vy - growth[0][i];
+                let up_y = f[1] - state.yaw_rate_radps * vx - growth[1][i];
+                let turn = state.roll_rate_radps * vy - state.pitch_rate_radps * vx;
                 let sum = &mut sums[place as usize];
-                sum[0] -= state.pitch_rate_radps / state.v_mps;
-                sum[1] += f[0] + state.yaw_rate_radps * vy - growth[0][i];
-                sum[2] += f[1] - state.yaw_rate_radps * vx - growth[1][i];
-                sum[3] += f[2] - state.roll_rate_radps * vy + state.pitch_rate_radps * vx;
+                sum[0] += turn / (v * v);
+                sum[1] += (up_x * vx + up_y * vy) / v;
+                sum[2] += (up_y * vx - up_x * vy) / v;
+                sum[3] += f[2] - turn;
                 sum[4] += 1.0;
             }
         }

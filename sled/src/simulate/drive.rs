@@ -132,7 +132,7 @@ pub(crate) fn integrate(
     for _ in 0..4 {
         before = world.before(&world.rates(&y, &before).1, &before, h);
     }
-    let mut growth_then = before.growth;
+    let mut then = [before; 2];
     let expected = ((finish_m - start[0]) / start[3] / dt_s) as usize;
     let mut instants = Vec::with_capacity(expected.min(1 << 16));
     let mut offset_m = Vec::with_capacity(expected.min(1 << 16));
@@ -142,9 +142,11 @@ pub(crate) fn integrate(
     let mut trouble = None;
     let most = (options.most_s / h).ceil() as usize;
     let finished = loop {
-        let growth_now = before.growth;
-        before.growth = 2.0 * growth_now - growth_then;
-        growth_then = growth_now;
+        let now = before;
+        let ahead = |of: fn(&Before) -> f64| 3.0 * (of(&now) - of(&then[0])) + of(&then[1]);
+        before.growth = ahead(|before| before.growth);
+        before.roll_accel = ahead(|before| before.roll_accel);
+        then = [now, then[0]];
         let (rates, mut instant) = world.rates(&y, &before);
         before = world.before(&instant, &before, h);
         past.rotate_right(1);

@@ -82,7 +82,7 @@ pub(crate) struct Before {
     pub slip_rate: [f64; 2],
     /// Specific force at the centre of gravity [m/s2]; only effects ask for it.
     pub accel: [f64; 3],
-    /// Roll acceleration [rad/s2]; only effects ask for it.
+    /// Roll acceleration [rad/s2].
     pub roll_accel: f64,
     /// The slip that forces follow late.
     pub relaxed: Relaxed,
@@ -114,20 +114,24 @@ pub struct Instant {
 impl World<'_> {
     /// Rates of the unknowns and the instant they belong to.
     ///
-    /// The body moves on the ice: `v_z = 0`; its pitch rate is `-v / r_y`, its roll rate follows
-    /// the bank. With the upward direction
-    /// `u = (-sin(theta), cos(theta) sin(phi), cos(theta) cos(phi))` in body axes:
+    /// The body moves on the ice, whose frame has the slope theta and the bank phi along the line
+    /// and turns with `(p, q, r)_line`; off the line it is rolled by the cross-section, and the
+    /// body is turned in it by its heading chi. With the upward direction u in body axes:
     ///
     /// ```text
     /// v_x' = f_x - g u_x + r v_y      f = (ice + air + wall) / m
     /// v_y' = f_y - g u_y - r v_x      J_zz r' = l_f F_y,f0 - l_r F_y,r + wall
     /// f_z  = p v_y - q v_x + g u_z    (p, q, r) = roll, pitch, yaw rate
+    /// u    = R_z(-chi) (dh/ds, dh/dn, cos(theta) cos(phi + k n))
+    /// h    = -int sin(theta) ds + cos(theta) (cos(phi) - cos(phi + k n)) / k
     /// ```
     ///
-    /// The pitch acceleration, and with it the normal forces, need the speed's growth before the
-    /// forces that decide it are known: it is taken from a moment ago. In addition to the base
-    /// line, the sled balances where the line puts it: its yaw rate w is the one without lateral
-    /// force, and the channel's cross-section leads it back.
+    /// Gravity's work is thus that of the altitude h, whatever way the sled takes. The line turns
+    /// as a sled on it does without lateral force: its pitch rate is `-v/r_y`, its yaw rate
+    /// `-g cos(theta) sin(phi)/v`.
+    ///
+    /// The pitch acceleration, and with it the normal forces, need accelerations before the forces
+    /// that decide them are known: they are taken from a moment ago.
     pub(crate) fn rates(&self, y: &Unknowns, before: &Before) -> (Unknowns, Instant) {
         let growth = before.growth;
         let sled = &self.vehicle.sled;
@@ -152,17 +156,48 @@ impl World<'_> {
         let (sin_chi, cos_chi) = chi.sin_cos();
         let ds = vx * cos_chi - vy * sin_chi;
         let dn = vx * sin_chi + vy * cos_chi;
-        let phi = bank + self.cross_curvature * n;
-        let (sin_phi, cos_phi) = phi.sin_cos();
+        let tilt = self.cross_curvature * n;
+        let tilt_t = self.cross_curvature * dn;
+        let phi = bank + tilt;
         let (sin_theta, cos_theta) = theta.sin_cos();
-        let up = [-sin_theta, cos_theta * sin_phi, cos_theta * cos_phi];
-        let (phi_t, theta_t) = (bank_s * ds + self.cross_curvature * dn, theta_s * ds);
+        let (sin_bank, cos_bank) = bank.sin_cos();
+        let half = 0.5 * tilt;
+        let chord = if half == 0.0 {
+            n
+        } else {
+            n * half.sin() / half
+        };
+        let (sin_mean, cos_mean) = (bank + half).sin_cos();
+        let climb = chord * (bank_s * cos_theta * cos_mean - theta_s * sin_theta * sin_mean);
+        let rise = [climb - sin_theta, cos_theta * phi.sin()];
+        let up = [
+            rise[0] * cos_chi + rise[1] * sin_chi,
+            rise[1] * cos_chi - rise[0] * sin_chi,
+            cos_theta * phi.cos(),
+        ];
 
-        let pitch = -speed * curvature;
-        let pitch_accel = -(growth * curvature + speed * curvature_s * ds);
+        // Rates of the ice's frame on the line, and off it, where the cross-section tilts it.
+        let (sin_tilt, cos_tilt) = tilt.sin_cos();
+        let pitch_0 = -speed * curvature;
+        let yaw_0 = -GRAVITY * cos_theta * sin_bank / speed;
+        let pitch_n = pitch_0 * cos_tilt + yaw_0 * sin_tilt;
+        let yaw_n = yaw_0 * cos_tilt - pitch_0 * sin_tilt;
+        let heading_rate = pitch_0 * sin_bank + yaw_0 * cos_bank;
         let tan_theta = sin_theta / cos_theta;
-        let turn = pitch * sin_phi + yaw * cos_phi;
-        let roll = phi_t - tan_theta * turn;
+        let roll_n = bank_s * ds + tilt_t - tan_theta * heading_rate;
+        let roll = roll_n * cos_chi + pitch_n * sin_chi;
+        let pitch = pitch_n * cos_chi - roll_n * sin_chi;
+
+        let chi_t = yaw - yaw_n;
+        let bank_t = bank_s * ds;
+        let theta_t = theta_s * ds;
+        let pitch_0_t = -(growth * curvature + speed * curvature_s * ds);
+        let yaw_0_t = -yaw_0 * growth / speed
+            - GRAVITY * (cos_theta * cos_bank * bank_t - sin_theta * sin_bank * theta_t) / speed;
+        let pitch_n_t = pitch_0_t * cos_tilt + yaw_0_t * sin_tilt + tilt_t * yaw_n;
+        let pitch_accel = pitch_n_t / cos_chi
+            - (before.roll_accel - chi_t * pitch) * sin_chi / cos_chi
+            - chi_t * roll;
 
         let fz = roll * vy - pitch * vx + GRAVITY * up[2];
         let (fz_f0_n, fz_r_n) = normal_forces(sled, fz, pitch_accel);
@@ -181,7 +216,7 @@ impl World<'_> {
             pitch_rate_radps: pitch,
             yaw_rate_radps: yaw,
             roll_accel_radps2: before.roll_accel,
-            curvature_1pm: curvature,
+            curvature_1pm: -pitch / speed,
             fz_f0_n,
             fz_r_n,
             air_density_kgpm3: self.density,
@@ -214,17 +249,15 @@ impl World<'_> {
         let vy_t = fy - GRAVITY * up[1] - yaw * vx;
         let yaw_accel = (ice_moment + wall_moment + body_moment) / sled.j_zz_kgm2;
 
-        // The line: where the apparent weight, tilted by the cross-section off it, needs no lateral
-        // force.
-        let weight = curvature * vx * vx + GRAVITY * cos_theta * bank.cos();
-        let line_yaw = (weight * (self.cross_curvature * n).sin() - GRAVITY * up[1]) / speed;
-
-        let turn_t = pitch_accel * sin_phi + pitch * cos_phi * phi_t + yaw_accel * cos_phi
-            - yaw * sin_phi * phi_t;
-        let ds_t = vx_t * cos_chi - vy_t * sin_chi - dn * (yaw - line_yaw);
-        let dn_t = vx_t * sin_chi + vy_t * cos_chi + ds * (yaw - line_yaw);
-        let phi_tt = bank_ss * ds * ds + bank_s * ds_t + self.cross_curvature * dn_t;
-        let roll_accel = phi_tt - theta_t / (cos_theta * cos_theta) * turn - tan_theta * turn_t;
+        let ds_t = vx_t * cos_chi - vy_t * sin_chi - dn * chi_t;
+        let dn_t = vx_t * sin_chi + vy_t * cos_chi + ds * chi_t;
+        let heading_rate_t = pitch_0_t * sin_bank
+            + yaw_0_t * cos_bank
+            + bank_t * (pitch_0 * cos_bank - yaw_0 * sin_bank);
+        let roll_n_t = bank_ss * ds * ds + bank_s * ds_t + self.cross_curvature * dn_t
+            - theta_t / (cos_theta * cos_theta) * heading_rate
+            - tan_theta * heading_rate_t;
+        let roll_accel = roll_n_t * cos_chi + pitch_n_t * sin_chi + chi_t * pitch;
         state.roll_accel_radps2 = roll_accel;
 
         // Rates of the slip angles from those of the velocities, for the sensor and for effects.
@@ -249,7 +282,7 @@ impl World<'_> {
         let rates = [
             ds,
             dn,
-            yaw - line_yaw,
+            chi_t,
             vx_t,
             vy_t,
             yaw_accel,

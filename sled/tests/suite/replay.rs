@@ -268,13 +268,22 @@ fn a_run_that_begins_off_the_track_is_refused_with_its_place() {
 /// The same equations, written down again and solved by SciPy's Runge-Kutta of order 8.
 const SCIPY: &str = r#"
 import json, sys, numpy as np
+from bisect import bisect_right
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 run = np.genfromtxt(sys.argv[1], delimiter=',', names=True)
 track = np.genfromtxt(sys.argv[2], delimiter=',', names=True)
 m = json.loads(sys.argv[3])
 g, cross = 9.81, 0.25
-through = lambda x, y: CubicSpline(x, y, bc_type='natural')
+def through(x, y):
+    # SciPy's natural spline; a place at a time is evaluated faster by hand.
+    spline = CubicSpline(x, y, bc_type='natural')
+    knots, pieces = spline.x.tolist(), spline.c.T.tolist()
+    def at(s, derivative=0):
+        i = min(max(bisect_right(knots, s) - 1, 0), len(pieces) - 1)
+        d, (a, b, c, e) = s - knots[i], pieces[i]
+        return (3 * a * d + 2 * b) * d + c if derivative else ((a * d + b) * d + c) * d + e
+    return at
 slope, curve, bank = (through(track['s_m'], track[c]) for c in ('slope_rad', 'curvature_1pm', 'bank_rad'))
 steer = through(run['s_m'], run['delta_rad'])
 L = m['l_f'] + m['l_r']
@@ -283,24 +292,43 @@ def magic(law, slip, fz):
     d = mz * fz
     x = k * slip / (c * d)
     return d * np.sin(c * np.arctan((1 - e) * x + e * np.arctan(x)))
-def rates(t, y, growth=None):
+def altitude(s, n):
+    # Along the line it falls by the slope; across, the ice is an arc of the curvature `cross`.
+    return np.cos(slope(s)) * (np.cos(bank(s)) - np.cos(bank(s) + cross * n)) / cross
+def about(axis, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array({'x': [[1, 0, 0], [0, c, -s], [0, s, c]], 'z': [[c, -s, 0], [s, c, 0], [0, 0, 1]]}[axis])
+def speed(y):
+    return np.hypot(y[3], y[4] + m['xs'] * y[5])
+def way(y):
+    return (about('z', y[2]) @ [y[3], y[4], 0])[:2]
+def frame_rates(y):
+    # Of the ice's frame under the sled: on the line, tilted by the cross-section.
+    s, n = y[:2]
+    v = speed(y)
+    line = np.array([0, -v * curve(s), -g * np.cos(slope(s)) * np.sin(bank(s)) / v])
+    tilted = about('x', cross * n).T @ line
+    upright = about('x', bank(s)) @ line
+    ds, dn = way(y)
+    tilted[0] = bank(s, 1) * ds + cross * dn - np.tan(slope(s)) * upright[2]
+    return tilted
+def body_rates(y):
+    return about('z', y[2]).T @ frame_rates(y)
+def once(y, pitch_t):
     s, n, chi, vx, vy, r = y
-    if growth is None:
-        growth = 0.0
-        for _ in range(6):
-            growth = rates(t, y, growth)[1]
-    th, ph, k = slope(s), bank(s) + cross * n, curve(s)
+    th, ph = slope(s), bank(s) + cross * n
+    v = speed(y)
     vys = vy + m['xs'] * r
-    v = np.hypot(vx, vys)
     alpha = -np.arctan2(vys, vx)
     at = lambda x: alpha - r / v * (x - m['xs'])
     delta = steer(s)
     af, ar, ac = at(m['l_f']) + delta, at(-m['l_r']), at(0.0)
-    ds, dn = vx * np.cos(chi) - vy * np.sin(chi), vx * np.sin(chi) + vy * np.cos(chi)
-    up = np.array([-np.sin(th), np.cos(th) * np.sin(ph), np.cos(th) * np.cos(ph)])
-    pitch = -v * k
-    pitch_t = -(growth * k + v * curve(s, 1) * ds)
-    roll = bank(s, 1) * ds + cross * dn - np.tan(th) * (pitch * np.sin(ph) + r * np.cos(ph))
+    ds, dn = way(y)
+    h = 1e-3
+    rise = [(altitude(s + h, n) - altitude(s - h, n)) / (2 * h) - np.sin(th),
+            (altitude(s, n + h) - altitude(s, n - h)) / (2 * h), np.cos(th) * np.cos(ph)]
+    up = about('z', chi).T @ rise
+    roll, pitch, _ = body_rates(y)
     az = roll * vy - pitch * vx + g * up[2]
     fz_front = (m['l_r'] * m['mass'] * az - m['jyy'] * pitch_t) / L
     fz_rear = (m['l_f'] * m['mass'] * az + m['jyy'] * pitch_t) / L
@@ -317,17 +345,20 @@ def rates(t, y, growth=None):
     fy = (front[1] + rear[1] - drag * np.sin(ac)) / m['mass']
     vx_t, vy_t = fx - g * up[0] + r * vy, fy - g * up[1] - r * vx
     r_t = (m['l_f'] * front[1] - m['l_r'] * rear[1]) / m['jzz']
-    weight = k * vx * vx + g * np.cos(th) * np.cos(bank(s))
-    line = (weight * np.sin(cross * n) - g * up[1]) / v
-    out = np.array([ds, dn, r - line, vx_t, vy_t, r_t])
-    grown = (vx * vx_t + vys * (vy_t + m['xs'] * r_t)) / v
-    return (out, grown, v, alpha) if growth is not None else out
+    return np.array([ds, dn, r - frame_rates(y)[2], vx_t, vy_t, r_t]), v, alpha
+def rates(t, y):
+    # The normal forces need the pitch acceleration, and it the accelerations: by iteration.
+    pitch_t, h = 0.0, 1e-4
+    for _ in range(4):
+        out = once(y, pitch_t)
+        pitch_t = (body_rates(y + h * out[0])[1] - body_rates(y - h * out[0])[1]) / (2 * h)
+    return out
 end = lambda t, y: y[0] - m['to']
 end.terminal = True
 start = [0, 0, 0, m['v0'], 0, 0]
 solved = solve_ivp(lambda t, y: rates(t, y)[0], (0, 100), start, method='DOP853', rtol=1e-8, atol=1e-10, events=end)
 y = solved.y_events[0][0]
-_, _, v, alpha = rates(0, y)
+_, v, alpha = rates(0, y)
 print(solved.t_events[0][0], v, alpha, y[5])
 "#;
 

@@ -74,6 +74,40 @@ fn speed_follows_from_altitude_when_nothing_rubs() {
 }
 
 #[test]
+fn gravitys_work_is_that_of_the_altitude_whatever_way_the_sled_takes() {
+    let track = sample_track("east");
+    let shape = TrackShape::new(&track);
+    let cross = 0.25;
+    let options = SimulateOptions {
+        cross_curvature_1pm: cross,
+        ..SimulateOptions::default()
+    };
+    let run = driven(&vehicle(), &track, &options);
+    let (end, n) = (run.instants.last().unwrap(), run.offset_m.last().unwrap());
+    let s = end.state.s_m;
+    let aside = run
+        .offset_m
+        .iter()
+        .fold(0.0, |most: f64, n| most.max(n.abs()));
+    assert!(aside > 0.2, "the sled stays within {aside} m of the line");
+    // By the midpoint rule along the line, then across an arc of the radius 1 / cross.
+    let (from, cells) = (track.s_m[0], 200_000);
+    let h = (s - from) / f64::from(cells);
+    let fall: f64 = (0..cells)
+        .map(|i| h * shape.slope.value(from + (f64::from(i) + 0.5) * h).sin())
+        .sum();
+    let bank = shape.bank.value(s);
+    let rise = shape.slope.value(s).cos() * (bank.cos() - (bank + cross * n).cos()) / cross;
+    let expected = vehicle().sled.mass_kg * kufe_sled::GRAVITY * (fall - rise);
+    let off = (run.energy.gravity_j / expected - 1.0).abs();
+    assert!(
+        off < 1e-6,
+        "{} J against {expected}: {off:.1e}",
+        run.energy.gravity_j
+    );
+}
+
+#[test]
 fn work_and_energy_balance_with_everything_on() {
     let options = SimulateOptions {
         contacts: vec![WallContact {

@@ -106,3 +106,38 @@ fn a_replay_writes_run_figures_picture_and_page_and_refuses_by_name() {
         &["west", "east"],
     );
 }
+
+/// The sled of the third generator: two tracks of runners on a frame with roll and torsion, on a
+/// track with headings, lines and heights of its own. It shares no code with the simulator.
+#[test]
+fn a_sled_of_another_simulator_is_driven_again_at_its_speed() {
+    let case = kufe_blind::catalogue::chosen("open-quiet/none").expect("a case")[0]
+        .build(991)
+        .expect("a campaign");
+    let bench = tempfile::tempdir().expect("a folder");
+    let folder = bench.path();
+    for (name, bytes) in &case.fresh {
+        std::fs::write(folder.join(name), bytes).expect("a file");
+    }
+    let index = std::fs::read_to_string(folder.join("runs.csv")).expect("an index");
+    for row in index.lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let (run, track) = (cells[0], format!("track_{}.csv", cells[2]));
+        let words = ["simulate", "refitted.toml", &track, "--replay", "runs.csv"];
+        succeeds(folder, &[&words[..], &["--run", run, "-o", run]].concat());
+        let document = json(&folder.join(run).join("simulation.json"));
+        let all = document["replay"]["differences"].as_array().expect("all");
+        let of = |column: &str| {
+            all.iter()
+                .find(|d| d["column"] == column)
+                .expect("a column")
+        };
+        let speed = of("v_mps")["rms"].as_f64().expect("a number");
+        let time = of("t_s")["end"].as_f64().expect("a number");
+        // Of some 25 m/s and 30 s: what the faults of a quiet campaign leave.
+        assert!(
+            speed < 0.2 && time.abs() < 0.2,
+            "{run}: {speed} m/s, {time} s"
+        );
+    }
+}

@@ -8,23 +8,7 @@ use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::prepare::Data;
-use crate::evidence::runs::screen::track::channel::TrackChannel;
 use crate::options::Options;
-use crate::procedure::rules::RunRules;
-
-/// Whether the track channel closes better with the slope along the sled's way than along its axis.
-pub fn closes_along_path(
-    residual_model: &ResidualModel,
-    frames: &[Frame],
-    rules: &RunRules,
-) -> bool {
-    let closure = |along_path: bool| {
-        let mut residual_model = residual_model.clone();
-        residual_model.along_path = along_path;
-        TrackChannel::new(&residual_model, frames, rules).map_or(f64::INFINITY, |c| c.closure())
-    };
-    closure(true) < closure(false)
-}
 
 /// The channels along, aside, about the vertical and of the track that take part.
 pub fn channels_in_use(data: &Data, model: &Model, options: &Options) -> [bool; CHANNELS] {

@@ -10,9 +10,7 @@ use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit, Unwritten, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
-use crate::evidence::runs::channels::{
-    channels_in_use, closes_along_path, outside, remarks_on_channels,
-};
+use crate::evidence::runs::channels::{channels_in_use, outside, remarks_on_channels};
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::fit::gauss_newton::{Effort, free_base, residuals};
 use crate::evidence::runs::fit::row_noise::beyond_noise;
@@ -54,7 +52,7 @@ impl<'a> Campaign<'a> {
                 &format!("run {}", frame.name),
             )?;
         }
-        let mut given = ResidualModel::new(Vehicle::new(model)?, [1.0; BASE], own);
+        let given = ResidualModel::new(Vehicle::new(model)?, [1.0; BASE], own);
         for frame in &data.frames {
             let stated = !frame.stated_nowhere().contains(&"ice_c");
             given
@@ -78,9 +76,6 @@ impl<'a> Campaign<'a> {
         }
         let outside = outside(&given, &data.frames);
         let used = channels_in_use(data, model, options);
-        if used[3] {
-            given.along_path = closes_along_path(&given, &training, &options.rules.runs);
-        }
         let mut campaign = Self {
             data,
             model,

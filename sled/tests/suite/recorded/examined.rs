@@ -154,11 +154,11 @@ fn an_end_stop_is_told_above_and_below_with_its_samples() {
 
 #[test]
 fn the_step_of_a_converter_is_told() {
-    let step = 0.01;
+    let step = 0.005;
     let coarse = changed("yaw_rate_radps", |_, x| (x / step).round() * step);
     let quantum = coarse.channels["yaw_rate_radps"].quantum.unwrap();
     assert!((quantum / step - 1.0).abs() < 1e-6, "{quantum}");
-    assert!(notes(&coarse, "yaw_rate_radps").contains("steps of 1.00e-2"));
+    assert!(notes(&coarse, "yaw_rate_radps").contains("steps of 5.00e-3"));
 }
 
 #[test]

@@ -107,7 +107,7 @@ impl<'a> ModelOnRun<'a> {
         installation.find_constants(&mut constants);
         let mut channels = Channels::new(frame);
         for (sensor, delay) in Sensor::ALL.into_iter().zip(delays) {
-            installation.correct(sensor, delay, &mut channels);
+            installation.correct(sensor, &frame.session, delay, &mut channels);
         }
         installation.unmix(&mut channels);
         Self {
@@ -326,11 +326,7 @@ impl<'a> ModelOnRun<'a> {
             return 0.0;
         };
         let slope = slope + self.vehicle.effects.slope("", self.frame.s[i]);
-        if self.residual_model.along_path {
-            left_along_way(balance, signals, slope)
-        } else {
-            left_along_axis(balance, signals, slope)
-        }
+        left_along_way(balance, signals, slope)
     }
 
     /// Residual of a sample.
@@ -449,19 +445,6 @@ fn moved(laws: &LawForces, vehicle: &Vehicle, b: usize, share: f64) -> Forces {
         _ => across[1] += rear.k_n_per_rad * share * by_rear.k_n_per_rad,
     }
     forces
-}
-
-/// What the balance along the track's axis leaves [m/s2], the slope [rad] being positive downhill.
-///
-/// `signals` are those of the instant, faults taken out; speed and slip with their rates.
-fn left_along_axis(balance: &Balance, signals: &Signals, slope: f64) -> f64 {
-    let (v, v_rate) = (signals[Sensor::Speed], signals.rate(Sensor::Speed));
-    let (slip, slip_rate) = (signals[Sensor::Slip], signals.rate(Sensor::Slip));
-    let (sine, cosine) = slip.sin_cos();
-    let forward = v_rate * cosine - v * sine * slip_rate;
-    let yaw_rate = balance.state.yaw_rate_radps;
-    let across = -v * sine - balance.sled.slip_x_m * yaw_rate;
-    forward - GRAVITY * slope.sin() - balance.motion.accel_mps2[0] - yaw_rate * across
 }
 
 /// What the balance along the sled's way leaves [m/s2], the slope [rad] being positive downhill.

@@ -42,8 +42,6 @@ pub struct ResidualModel {
     pub base: [f64; BASE],
     /// Effects.
     pub effects: Effects,
-    /// Whether the track's slope holds along the sled's way rather than along its axis.
-    pub along_path: bool,
     /// What the installation may be off by, and by how much it is.
     pub installation: Installation,
     /// Contacts with walls that each run has its own of.
@@ -64,7 +62,6 @@ impl ResidualModel {
             vehicle,
             base,
             effects,
-            along_path: false,
             installation: Installation::default(),
             contacts: None,
             beyond_noise: [0.0; BALANCES],

@@ -1,6 +1,6 @@
 //! The track channel: slope errors against the accelerometer's, with the surveyed profile as a random effect.
 //!
-//! In `d(v cos(alpha))/dt - g sin(slope) - a_x - r v_y` no friction remains. Residuals are averaged over runs in
+//! In `dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)` no friction remains. Residuals are averaged over runs in
 //! bins of distance; a bin's mean has the variance of its runs' scatter plus that of the survey, (g sd)^2, which more runs
 //! do not lower. Neighbouring bins are correlated by what their lag-1 correlation says.
 
