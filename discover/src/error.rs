@@ -74,9 +74,6 @@ pub enum Error {
     /// From the sled's reader or model.
     #[error(transparent)]
     Sled(#[from] kufe_sled::Error),
-    /// From the friction laws.
-    #[error(transparent)]
-    Friction(#[from] kufe_sled::friction::Error),
     /// From an `[effects]` table.
     #[error(transparent)]
     Effect(#[from] kufe_sled::effects::EffectError),

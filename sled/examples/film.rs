@@ -6,7 +6,7 @@
 
 use kufe_sled::friction::film::{FilmConditions, FilmOptions, Properties, Strip, film};
 
-fn main() -> Result<(), kufe_sled::friction::Error> {
+fn main() -> Result<(), kufe_sled::Error> {
     // A patch 65 mm long: ice that yields at 17.7 MPa under a round section, then springs back.
     let (front, length, width, hardness) = (48.7e-3, 65.4e-3, 1.06e-3, 17.7e6);
     let stations: Vec<f64> = (0..=60).map(|k| length * k as f64 / 60.0).collect();

@@ -239,9 +239,56 @@ pub enum Error {
         /// The same at the best place elsewhere.
         elsewhere: f64,
     },
-    /// The friction models' own errors.
-    #[error(transparent)]
-    Friction(#[from] crate::friction::Error),
+    /// A number is outside its range.
+    #[error("{name} = {value}: expected {expected}")]
+    OutOfRange {
+        /// What the number is.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        expected: &'static str,
+    },
+    /// A key of a model is absent.
+    #[error("{key} is missing: expected {expected}")]
+    MissingKey {
+        /// The key.
+        key: &'static str,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// Two keys of a model exclude each other.
+    #[error("{key} and {other} exclude each other: expected {expected}")]
+    KeysExclude {
+        /// One key.
+        key: &'static str,
+        /// The other key.
+        other: &'static str,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// The data do not determine what is requested.
+    #[error("{what} is not determined by the data: singular value ratio {ratio:.1e}")]
+    Undetermined {
+        /// What was requested.
+        what: &'static str,
+        /// Smallest over largest singular value of the scaled design.
+        ratio: f64,
+    },
+    /// An iteration stopped short of its tolerance.
+    #[error(
+        "{what}: not converged after {iterations} iterations: residual {residual:.2e}, required {tolerance:.2e}"
+    )]
+    NotConverged {
+        /// What was solved for.
+        what: &'static str,
+        /// Iterations spent.
+        iterations: usize,
+        /// Residual reached.
+        residual: f64,
+        /// Residual required.
+        tolerance: f64,
+    },
 }
 
 fn needs(by: Option<&str>) -> String {
@@ -262,5 +309,40 @@ impl Error {
             file: file.to_string(),
             reason: reason.to_string(),
         }
+    }
+
+    /// What a cell holds and what it must; `row` is the line in the file.
+    pub(crate) fn cell(
+        file: &str,
+        row: u64,
+        column: &str,
+        found: impl std::fmt::Display,
+        expected: &str,
+    ) -> Self {
+        Error::Cell {
+            file: file.to_string(),
+            row,
+            column: column.to_string(),
+            found: found.to_string(),
+            expected: expected.to_string(),
+        }
+    }
+}
+
+/// `Ok` where the value is finite and `holds`.
+pub(crate) fn in_range(
+    name: &'static str,
+    value: f64,
+    holds: bool,
+    expected: &'static str,
+) -> Result<(), Error> {
+    if value.is_finite() && holds {
+        Ok(())
+    } else {
+        Err(Error::OutOfRange {
+            name,
+            value,
+            expected,
+        })
     }
 }

@@ -43,7 +43,7 @@ pub struct SledFit {
 /// Noise in the slip angles is corrected for as each run states it.
 ///
 /// # Errors
-/// [`Error::Friction`] where the data do not determine a runner's stiffness; [`Error::TooFew`]
+/// [`Error::Undetermined`] where the data do not determine a runner's stiffness; [`Error::TooFew`]
 /// without runs.
 pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result<SledFit, Error> {
     if runs.is_empty() {
@@ -236,7 +236,7 @@ impl RunnerFitResult {
     /// The fitted law.
     ///
     /// # Errors
-    /// [`Error::Friction`] for values that are none of a lateral law.
+    /// [`Error::OutOfRange`] for values that are none of a lateral law.
     pub fn law(&self) -> Result<MagicFormula, Error> {
         let law = MagicFormula {
             mu_zeta: self.mu_zeta.value,

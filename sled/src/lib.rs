@@ -75,7 +75,7 @@ pub use fault::{Fault, FaultKind};
 pub use fit::{FitOptions, lateral_samples};
 pub use fit::{FitResult, Interval, RunnerFitResult};
 pub use fit::{SledFit, fit};
-pub use model::model_toml::{Friction, Model};
+pub use model::model_toml::{Friction, MODEL_EXAMPLE, Model};
 pub use model::sled::{ModelConditions, Noise, Sled, Survey, Tolerances};
 pub use model::vehicle::Vehicle;
 pub use model::vehicle::refuse_effects;

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::{Failure, MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE};
+use kufe::jobs::{Failure, TABLE_EXAMPLE, case_file::EXAMPLE};
+use kufe_sled::MODEL_EXAMPLE;
 use kufe_telemetry::MAPPING_EXAMPLE;
 use serde::Serialize;
 

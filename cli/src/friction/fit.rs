@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use kufe::jobs::Failure;
+use kufe::jobs::{Failure, runs::failure};
 use kufe::results::PressureFit;
 use kufe_sled::friction::{
     Longitudinal, LongitudinalKeys, MuFit, PressureLaw, Weighting, ZetaActsOn, fit_mu,
     read_experiments,
 };
 
-use crate::friction::{failure, open};
+use crate::friction::open;
 use crate::output::OutputDir;
 use crate::terminal::Global;
 

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::Failure;
+use kufe::jobs::{Failure, runs::failure};
 use kufe::results::IceHouseResult;
 use kufe_sled::friction::{
     GlideEntry, GlideRun, IceHouse, SHARE_LEFT_OUT, evaluate_glide, evaluate_ice_house, read_glide,
     read_glide_index, write_experiments,
 };
 
-use crate::friction::{failure, open};
+use crate::friction::open;
 use crate::output::OutputDir;
 use crate::terminal::Global;
 

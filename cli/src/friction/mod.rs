@@ -14,7 +14,6 @@ use std::io::BufReader;
 use std::path::Path;
 
 use kufe::jobs::Failure;
-use kufe_sled::friction::Error;
 
 use crate::cli::misspelt;
 use crate::terminal::{Global, warn_if_cut};
@@ -62,12 +61,4 @@ fn open(path: &Path) -> Result<BufReader<File>, Failure> {
     })?;
     warn_if_cut(path);
     Ok(BufReader::new(file))
-}
-
-/// A library's error as the command's.
-fn failure(error: Error) -> Failure {
-    match error {
-        Error::NotConverged { .. } => Failure::NotConverged(error.to_string()),
-        _ => Failure::bad_input(error),
-    }
 }

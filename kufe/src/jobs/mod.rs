@@ -55,5 +55,3 @@ pub use write_whole::write_whole;
 
 /// A commented `table.toml` to start from; its case is `case.toml` in the same folder.
 pub const TABLE_EXAMPLE: &str = include_str!("../../assets/table.toml");
-/// A commented `model.toml` to start from: the published sled.
-pub const MODEL_EXAMPLE: &str = include_str!("../../assets/model.toml");

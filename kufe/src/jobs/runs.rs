@@ -74,9 +74,7 @@ pub fn run_inputs(index: &Path) -> Vec<PathBuf> {
 /// The failure that a sled error is.
 pub fn failure(error: Error) -> Failure {
     match error {
-        Error::Friction(kufe_sled::friction::Error::NotConverged { .. }) => {
-            Failure::NotConverged(error.to_string())
-        }
+        Error::NotConverged { .. } => Failure::NotConverged(error.to_string()),
         _ => Failure::BadInput(error.to_string()),
     }
 }

@@ -6,8 +6,9 @@ use std::path::PathBuf;
 
 use kufe_sled::sample_data::{DRIVERS, Planned, sample_driver};
 use kufe_sled::{
-    AlignedRun, DriverLosses, EnergyBalance, Examination, FitResult, Group, OutsideTable, Replay,
-    RunEvaluation, RunValidation, SampleCoverage, TrackEstimate, TrackValidation,
+    AlignedRun, Driver, DriverLosses, EnergyBalance, Examination, FitResult, Group, OutsideTable,
+    Replay, RunEvaluation, RunValidation, SampleCoverage, TrackEstimate, TrackValidation,
+    WallContact,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -351,24 +352,9 @@ pub struct SampleDriver {
     pub class: String,
     /// Number of runs.
     pub runs: usize,
-    /// Part of the steering that anticipates the track.
-    pub feedforward: f64,
-    /// How far ahead the driver sees [s].
-    pub preview_s: f64,
-    /// Steering for an offset from the line [rad/m].
-    pub line_gain_rad_per_m: f64,
-    /// Steering for an angle to the line.
-    pub course_gain: f64,
-    /// Lag of the steering [s].
-    pub lag_s: f64,
-    /// Largest steering angle [rad].
-    pub most_rad: f64,
-    /// Noise of the steering [rad].
-    pub noise_rad: f64,
-    /// Standard deviation of the line that is driven [m].
-    pub wander_m: f64,
-    /// Length over which that line changes [m].
-    pub length_m: f64,
+    /// How the driver steers.
+    #[serde(flatten)]
+    pub driving: Driver,
 }
 
 /// One sample run.
@@ -385,41 +371,17 @@ pub struct SampleRun {
     /// Speed at the start [m/s].
     pub start_speed_mps: f64,
     /// Contacts with walls, which the model does not have.
-    pub wall_contacts: Vec<SampleContact>,
-}
-
-/// A contact with a wall.
-#[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
-pub struct SampleContact {
-    /// Place along the track [m].
-    pub s_m: f64,
-    /// Length [m].
-    pub length_m: f64,
-    /// Force [N].
-    pub force_n: f64,
-    /// Place along the sled [m].
-    pub x_m: f64,
+    pub wall_contacts: Vec<WallContact>,
 }
 
 impl SampleTruth {
     /// Of a plan of runs.
     pub fn new(seed: u64, plan: &[Planned]) -> Self {
-        let drivers = DRIVERS.iter().map(|&(name, class, runs)| {
-            let driver = sample_driver(name);
-            SampleDriver {
-                driver: name.to_owned(),
-                class: class.to_owned(),
-                runs,
-                feedforward: driver.feedforward,
-                preview_s: driver.preview_s,
-                line_gain_rad_per_m: driver.line_gain,
-                course_gain: driver.course_gain,
-                lag_s: driver.lag_s,
-                most_rad: driver.most_rad,
-                noise_rad: driver.noise_rad,
-                wander_m: driver.wander_m,
-                length_m: driver.length_m,
-            }
+        let drivers = DRIVERS.iter().map(|&(name, class, runs)| SampleDriver {
+            driver: name.to_owned(),
+            class: class.to_owned(),
+            runs,
+            driving: sample_driver(name),
         });
         let runs = plan.iter().map(|run| SampleRun {
             run: run.run.clone(),
@@ -427,17 +389,7 @@ impl SampleTruth {
             session: run.session.to_string(),
             seed: run.options.seed,
             start_speed_mps: run.options.start_speed_mps,
-            wall_contacts: run
-                .options
-                .contacts
-                .iter()
-                .map(|contact| SampleContact {
-                    s_m: contact.s_m,
-                    length_m: contact.length_m,
-                    force_n: contact.force_n,
-                    x_m: contact.x_m,
-                })
-                .collect(),
+            wall_contacts: run.options.contacts.clone(),
         });
         SampleTruth {
             seed,

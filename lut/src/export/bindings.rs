@@ -5,6 +5,7 @@ use std::io::Write;
 
 use crate::error::Error;
 use crate::export::escape::{comment, identifier};
+use crate::export::filled;
 use crate::export::header::{DERIVATIVES, FIELDS};
 use crate::table::Table;
 
@@ -28,32 +29,17 @@ impl Table {
             let quoted: Vec<String> = names.map(|name| format!("\"{name}\"")).collect();
             quoted.join(", ")
         };
-        let text = format!(
-            "\"\"\"Lookup table {name}, by kufe {version}: the functions of the library of {name}.h, in the same folder.\n\n    \
-             cc {flags} -x c {name}.h -o lib{name}.so -lm\n\n\
-             Arguments: {arguments}. The functions return `value` and `out_of_range`, with\n\
-             {DERIVATIVES} behind their name also the derivatives by the arguments.\n\"\"\"\n\n\
-             import ctypes\nimport os\nimport sys\n\n\n\
-             class Interpolated(ctypes.Structure):\n    \
-             _fields_ = [(\"value\", ctypes.c_double), (\"out_of_range\", ctypes.c_int)]\n\n\n\
-             class Derivatives(ctypes.Structure):\n    \
-             _fields_ = [\n        \
-             *((_field, ctypes.c_double) for _field in ({fields})),\n        \
-             (\"out_of_range\", ctypes.c_int),\n    ]\n\n\n\
-             _file = {{\"win32\": \"{name}.dll\", \"darwin\": \"lib{name}.dylib\"}}.get(sys.platform, \"lib{name}.so\")\n\
-             _library = ctypes.CDLL(os.path.join(os.path.dirname(os.path.abspath(__file__)), _file))\n\
-             for _name in ({functions}):\n    \
-             for _ending, _type in ((\"\", Interpolated), (\"{DERIVATIVES}\", Derivatives)):\n        \
-             _function = getattr(_library, \"{name}_\" + _name + _ending)\n        \
-             _function.argtypes, _function.restype = [ctypes.c_double] * {count}, _type\n        \
-             globals()[_name + _ending] = _function\n",
-            version = comment(self.origin.version()),
-            flags = FLAGS,
-            arguments = symbols.arguments.join(", "),
-            fields = listed(&mut FIELDS.iter().copied()),
-            functions = listed(&mut symbols.own_names()),
-            count = symbols.arguments.len(),
-        );
+        let slots = [
+            ("name", &**name),
+            ("version", &comment(self.origin.version())),
+            ("flags", FLAGS),
+            ("arguments", &symbols.arguments.join(", ")),
+            ("derivatives", DERIVATIVES),
+            ("fields", &listed(&mut FIELDS.iter().copied())),
+            ("functions", &listed(&mut symbols.own_names())),
+            ("count", &symbols.arguments.len().to_string()),
+        ];
+        let text = filled(include_str!("bindings.py.txt"), &slots);
         writer.write_all(text.as_bytes())?;
         Ok(())
     }
@@ -81,21 +67,14 @@ impl Table {
                 )
             })
             .collect();
-        let text = format!(
-            "// Lookup table {name}, by kufe {version}: the functions of the library of {name}.h, lib{name}.so or {name}.dll:\n//   \
-             cc {flags} -x c {name}.h -o lib{name}.so -lm\n//   \
-             x86_64-w64-mingw32-gcc {flags} -x c {name}.h -o {name}.dll\n\
-             using System.Runtime.InteropServices;\n\n\
-             public static class @{name}\n{{\n    \
-             [StructLayout(LayoutKind.Sequential)]\n    \
-             public struct Interpolated {{ public double value; public int out_of_range; }}\n\n    \
-             [StructLayout(LayoutKind.Sequential)]\n    \
-             public struct Derivatives {{ public double {fields}; public int out_of_range; }}\n\n\
-             {functions}}}\n",
-            version = comment(self.origin.version()),
-            flags = FLAGS,
-            fields = FIELDS.join(", "),
-        );
+        let slots = [
+            ("name", &**name),
+            ("version", &comment(self.origin.version())),
+            ("flags", FLAGS),
+            ("fields", &FIELDS.join(", ")),
+            ("functions", &functions),
+        ];
+        let text = filled(include_str!("bindings.cs.txt"), &slots);
         writer.write_all(text.as_bytes())?;
         Ok(())
     }

@@ -29,6 +29,7 @@ struct Library {
 static LIBRARIES: &[Library] = &include!(concat!(env!("OUT_DIR"), "/libraries.rs"));
 const REASON: &str = env!("KUFE_FMU_REASON");
 const UNIT: &str = include_str!("../../c/unit.h");
+const BUILD_DESCRIPTION: &str = include_str!("../../c/buildDescription.xml");
 const SOURCES: [[(&str, &str); 2]; 2] = [
     [
         ("fmi2.c", include_str!("../../c/fmi2.c")),
@@ -427,15 +428,3 @@ impl Variable {
         }
     }
 }
-
-/// sources/buildDescription.xml of FMI 3.0.
-const BUILD_DESCRIPTION: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>
-<fmiBuildDescription fmiVersion=\"3.0\">
-  <BuildConfiguration modelIdentifier=\"kufe_lut\">
-    <SourceFileSet language=\"C99\">
-      <SourceFile name=\"fmi3.c\"/>
-    </SourceFileSet>
-    <Library name=\"m\"/>
-  </BuildConfiguration>
-</fmiBuildDescription>
-";

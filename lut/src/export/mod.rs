@@ -21,6 +21,19 @@ use crate::error::Error;
 use crate::quantity::{Figures, Quantity};
 use crate::table::Table;
 
+/// A template with its slots `$NAME$` filled.
+fn filled(template: &str, slots: &[(&str, &str)]) -> String {
+    let parts = template.split('$').enumerate();
+    let text = parts.map(|(place, part)| match place % 2 {
+        0 => part,
+        _ => match slots.iter().find(|(name, _)| *name == part) {
+            Some((_, text)) => text,
+            None => unreachable!("the slot {part} has no text"),
+        },
+    });
+    text.collect()
+}
+
 /// Reads one figure of a node.
 type Figure = fn(&Figures, Quantity) -> Option<f64>;
 

@@ -1,8 +1,10 @@
 //! What is known of an effect before it is fitted: name, formula, parameters, columns it needs, and
 //! the test that decides on it.
 
+use std::collections::BTreeMap;
+
+use schemars::{Schema, json_schema};
 use serde::{Deserialize, Deserializer};
-use serde_json::{Map, Value, json};
 
 use crate::column::Column;
 use crate::effects::Fault;
@@ -103,9 +105,9 @@ impl Info {
     }
 
     /// JSON schema of each parameter, by the parameter's name.
-    pub fn parameter_schemas(&self) -> Map<String, Value> {
+    pub fn parameter_schemas(&self) -> BTreeMap<String, Schema> {
         let schema = |p: &Parameter| {
-            let schema = json!({
+            let schema = json_schema!({
                 "description": format!("[{}]", p.unit),
                 "type": "number",
                 "minimum": p.low,

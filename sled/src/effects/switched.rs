@@ -4,7 +4,6 @@
 use std::collections::BTreeMap;
 
 use schemars::{Schema, SchemaGenerator, json_schema};
-use serde_json::{Map, Value, json};
 
 use crate::column::{SENSORS, Sensor};
 use crate::effects::Parameter;
@@ -525,20 +524,20 @@ pub enum EffectError {
 /// A table for each effect of the catalogue, once or by place (`NAME@PLACE`), and tables with an
 /// expression.
 pub fn schema(_: &mut SchemaGenerator) -> Schema {
-    let known: Map<String, Value> = CATALOGUE
+    let known: BTreeMap<String, Schema> = CATALOGUE
         .iter()
         .map(|effect| {
             let info = &effect.info;
             let mut keys = info.parameter_schemas();
             keys.insert("track".to_owned(), track());
-            let table = json!({
+            let table = json_schema!({
                 "description": info.summary,
                 "type": "object",
                 "properties": keys,
                 "additionalProperties": false,
             });
             // A table with an expression is one's own effect, whatever its name.
-            let either = json!({ "anyOf": [table, own()] });
+            let either = json_schema!({ "anyOf": [table, own()] });
             (format!("^{}(@.*)?$", info.name), either)
         })
         .collect();
@@ -550,15 +549,15 @@ pub fn schema(_: &mut SchemaGenerator) -> Schema {
     })
 }
 
-fn track() -> Value {
-    json!({ "description": "Acts on this track only.", "type": "string" })
+fn track() -> Schema {
+    json_schema!({ "description": "Acts on this track only.", "type": "string" })
 }
 
-fn own() -> Value {
+fn own() -> Schema {
     let sensors = Sensor::ALL.map(Channel::Sensor);
     let channels = Channel::NAMED.map(|(_, channel)| channel).into_iter();
     let channels: Vec<_> = channels.chain(sensors).map(Channel::name).collect();
-    json!({
+    json_schema!({
         "description": "An effect of one's own: value times expression.",
         "type": "object",
         "properties": {

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::friction::error::{Error, in_range};
+use crate::error::{Error, in_range};
 
 /// What a parameter may be; steps in it are ratios.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,8 +100,8 @@ impl Response {
         if places.len() != values.len() {
             return Err(Error::TooFew {
                 what: "values of a response".into(),
-                have: values.len(),
-                need: places.len(),
+                found: values.len(),
+                needed: places.len(),
             });
         }
         for &value in values {

@@ -1,9 +1,10 @@
 //! Friction experiments: one row a specimen or condition.
 
+use std::fmt::Display;
 use std::io::{Read, Write};
 
 use crate::conditions::{CONDITIONS, Conditions};
-use crate::friction::error::Error;
+use crate::error::Error;
 
 /// A measured coefficient of friction at a computed or measured peak pressure.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -95,7 +96,7 @@ const LEAST: f64 = f64::MIN_POSITIVE;
 /// Reads `experiments.csv`; errors name `file`.
 ///
 /// # Errors
-/// [`Error::MissingColumn`], and [`Error::BadValue`] with the row for cells that are empty, not
+/// [`Error::MissingColumn`], and [`Error::Cell`] with the row for cells that are empty, not
 /// finite or outside the range of the unit (a pressure in MPa, a coefficient in thousandths).
 pub fn read_experiments(file: &str, reader: impl Read) -> Result<Vec<Experiment>, Error> {
     let table = Table::read(file, reader, &COLUMNS)?;
@@ -202,34 +203,27 @@ impl Table {
         reader: impl Read,
         columns: &'static Columns,
     ) -> Result<Self, Error> {
-        let unreadable = |error: csv::Error| Error::Unreadable {
-            file: file.to_string(),
-            reason: error.to_string(),
-        };
+        let unreadable =
+            |reason: &dyn Display| Error::file(file, format!("cannot be read: {reason}"));
         let mut csv = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_reader(reader.take(MOST_BYTES + 1));
         let header: Vec<String> = csv
             .headers()
-            .map_err(unreadable)?
+            .map_err(|error| unreadable(&error))?
             .iter()
             .map(|name| name.trim_start_matches('\u{feff}').to_string())
             .collect();
+        let all = [columns.required, columns.optional].concat();
         for (i, name) in header.iter().enumerate() {
-            if header[..i].contains(name) {
-                return Err(Error::UnknownColumn {
-                    file: file.into(),
-                    column: format!("{name} (a second time)"),
-                    expected: "each column once".into(),
-                });
-            }
-            let known = columns.required.contains(&name.as_str())
-                || columns.optional.contains(&name.as_str());
-            if !known && columns.extra == Extra::Refused {
-                return Err(Error::UnknownColumn {
+            let twice = header[..i].contains(name);
+            let known = columns.extra == Extra::Ignored || all.contains(&name.as_str());
+            if twice || !known {
+                return Err(Error::Column {
                     file: file.into(),
                     column: name.clone(),
-                    expected: [columns.required, columns.optional].concat().join(", "),
+                    what: if twice { "given twice" } else { "unknown" },
+                    expected: all.join(", "),
                 });
             }
         }
@@ -238,22 +232,18 @@ impl Table {
                 return Err(Error::MissingColumn {
                     file: file.into(),
                     column: (*name).into(),
-                    found: match header.join(", ") {
-                        empty if empty.is_empty() => "nothing".into(),
-                        names => names,
-                    },
-                    expected: columns.required.join(", "),
+                    found: header.join(", "),
+                    needed_by: None,
                 });
             }
         }
         let rows: Result<Vec<_>, _> = csv.records().collect();
         if csv.get_ref().limit() == 0 {
-            return Err(Error::Unreadable {
-                file: file.into(),
-                reason: format!("it is longer than {MOST_BYTES} bytes: expected fewer rows"),
-            });
+            return Err(unreadable(&format!(
+                "it is longer than {MOST_BYTES} bytes: expected fewer rows"
+            )));
         }
-        let rows = rows.map_err(unreadable)?;
+        let rows = rows.map_err(|error| unreadable(&error))?;
         Ok(Table {
             file: file.into(),
             columns,
@@ -333,16 +323,6 @@ impl Table {
         let line = self.rows[row]
             .position()
             .map_or(row as u64 + 2, |p| p.line());
-        Error::BadValue {
-            file: self.file.clone(),
-            row: line,
-            column: column.into(),
-            found: if found.is_empty() {
-                "nothing".into()
-            } else {
-                found.into()
-            },
-            expected: expected.into(),
-        }
+        Error::cell(&self.file, line, column, found, expected)
     }
 }

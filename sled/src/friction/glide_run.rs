@@ -1,6 +1,6 @@
 //! One gliding run: energies over distance and the resistance that they show.
 
-use crate::friction::error::Error;
+use crate::error::Error;
 use crate::friction::specimens::{GlideEntry, GlideTrace, integrate};
 
 /// Specific gas constant of dry air [J/(kg K)].
@@ -108,8 +108,8 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
     if section.len() < FEWEST {
         return Err(Error::TooFew {
             what: format!("run {}: samples in the middle section", entry.run),
-            have: section.len(),
-            need: FEWEST,
+            found: section.len(),
+            needed: FEWEST,
         });
     }
     let energy: Vec<f64> = section.clone().map(|i| kinetic[i] + aero[i]).collect();

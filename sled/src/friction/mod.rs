@@ -18,7 +18,6 @@
 //! assert!(fx < 0.0 && fy > 20.0 * fx.abs());
 //! ```
 
-mod error;
 mod estimate;
 mod experiments;
 pub mod film;
@@ -27,7 +26,6 @@ mod lateral;
 mod longitudinal;
 mod specimens;
 
-pub use error::Error;
 pub use estimate::{Estimate, Response, Span};
 pub use experiments::{Experiment, read_experiments, write_experiments};
 pub use glide_run::{

@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use crate::conditions::Conditions;
-use crate::friction::error::Error;
+use crate::error::Error;
 use crate::friction::estimate::{Estimate, student_quantile};
 use crate::friction::experiments::{Columns, Experiment, Extra, Table};
 use crate::friction::glide_run::{GRAVITY, GlideRun};
@@ -81,7 +81,7 @@ const MOST_APART: f64 = 1.25;
 /// Reads the index `glides.csv`; `file` is the name that errors carry.
 ///
 /// # Errors
-/// [`Error::MissingColumn`], [`Error::UnknownColumn`], [`Error::BadValue`]; two runs of one name or
+/// [`Error::MissingColumn`], [`Error::Column`], [`Error::Cell`]; two runs of one name or
 /// one file, more than two directions and an empty table count as bad values.
 pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>, Error> {
     let table = Table::read(file, reader, &INDEX)?;
@@ -121,8 +121,8 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
     if entries.is_empty() {
         return Err(Error::TooFew {
             what: format!("{file}: runs"),
-            have: 0,
-            need: 2,
+            found: 0,
+            needed: 2,
         });
     }
     Ok(entries)
@@ -132,7 +132,7 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
 /// absent.
 ///
 /// # Errors
-/// [`Error::MissingColumn`]; [`Error::BadValue`] for cells that are no numbers, time that does not
+/// [`Error::MissingColumn`]; [`Error::Cell`] for cells that are no numbers, time that does not
 /// increase, a gap of more than ten usual steps, speeds above 60 m/s or whose integral is not
 /// `s_m`; [`Error::TooFew`] below thirty samples.
 pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
@@ -141,8 +141,8 @@ pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
     if table.rows() < FEWEST {
         return Err(Error::TooFew {
             what: format!("{file}: samples"),
-            have: table.rows(),
-            need: FEWEST,
+            found: table.rows(),
+            needed: FEWEST,
         });
     }
     let column = |name: &'static str, range: (f64, f64), expected: &'static str| {
@@ -273,13 +273,13 @@ pub struct IceHouse {
 /// The n-th run of a specimen in one direction is paired with its n-th in the other.
 ///
 /// # Errors
-/// [`Error::TooFew`] where no specimen has a run in each direction, [`Error::SameSamples`] where a
+/// [`Error::TooFew`] where no specimen has a run in each direction, [`Error::DuplicateContent`] where a
 /// run is listed twice.
 pub fn evaluate_ice_house(runs: Vec<GlideRun>) -> Result<IceHouse, Error> {
     for (i, run) in runs.iter().enumerate() {
         let copy = |before: &&GlideRun| before.s == run.s && before.kinetic == run.kinetic;
         if let Some(before) = runs[..i].iter().find(copy) {
-            return Err(Error::SameSamples {
+            return Err(Error::DuplicateContent {
                 first: before.entry.run.clone(),
                 second: run.entry.run.clone(),
             });
@@ -315,8 +315,8 @@ pub fn evaluate_ice_house(runs: Vec<GlideRun>) -> Result<IceHouse, Error> {
     if pairs.is_empty() {
         return Err(Error::TooFew {
             what: "pairs of runs of one specimen in both directions".into(),
-            have: 0,
-            need: 1,
+            found: 0,
+            needed: 1,
         });
     }
     let slopes: Vec<f64> = pairs.iter().map(|p| p.slope_rad).collect();

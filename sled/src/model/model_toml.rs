@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::model::sled::{ModelConditions, Noise, Sled, Survey, Tolerances, published_yaw_drag};
+use crate::model::sled::{ModelConditions, Noise, Sled, Survey, Tolerances};
 
 /// A whole model file: what simulations, fits and evaluations are made with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -59,6 +59,9 @@ pub struct Friction {
 /// A model file is a page of text; what is longer than this is something else [bytes].
 const LONGEST: u64 = 1 << 20;
 
+/// The model of the published sled, commented.
+pub const MODEL_EXAMPLE: &str = include_str!("../../assets/model.toml");
+
 impl Model {
     /// Reads a model file and checks every number.
     ///
@@ -85,7 +88,7 @@ impl Model {
     /// Parses the text of a model file; `file` names it in errors.
     ///
     /// # Errors
-    /// [`Error::Keys`], [`Error::KeyRange`], [`Error::Friction`].
+    /// [`Error::Keys`], [`Error::KeyRange`].
     pub fn from_toml(text: &str, file: &str) -> Result<Model, Error> {
         let model: Model = toml::from_str(text).map_err(|error| Error::Keys {
             file: file.to_string(),
@@ -118,72 +121,26 @@ impl Model {
     /// Checks that every number is one that a sled can have; `file` names the source in errors.
     ///
     /// # Errors
-    /// [`Error::KeyRange`] with the key, [`Error::Friction`] from the friction laws.
+    /// [`Error::KeyRange`] with the key, [`Error::Keys`] from the friction laws.
     pub fn check(&self, file: &str) -> Result<(), Error> {
-        let s = &self.sled;
-        let positive = [
-            ("sled.mass_kg", s.mass_kg),
-            ("sled.j_yy_kgm2", s.j_yy_kgm2),
-            ("sled.j_zz_kgm2", s.j_zz_kgm2),
-            ("sled.l_f_m", s.l_f_m),
-            ("sled.l_r_m", s.l_r_m),
-        ];
-        for (key, value) in positive {
-            require(file, key, value, value > 0.0, "a positive number")?;
-        }
-        let places = [
-            ("sled.accel_x_m", s.accel_x_m),
-            ("sled.accel_y_m", s.accel_y_m),
-            ("sled.accel_z_m", s.accel_z_m),
-            ("sled.slip_x_m", s.slip_x_m),
-        ];
-        for (key, value) in places {
-            require(file, key, value, value.abs() <= 10.0, "metres, within 10 m")?;
-        }
-        let mut zero_or_more = vec![
-            ("sled.cda_m2", s.cda_m2),
-            ("sled.yaw_drag_per_deg", s.yaw_drag_per_deg),
-        ];
-        if let Some(survey) = &self.survey {
-            zero_or_more.push(("survey.slope_sd_rad", survey.slope_sd_rad));
-        }
-        if let Some(noise) = &self.noise {
-            zero_or_more.extend([
-                ("noise.accel_mps2", noise.accel_mps2),
-                ("noise.rate_radps", noise.rate_radps),
-                ("noise.speed_mps", noise.speed_mps),
-                ("noise.slip_rad", noise.slip_rad),
-                ("noise.steer_rad", noise.steer_rad),
-                ("noise.roll_split_rad", noise.roll_split_rad),
-            ]);
-        }
-        if let Some(tolerances) = &self.tolerances {
-            zero_or_more.extend(tolerances.named());
-        }
-        for (key, value) in zero_or_more {
-            require(file, key, value, (0.0..=1e3).contains(&value), "0 to 1000")?;
-        }
-        if let Some(conditions) = &self.conditions {
-            let ranges = [
-                (
-                    "conditions.humidity_pct",
-                    conditions.humidity_pct,
-                    100.0,
-                    "0 to 100",
-                ),
-                (
-                    "conditions.distance_m",
-                    conditions.distance_m,
-                    1e8,
-                    "0 to 1e8",
-                ),
-            ];
-            for (key, value, most, expected) in ranges {
-                let value = value.unwrap_or(0.0);
-                require(file, key, value, (0.0..=most).contains(&value), expected)?;
+        let model = toml::Table::try_from(self).expect("a model is plain tables");
+        for name in ["sled", "survey", "conditions", "noise", "tolerances"] {
+            let table = model.get(name).and_then(toml::Value::as_table);
+            for (key, value) in table.into_iter().flatten() {
+                let key = format!("{name}.{key}");
+                let value = value.as_float().unwrap_or(f64::NAN);
+                let (low, high, expected) = range(&key);
+                if !(low..=high).contains(&value) {
+                    return Err(Error::KeyRange {
+                        file: file.to_string(),
+                        key,
+                        value,
+                        expected,
+                    });
+                }
             }
         }
-        let in_friction = |table: &str, error: crate::friction::Error| Error::Keys {
+        let in_friction = |table: &str, error: Error| Error::Keys {
             file: file.to_string(),
             reason: format!("[friction.{table}] {error}"),
         };
@@ -214,61 +171,23 @@ impl Model {
     /// assert_eq!(again, model);
     /// ```
     pub fn published() -> Model {
-        Model {
-            sled: Sled {
-                mass_kg: 390.0,
-                j_yy_kgm2: 145.0,
-                j_zz_kgm2: 150.0,
-                l_f_m: 0.82,
-                l_r_m: 0.88,
-                accel_x_m: -0.35,
-                accel_y_m: 0.0,
-                accel_z_m: 0.12,
-                slip_x_m: -0.60,
-                cda_m2: 0.28,
-                yaw_drag_per_deg: published_yaw_drag(),
-            },
-            friction: Friction {
-                longitudinal: crate::friction::Longitudinal::PUBLISHED_FIXED.into(),
-                front: MagicFormula::PUBLISHED_FRONT,
-                rear: MagicFormula::PUBLISHED_REAR,
-            },
-            survey: Some(Survey {
-                slope_sd_rad: 0.002,
-            }),
-            noise: Some(Noise {
-                accel_mps2: 0.2,
-                rate_radps: 0.0015,
-                speed_mps: 0.03,
-                slip_rad: 0.0005,
-                steer_rad: 0.0004,
-                roll_split_rad: 0.0004,
-            }),
-            tolerances: None,
-            conditions: None,
-            effects: BTreeMap::new(),
-            folder: PathBuf::new(),
-            file: String::new(),
-        }
+        Model::from_toml(MODEL_EXAMPLE, "model.toml").expect("the example is a model")
     }
 }
 
-fn require(
-    file: &str,
-    key: &str,
-    value: f64,
-    holds: bool,
-    expected: &'static str,
-) -> Result<(), Error> {
-    if value.is_finite() && holds {
-        return Ok(());
+/// Least and largest value of a key, in words as well.
+fn range(key: &str) -> (f64, f64, &'static str) {
+    match key {
+        "sled.mass_kg" | "sled.j_yy_kgm2" | "sled.j_zz_kgm2" | "sled.l_f_m" | "sled.l_r_m" => {
+            (f64::MIN_POSITIVE, f64::MAX, "a positive number")
+        }
+        "sled.accel_x_m" | "sled.accel_y_m" | "sled.accel_z_m" | "sled.slip_x_m" => {
+            (-10.0, 10.0, "metres, within 10 m")
+        }
+        "conditions.humidity_pct" => (0.0, 100.0, "0 to 100"),
+        "conditions.distance_m" => (0.0, 1e8, "0 to 1e8"),
+        _ => (0.0, 1e3, "0 to 1000"),
     }
-    Err(Error::KeyRange {
-        file: file.to_string(),
-        key: key.to_string(),
-        value,
-        expected,
-    })
 }
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ pub struct Sled {
 }
 
 /// The paper's yaw sensitivity: 6.94 % a degree.
-pub(crate) fn published_yaw_drag() -> f64 {
+fn published_yaw_drag() -> f64 {
     0.0694
 }
 
@@ -146,27 +146,6 @@ impl Tolerances {
         gyro_g_sensitivity_radps_per_mps2: 0.0,
         session_offset_rad: 0.0,
     };
-
-    /// Keys and values.
-    pub(crate) fn named(&self) -> [(&'static str, f64); 12] {
-        [
-            ("tolerances.delay_s", self.delay_s),
-            ("tolerances.place_m", self.place_m),
-            ("tolerances.gyro_scale", self.gyro_scale),
-            ("tolerances.gyro_bias_radps", self.gyro_bias_radps),
-            ("tolerances.accel_scale", self.accel_scale),
-            ("tolerances.accel_bias_mps2", self.accel_bias_mps2),
-            ("tolerances.mass", self.mass),
-            ("tolerances.inertia", self.inertia),
-            ("tolerances.steer_scale", self.steer_scale),
-            ("tolerances.misalignment_rad", self.misalignment_rad),
-            (
-                "tolerances.gyro_g_sensitivity_radps_per_mps2",
-                self.gyro_g_sensitivity_radps_per_mps2,
-            ),
-            ("tolerances.session_offset_rad", self.session_offset_rad),
-        ]
-    }
 }
 
 impl Default for Tolerances {

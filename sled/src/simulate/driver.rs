@@ -3,6 +3,8 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::friction::GRAVITY;
 use crate::model::sled::Sled;
@@ -19,13 +21,14 @@ use crate::track::table::TrackShape;
 /// n is the distance left of the ideal line [m], w the yaw rate at which the line is driven without
 /// lateral force `preview` seconds ahead [rad/s], L the wheelbase [m], v the speed [m/s].
 /// `n_wanted` and the noise are smooth random functions of the distance.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Driver {
     /// Share of the curve's own steering angle that is steered ahead.
     pub feedforward: f64,
     /// How far ahead the curve is seen [s].
     pub preview_s: f64,
     /// Steering for being off the line [rad/m].
+    #[serde(rename = "line_gain_rad_per_m")]
     pub line_gain: f64,
     /// Steering against the course angle.
     pub course_gain: f64,

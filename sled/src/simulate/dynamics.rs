@@ -1,5 +1,8 @@
 //! Equations of motion of the one-track sled on a track.
 
+use schemars::JsonSchema;
+use serde::Serialize;
+
 use crate::effects::Relaxed;
 use crate::friction::GRAVITY;
 
@@ -33,7 +36,7 @@ const YAW: usize = 5;
 pub(crate) const TIME: usize = 11;
 
 /// A push from outside, such as a wall: half a wave of lateral force over a stretch of track.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct WallContact {
     /// Where it begins [m].
     pub s_m: f64,

@@ -123,7 +123,13 @@ impl Track {
         let (_, low, high) = CONDITIONS[0];
         if let Some(row) = ice.iter().position(|c| *c < low || *c > high) {
             let expected = format!("a number from {low} to {high}, or nothing");
-            return Err(cell(file, row, "ice_c", ice[row], &expected));
+            return Err(Error::cell(
+                file,
+                row as u64 + 2,
+                "ice_c",
+                ice[row],
+                &expected,
+            ));
         }
         track.ice = IceAlong::new(track.s_m.iter().zip(ice).map(|(s, c)| [*s, c]));
         Ok(track)
@@ -165,12 +171,24 @@ impl Track {
         ];
         for (column, values, most, expected) in ranges {
             if let Some(row) = values.iter().position(|v| v.is_nan() || v.abs() >= most) {
-                return Err(cell(file, row, column, values[row], expected));
+                return Err(Error::cell(
+                    file,
+                    row as u64 + 2,
+                    column,
+                    values[row],
+                    expected,
+                ));
             }
         }
         if let Some(row) = self.s_m.windows(2).position(|pair| pair[1] <= pair[0]) {
             let expected = "more than in the row before";
-            return Err(cell(file, row + 1, "s_m", self.s_m[row + 1], expected));
+            return Err(Error::cell(
+                file,
+                row as u64 + 3,
+                "s_m",
+                self.s_m[row + 1],
+                expected,
+            ));
         }
         let span = self.s_m[self.s_m.len() - 1] - self.s_m[0];
         if span < LEAST_SPAN_M {
@@ -201,16 +219,6 @@ impl Track {
             columns.push(("ice_c", &ice));
         }
         write_csv(writer, &columns)
-    }
-}
-
-fn cell(file: &str, row: usize, column: &str, found: f64, expected: &str) -> Error {
-    Error::Cell {
-        file: file.to_string(),
-        row: row as u64 + 2,
-        column: column.to_string(),
-        found: found.to_string(),
-        expected: expected.to_string(),
     }
 }
 

@@ -298,7 +298,7 @@ fn glides_in_kilometres_an_hour_or_pushed_or_listed_twice_are_refused() {
     ];
     let reported = evaluate_ice_house(twice).expect_err("refused").to_string();
     assert!(
-        reported.contains("runs 1 and 2") && reported.contains("same samples"),
+        reported.contains("runs \"1\" and \"2\"") && reported.contains("same samples"),
         "{reported}"
     );
 }
@@ -328,7 +328,7 @@ fn bad_files_are_named_with_row_and_column() {
             vec!["row 40", "t_s", "0.1", "after 0.37"],
         ),
         (gap, vec!["row 41", "t_s", "no gap"]),
-        (lines[..4].join("\n"), vec!["run.csv", "3 given", "30"]),
+        (lines[..4].join("\n"), vec!["run.csv", "samples: 3", "30"]),
         (with(40, "0.38"), vec!["run.csv", "line: 40"]),
     ] {
         let reported = read_glide("run.csv", text.as_bytes())
@@ -343,7 +343,7 @@ fn bad_files_are_named_with_row_and_column() {
     for (text, parts) in [
         (
             format!("{header},colour\n{row},red\n"),
-            vec!["glides.csv", "unknown column colour"],
+            vec!["glides.csv", "column colour is unknown"],
         ),
         (
             format!("{header}\n{row}\n{row}\n"),

@@ -218,7 +218,7 @@ fn useless_samples_are_refused_by_name() {
         fy: 50.0,
         cluster: 0,
     };
-    assert!(reported(&[sample; 3], &options).contains("3 given, expected at least 20"));
+    assert!(reported(&[sample; 3], &options).contains("3, expected at least 20"));
     let nan = LateralSample {
         fy: f64::NAN,
         ..sample

@@ -2,9 +2,8 @@
 
 use std::process::Command;
 
-use kufe_sled::friction::{
-    Error, Experiment, MuFit, Weighting, ZetaActsOn, fit_mu, read_experiments,
-};
+use kufe_sled::Error;
+use kufe_sled::friction::{Experiment, MuFit, Weighting, ZetaActsOn, fit_mu, read_experiments};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -185,8 +184,8 @@ fn too_few_or_too_similar_specimens_are_refused() {
         matches!(
             few,
             Err(Error::TooFew {
-                have: 3,
-                need: 4,
+                found: 3,
+                needed: 4,
                 ..
             })
         ),

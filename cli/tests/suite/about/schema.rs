@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use kufe::case::Case;
-use kufe::jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE, case_file::EXAMPLE};
+use kufe::jobs::{TABLE_EXAMPLE, case_file::EXAMPLE};
+use kufe_sled::MODEL_EXAMPLE;
 use kufe_sled::Model;
 use kufe_telemetry::{MAPPING_EXAMPLE, Mapping};
 

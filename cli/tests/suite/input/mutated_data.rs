@@ -7,12 +7,13 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec,
     WritableImage,
 };
+use kufe::jobs::TABLE_EXAMPLE;
 use kufe::jobs::table::TableSpec;
-use kufe::jobs::{MODEL_EXAMPLE, TABLE_EXAMPLE};
 use kufe::results::LateralFitDocument;
 use kufe_discover::read_map_bytes;
 use kufe_lut::{Axes, Figures, Quantity, Table, read_fmu};
 use kufe_mesh::{HeightMap, Interpolation, TensorGrid, read_gmsh, read_vtu, write_vtu};
+use kufe_sled::MODEL_EXAMPLE;
 use kufe_sled::friction::{read_experiments, read_glide, read_glide_index};
 use kufe_sled::{COLUMNS, Model, Track, Vehicle, read_columns, read_csv, read_index};
 use kufe_telemetry::{MAPPING_EXAMPLE, Mapping, TextOptions, guess_mapping, read_text};

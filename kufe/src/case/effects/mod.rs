@@ -8,7 +8,6 @@ use std::collections::BTreeMap;
 
 use kufe_contact::Problem;
 use schemars::{Schema, SchemaGenerator, json_schema};
-use serde_json::{Map as JsonMap, Value, json};
 
 use crate::case::CaseError;
 
@@ -59,16 +58,16 @@ pub(crate) fn switch_on(
 
 /// JSON schema of a case's `[effects]`: one table an effect with its one key and the key's bounds.
 pub(crate) fn schema(_: &mut SchemaGenerator) -> Schema {
-    let effects: JsonMap<String, Value> = CATALOGUE
+    let effects: BTreeMap<&str, Schema> = CATALOGUE
         .iter()
         .map(|effect| {
-            let table = json!({
+            let table = json_schema!({
                 "description": effect.info.summary,
                 "type": "object",
                 "properties": effect.info.parameter_schemas(),
                 "additionalProperties": false,
             });
-            (effect.info.name.to_owned(), table)
+            (effect.info.name, table)
         })
         .collect();
     json_schema!({

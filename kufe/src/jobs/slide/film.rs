@@ -32,7 +32,7 @@ impl FilmAlong {
 pub fn film_along(
     solution: &SlidingSolution,
     conditions: &FilmConditions,
-) -> Result<FilmAlong, kufe_sled::friction::Error> {
+) -> Result<FilmAlong, kufe_sled::Error> {
     film_on(&solution.groove.sections, solution.contact.fz, conditions)
 }
 
@@ -41,12 +41,12 @@ pub fn film_along(
 /// pressures are bounded by what the ice bears.
 ///
 /// # Errors
-/// [`kufe_sled::friction::Error`] for conditions out of range, and for a patch that is no strip.
+/// [`kufe_sled::Error`] for conditions out of range, and for a patch that is no strip.
 pub(crate) fn film_on(
     sections: &[Section],
     fz: f64,
     conditions: &FilmConditions,
-) -> Result<FilmAlong, kufe_sled::friction::Error> {
+) -> Result<FilmAlong, kufe_sled::Error> {
     let front = sections.first().map_or(0.0, |s| s.x);
     let share = fz / load(sections);
     let strip = Strip::new(
@@ -88,10 +88,10 @@ pub(crate) fn conditions(sliding: &SlidingTable) -> FilmConditions {
 }
 
 /// The film's error as the job's.
-pub(crate) fn film_failure(loaded: &LoadedCase, error: &kufe_sled::friction::Error) -> Failure {
+pub(crate) fn film_failure(loaded: &LoadedCase, error: &kufe_sled::Error) -> Failure {
     let text = format!("{}: the melt film: {error}", loaded.name);
     match error {
-        kufe_sled::friction::Error::NotConverged { .. } => Failure::NotConverged(text),
+        kufe_sled::Error::NotConverged { .. } => Failure::NotConverged(text),
         _ => Failure::BadInput(text),
     }
 }

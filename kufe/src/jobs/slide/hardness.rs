@@ -75,12 +75,12 @@ impl HardnessLaw {
     /// says so.
     ///
     /// # Errors
-    /// [`kufe_sled::friction::Error::OutOfRange`] for a time that is not positive.
+    /// [`kufe_sled::Error::OutOfRange`] for a time that is not positive.
     pub fn at(
         &self,
         ice_c: f64,
         contact_time: f64,
-    ) -> Result<(f64, HardnessFrom), kufe_sled::friction::Error> {
+    ) -> Result<(f64, HardnessFrom), kufe_sled::Error> {
         let (own, from) = match self {
             HardnessLaw::Given(pressure) => (*pressure, HardnessFrom::Given),
             HardnessLaw::OfTemperature => (ice_hardness(ice_c), HardnessFrom::TemperatureLaw),

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::friction::error::Error;
+use crate::error::Error;
 use crate::friction::film::properties::{
     BoundaryContact, FilmConditions, FilmOptions, HeatIntoIce, Properties, Strip, between,
     steel_transfer,
@@ -51,7 +51,7 @@ const ROUNDS: usize = 6;
 /// let fast = film(&strip, &FilmConditions::new(30.0, -5.0), &Properties::WATER_AND_ICE, &FilmOptions::default())?;
 /// assert!(fast.totals.friction > slow.totals.friction);
 /// assert!(fast.errors.friction < 1e-6 * fast.totals.friction);
-/// # Ok::<(), kufe_sled::friction::Error>(())
+/// # Ok::<(), kufe_sled::Error>(())
 /// ```
 pub fn film(
     strip: &Strip,

@@ -13,7 +13,7 @@
 //! let conditions = FilmConditions::new(30.0, -5.0);
 //! let film = film(&strip, &conditions, &Properties::WATER_AND_ICE, &FilmOptions::default())?;
 //! assert!((3e-3..6e-3).contains(&film.totals.friction));
-//! # Ok::<(), kufe_sled::friction::Error>(())
+//! # Ok::<(), kufe_sled::Error>(())
 //! ```
 
 mod march;

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_2_SQRT_PI, PI, SQRT_2};
 
 use statrs::function::erf::erfc;
 
-use crate::friction::error::{Error, in_range};
+use crate::error::{Error, in_range};
 
 /// Material constants of the film and of its two walls, all at 0 C.
 ///
@@ -371,11 +371,11 @@ pub(crate) fn between(xi: &[f64], values: &[f64], k: usize, at: f64) -> f64 {
     values[k] + share * (values[k + 1] - values[k])
 }
 
-fn too_few(what: &str, have: usize, need: usize) -> Error {
+fn too_few(what: &str, found: usize, needed: usize) -> Error {
     Error::TooFew {
         what: what.into(),
-        have,
-        need,
+        found,
+        needed,
     }
 }
 
@@ -418,7 +418,7 @@ pub const HARDNESS_EXPONENT: f64 = 3.0;
 /// let slower = hardness.at(-5.0, 16.0e-3, &Properties::WATER_AND_ICE)?;
 /// assert!(colder > 17.7e6);
 /// assert!((slower / 17.7e6 - 0.5).abs() < 1e-12);
-/// # Ok::<(), kufe_sled::friction::Error>(())
+/// # Ok::<(), kufe_sled::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IceHardness {

@@ -13,7 +13,7 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector, Dyn, Matrix3, U1, Vector3};
 
-use crate::friction::error::{Error, in_range};
+use crate::error::{Error, in_range};
 use crate::friction::estimate::{Estimate, student_quantile};
 use crate::friction::lateral::law::MagicFormula;
 
@@ -157,14 +157,14 @@ pub fn fit_lateral(
     })
 }
 
-fn need(have: usize) -> Result<(), Error> {
-    if have >= FEWEST {
+fn need(found: usize) -> Result<(), Error> {
+    if found >= FEWEST {
         return Ok(());
     }
     Err(Error::TooFew {
         what: "lateral fit: samples with enough load".into(),
-        have,
-        need: FEWEST,
+        found,
+        needed: FEWEST,
     })
 }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::friction::error::{Error, in_range};
+use crate::error::{Error, in_range};
 
 /// Pacejka's magic formula as the paper uses it for a runner on ice.
 ///

@@ -8,7 +8,7 @@ use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn, Matrix3, U1, Vector3};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-use crate::friction::error::Error;
+use crate::error::Error;
 use crate::friction::estimate::{Estimate, student_quantile};
 use crate::friction::experiments::Experiment;
 use crate::friction::longitudinal::law::{PressureLaw, ZetaActsOn};
@@ -34,8 +34,8 @@ pub fn fit_mu(
     if experiments.len() < 4 {
         return Err(Error::TooFew {
             what: "mu(p) fit: experiments".into(),
-            have: experiments.len(),
-            need: 4,
+            found: experiments.len(),
+            needed: 4,
         });
     }
     let points = Points::new(experiments);

@@ -1,7 +1,7 @@
 //! Hardness over temperature and contact time.
 
 use super::patches::WATER;
-use kufe_sled::friction::Error;
+use kufe_sled::Error;
 use kufe_sled::friction::film::{
     HARDNESS_EXPONENT, IceHardness, Properties, pressure_melting_bound,
 };

@@ -2,7 +2,7 @@
 
 use super::patches::{WATER, strip};
 use super::pressure_map::PressureMap;
-use kufe_sled::friction::Error;
+use kufe_sled::Error;
 use kufe_sled::friction::film::{
     BoundaryContact, FilmConditions, FilmOptions, Properties, Strip, film,
 };

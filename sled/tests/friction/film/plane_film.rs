@@ -5,7 +5,7 @@ use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 
-use kufe_sled::friction::Error;
+use kufe_sled::Error;
 use kufe_sled::friction::film::{
     Film, FilmConditions, FilmOptions, Properties, Strip, film_with_outflow,
 };

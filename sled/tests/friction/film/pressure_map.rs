@@ -1,6 +1,6 @@
 //! A contact patch as a map of pressures, and the strip that it is.
 
-use kufe_sled::friction::Error;
+use kufe_sled::Error;
 use kufe_sled::friction::film::Strip;
 
 /// Pressures of a contact patch on even cells; a cell is in contact where its pressure is above 0.
