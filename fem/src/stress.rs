@@ -65,15 +65,21 @@ impl CellField {
                 add(value, gradient);
             }
         }
-        [
-            h[0][0],
-            h[1][1],
-            h[2][2],
-            h[1][2] + h[2][1],
-            h[0][2] + h[2][0],
-            h[0][1] + h[1][0],
-        ]
+        strain_of(&h)
     }
+}
+
+/// The strain of a displacement's gradient, engineering shears last.
+fn strain_of(h: &[[f64; 3]; 3]) -> [f64; 6] {
+    let shear = |i: usize, j: usize| h[i][j] + h[j][i];
+    [
+        h[0][0],
+        h[1][1],
+        h[2][2],
+        shear(1, 2),
+        shear(0, 2),
+        shear(0, 1),
+    ]
 }
 
 /// Strain in `cell` at natural coordinates `xi` for the displacements `u` (three a node [m]).
@@ -138,14 +144,7 @@ impl CornerStresses {
             let [low, high] = hex8::EDGES[corner][j].map(|end| 3 * nodes[end]);
             std::array::from_fn(|i| (u[high + i] - u[low + i]) / lengths[j])
         });
-        body.sections()[cell].material.stress([
-            h[0][0],
-            h[1][1],
-            h[2][2],
-            h[2][1] + h[1][2],
-            h[2][0] + h[0][2],
-            h[1][0] + h[0][1],
-        ])
+        body.sections()[cell].material.stress(strain_of(&h))
     }
 }
 

@@ -2,6 +2,20 @@
 
 use kufe_mesh::{HexMesh, TensorGrid};
 
+use crate::body::{Body, ElementKind, Material, Section};
+
+/// A moved block of about `n`^3 cells of five materials, every other one with incompatible modes.
+pub fn mixed(n: usize) -> Body {
+    let mesh = block([n, n + 1, n + 2], [1.0, 2.0, 0.5], 0.2);
+    let sections = (0..mesh.cells.len())
+        .map(|cell| Section {
+            material: Material::new(1.0 + (cell % 5) as f64, 0.3).unwrap(),
+            kind: [ElementKind::Hex8, ElementKind::Hex8Incompatible][cell % 2],
+        })
+        .collect();
+    Body::new(mesh, sections).unwrap()
+}
+
 /// A block of `n` cells along each axis, its inner nodes moved by up to `noise` of a cell.
 pub fn block(n: [usize; 3], size: [f64; 3], noise: f64) -> HexMesh {
     let axis = |a: usize| {

@@ -232,32 +232,14 @@ impl VerifiedBem {
 
 /// Whether all figures lie within both errors of one another.
 fn agree(first: &Solution, second: &BoundaryElements) -> bool {
+    let (a, b) = (first, second);
     let pairs = [
-        [
-            first.p_max,
-            second.p_max,
-            first.p_max_error + second.p_max_error,
-        ],
-        [
-            first.approach,
-            second.approach,
-            first.approach_error + second.approach_error,
-        ],
-        [
-            first.area,
-            second.area,
-            first.area_error + second.area_error,
-        ],
-        [
-            first.length,
-            second.length,
-            first.length_error + second.length_error,
-        ],
-        [
-            first.width,
-            second.width,
-            first.width_error + second.width_error,
-        ],
+        (a.p_max, b.p_max, a.p_max_error + b.p_max_error),
+        (a.approach, b.approach, a.approach_error + b.approach_error),
+        (a.area, b.area, a.area_error + b.area_error),
+        (a.length, b.length, a.length_error + b.length_error),
+        (a.width, b.width, a.width_error + b.width_error),
     ];
-    pairs.iter().all(|[a, b, errors]| (a - b).abs() <= *errors)
+    let within = |(a, b, errors): &(f64, f64, f64)| (a - b).abs() <= *errors;
+    pairs.iter().all(within)
 }

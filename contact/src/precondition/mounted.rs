@@ -168,12 +168,7 @@ impl MountedInverse {
     /// See [`crate::precondition::inverse::Inverse::green`]; the second one scales P's part to
     /// elasticity's response.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
-        let n = nodes.len();
-        let local: Vec<[usize; 2]> = nodes
-            .iter()
-            .filter_map(|&node| self.columns.local(node))
-            .collect();
-        assert_eq!(local.len(), n, "contact candidates over the body");
+        let local = self.columns.all_local(nodes);
         let fast = self.contact.green(&local);
         let beam = self.beam.as_ref().map(|beam| beam.contact_green(&local));
         [0, 1].map(|kind| {

@@ -96,12 +96,7 @@ impl PlanewiseInverse {
     /// See [`crate::precondition::inverse::Inverse::green`]; the second one is scaled to
     /// elasticity's response.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
-        let n = nodes.len();
-        let local: Vec<[usize; 2]> = nodes
-            .iter()
-            .filter_map(|&node| self.columns.local(node))
-            .collect();
-        assert_eq!(local.len(), n, "contact candidates over the body");
+        let local = self.columns.all_local(nodes);
         let green = self.basis.green(self.preconditioner.end_response(), &local);
         let scaled = faer::Scale(self.response) * &green;
         [green, scaled]
@@ -316,6 +311,16 @@ impl Columns {
         let i = (node % self.plane_width).checked_sub(self.first[0])?;
         let j = (node / self.plane_width).checked_sub(self.first[1])?;
         (i < self.count[0] && j < self.count[1]).then_some([i, j])
+    }
+
+    /// The same of nodes that all lie in it.
+    ///
+    /// # Panics
+    /// Where one does not.
+    pub fn all_local(&self, nodes: &[usize]) -> Vec<[usize; 2]> {
+        let local = nodes.iter().map(|&node| self.local(node));
+        let all: Option<Vec<[usize; 2]>> = local.collect();
+        all.unwrap_or_else(|| panic!("contact candidates over the body"))
     }
 
     /// The plane node of a column of this rectangle.

@@ -80,19 +80,12 @@ impl FastDiagonal {
         let mut start = 0;
         let components = std::array::from_fn(|c| {
             let modes: [AxisModes; 3] = std::array::from_fn(|axis| solved[&key(c, axis)].clone());
-            let coefficient = |axis: usize| {
-                operator.mu
-                    + if axis == c {
-                        operator.lambda + operator.mu
-                    } else {
-                        0.0
-                    }
-            };
+            let coefficients = operator.scalar_coefficients(c);
             let [sx, sy, sz] = std::array::from_fn(|axis| {
                 modes[axis]
                     .values
                     .iter()
-                    .map(|theta| coefficient(axis) * theta)
+                    .map(|theta| coefficients[axis] * theta)
                     .collect::<Vec<f64>>()
             });
             let mut inverse = Vec::with_capacity(sx.len() * sy.len() * sz.len());

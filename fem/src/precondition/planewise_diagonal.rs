@@ -65,19 +65,12 @@ impl PlanewiseDiagonal {
         let mut start = 0;
         let components = std::array::from_fn(|c| {
             let fixed = operator.fixed[c];
-            let coefficient = |axis: usize| {
-                operator.mu
-                    + if axis == c {
-                        operator.lambda + operator.mu
-                    } else {
-                        0.0
-                    }
-            };
+            let coefficients = operator.scalar_coefficients(c);
             let component = Component::new(
                 [modes(0, fixed[0]), modes(1, fixed[1])],
                 &operator.preconditioned_z(c),
                 fixed[2],
-                [coefficient(0), coefficient(1), coefficient(2)],
+                coefficients,
                 end,
                 start,
             );

@@ -251,20 +251,8 @@ pub fn write_matrix_market(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::{ElementKind, Material, Section};
     use crate::constraints::Constraints;
-    use crate::test_block::block;
-
-    fn mixed(n: usize) -> Body {
-        let mesh = block([n, n + 1, n + 2], [1.0, 2.0, 0.5], 0.2);
-        let sections = (0..mesh.cells.len())
-            .map(|cell| Section {
-                material: Material::new(1.0 + (cell % 5) as f64, 0.3).unwrap(),
-                kind: [ElementKind::Hex8, ElementKind::Hex8Incompatible][cell % 2],
-            })
-            .collect();
-        Body::new(mesh, sections).unwrap()
-    }
+    use crate::test_block::mixed;
 
     #[test]
     fn assembled_product_is_the_sum_over_elements() {

@@ -166,25 +166,13 @@ fn panel(matrix: &BlockMatrix, columns: std::ops::Range<usize>) -> SparseColMat<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::{ElementKind, Material, Section};
     use crate::constraints::{to_components, to_nodes};
     use crate::sparse::assembly::assemble;
-    use crate::test_block::block;
-
-    fn body(n: usize) -> Body {
-        let mesh = block([n, n + 1, n + 2], [1.0, 2.0, 0.5], 0.2);
-        let sections = (0..mesh.cells.len())
-            .map(|cell| Section {
-                material: Material::new(1.0 + (cell % 5) as f64, 0.3).unwrap(),
-                kind: [ElementKind::Hex8, ElementKind::Hex8Incompatible][cell % 2],
-            })
-            .collect();
-        Body::new(mesh, sections).unwrap()
-    }
+    use crate::test_block::mixed;
 
     #[test]
     fn product_is_that_of_the_blocks_over_more_than_one_panel_and_for_any_number_of_threads() {
-        let body = body(14);
+        let body = mixed(14);
         let n = body.dofs();
         assert!(n > 2 * COLUMNS);
         let u: Vec<f64> = (0..n).map(|i| (0.37 * i as f64).sin()).collect();
@@ -212,7 +200,7 @@ mod tests {
 
     #[test]
     fn lower_triangle_with_its_mirror_is_the_matrix() {
-        let body = body(2);
+        let body = mixed(2);
         let stiffness = SparseStiffness::assemble(&body, u64::MAX).unwrap();
         let n = stiffness.dofs();
         let u: Vec<f64> = (0..n).map(|i| (0.7 * i as f64).cos()).collect();
@@ -235,7 +223,7 @@ mod tests {
 
     #[test]
     fn a_matrix_beyond_the_limit_is_refused_with_its_bytes() {
-        let body = body(3);
+        let body = mixed(3);
         let stiffness = SparseStiffness::assemble(&body, u64::MAX).unwrap();
         let limit = stiffness.bytes() as u64;
         let error = SparseStiffness::assemble(&body, limit).unwrap_err();

@@ -149,6 +149,14 @@ impl TensorOperator {
         self.products = products.collect();
     }
 
+    /// Coefficients along the axes of the scalar operator that component `c` is preconditioned
+    /// with: lambda + 2 mu along its own axis, mu along the others [Pa].
+    pub(crate) fn scalar_coefficients(&self, c: usize) -> [f64; 3] {
+        let mut along = [self.mu; 3];
+        along[c] += self.lambda + self.mu;
+        along
+    }
+
     /// The z axis as component `c` of the preconditioner sees it.
     ///
     /// With two layers its matrices carry the lower material's moduli over the upper one's: mu in
