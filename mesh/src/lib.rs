@@ -42,8 +42,8 @@ pub use hull::{
 };
 pub use ice::{ExrImage, HeightMap, IceSurface, Interpolation, Waviness, load_height_map};
 pub use scan::{
-    Estimate, Noise, Orientation, Sampling, ScanFrame, noise_of_faces, noise_of_hull,
-    strips_of_hull, strips_warning,
+    Estimate, Noise, Orientation, ScanFrame, keel_spacing, noise_of_faces, noise_of_hull,
+    strips_of_hull, strips_warning, unlike_runner,
 };
 pub use shapes::{
     BobRunner, Ends, LugeSteel, Paraboloid, Profile, Rocker, Section, Swept, Underside, load_points,

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use kufe::jobs::{ExaminedHull, Failure, check_hull};
-use kufe::results::{Angle, ResolvedLoad};
+use kufe::results::{Angle, ResolvedLoad, Sampling};
 use kufe_mesh::strips_warning;
 
 use crate::output::OutputFiles;
@@ -124,19 +124,23 @@ fn text(examined: &ExaminedHull) -> String {
 }
 
 fn verdict(load: &ResolvedLoad) -> String {
-    let (fz, error) = (load.fz_n, 1e6 * load.error_m);
+    let (fz, error, known) = (load.fz_n, 1e6 * load.error_m, 1e2 * load.p_max_error);
     let approach = 1e6 * load.approach_m;
-    let (Some(allowed), Some(spacing)) = (load.allowed_m, load.spacing_that_would_do_m) else {
-        return format!(
-            "{fz} N: fine enough (approach {approach:.1} µm, the surface is known to {error:.2} µm)"
-        );
+    let verdict = if load.resolved {
+        "fine enough"
+    } else {
+        "too coarse"
     };
-    let noise = load.noise_that_would_do_m;
-    let noise = noise.map_or(String::new(), |n| format!("noise of {:.2} µm or ", 1e6 * n));
+    let by = |sampling: &Sampling| {
+        let noise = sampling.noise_m;
+        let noise = noise.map_or(String::new(), |n| format!("noise of {:.2} µm or ", 1e6 * n));
+        format!("{noise}triangles of {:.3} mm", 1e3 * sampling.spacing_m)
+    };
+    let enough = load.enough.as_ref();
+    let enough = enough.map_or(String::new(), |enough| format!("; {} would do", by(enough)));
     format!(
-        "{fz} N: too coarse (approach {approach:.1} µm): the fit is known to {error:.2} µm where {:.2} are needed; {noise}triangles of \
-         {:.3} mm would do",
-        1e6 * allowed,
-        1e3 * spacing
+        "{fz} N: {verdict}: the peak is known to {known:.1} %, the surface to {error:.2} of {approach:.1} µm approach{enough}; half of \
+         that error with {}",
+        by(&load.halves)
     )
 }

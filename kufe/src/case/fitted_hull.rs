@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use kufe_mesh::{
     Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, MeshError, Noise, ScanFrame,
-    Underside, check_hull, load_hull, noise_of_hull, strips_of_hull, strips_warning,
+    Underside, check_hull, load_hull, noise_of_hull, strips_of_hull, strips_warning, unlike_runner,
 };
 
 use crate::case::table::{FileAxis, RunnerTable};
@@ -65,7 +65,7 @@ fn fit(
 ) -> Result<(FittedHull, Option<Filled>), MeshError> {
     let started = Instant::now();
     let strips = strips_of_hull(&hull);
-    let unlike = unlike_runner(&hull)?;
+    let unlike = unlike_runner(&hull, ScanFrame::of(&hull)?.as_ref());
     report
         .warnings
         .extend(strips.map(strips_warning).or(unlike));
@@ -96,33 +96,6 @@ fn fit(
         scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(hull)),
     };
     Ok((fitted, filled))
-}
-
-/// Rockers have radii of metres and sections of millimetres; what is rounder along than so many
-/// times its section is another body.
-const ROCKER_OVER_SECTION: f64 = 10.0;
-
-/// Why a hull, x forward and z up, is unlike a runner, before time is spent on it.
-fn unlike_runner(hull: &Hull) -> Result<Option<String>, MeshError> {
-    let Some(found) = ScanFrame::of(hull)? else {
-        return Ok(None);
-    };
-    let up = found.options.up.filter(|up| *up != Axis::Z);
-    let [along, across] = [found.rocker_radius, found.section_radius];
-    if along < ROCKER_OVER_SECTION * across {
-        return Ok(Some(format!(
-            "this seems not to be a runner: radii of {:.1} mm along and {:.1} mm across at its lowest \
-             place",
-            1e3 * along,
-            1e3 * across
-        )));
-    }
-    Ok(up.map(|up| {
-        format!(
-            "the side that is rounded as a runner's underside does not face down: up = \"{up}\" \
-             would turn it so"
-        )
-    }))
 }
 
 impl RunnerTable {

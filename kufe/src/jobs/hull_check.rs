@@ -2,22 +2,34 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
+use std::sync::Arc;
 
-use kufe_contact::hertz;
+use kufe_contact::{Ice, Load, Problem, Runner, Tilt, hertz};
 use kufe_mesh::{
-    Axis, Estimate, FittedUnderside, Hull, HullOptions, Orientation, Sampling, ScanFrame,
-    load_hull, noise_of_hull, smaller_by, strips_of_hull, strips_warning,
+    Axis, Estimate, FittedUnderside, Hull, HullOptions, Noise, Orientation, ScanFrame, Underside,
+    keel_spacing, load_hull, noise_of_hull, smaller_by, strips_of_hull, strips_warning,
+    unlike_runner,
 };
 
+use crate::case::FittedHull;
 use crate::jobs::failure::Failure;
-use crate::results::{Angle, HullCheck, ResolvedLoad};
+use crate::jobs::press::hull_error::{bootstrap_scans, found_noise, left_of_peak};
+use crate::results::{Angle, HullCheck, ResolvedLoad, Sampling};
 
 /// Relative error of the peak for which a hull is examined where none is requested.
 const USUAL_SHARE: f64 = 0.05;
 /// Relative error that the case of a hull without noise requests where none is requested.
 const WITHOUT_NOISE: f64 = 0.01;
-/// Plane-strain modulus of ice as cases have it by default, 9 GPa/(1 - 0.33^2) [Pa].
-const ICE: f64 = 9.0e9 / (1.0 - 0.33 * 0.33);
+/// Young's modulus [Pa] and Poisson's ratio of ice as cases have them by default.
+const ICE_MODULUS: f64 = 9.0e9;
+const ICE_RATIO: f64 = 0.33;
+/// Plane-strain modulus of it [Pa].
+const ICE: f64 = ICE_MODULUS / (1.0 - ICE_RATIO * ICE_RATIO);
+/// Of vertices that are too few to show any [m].
+const NO_NOISE: Noise = Noise {
+    found: 0.0,
+    unseen: 0.0,
+};
 
 /// An examined hull, and how a case reads it.
 pub struct ExaminedHull {
@@ -47,38 +59,58 @@ pub fn check_hull(
         up: Some(Axis::Z),
         ..HullOptions::default()
     };
-    let (hull, _) = load_hull(file, &as_it_is).map_err(Failure::bad_input)?;
-    let Some(mut frame) = ScanFrame::of(&hull).map_err(Failure::bad_input)? else {
-        return Err(not_rounded(file, &hull));
+    let (of_file, _) = load_hull(file, &as_it_is).map_err(Failure::bad_input)?;
+    let Some(mut frame) = ScanFrame::of(&of_file).map_err(Failure::bad_input)? else {
+        return Err(not_rounded(file, &of_file));
     };
-    let (mut hull, mut report) = load_hull(file, &frame.options).map_err(Failure::bad_input)?;
-    let noise = noise_of_hull(&hull).map_or(0.0, |noise| noise.found);
-    let orientation = Orientation::of(&hull, noise).ok();
+    let mut hull = of_file.placed(&frame.options).map_err(Failure::bad_input)?;
+    let noise_of = |hull: &Hull| noise_of_hull(hull).unwrap_or(NO_NOISE);
+    let mut noise = noise_of(&hull);
+    let orientation = Orientation::of(&hull, noise.found).ok();
     frame.options.rotation = orientation.map_or([0.0; 3], |found| found.significant());
     if frame.options.rotation != [0.0; 3] {
-        (hull, report) = load_hull(file, &frame.options).map_err(Failure::bad_input)?;
-        if let Some(turned) = ScanFrame::of(&hull).map_err(Failure::bad_input)? {
-            frame.rocker_radius = turned.rocker_radius;
-            frame.section_radius = turned.section_radius;
-        }
+        hull = of_file.placed(&frame.options).map_err(Failure::bad_input)?;
+        noise = noise_of(&hull);
     }
-    let Some(sampling) = Sampling::of(&hull, frame.section_radius) else {
+    let mut report = kufe_mesh::check_hull(&hull).map_err(Failure::bad_input)?;
+    let placed = ScanFrame::of(&hull).map_err(Failure::bad_input)?;
+    report
+        .warnings
+        .extend(unlike_runner(&hull, placed.as_ref()));
+    if let Some(placed) = placed {
+        frame.rocker_radius = placed.rocker_radius;
+        frame.section_radius = placed.section_radius;
+    }
+    let Some(spacing) = keel_spacing(&hull, frame.section_radius) else {
         return Err(not_rounded(file, &hull));
     };
-    let noise = noise_of(&sampling);
     let share = p_max.unwrap_or(USUAL_SHARE);
-    let loads = FittedUnderside::new(&hull, noise.unwrap_or(0.0))
+    let strips = strips_of_hull(&hull);
+    let [vertices, triangles] = [hull.positions.len(), hull.triangles.len()];
+    let bounds = hull.bounds();
+    let loads = FittedUnderside::new(&hull, noise.found)
         .map_err(|error| error.to_string())
         .and_then(|underside| {
-            let loads = forces.iter();
-            let loads = loads.map(|&fz| resolved_load(&frame, &sampling, &underside, fz, share));
-            loads.collect::<Result<Vec<_>, String>>()
+            let fitted = FittedHull {
+                underside: Arc::new(underside),
+                report: report.clone(),
+                noise,
+                strips,
+                seconds: [0.0; 2],
+                scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(hull)),
+            };
+            let scans = bootstrap_scans(&fitted, found_noise(&fitted));
+            let known = |&fz: &f64| {
+                let radii = [frame.rocker_radius, frame.section_radius];
+                known_peak(&fitted, scans.as_deref(), radii, fz, share, spacing)
+            };
+            forces.iter().map(known).collect::<Result<Vec<_>, String>>()
         });
     let angle = |of: fn(Orientation) -> Option<Estimate>| {
         let Estimate { value, error } = orientation.and_then(of)?;
         Some(Angle { value, error })
     };
-    let middle = middle_if_outside(hull.bounds());
+    let middle = middle_if_outside(bounds);
     let keel = orientation.and_then(|found| found.middle[1]);
     let keel = keel.filter(Estimate::significant).map(|y| y.value);
     let [x, y] = [0, 1].map(|axis| middle.map(|middle| middle[axis]));
@@ -91,19 +123,19 @@ pub fn check_hull(
         yaw_rad: angle(|found| found.yaw),
         pitch_rad: angle(|found| found.pitch),
         roll_rad: angle(|found| found.roll),
-        strips_m: strips_of_hull(&hull),
+        strips_m: strips,
         length_m,
         width_m,
         height_m,
         rocker_radius_m: frame.rocker_radius,
         section_radius_m: frame.section_radius,
-        vertices: hull.positions.len(),
-        triangles: hull.triangles.len(),
+        vertices,
+        triangles,
         beyond_origin_m: middle,
         open_edges: report.open_edges,
-        spacing_m: sampling.spacing,
-        noise_m: noise.unwrap_or(0.0),
-        unseen_noise_m: sampling.noise.map_or(0.0, |noise| noise.unseen),
+        spacing_m: spacing,
+        noise_m: noise.found,
+        unseen_noise_m: noise.unseen,
         no_underside: loads.as_ref().err().cloned(),
         loads: loads.ok(),
         warnings: report.warnings.iter().map(ToString::to_string).collect(),
@@ -112,7 +144,11 @@ pub fn check_hull(
     Ok(ExaminedHull {
         result,
         oriented: orientation.is_some(),
-        p_max: p_max.unwrap_or(noise.map_or(WITHOUT_NOISE, |_| USUAL_SHARE)),
+        p_max: p_max.unwrap_or(if noise.found > 0.0 {
+            USUAL_SHARE
+        } else {
+            WITHOUT_NOISE
+        }),
         options: frame.options,
         offset_m: [x, keel.or(y)],
     })
@@ -120,43 +156,47 @@ pub fn check_hull(
 
 /// The hull has no side that is rounded as a runner's underside is; long strips may be why.
 fn not_rounded(file: &Path, hull: &Hull) -> Failure {
-    let reason = strips_of_hull(hull).map_or_else(
-        || {
-            "no side of it is rounded along and across, as the underside of a runner is (rocker and section)"
-                .to_owned()
-        },
-        strips_warning,
-    );
+    let reason = strips_of_hull(hull).map(strips_warning);
+    let reason = reason
+        .or_else(|| unlike_runner(hull, None))
+        .unwrap_or_default();
     Failure::BadInput(format!("{}: {reason}", file.display()))
 }
 
-/// Noise of the vertices that is detected [m].
-fn noise_of(sampling: &Sampling) -> Option<f64> {
-    let found = sampling.noise.map(|noise| noise.found);
-    found.filter(|found| *found > 0.0)
-}
-
-/// Whether the underside is fine enough for a force, and the noise and spacing that would be.
-fn resolved_load(
-    frame: &ScanFrame,
-    sampling: &Sampling,
-    underside: &FittedUnderside,
+/// How well the peak is known under a force, as pressing it would state, and the noise and spacing
+/// with which it would be known better.
+fn known_peak(
+    hull: &FittedHull,
+    scans: Option<&[Arc<dyn Underside>]>,
+    [along, across]: [f64; 2],
     fz: f64,
     share: f64,
+    spacing: f64,
 ) -> Result<ResolvedLoad, String> {
-    let [a, b] = [frame.rocker_radius, frame.section_radius];
-    let contact = hertz(a.max(b), a.min(b), ICE, fz).map_err(|error| error.to_string())?;
-    let coarse = underside.coarse_for(contact.approach, share);
-    let noise = noise_of(sampling);
-    let smaller = coarse.map(|coarse| smaller_by(coarse.error / coarse.allowed, noise.is_some()));
+    let contact = hertz(along.max(across), along.min(across), ICE, fz);
+    let approach = contact.map_err(|error| error.to_string())?.approach;
+    let runner = Runner::rigid(hull.underside.clone());
+    let ice = Ice::half_space(ICE_MODULUS, ICE_RATIO);
+    let problem = Problem::new(runner, ice, Load::central(fz, Tilt::LEVEL));
+    let error_m = hull.underside.error_for(approach);
+    let p_max_error = left_of_peak(&problem, hull, scans).unwrap_or(error_m / approach);
+    let noise = hull.noise.found;
+    let by = |factor: f64| {
+        let smaller = smaller_by(factor, noise > 0.0);
+        Sampling {
+            noise_m: (noise > 0.0).then_some(noise / smaller),
+            spacing_m: spacing / smaller,
+        }
+    };
+    let resolved = p_max_error <= share;
     Ok(ResolvedLoad {
         fz_n: fz,
-        approach_m: contact.approach,
-        resolved: coarse.is_none(),
-        error_m: underside.error_for(contact.approach),
-        allowed_m: coarse.map(|coarse| coarse.allowed),
-        noise_that_would_do_m: smaller.and_then(|smaller| Some(noise? / smaller)),
-        spacing_that_would_do_m: smaller.map(|smaller| sampling.spacing / smaller),
+        approach_m: approach,
+        resolved,
+        p_max_error,
+        error_m,
+        enough: (!resolved).then(|| by(p_max_error / share)),
+        halves: by(2.0),
     })
 }
 

@@ -69,7 +69,7 @@ pub struct HullCheck {
     pub written: Option<PathBuf>,
 }
 
-/// Whether a hull is fine enough for a load.
+/// Whether a hull is fine enough for a load, and what would make it finer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct ResolvedLoad {
@@ -77,16 +77,27 @@ pub struct ResolvedLoad {
     pub fz_n: f64,
     /// Approach under it [m].
     pub approach_m: f64,
-    /// Whether the hull is fine enough.
+    /// Whether the peak is known as well as requested.
     pub resolved: bool,
+    /// Relative error of the peak that noise and distances of the vertices leave, as pressing it
+    /// would state.
+    pub p_max_error: f64,
     /// Estimated error of the surface where it touches [m].
     pub error_m: f64,
-    /// Largest error allowed, where the hull is too coarse [m].
-    pub allowed_m: Option<f64>,
-    /// Noise that would be small enough at this spacing [m].
-    pub noise_that_would_do_m: Option<f64>,
-    /// Spacing that would be small enough at this noise [m].
-    pub spacing_that_would_do_m: Option<f64>,
+    /// What would be enough, where it is not.
+    pub enough: Option<Sampling>,
+    /// What would halve the error of the peak.
+    pub halves: Sampling,
+}
+
+/// Noise or spacing of vertices, either of which lowers an error by as much.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Sampling {
+    /// Noise at the present spacing, where there is some [m].
+    pub noise_m: Option<f64>,
+    /// Spacing at the present noise [m].
+    pub spacing_m: f64,
 }
 
 /// `quality.json`: the quality of a case's hexahedra.

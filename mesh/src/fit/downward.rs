@@ -1,7 +1,5 @@
 //! The part of a hull that faces the ice.
 
-use std::collections::HashMap;
-
 use crate::error::MeshError;
 use crate::hull::triangles::Hull;
 use crate::parameter::linspace;
@@ -52,18 +50,23 @@ impl Downward {
             MeshError::Invalid(problem.into())
         })?;
 
-        let mut at_vertex: HashMap<u32, Vec<usize>> = HashMap::new();
-        for (facet, (corners, _)) in downward.iter().enumerate() {
-            corners
-                .iter()
-                .for_each(|&c| at_vertex.entry(c).or_default().push(facet));
+        // The facets at each vertex, one after the other.
+        let mut first = vec![0; hull.positions.len() + 1];
+        let corners = || downward.iter().flat_map(|(corners, _)| corners.iter());
+        corners().for_each(|&c| first[c as usize + 1] += 1);
+        (1..first.len()).for_each(|v| first[v] += first[v - 1]);
+        let mut next = first.clone();
+        let mut at_vertices = vec![0; 3 * downward.len()];
+        for (k, &c) in corners().enumerate() {
+            at_vertices[next[c as usize]] = k / 3;
+            next[c as usize] += 1;
         }
         let mut reached = vec![false; downward.len()];
         reached[lowest] = true;
         let mut waiting = vec![lowest];
         while let Some(facet) = waiting.pop() {
-            for corner in downward[facet].0 {
-                for &next in &at_vertex[corner] {
+            for corner in downward[facet].0.map(|c| c as usize) {
+                for &next in &at_vertices[first[corner]..first[corner + 1]] {
                     if !std::mem::replace(&mut reached[next], true) {
                         waiting.push(next);
                     }
@@ -77,7 +80,7 @@ impl Downward {
             cosines: Vec::new(),
             facets: Vec::new(),
         };
-        let mut number: HashMap<u32, usize> = HashMap::new();
+        let mut number = vec![None; hull.positions.len()];
         let mut normals: Vec<[f64; 3]> = Vec::new();
         for ((corners, normal), _) in downward
             .iter()
@@ -85,7 +88,7 @@ impl Downward {
             .filter(|(_, reached)| **reached)
         {
             let facet = corners.map(|c| {
-                *number.entry(c).or_insert_with(|| {
+                *number[c as usize].get_or_insert_with(|| {
                     part.points.push(hull.positions[c as usize]);
                     part.vertices.push(c);
                     normals.push([0.0; 3]);
@@ -234,6 +237,40 @@ impl Outline {
             }
         }
         best.map(|(rectangle, _)| rectangle)
+    }
+
+    /// The outline with gaps in its sides bridged that are no longer along x than it is wide: what was
+    /// scanned before and behind a notch is steel in between, as around a hole.
+    ///
+    /// A morphological closing (J. Serra, Image Analysis and Mathematical Morphology, 1982); it adds
+    /// nothing beyond the ends.
+    pub fn bridged(mut self) -> Self {
+        let widths = self.sides.iter().map(|side| side[1] - side[0]);
+        let mut widths: Vec<f64> = widths.filter(|width| *width > 0.0).collect();
+        widths.sort_by(f64::total_cmp);
+        let width = widths.get(widths.len() / 2).copied().unwrap_or(0.0);
+        let step = (self.to - self.from) / STATIONS as f64;
+        let half = (0.5 * width / step) as usize;
+        type Pick = fn(f64, f64) -> f64;
+        let picked = |values: &[f64], pick: Pick| -> Vec<f64> {
+            let windows = values.windows(2 * half + 1);
+            let picked = windows.filter_map(|window| window.iter().copied().reduce(pick));
+            picked.collect()
+        };
+        let of_sides: [(f64, [Pick; 2]); 2] = [
+            (f64::INFINITY, [f64::min, f64::max]),
+            (f64::NEG_INFINITY, [f64::max, f64::min]),
+        ];
+        for (k, (none, [most, least])) in of_sides.into_iter().enumerate() {
+            // Nothing beyond the ends.
+            let beyond = || std::iter::repeat_n(none, 2 * half);
+            let side = self.sides.iter().map(|side| side[k]);
+            let side: Vec<f64> = beyond().chain(side).chain(beyond()).collect();
+            let closed = picked(&picked(&side, most), least);
+            let sides = self.sides.iter_mut().zip(closed);
+            sides.for_each(|(side, closed)| side[k] = closed);
+        }
+        self
     }
 
     /// The outline that is this rectangle.

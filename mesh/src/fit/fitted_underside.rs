@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::error::MeshError;
 use crate::fit::downward::{Downward, Outline, STEEPEST, arc_length};
-use crate::fit::judgement::{Coarse, FitQuality, Judgement};
+use crate::fit::judgement::{Coarse, FitQuality, Judgement, STATIONS};
 use crate::fit::knots::{balanced_sides, break_places, refined_fit};
 use crate::fit::scans::{Scans, moves, projected_height};
 use crate::fit::spline::{Bicubic, Sample, fit};
@@ -37,61 +37,10 @@ impl FittedUnderside {
     /// [`MeshError::Value`] for a negative noise or where fewer than 16 vertices face down,
     /// [`MeshError::Invalid`] where none does or they do not determine a surface.
     pub fn new(hull: &Hull, noise: f64) -> Result<Self, MeshError> {
-        Self::fitted(hull, noise, true)
-    }
-
-    /// As [`FittedUnderside::new`], never made even: for hulls that may be turned.
-    pub(crate) fn without_symmetry(hull: &Hull, noise: f64) -> Result<Self, MeshError> {
-        Self::fitted(hull, noise, false)
-    }
-
-    fn fitted(hull: &Hull, noise: f64, may_be_even: bool) -> Result<Self, MeshError> {
-        let usual = noise >= 0.0 && noise.is_finite();
-        expect(usual, "noise_m", noise, "0 or a positive number")?;
-        let part = Downward::of(hull)?;
-        let usable = part.gentle().count();
-        if usable < 16 {
-            let found = format!("{usable} vertices");
-            return Err(MeshError::value(
-                "the hull's underside",
-                found,
-                "at least 16",
-            ));
-        }
-        let [[x0, x1], [y0, y1], [z0, z1]] = [0, 1, 2].map(|axis| part.range(axis));
-        if !(x1 > x0 && y1 > y0) {
-            return Err(MeshError::no_fit());
-        }
-        let centred = |from: f64, to: f64| (from + to).abs() <= 1e-4 * (to - from) + 6.0 * noise;
-        let alike = |axis: usize| {
-            let gentle = part.gentle().map(|n| part.points[n][axis]);
-            balanced_sides(gentle.collect())
-        };
-        let mirrored = [(0, x0, x1), (1, y0, y1)]
-            .map(|(axis, from, to)| may_be_even && centred(from, to) && alike(axis));
-        let widest = |from: f64, to: f64, mirrored: bool| {
-            let half = to.max(-from);
-            if mirrored { [-half, half] } else { [from, to] }
-        };
-        let ([x0, x1], [y0, y1]) = (widest(x0, x1, mirrored[0]), widest(y0, y1, mirrored[1]));
-        let arc_length = arc_length(&part, [y0, y1], mirrored[1]);
-        let at = |p: &[f64; 3]| [p[0], arc_length.value(p[1])];
-        let samples: Vec<Sample> = part
-            .gentle()
-            .map(|n| Sample {
-                at: at(&part.points[n]),
-                height: part.points[n][2],
-                weight: part.cosines[n],
-            })
-            .collect();
-        let ends = [[x0, x1], [arc_length.value(y0), arc_length.value(y1)]];
-        let candidates = break_places(&part, &samples, ends, mirrored, at);
-        let floor = rounding(z1 - z0);
-        let mut surface = refined_fit(&samples, &candidates, noise.max(floor), mirrored)
-            .ok_or_else(MeshError::no_fit)?;
+        let (mut surface, samples) = Surface::fit(&Downward::of(hull)?, noise, true)?;
         let halved = |odd: usize| {
             [0, 1].map(|axis| {
-                let breaks = surface.axes[axis].breaks();
+                let breaks = surface.spline.axes[axis].breaks();
                 let last = breaks.len() - 1;
                 let included = |i: &usize| i % 2 == odd || *i == 0 || *i == last;
                 (0..=last)
@@ -102,17 +51,6 @@ impl FittedUnderside {
         };
         let [Some(coarser), Some(others)] = [0, 1].map(|odd| fit(&samples, &halved(odd))) else {
             return Err(MeshError::no_fit());
-        };
-
-        // What the fit misses, or the noise, may differ from one side to the other.
-        let symmetric = symmetrise(&mut surface, &samples, mirrored, noise.max(floor));
-        let mut surface = Surface {
-            spline: surface,
-            arc_length,
-            outline: part.outline().symmetrised(symmetric),
-            extent: [x0, x1, y0, y1],
-            level: 0.0,
-            symmetric,
         };
         let judgement = Judgement::of(&mut surface, &samples, &coarser, noise);
         let coarser = [coarser, others].map(|spline| {
@@ -165,11 +103,13 @@ impl FittedUnderside {
     }
 
     /// The part over the largest rectangle within the outline, so that columns of a solid end in
-    /// steel everywhere; holes within are spanned by the fit, ragged rims are cut off.
+    /// steel everywhere; the fit spans holes within and notches of the sides, ragged rims are cut
+    /// off.
     #[must_use]
     pub fn within_outline(self) -> Self {
         let even = self.surface.symmetric[0];
-        let Some(extent) = self.surface.outline.rectangle(even) else {
+        let outline = self.surface.outline.clone().bridged();
+        let Some(extent) = outline.rectangle(even) else {
             return self;
         };
         let cut = |surface: &Surface| Surface {
@@ -191,16 +131,8 @@ impl FittedUnderside {
         self.judgement.quality
     }
 
-    /// Whether the hull is too coarse, or too noisy, to be pressed in by `approach` [m] on a flat
-    /// plane: the fit's estimated error where the height is below twice the approach exceeds
-    /// `share` of it.
-    pub fn coarse_for(&self, approach: f64, share: f64) -> Option<Coarse> {
-        self.judgement
-            .coarse_below(share * approach, 2.0 * approach)
-    }
-
-    /// As [`coarse_for`](Self::coarse_for) for a contact patch `[x_min, x_max, y_min, y_max]` [m]
-    /// anywhere on the hull.
+    /// Whether the hull is too coarse, or too noisy, to be pressed in by `approach` [m]: the fit's
+    /// estimated error on a contact patch `[x_min, x_max, y_min, y_max]` [m] exceeds `share` of it.
     pub fn coarse_within(&self, approach: f64, share: f64, patch: [f64; 4]) -> Option<Coarse> {
         Coarse::over(self.error_within(patch), share * approach)
     }
@@ -216,11 +148,11 @@ impl FittedUnderside {
         self.judgement.error_within(self.near(patch))
     }
 
-    /// A patch and a margin along the hull, so that the fit was judged at some places.
+    /// A patch and a margin of a station each way, so that the fit was judged at some places.
     fn near(&self, [x0, x1, y0, y1]: [f64; 4]) -> [f64; 4] {
-        let [a, b, ..] = self.surface.extent;
-        let margin = (b - a) / 400.0;
-        [x0 - margin, x1 + margin, y0 - margin, y1 + margin]
+        let [a, b, c, d] = self.surface.extent;
+        let [along, across] = [(b - a) / STATIONS as f64, (d - c) / STATIONS as f64];
+        [x0 - along, x1 + along, y0 - across, y1 + across]
     }
 }
 
@@ -320,6 +252,71 @@ impl Underside for Surface {
 }
 
 impl Surface {
+    /// Fits the part of a hull that faces down, with the vertices that it went through; its level is
+    /// 0. A hull that may be turned is never made even.
+    ///
+    /// # Errors
+    /// As [`FittedUnderside::new`].
+    pub fn fit(
+        part: &Downward,
+        noise: f64,
+        may_be_even: bool,
+    ) -> Result<(Self, Vec<Sample>), MeshError> {
+        let usual = noise >= 0.0 && noise.is_finite();
+        expect(usual, "noise_m", noise, "0 or a positive number")?;
+        let usable = part.gentle().count();
+        if usable < 16 {
+            let found = format!("{usable} vertices");
+            return Err(MeshError::value(
+                "the hull's underside",
+                found,
+                "at least 16",
+            ));
+        }
+        let [[x0, x1], [y0, y1], [z0, z1]] = [0, 1, 2].map(|axis| part.range(axis));
+        if !(x1 > x0 && y1 > y0) {
+            return Err(MeshError::no_fit());
+        }
+        let centred = |from: f64, to: f64| (from + to).abs() <= 1e-4 * (to - from) + 6.0 * noise;
+        let alike = |axis: usize| {
+            let gentle = part.gentle().map(|n| part.points[n][axis]);
+            balanced_sides(gentle.collect())
+        };
+        let mirrored = [(0, x0, x1), (1, y0, y1)]
+            .map(|(axis, from, to)| may_be_even && centred(from, to) && alike(axis));
+        let widest = |from: f64, to: f64, mirrored: bool| {
+            let half = to.max(-from);
+            if mirrored { [-half, half] } else { [from, to] }
+        };
+        let ([x0, x1], [y0, y1]) = (widest(x0, x1, mirrored[0]), widest(y0, y1, mirrored[1]));
+        let arc_length = arc_length(part, [y0, y1], mirrored[1]);
+        let at = |p: &[f64; 3]| [p[0], arc_length.value(p[1])];
+        let samples: Vec<Sample> = part
+            .gentle()
+            .map(|n| Sample {
+                at: at(&part.points[n]),
+                height: part.points[n][2],
+                weight: part.cosines[n],
+            })
+            .collect();
+        let ends = [[x0, x1], [arc_length.value(y0), arc_length.value(y1)]];
+        let candidates = break_places(part, &samples, ends, mirrored, at);
+        let floor = rounding(z1 - z0);
+        let mut spline = refined_fit(&samples, &candidates, noise.max(floor), mirrored)
+            .ok_or_else(MeshError::no_fit)?;
+        // What the fit misses, or the noise, may differ from one side to the other.
+        let symmetric = symmetrise(&mut spline, &samples, mirrored, noise.max(floor));
+        let surface = Surface {
+            spline,
+            arc_length,
+            outline: part.outline().symmetrised(symmetric),
+            extent: [x0, x1, y0, y1],
+            level: 0.0,
+            symmetric,
+        };
+        Ok((surface, samples))
+    }
+
     /// Height of the spline [m], hull or not.
     pub fn spline_height(&self, x: f64, y: f64) -> f64 {
         let x = if self.symmetric[0] { x.abs() } else { x };

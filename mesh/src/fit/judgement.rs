@@ -8,6 +8,9 @@ use crate::shapes::underside::Underside;
 /// Heights over the keel within which the fit is judged [m].
 const JUDGED_HEIGHT: f64 = 50e-6;
 
+/// Stations along and across at which the fit is judged.
+pub(crate) const STATIONS: usize = 400;
+
 /// How well a fitted underside follows its hull near the keel (up to 50 µm above it).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitQuality {
@@ -71,7 +74,6 @@ impl Judgement {
     /// Finds the keel of `surface`, moves its lowest point to height 0 and measures the fit near
     /// the keel; `coarser` is the fit with half the knots.
     pub fn of(surface: &mut Surface, samples: &[Sample], coarser: &Bicubic, noise: f64) -> Self {
-        const STATIONS: usize = 400;
         let [x0, x1, y0, y1] = surface.extent;
         let mut checks = Vec::new();
         let mut quality = FitQuality {
@@ -151,12 +153,6 @@ impl Judgement {
             .iter_mut()
             .for_each(|c| c.error = c.error.hypot(scatter));
         Self { quality, checks }
-    }
-
-    /// Whether the fit is uncertain by more than `allowed` [m] where the height is at most `height`
-    /// [m].
-    pub fn coarse_below(&self, allowed: f64, height: f64) -> Option<Coarse> {
-        Coarse::over(self.error_below(height), allowed)
     }
 
     /// The fit's largest estimated error where the height is at most `height` [m].

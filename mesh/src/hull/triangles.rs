@@ -5,6 +5,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use nalgebra::{Matrix3, Matrix4, Point3, Rotation3, RowVector3};
+use rayon::prelude::*;
 
 use crate::error::MeshError;
 use crate::parameter::expect;
@@ -94,6 +95,24 @@ impl Hull {
             return Err(MeshError::not_finite(vertex + 1, hull.positions[vertex]));
         }
         Ok(hull)
+    }
+
+    /// A hull whose coordinates are those of its file, as these options read it.
+    ///
+    /// # Errors
+    /// [`MeshError::Value`] where the scale is not positive, [`MeshError::Invalid`] where the axes
+    /// are parallel.
+    pub fn placed(&self, options: &HullOptions) -> Result<Self, MeshError> {
+        Ok(self.carried(options.rows(Axis::Z)?))
+    }
+
+    /// The hull with its coordinates carried over by `rows`.
+    pub(crate) fn carried(&self, rows: [[f64; 3]; 3]) -> Self {
+        let carry = |p: &[f64; 3]| rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2]);
+        Self {
+            positions: self.positions.iter().map(carry).collect(),
+            triangles: self.triangles.clone(),
+        }
     }
 
     /// Smallest and largest coordinates [m].
@@ -350,19 +369,18 @@ pub fn size_warnings(extent: [f64; 3]) -> Vec<String> {
 /// # Errors
 /// [`MeshError::Invalid`] where a closed hull's triangles face inwards.
 pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
-    // Times each edge is walked upwards and downwards in index.
-    let mut edges: HashMap<[u32; 2], [u32; 2]> =
-        HashMap::with_capacity(hull.triangles.len() * 3 / 2);
-    for &[a, b, c] in &hull.triangles {
-        for [from, to] in [[a, b], [b, c], [c, a]] {
-            edges.entry([from.min(to), from.max(to)]).or_default()[usize::from(from > to)] += 1;
-        }
-    }
-    let open_edges = edges.values().filter(|[up, down]| up + down == 1).count();
-    let flipped_edges = edges
-        .values()
-        .filter(|[up, down]| *up == 2 && *down == 0 || *up == 0 && *down == 2)
-        .count();
+    // Each triangle's edges, from the lower to the higher index, and whether it walks them so.
+    let mut edges: Vec<([u32; 2], bool)> = hull
+        .triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        .map(|[from, to]| ([from.min(to), from.max(to)], from < to))
+        .collect();
+    edges.par_sort_unstable();
+    let shared = || edges.chunk_by(|a, b| a.0 == b.0);
+    let open_edges = shared().filter(|walks| walks.len() == 1).count();
+    let flipped = |walks: &&[([u32; 2], bool)]| walks.len() == 2 && walks[0].1 == walks[1].1;
+    let flipped_edges = shared().filter(flipped).count();
     let [low, high] = hull.bounds();
     let extent = [high[0] - low[0], high[1] - low[1], high[2] - low[2]];
     let volume = hull.volume();

@@ -2,7 +2,7 @@
 
 use crate::error::MeshError;
 use crate::hull::{Axis, Hull, HullOptions};
-use crate::scan::noise::fit;
+use crate::scan::noise::{Fitted, fit};
 use crate::scan::orientation::{Estimate, keel_yaw};
 
 /// Lengths that a runner may have [m].
@@ -13,6 +13,9 @@ const UNITS: [f64; 4] = [1.0, 1e-3, 1e-2, 0.0254];
 const STATIONS: usize = 60;
 /// Share of the length, about the middle, over which the rocker is measured.
 const MIDDLE: f64 = 0.8;
+/// Parts of the length either side of the lowest vertex from which its section is taken, the first
+/// that has enough vertices.
+const NEAR: [f64; 3] = [0.02, 0.05, 0.12];
 /// Height of the examined section over half its width.
 const SHALLOW: f64 = 0.2;
 /// Curvature over its standard error above which it is significant.
@@ -78,6 +81,44 @@ impl ScanFrame {
     }
 }
 
+/// Rockers have radii of metres and sections of millimetres; what is rounder along than so many
+/// times its section is another body.
+const ROCKER_OVER_SECTION: f64 = 10.0;
+/// Width over length above which a hull is no runner's.
+const WIDEST: f64 = 0.5;
+
+/// Why a hull, x forward and z up, is unlike a runner, where it is; `frame` is the one that was
+/// found.
+pub fn unlike_runner(hull: &Hull, frame: Option<&ScanFrame>) -> Option<String> {
+    let unlike = |reason: String| Some(format!("this seems not to be a runner: {reason}"));
+    let Some(frame) = frame else {
+        return unlike(
+            "no side of it is rounded along and across, as the underside of a runner is (rocker and \
+             section)"
+                .into(),
+        );
+    };
+    let [along, across] = [frame.rocker_radius, frame.section_radius];
+    if along < ROCKER_OVER_SECTION * across {
+        return unlike(format!(
+            "radii of {:.1} mm along and {:.1} mm across at its lowest place",
+            1e3 * along,
+            1e3 * across
+        ));
+    }
+    let [low, high] = hull.bounds();
+    let [x, y] = [0, 1].map(|axis| high[axis] - low[axis]);
+    if x.min(y) > WIDEST * x.max(y) {
+        let [x, y] = [x, y].map(|size| 1e3 * size);
+        return unlike(format!("it is {x:.1} mm long and {y:.1} mm wide"));
+    }
+    let up = frame.options.up.filter(|up| *up != Axis::Z)?;
+    Some(format!(
+        "the side that is rounded as a runner's underside does not face down: up = \"{up}\" would \
+         turn it so"
+    ))
+}
+
 /// Radii of rocker and section of the side that faces down when `up` points up [m]; `None` where it
 /// is flat or hollow.
 fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<[f64; 2]> {
@@ -120,31 +161,37 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<[f64; 2]> 
     let heights: Vec<f64> = keel.iter().map(|p| p[2]).collect();
     let rocker = fit(&place, &heights, &[[0, 0], [1, 0], [2, 0]])?;
     let rocker_radius = radius(rocker.coefficients[2], FLATTEST[0])?;
-    // The section at the lowest vertex, ever narrower while its curvature is significant.
     let lowest = keel.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
-    let near = 0.02 * (to - from);
+    let section_radius = NEAR.iter().find_map(|part| {
+        let near = |p: &&[f64; 3]| (p[0] - lowest[0]).abs() < part * (to - from);
+        let points: Vec<&[f64; 3]> = points.iter().filter(near).collect();
+        section_radius(&points, lowest)
+    })?;
+    Some([rocker_radius, section_radius])
+}
+
+/// Radius of the section at the lowest vertex [m], of points nearby along the hull; ever narrower
+/// while its curvature is significant.
+fn section_radius(points: &[&[f64; 3]], lowest: &[f64; 3]) -> Option<f64> {
     let off = |p: &[f64; 3]| (p[1] - lowest[1]).abs();
-    let mut half = points.iter().map(off).fold(0.0, f64::max);
-    let mut section_radius = None;
+    let mut half = points.iter().map(|p| off(p)).fold(0.0, f64::max);
+    let mut found = None;
     loop {
         // Neither the walls nor the other side of the hull.
-        let section: Vec<&[f64; 3]> = points
-            .iter()
-            .filter(|p| (p[0] - lowest[0]).abs() < near && off(p) <= half)
+        let section = points.iter().filter(|p| off(p) <= half);
+        let section: Vec<&&[f64; 3]> = section
             .filter(|p| p[2] - lowest[2] < SHALLOW * half)
             .collect();
         let place: Vec<[f64; 2]> = section.iter().map(|p| [p[0], p[1]]).collect();
         let heights: Vec<f64> = section.iter().map(|p| p[2]).collect();
-        let Some(fitted) = fit(&place, &heights, &[[0, 0], [0, 1], [0, 2], [1, 0], [2, 0]]) else {
-            break;
+        let fitted = fit(&place, &heights, &[[0, 0], [0, 1], [0, 2], [1, 0], [2, 0]]);
+        let curved = |f: &Fitted| f.coefficients[2] >= SIGNIFICANT * f.errors[2];
+        let Some(fitted) = fitted.filter(curved) else {
+            return found;
         };
-        if fitted.coefficients[2] < SIGNIFICANT * fitted.errors[2] {
-            break;
-        }
-        section_radius = radius(fitted.coefficients[2], FLATTEST[1]);
+        found = radius(fitted.coefficients[2], FLATTEST[1]);
         half *= 0.7;
     }
-    Some([rocker_radius, section_radius?])
 }
 
 /// Radius of z = c y^2 where it is convex and no more than `flattest`.

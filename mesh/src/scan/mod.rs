@@ -5,6 +5,8 @@ pub(crate) mod frame;
 pub(crate) mod noise;
 pub(crate) mod orientation;
 
-pub use frame::ScanFrame;
-pub use noise::{Noise, Sampling, noise_of_faces, noise_of_hull, strips_of_hull, strips_warning};
+pub use frame::{ScanFrame, unlike_runner};
+pub use noise::{
+    Noise, keel_spacing, noise_of_faces, noise_of_hull, strips_of_hull, strips_warning,
+};
 pub use orientation::{Estimate, Orientation};

@@ -1,6 +1,7 @@
 //! Spacing and noise of a hull's vertices near its keel.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use crate::fit::fitted_underside::rounding;
 use crate::hull::Hull;
@@ -9,6 +10,8 @@ use crate::hull::Hull;
 const STATIONS: usize = 60;
 /// Triangles whose normal makes a smaller cosine with straight down are flanks.
 const DOWN: f64 = 0.2;
+/// Slope of such triangles.
+const STEEPEST: f64 = 4.9;
 /// Nodes of a fit: one for each power of the polynomial, and twenty degrees of freedom.
 const NEAR: usize = POWERS.len() + 20;
 /// Lengths over widths of the neighbourhoods. A runner is straighter along than across, and neither
@@ -104,7 +107,8 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
     }
     let medians = ASPECT_RATIOS.iter().filter_map(|&ratio| {
         let residuals = |&node: &usize| residuals_at(&nodes, node, ratio);
-        let found: Vec<[f64; 3]> = lowest.iter().flatten().filter_map(residuals).collect();
+        let stations = lowest.par_iter().flatten();
+        let found: Vec<[f64; 3]> = stations.filter_map(residuals).collect();
         // A few stations with a fit are those where the surface is least like its other parts.
         let usual = 2 * found.len() >= lowest.iter().flatten().count();
         let median = |k: usize| median(found.iter().map(|of| of[k]).collect());
@@ -160,9 +164,13 @@ fn nodes_of<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Vec<No
 /// as many nodes [m]; `None` if the nodes do not determine it.
 fn residuals_at(nodes: &[Node], node: usize, ratio: f64) -> Option<[f64; 3]> {
     let [x, y, z] = nodes[node].at;
-    let far = |p: &Node| ((p.at[0] - x) / ratio).hypot(p.at[1] - y);
+    // Squares of distances.
+    let far = |p: &Node| ((p.at[0] - x) / ratio).powi(2) + (p.at[1] - y).powi(2);
     // Not other parts of the hull above.
-    let same_side = |p: &&Node| p.at[2] - z <= (p.at[0] - x).hypot(p.at[1] - y);
+    let same_side = |p: &&Node| {
+        let above = (p.at[2] - z).max(0.0);
+        above * above <= (p.at[0] - x).powi(2) + (p.at[1] - y).powi(2)
+    };
     // Nodes are sorted along the underside: the range grows until its ends are farther than the
     // nodes found.
     let mut half = FIRST;
@@ -175,7 +183,7 @@ fn residuals_at(nodes: &[Node], node: usize, ratio: f64) -> Option<[f64; 3]> {
             if end == 0 || end == nodes.len() {
                 f64::INFINITY
             } else {
-                (nodes[end].at[0] - x).abs() / ratio
+                ((nodes[end].at[0] - x) / ratio).powi(2)
             }
         };
         let least = width(from).min(width(to));
@@ -199,16 +207,19 @@ fn residuals_at(nodes: &[Node], node: usize, ratio: f64) -> Option<[f64; 3]> {
     };
     let (inner, residual) = nearest(NEAR)?;
     let (outer, farther) = nearest(2 * NEAR)?;
-    Some([residual, (inner / outer).powi(5) * farther, farther])
+    Some([residual, (inner / outer).powf(2.5) * farther, farther])
 }
 
-/// Standard deviation of the residuals of a polynomial fitted to some nodes [m].
+/// Standard deviation of the residuals of a polynomial fitted to some nodes [m]; `None` if the nodes
+/// do not determine it, or if it is steeper than the underside.
+///
+/// Noise may also move the nodes of one line sideways, in proportion to their heights. Taken for
+/// positions across, that would be fitted, by a surface steeper than any.
 fn residual_of(nodes: &[Node]) -> Option<f64> {
-    let places: Vec<[f64; 2]> = nodes.iter().map(|node| [node.at[0], node.at[1]]).collect();
+    let mut places: Vec<[f64; 2]> = nodes.iter().map(|node| [node.at[0], node.at[1]]).collect();
+    straighten(&mut places);
     let heights: Vec<f64> = nodes.iter().map(|node| node.at[2]).collect();
-    // Lines of nodes determine as many powers as there are lines. Noise along a slope moves the
-    // nodes of one line in proportion to their heights: taken for positions across, it would be
-    // fitted.
+    // Lines of nodes determine as many powers as there are lines.
     let mut lines = [0; 2];
     for (axis, lines) in lines.iter_mut().enumerate() {
         let apart = LINE_DISTANCE * median(nodes.iter().map(|node| node.faces[axis]).collect())?;
@@ -221,7 +232,35 @@ fn residual_of(nodes: &[Node]) -> Option<f64> {
         .iter()
         .filter(|[i, j]| *i < lines[0] && *j < lines[1]);
     let powers: Vec<[i32; 2]> = powers.copied().collect();
-    Some(fit(&places, &heights, &powers)?.deviation)
+    let fitted = fit(&places, &heights, &powers)?;
+    let slope = |p: &[f64; 2], axis: usize| -> f64 {
+        let terms = powers.iter().zip(&fitted.coefficients);
+        let terms = terms.filter(|(power, _)| power[axis] > 0);
+        let derived = terms.map(|(power, c)| {
+            let [own, other] = [power[axis], power[1 - axis]];
+            c * f64::from(own) * p[axis].powi(own - 1) * p[1 - axis].powi(other)
+        });
+        derived.sum()
+    };
+    let steep = |p: &[f64; 2]| slope(p, 0).hypot(slope(p, 1)) > STEEPEST;
+    (!places.iter().any(steep)).then_some(fitted.deviation)
+}
+
+/// Counts places from their mean, and those along the shorter axis from their line of regression on
+/// the longer one: lines of nodes may run at an angle to the axes.
+fn straighten(places: &mut [[f64; 2]]) {
+    let mean = |axis: usize| places.iter().map(|p| p[axis]).sum::<f64>() / places.len() as f64;
+    let middle = [mean(0), mean(1)];
+    for p in &mut *places {
+        (p[0], p[1]) = (p[0] - middle[0], p[1] - middle[1]);
+    }
+    let product = |a: usize, b: usize| places.iter().map(|p| p[a] * p[b]).sum::<f64>();
+    let squares = [product(0, 0), product(1, 1)];
+    let long = usize::from(squares[0] < squares[1]);
+    let slope = product(0, 1) / squares[long].max(f64::MIN_POSITIVE);
+    for p in places {
+        p[1 - long] -= slope * p[long];
+    }
 }
 
 /// The middle one of some values.
@@ -317,51 +356,34 @@ const LONG: f64 = 0.01;
 /// Half its width over the radius of the section.
 const WIDE: f64 = 0.3;
 
-/// The vertices near the keel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sampling {
-    /// Median length of the triangles' edges [m].
-    pub spacing: f64,
-    /// Of the vertices, from [`noise_of_hull`].
-    pub noise: Option<Noise>,
-}
-
-impl Sampling {
-    /// Of a hull in metres, x forward and z up, whose section has this radius [m] where it is
-    /// lowest.
-    ///
-    /// `None` where no triangle touches the examined places along the keel.
-    pub fn of(hull: &Hull, section_radius: f64) -> Option<Self> {
-        let [low, high] = hull.bounds();
-        let length = high[0] - low[0];
-        let half = [LONG * length, WIDE * section_radius];
-        let mut edges = Vec::new();
-        for k in 0..PLACES {
-            let x = low[0] + length * (0.1 + 0.8 * k as f64 / (PLACES - 1) as f64);
-            let along = |p: &[f64; 3]| (p[0] - x).abs() <= half[0];
-            let here = || hull.positions.iter().filter(|p| along(p));
-            let Some(keel) = here().min_by(|a, b| a[2].total_cmp(&b[2])) else {
-                continue;
-            };
-            let near = |p: &[f64; 3]| {
-                along(p) && (p[1] - keel[1]).abs() <= half[1] && p[2] - keel[2] < half[1]
-            };
-            let corner = |i: u32| hull.positions[i as usize];
-            for t in &hull.triangles {
-                if t.iter().any(|&i| near(&corner(i))) {
-                    edges.extend([[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]].map(|[a, b]| {
-                        let (a, b) = (corner(a), corner(b));
-                        let square: f64 = (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum();
-                        square.sqrt()
-                    }));
-                }
-            }
+/// Median length of the triangles' edges near the keel [m], of a hull in metres, x forward and z up,
+/// whose section has this radius [m] where it is lowest; `None` where no triangle touches the
+/// examined places along the keel.
+pub fn keel_spacing(hull: &Hull, section_radius: f64) -> Option<f64> {
+    let [low, high] = hull.bounds();
+    let length = high[0] - low[0];
+    let half = [LONG * length, WIDE * section_radius];
+    let corner = |i: u32| hull.positions[i as usize];
+    let mut edges = Vec::new();
+    for k in 0..PLACES {
+        let x = low[0] + length * (0.1 + 0.8 * k as f64 / (PLACES - 1) as f64);
+        let along = |p: &[f64; 3]| (p[0] - x).abs() <= half[0];
+        let here = hull.positions.iter().filter(|p| along(p));
+        let Some(keel) = here.min_by(|a, b| a[2].total_cmp(&b[2])) else {
+            continue;
+        };
+        let near = |p: &[f64; 3]| {
+            along(p) && (p[1] - keel[1]).abs() <= half[1] && p[2] - keel[2] < half[1]
+        };
+        let touches = |t: &&[u32; 3]| t.iter().any(|&i| near(&corner(i)));
+        for [a, b, c] in hull.triangles.iter().filter(touches).map(|t| t.map(corner)) {
+            edges.extend([[a, b], [b, c], [c, a]].map(|[a, b]| {
+                let square: f64 = (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum();
+                square.sqrt()
+            }));
         }
-        Some(Self {
-            spacing: median(edges)?,
-            noise: noise_of_hull(hull),
-        })
     }
+    median(edges)
 }
 
 #[cfg(test)]
@@ -471,6 +493,55 @@ mod tests {
                 (found.found / noise - 1.0).abs() < 0.15,
                 "{noise} {found:?}"
             );
+        }
+    }
+
+    /// A grid that is turned after it was scanned: its lines run at an angle to the axes, and noise
+    /// has moved its nodes along and across, too.
+    #[test]
+    fn noise_of_a_turned_grid_is_found() {
+        for [roll, pitch, yaw] in [
+            [0.0f64, 0.0, 0.01],
+            [0.02, 0.003, 0.01],
+            [0.05, 0.0, -0.05],
+            [-0.01, 0.0, 0.2],
+        ] {
+            for noise in [0.0, 1e-6, 5e-6] {
+                let mut random = ChaCha8Rng::seed_from_u64(20_261_128);
+                let at = |n: usize, step: f64, k: usize| step * (k as f64 - 0.5 * n as f64);
+                let (nx, ny) = (600, 26);
+                let points = (0..(nx + 1) * (ny + 1)).map(|k| {
+                    let (x, y) = (at(nx, 4e-4, k / (ny + 1)), at(ny, 3e-4, k % (ny + 1)));
+                    let drawn: f64 = StandardNormal.sample(&mut random);
+                    let z = x * x / 60.0 + 0.006 - (36e-6 - y * y).sqrt() + noise * drawn;
+                    let (y, z) = (
+                        y * roll.cos() - z * roll.sin(),
+                        y * roll.sin() + z * roll.cos(),
+                    );
+                    let (x, z) = (
+                        x * pitch.cos() + z * pitch.sin(),
+                        z * pitch.cos() - x * pitch.sin(),
+                    );
+                    [
+                        x * yaw.cos() - y * yaw.sin(),
+                        x * yaw.sin() + y * yaw.cos(),
+                        z,
+                    ]
+                });
+                let points: Vec<[f64; 3]> = points.collect();
+                let faces = (0..nx * ny).map(|k| {
+                    let a = k / ny * (ny + 1) + k % ny;
+                    [a, a + ny + 1, a + ny + 2, a + 1]
+                });
+                let faces: Vec<[usize; 4]> = faces.collect();
+                let found = noise_of_faces(&points, &faces).expect("a grid");
+                println!("{roll} {pitch} {yaw} {noise}: {found:?}");
+                assert!(
+                    (found.found - noise).abs() <= 0.15 * noise,
+                    "{noise}: {found:?}"
+                );
+                assert!(found.unseen < 1e-6, "{found:?}");
+            }
         }
     }
 

@@ -1,10 +1,11 @@
 //! Yaw, pitch and roll of a scanned hull, from the runner's own symmetry.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
+use nalgebra::{Rotation3, SMatrix, SVector, Vector3};
+use rayon::prelude::*;
 
 use crate::error::MeshError;
-use crate::fit::FittedUnderside;
 use crate::fit::downward::Downward;
+use crate::fit::fitted_underside::Surface;
 use crate::hull::Hull;
 use crate::scan::noise::{fit, median};
 use crate::shapes::underside::Underside;
@@ -15,9 +16,11 @@ const STATIONS: usize = 60;
 const GENTLE: f64 = 0.3;
 /// Most vertices that are compared.
 const MOST: usize = 30_000;
-/// Rounds of fitting the surface and registering it with its mirror images.
+/// Most rounds of fitting the surface and registering it with its mirror images.
 const ROUNDS: usize = 3;
-/// Gauss-Newton steps of one registration.
+/// A hull turned by less has the same fit [rad].
+const SETTLED: f64 = 5e-4;
+/// Most Gauss-Newton steps of one registration.
 const STEPS: usize = 5;
 /// Larger steps do not come from a small rotation [rad].
 const LARGEST_STEP: f64 = 0.3;
@@ -30,6 +33,8 @@ const STUDENT: f64 = 2.262;
 /// Share of the heights' standard deviation, and multiple of the noise, by which mirror images may
 /// differ.
 const ALIKE: [f64; 2] = [0.02, 3.0];
+/// Standard deviation over the median distance, of normally distributed distances.
+const DEVIATION: f64 = 1.4826;
 /// Strips across in which the middle of the hull's ends is taken.
 const STRIPS: usize = 8;
 /// Smallest error that is stated: rounding of coordinates in single precision [rad] and [m].
@@ -72,6 +77,7 @@ pub struct Orientation {
 /// Unknowns of the registration: roll, pitch and yaw of the runner in the scan, and its middle's x
 /// and y.
 const UNKNOWNS: usize = 5;
+type Unknowns = SVector<f64, UNKNOWNS>;
 const ROLL: usize = 0;
 const PITCH: usize = 1;
 const YAW: usize = 2;
@@ -102,14 +108,16 @@ impl Orientation {
         let mut rotation = Rotation3::from_euler_angles(0.0, 0.0, start);
         let mut found = Registration::default();
         for _ in 0..ROUNDS {
-            let turned = hull.turned(rotation.matrix());
-            found = Registration::of(&turned, noise)?;
-            let of = |unknown: usize| {
+            let rows = [0, 1, 2].map(|row| [0, 1, 2].map(|column| rotation[(row, column)]));
+            found = Registration::of(&Downward::of(&hull.carried(rows))?, noise)?;
+            let [roll, pitch, yaw] = [ROLL, PITCH, YAW].map(|unknown| {
                 let known = found.errors[unknown].is_some_and(|error| error < UNKNOWN);
                 if known { found.values[unknown] } else { 0.0 }
-            };
-            let runner = Rotation3::from_euler_angles(of(ROLL), of(PITCH), of(YAW));
-            rotation = runner.inverse() * rotation;
+            });
+            rotation = Rotation3::from_euler_angles(roll, pitch, yaw).inverse() * rotation;
+            if [roll, pitch, yaw].iter().all(|angle| angle.abs() < SETTLED) {
+                break;
+            }
         }
         let (roll, pitch, yaw) = rotation.euler_angles();
         let angle = |unknown: usize, value: f64| {
@@ -195,10 +203,10 @@ pub(crate) fn keel_yaw(points: &[[f64; 3]]) -> Option<Estimate> {
 }
 
 /// What the registration of a hull with its mirror images gives.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Default)]
 struct Registration {
     /// Of the unknowns [rad] and [m].
-    values: [f64; UNKNOWNS],
+    values: Unknowns,
     /// Their errors (95 %); `None` for what is not shown.
     errors: [Option<f64>; UNKNOWNS],
 }
@@ -213,29 +221,31 @@ struct Vertex {
     part: usize,
 }
 
-/// The middle between the ends.
+/// The middle between the ends, and the standard error of its x [m].
 struct Ends {
-    x: f64,
-    y: f64,
-    z: f64,
-    /// Standard error of `x` [m].
+    middle: [f64; 3],
     error: f64,
 }
 
+/// A vertex' distance along the normal from its image, and what the unknowns change of it.
+struct Row {
+    part: usize,
+    residual: f64,
+    derivatives: Unknowns,
+}
+
 impl Registration {
-    fn of(hull: &Hull, noise: f64) -> Result<Self, MeshError> {
-        let surface = FittedUnderside::without_symmetry(hull, noise)?;
-        let part = Downward::of(hull)?;
+    fn of(part: &Downward, noise: f64) -> Result<Self, MeshError> {
+        let (surface, samples) = Surface::fit(part, noise, false)?;
         let gentle: Vec<usize> = part
             .gentle()
             .filter(|&n| part.cosines[n] > GENTLE)
             .collect();
         let [x0, x1, ..] = surface.extent();
         let vertex = |&n: &usize| {
-            let [x, y, z] = part.points[n];
-            let out = (2.0 * x - x0 - x1).abs() / (x1 - x0);
+            let out = (2.0 * part.points[n][0] - x0 - x1).abs() / (x1 - x0);
             Vertex {
-                at: Vector3::new(x, y, z - surface.level()),
+                at: part.points[n].into(),
                 cosine: part.cosines[n],
                 part: ((out * PARTS as f64) as usize).min(PARTS - 1),
             }
@@ -243,10 +253,13 @@ impl Registration {
         let stride = gentle.len().div_ceil(MOST).max(1);
         let vertices: Vec<Vertex> = gentle.iter().step_by(stride).map(vertex).collect();
         let places: Vec<[f64; 3]> = gentle.iter().map(|&n| part.points[n]).collect();
-        let Some(ends) = ends(&places, surface.level()) else {
+        let Some(ends) = ends(&places) else {
             return Ok(Self::default());
         };
-        let noise = noise.hypot(surface.quality().residual_rms);
+        let misfits = samples.iter();
+        let misfits = misfits.map(|s| (s.weight * (surface.spline.value(s.at) - s.height)).abs());
+        let misfit = DEVIATION * median(misfits.collect()).unwrap_or(0.0);
+        let noise = noise.hypot(misfit);
         let both = Self::of_images(&surface, &vertices, &ends, [true; 2]);
         let alike = both.map_or([false; 2], |(_, scatter)| {
             [0, 1].map(|axis| scatter[axis] <= allowed(&vertices, axis, noise))
@@ -265,76 +278,79 @@ impl Registration {
 
     /// Least squares over the chosen images; with the typical distance to each.
     fn of_images(
-        surface: &FittedUnderside,
+        surface: &Surface,
         vertices: &[Vertex],
         ends: &Ends,
         images: [bool; 2],
     ) -> Option<(Self, [f64; 2])> {
-        let unknowns: Vec<usize> = (0..UNKNOWNS)
-            .filter(|u| (0..2).any(|axis| images[axis] && SHOWN[axis].contains(u)))
-            .collect();
-        let mut values = [0.0; UNKNOWNS];
-        values[X] = ends.x;
+        let shown = || {
+            let axes = (0..2).filter(|axis| images[*axis]);
+            axes.flat_map(|axis| SHOWN[axis])
+        };
+        let mut values = Unknowns::zeros();
+        values[X] = ends.middle[0];
         values[Y] = median(vertices.iter().map(|v| v.at.y).collect())?;
-        let mut parts = Vec::new();
+        // That the middle between the ends is the runner's, however it is turned.
+        let [x, y, z] = ends.middle;
+        let mut end = Unknowns::zeros();
+        (end[X], end[PITCH], end[YAW]) = (-1.0, -z, y);
+        let mut weight = 0.0;
         let mut scatter = [0.0; 2];
+        let mut parts = [Equations::default(); PARTS + 1];
         for _ in 0..STEPS {
-            let mut rows: Vec<(usize, f64, [f64; UNKNOWNS])> = Vec::new();
+            parts = Default::default();
+            let (mut square, mut count) = (0.0, 0.0);
             for axis in (0..2).filter(|axis| images[*axis]) {
-                let mut own: Vec<(usize, f64, [f64; UNKNOWNS])> = vertices
-                    .iter()
-                    .filter_map(|vertex| row(surface, vertex, axis, &values))
-                    .collect();
-                scatter[axis] = 1.4826 * median(own.iter().map(|row| row.1.abs()).collect())?;
-                own.retain(|row| row.1.abs() <= OUTLIER * scatter[axis].max(f64::MIN_POSITIVE));
-                rows.extend(own);
+                let mirror = Mirror::new(axis, &values);
+                let rows = vertices.par_iter();
+                let rows = rows.filter_map(|vertex| mirror.row(surface, vertex));
+                let rows: Vec<Row> = rows.collect();
+                let distances = rows.iter().map(|row| row.residual.abs());
+                scatter[axis] = DEVIATION * median(distances.collect())?;
+                let most = OUTLIER * scatter[axis].max(f64::MIN_POSITIVE);
+                for row in rows.iter().filter(|row| row.residual.abs() <= most) {
+                    parts[row.part].add(1.0, row.residual, &row.derivatives);
+                    (square, count) = (square + row.residual * row.residual, count + 1.0);
+                }
             }
-            let variance = rows.iter().map(|row| row.1 * row.1).sum::<f64>() / rows.len() as f64;
-            parts = (0..PARTS)
-                .map(|part| {
-                    let own = rows.iter().filter(|row| row.0 == part);
-                    Equations::of(own.map(|(_, r, d)| (1.0, *r, d)), &unknowns)
-                })
-                .collect::<Vec<Equations>>();
             if images[1] {
-                let mut derivative = [0.0; UNKNOWNS];
-                derivative[X] = -1.0;
-                derivative[PITCH] = -ends.z;
-                derivative[YAW] = ends.y;
-                let at = values[X] + values[PITCH] * ends.z - values[YAW] * ends.y;
-                let weight = variance.max(f64::MIN_POSITIVE) / (ends.error * ends.error);
-                let row = (weight, ends.x - at, &derivative);
-                parts.push(Equations::of(std::iter::once(row), &unknowns));
+                weight = (square / count).max(f64::MIN_POSITIVE) / (ends.error * ends.error);
+                parts[PARTS].add(weight, x + end.dot(&values), &end);
             }
-            let step = Equations::sum(&parts, None).solve()?;
-            let angles = unknowns.iter().zip(step.iter()).filter(|(u, _)| **u <= YAW);
-            if angles
-                .into_iter()
-                .any(|(_, step)| step.abs() > LARGEST_STEP)
-            {
+            let whole = Equations::sum(&parts, None);
+            if shown().any(|unknown| whole.normal[(unknown, unknown)] == 0.0) {
                 return None;
             }
-            for (u, step) in unknowns.iter().zip(step.iter()) {
-                values[*u] -= step;
+            let step = whole.solve(&whole.right)?;
+            let largest = (ROLL..=YAW)
+                .map(|angle| step[angle].abs())
+                .fold(0.0, f64::max);
+            if largest > LARGEST_STEP {
+                return None;
+            }
+            values -= step;
+            if largest < 0.1 * ROUNDING {
+                break;
             }
         }
-        let whole = Equations::sum(&parts, None);
-        let estimates: Option<Vec<DVector<f64>>> = (0..PARTS)
-            .map(|part| Equations::sum(&parts, Some(part)).solve())
+        let estimates: Option<Vec<Unknowns>> = (0..PARTS)
+            .map(|part| {
+                let others = Equations::sum(&parts, Some(part));
+                others.solve(&others.right)
+            })
             .collect();
         let estimates = estimates?;
+        let mean = estimates.iter().sum::<Unknowns>() / PARTS as f64;
+        let squares = estimates
+            .iter()
+            .map(|e| (e - mean).component_mul(&(e - mean)));
+        let jackknife = squares.sum::<Unknowns>() * ((PARTS - 1) as f64 / PARTS as f64);
+        // The ends are in every estimate: their own error, carried over by the solution.
+        let from_ends = ends.error * Equations::sum(&parts, None).solve(&(weight * end))?;
         let mut errors = [None; UNKNOWNS];
-        let inverse = whole.normal.clone().try_inverse()?;
-        for (k, u) in unknowns.iter().enumerate() {
-            let mean = estimates.iter().map(|e| e[k]).sum::<f64>() / PARTS as f64;
-            let square = estimates.iter().map(|e| (e[k] - mean).powi(2)).sum::<f64>();
-            let jackknife = square * (PARTS - 1) as f64 / PARTS as f64;
-            // The ends are in every estimate: their own error, carried over by the solution.
-            let from_ends = parts.get(PARTS).map_or(0.0, |end| {
-                let carried = &inverse * &end.right_unit;
-                (carried[k] * ends.error).powi(2)
-            });
-            errors[*u] = Some(STUDENT * (jackknife + from_ends).sqrt());
+        for unknown in shown() {
+            let variance = jackknife[unknown] + from_ends[unknown].powi(2);
+            errors[unknown] = Some(STUDENT * variance.sqrt());
         }
         Some((Self { values, errors }, scatter))
     }
@@ -356,48 +372,65 @@ fn allowed(vertices: &[Vertex], axis: usize, noise: f64) -> f64 {
     ALIKE[0] * deviation + ALIKE[1] * noise
 }
 
-/// Part, distance along the normal, and derivatives by the unknowns, of the image of a vertex;
-/// `None` where there is no surface.
-fn row(
-    surface: &FittedUnderside,
-    vertex: &Vertex,
+/// The plane that an image is in: left and right (0) or front and rear (1) of a runner that is
+/// turned and placed by the unknowns.
+struct Mirror {
     axis: usize,
-    values: &[f64; UNKNOWNS],
-) -> Option<(usize, f64, [f64; UNKNOWNS])> {
-    let runner = Rotation3::from_euler_angles(values[ROLL], values[PITCH], values[YAW]);
-    let middle = Vector3::new(values[X], values[Y], 0.0);
-    let mut own = runner.inverse() * (vertex.at - middle);
-    own[1 - axis] = -own[1 - axis];
-    let image = runner * own + middle;
-    let step = 1e-5;
-    let height = |dx: f64, dy: f64| surface.height(image.x + dx, image.y + dy);
-    let slopes = [
-        (height(step, 0.0) - height(-step, 0.0)) / (2.0 * step),
-        (height(0.0, step) - height(0.0, -step)) / (2.0 * step),
-    ];
-    let distance = image.z - height(0.0, 0.0);
-    if !(distance.is_finite() && slopes.iter().all(|slope| slope.is_finite())) {
-        return None;
+    runner: Rotation3<f64>,
+    back: Rotation3<f64>,
+    middle: Vector3<f64>,
+}
+
+impl Mirror {
+    fn new(axis: usize, values: &Unknowns) -> Self {
+        let runner = Rotation3::from_euler_angles(values[ROLL], values[PITCH], values[YAW]);
+        Mirror {
+            axis,
+            runner,
+            back: runner.inverse(),
+            middle: Vector3::new(values[X], values[Y], 0.0),
+        }
     }
-    // What small changes of the unknowns move the image by, less its slide along the surface.
-    let along = |[x, y, z]: [f64; 3]| vertex.cosine * (z - slopes[0] * x - slopes[1] * y);
-    let (x, y, z) = (image.x - middle.x, image.y - middle.y, image.z);
-    let mut derivatives = [0.0; UNKNOWNS];
-    if axis == 0 {
-        // Of the plane y = Y: the image is (x, -y, z) of the vertex.
-        derivatives[ROLL] = along([0.0, -2.0 * z, 2.0 * y]);
+
+    /// The row of a vertex; `None` where there is no surface.
+    fn row(&self, surface: &Surface, vertex: &Vertex) -> Option<Row> {
+        let mut own = self.back * (vertex.at - self.middle);
+        own[1 - self.axis] = -own[1 - self.axis];
+        let from_middle: Vector3<f64> = self.runner * own;
+        let image = from_middle + self.middle;
+        let step = 1e-5;
+        let height = |dx: f64, dy: f64| surface.height(image.x + dx, image.y + dy);
+        let slopes = [
+            (height(step, 0.0) - height(-step, 0.0)) / (2.0 * step),
+            (height(0.0, step) - height(0.0, -step)) / (2.0 * step),
+        ];
+        let distance = image.z - height(0.0, 0.0);
+        if !(distance.is_finite() && slopes.iter().all(|slope| slope.is_finite())) {
+            return None;
+        }
+        // What small changes of the unknowns move the image by, less its slide along the surface.
+        let along = |[x, y, z]: [f64; 3]| vertex.cosine * (z - slopes[0] * x - slopes[1] * y);
+        let [x, y, z] = from_middle.into();
+        let mut derivatives = Unknowns::zeros();
         derivatives[YAW] = along([-2.0 * y, 2.0 * x, 0.0]);
-        derivatives[Y] = along([0.0, 2.0, 0.0]);
-    } else {
-        derivatives[PITCH] = along([2.0 * z, 0.0, -2.0 * x]);
-        derivatives[YAW] = along([-2.0 * y, 2.0 * x, 0.0]);
-        derivatives[X] = along([2.0, 0.0, 0.0]);
+        if self.axis == 0 {
+            // Of the plane y = Y: the image is (x, -y, z) of the vertex.
+            derivatives[ROLL] = along([0.0, -2.0 * z, 2.0 * y]);
+            derivatives[Y] = along([0.0, 2.0, 0.0]);
+        } else {
+            derivatives[PITCH] = along([2.0 * z, 0.0, -2.0 * x]);
+            derivatives[X] = along([2.0, 0.0, 0.0]);
+        }
+        Some(Row {
+            part: vertex.part,
+            residual: vertex.cosine * distance,
+            derivatives,
+        })
     }
-    Some((vertex.part, vertex.cosine * distance, derivatives))
 }
 
 /// The middle between the ends of `places`, from strips across that hold equally many.
-fn ends(places: &[[f64; 3]], level: f64) -> Option<Ends> {
+fn ends(places: &[[f64; 3]]) -> Option<Ends> {
     let mut sorted = places.to_vec();
     sorted.sort_by(|a, b| a[1].total_cmp(&b[1]));
     let size = sorted.len().div_ceil(STRIPS);
@@ -409,107 +442,65 @@ fn ends(places: &[[f64; 3]], level: f64) -> Option<Ends> {
             Some([0, 1, 2].map(|k| 0.5 * (rear[k] + front[k])))
         })
         .collect();
-    let count = middles.len() as f64;
     if middles.len() < 3 {
         return None;
     }
-    let mean = |k: usize| middles.iter().map(|m| m[k]).sum::<f64>() / count;
+    let count = middles.len() as f64;
+    let middle = [0, 1, 2].map(|k| middles.iter().map(|m| m[k]).sum::<f64>() / count);
     // Of the strips about a line across, which yaw turns them by.
-    let scatter = fit_line(&middles);
+    let product = |a: usize, b: usize| {
+        let each = middles
+            .iter()
+            .map(|m| (m[a] - middle[a]) * (m[b] - middle[b]));
+        each.sum::<f64>()
+    };
+    let [xx, xy, yy] = [product(0, 0), product(0, 1), product(1, 1)];
+    let explained = if yy > 0.0 { xy * xy / yy } else { 0.0 };
+    let scatter = ((xx - explained).max(0.0) / (count - 2.0)).sqrt();
     Some(Ends {
-        x: mean(0),
-        y: mean(1),
-        z: mean(2) - level,
+        middle,
         error: (scatter / count.sqrt()).max(1e-6),
     })
 }
 
-/// Standard deviation of the strips' middles about a line over y [m].
-fn fit_line(middles: &[[f64; 3]]) -> f64 {
-    let count = middles.len() as f64;
-    let mean = |k: usize| middles.iter().map(|m| m[k]).sum::<f64>() / count;
-    let [x, y] = [mean(0), mean(1)];
-    let products = |f: fn(f64, f64) -> f64| {
-        let each = middles.iter().map(|m| f(m[0] - x, m[1] - y));
-        each.sum::<f64>()
-    };
-    let [xx, xy, yy] = [
-        products(|a, _| a * a),
-        products(|a, b| a * b),
-        products(|_, b| b * b),
-    ];
-    let explained = if yy > 0.0 { xy * xy / yy } else { 0.0 };
-    ((xx - explained).max(0.0) / (count - 2.0)).sqrt()
-}
-
 /// Normal equations of some rows.
+#[derive(Clone, Copy, Default)]
 struct Equations {
-    normal: DMatrix<f64>,
-    right: DVector<f64>,
-    /// The right-hand side of a residual of 1 in every row.
-    right_unit: DVector<f64>,
+    normal: SMatrix<f64, UNKNOWNS, UNKNOWNS>,
+    right: Unknowns,
 }
 
 impl Equations {
-    fn of<'a>(
-        rows: impl Iterator<Item = (f64, f64, &'a [f64; UNKNOWNS])>,
-        unknowns: &[usize],
-    ) -> Self {
-        let size = unknowns.len();
-        let mut sums = Self {
-            normal: DMatrix::zeros(size, size),
-            right: DVector::zeros(size),
-            right_unit: DVector::zeros(size),
-        };
-        for (weight, residual, derivatives) in rows {
-            let of = unknowns.iter().map(|&u| derivatives[u]);
-            let of = DVector::from_iterator(size, of);
-            sums.normal += weight * &of * of.transpose();
-            sums.right += weight * residual * &of;
-            sums.right_unit += weight * &of;
-        }
-        sums
+    fn add(&mut self, weight: f64, residual: f64, derivatives: &Unknowns) {
+        let weighted = weight * derivatives;
+        self.normal += weighted * derivatives.transpose();
+        self.right += residual * weighted;
     }
 
     /// All of them without one.
     fn sum(parts: &[Self], without: Option<usize>) -> Self {
-        let parts_but_one = parts.iter().enumerate();
-        let parts_but_one = parts_but_one.filter(|(part, _)| Some(*part) != without);
-        let size = parts[0].right.len();
-        let none = Self {
-            normal: DMatrix::zeros(size, size),
-            right: DVector::zeros(size),
-            right_unit: DVector::zeros(size),
-        };
-        parts_but_one.fold(none, |sum, (_, part)| Self {
-            normal: sum.normal + &part.normal,
-            right: sum.right + &part.right,
-            right_unit: sum.right_unit + &part.right_unit,
+        let parts = parts.iter().enumerate();
+        let parts = parts.filter(|(part, _)| Some(*part) != without);
+        parts.fold(Self::default(), |sum, (_, part)| Self {
+            normal: sum.normal + part.normal,
+            right: sum.right + part.right,
         })
     }
 
-    /// The step of least squares; `None` where the rows do not determine it. Columns are scaled
-    /// first: they are angles and lengths.
-    fn solve(&self) -> Option<DVector<f64>> {
-        let scale = self.normal.diagonal().map(|d| 1.0 / d.sqrt());
-        if scale.iter().any(|s| !s.is_finite()) {
-            return None;
+    /// The step of least squares, 0 for unknowns that are in no row; `None` where the rows do not
+    /// determine the others. Columns are scaled first: they are angles and lengths.
+    fn solve(&self, right: &Unknowns) -> Option<Unknowns> {
+        let absent = |d: f64| d == 0.0;
+        let scale = self
+            .normal
+            .diagonal()
+            .map(|d| if absent(d) { 1.0 } else { 1.0 / d.sqrt() });
+        let scaling = SMatrix::from_diagonal(&scale);
+        let mut scaled = scaling * self.normal * scaling;
+        for k in (0..UNKNOWNS).filter(|&k| absent(self.normal[(k, k)])) {
+            scaled[(k, k)] = 1.0;
         }
-        let scaling = DMatrix::from_diagonal(&scale);
-        let scaled = &scaling * &self.normal * &scaling;
-        let factored = scaled.cholesky()?;
-        Some(&scaling * factored.solve(&(&scaling * &self.right)))
-    }
-}
-
-impl Hull {
-    /// The hull with its vertices multiplied by a rotation.
-    pub(crate) fn turned(&self, rotation: &Matrix3<f64>) -> Self {
-        let turn = |p: &[f64; 3]| (rotation * Vector3::from(*p)).into();
-        Self {
-            positions: self.positions.iter().map(turn).collect(),
-            triangles: self.triangles.clone(),
-        }
+        Some(scaling * scaled.cholesky()?.solve(&(scaling * right)))
     }
 }
 

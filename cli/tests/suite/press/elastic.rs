@@ -245,3 +245,75 @@ fn noise_that_nobody_stated_is_in_the_error() {
 fn noise_that_nobody_stated_is_in_the_error_or_refused() {
     hold_their_noise(&[3.0, 4.5], &[0.0, 5e-8, 2e-7, 1e-6, 5e-6]);
 }
+
+/// An open scan of a runner of 8 mm width, of a 0.5 mm grid: ragged rims, holes, one of which cuts the
+/// rim, and 2 µm of noise.
+fn ragged_scan() -> String {
+    const HALF: f64 = 0.004;
+    let (along, across) = (600, 17);
+    let holes = [
+        [0.08, 0.001, 0.0015],
+        [-0.06, -0.0035, 0.002],
+        [0.03, 0.004, 0.001],
+    ];
+    let mut random = 20_261_141;
+    let mut obj = String::new();
+    let mut scanned = Vec::new();
+    for i in 0..=along {
+        for j in 0..across {
+            let x = 0.3 * (f64::from(i) / f64::from(along) - 0.5);
+            let y = HALF * (2.0 * f64::from(j) / f64::from(across - 1) - 1.0);
+            let z = x * x / 60.0 + 0.006 - (36e-6 - y * y).sqrt() + 2e-6 * normal(&mut random);
+            obj += &format!("v {x} {y} {z}\n");
+            // One grid line, here and there, at the sides; up to 3 mm at the ends.
+            let rim = HALF - if (i / 7) % 3 == 0 { 0.0004 } else { 0.0 };
+            let end = 0.15 - 0.001 * f64::from(j % 4);
+            let hole = |[at, side, radius]: &[f64; 3]| (x - at).hypot(y - side) < *radius;
+            scanned.push(y.abs() <= rim && x.abs() <= end && !holes.iter().any(hole));
+        }
+    }
+    for i in 0..along {
+        for j in 1..across {
+            let [a, b] = [i * across + j, (i + 1) * across + j].map(|k| k as usize);
+            let corners = [a, a + 1, b + 1, b];
+            if corners.iter().all(|&corner| scanned[corner - 1]) {
+                obj += &format!("f {a} {} {} {b}\n", a + 1, b + 1);
+            }
+        }
+    }
+    obj
+}
+
+/// On two places of its top a runner bends, as its width lets it: the body that fills the scan has
+/// that of the shape, whatever its rims lack.
+#[test]
+fn a_ragged_scan_with_holes_bends_as_its_shape() {
+    let bench = Bench::new();
+    bench.write("scan.obj", ragged_scan());
+    let pressed = |runner: &str, accuracy: f64| {
+        let case = format!(
+            "[runner]\n{runner}\nelastic = true\nmount = {{ held = [{{ x_m = -0.12, length_m = 0.02 }}, {{ x_m = 0.12, length_m = 0.02 }}] }}\n\
+             [ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.05\n[load]\nfz_n = 1000.0\ntilt = \"fixed\"\n\
+             [accuracy]\np_max = {accuracy}\n"
+        );
+        bench.write("case.toml", case);
+        bench.succeeds(&["press", "case.toml", "--force"]);
+        result(&bench)
+    };
+    let shape = pressed(
+        "shape = { kind = \"bob\", length_m = 0.3, rocker_radius_m = 30.0, section_radius_m = 0.006, width_m = 0.008, height_m = 0.010 }",
+        0.01,
+    );
+    let scan = pressed("hull = \"scan.obj\"\nheight_m = 0.010", 0.1);
+    let stated: f64 = ["p_max_error_pa", "p_max_noise_pa", "p_max_hull_pa"]
+        .map(|key| scan[key].as_f64().unwrap_or(0.0))
+        .iter()
+        .sum();
+    let [found, truth] = [&scan, &shape].map(|result| number(result, "p_max_pa"));
+    println!("{found:e} +- {stated:e}, of the shape {truth:e}");
+    assert!(stated < 0.1 * truth, "{stated}");
+    assert!((found - truth).abs() <= stated + number(&shape, "p_max_error_pa"));
+    // The bending, of which the approach consists, within what noise leaves of the width.
+    let [bent, expected] = [&scan, &shape].map(|result| number(result, "approach_m"));
+    assert!((bent / expected - 1.0).abs() < 0.03, "{bent} {expected}");
+}

@@ -125,7 +125,7 @@ fn noise_is_measured_and_the_noise_that_would_do_does() {
     );
     let load = &found["loads"][2];
     assert_eq!(load["resolved"], false, "{found:#}");
-    let enough = number(load, "noise_that_would_do_m");
+    let enough = number(&load["enough"], "noise_m");
     assert!(enough > 0.5e-6 && enough < 20e-6, "{found:#}");
     // The error's estimate itself scatters: two thirds of the noise named.
     let quieter = noisy(0.67 * enough);
@@ -305,7 +305,7 @@ fn a_hull_without_a_rounded_side_is_refused() {
         .collect();
     let faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
     bench.write("box.obj", format!("{}\n{faces}", corners.join("\n")));
-    let reported = ["box.obj: no side of it is rounded"];
+    let reported = ["box.obj: this seems not to be a runner: no side of it is rounded"];
     refused(
         &bench.path("."),
         &["hull", "check", "box.obj"],
@@ -319,6 +319,63 @@ fn a_hull_without_a_rounded_side_is_refused() {
         2,
         &["--fz-n -5: expected positive forces"],
     );
+}
+
+/// A ring, a ball and a plate are named before they are solved.
+#[test]
+fn what_is_no_runner_is_named_in_one_line() {
+    let bench = Bench::new();
+    let grid = |name: &str, at: &dyn Fn(f64, f64) -> [f64; 3]| {
+        let (n, m) = (90u32, 45u32);
+        let mut obj = String::new();
+        for (i, j) in (0..=n).flat_map(|i| (0..=m).map(move |j| (i, j))) {
+            let [x, y, z] = at(f64::from(i) / f64::from(n), f64::from(j) / f64::from(m));
+            obj += &format!("v {x} {y} {z}\n");
+        }
+        for (i, j) in (0..n).flat_map(|i| (1..=m).map(move |j| (i, j))) {
+            let [a, b] = [i, i + 1].map(|i| i * (m + 1) + j);
+            obj += &format!("f {a} {b} {} {}\n", b + 1, a + 1);
+        }
+        bench.write(&format!("{name}.obj"), obj);
+        bench.write(
+            &format!("{name}.toml"),
+            CASE.replace(
+                CASE.lines().nth(1).expect("a shape"),
+                &format!("hull = \"{name}.obj\""),
+            ),
+        );
+    };
+    let turn = std::f64::consts::TAU;
+    grid("ring", &|u, v| {
+        let out = 0.3 + 0.1 * (turn * v).cos();
+        [
+            out * (turn * u).cos(),
+            out * (turn * u).sin(),
+            0.1 * (turn * v).sin(),
+        ]
+    });
+    grid("ball", &|u, v| {
+        let (below, round) = (0.5 * turn * (0.01 + 0.49 * v), turn * u);
+        [
+            0.2 * below.sin() * round.cos(),
+            0.2 * below.sin() * round.sin(),
+            -0.2 * below.cos(),
+        ]
+    });
+    grid("plate", &|u, v| [0.5 * (u - 0.5), 0.05 * (0.5 - v), 0.0]);
+    let named = |text: &str| text.find("this seems not to be a runner: ");
+    for name in ["ring", "ball", "plate"] {
+        let check = bench.kufe(&["hull", "check", &format!("{name}.obj")]);
+        let text = [check.stdout, check.stderr].concat();
+        let text = String::from_utf8_lossy(&text);
+        assert!(named(&text).is_some(), "{name}: {text}");
+    }
+    for name in ["ring", "ball"] {
+        let press = bench.kufe(&["press", &format!("{name}.toml"), "-v"]);
+        let text = errors(&press);
+        let solved = text.find("mesh 1:").unwrap_or(text.len());
+        assert!(named(&text).is_some_and(|at| at < solved), "{name}: {text}");
+    }
 }
 
 /// A runner of 0.5 m as a scan with 3 µm of noise that is turned: its case presses as the runner does.

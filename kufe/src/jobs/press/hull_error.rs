@@ -25,7 +25,7 @@ pub struct HullError {
 }
 
 /// The largest of a hull's noise, what would not show of it and what its fit has found [m].
-pub(super) fn found_noise(hull: &FittedHull) -> f64 {
+pub(crate) fn found_noise(hull: &FittedHull) -> f64 {
     let Noise { found, unseen } = hull.noise;
     found.max(unseen).max(hull.underside.quality().residual_rms)
 }
@@ -33,7 +33,7 @@ pub(super) fn found_noise(hull: &FittedHull) -> f64 {
 /// The hull scanned again and again: vertices on its fitted surface, moved by noise of standard
 /// deviation `noise` [m] and fitted on the scan's knots. None where there is no scan, or no fit of
 /// one.
-pub(super) fn bootstrap_scans(hull: &FittedHull, noise: f64) -> Option<Vec<Arc<dyn Underside>>> {
+pub(crate) fn bootstrap_scans(hull: &FittedHull, noise: f64) -> Option<Vec<Arc<dyn Underside>>> {
     let scan = hull.scan.as_ref()?;
     let scans = hull.underside.scans(scan, noise).ok()?;
     let fit = |seed| scans.fit(seed).ok();
@@ -97,6 +97,23 @@ pub(super) fn between_vertices(
         p_max: p_max / fine[0],
         approach,
     }
+}
+
+/// What the noise in `scans` and the vertices' distances leave of a peak, over it, of a contact that
+/// is not solved otherwise: the sum of squares of [`moved`] and [`between_vertices`], `None` where
+/// boundary elements do not answer.
+pub(crate) fn left_of_peak(
+    problem: &Problem,
+    hull: &FittedHull,
+    scans: Option<&[Arc<dyn Underside>]>,
+) -> Option<f64> {
+    let found = boundary_elements_to_compare(problem).ok()?;
+    let between = between_vertices(problem, hull, found.patch, found.approach);
+    let moved_by = match scans {
+        Some(_) => moved(problem, || scans)?.p_max,
+        None => 0.0,
+    };
+    Some(between.p_max.hypot(moved_by))
 }
 
 /// The problem with a rigid runner, on ice that gives for a steel too.

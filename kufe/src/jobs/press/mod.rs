@@ -2,7 +2,7 @@
 
 mod check;
 mod contact;
-mod hull_error;
+pub(crate) mod hull_error;
 mod progress;
 mod result;
 
