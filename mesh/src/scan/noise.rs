@@ -540,7 +540,7 @@ mod tests {
                     (found.found - noise).abs() <= 0.15 * noise,
                     "{noise}: {found:?}"
                 );
-                assert!(found.unseen < 1e-6, "{found:?}");
+                assert!(found.unseen <= 0.3 * noise, "{found:?}");
             }
         }
     }

@@ -16,10 +16,9 @@ const STATIONS: usize = 60;
 const GENTLE: f64 = 0.3;
 /// Most vertices that are compared.
 const MOST: usize = 30_000;
-/// Most rounds of fitting the surface and registering it with its mirror images.
-const ROUNDS: usize = 3;
-/// A hull turned by less has the same fit [rad].
-const SETTLED: f64 = 5e-4;
+/// Rounds of fitting the surface and registering it with its mirror images: of the hull turned by
+/// its keel, and of what the first round has turned.
+const ROUNDS: usize = 2;
 /// Most Gauss-Newton steps of one registration.
 const STEPS: usize = 5;
 /// Larger steps do not come from a small rotation [rad].
@@ -115,9 +114,6 @@ impl Orientation {
                 if known { found.values[unknown] } else { 0.0 }
             });
             rotation = Rotation3::from_euler_angles(roll, pitch, yaw).inverse() * rotation;
-            if [roll, pitch, yaw].iter().all(|angle| angle.abs() < SETTLED) {
-                break;
-            }
         }
         let (roll, pitch, yaw) = rotation.euler_angles();
         let angle = |unknown: usize, value: f64| {
