@@ -76,7 +76,8 @@ impl Sled {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Survey {
-    /// Standard deviation of the track's slope [rad].
+    /// Standard deviation of the slope of the way that is driven [rad]: of the survey, and of lines
+    /// off the surveyed one, which climb where the bank grows.
     pub slope_sd_rad: f64,
 }
 
