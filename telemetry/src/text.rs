@@ -21,7 +21,7 @@ const MOST_COLUMNS: usize = 1 << 16;
 const LONGEST_CELL: usize = 4096;
 
 /// Longest row [bytes].
-const LONGEST_ROW: usize = 1 << 24;
+const LONGEST_ROW: usize = 1 << 23;
 
 /// What is read at a time [bytes].
 const BLOCK: usize = 1 << 20;
@@ -71,9 +71,9 @@ impl<R: Read> Text<R> {
         }
     }
 
-    /// Reads and decodes a block, or as much as is there already, so that long rows need few blocks.
+    /// Reads and decodes a block, or several where much is there already: long rows need few.
     fn read_more(&mut self) -> std::io::Result<()> {
-        let wanted = BLOCK.max(self.text.len());
+        let wanted = self.text.len().clamp(BLOCK, LONGEST_WINDOW);
         let mut block = self.reader.by_ref().take(wanted as u64);
         let count = block.read_to_end(&mut self.rest)?;
         self.ended = count < wanted;
@@ -1008,7 +1008,7 @@ mod tests {
         let refused = read_text(text.as_bytes(), options, Some(&["v"]), 1000, "a.csv");
         let error = refused.unwrap_err().to_string();
         assert!(error.contains("24000000 numbers"), "{error}");
-        let row = "t,v\n0,1\n".to_string() + &",".repeat(LONGEST_ROW + LONGEST_WINDOW);
+        let row = "t,v\n0,1\n".to_string() + &",".repeat(3 * LONGEST_ROW);
         let refused = read_text(row.as_bytes(), options, Some(&["v"]), MOST_NUMBERS, "a.csv");
         let error = refused.unwrap_err().to_string();
         assert!(error.contains("longer than"), "{error}");

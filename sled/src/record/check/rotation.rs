@@ -21,9 +21,8 @@ use crate::record::check::judge::{RelationRules, evidence};
 use crate::record::check::rigid_body::{Agreement, Slow, coefficients};
 use crate::record::run::Run;
 
-/// Least angle of the forward axis that is reported [rad]: 2 degrees. Less does not show in the
-/// relations.
-const LEAST_FORWARD: f64 = 0.035;
+/// Least angle of the forward axis that is reported [rad]: 3 degrees. Boxes are mounted within less.
+const LEAST_FORWARD: f64 = 0.052;
 /// Least roll that is reported [rad], where the forward axis is right: a track that turns to one
 /// side more than to the other turns the mean force.
 const LEAST_ROLL: f64 = 0.5;
@@ -120,6 +119,8 @@ impl BoxRotation {
         let names = Sensor::ACCELEROMETER.iter().chain(&Sensor::GYROSCOPE);
         let names: Vec<&str> = names.map(|sensor| sensor.name()).collect();
         let (roll, pitch, yaw) = self.rotation.euler_angles();
+        // Not -0.
+        let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle| (1e3 * angle).round() / 1e3 + 0.0);
         let matrix = self.rotation.matrix();
         let axis = |k: usize| {
             let [x, y, z] = [0, 1, 2].map(|i| matrix[(k, i)]);
