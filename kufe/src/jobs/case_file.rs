@@ -222,21 +222,8 @@ impl LoadedCase {
         depth: f64,
         patch: [f64; 4],
     ) -> Result<(), Failure> {
-        self.known_within(hull, depth, self.case.accuracy.p_max.max(0.05), patch)
-    }
-
-    /// Refuses a hull whose fit is uncertain by more than `share` of `depth` [m] under a patch.
-    ///
-    /// # Errors
-    /// As [`fine_within`](Self::fine_within).
-    pub(crate) fn known_within(
-        &self,
-        hull: Option<&FittedHull>,
-        depth: f64,
-        share: f64,
-        patch: [f64; 4],
-    ) -> Result<(), Failure> {
         let Some(hull) = hull else { return Ok(()) };
+        let share = self.case.accuracy.p_max.max(0.05);
         let Some(coarse) = hull.underside.coarse_within(depth, share, patch) else {
             return Ok(());
         };

@@ -275,13 +275,9 @@ pub fn press_prepared(
         }
     };
     let seconds = started.elapsed().as_secs_f64();
-    match sliding {
+    if sliding.is_some() {
         // Its error does not hold what the hull leaves.
-        Some(_) => loaded.fine_enough(hull.as_ref(), &solution)?,
-        None => {
-            let patch = patch(&solution.surface);
-            loaded.known_within(hull.as_ref(), depth(&solution), 1.0, patch)?;
-        }
+        loaded.fine_enough(hull.as_ref(), &solution)?;
     }
     let noisy = hull.as_ref().filter(|hull| hull.noise.found > 0.0);
     let scattered = noisy.or(hull.as_ref().filter(|hull| hull.noise.unseen > 0.0));
