@@ -319,11 +319,16 @@ impl Error {
         found: impl std::fmt::Display,
         expected: &str,
     ) -> Self {
+        let found = found.to_string();
         Error::Cell {
             file: file.to_string(),
             row,
             column: column.to_string(),
-            found: found.to_string(),
+            found: if found.is_empty() {
+                "nothing".to_string()
+            } else {
+                found
+            },
             expected: expected.to_string(),
         }
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{Read, Seek};
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use hdf5_pure::{AttrValue, DType, Dataset, File as Hdf5, Group, ReadSeekSource};
@@ -12,6 +12,13 @@ use crate::error::Error;
 use crate::log::{Channel, Log, alike};
 use crate::text::{TextOptions, read_text};
 use crate::unit::name_unit;
+
+/// Numbers in a chunk of an HDF5 file at most, 32 MB of them: each is unpacked whole.
+const LONGEST_CHUNK: u64 = 4_000_000;
+
+/// HDF5 files up to this length are read whole [bytes], and from memory: what a damaged one states
+/// of itself then asks for less.
+const LONGEST_WHOLE: u64 = 256 << 20;
 
 /// Structs within structs that are read.
 const DEPTH: usize = 6;
@@ -207,14 +214,25 @@ pub fn read_mdf4(
 /// [`Error::File`] where it is no HDF5, a vector that is wanted cannot be read, or they hold more
 /// than [`MOST_NUMBERS`].
 pub fn read_matlab73(
-    reader: impl Read + Seek + Send + Sync + 'static,
+    mut reader: impl Read + Seek + Send + Sync + 'static,
     wanted: Option<&[&str]>,
     file: &str,
 ) -> Result<Log, Error> {
     let failure = |error: hdf5_pure::Error| Error::file(file, error);
     let mut room = MOST_NUMBERS;
-    let source = ReadSeekSource::new(reader).map_err(|error| Error::file(file, error))?;
-    let hdf = Hdf5::from_source(source).map_err(failure)?;
+    let length = reader.seek(SeekFrom::End(0));
+    let hdf = if length.map_err(|error| Error::file(file, error))? <= LONGEST_WHOLE {
+        let mut bytes = Vec::new();
+        let read = reader
+            .rewind()
+            .and_then(|()| reader.read_to_end(&mut bytes));
+        read.map_err(|error| Error::file(file, error))?;
+        Hdf5::from_bytes(bytes)
+    } else {
+        let source = ReadSeekSource::new(reader).map_err(|error| Error::file(file, error))?;
+        Hdf5::from_source(source)
+    };
+    let hdf = hdf.map_err(failure)?;
     let mut found = Found::default();
     found.collect(&hdf.root(), "", DEPTH).map_err(failure)?;
     let names = found
@@ -224,6 +242,13 @@ pub fn read_matlab73(
     let mut log = of_vectors(names, found.remarks);
     for place in places(&log, wanted, file)? {
         let (_, data) = &found.vectors[place];
+        let chunk = data.chunk_shape().map_err(failure)?.unwrap_or_default();
+        if numbers_of(&chunk) > LONGEST_CHUNK {
+            let name = &log.channels[place].name;
+            let expected = format!("expected at most {LONGEST_CHUNK}");
+            let reason = format!("channel {name}: chunks of {chunk:?} numbers, {expected}");
+            return Err(Error::file(file, reason));
+        }
         let count = numbers_of(&data.shape().map_err(failure)?);
         room = room.checked_sub(count).ok_or_else(|| too_many(file))?;
         log.channels[place].values = numbers(data).map_err(failure)?;

@@ -148,11 +148,13 @@ impl FittedUnderside {
         self.judgement.error_within(self.near(patch))
     }
 
-    /// A patch and a margin of a station each way, so that the fit was judged at some places.
+    /// A patch and a margin of a station along the hull each way, so that the fit was judged at
+    /// some places: across, too, since heights about a patch that is narrower than the distance of
+    /// vertices say what the curvature in it may be.
     fn near(&self, [x0, x1, y0, y1]: [f64; 4]) -> [f64; 4] {
-        let [a, b, c, d] = self.surface.extent;
-        let [along, across] = [(b - a) / STATIONS as f64, (d - c) / STATIONS as f64];
-        [x0 - along, x1 + along, y0 - across, y1 + across]
+        let [a, b, ..] = self.surface.extent;
+        let margin = (b - a) / STATIONS as f64;
+        [x0 - margin, x1 + margin, y0 - margin, y1 + margin]
     }
 }
 

@@ -369,7 +369,10 @@ fn bad_files_are_named_with_row_and_column() {
             format!("{header}\n{row}\n2,b,A,down,105,0.3,2,94700\n3,c,A,left,105,0.3,2,94700\n"),
             vec!["row 4", "direction", "left", "up or down"],
         ),
-        (format!("{header}\n"), vec!["glides.csv", "0 given"]),
+        (
+            format!("{header}\n"),
+            vec!["glides.csv", ": 0, expected at least"],
+        ),
     ] {
         let reported = read_glide_index("glides.csv", text.as_bytes())
             .expect_err("refused")

@@ -289,9 +289,9 @@ fn bad_input_is_named_and_leaves_nothing_behind() -> Outcome {
         &["glides.csv, run 1", "gone.csv", "cannot be read"],
     )?;
     std::fs::write(at.join("gone.csv"), glide(4e-3, 0.0, 100.0, 0.25))?;
-    refused(at, &house, 3, &["glides.csv", "pairs", "0 given"])?;
+    refused(at, &house, 3, &["glides.csv", "pairs", ": 0, expected"])?;
     std::fs::write(at.join("gone.csv"), "t_s,v_mps\n0,1\n0.1,1\n0.2,1\n")?;
-    refused(at, &house, 3, &["gone.csv", "3 given", "30"])?;
+    refused(at, &house, 3, &["gone.csv", ": 3, expected", "30"])?;
     assert!(!at.join("out").exists() && !at.join("o").exists());
     Ok(())
 }
