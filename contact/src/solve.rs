@@ -212,11 +212,15 @@ mod tests {
             p_max_tolerance: 0.12,
             ..Options::default()
         };
+        let graded = solve(&problem, &Options::default())?;
         let start = checked(&problem, &options)?;
         let mut meshes = Meshes::guess(&problem, &options, start, Vec::new())?;
         meshes.regraded = REGRADINGS;
         let Err(Error::AccuracyNotReached {
-            estimate, finest, ..
+            estimate,
+            finest,
+            best,
+            ..
         }) = refined(&options, meshes)
         else {
             return Err("meshes without a grading were taken for an answer".into());
@@ -224,6 +228,8 @@ mod tests {
         // The meshes agree to the requested accuracy, and are too coarse all the same.
         assert!(estimate <= options.p_max_tolerance, "{estimate}");
         assert!(finest < COARSE, "{finest}");
+        let off = (best.p_max / graded.p_max - 1.0).abs();
+        assert!(off > 0.05 && off <= estimate, "{off} {estimate}");
         Ok(())
     }
 

@@ -110,7 +110,9 @@ pub use replay::compared::{Compared, Difference};
 pub use replay::drive::beside_measured;
 pub use replay::drive::{Replay, replay};
 pub use replay::inputs::{Inputs, READ, Reading, read_for_replay};
-pub use series::{bridged, derivative, integral, low_pass, resample, resample_stretches};
+pub use series::{
+    bridged, correlation, derivative, integral, low_pass, resample, resample_stretches,
+};
 pub use signals::prepare::PrepareOptions;
 pub use signals::prepare::{Prepared, prepare, prepare_all};
 pub use simulate::drive::SimulateOptions;

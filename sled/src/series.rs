@@ -1,4 +1,4 @@
-//! Evenly sampled series: zero-phase low pass, down-sampling, derivative.
+//! Evenly sampled series: zero-phase low pass, down-sampling, derivative, correlation.
 
 use std::sync::LazyLock;
 
@@ -13,6 +13,28 @@ use sci_rs::signal::filter::sosfiltfilt_dyn;
 pub const ORDER: usize = 4;
 /// Fewest samples that the filter's odd extension at the ends needs.
 pub const LEAST_SAMPLES: usize = 16;
+
+/// Pearson correlation of two series over the samples that are finite in both; 0 where either is
+/// constant.
+pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let both = || {
+        a.iter()
+            .zip(b)
+            .filter(|(a, b)| a.is_finite() && b.is_finite())
+    };
+    let count = both().count().max(1) as f64;
+    let (sum_a, sum_b) = both().fold((0.0, 0.0), |(x, y), (a, b)| (x + a, y + b));
+    let (mean_a, mean_b) = (sum_a / count, sum_b / count);
+    let [aa, ab, bb] = both().fold([0.0; 3], |[aa, ab, bb], (a, b)| {
+        let (a, b) = (a - mean_a, b - mean_b);
+        [aa + a * a, ab + a * b, bb + b * b]
+    });
+    if aa * bb > 0.0 {
+        ab / (aa * bb).sqrt()
+    } else {
+        0.0
+    }
+}
 
 /// Butterworth low pass of order 4, run forwards and backwards: no phase, amplitude -6 dB at the
 /// corner.

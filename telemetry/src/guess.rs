@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use kufe_sled::{COLUMNS, Sensor};
+use kufe_sled::{COLUMNS, Sensor, correlation};
 
 use crate::log::{Channel, Log};
 use crate::plan::index_help;
@@ -392,27 +392,6 @@ impl Sample {
             up.negative = false;
             self.upside_down = true;
         }
-    }
-}
-
-/// Correlation of two channels over their common samples; 0 where there is none.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let both = || {
-        a.iter()
-            .zip(b)
-            .filter(|(a, b)| a.is_finite() && b.is_finite())
-    };
-    let count = both().count().max(1) as f64;
-    let (sum_a, sum_b) = both().fold((0.0, 0.0), |(x, y), (a, b)| (x + a, y + b));
-    let (mean_a, mean_b) = (sum_a / count, sum_b / count);
-    let [aa, ab, bb] = both().fold([0.0; 3], |[aa, ab, bb], (a, b)| {
-        let (a, b) = (a - mean_a, b - mean_b);
-        [aa + a * a, ab + a * b, bb + b * b]
-    });
-    if aa * bb > 0.0 {
-        ab / (aa * bb).sqrt()
-    } else {
-        0.0
     }
 }
 

@@ -16,10 +16,6 @@ use crate::unit::name_unit;
 /// Numbers in a chunk of an HDF5 file at most, 32 MB of them: each is unpacked whole.
 const LONGEST_CHUNK: u64 = 4_000_000;
 
-/// HDF5 files up to this length are read whole [bytes], and from memory: what a damaged one states
-/// of itself then asks for less.
-const LONGEST_WHOLE: u64 = 256 << 20;
-
 /// Structs within structs that are read.
 const DEPTH: usize = 6;
 
@@ -30,7 +26,8 @@ const MATLAB_73: &[u8] = b"MATLAB 7.3";
 /// other ending, text.
 ///
 /// Only the channels `wanted` by name are read, where some are, and at most `most` numbers: of text
-/// the first rows, where none are wanted. Files are read piece by piece, but for MATLAB v5.
+/// the first rows, where none are wanted. Files are read piece by piece,
+/// except MATLAB files of at most [`LONGEST_MATLAB`] bytes.
 ///
 /// # Errors
 /// Those of the format's reader; [`Error::File`] where the file cannot be read or holds more numbers.
@@ -221,7 +218,7 @@ pub fn read_matlab73(
     let failure = |error: hdf5_pure::Error| Error::file(file, error);
     let mut room = MOST_NUMBERS;
     let length = reader.seek(SeekFrom::End(0));
-    let hdf = if length.map_err(|error| Error::file(file, error))? <= LONGEST_WHOLE {
+    let hdf = if length.map_err(|error| Error::file(file, error))? <= LONGEST_MATLAB {
         let mut bytes = Vec::new();
         let read = reader
             .rewind()

@@ -42,9 +42,9 @@ QUADS = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (1, 3, 7, 5), (3, 2, 6, 7), (
 BRICK = {"vertices": 8, "triangles": 12, "length_m": L, "width_m": W, "height_m": H, "volume_m3": L * W * H, "open_edges": 0, "flipped_edges": 0}
 
 
-def hull(name, data, expected=TETRAHEDRON, beside=None):
+def hull(name, data, expected=TETRAHEDRON, companions=None):
     """A hull file; `expected` is what `kufe info` reports of it, or a part of the refusal."""
-    HULLS[name] = (data.encode() if isinstance(data, str) else data, expected, beside or {})
+    HULLS[name] = (data.encode() if isinstance(data, str) else data, expected, companions or {})
 
 
 def ascii_stl(head="solid s", tail="endsolid s", number=repr, normal="0 0 1", blank=" ", end="\n"):
@@ -169,8 +169,8 @@ FLAT = [POINTS[k] for facet in FACETS for k in facet]
 STRIP = [0, 2, 1, 3, 0, 2]
 hull("plain.gltf", gltf())
 hull("plain.glb", gltf(form="glb"))
-text, beside = gltf(form="file")
-hull("buffer_file.gltf", text, beside=beside)
+text, companions = gltf(form="file")
+hull("buffer_file.gltf", text, companions=companions)
 hull("bytes.glb", gltf(kind=U8, form="glb"))
 hull("long_indices.glb", gltf(kind=U32, form="glb"))
 hull("no_indices.glb", gltf(y_up(FLAT), [], form="glb"))
@@ -542,8 +542,8 @@ def refused(code, errors, expected):
 
 
 def read_hull(command, folder, name):
-    data, expected, beside = HULLS[name]
-    for file, content in {name: data, **beside}.items():
+    data, expected, companions = HULLS[name]
+    for file, content in {name: data, **companions}.items():
         with open(os.path.join(folder, file), "wb") as out:
             out.write(content)
     code, text, errors = run(command, folder, "info", name, "--json")

@@ -13,7 +13,7 @@ use kufe_mesh::{
 
 use crate::case::FittedHull;
 use crate::jobs::failure::Failure;
-use crate::jobs::press::hull_error::{bootstrap_scans, found_noise, left_of_peak};
+use crate::jobs::press::hull_error::{bootstrap_scans, found_noise, relative_peak_error};
 use crate::results::{Angle, HullCheck, ResolvedLoad, Sampling};
 
 /// Relative error of the peak for which a hull is examined where none is requested.
@@ -179,7 +179,7 @@ fn known_peak(
     let ice = Ice::half_space(ICE_MODULUS, ICE_RATIO);
     let problem = Problem::new(runner, ice, Load::central(fz, Tilt::LEVEL));
     let error_m = hull.underside.error_for(approach);
-    let p_max_error = left_of_peak(&problem, hull, scans).unwrap_or(error_m / approach);
+    let p_max_error = relative_peak_error(&problem, hull, scans).unwrap_or(error_m / approach);
     let noise = hull.noise.found;
     let by = |factor: f64| {
         let smaller = smaller_by(factor, noise > 0.0);

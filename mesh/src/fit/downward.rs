@@ -243,7 +243,7 @@ impl Outline {
     /// scanned before and behind a notch is steel in between, as around a hole.
     ///
     /// A morphological closing (J. Serra, Image Analysis and Mathematical Morphology, 1982); it adds
-    /// nothing beyond the ends.
+    /// nothing at the ends.
     pub fn bridged(mut self) -> Self {
         let widths = self.sides.iter().map(|side| side[1] - side[0]);
         let mut widths: Vec<f64> = widths.filter(|width| *width > 0.0).collect();
@@ -262,10 +262,10 @@ impl Outline {
             (f64::NEG_INFINITY, [f64::max, f64::min]),
         ];
         for (k, (none, [most, least])) in of_sides.into_iter().enumerate() {
-            // Nothing beyond the ends.
-            let beyond = || std::iter::repeat_n(none, 2 * half);
+            // The ends count as empty.
+            let padding = || std::iter::repeat_n(none, 2 * half);
             let side = self.sides.iter().map(|side| side[k]);
-            let side: Vec<f64> = beyond().chain(side).chain(beyond()).collect();
+            let side: Vec<f64> = padding().chain(side).chain(padding()).collect();
             let closed = picked(&picked(&side, most), least);
             let sides = self.sides.iter_mut().zip(closed);
             sides.for_each(|(side, closed)| side[k] = closed);

@@ -394,6 +394,7 @@ mod tests {
 
     use super::*;
     use crate::hull::tessellate::tessellate;
+    use crate::scan::turned;
     use crate::shapes::swept::{BobRunner, LugeSteel};
 
     const KINDS: [bool; 2] = [false, true];
@@ -500,8 +501,8 @@ mod tests {
     /// has moved its nodes along and across, too.
     #[test]
     fn noise_of_a_turned_grid_is_found() {
-        for [roll, pitch, yaw] in [
-            [0.0f64, 0.0, 0.01],
+        for angles in [
+            [0.0, 0.0, 0.01],
             [0.02, 0.003, 0.01],
             [0.05, 0.0, -0.05],
             [-0.01, 0.0, 0.2],
@@ -514,19 +515,7 @@ mod tests {
                     let (x, y) = (at(nx, 4e-4, k / (ny + 1)), at(ny, 3e-4, k % (ny + 1)));
                     let drawn: f64 = StandardNormal.sample(&mut random);
                     let z = x * x / 60.0 + 0.006 - (36e-6 - y * y).sqrt() + noise * drawn;
-                    let (y, z) = (
-                        y * roll.cos() - z * roll.sin(),
-                        y * roll.sin() + z * roll.cos(),
-                    );
-                    let (x, z) = (
-                        x * pitch.cos() + z * pitch.sin(),
-                        z * pitch.cos() - x * pitch.sin(),
-                    );
-                    [
-                        x * yaw.cos() - y * yaw.sin(),
-                        x * yaw.sin() + y * yaw.cos(),
-                        z,
-                    ]
+                    turned([x, y, z], angles)
                 });
                 let points: Vec<[f64; 3]> = points.collect();
                 let faces = (0..nx * ny).map(|k| {
@@ -535,7 +524,7 @@ mod tests {
                 });
                 let faces: Vec<[usize; 4]> = faces.collect();
                 let found = noise_of_faces(&points, &faces).expect("a grid");
-                println!("{roll} {pitch} {yaw} {noise}: {found:?}");
+                println!("{angles:?} {noise}: {found:?}");
                 assert!(
                     (found.found - noise).abs() <= 0.15 * noise,
                     "{noise}: {found:?}"

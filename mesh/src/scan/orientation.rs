@@ -508,30 +508,17 @@ mod tests {
 
     use super::*;
     use crate::hull::tessellate::tessellate;
+    use crate::scan;
     use crate::shapes::swept::{BobRunner, LugeSteel, Swept};
 
-    /// The runner turned by roll, pitch and yaw [deg] about fixed axes in this order, by matrices
-    /// of its own.
+    /// The runner turned by roll, pitch and yaw [deg] about fixed axes in this order.
     fn turned(runner: &Swept, edge: f64, degrees: [f64; 3], noise: f64, seed: u64) -> Hull {
         let mut hull = tessellate(runner, edge).expect("a hull");
-        let [roll, pitch, yaw] = degrees.map(f64::to_radians);
+        let angles = degrees.map(f64::to_radians);
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         for p in &mut hull.positions {
             let drawn: f64 = StandardNormal.sample(&mut random);
-            let [x, y, z] = [p[0], p[1], p[2] + noise * drawn];
-            let (y, z) = (
-                y * roll.cos() - z * roll.sin(),
-                y * roll.sin() + z * roll.cos(),
-            );
-            let (x, z) = (
-                x * pitch.cos() + z * pitch.sin(),
-                z * pitch.cos() - x * pitch.sin(),
-            );
-            *p = [
-                x * yaw.cos() - y * yaw.sin(),
-                x * yaw.sin() + y * yaw.cos(),
-                z,
-            ];
+            *p = scan::turned([p[0], p[1], p[2] + noise * drawn], angles);
         }
         hull
     }

@@ -1,5 +1,7 @@
 //! State of a sled as effects see it, and the forces, signals and constants that they may change.
 
+use std::ops::Sub;
+
 use crate::column::{SENSORS, Sensor};
 use crate::conditions::Conditions;
 
@@ -94,6 +96,21 @@ pub struct Constants {
     pub accelerometer: [f64; 3],
     /// Slip sensor, forward [m].
     pub slip_sensor: f64,
+}
+
+impl Sub for Constants {
+    type Output = Constants;
+
+    fn sub(self, other: Constants) -> Constants {
+        Constants {
+            mass: self.mass - other.mass,
+            pitch_inertia: self.pitch_inertia - other.pitch_inertia,
+            yaw_inertia: self.yaw_inertia - other.yaw_inertia,
+            axles: std::array::from_fn(|k| self.axles[k] - other.axles[k]),
+            accelerometer: std::array::from_fn(|k| self.accelerometer[k] - other.accelerometer[k]),
+            slip_sensor: self.slip_sensor - other.slip_sensor,
+        }
+    }
 }
 
 /// The readings of all sensors, or the true values: the faults of sensors lie between the two.

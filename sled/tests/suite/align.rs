@@ -97,12 +97,12 @@ fn shifted_and_stretched_runs_are_placed_on_the_survey_within_their_errors() {
         }
     }
     let rms = (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt();
-    let beyond = off.iter().filter(|off| off.abs() > 3.0).count() as f64 / off.len() as f64;
+    let outliers = off.iter().filter(|off| off.abs() > 3.0).count() as f64 / off.len() as f64;
     println!(
-        "{rms:.2} of the stated errors, {:.1} % beyond three",
-        100.0 * beyond
+        "{rms:.2} of the stated errors, {:.1} % more than three",
+        100.0 * outliers
     );
-    assert!(rms < 2.0 && beyond < 0.1, "{off:.1?}");
+    assert!(rms < 2.0 && outliers < 0.1, "{off:.1?}");
 }
 
 #[test]
@@ -134,18 +134,18 @@ fn runs_without_a_survey_are_placed_on_one_another_and_give_the_track_within_its
             .map(|i| (values[i] - truth.value(track.s_m[i] + common)) / sd[i])
             .collect();
         let mean_square = off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64;
-        let beyond = off.iter().filter(|off| off.abs() > 3.0).count() as f64 / off.len() as f64;
+        let outliers = off.iter().filter(|off| off.abs() > 3.0).count() as f64 / off.len() as f64;
         let plain = (0..values.len())
             .map(|i| (values[i] - truth.value(track.s_m[i] + common)).powi(2))
             .sum::<f64>()
             / off.len() as f64;
         println!(
-            "{name}: {:.2} of its errors, {:.1} % beyond three; {:.2e}",
+            "{name}: {:.2} of its errors, {:.1} % more than three; {:.2e}",
             mean_square.sqrt(),
-            100.0 * beyond,
+            100.0 * outliers,
             plain.sqrt()
         );
-        assert!(mean_square.sqrt() < 1.5 && beyond < 0.03, "{name}");
+        assert!(mean_square.sqrt() < 1.5 && outliers < 0.03, "{name}");
     }
 }
 

@@ -1,5 +1,7 @@
 //! mu over pressure, and its residuals over the columns that the named effects need.
 
+use kufe_sled::correlation;
+
 use crate::evidence::experiments::fit::{Fit, Setting};
 use crate::evidence::experiments::rows::Row;
 use crate::finding::{Curve, Picture, Plot, Scatter, Series};
@@ -118,17 +120,4 @@ fn strongest_column(rows: &[Row], change: &[f64]) -> Option<(String, Vec<f64>)> 
         })
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, name, values)| (name, values))
-}
-
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let n = a.len() as f64;
-    let mean = |x: &[f64]| x.iter().sum::<f64>() / n;
-    let (ma, mb) = (mean(a), mean(b));
-    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
-    for (x, y) in a.iter().zip(b) {
-        ab += (x - ma) * (y - mb);
-        aa += (x - ma).powi(2);
-        bb += (y - mb).powi(2);
-    }
-    ab / (aa * bb).sqrt().max(1e-300)
 }

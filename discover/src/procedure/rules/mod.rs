@@ -150,8 +150,9 @@ pub struct RunRules {
     pub track_rivals: RivalRule,
     /// The track channel is used where its runs agree within this many times what the sensors' noise scatters. Chosen.
     pub track_agrees: f64,
-    /// Standard deviation of the surveyed slope where none is stated \[rad\]. Derived: 0.002 of a levelling over 5 m to 1 cm, and 0.0035 of
-    /// drivers whose mean line is a decimetre off the surveyed one where the bank grows by 0.035 rad/m.
+    /// Standard deviation of the surveyed slope where none is stated \[rad\]. Chosen: 0.002 of a levelling over 5 m to
+    /// 1 cm, and 0.0035 of drivers whose mean line is a decimetre off the surveyed one where the bank grows by 0.035 rad/m. With 0.002 one campaign
+    /// without an effect was called not identifiable.
     pub slope_sd_rad: f64,
     /// Share by which a driven line may be longer or shorter than the surveyed one, a standard deviation that intervals of the speed's scale and
     /// offset take in. Derived: weaving by 2 to 4 degrees makes a way half the square of that longer, 0.06 to 0.24 %, and a decimetre farther out in

@@ -99,10 +99,10 @@ pub(super) fn between_vertices(
     }
 }
 
-/// What the noise in `scans` and the vertices' distances leave of a peak, over it, of a contact that
-/// is not solved otherwise: the sum of squares of [`moved`] and [`between_vertices`], `None` where
+/// Relative error of the peak by the noise in `scans` and the vertices' distances, for a contact that
+/// is not solved otherwise: [`moved`] and [`between_vertices`] added in quadrature, `None` where
 /// boundary elements do not answer.
-pub(crate) fn left_of_peak(
+pub(crate) fn relative_peak_error(
     problem: &Problem,
     hull: &FittedHull,
     scans: Option<&[Arc<dyn Underside>]>,

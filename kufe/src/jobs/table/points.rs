@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
-use std::io::{BufRead, BufReader, Read, Seek, Write};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -76,9 +76,7 @@ impl PointStore {
             damaged: Vec::new(),
             state: Mutex::default(),
         };
-        if path.symlink_metadata().is_ok() {
-            store.read(path)?;
-        }
+        store.read(path)?;
         Ok(store)
     }
 
@@ -119,7 +117,11 @@ impl PointStore {
         if path.is_symlink() {
             return Err(link(path));
         }
-        let mut file = kufe_files::open_regular(path).map_err(cannot("be read", path))?;
+        let mut file = match kufe_files::open_regular(path) {
+            // Not begun, or removed by an equal command that has finished.
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+            opened => opened.map_err(cannot("be read", path))?,
+        };
         let mut begins = Vec::new();
         let mut head = Read::by_ref(&mut file).take(BEGINNING.len() as u64);
         head.read_to_end(&mut begins)
@@ -239,10 +241,11 @@ impl PointStore {
     /// [`Failure::BadInput`] where it exists and cannot be removed.
     pub fn remove(&self) -> Result<(), Failure> {
         self.lock().file = None;
-        if self.path.exists() {
-            std::fs::remove_file(&self.path).map_err(cannot("be removed", &self.path))?;
+        match std::fs::remove_file(&self.path) {
+            // No point was appended, or an equal command has removed it.
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+            removed => removed.map_err(cannot("be removed", &self.path)),
         }
-        Ok(())
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {

@@ -8,7 +8,7 @@ use crate::fault::{Fault, FaultKind};
 use crate::record::check::mends::{Mend, mends};
 use crate::record::check::response::response_faults;
 use crate::record::check::rigid_body::{Agreement, Slow, factor};
-use crate::record::check::rotation::BoxRotation;
+use crate::record::check::rotation::{BoxRotation, is_complete};
 use crate::record::check::single::{constant_fault, plain_faults, range_faults};
 use crate::record::run::Run;
 use crate::series::bridged;
@@ -49,10 +49,11 @@ pub fn judge_by(runs: &[Run], rules: &RelationRules) -> Vec<Fault> {
         .zip(plain)
         .map(|(run, (mut faults, mut slow))| {
             if let (Some(rotation), Some(slow)) = (&rotation, &mut slow)
-                && rotation.applies(slow)
+                && is_complete(slow)
             {
-                faults.push(rotation.fault(run, slow));
-                *slow = rotation.applied(slow);
+                let turned = rotation.applied(slow);
+                faults.push(rotation.fault(run, slow, &turned));
+                *slow = turned;
             }
             let mended = slow.map(|slow| search.mend_all(run, slow, &mut faults));
             let ranges = range_faults(run, &faults);

@@ -74,15 +74,14 @@ fn stated_errors_hold_in_95_of_100_random_contacts() {
                 reported.push(format!("{}: {miss:?}", row.text))
             }
             let Miss { off, stated } = miss;
-            let [most, largest] = if figure == 1 {
-                [0.1, 0.4]
-            } else {
-                [0.03, 0.04]
-            };
-            // A ridge that is narrower than the cells leaves a large error, which is stated.
+            // A ridge that is narrower than the cells has a large error, which is stated.
             let ridge = row.text.starts_with("worn flat");
-            let small = off < most && stated < largest;
-            assert!(ridge || small, "{}: {miss:?}", row.text);
+            let [most, largest] = match figure {
+                1 => [0.1, 0.4],
+                _ if ridge => [0.25, 0.3],
+                _ => [0.03, 0.04],
+            };
+            assert!(off < most && stated < largest, "{}: {miss:?}", row.text);
         }
     }
     assert!(count >= 560, "{count} figures");

@@ -69,11 +69,11 @@ impl BalanceProducts {
 
     /// Covariance of the residuals.
     pub fn covariance(&self) -> Matrix3<f64> {
-        self.left_by(&DVector::zeros(self.columns - 1 - OWN_LEVELS))
+        self.covariance_after(&DVector::zeros(self.columns - 1 - OWN_LEVELS))
     }
 
-    /// Covariance that a step leaves of the residuals where they go with it in a straight line.
-    pub fn left_by(&self, step: &DVector<f64>) -> Matrix3<f64> {
+    /// Covariance of the residuals after a step, to first order.
+    pub fn covariance_after(&self, step: &DVector<f64>) -> Matrix3<f64> {
         let mut along = DVector::zeros(self.columns);
         along[self.columns - 1] = 1.0;
         along.rows_mut(OWN_LEVELS, step.len()).copy_from(&-step);
@@ -120,7 +120,7 @@ mod tests {
         let remaining: Vec<DVector<f64>> = [0, 1]
             .map(|k| block(k).column(m - 1) - block(k).columns(OWN_LEVELS, 2) * &step)
             .into();
-        let covariance = products.left_by(&step);
+        let covariance = products.covariance_after(&step);
         for (a, b) in [(0, 0), (0, 1), (1, 1)] {
             let want = remaining[a].dot(&remaining[b]) / n as f64;
             assert!((covariance[(1 + a, 1 + b)] - want).abs() < 1e-12);

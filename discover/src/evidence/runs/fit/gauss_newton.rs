@@ -177,7 +177,7 @@ pub fn fit(
             }
             count(free_base.len(), &of_noise.by_amplitudes);
             let step = joint_step(&products.weighted(&whitener), &counted);
-            let after = Whitener::of(&products.left_by(&step), used);
+            let after = Whitener::of(&products.covariance_after(&step), used);
             let promised = products.rows * (after.log_scale() - noise) - counted.dot(&step);
             let fit = Fit {
                 criterion,

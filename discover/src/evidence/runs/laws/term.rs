@@ -111,7 +111,9 @@ impl TermsOnRun {
             let at = on_run.instant(i, &on_run.measured(i));
             let forces = on_run.forces(&at);
             let rest = on_run.balances(&at, &forces);
-            let by = sensors.then(|| on_run.left_by(&at, &forces)).flatten();
+            let by = sensors
+                .then(|| on_run.residual_jacobian(&at, &forces))
+                .flatten();
             for ((size, constant, growing), unit) in trials.iter().zip(&mut units) {
                 let of = |trial: &Active| {
                     let with = on_run.balances_with(i, trial, &at, &forces, by.as_ref());

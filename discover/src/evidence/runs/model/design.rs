@@ -137,7 +137,9 @@ impl Design<'_> {
         for i in 0..n {
             let at = on_run.instant(i, &on_run.measured(i));
             let own = on_run.forces(&at);
-            let by = any_reads.then(|| on_run.left_by(&at, &own)).flatten();
+            let by = any_reads
+                .then(|| on_run.residual_jacobian(&at, &own))
+                .flatten();
             let rest = on_run.balances(&at, &own);
             if !shifted.is_empty() {
                 instants.push(at);
@@ -234,7 +236,7 @@ impl Design<'_> {
             let forces = on_modelled.forces(&at);
             let (own, by) = (
                 on_modelled.balances(&at, &forces),
-                on_modelled.left_by(&at, &forces),
+                on_modelled.residual_jacobian(&at, &forces),
             );
             for (k, reads) in &shifted {
                 let more = on_modelled.balances_more(i, reads, &at, own, by.as_ref());

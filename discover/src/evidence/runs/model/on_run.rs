@@ -265,7 +265,7 @@ impl<'a> ModelOnRun<'a> {
 
     /// Derivatives of the balances of a sample by what its sensors say; nothing where effects act on the forces, which have derivatives of
     /// their own, and where the sled is at rest.
-    pub fn left_by(&self, at: &Instant, forces: &Forces) -> Option<ResidualJacobian> {
+    pub fn residual_jacobian(&self, at: &Instant, forces: &Forces) -> Option<ResidualJacobian> {
         let moves = at.signals[Sensor::Speed] > LEAST_SPEED;
         let plain = moves && *forces == at.laws.forces;
         plain.then(|| ResidualJacobian::new(&at.balance, &self.vehicle, &at.laws, &at.signals))
@@ -316,7 +316,7 @@ impl<'a> ModelOnRun<'a> {
     /// Balances with base multiplier `b` moved by a small `step`.
     pub fn balances_with_base(&self, at: &Instant, b: usize, step: f64) -> [f64; BALANCES] {
         let share = step / self.residual_model.base[b];
-        let moved = moved(&at.laws, &self.vehicle, b, share);
+        let moved = with_base_moved(&at.laws, &self.vehicle, b, share);
         self.balances(at, &self.with_effects(at, moved))
     }
 
@@ -326,7 +326,7 @@ impl<'a> ModelOnRun<'a> {
             return 0.0;
         };
         let slope = slope + self.vehicle.effects.slope("", self.frame.s[i]);
-        left_along_way(balance, signals, slope)
+        residual_along_track(balance, signals, slope)
     }
 
     /// Residual of a sample.
@@ -411,7 +411,7 @@ impl<'a> ModelOnRun<'a> {
             effect.correct(&at.seen.point, &mut signals);
         }
         if signals == at.signals {
-            return left_with(effect, at, forces);
+            return residuals_with(effect, at, forces);
         }
         // Another signal is another motion; what changes what a sensor reads acts on no force.
         if let Some(by) = by {
@@ -420,19 +420,19 @@ impl<'a> ModelOnRun<'a> {
         }
         let other = self.instant_near(i, &signals, at);
         let forces = self.forces(&other);
-        left_with(effect, &other, &forces)
+        residuals_with(effect, &other, &forces)
     }
 }
 
 /// What the balances leave with one more effect, `forces` being those without it.
-fn left_with(effect: &Active, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
+fn residuals_with(effect: &Active, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
     let mut forces = *forces;
     effect.act(&at.seen, &mut forces);
     at.balance.residual(&forces).values()
 }
 
 /// Forces of the base laws to first order, with base parameter `b` moved by a share of itself.
-fn moved(laws: &LawForces, vehicle: &Vehicle, b: usize, share: f64) -> Forces {
+fn with_base_moved(laws: &LawForces, vehicle: &Vehicle, b: usize, share: f64) -> Forces {
     let mut forces = laws.forces;
     let across = &mut forces.across;
     let (front, rear) = (&vehicle.front.lateral, &vehicle.rear.lateral);
@@ -448,7 +448,7 @@ fn moved(laws: &LawForces, vehicle: &Vehicle, b: usize, share: f64) -> Forces {
 }
 
 /// What the balance along the sled's way leaves [m/s2], the slope [rad] being positive downhill.
-fn left_along_way(balance: &Balance, signals: &Signals, slope: f64) -> f64 {
+fn residual_along_track(balance: &Balance, signals: &Signals, slope: f64) -> f64 {
     let (a, (sine, cosine)) = (&balance.motion.accel_mps2, balance.chassis);
     signals.rate(Sensor::Speed) - GRAVITY * slope.sin() - a[0] * cosine + a[1] * sine
 }

@@ -72,14 +72,7 @@ impl Differences {
         });
         Self {
             sensors: Sensor::ALL.into_iter().filter(moved).map(between).collect(),
-            constants: Constants {
-                mass: b.mass - a.mass,
-                pitch_inertia: b.pitch_inertia - a.pitch_inertia,
-                yaw_inertia: b.yaw_inertia - a.yaw_inertia,
-                axles: [0, 1].map(|k| b.axles[k] - a.axles[k]),
-                accelerometer: [0, 1, 2].map(|k| b.accelerometer[k] - a.accelerometer[k]),
-                slip_sensor: b.slip_sensor - a.slip_sensor,
-            },
+            constants: b - a,
         }
     }
 

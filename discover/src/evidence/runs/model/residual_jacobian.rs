@@ -86,15 +86,7 @@ impl ResidualJacobian {
         if from.sled == to.sled {
             return total;
         }
-        let (a, b) = (&from.sled, &to.sled);
-        let by = Constants {
-            mass: b.mass - a.mass,
-            pitch_inertia: b.pitch_inertia - a.pitch_inertia,
-            yaw_inertia: b.yaw_inertia - a.yaw_inertia,
-            axles: [0, 1].map(|k| b.axles[k] - a.axles[k]),
-            accelerometer: [0, 1, 2].map(|k| b.accelerometer[k] - a.accelerometer[k]),
-            slip_sensor: b.slip_sensor - a.slip_sensor,
-        };
+        let by = to.sled - from.sled;
         sum([(1.0, &total), (1.0, &self.of_constants(&by))])
     }
 
@@ -328,7 +320,7 @@ mod tests {
     }
 
     /// What the balances leave.
-    fn left(vehicle: &Vehicle, signals: &Signals) -> [f64; 3] {
+    fn residual(vehicle: &Vehicle, signals: &Signals) -> [f64; 3] {
         let balance = balance(vehicle, signals);
         balance.residual(&balance.laws(vehicle).forces).values()
     }
@@ -402,7 +394,7 @@ mod tests {
                     there
                 };
                 let (up, down) = (there(*step), there(-step));
-                let (plus, minus) = (left(&vehicle, &up), left(&vehicle, &down));
+                let (plus, minus) = (residual(&vehicle, &up), residual(&vehicle, &down));
                 let closed = by.between(&down, &up);
                 let largest = plus.iter().zip(minus).map(|(p, m)| (p - m).abs());
                 let size = largest.fold(1e-9, f64::max);

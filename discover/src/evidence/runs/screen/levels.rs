@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use kufe_sled::correlation;
 use kufe_sled::effects::Level;
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
@@ -226,11 +227,6 @@ fn centred(x: &[f64]) -> Vec<f64> {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let (a, b) = (centred(a), centred(b));
-    dot(&a, &b) / (dot(&a, &a) * dot(&b, &b)).sqrt().max(1e-300)
 }
 
 fn slope(y: &[f64], x: &[f64], typical: f64, weight: f64) -> LevelScore {
