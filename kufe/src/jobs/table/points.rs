@@ -76,7 +76,9 @@ impl PointStore {
             damaged: Vec::new(),
             state: Mutex::default(),
         };
-        store.read(path)?;
+        if path.symlink_metadata().is_ok() {
+            store.read(path)?;
+        }
         Ok(store)
     }
 
@@ -118,7 +120,7 @@ impl PointStore {
             return Err(link(path));
         }
         let mut file = match kufe_files::open_regular(path) {
-            // Not begun, or removed by an equal command that has finished.
+            // An equal command has finished and removed it.
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
             opened => opened.map_err(cannot("be read", path))?,
         };
