@@ -84,6 +84,10 @@ pub(crate) fn solid_material(
         .map_err(|_| Error::out_of_range(name, youngs_modulus, "an elastic solid"))
 }
 
+/// Smallest Young's modulus of a runner over that of the ice. A softer one is a wrong unit, and its
+/// compliance has no digits in common with that of the ice.
+const SOFTEST: f64 = 1e-9;
+
 /// Largest tilt [rad]. Tilts are taken as small: a round section's curvature is off by 1.5 times
 /// the square of the roll.
 pub(crate) const MOST_TILT: f64 = 0.12;
@@ -173,6 +177,16 @@ fn check_ice(ice: &Ice) -> Result<(), Error> {
 fn check_elastic(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error> {
     positive("runner's Young's modulus", elastic.youngs_modulus, PASCALS)?;
     check_ratio("runner's Poisson's ratio", elastic.poissons_ratio)?;
+    let own = elastic.solid.as_ref();
+    let young = own.map_or(elastic.youngs_modulus, |solid| {
+        solid.material().youngs_modulus()
+    });
+    within(
+        young >= SOFTEST * problem.ice.youngs_modulus,
+        "runner's Young's modulus",
+        young,
+        "at least 1e-9 of the ice's",
+    )?;
     let extent = problem.runner.underside.extent();
     if elastic.solid.is_none() && extent.iter().all(|end| end.is_finite()) {
         let top = elastic.top;

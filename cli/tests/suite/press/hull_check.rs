@@ -224,10 +224,10 @@ fn luge_off(bench: &Bench, hull: &str, shape: &Value) -> [f64; 2] {
 
 /// A flat beside an edge of 0.3 mm: its curvature jumps inside the contact.
 #[test]
-fn what_the_vertices_of_a_luge_steel_leave_is_stated_at_three_lengths_of_its_edges() {
+fn what_the_vertices_of_a_luge_steel_leave_is_stated_at_two_lengths_of_its_edges() {
     let bench = Bench::new();
     let shape = luge_pressed(&bench, &luge(0.3e-3), "shape");
-    for edge in ["0.0005", "0.001", "0.002"] {
+    for edge in ["0.001", "0.002"] {
         let hull = format!("{edge}.obj");
         bench.succeeds(&["hull", "luge", "--edge-length-m", edge, "-o", &hull]);
         let [_, stated] = luge_off(&bench, &hull, &shape);
@@ -271,7 +271,7 @@ fn coarse_edge(radius: f64, turn: f64) -> String {
 fn a_fit_that_vertices_do_not_determine_is_stated_and_warned_of() {
     let bench = Bench::new();
     let mut pressed = 0;
-    for (radius, turn) in [(0.3e-3, 0.1), (0.1e-3, 0.1), (0.1e-3, 0.15)] {
+    for (radius, turn) in [(0.3e-3, 0.1), (0.1e-3, 0.15)] {
         let shape = luge_pressed(&bench, &luge(radius), &format!("{radius}"));
         let hull = format!("{radius}-{turn}.obj");
         bench.write(&hull, coarse_edge(radius, turn));
