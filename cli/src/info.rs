@@ -8,13 +8,13 @@ use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 use kufe::jobs::{Failure, percent, table::read_table};
 use kufe::plot::{number4, quantity, unit_of};
+use kufe::report::{LONGEST_TREE, read_json};
 use kufe::results::{Data, Datum, DocumentKind, TableInfo};
 use kufe_files::open_regular;
 use kufe_lut::read_fmu;
 use kufe_mesh::{HullOptions, load_hull};
 use serde::Serialize;
 
-use crate::report::{LONGEST_TREE, read_json};
 use crate::terminal::Global;
 
 /// Arguments of `kufe info`.

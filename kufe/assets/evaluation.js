@@ -1,6 +1,7 @@
 // The page of an evaluation of drivers.
 //
-// Data: evaluation.json: { runs: [one a run], groups: [{ by, name, track, runs, increase_*: { mean, low, high } }], drivers: [{ driver, track, runs, lost_s, stretches: [{ from_m, to_m, front_j, rear_j, aero_j, lost_s }] }], interval, left_out, tables: [{ runner, picture }] }.
+// Data: evaluation.json: { runs: [one a run], groups: [{ by, name, track, runs, increase_*: { mean, low, high } }], drivers: [{ driver, track, runs, lost_s, stretches: [{ from_m, to_m, front_j, rear_j, aero_j, lost_s }] }], interval, left_out, tables: [{ runner, picture }],
+// viewer: address of the page of the runs }.
 
 const PARTS = [["increase_front", "front runner", "--accent"], ["increase_rear", "rear runner", "--second"], ["increase_aero", "air", "--third"]];
 
@@ -24,10 +25,10 @@ function evaluationPage(main, data) {
     el("div", { class: "tools", style: "margin-bottom:.8rem" }, el("label", {}, "by", by), el("label", { hidden: places.length < 2 }, "on", where)),
     el("div", { class: "panels" },
       el("section", { class: "panel wide" }, el("h2", {}, "Loss beyond a straight glide"), box, el("p", { class: "soft" }, `Bars: mean by part. Line: interval of the total (${data.interval ?? "as evaluated"}). Rings: single runs.`)),
-      ...(data.drivers?.length ? [losses(data.drivers, tracks)] : []),
+      ...(data.drivers?.length ? [losses(data, tracks)] : []),
       ...(data.tables ?? []).map(({ runner, picture }) => el("section", { class: "panel wide" }, el("h2", {}, `Where the ${runner} asks its table of friction`),
         el("label", { class: "picture", title: "a click shows it at full size" }, el("input", { type: "checkbox" }), el("img", { alt: `samples of the ${runner} upon its table`, src: picture })))),
-      el("section", { class: "panel wide" }, el("h2", {}, "Every run"), runTable(data.runs))),
+      el("section", { class: "panel wide" }, el("h2", {}, "Every run"), runTable(data.runs, data.viewer))),
   );
   let width = 0;
   function draw() {
@@ -40,8 +41,14 @@ function evaluationPage(main, data) {
   new ResizeObserver(([entry]) => { width = Math.round(entry.contentRect.width); requestAnimationFrame(draw); }).observe(box);
 }
 
+/** A link to runs in the page of the runs, from and to a distance where they are stated. */
+function viewed(viewer, text, runs, stretch = {}) {
+  const part = new URLSearchParams([...runs.map((run) => ["run", run]), ...Object.entries(stretch)]);
+  return el("a", { href: `${viewer}#${part}` }, text);
+}
+
 /** The time that two drivers lose along a track, and where they differ most. */
-function losses(drivers, tracks) {
+function losses({ drivers, runs, viewer }, tracks) {
   const here = () => drivers.filter((one) => one.track === track.value), picked = (list) => here().find((one) => one.driver === list.value);
   const option = (name) => el("option", { value: name }, name);
   const track = el("select", { onchange: () => fill() }, tracks.map(option)), lists = [0, 1].map(() => el("select", { onchange: () => draw() }));
@@ -62,8 +69,12 @@ function losses(drivers, tracks) {
     if (pair.length < 2) { differences.replaceChildren(); return; }
     const [a, b] = pair, other = new Map(a.stretches.map((stretch) => [stretch.from_m, stretch]));
     const rows = b.stretches.filter((s) => other.has(s.from_m)).map((s) => [s, other.get(s.from_m)]).sort(([p, q], [r, t]) => Math.abs(r.lost_s - t.lost_s) - Math.abs(p.lost_s - q.lost_s));
-    differences.replaceChildren(table(["from [m]", "to [m]", `${a.driver} [s]`, `${b.driver} [s]`, "difference [s]", "energy [J]"], rows.slice(0, 5).map(([s, t]) => [
-      s.from_m.toFixed(0), s.to_m.toFixed(0), t.lost_s.toFixed(4), s.lost_s.toFixed(4), (s.lost_s - t.lost_s).toFixed(4), ["front_j", "rear_j", "aero_j"].reduce((energy, key) => energy + s[key] - t[key], 0).toFixed(1)])));
+    // The quickest run of each driver.
+    const quickest = ({ driver }) => runs.filter((run) => run.driver === driver && run.track === track.value).sort((p, q) => p.time_s - q.time_s)[0]?.run;
+    const names = viewer ? [quickest(a), quickest(b)].filter(Boolean) : [];
+    const links = ({ from_m: from, to_m: to }) => (names.length === 2 ? [viewed(viewer, names.join(", "), names, { from: from - 25, to: to + 25 })] : []);
+    differences.replaceChildren(table(["from [m]", "to [m]", `${a.driver} [s]`, `${b.driver} [s]`, "difference [s]", "energy [J]", ...(names.length === 2 ? ["in the viewer"] : [])], rows.slice(0, 5).map(([s, t]) => [
+      s.from_m.toFixed(0), s.to_m.toFixed(0), t.lost_s.toFixed(4), s.lost_s.toFixed(4), (s.lost_s - t.lost_s).toFixed(4), ["front_j", "rear_j", "aero_j"].reduce((energy, key) => energy + s[key] - t[key], 0).toFixed(1), ...links(s)])));
   }
   const box = el("section", { class: "panel wide" }, el("h2", {}, "Where the time goes"), el("div", { class: "tools" }, el("label", { hidden: tracks.length < 2 }, "on", track), lists.map((list) => el("label", {}, list))), by.box, sum.box, differences,
     el("p", { class: "soft" }, "Energy lost over a straight glide, by the time that it delays the end of the run: the slower sled has less drag. Means of runs, in brackets their number."));
@@ -106,8 +117,8 @@ function bars(groups, runsOf, width) {
   return el("div", { class: "chart" }, el("div", { class: "legend" }, PARTS.map(([, name, colour]) => el("span", {}, swatch(colour), name))), root);
 }
 
-/** Runs as rows, sorted by the column whose head is clicked. */
-function runTable(runs) {
+/** Runs as rows, sorted by the column whose head is clicked; their names are links where there is a page of the runs. */
+function runTable(runs, viewer) {
   const columns = [
     ["run", (run) => run.run], ["track", (run) => run.track], ["driver", (run) => run.driver], ["class", (run) => run.driver_class], ["session", (run) => run.session],
     ["time [s]", (run) => run.time_s, 2], ["glide's loss [kJ]", (run) => -1e-3 * run.e_tot_loss_j, 1],
@@ -122,7 +133,7 @@ function runTable(runs) {
       const of = columns[sorted][1];
       rows.sort((a, b) => sense * (typeof of(a) === "number" ? of(a) - of(b) : String(of(a)).localeCompare(String(of(b)))));
     }
-    body.replaceChildren(...rows.map((run) => el("tr", {}, columns.map(([, of, digits]) => (digits === undefined ? el("td", {}, of(run)) : el("td", { class: "n" }, of(run).toFixed(digits)))))));
+    body.replaceChildren(...rows.map((run) => el("tr", {}, columns.map(([name, of, digits]) => (digits === undefined ? el("td", {}, viewer && name === "run" ? viewed(viewer, run.run, [run.run]) : of(run)) : el("td", { class: "n" }, of(run).toFixed(digits)))))));
   }
   const head = el("tr", {}, columns.map(([name, , digits], k) => el("th", { class: digits === undefined ? null : "n" },
     el("button", { type: "button", onclick: () => { sense = sorted === k ? -sense : 1; sorted = k; fill(); } }, name))));

@@ -3,7 +3,7 @@
 // Data: { index, rate_hz, model, channels: [{ key, label, unit, times }], runs: [{ run, track, driver, session, t0_s, rate_hz,
 // columns: { key: packed }, model: { key: packed }, stretches: [{ column, kind, from_s, to_s }], sections: [{ column, from_m, to_m, lost_s }],
 // contacts: [[from_s, to_s]], faults: [{ columns, proven, text }], notes }], left_out: [[run, reason]] }. The address may state what is
-// shown: #run=NAME&run=NAME&over=time&from=10&to=20.
+// shown: #run=NAME&run=NAME&channel=KEY&over=time&from=10&to=20; track=NAME without a run shows the quickest runs of a track.
 
 const LEFT = 58, RIGHT = 10, TALL = 132, BAR = 62;
 /** Channels that are shown at first, and runs. */
@@ -40,13 +40,18 @@ function runsPage(main, data) {
   const named = (name) => runs.find((run) => run.run === name);
   const asked = address.getAll("run").map(named).filter(Boolean);
   const quickest = (list) => list.reduce((best, run) => (run.seconds < best.seconds ? run : best));
-  const onFirst = runs.filter((run) => run.track === (asked[0] ?? runs[0]).track);
+  const { track } = asked[0] ?? runs.find((run) => address.has("track") && run.track === address.get("track")) ?? runs[0];
+  const onFirst = runs.filter((run) => run.track === track);
   const first = asked[0] ?? quickest(onFirst);
   const state = {
     reference: first, shown: new Set(asked.length > 0 ? asked : [first, ...onFirst.filter((run) => run !== first).slice(0, RUNS_AT_FIRST - 1)]), over: address.get("over") === "time" ? "t" : "s",
     against: "nothing", from: 0, to: 1, cursor: null,
     channels: new Set(data.channels.filter((channel) => channel.key !== "s_m").slice(0, CHANNELS_AT_FIRST).map((channel) => channel.key)),
   };
+  // A channel that the address states comes first.
+  const linked = address.getAll("channel").filter((key) => data.channels.some((channel) => channel.key === key));
+  data.channels.sort((a, b) => linked.includes(b.key) - linked.includes(a.key));
+  for (const key of linked) state.channels.add(key);
   if (data.model) state.channels.add("behind_s");
 
   // Values: unpacked when they are first drawn, in the shown unit.
@@ -491,7 +496,8 @@ function runsPage(main, data) {
   onScheme(() => { readScheme(); redraw(true); });
   whole();
   const stated = ["from", "to"].map((name) => Number.parseFloat(address.get(name)));
-  if (stated.every(Number.isFinite)) [state.from, state.to] = stated;
+  if (stated.every(Number.isFinite)) show(...stated);
+  addEventListener("hashchange", () => location.reload());
   new ResizeObserver(([entry]) => {
     const now = Math.round(entry.contentRect.width);
     if (now === width || now < LEFT + RIGHT + 20) return;

@@ -35,7 +35,11 @@ class Case:
 
     def __new__(
         cls, text: str, folder: _Path = "", *, name: str = "the case", hull: Hull | None = None
-    ) -> Case: ...
+    ) -> Case:
+        """
+        A case from TOML; a hull's path starts from `folder`. `hull` stands for the file that
+        `runner.hull` names, and `name` for the case in messages.
+        """
     @staticmethod
     def of(
         hull: Hull, values: Mapping[str, float | int | bool | str] | None = None
@@ -177,7 +181,11 @@ class Contact:
 class Hull:
     """Triangles of a runner, x forward and z up."""
 
-    def __new__(cls, vertices_m: ArrayLike, triangles: ArrayLike) -> Hull: ...
+    def __new__(cls, vertices_m: ArrayLike, triangles: ArrayLike) -> Hull:
+        """
+        A hull of arrays: one row a vertex [m], one row of three vertices a triangle,
+        counter-clockwise seen from outside.
+        """
     @staticmethod
     def from_heights(
         x_m: ArrayLike, y_m: ArrayLike, heights_m: NDArray[np.float64]
@@ -204,7 +212,11 @@ class Hull:
         width_m: float = 0.010,
         height_m: float = 0.030,
         edge_length_m: float = 0.0005,
-    ) -> Hull: ...
+    ) -> Hull:
+        """
+        A bobsled runner: a round section swept along a rocker, with rounded ends; `edge_length_m`
+        is that of the triangles on the underside.
+        """
     @staticmethod
     def luge(
         *,
@@ -215,7 +227,8 @@ class Hull:
         width_m: float = 0.020,
         height_m: float = 0.008,
         edge_length_m: float = 0.0005,
-    ) -> Hull: ...
+    ) -> Hull:
+        """A luge steel on its rounded edge."""
     def write(self, path: _Path) -> None:
         """Writes the hull as .obj, .glb or .stl, in metres; a file is whole or absent."""
     @property
@@ -233,6 +246,25 @@ class Hull:
     @property
     def warnings(self) -> list[str]:
         """What is odd about the hull."""
+
+@final
+class HullCheck:
+    """How the file of a scanned hull is to be read, and which loads it resolves."""
+
+    @property
+    def result(self) -> dict[str, Any]:
+        """
+        What `kufe hull check --json` prints: scale, axes, angles [rad], size, spacing and noise
+        [m], and by load whether the peak pressure is known well enough.
+        """
+    @property
+    def warnings(self) -> list[str]:
+        """What is odd about the hull."""
+    def case(self) -> Case:
+        """
+        The case that reads the hull so, on the ice of the example under the force that is nearest
+        to 1 kN.
+        """
 
 @final
 class Table:
@@ -309,6 +341,77 @@ class Table:
         """Every quantity as a `pandas.DataFrame`, one row a node; needs pandas."""
 
 @final
+class Simulation:
+    """Simulated runs of one driver on one track."""
+
+    @property
+    def runs(self) -> list[dict[str, Any]]:
+        """
+        One dictionary a run, as in `simulation.json`: `run`, `time_s` [s], `finished`, energies
+        [J].
+        """
+    @property
+    def result(self) -> dict[str, Any]:
+        """What the command writes to `simulation.json`."""
+    @property
+    def remarks(self) -> list[str]:
+        """What the reader of the runs should know."""
+    def series(self, run: str) -> dict[str, NDArray[np.float64]]:
+        """One run's channels as arrays, `t_s` among them; each name ends in its unit."""
+    def write(self, folder: _Path, *, parquet: bool = False) -> None:
+        """
+        Writes `runs.csv`, one file a run and the table of the track into `folder`, which must be
+        new or empty; all files or none. `parquet` writes Parquet instead of CSV.
+        """
+
+@final
+class Fit:
+    """Lateral friction of both runners, fitted to recorded runs."""
+
+    @property
+    def front(self) -> dict[str, Any]:
+        """
+        The front runner's law: each parameter with `value`, `low` and `high`, as in `fit.json`.
+        """
+    @property
+    def rear(self) -> dict[str, Any]:
+        """The rear runner's law."""
+    @property
+    def result(self) -> dict[str, Any]:
+        """What the command writes to `fit.json`."""
+    @property
+    def model(self) -> str:
+        """The model with the fitted laws: TOML that every command accepts."""
+    @property
+    def remarks(self) -> list[str]:
+        """What the reader of the runs should know."""
+
+@final
+class Validation:
+    """Lateral forces of a model compared with those of recorded runs."""
+
+    @property
+    def runs(self) -> list[dict[str, Any]]:
+        """
+        One dictionary a run, as in `validation.json`: `rmse_n` is the root mean square difference
+        of the lateral force [N].
+        """
+    @property
+    def tracks(self) -> list[dict[str, Any]]:
+        """The same by track."""
+    @property
+    def result(self) -> dict[str, Any]:
+        """What the command writes to `validation.json`."""
+    @property
+    def remarks(self) -> list[str]:
+        """What the reader of the runs should know."""
+    def series(self, run: str) -> dict[str, NDArray[np.float64]]:
+        """
+        One run's samples as arrays: time [s], place [m], and the lateral force at the centre of
+        gravity [N] as measured, of the model, and of Braghin's law.
+        """
+
+@final
 class Evaluation:
     """What drivers lose compared with a straight glide."""
 
@@ -382,6 +485,111 @@ def fill_table(
     table: _Path, out: _Path | None = None, *, progress: _Progress = None
 ) -> Table:
     """Solve the table that a table file asks for and write it; resumes after an interruption."""
+
+def check_hull(
+    path: _Path,
+    fz_n: Sequence[float] = ...,
+    *,
+    p_max: float | None = None,
+    progress: _Progress = None,
+) -> HullCheck:
+    """
+    Examine the hull of a scanner under normal forces [N]; `p_max` is the relative error of the peak
+    pressure for which it is examined, 0.05 where absent.
+    """
+
+def friction(
+    case: Case | Hull | _Path,
+    v_mps: float,
+    *,
+    alpha_rad: float = 0.0,
+    model: _Path | None = None,
+    ice_c: float | None = None,
+    air_c: float | None = None,
+    air_pa: float | None = None,
+    humidity_pct: float | None = None,
+    progress: _Progress = None,
+) -> dict[str, Any]:
+    """Solve a contact and evaluate a friction law at its peak pressure."""
+
+def friction_table(
+    case: Case | Hull | _Path,
+    v_mps: Sequence[float] | NDArray[np.float64],
+    ice_c: Sequence[float] | NDArray[np.float64],
+    *,
+    progress: _Progress = None,
+) -> list[dict[str, Any]]:
+    """
+    Solve the friction of groove and melt film at every speed [m/s] on ice of every temperature [C].
+    """
+
+def simulate(
+    model: _Path,
+    track: _Path,
+    *,
+    runs: int = 1,
+    driver: str | None = None,
+    skill: float = 0.9,
+    seed: int = 1,
+    noise: bool = True,
+    start_speed_mps: float = 10.0,
+    rate_hz: float = 500.0,
+    step_s: float = 0.001,
+    most_s: float = 600.0,
+    ice_c: float = -8.0,
+    air_c: float = 0.0,
+    air_pa: float = 95000.0,
+    humidity_pct: float | None = None,
+    distance_m: float | None = None,
+    session: str = "1",
+    progress: _Progress = None,
+) -> Simulation:
+    """Drive a sled down a track and record it like a measured run."""
+
+def import_runs(
+    mapping: _Path, folder: _Path, *, strict: bool = False, progress: _Progress = None
+) -> dict[str, Any]:
+    """
+    Import recordings of other programs into a new folder; returns the content of `import.json`,
+    with the runs that cannot be imported under `excluded`.
+    """
+
+def fit(
+    runs: _Path,
+    model: _Path,
+    *,
+    keep_contacts: bool = False,
+    session: Sequence[str] = (),
+    track: Sequence[str] = (),
+    leave_out_bad_runs: bool = False,
+    strict: bool = False,
+    cutoff_hz: float = 20.0,
+    progress: _Progress = None,
+) -> Fit:
+    """Fit the lateral friction of both runners to recorded runs."""
+
+def validate(
+    runs: _Path,
+    model: _Path,
+    *,
+    fit: Fit | _Path | None = None,
+    session: Sequence[str] = (),
+    track: Sequence[str] = (),
+    leave_out_bad_runs: bool = False,
+    strict: bool = False,
+    cutoff_hz: float = 20.0,
+    progress: _Progress = None,
+) -> Validation:
+    """
+    Compare the lateral forces of a model, or of a fit, with recorded runs that the fit has not
+    seen.
+    """
+
+def report(result: _Path) -> str:
+    """
+    The page of a folder that a command or `Contact.write` has written, or of a lookup table, as
+    HTML.
+    """
 
 def evaluate(
     runs: _Path,

@@ -1,15 +1,17 @@
 //! Cases and their solutions.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::sync::Arc;
 
-use kufe::jobs::field::{NewFiles, write_contact};
-use kufe::jobs::{Failure, SolvedContact, case_file::LoadedCase, with_progress};
+use kufe::jobs::field::write_contact;
+use kufe::jobs::{SolvedContact, case_file::LoadedCase, with_progress};
 use kufe_contact::Options;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt};
 
 use crate::error::{InputError, bad_input, raised};
+use crate::folder::write_folder;
 use crate::hull::Hull;
 use crate::json::to_python;
 use crate::work::work;
@@ -17,7 +19,8 @@ use crate::work::work;
 /// One contact problem: runner, ice, track and load.
 #[pyclass(frozen, module = "kufe")]
 pub struct Case {
-    loaded: LoadedCase,
+    /// The case with what it names.
+    pub loaded: LoadedCase,
 }
 
 #[pymethods]
@@ -154,7 +157,7 @@ fn set(table: &mut toml::Table, key: &str, value: toml::Value) -> PyResult<()> {
 /// A solved case.
 #[pyclass(frozen, module = "kufe")]
 pub struct Contact {
-    pressed: SolvedContact,
+    pressed: Arc<SolvedContact>,
 }
 
 /// Solves one contact problem.
@@ -208,15 +211,20 @@ fn accuracy_key(accuracy: f64) -> (&'static str, toml::Value) {
     ("accuracy.p_max", accuracy.into())
 }
 
-/// A case, or that at a path, with these keys replaced.
-fn replaced(case: &Bound<'_, PyAny>, keys: &[(&str, toml::Value)]) -> PyResult<LoadedCase> {
-    let loaded = if let Ok(case) = case.cast::<Case>() {
-        case.get().loaded.clone()
+/// A case: a `Case`, a `Hull` on the ice of the example, or that at a path.
+pub fn loaded_case(case: &Bound<'_, PyAny>) -> PyResult<LoadedCase> {
+    if let Ok(case) = case.cast::<Case>() {
+        Ok(case.get().loaded.clone())
     } else if let Ok(hull) = case.cast::<Hull>() {
-        Case::of(hull, None)?.loaded
+        Ok(Case::of(hull, None)?.loaded)
     } else {
-        LoadedCase::read(&case.extract::<PathBuf>()?).map_err(raised)?
-    };
+        LoadedCase::read(&case.extract::<PathBuf>()?).map_err(raised)
+    }
+}
+
+/// The case with these keys replaced.
+fn replaced(case: &Bound<'_, PyAny>, keys: &[(&str, toml::Value)]) -> PyResult<LoadedCase> {
+    let loaded = loaded_case(case)?;
     if keys.is_empty() {
         return Ok(loaded);
     }
@@ -247,6 +255,7 @@ fn solved(
     })?;
     let pressed = worked.value.map_err(raised)?;
     let short = pressed.short.clone();
+    let pressed = Arc::new(pressed);
     let contact = Contact { pressed };
     match short {
         None => Ok(contact),
@@ -435,8 +444,11 @@ impl Contact {
     /// none. `mat` adds `result.mat`.
     #[pyo3(signature = (folder, *, mat = false))]
     fn write(&self, py: Python<'_>, folder: PathBuf, mat: bool) -> PyResult<()> {
-        py.detach(|| write_folder(&self.pressed, &folder, mat))
-            .map_err(bad_input)
+        let pressed = self.pressed.clone();
+        let worked = work(py, None, move |watch, _| {
+            write_folder(&folder, watch, |files| write_contact(files, &pressed, mat))
+        })?;
+        worked.value.map(|_| ()).map_err(raised)
     }
 
     /// Draws the pressure over the contact plane with matplotlib, on `ax` or new axes; returns the
@@ -489,30 +501,6 @@ fn view<'py>(
     arguments: impl pyo3::call::PyCallArgs<'py>,
 ) -> PyResult<Bound<'py, PyAny>> {
     py.import("kufe._views")?.call_method1(name, arguments)
-}
-
-/// Writes the files of a contact into a hidden folder next to `folder` and moves it there.
-fn write_folder(pressed: &SolvedContact, folder: &Path, mat: bool) -> Result<(), Failure> {
-    let failed = |error: std::io::Error| {
-        Failure::BadInput(format!("{}: cannot be written: {error}", folder.display()))
-    };
-    let whole = std::path::absolute(folder).map_err(failed)?;
-    let above = whole.parent().unwrap_or(&whole);
-    std::fs::create_dir_all(above).map_err(failed)?;
-    let hidden = tempfile::Builder::new().prefix(".kufe-").tempdir_in(above);
-    let hidden = hidden.map_err(failed)?;
-    let files = NewFiles {
-        hidden: hidden.path(),
-        named: folder,
-    };
-    write_contact(files, pressed, mat)?;
-    // The system refuses to replace a folder that holds files.
-    std::fs::create_dir_all(&whole).map_err(failed)?;
-    if std::fs::read_dir(&whole).map_err(failed)?.next().is_some() {
-        let text = "it is not empty; expected a new or an empty folder";
-        return Err(Failure::BadInput(format!("{}: {text}", folder.display())));
-    }
-    std::fs::rename(hidden.keep(), &whole).map_err(failed)
 }
 
 impl Contact {

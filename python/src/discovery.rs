@@ -106,7 +106,7 @@ impl Discovery {
     /// The report as a page.
     #[getter]
     fn html(&self) -> String {
-        kufe::report::discovery_page(&self.report)
+        kufe::report::discovery_page(&self.report, None)
     }
 
     fn __repr__(&self) -> String {

@@ -1,19 +1,23 @@
 //! Hulls.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use kufe::jobs::write_whole;
+use kufe::jobs::case_file::LoadedCase;
+use kufe::jobs::{ExaminedHull, write_whole};
 use kufe_mesh::{
-    Axis, BobRunner, HullFormat, HullOptions, HullReport, LugeSteel, MeshError, Swept, check_hull,
-    load_hull, tessellate,
+    Axis, BobRunner, HullFormat, HullOptions, HullReport, LugeSteel, MeshError, Swept, load_hull,
+    tessellate,
 };
 use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 
+use crate::contact::Case;
 use crate::error::{InputError, bad_input, raised};
+use crate::json::to_python;
+use crate::work::work;
 
 /// Triangles of a runner, x forward and z up.
 #[pyclass(frozen, module = "kufe")]
@@ -47,7 +51,7 @@ impl Hull {
             positions,
             triangles: triangles?,
         };
-        py.detach(|| Hull::checked(hull)).map_err(bad_input)
+        made(py, move || Hull::checked(hull))
     }
 
     /// The underside of a measured height map: `heights_m` has `len(y_m)` rows of `len(x_m)`, z up;
@@ -74,8 +78,9 @@ impl Hull {
             }
         }
         let heights: Vec<f64> = heights_m.as_array().iter().copied().collect();
-        py.detach(|| Hull::checked(kufe_mesh::Hull::underside_of(&x_m, &y_m, &heights)))
-            .map_err(bad_input)
+        made(py, move || {
+            Hull::checked(kufe_mesh::Hull::underside_of(&x_m, &y_m, &heights))
+        })
     }
 
     /// Reads and checks an OBJ, glTF, STL or 3MF file; `scale` is metres a unit of the file (0.001
@@ -97,11 +102,11 @@ impl Hull {
             forward: axis(forward)?,
             ..HullOptions::default()
         };
-        let (hull, report) = py
-            .detach(|| load_hull(&path, &options))
-            .map_err(bad_input)?;
-        let hull = Arc::new(hull);
-        Ok(Hull { hull, report })
+        made(py, move || {
+            let (hull, report) = load_hull(&path, &options)?;
+            let hull = Arc::new(hull);
+            Ok(Hull { hull, report })
+        })
     }
 
     /// A bobsled runner: a round section swept along a rocker, with rounded ends; `edge_length_m`
@@ -133,8 +138,7 @@ impl Hull {
             height: height_m,
             ..BobRunner::default()
         };
-        py.detach(|| tessellated(runner.swept(), edge_length_m))
-            .map_err(bad_input)
+        made(py, move || tessellated(runner.swept(), edge_length_m))
     }
 
     /// A luge steel on its rounded edge.
@@ -169,15 +173,17 @@ impl Hull {
             height: height_m,
             ..LugeSteel::default()
         };
-        py.detach(|| tessellated(steel.swept(), edge_length_m))
-            .map_err(bad_input)
+        made(py, move || tessellated(steel.swept(), edge_length_m))
     }
 
     /// Writes the hull as .obj, .glb or .stl, in metres; a file is whole or absent.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let format = HullFormat::of(&path).map_err(bad_input)?;
-        py.detach(|| write_whole(&path, |writer| format.write(&self.hull, writer)))
-            .map_err(raised)
+        let hull = self.hull.clone();
+        let worked = work(py, None, move |_, _| {
+            write_whole(&path, |writer| format.write(&hull, writer))
+        })?;
+        worked.value.map_err(raised)
     }
 
     /// Vertex positions, one row a vertex [m].
@@ -225,8 +231,93 @@ impl Hull {
     }
 }
 
+/// How the file of a scanned hull is to be read, and which loads it resolves.
+#[pyclass(frozen, module = "kufe")]
+pub struct HullCheck {
+    examined: ExaminedHull,
+    fz_n: Vec<f64>,
+}
+
+/// Examines the hull of a scanner: unit, axes, rotation, spacing, noise, and which loads it
+/// resolves.
+///
+/// `fz_n` are normal forces [N]; `p_max` is the relative error of the peak pressure for which the
+/// hull is examined, 0.05 where absent.
+#[pyfunction]
+#[pyo3(signature = (path, fz_n = vec![250.0, 500.0, 1000.0, 2000.0, 4000.0], *, p_max = None, progress = None))]
+pub fn check_hull(
+    py: Python<'_>,
+    path: PathBuf,
+    fz_n: Vec<f64>,
+    p_max: Option<f64>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<HullCheck> {
+    if let Some(fz) = fz_n.iter().find(|fz| !(**fz > 0.0 && fz.is_finite())) {
+        let text = format!("fz_n = {fz}: expected positive forces [N]");
+        return Err(InputError::new_err(text));
+    }
+    if let Some(share) = p_max.filter(|share| !(1e-4..=0.5).contains(share)) {
+        let text = format!("p_max = {share}: expected a relative error from 1e-4 to 0.5");
+        return Err(InputError::new_err(text));
+    }
+    let forces = fz_n.clone();
+    let worked = work(py, progress, move |watch, _| {
+        watch.progress("examining the hull");
+        kufe::jobs::check_hull(&path, &forces, p_max)
+    })?;
+    let examined = worked.value.map_err(raised)?;
+    Ok(HullCheck { examined, fz_n })
+}
+
+#[pymethods]
+impl HullCheck {
+    /// What the command prints with `--json`.
+    #[getter]
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.examined.result)
+    }
+
+    /// What is odd about the hull.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.examined.result.warnings.clone()
+    }
+
+    /// The case that reads the hull so, on the ice of the example under the force that is nearest
+    /// to 1 kN.
+    fn case(&self) -> PyResult<Case> {
+        let text = self
+            .examined
+            .case(Path::new(""), &self.fz_n)
+            .map_err(raised)?;
+        let name = self.examined.result.file.display().to_string();
+        let loaded = LoadedCase::parse(&name, Path::new(""), &text).map_err(raised)?;
+        Ok(Case { loaded })
+    }
+
+    fn __repr__(&self) -> String {
+        let result = &self.examined.result;
+        let loads = result.loads.iter().flatten();
+        let resolved = loads.clone().filter(|load| load.resolved).count();
+        format!(
+            "<kufe.HullCheck {}: {resolved} of {} loads resolved>",
+            result.file.display(),
+            loads.count()
+        )
+    }
+}
+
 /// Vertices [m] and triangles.
 type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
+
+/// A hull that is made without the interpreter's lock.
+fn made(
+    py: Python<'_>,
+    make: impl FnOnce() -> Result<Hull, MeshError> + Send + 'static,
+) -> PyResult<Hull> {
+    let worked = work(py, None, move |_, _| make())?;
+    worked.value.map_err(bad_input)
+}
 
 fn tessellated(swept: Result<Swept, MeshError>, edge_length: f64) -> Result<Hull, MeshError> {
     Hull::checked(tessellate(&swept?, edge_length)?)
@@ -235,7 +326,7 @@ fn tessellated(swept: Result<Swept, MeshError>, edge_length: f64) -> Result<Hull
 impl Hull {
     /// A hull with what is odd about it.
     pub fn checked(hull: kufe_mesh::Hull) -> Result<Hull, MeshError> {
-        let report = check_hull(&hull)?;
+        let report = kufe_mesh::check_hull(&hull)?;
         let hull = Arc::new(hull);
         Ok(Hull { hull, report })
     }

@@ -3,19 +3,29 @@
 //! | module | what it binds |
 //! |---|---|
 //! | `contact` | `Case`, `press`, `slide`, `Contact` |
-//! | `hull` | `Hull` |
+//! | `hull` | `Hull`, `check_hull` |
+//! | `friction` | `friction`, `friction_table` |
 //! | `table` | `Table`, `fill_table` |
+//! | `simulation` | `simulate`, `Simulation` |
+//! | `lateral` | `fit`, `Fit`, `validate`, `Validation` |
 //! | `evaluation` | `evaluate`, `Evaluation` |
+//! | `recordings` | `import_runs`, `report` |
 //! | `discovery` | `discover`, `Discovery` |
 //! | `error` | `Error`, `InputError`, `NotConvergedError` |
 //! | `work` | running a job without the interpreter's lock, Ctrl-C in time |
+//! | `folder` | a new folder that receives all files or none |
 
 mod contact;
 mod discovery;
 mod error;
 mod evaluation;
+mod folder;
+mod friction;
 mod hull;
 mod json;
+mod lateral;
+mod recordings;
+mod simulation;
 mod table;
 mod work;
 
@@ -33,7 +43,15 @@ mod _kufe {
     #[pymodule_export]
     use crate::evaluation::{Evaluation, evaluate};
     #[pymodule_export]
-    use crate::hull::Hull;
+    use crate::friction::{friction, friction_table};
+    #[pymodule_export]
+    use crate::hull::{Hull, HullCheck, check_hull};
+    #[pymodule_export]
+    use crate::lateral::{Fit, Validation, fit, validate};
+    #[pymodule_export]
+    use crate::recordings::{import_runs, report};
+    #[pymodule_export]
+    use crate::simulation::{Simulation, simulate};
     #[pymodule_export]
     use crate::table::{Table, fill_table};
 

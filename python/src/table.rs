@@ -22,6 +22,9 @@ pub struct Table {
     shortfall: Option<String>,
 }
 
+/// Samples that are interpolated between two looks for Ctrl-C: less than a second's.
+const BETWEEN_SIGNALS: usize = 100_000;
+
 /// An interpolated array with its out-of-range flags.
 type Answer<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<bool>>);
 
@@ -33,7 +36,8 @@ impl Table {
     /// Reads a `.lut` file.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Table> {
-        let table = py.detach(|| read_table(&path)).map_err(raised)?;
+        let worked = work(py, None, move |_, _| read_table(&path))?;
+        let table = worked.value.map_err(raised)?;
         Ok(Table {
             table,
             shortfall: None,
@@ -92,20 +96,25 @@ impl Table {
         let [fz, curvature, speed, ice] = &inputs;
         let (fz, curvature) = (fz.as_slice()?, curvature.as_slice()?);
         let (speed, ice) = (speed.as_slice()?, ice.as_slice()?);
-        let (values, outside): (Vec<f64>, Vec<bool>) = py.detach(|| {
-            let interpolator = Interpolator::new(&self.table, quantity, mode, rocker_radius_m);
-            let interpolator = interpolator.map_err(bad_input)?;
-            let answers = (0..fz.len()).map(|n| {
-                let found = interpolator.at(Sample {
-                    fz: fz[n],
-                    curvature: curvature[n],
-                    speed: speed[n],
-                    ice_c: ice[n],
-                });
-                (found.value, found.out_of_range)
+        let interpolator = Interpolator::new(&self.table, quantity, mode, rocker_radius_m);
+        let interpolator = interpolator.map_err(bad_input)?;
+        let (mut values, mut outside) = (Vec::new(), Vec::new());
+        for from in (0..fz.len()).step_by(BETWEEN_SIGNALS) {
+            let to = fz.len().min(from + BETWEEN_SIGNALS);
+            py.detach(|| {
+                for n in from..to {
+                    let found = interpolator.at(Sample {
+                        fz: fz[n],
+                        curvature: curvature[n],
+                        speed: speed[n],
+                        ice_c: ice[n],
+                    });
+                    values.push(found.value);
+                    outside.push(found.out_of_range);
+                }
             });
-            Ok::<_, PyErr>(answers.unzip())
-        })?;
+            py.check_signals()?;
+        }
         Ok((
             values.into_pyarray(py).reshape(shape.clone())?,
             outside.into_pyarray(py).reshape(shape)?,

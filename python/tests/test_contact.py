@@ -222,13 +222,20 @@ def test_the_best_solution_comes_with_the_error():
     assert kufe.NotConvergedError("text").best is None
 
 
-@pytest.mark.parametrize("work", ["press", "slide", "discover"])
+@pytest.mark.parametrize("work", ["press", "slide", "discover", "hull", "simulate"])
 def test_ctrl_c_ends_within_two_seconds(work, tmp_path):
     jobs = {
         "press": "kufe.press(kufe.Case.example(), accuracy=1e-4)",
         "slide": "kufe.slide(kufe.Case.example(), 20.0, -5.0, accuracy=0.001)",
         "discover": "kufe.discover('experiments.csv', 'model.toml', twins=1000)",
+        "hull": "kufe.Hull.bob(edge_length_m=6e-5)",
+        "simulate": "kufe.simulate('model.toml', 'track_test.csv', runs=10_000)",
     }
+    if work == "simulate":
+        from test_runs import TRACK
+
+        (tmp_path / "model.toml").write_text(MODEL)
+        (tmp_path / "track_test.csv").write_text(TRACK)
     if work == "discover":
         rng = np.random.default_rng(1)
         pressures = enumerate(rng.uniform(5e7, 1e8, 20_000))

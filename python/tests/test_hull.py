@@ -103,3 +103,27 @@ def test_a_hull_and_its_case_are_pickled():
     case = kufe.Case.of(hull, {"load.fz_n": 700.0})
     other = pickle.loads(pickle.dumps(case))
     assert other.to_toml() == case.to_toml() and other.name == case.name
+
+
+def test_a_scan_is_examined_and_read_as_a_case(tmp_path):
+    # A runner in millimetres: unit and axes are found, and its radii.
+    hull = kufe.Hull.bob(rocker_radius_m=30.0, section_radius_m=0.005, edge_length_m=0.001)
+    path = tmp_path / "scan.obj"
+    kufe.Hull(1e3 * hull.vertices_m, hull.triangles).write(path)
+    check = kufe.check_hull(path, [500.0, 1000.0], p_max=0.2)
+    found = check.result
+    assert found["scale"] == 0.001 and found["up"] == "z"
+    assert found["rocker_radius_m"] == pytest.approx(30.0, rel=0.02)
+    assert found["section_radius_m"] == pytest.approx(0.005, rel=0.02)
+    assert [load["fz_n"] for load in found["loads"]] == [500.0, 1000.0]
+    assert check.warnings == found["warnings"] and "of 2 loads" in repr(check)
+    assert "scale = 0.001" in check.case().to_toml()
+
+
+def test_a_scan_that_cannot_be_examined_is_named(tmp_path):
+    with pytest.raises(kufe.InputError, match="none.obj"):
+        kufe.check_hull(tmp_path / "none.obj")
+    with pytest.raises(kufe.InputError, match="fz_n = -1: expected positive forces"):
+        kufe.check_hull("scan.obj", [-1.0])
+    with pytest.raises(kufe.InputError, match="p_max = 2: expected a relative error"):
+        kufe.check_hull("scan.obj", p_max=2.0)

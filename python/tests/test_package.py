@@ -36,6 +36,15 @@ def same_parameters(stub, function):
     assert names == list(inspect.signature(function).parameters), stub.name
 
 
+def test_every_class_function_and_property_is_documented_in_the_stub():
+    tree = ast.parse(pathlib.Path(os.environ["KUFE_STUBS"]).read_text())
+    for node in tree.body:
+        members = node.body if isinstance(node, ast.ClassDef) else []
+        for item in [node, *members]:
+            if isinstance(item, (ast.ClassDef, ast.FunctionDef)):
+                assert ast.get_docstring(item), (node.name, item.name)
+
+
 def test_everything_public_is_described():
     for name in kufe.__all__:
         if name != "__version__":

@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import shutil
 
 import numpy as np
 import pytest
@@ -127,6 +128,156 @@ def test_the_second_block_of_the_documentation_runs(runs, model, monkeypatch):
     names = {"kufe": kufe}
     exec(compile(block, "python.md", "exec"), names)
     assert len(names["evaluation"].groups) > 0 and names["found"].sentence
+
+
+def track_of_three_curves():
+    """Left, right, left: the sled is pressed onto the bank of each."""
+    s = np.arange(0.0, 701.0)
+    curvature, bank = np.zeros_like(s), np.zeros_like(s)
+    for start, side in ((80.0, 1.0), (280.0, -1.0), (480.0, 1.0)):
+        inside = (s >= start) & (s <= start + 120.0)
+        shape = np.sin(np.pi * (s[inside] - start) / 120.0) ** 2
+        curvature[inside], bank[inside] = 0.018 * shape, 0.9 * side * shape
+    rows = (f"{place:.0f},0.1,{c:.9f},{b:.9f}" for place, c, b in zip(s, curvature, bank))
+    return "\n".join(["s_m,slope_rad,curvature_1pm,bank_rad", *rows]) + "\n"
+
+
+TRACK = track_of_three_curves()
+
+
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("driven")
+    (folder / "model.toml").write_text(MODEL)
+    (folder / "track_test.csv").write_text(TRACK)
+    driven = kufe.simulate(folder / "model.toml", folder / "track_test.csv", runs=3, ice_c=-5.0, seed=3)
+    driven.write(folder / "runs")
+    return folder, driven
+
+
+def test_simulated_runs_keep_their_energy_and_are_written(driven):
+    folder, driven = driven
+    assert [run["run"] for run in driven.runs] == ["run_001", "run_002", "run_003"]
+    for run in driven.runs:
+        assert run["finished"] and run["energy_balance_relative_error"] < 1e-4
+    series = driven.series("run_002")
+    assert series["t_s"][-1] - series["t_s"][0] == pytest.approx(driven.runs[1]["time_s"])
+    assert series["v_mps"].shape == series["t_s"].shape and series["s_m"][-1] > 690.0
+    # The channels are those of the written file, which rounds them.
+    written = np.genfromtxt(folder / "runs" / "run_002.csv", delimiter=",", names=True)
+    assert np.allclose(written["v_mps"], series["v_mps"], rtol=1e-6)
+    names = {path.name for path in (folder / "runs").iterdir()}
+    assert names == {"runs.csv", "run_001.csv", "run_002.csv", "run_003.csv", "track_test.csv"}
+    assert driven.result["track"] == "test" and "3 runs on test" in repr(driven)
+
+
+def test_wrong_simulations_are_named(driven):
+    folder, driven = driven
+    model, track = folder / "model.toml", folder / "track_test.csv"
+    with pytest.raises(kufe.InputError, match="runs = 0: expected 1 to 10000"):
+        kufe.simulate(model, track, runs=0)
+    with pytest.raises(kufe.InputError, match="driver Z9: expected one of A1"):
+        kufe.simulate(model, track, driver="Z9")
+    with pytest.raises(kufe.InputError, match="ice-c 20"):
+        kufe.simulate(model, track, ice_c=20.0)
+    with pytest.raises(kufe.InputError, match="the runs are run_001"):
+        driven.series("none")
+    with pytest.raises(kufe.InputError, match="not empty"):
+        driven.write(folder / "runs")
+
+
+def test_a_fit_finds_the_grip_that_runs_were_driven_with_and_validates_the_others(driven):
+    folder, _ = driven
+    index, model = folder / "runs" / "runs.csv", folder / "model.toml"
+    fit = kufe.fit(index, model)
+    for runner, given in ((fit.front, 10522.0), (fit.rear, 49776.0)):
+        k = runner["k_n_per_rad"]
+        assert k["low"] < k["value"] < k["high"]
+        assert k["value"] == pytest.approx(given, rel=0.05)
+    assert fit.result["runs"] == ["run_001", "run_002", "run_003"] and "3 runs" in repr(fit)
+    (folder / "fitted.toml").write_text(fit.model)
+    of_model = kufe.validate(index, model)
+    of_fit = kufe.validate(index, folder / "fitted.toml")
+    assert [run["run"] for run in of_fit.runs] == fit.result["runs"]
+    assert of_fit.tracks[0]["rmse_n"] == pytest.approx(of_model.tracks[0]["rmse_n"], rel=0.2)
+    series = of_model.series("run_003")
+    difference = series["measured_n"] - series["model_n"]
+    rmse = np.sqrt(np.mean(difference**2))
+    assert rmse == pytest.approx(of_model.runs[2]["rmse_n"], rel=1e-6)
+    # The fit has seen every run: none is left to judge it by.
+    with pytest.raises(kufe.InputError, match="fitted to all 3"):
+        kufe.validate(index, model, fit=fit)
+    (folder / "fit.json").write_text(json.dumps(fit.result))
+    with pytest.raises(kufe.InputError, match="fitted to all 3"):
+        kufe.validate(index, model, fit=folder / "fit.json")
+    with pytest.raises(kufe.InputError, match="expected what kufe fit lateral writes"):
+        kufe.validate(index, model, fit=model)
+
+
+MAPPING = """
+[logger.box]
+files = "raw/*.csv"
+time = "Time"
+[channels]
+v_mps = { from = "Speed", unit = "km/h" }
+ay_mps2 = { from = "Lateral", unit = "g", sign = -1 }
+[index]
+track = "test"
+"""
+
+
+def test_recordings_are_imported_in_their_units(tmp_path):
+    (tmp_path / "raw").mkdir()
+    t = np.arange(0.0, 5.0, 0.01)
+    table = np.column_stack([t, 72.0 + 0.0 * t, 0.5 + 0.0 * t])
+    np.savetxt(tmp_path / "raw" / "one.csv", table, delimiter=",", header="Time,Speed,Lateral", comments="", fmt="%.6f")
+    (tmp_path / "raw" / "two.csv").write_text("Time,Speed\n0,1\n")
+    (tmp_path / "mapping.toml").write_text(MAPPING)
+    listed = kufe.import_runs(tmp_path / "mapping.toml", tmp_path / "runs")
+    assert [run["run"] for run in listed["runs"]] == ["one"]
+    assert [run["run"] for run in listed["excluded"]] == ["two"]
+    run = np.genfromtxt(tmp_path / "runs" / "one.csv", delimiter=",", names=True)
+    assert np.allclose(run["v_mps"][50:-50], 20.0) and np.allclose(run["ay_mps2"][50:-50], -0.5 * 9.80665)
+    names = {path.name for path in (tmp_path / "runs").iterdir()}
+    assert names == {"runs.csv", "one.csv", "one.import.json", "import.json"}
+    with pytest.raises(kufe.InputError, match="two"):
+        kufe.import_runs(tmp_path / "mapping.toml", tmp_path / "strict", strict=True)
+    assert not (tmp_path / "strict").exists()
+
+
+def test_the_third_block_of_the_documentation_runs(driven, tmp_path, monkeypatch):
+    from test_contact import PARABOLOID
+
+    folder, _ = driven
+    shutil.copytree(folder / "runs", tmp_path, dirs_exist_ok=True)
+    index = (tmp_path / "runs.csv").read_text().splitlines(keepends=True)
+    assert index[3].startswith("run_003") and index[3].count(",1,") == 1
+    (tmp_path / "runs.csv").write_text("".join([*index[:3], index[3].replace(",1,", ",2,")]))
+    shutil.copy(folder / "model.toml", tmp_path)
+    shutil.copy(folder / "track_test.csv", tmp_path / "track.csv")
+    (tmp_path / "raw").mkdir()
+    shutil.copy(folder / "runs" / "run_001.csv", tmp_path / "raw" / "one.csv")
+    (tmp_path / "mapping.toml").write_text(MAPPING.replace("Time", "t_s").replace("Speed", "v_mps").replace("Lateral", "ay_mps2"))
+    kufe.Hull.bob(edge_length_m=0.001).write(tmp_path / "scan.stl")
+    case = kufe.Case(PARABOLOID).replace({"load.tilt": "fixed", "accuracy.p_max": 0.05})
+    kufe.press(case).write(tmp_path / "out")
+    monkeypatch.chdir(tmp_path)
+    text = pathlib.Path(os.environ["KUFE_PAGE"]).read_text()
+    block = text.split("```python\n")[3].split("```")[0]
+    names = {"kufe": kufe, "case": case}
+    exec(compile(block, "python.md", "exec"), names)
+    assert [run["run"] for run in names["validation"].runs] == ["run_003"]
+    assert (tmp_path / "driven" / "runs.csv").exists() and "</html>" in names["html"]
+
+
+def test_a_page_is_that_of_the_folder(tmp_path):
+    from test_contact import PARABOLOID
+
+    kufe.press(kufe.Case(PARABOLOID), accuracy=0.05).write(tmp_path / "out")
+    page = kufe.report(tmp_path / "out")
+    assert page.startswith("<!DOCTYPE html>") and "p_max_pa" in page
+    with pytest.raises(kufe.InputError, match="nothing"):
+        kufe.report(tmp_path / "nothing")
 
 
 def test_wrong_data_is_told(tmp_path, model):

@@ -3,10 +3,8 @@
 
 use std::path::PathBuf;
 
-use kufe::jobs::{Failure, FrictionLaw, case_file::LoadedCase};
+use kufe::jobs::{DrivingConditions, Failure, FrictionLaw, case_file::LoadedCase};
 use kufe::results::FrictionByLaw;
-use kufe_sled::Conditions;
-use kufe_sled::effects::OperatingPoint;
 
 use crate::friction::request::Request;
 use crate::terminal::Global;
@@ -129,17 +127,20 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let text = "expected one case, one --v-mps and one --ice-c; several go with --groove";
         return Err(Failure::Usage(text.into()));
     };
-    check(args, speed)?;
+    let conditions = DrivingConditions {
+        v_mps: speed,
+        alpha_rad: args.alpha_rad,
+        ice_c: args.ice_c.first().copied(),
+        air_c: args.air_c,
+        air_pa: args.air_pa,
+        humidity_pct: args.humidity_pct,
+    };
     let law = match &args.model {
         Some(path) => FrictionLaw::of_model(path)?,
         None => FrictionLaw::published(),
     };
     let loaded = LoadedCase::read(path)?;
-    let at = operating_point(args, speed, law.drag_area);
-    let result = global.watched(|watch| {
-        watch.progress("solving the contact");
-        law.solve(&loaded, args.alpha_rad, at, watch)
-    })?;
+    let result = global.watched(|watch| law.solve(&loaded, &conditions, watch))?;
     global.answer(&result, || text(&result))
 }
 
@@ -171,50 +172,4 @@ fn text(result: &FrictionByLaw) -> String {
         text += &format!("not of the friction coefficient: {}\n", ignored.join(", "));
     }
     text
-}
-
-/// Checks the ranges of the options.
-fn check(args: &Args, speed: f64) -> Result<(), Failure> {
-    let quarter = std::f64::consts::FRAC_PI_2;
-    let angle = "a slip angle in rad within a quarter turn";
-    let celsius = "degrees Celsius, -60 to 60";
-    let pressure = "an air pressure in Pa, 30000 to 120000";
-    let ice_c = args.ice_c.first().copied();
-    for (name, value, low, high, expected) in [
-        ("v-mps", Some(speed), 0.0, 100.0, "0 to 100 m/s"),
-        ("alpha-rad", Some(args.alpha_rad), -quarter, quarter, angle),
-        ("ice-c", ice_c, -60.0, 60.0, celsius),
-        ("air-c", args.air_c, -60.0, 60.0, celsius),
-        ("air-pa", args.air_pa, 30e3, 120e3, pressure),
-        ("humidity-pct", args.humidity_pct, 0.0, 100.0, "0 to 100"),
-    ] {
-        if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
-            let text = format!("--{name} {value}: expected {expected}");
-            return Err(Failure::Usage(text));
-        }
-    }
-    Ok(())
-}
-
-/// The conditions as the options state them; the normal force is the contact's.
-fn operating_point(args: &Args, speed: f64, drag_area: f64) -> OperatingPoint {
-    let stated = |value: Option<f64>| value.unwrap_or(f64::NAN);
-    let conditions = Conditions {
-        ice_c: stated(args.ice_c.first().copied()),
-        air_c: stated(args.air_c),
-        air_pa: stated(args.air_pa),
-        humidity_pct: stated(args.humidity_pct),
-        distance_m: 0.0,
-        mass_kg: f64::NAN,
-    };
-    OperatingPoint {
-        t: 0.0,
-        s: 0.0,
-        v: speed,
-        fz: f64::NAN,
-        conditions,
-        air_density: conditions.air_density(),
-        drag_area,
-        film: f64::NAN,
-    }
 }

@@ -5,13 +5,12 @@ use std::path::{Path, PathBuf};
 use kufe::jobs::Failure;
 use kufe::jobs::field::compared_maps::ComparedMaps;
 use kufe::jobs::field::read_exr::read_map;
-use kufe::report::{Picture, results_page};
+use kufe::report::{Picture, read_json, results_page};
 use kufe::results::{
     ComparedQuantity, Comparison, ContactResult, Datum, QUANTITIES, compared_quantities,
 };
 
 use crate::output::OutputDir;
-use crate::report::read_json;
 use crate::terminal::Global;
 
 /// Longest result [bytes].
@@ -59,7 +58,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let title = format!("{} and {}", document.first, document.second);
     output.text(
         "comparison.html",
-        &results_page(&title, &[picture], &documents),
+        &results_page(&title, &[picture], &[], &documents),
     )?;
     output.picture("comparison.png", &figure)?;
     output.json("comparison.json", &document)?;

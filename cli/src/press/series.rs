@@ -8,13 +8,13 @@ use std::time::Instant;
 
 use kufe::jobs::field::write_contact;
 use kufe::jobs::{Failure, Step, Watch, case_file::LoadedCase, time_left};
+use kufe::report::read_json;
 use kufe::results::{ContactResult, SeriesRow, VariedKeys, write_csv};
 use kufe_contact::Options;
 use kufe_mesh::write_pvd;
 
 use crate::output::{OutputDir, case_inputs, remove_outputs};
 use crate::press::{Args, summary};
-use crate::report::read_json;
 use crate::terminal::Global;
 
 /// Most bytes of a result.json: 3 kB, and the points that its case lists.

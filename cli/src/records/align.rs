@@ -5,11 +5,12 @@ use std::path::PathBuf;
 
 use kufe::jobs::Failure;
 use kufe::jobs::align::{AlignOptions, RunsToAlign};
+use kufe::jobs::runs::write_runs;
 use kufe::results::Alignment;
 use kufe_sled::{gaps_line, track_file};
 
 use crate::output::OutputDir;
-use crate::runs::{run_format, write_runs};
+use crate::runs::run_format;
 use crate::terminal::{Global, warn};
 
 const EXAMPLES: &str = "\
@@ -66,7 +67,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         }
     }
     let format = run_format(args.parquet);
-    write_runs(&output, &mut aligned.runs, format)?;
+    write_runs(output.files(), &mut aligned.runs, format)?;
     let document = &aligned.document;
     output.json("align.json", document)?;
     output.commit()?;

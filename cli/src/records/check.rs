@@ -6,15 +6,19 @@ use std::path::PathBuf;
 use kufe::charts::odd_curves;
 use kufe::jobs::Failure;
 use kufe::jobs::runs::{failure, run_inputs};
+use kufe::jobs::view_runs::ViewOptions;
+use kufe::report::{RunsPage, record_page};
 use kufe::results::RunCheck;
 use kufe_sled::{Examination, examine_with};
 
 use crate::output::OutputDir;
+use crate::records::write_view;
 use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
-Example:
-  kufe runs check runs/runs.csv -o check/
+Examples:
+  kufe runs check runs/runs.csv -o check/          what is wrong, and what is odd
+  kufe runs check runs/runs.csv --view -o check/   with a page that shows the runs
 
 Writes check.json and check.html. Ends with 3 where something is provably wrong with a run, else with 0.";
 
@@ -27,6 +31,9 @@ pub struct Args {
     /// Folder for check.json and check.html
     #[arg(long, short, value_name = "FOLDER", default_value = "out")]
     pub out: PathBuf,
+    /// Write view.html too, the page of kufe runs view with these runs: check.html links into it
+    #[arg(long)]
+    pub view: bool,
 }
 
 /// Examines and writes.
@@ -44,11 +51,26 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     });
     let (runs, curves): (Vec<_>, Vec<_>) = examined.map_err(failure)?.into_iter().unzip();
     let check = RunCheck::new(args.runs.display().to_string(), runs);
-    output.text("check.html", &kufe::report::record_page(&check, &curves))?;
+    let viewer = if args.view {
+        let options = ViewOptions {
+            runs: args.runs.clone(),
+            model: None,
+            track: None,
+            only: Vec::new(),
+            most_values: RunsPage::MOST_VALUES,
+        };
+        write_view(&output, &options, global)?
+    } else {
+        None
+    };
+    let page = record_page(&check, &curves, viewer);
+    output.text("check.html", &page)?;
     output.json("check.json", &check)?;
     output.commit()?;
     global.print(&check, || {
-        summary(&check.runs) + &format!("{}: check.json, check.html\n", args.out.display())
+        let viewer = viewer.map_or(String::new(), |name| format!(", {name}"));
+        let out = args.out.display();
+        summary(&check.runs) + &format!("{out}: check.json, check.html{viewer}\n")
     })?;
     if check.wrong == 0 {
         return Ok(());

@@ -2,11 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe::jobs::Failure;
-use kufe::jobs::runs::{Loaded, RunSelection, run_inputs};
-use kufe_sled::Run;
-
-use crate::terminal::Global;
+use kufe::jobs::runs::{RunSelection, run_inputs};
 
 /// Arguments that every command on runs takes.
 #[derive(clap::Args, Debug)]
@@ -46,13 +42,9 @@ impl RunArgs {
         inputs
     }
 
-    /// Reads model and runs, selects those of the options that are `unseen`, and prepares them.
-    ///
-    /// # Errors
-    /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no
-    /// filter.
-    pub fn load(&self, global: &Global, unseen: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
-        let selection = RunSelection {
+    /// The runs that the options select, and what they are used with.
+    pub fn selection(&self) -> RunSelection {
+        RunSelection {
             runs: self.runs.clone(),
             model: self.model.clone(),
             session: self.session.clone(),
@@ -60,7 +52,6 @@ impl RunArgs {
             leave_out_bad_runs: self.leave_out_bad_runs,
             strict: self.strict,
             cutoff_hz: self.cutoff_hz,
-        };
-        global.watched(|watch| selection.load(watch, unseen))
+        }
     }
 }

@@ -4,9 +4,13 @@ use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
 use kufe::jobs::runs::run_inputs;
+use kufe::jobs::view_runs::ViewOptions;
+use kufe::report::{RunsPage, discovery_page};
 use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
+use kufe_sled::read_index;
 
 use crate::output::OutputDir;
+use crate::records::write_view;
 use crate::terminal::{Global, warn, warn_if_cut};
 
 /// Find the effect that is missing in a model, name it and add it
@@ -38,6 +42,9 @@ pub struct Args {
     /// excluding them
     #[arg(long)]
     strict: bool,
+    /// Write view.html too, the page of kufe runs view with the runs: report.html links into it
+    #[arg(long)]
+    view: bool,
     /// Rules of judgement that differ from the usual ones
     #[arg(long, value_name = "TOML")]
     rules: Option<PathBuf>,
@@ -79,8 +86,19 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     let mut inputs = run_inputs(&args.data);
     inputs.extend([&args.model, &args.rules].into_iter().flatten().cloned());
+    let mut recorded = read_index(&args.data).is_ok().then(|| args.data.clone());
+    let mut model = args.model.clone();
     if campaign {
-        inputs.extend(CampaignFile::read(&args.data).map_err(failure)?.inputs());
+        let file = CampaignFile::read(&args.data).map_err(failure)?;
+        inputs.extend(file.inputs());
+        (recorded, model) = (file.runs, file.model);
+    }
+    let recorded = recorded.filter(|_| args.view);
+    if args.view && recorded.is_none() {
+        let data = args.data.display();
+        return Err(Failure::Usage(format!(
+            "--view: {data} has no recorded runs"
+        )));
     }
     warn_if_cut(&args.data);
     let output = OutputDir::begin("discover", &inputs, &args.out, global.force)?;
@@ -93,7 +111,20 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if !report.gaps.is_empty() {
         warn(&kufe_sled::gaps_line(&report.gaps));
     }
-    output.text("report.html", &kufe::report::discovery_page(report))?;
+    let viewer = match recorded {
+        Some(runs) => {
+            let options = ViewOptions {
+                runs,
+                model,
+                track: None,
+                only: Vec::new(),
+                most_values: RunsPage::MOST_VALUES,
+            };
+            write_view(&output, &options, global)?
+        }
+        None => None,
+    };
+    output.text("report.html", &discovery_page(report, viewer))?;
     output.text("model.next.toml", &found.next_model)?;
     if let Some(case) = &found.next_case {
         output.text("case.next.toml", case)?;

@@ -2,7 +2,9 @@
 
 use kufe::charts::{angle_picture, energy_picture, force_picture, losses_picture};
 use kufe::jobs::Failure;
+use kufe::jobs::view_runs::ViewOptions;
 use kufe::plot::Figure;
+use kufe::report::RunsPage;
 use kufe::results::{Evaluation, RunsUsed, write_evaluation_csv};
 use kufe_sled::{
     DriverLosses, Group, RunEvaluation, distinct, evaluate, file_stem, groups, losses_by_driver,
@@ -10,6 +12,7 @@ use kufe_sled::{
 };
 
 use crate::output::OutputDir;
+use crate::records::write_view;
 use crate::runs::arguments::RunArgs;
 use crate::runs::files::draw_tables;
 use crate::terminal::Global;
@@ -25,6 +28,9 @@ pub struct Args {
     /// Seed of the random choices behind the intervals
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Write view.html too, the page of kufe runs view with these runs: the page of kufe report links into it
+    #[arg(long)]
+    view: bool,
 }
 
 /// Evaluates and writes.
@@ -34,7 +40,8 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let inputs = args.runs.inputs();
     let output = OutputDir::begin("evaluate", &inputs, &args.runs.out, global.force)?;
-    let loaded = args.runs.load(global, |_| true)?;
+    let selection = args.runs.selection();
+    let loaded = global.watched(|watch| selection.load(watch, |_| true))?;
     let runs = evaluate(&loaded.prepared, &loaded.vehicle);
     let groups = groups(&runs, args.seed);
     let drivers = losses_by_driver(&runs);
@@ -54,10 +61,21 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         })?,
     };
     output.write("evaluation.csv", |file| write_evaluation_csv(file, runs))?;
-    let mut pictures = draw(&output, runs, &document.drivers, drawn)?;
+    let mut written = draw(&output, runs, &document.drivers, drawn)?;
     let states = loaded.prepared.iter().flat_map(|run| &run.states);
     let samples = table_samples(states);
-    pictures.extend(draw_tables(&output, &loaded.vehicle, &samples)?);
+    written.extend(draw_tables(&output, &loaded.vehicle, &samples)?);
+    if args.view {
+        let options = ViewOptions {
+            runs: args.runs.runs.clone(),
+            model: Some(args.runs.model.clone()),
+            track: None,
+            only: runs.iter().map(|run| run.run.clone()).collect(),
+            most_values: RunsPage::MOST_VALUES,
+        };
+        let viewer = write_view(&output, &options, global)?;
+        written.extend(viewer.map(str::to_owned));
+    }
     output.json("evaluation.json", &document)?;
     output.commit()?;
     global.print(&document, || {
@@ -66,7 +84,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             + &format!(
                 "{}: evaluation.json, evaluation.csv, {}\n",
                 args.runs.out.display(),
-                pictures.join(", ")
+                written.join(", ")
             )
     })
 }

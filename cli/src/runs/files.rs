@@ -5,15 +5,12 @@ use std::path::PathBuf;
 
 use kufe::charts::{Slice, table_picture};
 use kufe::jobs::{Failure, table::read_table, write_document_mat};
+use kufe::report::TABLE_PICTURES;
 use kufe_lut::{MatValue, Sample};
-use kufe_sled::{Run, RunFormat, Track, Vehicle, run_file, track_file, write_index, write_run};
-use rayon::prelude::*;
+use kufe_sled::{RunFormat, Vehicle};
 use serde::Serialize;
 
 use crate::output::OutputDir;
-
-/// The pictures of the model's tables, front and rear; a model without tables has none.
-pub const TABLE_PICTURES: [&str; 2] = ["table_front.png", "table_rear.png"];
 
 /// The format that `--parquet` selects.
 pub fn run_format(parquet: bool) -> RunFormat {
@@ -22,28 +19,6 @@ pub fn run_format(parquet: bool) -> RunFormat {
     } else {
         RunFormat::Csv
     }
-}
-
-/// Writes the runs and, last, the index; names each run's file.
-pub fn write_runs(output: &OutputDir, runs: &mut [Run], format: RunFormat) -> Result<(), Failure> {
-    for run in runs.iter_mut() {
-        run.entry.file = PathBuf::from(run_file(&run.entry.run, format));
-    }
-    runs.par_iter()
-        .map(|run| {
-            let name = run.entry.file.display().to_string();
-            output.write(&name, |mut file| write_run(run, &mut file, format))
-        })
-        .collect::<Result<Vec<()>, Failure>>()?;
-    let entries: Vec<_> = runs.iter().map(|run| run.entry.clone()).collect();
-    output.write("runs.csv", |file| write_index(file, &entries))
-}
-
-/// Writes the table of a track.
-pub fn write_track(output: &OutputDir, track: &Track) -> Result<(), Failure> {
-    output.write(&track_file(&track.name), |file| {
-        track.write_csv(std::io::BufWriter::new(file))
-    })
 }
 
 /// Writes every key of `document`, and `series`, for MATLAB.

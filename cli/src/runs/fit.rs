@@ -1,10 +1,10 @@
 //! `kufe fit`: friction from recorded runs.
 
 use kufe::charts::fit_picture;
-use kufe::jobs::{Failure, runs::Loaded, runs::failure};
-use kufe::results::{LateralFitDocument, RunsUsed};
+use kufe::jobs::lateral::{FittedRuns, fit_lateral};
+use kufe::jobs::{Failure, runs::Loaded};
 use kufe_sled::friction::{LateralFit, MagicFormula};
-use kufe_sled::{FitOptions, Model, Vehicle, find_contacts, lateral_samples};
+use kufe_sled::{FitOptions, find_contacts, lateral_samples};
 
 use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
@@ -45,27 +45,20 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let inputs = args.runs.inputs();
     let output = OutputDir::begin("fit lateral", &inputs, &args.runs.out, global.force)?;
-    let loaded = args.runs.load(global, |_| true)?;
-    let fit = global.during("fitting", || {
-        kufe_sled::fit(&loaded.prepared, &loaded.vehicle, &options)
-    });
-    let fit = fit.map_err(failure)?;
-    let document = LateralFitDocument {
-        fit: fit.result(),
-        used: RunsUsed::new(&loaded),
-    };
+    let selection = args.runs.selection();
+    let fitted = global.watched(|watch| fit_lateral(&selection, &options, watch))?;
+    let FittedRuns {
+        loaded,
+        fit,
+        document,
+        model: written,
+    } = fitted;
     let Loaded {
         model,
         vehicle,
         prepared,
         ..
     } = loaded;
-    let fitted = fit.applied_to(&model);
-    let written = fitted.to_toml();
-    // The written model is valid.
-    Model::from_toml(&written, "model.fit.toml")
-        .and_then(|model| Vehicle::with_effects(&model))
-        .map_err(failure)?;
     output.text("model.fit.toml", &written)?;
     let marked = if options.leave_out_contacts {
         find_contacts(

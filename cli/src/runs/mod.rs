@@ -8,4 +8,4 @@ pub mod fit;
 pub mod simulate;
 pub mod validate;
 
-pub use files::{TABLE_PICTURES, run_format, write_runs};
+pub use files::run_format;

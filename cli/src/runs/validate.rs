@@ -1,13 +1,12 @@
 //! `kufe validate`: the friction model against runs that it was not fitted to.
 
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use kufe::charts::{lateral_force_picture, rmse_picture};
+use kufe::jobs::lateral::{FittedLaws, validate_runs};
 use kufe::jobs::{Failure, force_series};
-use kufe::results::{LateralFitDocument, RunsUsed, Validation};
-use kufe_sled::friction::MagicFormula;
-use kufe_sled::{RunValidation, RunnerFitResult, by_track, validate};
+use kufe::results::Validation;
+use kufe_sled::RunValidation;
 
 use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
@@ -38,24 +37,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let mut inputs = args.runs.inputs();
     inputs.extend(args.fit.clone());
     let output = OutputDir::begin("validate", &inputs, &args.runs.out, global.force)?;
-    let fit = args.fit.as_deref().map(read_fit).transpose()?;
-    let fitted: BTreeSet<String> = fit
-        .iter()
-        .flat_map(|fit| fit.runs.iter().cloned())
-        .collect();
-    let mut loaded = args
-        .runs
-        .load(global, |run| !fitted.contains(&run.entry.run))?;
-    if let Some(fit) = &fit {
-        loaded.vehicle = loaded.vehicle.with_lateral(fit.front, fit.rear);
-    }
-    let runs = validate(&loaded.prepared, &loaded.vehicle);
-    let document = Validation {
-        tracks: by_track(&runs),
-        runs,
-        left_out_as_fitted: fitted,
-        used: RunsUsed::new(&loaded),
-    };
+    let laws = args.fit.as_deref().map(FittedLaws::read).transpose()?;
+    let selection = args.runs.selection();
+    let document = global.watched(|watch| validate_runs(&selection, laws.as_ref(), watch))?;
     let (runs, tracks) = (&document.runs, &document.tracks);
     let mut drawn: Vec<&RunValidation> = Vec::new();
     for track in tracks {
@@ -120,31 +104,4 @@ fn text(args: &Args, document: &Validation, drawn: &[&RunValidation]) -> String 
         args.runs.out.display(),
         drawn.len()
     )
-}
-
-struct Fit {
-    front: MagicFormula,
-    rear: MagicFormula,
-    runs: Vec<String>,
-}
-
-fn read_fit(path: &Path) -> Result<Fit, Failure> {
-    let bad = |found: &dyn std::fmt::Display| {
-        let file = path.display();
-        Failure::BadInput(format!(
-            "{file}: {found}; expected what kufe fit lateral writes"
-        ))
-    };
-    let text = kufe_files::text_of_regular(path, 1 << 24).map_err(|error| bad(&error))?;
-    let document: LateralFitDocument = serde_json::from_str(&text).map_err(|error| bad(&error))?;
-    let law = |name: &str, runner: &RunnerFitResult| {
-        let law = runner.law();
-        law.map_err(|error| bad(&format!("{name}: {error}")))
-    };
-    let fit = document.fit;
-    Ok(Fit {
-        front: law("front", &fit.front)?,
-        rear: law("rear", &fit.rear)?,
-        runs: fit.runs,
-    })
 }

@@ -14,6 +14,8 @@ const AROUND_S: f64 = 1.0;
 pub struct OddCurve {
     /// The channel.
     pub column: String,
+    /// Time of the run's first sample [s].
+    pub t0_s: f64,
     /// Time [s] and value, as recorded.
     pub points: Vec<Point>,
     /// The odd stretch [s].
@@ -49,6 +51,7 @@ pub fn odd_curves(examination: &Examination, run: &Run) -> Vec<OddCurve> {
         let points: Vec<Point> = points.filter(|(t, _)| (from..=to).contains(t)).collect();
         curves.push(OddCurve {
             column: name.clone(),
+            t0_s: run.t0_s,
             points: thinned(points),
             marked,
         });

@@ -4,9 +4,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use kufe_contact::solve;
-use kufe_sled::Model;
 use kufe_sled::effects::{Effects, Kind, OperatingPoint};
 use kufe_sled::friction::{Longitudinal, longitudinal_force};
+use kufe_sled::{Conditions, Model};
 
 use crate::case::StatedProblem;
 use crate::jobs::case_file::LoadedCase;
@@ -20,7 +20,72 @@ pub struct FrictionLaw {
     law: Longitudinal,
     effects: Effects,
     /// Drag area of the sled [m2]; not a number without a sled.
-    pub drag_area: f64,
+    drag_area: f64,
+}
+
+/// How a runner is driven, and the air and ice around it. What is not stated is needed only by
+/// effects on it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DrivingConditions {
+    /// Speed [m/s].
+    pub v_mps: f64,
+    /// Slip angle [rad].
+    pub alpha_rad: f64,
+    /// Ice temperature [C].
+    pub ice_c: Option<f64>,
+    /// Air temperature [C].
+    pub air_c: Option<f64>,
+    /// Air pressure [Pa].
+    pub air_pa: Option<f64>,
+    /// Relative humidity [%].
+    pub humidity_pct: Option<f64>,
+}
+
+impl DrivingConditions {
+    /// Checks the ranges.
+    fn check(&self) -> Result<(), Failure> {
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let angle = "a slip angle in rad within a quarter turn";
+        let celsius = "degrees Celsius, -60 to 60";
+        let pressure = "an air pressure in Pa, 30000 to 120000";
+        for (name, value, low, high, expected) in [
+            ("v-mps", Some(self.v_mps), 0.0, 100.0, "0 to 100 m/s"),
+            ("alpha-rad", Some(self.alpha_rad), -quarter, quarter, angle),
+            ("ice-c", self.ice_c, -60.0, 60.0, celsius),
+            ("air-c", self.air_c, -60.0, 60.0, celsius),
+            ("air-pa", self.air_pa, 30e3, 120e3, pressure),
+            ("humidity-pct", self.humidity_pct, 0.0, 100.0, "0 to 100"),
+        ] {
+            if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
+                let text = format!("--{name} {value}: expected {expected}");
+                return Err(Failure::Usage(text));
+            }
+        }
+        Ok(())
+    }
+
+    /// The same under a normal force [N], with the drag area of the sled [m2].
+    fn operating_point(&self, fz: f64, drag_area: f64) -> OperatingPoint {
+        let stated = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let conditions = Conditions {
+            ice_c: stated(self.ice_c),
+            air_c: stated(self.air_c),
+            air_pa: stated(self.air_pa),
+            humidity_pct: stated(self.humidity_pct),
+            distance_m: 0.0,
+            mass_kg: f64::NAN,
+        };
+        OperatingPoint {
+            t: 0.0,
+            s: 0.0,
+            v: self.v_mps,
+            fz,
+            conditions,
+            air_density: conditions.air_density(),
+            drag_area,
+            film: f64::NAN,
+        }
+    }
 }
 
 impl FrictionLaw {
@@ -53,19 +118,19 @@ impl FrictionLaw {
         })
     }
 
-    /// Solves a case and evaluates the law at its peak pressure, at a slip angle [rad]; `at` states
-    /// all conditions but the normal force, which is the contact's.
+    /// Solves a case and evaluates the law at its peak pressure.
     ///
     /// # Errors
-    /// [`Failure::Usage`] for a condition that an effect needs and that is not stated,
-    /// [`Failure::BadInput`] for the case, [`Failure::NotConverged`] where the solver stops short.
+    /// [`Failure::Usage`] for a condition out of range, and for one that an effect needs and that
+    /// is not stated, [`Failure::BadInput`] for the case, [`Failure::NotConverged`] where the solver stops short.
     pub fn solve(
         &self,
         loaded: &LoadedCase,
-        alpha_rad: f64,
-        at: OperatingPoint,
+        conditions: &DrivingConditions,
         watch: &Watch,
     ) -> Result<FrictionByLaw, Failure> {
+        conditions.check()?;
+        watch.progress("solving the contact");
         let StatedProblem { problem, hull } = loaded.stated()?;
         let started = Instant::now();
         let solution =
@@ -74,10 +139,7 @@ impl FrictionLaw {
         for warning in loaded.hull_warnings(hull.as_ref()) {
             watch.warn(&warning);
         }
-        let at = OperatingPoint {
-            fz: solution.fz,
-            ..at
-        };
+        let at = conditions.operating_point(solution.fz, self.drag_area);
         let (p_max, mu_base) = (solution.p_max, self.law.mu(solution.p_max));
         let (mu, effects, effects_not_concerned) = self.with_effects(mu_base, &at)?;
         let (capped, mu_error) = match self.law {
@@ -87,6 +149,7 @@ impl FrictionLaw {
             ),
             Longitudinal::Fixed(_) => (false, 0.0),
         };
+        let alpha_rad = conditions.alpha_rad;
         let fx_n = longitudinal_force(solution.fz, alpha_rad, mu);
         Ok(FrictionByLaw {
             p_max: Measured::new(p_max, solution.p_max_error),

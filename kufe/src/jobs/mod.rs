@@ -13,7 +13,9 @@
 //! | [`FrictionLaw`] | friction of a contact by a law over its pressure |
 //! | [`slide`] | a case's groove, melt film and friction, and friction over speed and temperature |
 //! | [`table`] | a table file and the lookup table that it specifies |
+//! | [`import`] | recordings of other programs become runs |
 //! | [`runs`], [`gather`], [`align`], [`view_runs`] | recorded runs, selected and prepared, gathered, aligned, shown |
+//! | [`lateral`], [`simulate`] | lateral friction fitted to runs and compared with them; simulated runs |
 //!
 //! ```
 //! use kufe::jobs::{Contact, case_file::LoadedCase};
@@ -30,11 +32,14 @@ pub mod failure;
 pub mod field;
 pub mod gather;
 mod hull_check;
+pub mod import;
+pub mod lateral;
 mod law_friction;
 mod meshes;
 mod press;
 pub mod runs;
 mod series;
+pub mod simulate;
 pub mod slide;
 pub mod table;
 pub mod view_runs;
@@ -44,7 +49,7 @@ mod write_whole;
 pub use document_mat::{channel_series, force_series, write_document_mat};
 pub use failure::Failure;
 pub use hull_check::{ExaminedHull, check_hull};
-pub use law_friction::FrictionLaw;
+pub use law_friction::{DrivingConditions, FrictionLaw};
 pub use meshes::{CaseMeshes, write_mesh_quality};
 pub use press::{
     Contact, Prepared, SolvedContact, newtons, percent, press_prepared, time_left, with_progress,

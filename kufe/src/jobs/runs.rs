@@ -1,14 +1,18 @@
 //! Recorded runs: read, chosen and prepared.
 
 use std::collections::BTreeSet;
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use kufe_sled::{
-    Error, Model, Needs, OnGaps, OutsideTable, PrepareOptions, Prepared, Run, SampleCoverage,
-    Vehicle, gaps_line, outside_tables, prepare_all, read_index, track_file,
+    Error, Model, Needs, OnGaps, OutsideTable, PrepareOptions, Prepared, Run, RunFormat,
+    SampleCoverage, Track, Vehicle, gaps_line, outside_tables, prepare_all, read_index, run_file,
+    track_file, write_index, write_run,
 };
+use rayon::prelude::*;
 
 use crate::jobs::failure::Failure;
+use crate::jobs::field::NewFiles;
 use crate::jobs::watch::Watch;
 use crate::results::RunsUsed;
 
@@ -69,6 +73,34 @@ pub fn run_inputs(index: &Path) -> Vec<PathBuf> {
         .chain(runs)
         .chain(tracks.iter().map(|name| folder.join(name)))
         .collect()
+}
+
+/// Writes the runs and, last, the index; names each run's file.
+///
+/// # Errors
+/// [`Failure::BadInput`] for a file that cannot be written.
+pub fn write_runs(output: NewFiles, runs: &mut [Run], format: RunFormat) -> Result<(), Failure> {
+    for run in runs.iter_mut() {
+        run.entry.file = PathBuf::from(run_file(&run.entry.run, format));
+    }
+    runs.par_iter()
+        .map(|run| {
+            let name = run.entry.file.display().to_string();
+            output.write(&name, |mut file| write_run(run, &mut file, format))
+        })
+        .collect::<Result<Vec<()>, Failure>>()?;
+    let entries: Vec<_> = runs.iter().map(|run| run.entry.clone()).collect();
+    output.write("runs.csv", |file| write_index(file, &entries))
+}
+
+/// Writes the table of a track.
+///
+/// # Errors
+/// As [`write_runs`].
+pub fn write_track(output: NewFiles, track: &Track) -> Result<(), Failure> {
+    output.write(&track_file(&track.name), |file| {
+        track.write_csv(BufWriter::new(file))
+    })
 }
 
 /// The failure that a sled error is.

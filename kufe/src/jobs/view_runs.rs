@@ -24,6 +24,8 @@ pub struct ViewOptions {
     pub runs: PathBuf,
     /// Sled and friction: the model's curves are shown too.
     pub model: Option<PathBuf>,
+    /// Table of the runs' track; where absent, the tables in the folder of the index.
+    pub track: Option<PathBuf>,
     /// Only these runs; all where empty.
     pub only: Vec<String>,
     /// Most values of all runs and channels together.
@@ -93,7 +95,7 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
         return Err(wrong(format!("--run {name}: the runs are {names}")));
     }
     let driven = match &options.model {
-        Some(model) => Some(Driven::read(model, &options.runs, &entries, watch)?),
+        Some(model) => Some(Driven::read(model, options, &entries, watch)?),
         None => None,
     };
     watch.progress(&format!("examining {} runs", entries.len()));
@@ -169,7 +171,7 @@ fn count(runs: &[ViewedRun], rate_hz: f64) -> usize {
 impl Driven {
     fn read(
         model: &Path,
-        index: &Path,
+        options: &ViewOptions,
         entries: &[Entry],
         watch: &Watch,
     ) -> Result<Driven, Failure> {
@@ -182,8 +184,13 @@ impl Driven {
             watch.warn(&format!("{}: {text}", file.display()));
         }
         let mut tracks = BTreeMap::new();
-        for name in names {
-            let path = index
+        if let Some(path) = &options.track {
+            let track = Track::load(path).map_err(failure)?;
+            tracks.insert(track.name.clone(), track);
+        }
+        for name in names.into_iter().filter(|_| options.track.is_none()) {
+            let path = options
+                .runs
                 .parent()
                 .unwrap_or(Path::new(""))
                 .join(track_file(name));
@@ -338,6 +345,7 @@ mod tests {
             let options = ViewOptions {
                 runs: index.clone(),
                 model: None,
+                track: None,
                 only: Vec::new(),
                 most_values,
             };

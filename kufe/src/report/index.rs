@@ -73,6 +73,7 @@ pub fn index_page(name: &str, folder: &Path, entries: &[Entry]) -> serde_json::R
     Ok(results_page(
         &format!("{name}: {count} run{plural}"),
         &[],
+        &[],
         &documents,
     ))
 }

@@ -10,6 +10,8 @@
 //! | [`page`] | the whole page of one [`Kind`] from its title and data |
 //! | [`discovery_page`] | the findings of a search for missing effects: tables and diagrams without scripts |
 //! | [`results_page`] | any other document: its pictures, and its figures as tables |
+//! | [`result_page`] | the page of a folder that a command has written, or of a lookup table |
+//! | [`ViewedPart`] | a link into the page of recorded runs |
 //! | [`record_page`] | faults and oddities of recorded runs, worst first, without scripts |
 //! | [`index_page`] | an index of runs |
 //! | [`PackedGrid`] | fields on a regular grid, thinned and packed for a page |
@@ -26,6 +28,7 @@
 
 mod contact;
 mod discovery;
+mod folder;
 mod grid;
 mod index;
 mod pack;
@@ -35,9 +38,11 @@ mod results;
 mod runs;
 mod sign;
 mod table;
+mod viewer;
 
 pub use contact::{ContactPage, PackedHull, SeriesPage};
 pub use discovery::discovery_page;
+pub use folder::{LONGEST_TREE, PAGE, ResultPage, TABLE_PICTURES, read_json, result_page};
 pub use grid::PackedGrid;
 pub use index::index_page;
 pub use pack::{Packed, pack};
@@ -46,3 +51,4 @@ pub use record::record_page;
 pub use results::{Picture, picture_url, results_page};
 pub use runs::RunsPage;
 pub use table::TablePage;
+pub use viewer::{Stretch, VIEWER, ViewedPart};

@@ -9,12 +9,13 @@ use kufe_sled::{Examination, Octave, Profile};
 use crate::charts::OddCurve;
 use crate::plot::number4;
 use crate::report::page::{escape, plain_page};
+use crate::report::viewer::{Stretch, ViewedPart, viewer_links};
 use crate::results::RunCheck;
 
 /// The page of `check.json`: one HTML file without scripts. A summary comes first, each finding
 /// once with the runs that it is in, then the runs, the worst first. `curves` are those of each
-/// run.
-pub fn record_page(check: &RunCheck, curves: &[Vec<OddCurve>]) -> String {
+/// run. `viewer` is the address of the page that shows the runs, where there is one.
+pub fn record_page(check: &RunCheck, curves: &[Vec<OddCurve>], viewer: Option<&str>) -> String {
     let count = check.runs.len();
     let (class, verdict) = match check.wrong {
         0 => (
@@ -53,13 +54,16 @@ pub fn record_page(check: &RunCheck, curves: &[Vec<OddCurve>]) -> String {
         let curve = curves[finding.runs[0]]
             .iter()
             .find(|curve| Some(&curve.column) == column);
+        let first = &check.runs[finding.runs[0]];
+        let link = viewer.filter(|_| first.refused.is_none());
+        let link = link.map(|viewer| finding_link(viewer, &first.run, column, curve));
         // A channel is drawn once.
         let curve = curve.filter(|curve| drawn.insert((finding.runs[0], &curve.column)));
-        entry(&mut out, finding, &check.runs, curve);
+        entry(&mut out, finding, &check.runs, curve, link);
     }
     out.push_str("<h2>Every run</h2>\n");
     for (number, run) in check.runs.iter().enumerate() {
-        one_run(&mut out, number, run);
+        one_run(&mut out, number, run, viewer);
     }
     let _ = writeln!(
         out,
@@ -68,6 +72,24 @@ A delay is that of the channel if it alone is late. kufe {}</small></p>",
         escape(&check.version)
     );
     plain_page("Recorded runs", &out)
+}
+
+/// A link to what is odd in a run, as its curve shows it, or to the whole run.
+fn finding_link(
+    viewer: &str,
+    run: &str,
+    column: Option<&String>,
+    curve: Option<&OddCurve>,
+) -> String {
+    let odd = curve.filter(|curve| curve.marked.is_some());
+    let ends = odd.and_then(|curve| Some((curve, curve.points.first()?.0, curve.points.last()?.0)));
+    let part = ViewedPart {
+        runs: &[run],
+        channel: column.map(String::as_str),
+        stretch: ends.map(|(curve, from, to)| Stretch::Time(from - curve.t0_s, to - curve.t0_s)),
+        ..ViewedPart::default()
+    };
+    part.link(viewer, run)
 }
 
 /// Whether nothing is wrong or odd.
@@ -159,7 +181,7 @@ fn findings(runs: &[Examination]) -> Vec<Finding<'_>> {
 }
 
 /// A run: its findings in a line each, and its channels, folded.
-fn one_run(out: &mut String, number: usize, run: &Examination) {
+fn one_run(out: &mut String, number: usize, run: &Examination, viewer: Option<&str>) {
     let own = findings_of(number, run);
     let wrong = own
         .iter()
@@ -183,6 +205,12 @@ fn one_run(out: &mut String, number: usize, run: &Examination) {
             number4(run.rate_hz),
             run.used_s
         );
+        let whole = ViewedPart {
+            runs: &[&run.run],
+            ..ViewedPart::default()
+        };
+        let link = viewer.map(|viewer| whole.link(viewer, &run.run));
+        out.push_str(&viewer_links(link.as_slice()));
     }
     for finding in &own {
         let _ = writeln!(
@@ -240,7 +268,13 @@ fn row(out: &mut String, name: &str, channel: &Profile) {
 const MOST_NAMES: usize = 6;
 
 /// A finding with its runs and the curve of its channel in the first of them.
-fn entry(out: &mut String, finding: &Finding, runs: &[Examination], curve: Option<&OddCurve>) {
+fn entry(
+    out: &mut String,
+    finding: &Finding,
+    runs: &[Examination],
+    curve: Option<&OddCurve>,
+    link: Option<String>,
+) {
     let _ = write!(
         out,
         "<div class=\"finding {}\"><p><b>{}.</b> {}</p>",
@@ -267,6 +301,7 @@ fn entry(out: &mut String, finding: &Finding, runs: &[Examination], curve: Optio
             links.join(", ")
         ),
     };
+    out.push_str(&viewer_links(link.as_slice()));
     if let Some(curve) = curve {
         let _ = writeln!(
             out,
@@ -331,7 +366,7 @@ mod tests {
             let other = run("other".to_owned(), vec![note("stands still")]);
             let runs: Vec<Examination> = (0..count).map(odd).chain([other]).collect();
             let curves: Vec<Vec<OddCurve>> = runs.iter().map(|_| Vec::new()).collect();
-            record_page(&RunCheck::new("runs.csv", runs), &curves)
+            record_page(&RunCheck::new("runs.csv", runs), &curves, None)
         };
         let (few, many) = (page(2), page(42));
         let boxes = |page: &str| page.matches("<div class=\"finding").count();

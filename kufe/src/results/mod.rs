@@ -15,6 +15,7 @@
 //! | [`LateralFitDocument`], [`Evaluation`], [`Validation`] | `fit.json`, `evaluation.json`, `validation.json` of runs |
 //! | [`Simulation`], [`ReplayResult`] | `simulation.json` |
 //! | [`RunCheck`], [`Alignment`], [`SampleTruth`] | `check.json`, `align.json`, `truth.json` |
+//! | [`ImportList`] | `import.json` |
 //! | [`HullCheck`], [`MeshQuality`] | an examined hull; `quality.json` |
 //! | [`TableSummary`], [`TableInfo`], [`TableLookup`] | a lookup table, and its values at one contact |
 //! | [`finding::Report`] | `report.json` of a search for missing effects |
@@ -36,6 +37,7 @@ mod datum;
 mod document;
 pub mod finding;
 mod friction;
+mod imported;
 mod quantity;
 mod record;
 mod runs;
@@ -48,6 +50,7 @@ pub use contact::*;
 pub use datum::{Data, Datum};
 pub use document::DocumentKind;
 pub use friction::*;
+pub use imported::*;
 pub use quantity::*;
 pub use record::{CaseRecord, write_csv};
 pub use runs::*;

@@ -7,7 +7,8 @@ mod sample;
 use std::path::PathBuf;
 
 use kufe::jobs::Failure;
-use kufe_sled::{CONDITIONS, Conditions};
+use kufe::jobs::simulate::stated_conditions;
+use kufe_sled::Conditions;
 
 use crate::terminal::Global;
 
@@ -33,6 +34,10 @@ pub struct Args {
     /// Which run of the runs.csv
     #[arg(long, value_name = "NAME", requires = "replay")]
     pub run: Option<String>,
+    /// Write view.html too, the page of kufe runs view with this run: the page of kufe report links
+    /// into it
+    #[arg(long, requires = "run")]
+    pub view: bool,
     /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of
     /// excluding them
     #[arg(long, requires = "replay")]
@@ -110,17 +115,7 @@ impl Args {
             self.distance_m,
             None,
         ];
-        for ((name, low, high), value) in CONDITIONS.iter().zip(stated) {
-            if let Some(value) = value.filter(|value| !(*low..=*high).contains(value)) {
-                let option = name.replace('_', "-");
-                return Err(Failure::Usage(format!(
-                    "--{option} {value}: expected {low} to {high}"
-                )));
-            }
-        }
-        Ok(Conditions::from_values(
-            stated.map(|value| value.unwrap_or(f64::NAN)),
-        ))
+        stated_conditions(stated)
     }
 }
 

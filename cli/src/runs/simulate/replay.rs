@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use kufe::charts::replay_picture;
-use kufe::jobs::runs::{failure, on_gaps, run_inputs};
+use kufe::jobs::runs::{failure, on_gaps, run_inputs, write_runs, write_track};
+use kufe::jobs::view_runs::ViewOptions;
 use kufe::jobs::{Failure, channel_series};
 use kufe::plot::unit_of;
+use kufe::report::RunsPage;
 use kufe::results::ReplayResult;
 use kufe_sled::{
     Difference, Entry, Inputs, Model, Replay, SimulateOptions, Track, TrackShape, Vehicle,
@@ -14,7 +16,8 @@ use kufe_sled::{
 };
 
 use crate::output::OutputDir;
-use crate::runs::files::{draw_tables, run_format, write_mat, write_runs, write_track};
+use crate::records::write_view;
+use crate::runs::files::{draw_tables, run_format, write_mat};
 use crate::runs::simulate::Args;
 use crate::terminal::{Global, warn};
 
@@ -58,18 +61,29 @@ pub fn run(
     beside_measured(&mut driven, &measured);
     let document = ReplayResult::new(&done, run.entry.file.clone(), outside.clone());
     write_runs(
-        &output,
+        output.files(),
         std::slice::from_mut(&mut driven),
         run_format(args.parquet),
     )?;
-    write_track(&output, &track)?;
+    write_track(output.files(), &track)?;
     if args.mat {
         let series = channel_series(std::slice::from_ref(&driven));
         write_mat(&output, "simulation.mat", &document, series)?;
     }
     output.picture("replay.png", &replay_picture(&done))?;
     let samples = table_samples(states);
-    let tables = draw_tables(&output, &vehicle, &samples)?;
+    let mut pictures = draw_tables(&output, &vehicle, &samples)?;
+    if let Some(run) = args.run.as_ref().filter(|_| args.view) {
+        let options = ViewOptions {
+            runs: args.replay.clone().unwrap_or_default(),
+            model: Some(model_file.to_path_buf()),
+            track: Some(track_file.to_path_buf()),
+            only: vec![run.clone()],
+            most_values: RunsPage::MOST_VALUES,
+        };
+        let viewer = write_view(&output, &options, global)?;
+        pictures.extend(viewer.map(str::to_owned));
+    }
     output.json("simulation.json", &document)?;
     output.commit()?;
     for outside in &outside {
@@ -88,10 +102,10 @@ pub fn run(
         warn(&format!("{}: {reason}; compared up to there", done.run));
     }
     global.print(&document, || {
-        let tables: String = tables.iter().map(|name| format!(", {name}")).collect();
+        let pictures: String = pictures.iter().map(|name| format!(", {name}")).collect();
         summary(&done)
             + &format!(
-                "{}: runs.csv, {}, {}, simulation.json, replay.png{tables}\n",
+                "{}: runs.csv, {}, {}, simulation.json, replay.png{pictures}\n",
                 args.out.display(),
                 driven.entry.file.display(),
                 kufe_sled::track_file(&track.name),

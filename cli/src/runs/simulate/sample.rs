@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::{Failure, runs::failure};
+use kufe::jobs::Failure;
+use kufe::jobs::runs::{failure, write_runs, write_track};
 use kufe::results::SampleTruth;
 use kufe_sled::Model;
 use kufe_sled::sample_data::{drive_sample, sample_plan, sample_track};
 
 use crate::output::OutputDir;
-use crate::runs::files::{run_format, write_runs, write_track};
+use crate::runs::files::run_format;
 use crate::runs::simulate::Args;
 use crate::terminal::Global;
 
@@ -30,9 +31,9 @@ pub fn run(
     let mut runs = global
         .during("driving 44 runs", || drive_sample(&plan, &model))
         .map_err(failure)?;
-    write_runs(&output, &mut runs, run_format(args.parquet))?;
+    write_runs(output.files(), &mut runs, run_format(args.parquet))?;
     for name in ["east", "west"] {
-        write_track(&output, &sample_track(name))?;
+        write_track(output.files(), &sample_track(name))?;
     }
     output.text("model.toml", &model.to_toml())?;
     let truth = SampleTruth::new(args.seed, &plan);

@@ -69,7 +69,7 @@ fn a_findings_pictures_are_whole_and_legible_on_a_phone() {
         ..Report::default()
     };
     let bench = Bench::new();
-    bench.write("finding.html", kufe::report::discovery_page(&report));
+    bench.write("finding.html", kufe::report::discovery_page(&report, None));
     let page = bench.path("finding.html");
     let mut browser = Browser::start(&program, &[]);
     for width in [390, 1400] {

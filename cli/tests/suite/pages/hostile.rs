@@ -86,9 +86,11 @@ fn names_in_pages_are_text_and_nothing_runs() {
         // Findings that fall short are pages as well.
         bench.kufe(&[&words[..], &["-q"]].concat());
     };
-    of("runs check sample/runs.csv -o check".to_owned());
+    of("runs check sample/runs.csv --view -o check".to_owned());
     of(format!("runs view sample/runs.csv {model} -o viewed.html"));
-    of(format!("evaluate sample/runs.csv {model} -o evaluated"));
+    of(format!(
+        "evaluate sample/runs.csv {model} --view -o evaluated"
+    ));
     of("report evaluated".to_owned());
     of(format!("discover experiments.csv {model} -o found"));
     of("report foreign".to_owned());
@@ -99,8 +101,14 @@ fn names_in_pages_are_text_and_nothing_runs() {
         &program,
         &["--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
     );
+    let links = "[...document.querySelectorAll('a[href^=\"view.html#\"]')].length >= 8";
+    for page in ["check/check.html", "evaluated/report.html"] {
+        browser.open(&address(&bench.path(page)), DESK);
+        assert_eq!(browser.evaluate(links), true, "{page}");
+    }
     for page in [
         "check/check.html",
+        "check/view.html",
         "viewed.html",
         "evaluated/report.html",
         "found/report.html",

@@ -250,3 +250,52 @@ fn a_page_of_runs_draws_its_channels_and_its_cursor_reads_them() {
         browser.keep_picture(&format!("runs_{}.png", look.width), look, look.height);
     }
 }
+
+#[test]
+fn the_page_of_a_check_opens_the_viewer_at_what_is_odd() {
+    let Some(program) = chromium() else { return };
+    let bench = Bench::new();
+    bench.write(
+        "runs.csv",
+        "run,file,track\none <1>,one.csv,a\ntwo,two.csv,a\n",
+    );
+    // A value that leaps at 6 s of the recording, which begins at 100 s.
+    let text = recording(12.0, 100.0, 0.0, 1.0);
+    let rows = text.lines().enumerate().map(|(k, line)| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if k > 0 {
+            let time: f64 = cells[0].parse().expect("a time");
+            cells[0] = format!("{:.6}", time + 100.0);
+        }
+        if (601..604).contains(&k) {
+            cells[4] = "3.0".to_owned();
+        }
+        cells.join(",") + "\n"
+    });
+    bench.write("one.csv", rows.collect::<String>());
+    bench.write("two.csv", recording(12.0, 100.0, 0.0, 1.1));
+    bench.kufe(&["runs", "check", "runs.csv", "--view", "-o", "check", "-q"]);
+    let mut browser = Browser::start(&program, &[]);
+    browser.open(&address(&bench.path("check/check.html")), DESK);
+    let link = "document.querySelector('.finding a[href*=\"channel=roll_rate_radps\"]').href";
+    let link = browser.evaluate(link);
+    let link = link.as_str().expect("a link").to_owned();
+    for look in [DESK, PHONE] {
+        browser.open("about:blank#", look);
+        browser.open(&link, look);
+        // One run, its channel first, and around six seconds.
+        let shown = "document.querySelectorAll('.run input[type=checkbox]:checked').length";
+        assert_eq!(browser.evaluate(shown), 1);
+        let plot = ".one:nth-of-type(2)";
+        assert_eq!(browser.text(&format!("{plot} .title")), "roll rate [°/s]");
+        browser.mouse("mouseMoved", &format!("{plot} canvas"), [0.53, 0.5]);
+        let time = browser.text(".sticky .readout");
+        let time: f64 = time.trim_end_matches(" s").parse().expect("a time");
+        assert!((5.0..7.0).contains(&time), "{time} s");
+        assert_eq!(browser.errors(), Vec::<String>::new());
+    }
+    // Without the page of the runs there is nothing to link to.
+    bench.kufe(&["runs", "check", "runs.csv", "-o", "check", "-q"]);
+    let page = std::fs::read_to_string(bench.path("check/check.html")).expect("a page");
+    assert!(!page.contains("view.html") && !bench.path("check/view.html").exists());
+}

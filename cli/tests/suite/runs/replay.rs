@@ -27,7 +27,8 @@ fn a_replay_writes_run_figures_picture_and_page_and_refuses_by_name() {
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         refused(folder, &words, 3, parts);
     };
-    call(&["sample/runs.csv", "--run", "A2-03", "-o", "again"]);
+    let run = ["sample/runs.csv", "--run", "A2-03"];
+    call(&[&run[..], &["--view", "-o", "again"]].concat());
     let document = json(&folder.join("again/simulation.json"));
     let replay = &document["replay"];
     let difference = |column: &str| {
@@ -54,6 +55,22 @@ fn a_replay_writes_run_figures_picture_and_page_and_refuses_by_name() {
     assert!(at(495.0) && at(800.0), "{sections:?}");
     assert!(folder.join("again/replay.png").is_file());
     succeeds(folder, &["report", "again/"]);
+    succeeds(folder, &["report", "again/", "-o", "pages/again.html"]);
+    // The pages link to the run, and to where it differs, in the page of the run.
+    for (page, viewer) in [
+        ("again/report.html", "view.html"),
+        ("pages/again.html", "../again/view.html"),
+    ] {
+        let page = std::fs::read_to_string(folder.join(page)).expect("a page");
+        for part in ["\">the whole run", "&amp;channel="] {
+            let link = format!("<a href=\"{viewer}#run=A2-03{part}");
+            assert!(page.contains(&link), "{link} in {page}");
+        }
+    }
+    assert!(folder.join("again/view.html").is_file());
+    let words = with(&["sample/A2-03.csv", "--view", "-o", "none"]);
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    refused(folder, &words, 2, &["--run"]);
     succeeds(
         folder,
         &["evaluate", "again/runs.csv", "--model", model, "-o", "e"],

@@ -57,12 +57,20 @@ impl NewFiles<'_> {
         file.sync_all().map_err(|error| failure(&error))
     }
 
+    /// Writes a file of these bytes.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn bytes(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
+        self.write(name, |mut file| file.write_all(bytes))
+    }
+
     /// Writes a picture.
     ///
     /// # Errors
     /// As [`write`](Self::write).
     pub fn picture(&self, name: &str, figure: &Figure) -> Result<(), Failure> {
-        self.write(name, |mut file| file.write_all(&figure.png()))
+        self.bytes(name, &figure.png())
     }
 
     /// Writes a result as JSON that people can read.
@@ -71,7 +79,7 @@ impl NewFiles<'_> {
     /// As [`write`](Self::write).
     pub fn json(&self, name: &str, result: &impl Serialize) -> Result<(), Failure> {
         let text = pretty(result)?;
-        self.write(name, |mut file| file.write_all(text.as_bytes()))
+        self.bytes(name, text.as_bytes())
     }
 
     fn failure(&self, name: &str, reason: &dyn Display) -> Failure {

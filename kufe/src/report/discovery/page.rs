@@ -8,18 +8,20 @@ use crate::report::discovery::pictures::{gaps, models, picture};
 use crate::report::discovery::sections::{bins, detectable, next_runs, parameters, runs, step};
 use crate::report::discovery::summary::summary;
 use crate::report::page::plain_page;
+use crate::report::viewer::{Stretch, ViewedPart, viewer_links};
 use crate::results::finding::{Picture, Plot, Report, Strip};
 
-/// The page of a search for missing effects: one HTML file without scripts.
-pub fn discovery_page(report: &Report) -> String {
+/// The page of a search for missing effects: one HTML file without scripts. `viewer` is the address
+/// of the page that shows the runs, where there is one.
+pub fn discovery_page(report: &Report, viewer: Option<&str>) -> String {
     let mut out = String::new();
     summary(&mut out, report);
-    along_tracks(&mut out, &report.pictures);
+    along_tracks(&mut out, report, viewer);
     figures(&mut out, &report.pictures);
     for (k, one) in report.steps.iter().enumerate() {
         step(&mut out, k + 1, one, report);
     }
-    details(&mut out, report);
+    details(&mut out, report, viewer);
     let _ = writeln!(
         out,
         "<p><small>kufe {}, seed {}, data: {}</small></p>",
@@ -31,15 +33,19 @@ pub fn discovery_page(report: &Report) -> String {
 }
 
 /// Residuals along the track with most effects; along the others, folded.
-fn along_tracks(out: &mut String, pictures: &[Picture]) {
-    let strips = pictures.iter().filter_map(|picture| match &picture.plot {
-        Plot::Strip(strip) => Some((strip, &picture.plot)),
-        _ => None,
-    });
+fn along_tracks(out: &mut String, report: &Report, viewer: Option<&str>) {
+    let strips = report
+        .pictures
+        .iter()
+        .filter_map(|picture| match &picture.plot {
+            Plot::Strip(strip) => Some((strip, &picture.plot)),
+            _ => None,
+        });
     let mut strips: Vec<(&Strip, &Plot)> = strips.collect();
     strips.sort_by_key(|(strip, _)| std::cmp::Reverse(strip.places.len()));
     for (k, (strip, plot)) in strips.into_iter().enumerate() {
-        let drawn = picture(plot, false);
+        let links = viewer.map_or_else(Vec::new, |viewer| strip_links(strip, report, viewer));
+        let drawn = picture(plot, false) + &viewer_links(&links);
         match k {
             0 => out.push_str(&drawn),
             _ => fold(
@@ -51,6 +57,37 @@ fn along_tracks(out: &mut String, pictures: &[Picture]) {
             ),
         }
     }
+}
+
+/// Links to a track, to the places of effects on it, and to runs that met each place.
+fn strip_links(strip: &Strip, report: &Report, viewer: &str) -> Vec<String> {
+    /// Runs that are shown over one another.
+    const MOST_RUNS: usize = 4;
+    let part = ViewedPart {
+        track: Some(&strip.track),
+        ..ViewedPart::default()
+    };
+    let mut links = vec![part.link(viewer, &format!("track {}", strip.track))];
+    let mut link = |effect: &str, [from, to]: [f64; 2], runs: &[&str]| {
+        let stretch = Some(Stretch::around(from, to));
+        let part = ViewedPart {
+            runs,
+            stretch,
+            ..part
+        };
+        links.push(part.link(viewer, &format!("{effect}, {from:.0} to {to:.0} m")));
+    };
+    for place in &strip.places {
+        link(&place.effect, [place.from, place.to], &[]);
+    }
+    for step in &report.steps {
+        for met in step.contacts.iter().filter(|met| met.track == strip.track) {
+            let runs = met.contacts.iter().map(|contact| contact.run.as_str());
+            let runs: Vec<&str> = runs.take(MOST_RUNS).collect();
+            link(&step.effect, [met.from_m, met.to_m], &runs);
+        }
+    }
+    links
 }
 
 /// Diagrams side by side, maps one below the other.
@@ -84,7 +121,7 @@ fn figures(out: &mut String, pictures: &[Picture]) {
 }
 
 /// Tables of numbers, folded.
-fn details(out: &mut String, report: &Report) {
+fn details(out: &mut String, report: &Report, viewer: Option<&str>) {
     out.push_str("<h2>In numbers</h2>\n");
     if !report.baselines.is_empty() {
         let title = "Three models on data that the search had not seen";
@@ -116,7 +153,7 @@ fn details(out: &mut String, report: &Report) {
     }
     if report.by_run.iter().any(|channel| channel.runs.len() >= 2) {
         fold(out, "By run and by session", |out| {
-            runs(out, &report.by_run)
+            runs(out, &report.by_run, viewer);
         });
     }
     if !report.base.is_empty() {
@@ -142,7 +179,72 @@ fn details(out: &mut String, report: &Report) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::finding::{Scatter, Series};
+    use crate::results::finding::{
+        ContactPlace, Place, RunContact, Scatter, Series, Step, StripRun,
+    };
+
+    #[test]
+    fn places_of_effects_link_to_the_runs_that_met_them() {
+        let strip = Strip {
+            track: "east & west".to_owned(),
+            places: vec![Place {
+                effect: "relaxation-length".to_owned(),
+                from: 100.0,
+                to: 150.0,
+            }],
+            channel: "ay".to_owned(),
+            unit: "N".to_owned(),
+            from_m: 0.0,
+            step_m: 100.0,
+            runs: vec![StripRun {
+                run: "A1<".to_owned(),
+                session: "1".to_owned(),
+                before: vec![1.0; 8],
+                after: vec![0.5; 8],
+            }],
+        };
+        let contact = RunContact {
+            run: "A1<".to_owned(),
+            driver: "A1".to_owned(),
+            from_m: 481.0,
+            to_m: 484.0,
+            force_n: 900.0,
+            error_n: 90.0,
+        };
+        let place = ContactPlace {
+            track: strip.track.clone(),
+            from_m: 482.0,
+            to_m: 486.0,
+            force_n: 900.0,
+            spread_n: 0.0,
+            runs: 1,
+            hit: 1,
+            drivers: Vec::new(),
+            contacts: vec![contact],
+        };
+        let report = Report {
+            steps: vec![Step {
+                effect: "wall-contact".to_owned(),
+                contacts: vec![place],
+                ..Step::default()
+            }],
+            pictures: vec![Picture {
+                title: String::new(),
+                caption: String::new(),
+                plot: Plot::Strip(strip),
+            }],
+            ..Report::default()
+        };
+        let page = discovery_page(&report, Some("view.html"));
+        for link in [
+            "<a href=\"view.html#track=east%20%26%20west\">track east &amp; west</a>",
+            "<a href=\"view.html#track=east%20%26%20west&amp;over=distance&amp;from=50.00&amp;to=200.00\">relaxation-length, 100 to 150 m</a>",
+            "<a href=\"view.html#run=A1%3C&amp;track=east%20%26%20west&amp;over=distance&amp;from=472.00&amp;to=496.00\">wall-contact, 482 to 486 m</a>",
+        ] {
+            assert!(page.contains(link), "{link} in {page}");
+        }
+        assert!(!discovery_page(&report, None).contains("view.html"));
+    }
 
     #[test]
     fn names_of_foreign_files_are_text() {
@@ -170,7 +272,7 @@ mod tests {
             }],
             ..Report::default()
         };
-        let page = discovery_page(&report);
+        let page = discovery_page(&report, None);
         assert!(
             page.matches("onerror").count() > 6 && !page.contains("<img"),
             "{page}"

@@ -1,5 +1,6 @@
 //! Sections of the page: each effect with its rivals, and the tables.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use crate::plot::{escape, number4};
@@ -7,6 +8,7 @@ use crate::report::discovery::parts::{
     amount, fold, p_is, p_value, range, shown, table, unit_text,
 };
 use crate::report::discovery::pictures;
+use crate::report::viewer::{ViewedPart, viewer_links};
 use crate::results::finding::{
     Bin, ByRun, Detectable, Fitted, NextRuns, OfKind, Report, Rival, Step,
 };
@@ -198,8 +200,21 @@ pub fn bins(out: &mut String, bins: &[Bin]) {
     }
 }
 
-/// Mean residuals run by run.
-pub fn runs(out: &mut String, by_run: &[ByRun]) {
+/// Mean residuals run by run, and links to the runs.
+pub fn runs(out: &mut String, by_run: &[ByRun], viewer: Option<&str>) {
+    let names = by_run.iter().flat_map(|channel| &channel.runs);
+    let names: BTreeSet<&str> = names.map(|run| run.run.as_str()).collect();
+    let links = viewer.into_iter().flat_map(|viewer| {
+        let link = |run: &&str| {
+            let part = ViewedPart {
+                runs: &[run],
+                ..ViewedPart::default()
+            };
+            part.link(viewer, run)
+        };
+        names.iter().map(link).collect::<Vec<_>>()
+    });
+    out.push_str(&viewer_links(&links.collect::<Vec<_>>()));
     for channel in by_run {
         out.push_str(&pictures::runs(channel));
         let chance = |p: f64| match p {

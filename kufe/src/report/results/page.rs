@@ -7,6 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::report::page::{escape, plain_page};
 use crate::report::results::sections::{capital, document};
+use crate::report::viewer::viewer_links;
 use crate::results::Datum;
 
 /// A picture of a page.
@@ -25,9 +26,15 @@ pub fn picture_url(png: &[u8]) -> String {
 /// Pictures that are shown before the figures; more are folded behind them.
 const FIRST_PICTURES: usize = 3;
 
-/// The page of documents, each with what it is.
-pub fn results_page(title: &str, pictures: &[Picture], documents: &[(String, Datum)]) -> String {
+/// The page of documents, each with what it is; `links` are links into the page of the runs.
+pub fn results_page(
+    title: &str,
+    pictures: &[Picture],
+    links: &[String],
+    documents: &[(String, Datum)],
+) -> String {
     let mut out = format!("<h1>{}</h1>\n", escape(title));
+    out.push_str(&viewer_links(links));
     let (first, further) = pictures.split_at(pictures.len().min(FIRST_PICTURES));
     first.iter().for_each(|picture| shown(&mut out, picture));
     for (kind, value) in documents {
@@ -70,7 +77,7 @@ mod tests {
 
     fn page(document: serde_json::Value) -> String {
         let document = Datum::of(&document).expect("figures");
-        results_page("a <b>", &[], &[("friction".into(), document)])
+        results_page("a <b>", &[], &[], &[("friction".into(), document)])
     }
 
     #[test]
@@ -158,7 +165,7 @@ mod tests {
         };
         let pictures: Vec<Picture> = (0..5).map(picture).collect();
         let figures = Datum::of(&json!({ "mu": 0.004 })).expect("figures");
-        let page = results_page("a", &pictures, &[("figures".into(), figures)]);
+        let page = results_page("a", &pictures, &[], &[("figures".into(), figures)]);
         let at = |text: &str| {
             page.find(text)
                 .unwrap_or_else(|| panic!("{text} in {page}"))

@@ -1,0 +1,184 @@
+//! Recordings of other programs brought into kufe's form.
+
+use std::path::{Path, PathBuf};
+
+use kufe_sled::{RunFormat, file_stem, run_file, write_run};
+use kufe_telemetry::{
+    ExcludedRun, Importer, Note, Plan, PlannedRun, RunFormatWord, index_csv, model_fragment, plan,
+};
+use rayon::prelude::*;
+
+use crate::jobs::failure::Failure;
+use crate::jobs::field::NewFiles;
+use crate::jobs::watch::Watch;
+use crate::results::{ImportList, ImportedRun};
+
+/// The list of an import's runs and files.
+const LIST: &str = "import.json";
+/// The part of a model that the mapping states.
+const FRAGMENT: &str = "model.import.toml";
+
+/// A mapping, and the runs whose files it names.
+pub struct RunImport {
+    mapping: PathBuf,
+    importer: Importer,
+    runs: Vec<PlannedRun>,
+    excluded: Vec<ExcludedRun>,
+    format: RunFormat,
+    fragment: Option<String>,
+    strict: bool,
+}
+
+/// What an import wrote.
+pub struct ImportedRuns {
+    /// The document.
+    pub list: ImportList,
+    /// How each run was made.
+    pub notes: Vec<Note>,
+}
+
+impl RunImport {
+    /// Reads the mapping and finds the files of its runs; `strict` refuses runs with missing files
+    /// instead of excluding them.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with file, key and value.
+    pub fn read(mapping: &Path, strict: bool) -> Result<RunImport, Failure> {
+        let file = mapping.display().to_string();
+        let text = kufe_files::text_of_regular(mapping, 1 << 24)
+            .map_err(|error| Failure::BadInput(format!("{file}: {error}")))?;
+        let importer = Importer::new(&text, &file).map_err(Failure::bad_input)?;
+        let folder = mapping.parent().unwrap_or(Path::new(""));
+        let Plan { runs, excluded } =
+            plan(importer.mapping(), folder, &file).map_err(Failure::bad_input)?;
+        if let Some(first) = excluded.first().filter(|_| strict) {
+            return Err(Failure::BadInput(first.reason.clone()));
+        }
+        let format = match importer.mapping().format {
+            RunFormatWord::Csv => RunFormat::Csv,
+            RunFormatWord::Parquet => RunFormat::Parquet,
+        };
+        let fragment = model_fragment(importer.mapping(), &file).map_err(Failure::bad_input)?;
+        Ok(RunImport {
+            mapping: mapping.to_path_buf(),
+            importer,
+            runs,
+            excluded,
+            format,
+            fragment,
+            strict,
+        })
+    }
+
+    /// The files that are read.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let folder = self.mapping.parent().unwrap_or(Path::new(""));
+        let table = self.importer.mapping().index.table.as_deref();
+        let mut inputs = vec![self.mapping.clone()];
+        inputs.extend(table.map(|table| folder.join(table)));
+        inputs.extend(self.runs.iter().flat_map(|run| run.files.values().cloned()));
+        inputs
+    }
+
+    /// Reads, converts and resamples the runs, and writes them with runs.csv, import.json and, of
+    /// each run, RUN.import.json. Runs that cannot be imported are excluded.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with file, channel, row, value and what was expected where no run can
+    /// be imported or one is refused, and for a file that cannot be written; [`Failure::Partial`]
+    /// where it was stopped.
+    pub fn write(mut self, output: NewFiles, watch: &Watch) -> Result<ImportedRuns, Failure> {
+        watch.progress("importing the runs");
+        let written = self.runs.par_iter();
+        let written = written.map(|run| self.write_run(run, output, watch));
+        let written: Vec<_> = written.collect();
+        let (mut notes, mut imported) = (Vec::new(), Vec::new());
+        for (run, written) in self.runs.into_iter().zip(written) {
+            match written? {
+                Ok(note) => {
+                    notes.push(note);
+                    imported.push(run);
+                }
+                Err(reason) if self.strict => return Err(Failure::BadInput(reason)),
+                Err(reason) => self.excluded.push(ExcludedRun {
+                    run: run.name,
+                    reason,
+                }),
+            }
+        }
+        if imported.is_empty() {
+            let first = self.excluded.into_iter().next().map(|run| run.reason);
+            return Err(Failure::BadInput(first.unwrap_or_default()));
+        }
+        let index = index_csv(&imported, self.format.extension()).map_err(Failure::bad_input)?;
+        output.bytes("runs.csv", &index)?;
+        if let Some(fragment) = &self.fragment {
+            output.bytes(FRAGMENT, fragment.as_bytes())?;
+        }
+        let list = ImportList {
+            mapping: self.mapping.display().to_string(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            files: names_of(&imported, self.format, self.fragment.is_some()),
+            runs: notes.iter().map(ImportedRun::of).collect(),
+            excluded: self.excluded,
+        };
+        output.json(LIST, &list)?;
+        Ok(ImportedRuns { list, notes })
+    }
+
+    /// Imports one run and writes its files; the reason where it cannot be imported.
+    fn write_run(
+        &self,
+        planned: &PlannedRun,
+        output: NewFiles,
+        watch: &Watch,
+    ) -> Result<Result<Note, String>, Failure> {
+        if watch.stopped() {
+            let mapping = self.mapping.display();
+            return Err(Failure::Partial(format!(
+                "{mapping}: stopped before the end"
+            )));
+        }
+        let imported = match self.importer.run(planned) {
+            Ok(imported) => imported,
+            Err(error) => return Ok(Err(error.to_string())),
+        };
+        output.write(&run_file(&planned.name, self.format), |mut file| {
+            write_run(&imported.run, &mut file, self.format)
+        })?;
+        output.json(&note_file(&planned.name), &imported.note)?;
+        Ok(Ok(imported.note))
+    }
+}
+
+impl ImportedRuns {
+    /// Which runs were not imported, where there are such.
+    pub fn shortfall(&self) -> Option<Failure> {
+        let excluded = &self.list.excluded;
+        let names: Vec<&str> = excluded.iter().map(|run| run.run.as_str()).collect();
+        let count = self.list.runs.len() + names.len();
+        (!names.is_empty()).then(|| {
+            Failure::Partial(format!(
+                "{} of {count} runs are not imported: {}",
+                names.len(),
+                names.join(", ")
+            ))
+        })
+    }
+}
+
+/// The file that describes how a run was made.
+fn note_file(run: &str) -> String {
+    format!("{}.import.json", file_stem(run))
+}
+
+/// The files of an import.
+fn names_of(runs: &[PlannedRun], format: RunFormat, fragment: bool) -> Vec<String> {
+    let mut names = vec!["runs.csv".to_owned(), LIST.to_owned()];
+    names.extend(fragment.then(|| FRAGMENT.to_owned()));
+    for run in runs {
+        names.push(run_file(&run.name, format));
+        names.push(note_file(&run.name));
+    }
+    names
+}

@@ -1,0 +1,123 @@
+//! Lateral friction of recorded runs: fitted, and compared with what runs measured.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use kufe_sled::friction::MagicFormula;
+use kufe_sled::{FitOptions, Model, RunnerFitResult, SledFit, Vehicle, by_track, fit, validate};
+
+use crate::jobs::failure::Failure;
+use crate::jobs::runs::{Loaded, RunSelection, failure};
+use crate::jobs::watch::Watch;
+use crate::results::{LateralFitDocument, RunsUsed, Validation};
+
+/// A fit of the lateral friction of both runners, and its runs.
+pub struct FittedRuns {
+    /// The runs, and the model before the fit.
+    pub loaded: Loaded,
+    /// The fit.
+    pub fit: SledFit,
+    /// The document.
+    pub document: LateralFitDocument,
+    /// The model with the fitted laws, as its file's text.
+    pub model: String,
+}
+
+/// Fits the lateral friction of both runners to the selected runs.
+///
+/// # Errors
+/// [`Failure::BadInput`] with file and place, and where the runs do not determine the stiffness of
+/// a runner; [`Failure::NotConverged`].
+pub fn fit_lateral(
+    selection: &RunSelection,
+    options: &FitOptions,
+    watch: &Watch,
+) -> Result<FittedRuns, Failure> {
+    let loaded = selection.load(watch, |_| true)?;
+    watch.progress("fitting");
+    let fit = fit(&loaded.prepared, &loaded.vehicle, options).map_err(failure)?;
+    let model = fit.applied_to(&loaded.model).to_toml();
+    // The written model is valid.
+    Model::from_toml(&model, "model.fit.toml")
+        .and_then(|model| Vehicle::with_effects(&model))
+        .map_err(failure)?;
+    let document = LateralFitDocument {
+        fit: fit.result(),
+        used: RunsUsed::new(&loaded),
+    };
+    Ok(FittedRuns {
+        loaded,
+        fit,
+        document,
+        model,
+    })
+}
+
+/// Lateral laws of a fit, and the runs that it saw.
+#[derive(Clone, Debug)]
+pub struct FittedLaws {
+    /// Law of the front runner.
+    pub front: MagicFormula,
+    /// Law of the rear runner.
+    pub rear: MagicFormula,
+    /// Names of the runs.
+    pub runs: BTreeSet<String>,
+}
+
+impl FittedLaws {
+    /// Those of a `fit.json`.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with the file and the key.
+    pub fn read(path: &Path) -> Result<FittedLaws, Failure> {
+        let bad = |found: &dyn std::fmt::Display| {
+            let file = path.display();
+            Failure::BadInput(format!(
+                "{file}: {found}; expected what kufe fit lateral writes"
+            ))
+        };
+        let text = kufe_files::text_of_regular(path, 1 << 24).map_err(|error| bad(&error))?;
+        let document = serde_json::from_str(&text).map_err(|error| bad(&error))?;
+        FittedLaws::of(&document).map_err(|error| bad(&error))
+    }
+
+    /// Those of a fit.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] for a value of a law that is out of range.
+    pub fn of(document: &LateralFitDocument) -> Result<FittedLaws, Failure> {
+        let law = |name: &str, runner: &RunnerFitResult| {
+            let law = runner.law();
+            law.map_err(|error| Failure::BadInput(format!("{name}: {error}")))
+        };
+        Ok(FittedLaws {
+            front: law("front", &document.fit.front)?,
+            rear: law("rear", &document.fit.rear)?,
+            runs: document.fit.runs.iter().cloned().collect(),
+        })
+    }
+}
+
+/// Compares lateral forces as the selected runs measured them with those of the model. The laws of
+/// a fit replace the model's, and the runs that it saw are excluded.
+///
+/// # Errors
+/// [`Failure::BadInput`] with file and place, and where no run remains.
+pub fn validate_runs(
+    selection: &RunSelection,
+    laws: Option<&FittedLaws>,
+    watch: &Watch,
+) -> Result<Validation, Failure> {
+    let fitted = laws.map_or_else(BTreeSet::new, |laws| laws.runs.clone());
+    let mut loaded = selection.load(watch, |run| !fitted.contains(&run.entry.run))?;
+    if let Some(laws) = laws {
+        loaded.vehicle = loaded.vehicle.with_lateral(laws.front, laws.rear);
+    }
+    let runs = validate(&loaded.prepared, &loaded.vehicle);
+    Ok(Validation {
+        tracks: by_track(&runs),
+        runs,
+        left_out_as_fitted: fitted,
+        used: RunsUsed::new(&loaded),
+    })
+}

@@ -1,0 +1,197 @@
+//! Simulated runs of one driver on one track.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use kufe_lut::Sample;
+use kufe_sled::sample_data::{DRIVERS, sample_driver};
+use kufe_sled::{
+    CONDITIONS, Conditions, Driver, Model, Run, SimulateOptions, Track, TrackShape, Vehicle,
+    outside_tables, record, simulate, simulated_entry, table_samples, together,
+};
+use rayon::prelude::*;
+
+use crate::jobs::failure::Failure;
+use crate::jobs::runs::failure;
+use crate::jobs::watch::Watch;
+use crate::results::{SimulatedRun, Simulation};
+
+/// Runs whose samples are placed on the model's tables.
+const SAMPLED: u32 = 20;
+
+/// What is simulated.
+#[derive(Clone, Debug)]
+pub struct SimulatedDrives {
+    /// Sled and friction.
+    pub model: PathBuf,
+    /// Table of the track.
+    pub track: PathBuf,
+    /// Who drives.
+    pub driver: NamedDriver,
+    /// Number of runs.
+    pub runs: u32,
+    /// Name of the session in the index.
+    pub session: String,
+    /// Whether the sensors have the model's noise.
+    pub noise: bool,
+    /// Steps, rate, start and conditions; each run adds its number to the seed.
+    pub options: SimulateOptions,
+}
+
+/// A driver with a name.
+#[derive(Clone, Debug)]
+pub struct NamedDriver {
+    name: String,
+    driver: Driver,
+}
+
+impl NamedDriver {
+    /// A driver of the sample data, where one is named, else one of a skill from 0 to 1.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] for an unknown name and a skill out of range.
+    pub fn of(name: Option<&str>, skill: f64) -> Result<NamedDriver, Failure> {
+        let Some(name) = name else {
+            if !(0.0..=1.0).contains(&skill) {
+                return Err(Failure::Usage(format!("--skill {skill}: expected 0 to 1")));
+            }
+            return Ok(NamedDriver {
+                name: format!("skill {skill}"),
+                driver: Driver::of_skill(skill),
+            });
+        };
+        if !DRIVERS.iter().any(|(known, ..)| *known == name) {
+            let known: Vec<&str> = DRIVERS.iter().map(|(name, ..)| *name).collect();
+            return Err(Failure::Usage(format!(
+                "--driver {name}: expected one of {}",
+                known.join(", ")
+            )));
+        }
+        Ok(NamedDriver {
+            name: name.to_owned(),
+            driver: sample_driver(name),
+        })
+    }
+}
+
+/// Conditions by the values of [`CONDITIONS`], where they are stated.
+///
+/// # Errors
+/// [`Failure::Usage`] for a value out of range.
+pub fn stated_conditions(values: [Option<f64>; 6]) -> Result<Conditions, Failure> {
+    for ((name, low, high), value) in CONDITIONS.iter().zip(values) {
+        if let Some(value) = value.filter(|value| !(*low..=*high).contains(value)) {
+            let option = name.replace('_', "-");
+            return Err(Failure::Usage(format!(
+                "--{option} {value}: expected {low} to {high}"
+            )));
+        }
+    }
+    let values = values.map(|value| value.unwrap_or(f64::NAN));
+    Ok(Conditions::from_values(values))
+}
+
+/// Simulated runs, and what they were simulated with.
+pub struct DrivenRuns {
+    /// Sled and friction.
+    pub model: Model,
+    /// The same with its tables opened.
+    pub vehicle: Vehicle,
+    /// The track.
+    pub track: Track,
+    /// The runs as their sensors record them.
+    pub runs: Vec<Run>,
+    /// The document.
+    pub document: Simulation,
+    /// Samples of the first runs on the tables of the front and the rear runner.
+    pub samples: [Vec<Sample>; 2],
+}
+
+/// A simulated run as recorded, and what belongs to it.
+struct Driven {
+    run: Run,
+    row: SimulatedRun,
+    samples: [Vec<Sample>; 2],
+}
+
+impl SimulatedDrives {
+    /// The files that are read.
+    pub fn inputs(&self) -> [PathBuf; 2] {
+        [self.model.clone(), self.track.clone()]
+    }
+
+    /// Drives the runs.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with file and place, and for options out of range.
+    pub fn drive(&self, watch: &Watch) -> Result<DrivenRuns, Failure> {
+        let begun = Instant::now();
+        let model = Model::load(&self.model).map_err(failure)?;
+        let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
+        let track = Track::load(&self.track).map_err(failure)?;
+        let shape = TrackShape::new(&track);
+        let conditions = vehicle.conditions.complete(&self.options.conditions);
+        for text in vehicle.effects_elsewhere(&[&track.name]) {
+            watch.warn(&format!("{}: {text}", self.model.display()));
+        }
+        watch.progress("driving the runs");
+        let tabled = vehicle.tables().iter().any(Option::is_some);
+        let drive = |number: u32| -> Result<Driven, Failure> {
+            if watch.stopped() {
+                return Err(Failure::Partial("stopped before the end".to_owned()));
+            }
+            let options = SimulateOptions {
+                conditions,
+                seed: self.options.seed.wrapping_add(u64::from(number)),
+                ..self.options.clone()
+            };
+            let driver = &self.driver;
+            let simulated =
+                simulate(&vehicle, &shape, &driver.driver, &options).map_err(failure)?;
+            let name = format!("run_{:03}", number + 1);
+            let mut entry = simulated_entry(&name, &track, &driver.name, conditions);
+            entry.session.clone_from(&self.session);
+            let noise = model.noise.as_ref().filter(|_| self.noise);
+            let run = record(&simulated, &vehicle, noise, entry, options.seed);
+            let states = simulated.instants.iter().map(|instant| &instant.state);
+            let outside = outside_tables(&vehicle, states.clone());
+            let (finished, energy) = (simulated.finished, &simulated.energy);
+            Ok(Driven {
+                row: SimulatedRun::new(&run, options.seed, finished, energy, outside),
+                run,
+                samples: match tabled && number < SAMPLED {
+                    true => table_samples(states),
+                    false => [Vec::new(), Vec::new()],
+                },
+            })
+        };
+        let driven = (0..self.runs).into_par_iter().map(drive);
+        let driven: Vec<Result<Driven, Failure>> = driven.collect();
+        let (mut runs, mut rows) = (Vec::new(), Vec::new());
+        let mut samples = [Vec::new(), Vec::new()];
+        for driven in driven {
+            let driven = driven?;
+            runs.push(driven.run);
+            rows.push(driven.row);
+            for (all, own) in samples.iter_mut().zip(driven.samples) {
+                all.extend(own);
+            }
+        }
+        let outside = rows.iter().flat_map(|row| row.outside_tables.clone());
+        for (outside, count) in together(outside.collect()) {
+            watch.warn(&format!("{outside}, in {count} of {} runs", self.runs));
+        }
+        let simulated_s = runs.iter().map(|run| run.len() as f64 * run.dt_s).sum();
+        let seconds = begun.elapsed().as_secs_f64();
+        let name = &self.driver.name;
+        let document = Simulation::new(rows, &track.name, name, simulated_s, seconds);
+        Ok(DrivenRuns {
+            model,
+            vehicle,
+            track,
+            runs,
+            document,
+            samples,
+        })
+    }
+}

@@ -1,0 +1,367 @@
+//! The page of a folder that a command has written, or of a lookup table.
+
+use std::path::{Path, PathBuf};
+
+use kufe_contact::parted;
+use kufe_files::{leads_out, read_regular, text_of_regular};
+use kufe_mesh::{HullOptions, load_hull};
+use kufe_sled::{Section, read_index};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use crate::jobs::field::read_exr::read_map;
+use crate::jobs::gather::relative;
+use crate::jobs::{Failure, runs::failure, table::read_table};
+use crate::report::contact::{ContactPage, SeriesPage};
+use crate::report::index::index_page;
+use crate::report::page::{Kind, page};
+use crate::report::results::label::name_of;
+use crate::report::results::{Picture, picture_url, results_page};
+use crate::report::table::TablePage;
+use crate::report::viewer::{Stretch, VIEWER, ViewedPart, address, linked_to};
+use crate::results::{ContactResult, Datum, DocumentKind, Evaluation, SeriesRow};
+
+/// The page of a folder, by default.
+pub const PAGE: &str = "report.html";
+/// The pictures of the model's tables, front and rear; a model without tables has none.
+pub const TABLE_PICTURES: [&str; 2] = ["table_front.png", "table_rear.png"];
+/// The file that lists runs.
+const INDEX: &str = "runs.csv";
+/// The document of simulated runs and of a replay.
+const SIMULATION: &str = "simulation.json";
+/// Documents without a page of their own, in the order of their importance.
+const DOCUMENTS: [&str; 9] = [
+    "friction.json",
+    "fit.json",
+    "validation.json",
+    SIMULATION,
+    "icehouse.json",
+    "align.json",
+    "import.json",
+    "truth.json",
+    "quality.json",
+];
+
+/// Longest document of a struct of its own: [`MOST_CONTACTS`] take 4 to 8 MB
+/// [bytes].
+const LONGEST: u64 = 1 << 24;
+/// Longest document that is read as a tree, which takes sixty times as much memory [bytes].
+pub const LONGEST_TREE: u64 = 1 << 23;
+/// Longest page [bytes].
+const LONGEST_PAGE: u64 = 1 << 28;
+/// Points along and across of all maps together.
+const POINTS: [usize; 2] = [420, 260];
+/// More triangles than `hull.glb` has.
+const MOST_TRIANGLES: usize = 20_000;
+/// Most contacts and most runs of a page.
+const MOST_CONTACTS: usize = 5000;
+const MOST_RUNS: usize = 1000;
+/// Longest picture of a page [bytes], and most of them.
+const LONGEST_PICTURE: u64 = 1 << 23;
+const MOST_PICTURES: usize = 12;
+
+/// The document in a JSON file of at most `longest` bytes.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the file and the key.
+pub fn read_json<T: DeserializeOwned>(path: &Path, longest: u64) -> Result<T, Failure> {
+    let text = text_of_regular(path, longest).map_err(|error| unreadable(path, &error))?;
+    serde_json::from_str(&text).map_err(|error| wrong(path, &error))
+}
+
+fn wrong(path: &Path, reason: &dyn std::fmt::Display) -> Failure {
+    Failure::BadInput(format!("{}: {reason}", path.display()))
+}
+
+fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
+    wrong(path, &format!("cannot be read: {error}"))
+}
+
+/// The folder's own name, also where the path ends in `.`.
+fn folder_name(folder: &Path) -> String {
+    let whole = folder.canonicalize().unwrap_or_else(|_| folder.into());
+    let last = whole.file_name().unwrap_or(whole.as_os_str());
+    last.to_string_lossy().into_owned()
+}
+
+/// The page of a result.
+pub struct ResultPage {
+    /// What it shows.
+    pub kind: &'static str,
+    /// Where it goes.
+    pub file: PathBuf,
+    /// The page.
+    pub html: String,
+}
+
+/// The page of a folder that a command has written, or of a lookup table (`.lut`). It goes to
+/// `out`, else to `report.html` in the folder or to the table's name with `.html`.
+///
+/// A page of runs links into the `view.html` of the folder, where there is one.
+///
+/// # Errors
+/// [`Failure::BadInput`] where there is nothing to report on, or a file of it is broken.
+pub fn result_page(result: &Path, out: Option<&Path>) -> Result<ResultPage, Failure> {
+    let wrong = |reason: &str| Failure::BadInput(format!("{}: {reason}", result.display()));
+    let file = |default: PathBuf| out.map_or(default, Path::to_path_buf);
+    if !result.exists() {
+        return Err(wrong("cannot be read: there is no such file or folder"));
+    }
+    if !result.is_dir() {
+        if result.extension().is_some_and(|ending| ending == "lut") {
+            return Ok(ResultPage {
+                kind: "table",
+                file: file(result.with_extension("html")),
+                html: table(result)?,
+            });
+        }
+        return Err(wrong(
+            "expected a folder that a command of kufe has written, or a .lut file",
+        ));
+    }
+    let entries = std::fs::read_dir(result).into_iter().flatten().flatten();
+    let mut files = entries.map(|entry| entry.path());
+    if let Some(link) = files.find(|path| path.is_file() && leads_out(result, path)) {
+        return Err(Failure::BadInput(format!(
+            "{}: a link that leads out of the folder; expected a file in it",
+            link.display()
+        )));
+    }
+    let has = |name: &str| result.join(name).is_file();
+    let file = file(result.join(PAGE));
+    let viewer = has(VIEWER).then(|| {
+        let folder = file.parent().filter(|folder| *folder != Path::new(""));
+        let folder = folder.unwrap_or(Path::new("."));
+        address(&relative(&result.join(VIEWER), folder))
+    });
+    let viewer = viewer.as_deref();
+    let (kind, html) = if has("result.json") {
+        ("press", contact(result)?)
+    } else if has("comparison.json") {
+        let page = result.join("comparison.html");
+        ("comparison", written(&page, viewer)?)
+    } else if has("table.json") {
+        ("series", series(result)?)
+    } else if has("evaluation.json") {
+        ("evaluation", evaluation(result, viewer)?)
+    } else if has("report.json") {
+        ("discovery", written(&result.join(PAGE), viewer)?)
+    } else if has("check.json") {
+        ("check", written(&result.join("check.html"), viewer)?)
+    } else if DOCUMENTS.into_iter().any(has) {
+        ("results", documents(result, viewer)?)
+    } else if has(INDEX) {
+        ("runs", index(result)?)
+    } else {
+        return Err(wrong(&without_page(result).unwrap_or_else(|| {
+            "no results: expected what a command of kufe has written, as result.json or table.json (kufe press), \
+             evaluation.json (kufe evaluate) or report.json (kufe discover)"
+                .into()
+        })));
+    };
+    Ok(ResultPage { kind, file, html })
+}
+
+/// The contents of a folder without figures, and the command that shows them.
+fn without_page(folder: &Path) -> Option<String> {
+    let shown = |name: &str| folder.join(name).display().to_string();
+    if folder.join("plan.json").is_file() {
+        return Some(format!(
+            "the plan of a table: solve its shards, then kufe lut merge {} -o table.lut makes the table, which kufe report shows",
+            folder.display()
+        ));
+    }
+    if folder.join("glides.csv").is_file() {
+        return Some(format!(
+            "glides without figures: kufe icehouse {} makes them",
+            shown("glides.csv")
+        ));
+    }
+    let entries = std::fs::read_dir(folder).ok()?;
+    let mut tables: Vec<PathBuf> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|ending| ending == "lut"))
+        .collect();
+    tables.sort();
+    let first = tables.first()?;
+    Some(format!(
+        "lookup tables, which have a page each: kufe report {}",
+        first.display()
+    ))
+}
+
+/// The page that a command has written itself, with its links to the viewer's address.
+fn written(path: &Path, viewer: Option<&str>) -> Result<String, Failure> {
+    let page = text_of_regular(path, LONGEST_PAGE).map_err(|error| unreadable(path, &error))?;
+    Ok(viewer.map_or_else(|| page.clone(), |viewer| linked_to(&page, viewer)))
+}
+
+/// The page of a solved contact.
+fn contact(folder: &Path) -> Result<String, Failure> {
+    let result: ContactResult = read_json(&folder.join("result.json"), LONGEST)?;
+    let maps = parted(read_map(&folder.join("pressure.exr"))?);
+    let glb = folder.join("hull.glb");
+    let hull = if glb.is_file() {
+        let (hull, _) = load_hull(&glb, &HullOptions::default()).map_err(Failure::bad_input)?;
+        Some(hull).filter(|hull| hull.triangles.len() <= MOST_TRIANGLES)
+    } else {
+        None
+    };
+    let data = ContactPage::new(result, &maps, hull.as_ref(), POINTS, folder_name(folder));
+    Ok(page(Kind::Press, &data.title, &data))
+}
+
+/// The page of a series of contacts.
+fn series(folder: &Path) -> Result<String, Failure> {
+    let path = folder.join("table.json");
+    let rows: Vec<SeriesRow> = read_json(&path, LONGEST)?;
+    if rows.is_empty() || rows.len() > MOST_CONTACTS {
+        let count = rows.len();
+        return Err(wrong(
+            &path,
+            &format!("{count} steps: expected 1 to {MOST_CONTACTS}"),
+        ));
+    }
+    let name = folder_name(folder);
+    let title = format!("{name}, series");
+    Ok(page(Kind::Series, &title, &SeriesPage::new(name, rows)))
+}
+
+/// The page of a `.lut` file.
+fn table(path: &Path) -> Result<String, Failure> {
+    let table = read_table(path)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let data = TablePage::new(&table, &name).map_err(|error| wrong(path, &error))?;
+    Ok(page(Kind::Table, &format!("{name}, lookup table"), &data))
+}
+
+/// Data of the page of an evaluation.
+#[derive(Serialize)]
+struct EvaluationPage<'a> {
+    #[serde(flatten)]
+    evaluation: Evaluation,
+    tables: Vec<TablePicture>,
+    /// Address of the page of the runs.
+    viewer: Option<&'a str>,
+}
+
+/// A picture of a table of friction with the samples of the runs.
+#[derive(Serialize)]
+struct TablePicture {
+    runner: &'static str,
+    picture: String,
+}
+
+/// The page of an evaluation of drivers.
+fn evaluation(folder: &Path, viewer: Option<&str>) -> Result<String, Failure> {
+    let path = folder.join("evaluation.json");
+    let evaluation: Evaluation = read_json(&path, LONGEST)?;
+    let count = evaluation.runs.len();
+    if count > MOST_RUNS {
+        let reason = format!("{count} runs: a page shows at most {MOST_RUNS}");
+        return Err(wrong(&path, &reason));
+    }
+    let mut tables = Vec::new();
+    for (name, runner) in TABLE_PICTURES.iter().zip(["front runner", "rear runner"]) {
+        let path = folder.join(name);
+        let png = if path.is_file() {
+            picture(&path)?
+        } else {
+            None
+        };
+        tables.extend(png.map(|png| TablePicture {
+            runner,
+            picture: picture_url(&png),
+        }));
+    }
+    let data = EvaluationPage {
+        evaluation,
+        tables,
+        viewer,
+    };
+    Ok(page(Kind::Evaluation, "What drivers lose", &data))
+}
+
+/// The page of an index of runs.
+fn index(folder: &Path) -> Result<String, Failure> {
+    let entries = read_index(&folder.join(INDEX)).map_err(failure)?;
+    index_page(&folder_name(folder), folder, &entries).map_err(Failure::bad_input)
+}
+
+/// The picture in a file; nothing where its first bytes are not those of a PNG.
+fn picture(path: &Path) -> Result<Option<Vec<u8>>, Failure> {
+    let bytes = read_regular(path, LONGEST_PICTURE).map_err(|error| unreadable(path, &error))?;
+    Ok(Some(bytes).filter(|bytes| bytes.starts_with(b"\x89PNG\r\n\x1a\n")))
+}
+
+/// The page of a folder with [`DOCUMENTS`].
+fn documents(folder: &Path, viewer: Option<&str>) -> Result<String, Failure> {
+    let mut documents = Vec::new();
+    for name in DOCUMENTS {
+        let path = folder.join(name);
+        if path.is_file() {
+            let document: Datum = read_json(&path, LONGEST_TREE)?;
+            let kind = DocumentKind::of(&document).map_or(name, |kind| kind.name);
+            documents.push((kind.to_owned(), document.effective()));
+        }
+    }
+    let mut paths = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(|error| unreadable(folder, &error))? {
+        let path = entry.map_err(|error| unreadable(folder, &error))?.path();
+        if path.extension().is_some_and(|ending| ending == "png") {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    let mut pictures = Vec::new();
+    for path in paths.into_iter().take(MOST_PICTURES) {
+        let name = path
+            .file_name()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
+        pictures.extend(picture(&path)?.map(|png| Picture { name, png }));
+    }
+    let links = match viewer.filter(|_| folder.join(SIMULATION).is_file()) {
+        Some(viewer) => replay_links(&folder.join(SIMULATION), viewer)?,
+        None => Vec::new(),
+    };
+    let title = folder_name(folder);
+    Ok(results_page(&title, &pictures, &links, &documents))
+}
+
+/// What a `simulation.json` says of a replay.
+#[derive(Deserialize)]
+struct ReplayRecord {
+    replay: Option<ReplayedRun>,
+}
+
+#[derive(Deserialize)]
+struct ReplayedRun {
+    run: String,
+    sections: Vec<Section>,
+}
+
+/// Links to a replayed run and to where it differs from the model; none of other simulations.
+fn replay_links(path: &Path, viewer: &str) -> Result<Vec<String>, Failure> {
+    let record: ReplayRecord = read_json(path, LONGEST_TREE)?;
+    let Some(ReplayedRun { run, sections }) = record.replay else {
+        return Ok(Vec::new());
+    };
+    let part = ViewedPart {
+        runs: &[&run],
+        ..ViewedPart::default()
+    };
+    let whole = part.link(viewer, "the whole run");
+    let sections = sections.iter().map(|section| {
+        let (column, from, to) = (&section.column, section.from_m, section.to_m);
+        let part = ViewedPart {
+            channel: Some(column),
+            stretch: Some(Stretch::around(from, to)),
+            ..part
+        };
+        let name = name_of(column);
+        part.link(viewer, &format!("{name}, {from:.0} to {to:.0} m"))
+    });
+    Ok(std::iter::once(whole).chain(sections).collect())
+}

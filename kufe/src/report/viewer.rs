@@ -1,0 +1,130 @@
+//! Links from a page into the page of recorded runs.
+
+use std::path::Path;
+
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_encode};
+
+use crate::report::page::escape;
+
+/// The page of recorded runs beside the pages that link to it.
+pub const VIEWER: &str = "view.html";
+
+/// Characters that an address states by their bytes: it then has none that HTML would read.
+const ENCODED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_');
+
+/// A part of the page of recorded runs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ViewedPart<'a> {
+    /// The runs; those that the page selects where empty.
+    pub runs: &'a [&'a str],
+    /// The track, where no run is stated.
+    pub track: Option<&'a str>,
+    /// A channel that is shown first.
+    pub channel: Option<&'a str>,
+    /// What is shown; the whole runs where absent.
+    pub stretch: Option<Stretch>,
+}
+
+/// A stretch of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stretch {
+    /// Times since the first sample [s].
+    Time(f64, f64),
+    /// Distances along the track [m].
+    Distance(f64, f64),
+}
+
+impl Stretch {
+    /// Distances [m] and what lies before and after them.
+    pub fn around(from: f64, to: f64) -> Stretch {
+        const LEAST_M: f64 = 10.0;
+        let more = (to - from).max(LEAST_M);
+        Stretch::Distance(from - more, to + more)
+    }
+}
+
+impl ViewedPart<'_> {
+    /// A link to this part of the page at the address `viewer`, as HTML.
+    pub fn link(&self, viewer: &str, text: &str) -> String {
+        let mut parts = Vec::new();
+        let mut state = |key: &str, value: &str| {
+            let value = percent_encode(value.as_bytes(), ENCODED);
+            parts.push(format!("{key}={value}"));
+        };
+        self.runs.iter().for_each(|run| state("run", run));
+        self.track.iter().for_each(|track| state("track", track));
+        self.channel.iter().for_each(|name| state("channel", name));
+        if let Some(stretch) = self.stretch {
+            let (over, from, to) = match stretch {
+                Stretch::Time(from, to) => ("time", from, to),
+                Stretch::Distance(from, to) => ("distance", from, to),
+            };
+            state("over", over);
+            state("from", &format!("{from:.2}"));
+            state("to", &format!("{to:.2}"));
+        }
+        let address = escape(&format!("{viewer}#{}", parts.join("&")));
+        format!("<a href=\"{address}\">{}</a>", escape(text))
+    }
+}
+
+/// The address of a file by its relative path from the page.
+pub fn address(path: &Path) -> String {
+    let parts = path.components().map(|part| {
+        let bytes = part.as_os_str().as_encoded_bytes();
+        percent_encode(bytes, ENCODED).to_string()
+    });
+    parts.collect::<Vec<_>>().join("/")
+}
+
+/// Links into the page of the runs as a paragraph; nothing without links.
+pub fn viewer_links(links: &[String]) -> String {
+    match links {
+        [] => String::new(),
+        links => format!("<p>In the viewer: {}</p>\n", links.join(", ")),
+    }
+}
+
+/// A page whose links into [`VIEWER`] beside it lead to the address `viewer` instead.
+pub fn linked_to(page: &str, viewer: &str) -> String {
+    // Text of users has no quotes here: they are escaped.
+    let link = |viewer: &str| format!("<a href=\"{viewer}#");
+    page.replace(&link(VIEWER), &link(&escape(viewer)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_in_a_link_are_neither_html_nor_further_keys() {
+        let part = ViewedPart {
+            runs: &["A1 & B", "\"><script>"],
+            channel: Some("v#1=2"),
+            stretch: Some(Stretch::around(100.0, 104.0)),
+            ..ViewedPart::default()
+        };
+        assert_eq!(
+            part.link(VIEWER, "<a>"),
+            "<a href=\"view.html#run=A1%20%26%20B&amp;run=%22%3E%3Cscript%3E&amp;channel=v%231%3D2\
+             &amp;over=distance&amp;from=90.00&amp;to=114.00\">&lt;a&gt;</a>"
+        );
+    }
+
+    #[test]
+    fn a_page_elsewhere_links_to_the_same_file() {
+        let part = ViewedPart {
+            track: Some("east"),
+            stretch: Some(Stretch::Time(1.0, 2.5)),
+            ..ViewedPart::default()
+        };
+        let page = part.link(VIEWER, "href=\"view.html#");
+        let viewer = address(Path::new("../my runs/view.html"));
+        assert_eq!(viewer, "../my%20runs/view.html");
+        assert_eq!(
+            linked_to(&page, &viewer),
+            "<a href=\"../my%20runs/view.html#track=east&amp;over=time&amp;from=1.00&amp;to=2.50\">\
+             href=&quot;view.html#</a>"
+        );
+    }
+}

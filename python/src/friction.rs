@@ -1,0 +1,91 @@
+//! Friction of one runner.
+
+use std::path::PathBuf;
+
+use kufe::jobs::slide::friction_table as solved_table;
+use kufe::jobs::{DrivingConditions, FrictionLaw};
+use kufe::results::FrictionRow;
+use kufe_contact::Options;
+use pyo3::prelude::*;
+
+use crate::contact::loaded_case;
+use crate::error::raised;
+use crate::json::to_python;
+use crate::work::work;
+
+/// Solves a contact and evaluates a friction law at its peak pressure; returns a dictionary, as
+/// `kufe friction --json` prints it.
+///
+/// `case` is that of `press`, `v_mps` the speed [m/s], `alpha_rad` the slip angle [rad]; `model` is
+/// the `model.toml` whose friction and effects apply, the published law where absent. `ice_c`,
+/// `air_c` [C], `air_pa` [Pa] and `humidity_pct` are needed by effects on them only.
+#[pyfunction]
+#[pyo3(signature = (
+    case,
+    v_mps,
+    *,
+    alpha_rad = 0.0,
+    model = None,
+    ice_c = None,
+    air_c = None,
+    air_pa = None,
+    humidity_pct = None,
+    progress = None,
+))]
+#[allow(clippy::too_many_arguments)] // keywords in Python
+pub fn friction<'py>(
+    py: Python<'py>,
+    case: &Bound<'py, PyAny>,
+    v_mps: f64,
+    alpha_rad: f64,
+    model: Option<PathBuf>,
+    ice_c: Option<f64>,
+    air_c: Option<f64>,
+    air_pa: Option<f64>,
+    humidity_pct: Option<f64>,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let loaded = loaded_case(case)?;
+    let conditions = DrivingConditions {
+        v_mps,
+        alpha_rad,
+        ice_c,
+        air_c,
+        air_pa,
+        humidity_pct,
+    };
+    let worked = work(py, progress, move |watch, _| {
+        let law = match &model {
+            Some(path) => FrictionLaw::of_model(path)?,
+            None => FrictionLaw::published(),
+        };
+        law.solve(&loaded, &conditions, watch)
+    })?;
+    to_python(py, &worked.value.map_err(raised)?)
+}
+
+/// Solves the friction of groove and melt film at every speed [m/s] on ice of every temperature
+/// [C]; returns a list of dictionaries, one a point, temperature by temperature.
+///
+/// `case` is that of `press`; what else its `[sliding]` says holds at every point.
+#[pyfunction]
+#[pyo3(signature = (case, v_mps, ice_c, *, progress = None))]
+pub fn friction_table<'py>(
+    py: Python<'py>,
+    case: &Bound<'py, PyAny>,
+    v_mps: Vec<f64>,
+    ice_c: Vec<f64>,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let loaded = loaded_case(case)?;
+    let worked = work(py, progress, move |watch, teller| {
+        let options = Options {
+            stop: Some(teller.stop.clone()),
+            ..Options::default()
+        };
+        let points = solved_table(&loaded, &v_mps, &ice_c, watch, &options)?;
+        let row = |point| FrictionRow::new(&loaded.name, point);
+        Ok(points.iter().map(row).collect::<Vec<_>>())
+    })?;
+    to_python(py, &worked.value.map_err(raised)?)
+}

@@ -1,0 +1,243 @@
+//! Lateral friction: fitted to recorded runs, and compared with them.
+
+use std::path::PathBuf;
+
+use kufe::jobs::lateral::{FittedLaws, fit_lateral, validate_runs};
+use kufe::jobs::runs::RunSelection;
+use kufe::results::{LateralFitDocument, Validation as ValidationDocument};
+use kufe_sled::{FitOptions, LateralForce};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::{InputError, raised};
+use crate::json::to_python;
+use crate::work::work;
+
+/// Lateral friction of both runners, fitted to recorded runs.
+#[pyclass(frozen, module = "kufe")]
+pub struct Fit {
+    document: LateralFitDocument,
+    model: String,
+    remarks: Vec<String>,
+}
+
+/// Fits the lateral friction of both runners to recorded runs: `runs` is the index `runs.csv`,
+/// `model` the `model.toml`.
+///
+/// `keep_contacts` retains samples with an external force, such as that of a wall. The other
+/// keywords select the runs, as those of `evaluate`.
+#[pyfunction]
+#[pyo3(signature = (
+    runs,
+    model,
+    *,
+    keep_contacts = false,
+    session = Vec::new(),
+    track = Vec::new(),
+    leave_out_bad_runs = false,
+    strict = false,
+    cutoff_hz = 20.0,
+    progress = None,
+))]
+#[allow(clippy::too_many_arguments)] // keywords in Python
+pub fn fit(
+    py: Python<'_>,
+    runs: PathBuf,
+    model: PathBuf,
+    keep_contacts: bool,
+    session: Vec<String>,
+    track: Vec<String>,
+    leave_out_bad_runs: bool,
+    strict: bool,
+    cutoff_hz: f64,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Fit> {
+    let selection = RunSelection {
+        runs,
+        model,
+        session,
+        track,
+        leave_out_bad_runs,
+        strict,
+        cutoff_hz,
+    };
+    let options = FitOptions {
+        leave_out_contacts: !keep_contacts,
+        ..FitOptions::default()
+    };
+    let worked = work(py, progress, move |watch, _| {
+        let fitted = fit_lateral(&selection, &options, watch)?;
+        Ok((fitted.document, fitted.model))
+    })?;
+    let (document, model) = worked.value.map_err(raised)?;
+    Ok(Fit {
+        document,
+        model,
+        remarks: worked.warnings,
+    })
+}
+
+#[pymethods]
+impl Fit {
+    /// The front runner's law: each parameter with `value`, `low` and `high`, as in `fit.json`.
+    #[getter]
+    fn front<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.document.fit.front)
+    }
+
+    /// The rear runner's law.
+    #[getter]
+    fn rear<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.document.fit.rear)
+    }
+
+    /// What the command writes to `fit.json`.
+    #[getter]
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.document)
+    }
+
+    /// The model with the fitted laws: TOML that every command accepts.
+    #[getter]
+    fn model(&self) -> &str {
+        &self.model
+    }
+
+    /// What the reader of the runs should know.
+    #[getter]
+    fn remarks(&self) -> Vec<String> {
+        self.remarks.clone()
+    }
+
+    fn __repr__(&self) -> String {
+        let fit = &self.document.fit;
+        format!(
+            "<kufe.Fit of {} runs, {} samples>",
+            fit.runs.len(),
+            fit.samples
+        )
+    }
+}
+
+/// Lateral forces of a model compared with those of recorded runs.
+#[pyclass(frozen, module = "kufe")]
+pub struct Validation {
+    document: ValidationDocument,
+    remarks: Vec<String>,
+}
+
+/// Compares the lateral forces of a model with recorded runs: `runs` is the index `runs.csv`,
+/// `model` the `model.toml`.
+///
+/// The laws of `fit`, a `Fit` or the path of a `fit.json`, replace the model's, and the runs of the
+/// fit are excluded. The other keywords select the runs, as those of `evaluate`.
+#[pyfunction]
+#[pyo3(signature = (
+    runs,
+    model,
+    *,
+    fit = None,
+    session = Vec::new(),
+    track = Vec::new(),
+    leave_out_bad_runs = false,
+    strict = false,
+    cutoff_hz = 20.0,
+    progress = None,
+))]
+#[allow(clippy::too_many_arguments)] // keywords in Python
+pub fn validate(
+    py: Python<'_>,
+    runs: PathBuf,
+    model: PathBuf,
+    fit: Option<&Bound<'_, PyAny>>,
+    session: Vec<String>,
+    track: Vec<String>,
+    leave_out_bad_runs: bool,
+    strict: bool,
+    cutoff_hz: f64,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Validation> {
+    let laws = match fit {
+        None => None,
+        Some(fit) => Some(match fit.cast::<Fit>() {
+            Ok(fit) => FittedLaws::of(&fit.get().document).map_err(raised)?,
+            Err(_) => FittedLaws::read(&fit.extract::<PathBuf>()?).map_err(raised)?,
+        }),
+    };
+    let selection = RunSelection {
+        runs,
+        model,
+        session,
+        track,
+        leave_out_bad_runs,
+        strict,
+        cutoff_hz,
+    };
+    let worked = work(py, progress, move |watch, _| {
+        validate_runs(&selection, laws.as_ref(), watch)
+    })?;
+    Ok(Validation {
+        document: worked.value.map_err(raised)?,
+        remarks: worked.warnings,
+    })
+}
+
+#[pymethods]
+impl Validation {
+    /// One dictionary a run, as in `validation.json`: `rmse_n` is the root mean square difference
+    /// of the lateral force [N].
+    #[getter]
+    fn runs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.document.runs)
+    }
+
+    /// The same by track.
+    #[getter]
+    fn tracks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.document.tracks)
+    }
+
+    /// What the command writes to `validation.json`.
+    #[getter]
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.document)
+    }
+
+    /// What the reader of the runs should know.
+    #[getter]
+    fn remarks(&self) -> Vec<String> {
+        self.remarks.clone()
+    }
+
+    /// One run's samples as arrays: time [s], place [m], and the lateral force at the centre of
+    /// gravity [N] as measured, of the model, and of Braghin's law.
+    fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
+        let runs = &self.document.runs;
+        let Some(found) = runs.iter().find(|compared| compared.run == run) else {
+            let known: Vec<&str> = runs.iter().map(|run| run.run.as_str()).collect();
+            let known = known.join(", ");
+            return Err(InputError::new_err(format!(
+                "run {run}: the runs are {known}"
+            )));
+        };
+        type Column = (&'static str, fn(&LateralForce) -> f64);
+        let columns: [Column; 5] = [
+            ("t_s", |sample| sample.t_s),
+            ("s_m", |sample| sample.s_m),
+            ("measured_n", |sample| sample.measured_n),
+            ("model_n", |sample| sample.model_n),
+            ("braghin_n", |sample| sample.braghin_n),
+        ];
+        let arrays = PyDict::new(py);
+        for (name, of) in columns {
+            let values = found.series.iter().map(of);
+            arrays.set_item(name, PyArray1::from_iter(py, values))?;
+        }
+        Ok(arrays)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<kufe.Validation of {} runs>", self.document.runs.len())
+    }
+}

@@ -1,0 +1,173 @@
+//! Simulated runs.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use kufe::jobs::runs::{write_runs, write_track};
+use kufe::jobs::simulate::{NamedDriver, SimulatedDrives, stated_conditions};
+use kufe::results::Simulation as SimulationDocument;
+use kufe_sled::{Run, RunFormat, SimulateOptions, Track};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::{InputError, raised};
+use crate::folder::write_folder;
+use crate::json::to_python;
+use crate::work::work;
+
+/// Simulated runs of one driver on one track.
+#[pyclass(frozen, module = "kufe")]
+pub struct Simulation {
+    runs: Arc<Vec<Run>>,
+    track: Arc<Track>,
+    document: SimulationDocument,
+    remarks: Vec<String>,
+}
+
+/// Drives a sled down a track and records it like a measured run: `model` is the `model.toml`,
+/// `track` the table of the track.
+///
+/// `driver` names one of the sample data (A1, A2, A3, B1, C1), else the driver has the `skill` from
+/// 0 to 1. Each run adds its number to `seed`. Units: `start_speed_mps` [m/s], `rate_hz` of the
+/// output [Hz], `step_s` of the integration and `most_s`, the longest time [s], `ice_c` and `air_c`
+/// [C], `air_pa` [Pa], `humidity_pct` [%], `distance_m` run on this finish before [m].
+#[pyfunction]
+#[pyo3(signature = (
+    model,
+    track,
+    *,
+    runs = 1,
+    driver = None,
+    skill = 0.9,
+    seed = 1,
+    noise = true,
+    start_speed_mps = 10.0,
+    rate_hz = 500.0,
+    step_s = 0.001,
+    most_s = 600.0,
+    ice_c = -8.0,
+    air_c = 0.0,
+    air_pa = 95000.0,
+    humidity_pct = None,
+    distance_m = None,
+    session = "1",
+    progress = None,
+))]
+#[allow(clippy::too_many_arguments)] // keywords in Python
+pub fn simulate(
+    py: Python<'_>,
+    model: PathBuf,
+    track: PathBuf,
+    runs: u32,
+    driver: Option<&str>,
+    skill: f64,
+    seed: u64,
+    noise: bool,
+    start_speed_mps: f64,
+    rate_hz: f64,
+    step_s: f64,
+    most_s: f64,
+    ice_c: f64,
+    air_c: f64,
+    air_pa: f64,
+    humidity_pct: Option<f64>,
+    distance_m: Option<f64>,
+    session: &str,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Simulation> {
+    if !(1..=10_000).contains(&runs) {
+        let text = format!("runs = {runs}: expected 1 to 10000");
+        return Err(InputError::new_err(text));
+    }
+    let [ice_c, air_c, air_pa] = [ice_c, air_c, air_pa].map(Some);
+    let stated = [ice_c, air_c, air_pa, humidity_pct, distance_m, None];
+    let drives = SimulatedDrives {
+        model,
+        track,
+        driver: NamedDriver::of(driver, skill).map_err(raised)?,
+        runs,
+        session: session.to_owned(),
+        noise,
+        options: SimulateOptions {
+            step_s,
+            rate_hz,
+            start_speed_mps,
+            most_s,
+            conditions: stated_conditions(stated).map_err(raised)?,
+            seed,
+            ..SimulateOptions::default()
+        },
+    };
+    let worked = work(py, progress, move |watch, _| drives.drive(watch))?;
+    let driven = worked.value.map_err(raised)?;
+    Ok(Simulation {
+        runs: Arc::new(driven.runs),
+        track: Arc::new(driven.track),
+        document: driven.document,
+        remarks: worked.warnings,
+    })
+}
+
+#[pymethods]
+impl Simulation {
+    /// One dictionary a run, as in `simulation.json`: `run`, `time_s` [s], `finished`, energies
+    /// [J].
+    #[getter]
+    fn runs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.document.runs)
+    }
+
+    /// What the command writes to `simulation.json`.
+    #[getter]
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.document)
+    }
+
+    /// What the reader of the runs should know.
+    #[getter]
+    fn remarks(&self) -> Vec<String> {
+        self.remarks.clone()
+    }
+
+    /// One run's channels as arrays, `t_s` among them; each name ends in its unit.
+    fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
+        let Some(found) = self.runs.iter().find(|driven| driven.entry.run == run) else {
+            let known: Vec<&str> = self.runs.iter().map(|run| run.entry.run.as_str()).collect();
+            let known = known.join(", ");
+            return Err(InputError::new_err(format!(
+                "run {run}: the runs are {known}"
+            )));
+        };
+        let arrays = PyDict::new(py);
+        let times = (0..found.len()).map(|i| found.t0_s + i as f64 * found.dt_s);
+        arrays.set_item("t_s", PyArray1::from_iter(py, times))?;
+        for (name, values) in &found.columns {
+            arrays.set_item(name, PyArray1::from_slice(py, values))?;
+        }
+        Ok(arrays)
+    }
+
+    /// Writes `runs.csv`, one file a run and the table of the track into `folder`, which must be
+    /// new or empty; all files or none. `parquet` writes Parquet instead of CSV.
+    #[pyo3(signature = (folder, *, parquet = false))]
+    fn write(&self, py: Python<'_>, folder: PathBuf, parquet: bool) -> PyResult<()> {
+        let (runs, track) = (self.runs.clone(), self.track.clone());
+        let format = match parquet {
+            true => RunFormat::Parquet,
+            false => RunFormat::Csv,
+        };
+        let worked = work(py, None, move |watch, _| {
+            write_folder(&folder, watch, |files| {
+                write_runs(files, &mut runs.to_vec(), format)?;
+                write_track(files, &track)
+            })
+        })?;
+        worked.value.map_err(raised)
+    }
+
+    fn __repr__(&self) -> String {
+        let (runs, track) = (self.runs.len(), &self.document.track);
+        format!("<kufe.Simulation of {runs} runs on {track}>")
+    }
+}
