@@ -57,6 +57,9 @@ columns! {
     Wear "distance_m" ["m"] "distance on this finish before the run"
     Slope "slope_rad" ["rad"] "slope"
     Film "film" [""] "friction of groove and film over the mean of its table"
+    ContactLength "contact_length_m" ["m"] "length of the contact"
+    ContactWidth "contact_width_m" ["m"] "mean width of the contact"
+    Roughness "roughness_m" ["m"] "roughness of steel and ice together"
 }
 
 impl Column {

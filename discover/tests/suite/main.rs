@@ -1,5 +1,6 @@
 //! What a search finds and what it does not.
 
+mod boundary;
 mod campaign;
 mod covariates;
 mod hidden_effects;

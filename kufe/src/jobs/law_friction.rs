@@ -204,6 +204,7 @@ impl FrictionLaw {
                     "air_pa" => stated.air_pa.is_nan().then_some("--air-pa"),
                     "humidity_pct" => stated.humidity_pct.is_nan().then_some("--humidity-pct"),
                     "film" => Some("the tables of a sled's runners"),
+                    "contact_length_m" => Some("the contact of a friction experiment"),
                     _ => None,
                 };
                 if let Some(option) = missing {

@@ -103,6 +103,16 @@ fn law(effect: Effect) -> Effect {
                     }
                 }
             }),
+        "boundary" => effect.on_friction(|p, mu, at| {
+            if p[0] == 0.0 {
+                return mu;
+            }
+            let film = |shear| {
+                let film = at.patch.friction(at.fz, at.v, at.conditions.ice_c, shear);
+                film.unwrap_or(f64::NAN)
+            };
+            mu * film(p[0]) / film(0.0)
+        }),
         "film" => effect.on_friction(|p, mu, at| mu * (1.0 + p[0] * (at.film - 1.0))),
         "humidity" => {
             effect.on_friction(|p, mu, at| mu * (1.0 + p[0] * (at.conditions.humidity_pct - p[1])))

@@ -138,14 +138,13 @@ impl Info {
         Some([end(Edge::From)?, end(Edge::To)?])
     }
 
-    /// Columns that a table of friction experiments must have, varying, or why it says nothing of
-    /// the effect.
+    /// Columns that a table of friction experiments must have, or why it says nothing of the effect.
     ///
     /// # Errors
     /// The reason in words.
     pub fn needs_in_experiments(&self) -> Result<&'static [Column], &'static str> {
         match self.experiments {
-            Experiments::AsNeeded => Ok(self.needs),
+            Experiments::AsNeeded | Experiments::OverFilm => Ok(self.needs),
             Experiments::Needs(columns) => Ok(columns),
             Experiments::Never(reason) => Err(reason),
         }
@@ -278,6 +277,9 @@ pub enum Experiments {
     AsNeeded,
     /// It can be tested where these columns are there and vary.
     Needs(#[serde(deserialize_with = "leaked")] &'static [Column]),
+    /// It can be tested where the melt film is the base law and the columns that it needs are there,
+    /// one of them varying.
+    OverFilm,
     /// It cannot be tested, for this reason.
     Never(&'static str),
 }

@@ -4,6 +4,7 @@ use std::ops::Sub;
 
 use crate::column::{SENSORS, Sensor};
 use crate::conditions::Conditions;
+use crate::friction::film::Patch;
 
 /// The sled at one instant, true as far as the effects on sensors have been taken out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -78,6 +79,8 @@ pub struct OperatingPoint {
     pub drag_area: f64,
     /// Friction of groove and film as the runner's table has it, over the table's mean.
     pub film: f64,
+    /// The contact of a friction experiment.
+    pub patch: Patch,
 }
 
 /// Mass, inertia and places of a sled, in vehicle axes (x forward, y left, z up, from the centre

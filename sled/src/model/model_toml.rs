@@ -145,12 +145,11 @@ impl Model {
             reason: format!("[friction.{table}] {error}"),
         };
         let longitudinal = &self.friction.longitudinal;
-        let law = match longitudinal.tabled() {
-            Ok(None) => longitudinal.model().map(|_| ()),
-            Ok(Some(_)) => Ok(()),
-            Err(error) => Err(error),
+        let law = || match longitudinal.film()?.or(longitudinal.tabled()?) {
+            None => longitudinal.model().map(|_| ()),
+            Some(_) => Ok(()),
         };
-        law.map_err(|error| in_friction("longitudinal", error))?;
+        law().map_err(|error| in_friction("longitudinal", error))?;
         self.friction
             .front
             .check()

@@ -119,6 +119,9 @@ impl Vehicle {
         if vehicle.front.film.is_none() || vehicle.rear.film.is_none() {
             refuse_effects(&vehicle.effects, &[Column::Film.name()], &model.name())?;
         }
+        // Experiments alone state the contact.
+        let contact = Column::ContactLength.name();
+        refuse_effects(&vehicle.effects, &[contact], &model.name())?;
         let mut constants = model.sled.constants();
         vehicle.effects.find_constants(&mut constants);
         vehicle.sled.set_constants(&constants);

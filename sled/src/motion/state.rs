@@ -4,6 +4,7 @@
 use crate::column::Sensor;
 use crate::conditions::Conditions;
 use crate::effects::{OperatingPoint, Relaxed, Signals};
+use crate::friction::film::Patch;
 use crate::model::sled::Sled;
 
 /// One instant of a sled, measured or simulated: all that friction and air depend on.
@@ -75,6 +76,7 @@ impl State {
             air_density: self.air_density_kgpm3,
             drag_area: f64::NAN,
             film: f64::NAN,
+            patch: Patch::UNKNOWN,
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::column::{COLUMNS, Column, Sensor};
 use crate::conditions::Conditions;
 use crate::effects::{Active, Effects, OperatingPoint, Signals, ahead};
 use crate::error::Error;
+use crate::friction::film::Patch;
 use crate::model::sled::{Noise, Sled};
 use crate::model::vehicle::{Vehicle, refuse_effects};
 use crate::record::needs::{Needs, refuse_drag_without_air};
@@ -247,6 +248,7 @@ impl Further {
             air_density: stated.air_density(),
             drag_area: f64::NAN,
             film: f64::NAN,
+            patch: Patch::UNKNOWN,
         }
     }
 }

@@ -123,6 +123,9 @@ impl Quantities {
             "air_density_kgpm3" => Some(&mut point.air_density),
             "cda_m2" => Some(&mut point.drag_area),
             "film" => Some(&mut point.film),
+            "contact_length_m" => Some(&mut point.patch.length),
+            "contact_width_m" => Some(&mut point.patch.width),
+            "roughness_m" => Some(&mut point.patch.roughness),
             _ => None,
         };
         let of_state = match name {

@@ -2,6 +2,7 @@
 
 use kufe_sled::Conditions;
 use kufe_sled::effects::{Constants, Forces, OperatingPoint, Sensor, Signals, State};
+use kufe_sled::friction::film::Patch;
 
 pub fn point() -> OperatingPoint {
     OperatingPoint {
@@ -20,6 +21,11 @@ pub fn point() -> OperatingPoint {
         air_density: 1.2,
         drag_area: 0.28,
         film: 1.2,
+        patch: Patch {
+            length: 0.06,
+            width: 0.9e-3,
+            roughness: 0.5e-6,
+        },
     }
 }
 

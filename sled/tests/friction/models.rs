@@ -1,6 +1,9 @@
 //! The friction models against closed forms, limits and finite differences.
 
-use kufe_sled::friction::{Braghin, Longitudinal, MagicFormula, PressureLaw, ZetaActsOn};
+use kufe_sled::friction::{
+    Braghin, Longitudinal, LongitudinalKeys, MagicFormula, PressureLaw, ZetaActsOn,
+};
+use kufe_sled::{Model, Vehicle};
 
 #[test]
 fn published_law_has_its_minimum_where_the_paper_has_it() {
@@ -88,6 +91,24 @@ fn model_keys_are_either_fixed_or_quadratic() {
     }
     let written = toml::to_string(&Longitudinal::PUBLISHED).expect("serialises");
     assert_eq!(model(&written).expect(&written), Longitudinal::PUBLISHED);
+}
+
+#[test]
+fn the_film_of_experiments_is_a_law_alone_and_none_of_a_sled() {
+    let keys = |text: &str| toml::from_str::<LongitudinalKeys>(text).expect(text);
+    assert_eq!(keys("film = true").film().expect("film"), Some(1.0));
+    let scaled = keys("film = true\nzeta = 1.5").film();
+    assert_eq!(scaled.expect("film"), Some(1.5));
+    assert_eq!(keys("mu = 0.004").film().expect("no film"), None);
+    let both = keys("film = true\nfront_table = \"a.lut\"").film();
+    let reported = both.expect_err("two laws").to_string();
+    assert!(reported.contains("film and front_table"), "{reported}");
+
+    let mut model = Model::published();
+    model.friction.longitudinal = keys("film = true");
+    let read = Model::from_toml(&model.to_toml(), "model.toml").expect("a model");
+    let reported = Vehicle::new(&read).expect_err("no law").to_string();
+    assert!(reported.contains("front_table"), "{reported}");
 }
 
 #[test]

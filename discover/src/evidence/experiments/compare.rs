@@ -106,7 +106,7 @@ impl Comparison<'_> {
             return 0.0;
         }
         let joint = self.with(&[other, one]);
-        let at = self.setting.base + self.chosen.len() + 1;
+        let at = self.setting.base.len() + self.chosen.len() + 1;
         let t = joint.step[at] / joint.errors[at].max(1e-300);
         if t.is_finite() { t } else { 0.0 }
     }

@@ -1,7 +1,7 @@
 //! Friction experiments as evidence.
 //!
-//! The base is `mu = 1e-3 (b p^2 - c p + d)`, p in MPa (or a constant, where the model has a fixed mu), refitted with the
-//! variance `mu_sd^2 + (dmu/dp p_sd)^2`. A candidate adds one parameter. Its t in the joint fit is compared with the largest
+//! The base is `mu = 1e-3 (b p^2 - c p + d)`, p in MPa, a constant where the model has a fixed mu, or the melt film on each row's
+//! contact times a factor. It is refitted with the variance `mu_sd^2 + (dmu/dp p_sd)^2`. A candidate adds one parameter. Its t in the joint fit is compared with the largest
 //! |t| over all candidates in simulated tables (rows drawn from the fit with both errors, p among them) and under permutations
 //! of the rows' residuals; what is constant within a session is permuted by session.
 
@@ -10,16 +10,16 @@ use std::path::Path;
 use kufe::plot::number4;
 use kufe_sled::Model;
 use kufe_sled::effects::{Effects, find};
-use kufe_sled::friction::Longitudinal;
 
 use crate::error::Error;
+use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::bins::bins;
 use crate::evidence::experiments::candidates::{FrictionChange, list};
 use crate::evidence::experiments::compare::Comparison;
 use crate::evidence::experiments::fit::{Fit, Setting, between_specimens, fit};
 use crate::evidence::experiments::known::Known;
 use crate::evidence::experiments::pictures::pictures;
-use crate::evidence::experiments::rows::{Row, read};
+use crate::evidence::experiments::rows::{Row, read, set_films};
 use crate::evidence::experiments::screen::{TableScreen, screen_table};
 use crate::finding::{ChannelGap, Fitted, HeldOut};
 use crate::input::table::Table;
@@ -72,22 +72,22 @@ impl<'a> Experiments<'a> {
     /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::Duplicate`], [`Error::TooFew`] below five rows.
     pub fn read(path: &Path, model: &'a Model, options: &'a Options) -> Result<Self, Error> {
         let table = Table::read(path)?;
-        let rows = read(&table, model.sled.cda_m2)?;
-        let longitudinal = model.friction.longitudinal.model()?;
-        let base = match longitudinal {
-            Longitudinal::Pressure(_) => 3,
-            _ => 1,
-        };
-        if rows.len() < base + 2 {
+        let mut rows = read(&table, model.sled.cda_m2)?;
+        let base = Base::of(model)?;
+        let needed = base.len() + 2;
+        if rows.len() < needed {
             return Err(Error::TooFew {
                 what: format!("{}: rows", table.file),
                 found: rows.len(),
-                needed: base + 2,
+                needed,
             });
         }
         let effects = Effects::from_tables(&model.effects)?;
-        let (known, others) = Known::new(&effects, &table)?;
-        let (mut candidates, mut untestable) = list(&rows, &table, &effects);
+        let (known, others) = Known::new(&effects, &table, base)?;
+        if base == Base::Film {
+            set_films(&mut rows, &table, known.boundary_shear)?;
+        }
+        let (mut candidates, mut untestable) = list(&rows, &table, &effects, base);
         candidates.retain(|c| match c.is_column() {
             true => options.looks_for(OUTSIDE_CATALOGUE),
             false => options.looks_for(&c.effect),
@@ -128,12 +128,13 @@ impl<'a> Experiments<'a> {
 
     /// Whether a fit leaves no more than a few times what the rows' own deviations make.
     fn is_clean(&self, fit: &TableFit) -> bool {
-        let freedom = self.training.len() as f64 - (self.setting.base + fit.chosen.len()) as f64;
+        let freedom =
+            self.training.len() as f64 - (self.setting.base.len() + fit.chosen.len()) as f64;
         fit.fit.chi2 < self.options.rules.experiments.unclean * freedom.max(1.0)
     }
 
     fn freedom(&self) -> usize {
-        self.training.len() - self.setting.base
+        self.training.len() - self.setting.base.len()
     }
 
     fn gap(&self, before: f64, after: f64) -> ChannelGap {
@@ -209,7 +210,7 @@ impl Evidence for Experiments<'_> {
     }
 
     fn screen(&mut self, fit: &TableFit, _: &mut Account) -> Result<Screen<FrictionChange>, Error> {
-        let too_few = self.training.len() <= self.setting.base + fit.chosen.len() + 2;
+        let too_few = self.training.len() <= self.setting.base.len() + fit.chosen.len() + 2;
         let screen = screen_table(&self.setting, &self.training, &fit.chosen, self.options);
         let selection = match too_few {
             true => None,
@@ -249,7 +250,7 @@ impl Evidence for Experiments<'_> {
         let least = self.options.rules.search.superfluous_t;
         while fit.chosen.len() > 1 {
             let t = |k: &usize| {
-                let at = self.setting.base + k;
+                let at = self.setting.base.len() + k;
                 (fit.fit.step[at] / fit.fit.errors[at].max(1e-300)).abs()
             };
             let Some(weak) = (0..fit.chosen.len()).find(|k| t(k) < least) else {
@@ -325,7 +326,7 @@ impl Evidence for Experiments<'_> {
         let (first, setting, rows) = (&base.fit, &self.setting, &self.training);
         let freedom = self.freedom();
         let rules = &self.options.rules;
-        let degrees = rows.len() as f64 - (setting.base + last.chosen.len()) as f64;
+        let degrees = rows.len() as f64 - (setting.base.len() + last.chosen.len()) as f64;
         let quantile = rules.search.interval + rules.experiments.interval_few / degrees.max(1.0);
         let parameters: Vec<Vec<Fitted>> = (0..last.chosen.len())
             .map(|k| vec![self.size(last, k, quantile)])

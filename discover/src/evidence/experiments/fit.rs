@@ -1,9 +1,10 @@
-//! Weighted least squares of mu over pressure, with the effects that take part.
+//! Weighted least squares of mu by the base law, with the effects that take part.
 
 use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::candidates::FrictionChange;
 use crate::evidence::experiments::known::Known;
 use crate::evidence::experiments::rows::Row;
@@ -20,8 +21,8 @@ pub struct Setting {
     pub candidates: Vec<Candidate<FrictionChange>>,
     /// What the model has switched on.
     pub known: Known,
-    /// Coefficients of the base: 3 (p^2, p, 1) or 1.
-    pub base: usize,
+    /// The base law.
+    pub base: Base,
     /// Standard deviation of mu between specimens, in addition to that of the rows.
     pub between: f64,
 }
@@ -78,7 +79,7 @@ impl Whitening {
 /// A fit of base and chosen candidates.
 #[derive(Clone)]
 pub struct Fit {
-    /// Base coefficients (of p^2, p, 1 in MPa, or of 1), then the candidates' in units of `typical`.
+    /// Coefficients of the base's columns, then the candidates' in units of `typical`.
     pub step: DVector<f64>,
     /// Standard errors of `step`, scaled up where the rows scatter more than stated.
     pub errors: Vec<f64>,
@@ -96,23 +97,22 @@ pub struct Fit {
 
 impl Fit {
     /// A coefficient of the base as models state it, and its standard error.
-    pub fn base_value(&self, k: usize, quadratic: bool) -> (f64, f64) {
-        match (quadratic, k) {
-            (true, 1) => (-1e3 * self.step[1], 1e3 * self.errors[1]),
-            (true, _) => (1e3 * self.step[k], 1e3 * self.errors[k]),
-            _ => (self.step[0], self.errors[0]),
-        }
+    pub fn base_value(&self, k: usize, base: Base) -> (f64, f64) {
+        let error = base.stated(k, self.errors[k]).abs();
+        (base.stated(k, self.step[k]), error)
     }
 
     /// mu of a row by the base alone, and with the known and the chosen effects.
     pub fn predict(&self, setting: &Setting, row: &Row, chosen: &[usize]) -> (f64, f64) {
-        let own: f64 = base_row(row, setting.base)
+        let own: f64 = setting
+            .base
+            .columns(row)
             .iter()
             .zip(self.step.iter())
             .map(|(a, b)| a * b)
             .sum();
         let mu = own.max(1e-5);
-        let sizes = self.step.iter().skip(setting.base);
+        let sizes = self.step.iter().skip(setting.base.len());
         let more: f64 = chosen
             .iter()
             .zip(sizes)
@@ -124,7 +124,7 @@ impl Fit {
     /// What the `k`-th chosen effect adds to a row's mu.
     pub fn added(&self, setting: &Setting, row: &Row, chosen: &[usize], k: usize) -> f64 {
         let (own, _) = self.predict(setting, row, &[]);
-        let size = self.step[setting.base + k];
+        let size = self.step[setting.base.len() + k];
         setting.candidates[chosen[k]].change(row, own.max(1e-5), size)
     }
 
@@ -142,30 +142,16 @@ impl Fit {
     }
 }
 
-fn deviation(row: &Row, step: &DVector<f64>, base: usize) -> f64 {
-    let slope = if base == 3 {
-        2.0 * step[0] * row.pressure / 1e6 + step[1]
-    } else {
-        0.0
-    };
+fn deviation(row: &Row, step: &DVector<f64>, base: Base) -> f64 {
+    let slope = base.pressure_slope(row, step.as_slice());
     row.mu_sd.hypot(slope * row.pressure_sd / 1e6)
-}
-
-/// Columns of the base: p^2, p, 1 with p in MPa, or 1.
-pub fn base_row(row: &Row, base: usize) -> Vec<f64> {
-    let p = row.pressure / 1e6;
-    if base == 3 {
-        vec![p * p, p, 1.0]
-    } else {
-        vec![1.0]
-    }
 }
 
 /// Fits base and chosen candidates together; weights and effects follow the fitted coefficient over a few rounds.
 pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
     let (candidates, base) = (&setting.candidates, setting.base);
     let n = rows.len();
-    let m = base + chosen.len();
+    let m = base.len() + chosen.len();
     let specimens: Vec<Vec<usize>> = match setting.between > 0.0 {
         true => members(rows.iter().map(|row| row.name.as_str())),
         false => BTreeMap::new(),
@@ -179,7 +165,7 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
         let mut y = DVector::zeros(n);
         let mut weights = vec![0.0; n];
         for (i, row) in rows.iter().enumerate() {
-            let own = base_row(row, base);
+            let own = base.columns(row);
             let mu: f64 = if round == 0 {
                 row.mu
             } else {
@@ -192,12 +178,12 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
             }
             y[i] = row.mu - setting.known.add(row, mu.max(1e-5));
             for (k, c) in chosen.iter().enumerate() {
-                let size: f64 = step[base + k];
+                let size: f64 = step[base.len() + k];
                 let slope = candidates[*c].slope(row, mu.max(1e-5), size);
                 let change = candidates[*c].change(row, mu.max(1e-5), size);
                 // An effect whose bounds meet is fixed at them.
                 let free = candidates[*c].low < candidates[*c].high;
-                columns[(i, base + k)] = if free { slope } else { 0.0 };
+                columns[(i, base.len() + k)] = if free { slope } else { 0.0 };
                 y[i] -= change - if free { slope * size } else { 0.0 };
             }
         }
@@ -217,7 +203,8 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
                 candidate.low / candidate.typical,
                 candidate.high / candidate.typical,
             );
-            step[base + k] = step[base + k].clamp(low, high);
+            let at = base.len() + k;
+            step[at] = step[at].clamp(low, high);
         }
         let rest = &y - &columns * &step;
         let chi2 = rest.norm_squared();
@@ -302,8 +289,10 @@ mod tests {
         };
         let mut setting = Setting {
             candidates: Vec::new(),
-            known: Known::new(&Effects::default(), &table).unwrap().0,
-            base: 1,
+            known: Known::new(&Effects::default(), &table, Base::Fixed)
+                .unwrap()
+                .0,
+            base: Base::Fixed,
             between: 0.0,
         };
         setting.between = between_specimens(&setting, rows);

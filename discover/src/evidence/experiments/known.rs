@@ -1,8 +1,9 @@
 //! What the model's own effects add to a coefficient of friction.
 
-use kufe_sled::effects::{Active, Effects, Kind};
+use kufe_sled::effects::{Active, Column, Effect, Effects, Experiments, Kind};
 
 use crate::error::Error;
+use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::rows::Row;
 use crate::input::table::Table;
 
@@ -10,6 +11,8 @@ use crate::input::table::Table;
 #[derive(Clone)]
 pub struct Known {
     effects: Vec<Active>,
+    /// Shear stress of boundary contact, which the film of the base law is solved with [Pa].
+    pub boundary_shear: f64,
 }
 
 impl Known {
@@ -18,12 +21,18 @@ impl Known {
     ///
     /// # Errors
     /// [`Error::MissingColumn`] where one needs a column that the table does not have.
-    pub fn new(model: &Effects, table: &Table) -> Result<(Self, Vec<String>), Error> {
+    pub fn new(model: &Effects, table: &Table, base: Base) -> Result<(Self, Vec<String>), Error> {
+        let untold = |effect: &Effect| match effect.info.experiments {
+            Experiments::OverFilm => base != Base::Film,
+            // No row states the film of a sled's runners.
+            _ => effect.info.needs.contains(&Column::Film),
+        };
         let (mut effects, mut others) = (Vec::new(), Vec::new());
+        let mut boundary_shear = 0.0;
         for active in model.active.iter().filter(|a| a.is_on()) {
             let needed: Vec<&str> = match &active.kind {
                 Kind::Custom(custom) if custom.acts_on_friction() => active.columns(),
-                Kind::Catalogue(effect) if effect.on_friction.is_some() => {
+                Kind::Catalogue(effect) if effect.on_friction.is_some() && !untold(effect) => {
                     let needed = effect.info.needs_in_experiments().unwrap_or_default();
                     needed.iter().map(|c| c.name()).collect()
                 }
@@ -43,9 +52,18 @@ impl Known {
                     ),
                 });
             }
-            effects.push(active.clone());
+            match &active.kind {
+                Kind::Catalogue(effect) if effect.info.experiments == Experiments::OverFilm => {
+                    boundary_shear = active.values[0];
+                }
+                _ => effects.push(active.clone()),
+            }
         }
-        Ok((Known { effects }, others))
+        let known = Known {
+            effects,
+            boundary_shear,
+        };
+        Ok((known, others))
     }
 
     /// What they add to the coefficient `mu` of a row.

@@ -1,5 +1,6 @@
-//! Friction experiments: mu over pressure, one row a specimen or condition.
+//! Friction experiments: mu over pressure or of the melt film, one row a specimen or condition.
 
+pub(crate) mod base;
 pub(crate) mod bins;
 pub(crate) mod candidates;
 pub(crate) mod compare;

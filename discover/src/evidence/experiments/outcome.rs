@@ -2,6 +2,7 @@
 
 use kufe_sled::Model;
 
+use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::evidence::{Experiments, TableFit};
 use crate::evidence::experiments::fit::{Fit, fit};
 use crate::evidence::experiments::rows::Row;
@@ -9,15 +10,11 @@ use crate::finding::{Fitted, Interval};
 use crate::procedure::closed::ClosedGap;
 use crate::procedure::evidence::Account;
 
-/// Names of the base coefficients and their units.
-const QUADRATIC: [(&str, &str); 3] = [("b", "1e-3/MPa2"), ("c", "1e-3/MPa"), ("d", "1e-3")];
-const FIXED: [(&str, &str); 1] = [("mu", "")];
-
 impl Experiments<'_> {
     /// Size of the `k`-th chosen candidate with its interval.
     pub fn size(&self, last: &TableFit, k: usize, quantile: f64) -> Fitted {
         let candidate = &self.setting.candidates[last.chosen[k]];
-        let at = self.setting.base + k;
+        let at = self.setting.base.len() + k;
         let value = last.fit.step[at] * candidate.typical;
         let error = last.fit.errors[at] * candidate.typical;
         Fitted {
@@ -31,10 +28,9 @@ impl Experiments<'_> {
 
     /// The base coefficients with their intervals.
     pub fn base_parameters(&self, last: &TableFit, quantile: f64) -> Vec<Fitted> {
-        let quadratic = self.setting.base == 3;
-        let names: &[(&str, &str)] = if quadratic { &QUADRATIC } else { &FIXED };
+        let base = self.setting.base;
         let fitted = |(k, (name, unit)): (usize, &(&str, &str))| {
-            let (value, error) = last.fit.base_value(k, quadratic);
+            let (value, error) = last.fit.base_value(k, base);
             Fitted {
                 name: (*name).to_owned(),
                 value,
@@ -43,7 +39,7 @@ impl Experiments<'_> {
                 unit: (*unit).to_owned(),
             }
         };
-        names.iter().enumerate().map(fitted).collect()
+        base.names().iter().enumerate().map(fitted).collect()
     }
 
     /// The model with refitted base and the effects found; what no simulation knows is reported in the account.
@@ -53,14 +49,14 @@ impl Experiments<'_> {
         parameters: &[Vec<Fitted>],
         account: &mut Account,
     ) -> Model {
-        let quadratic = self.setting.base == 3;
-        let value = |k: usize| Some(last.fit.base_value(k, quadratic).0);
+        let base = self.setting.base;
+        let value = |k: usize| Some(last.fit.base_value(k, base).0);
         let mut next = self.model.clone();
         let keys = &mut next.friction.longitudinal;
-        if quadratic {
-            (keys.b, keys.c, keys.d) = (value(0), value(1), value(2));
-        } else {
-            keys.mu = value(0);
+        match base {
+            Base::Fixed => keys.mu = value(0),
+            Base::Pressure => (keys.b, keys.c, keys.d) = (value(0), value(1), value(2)),
+            Base::Film => keys.zeta = value(0),
         }
         for (c, sizes) in last.chosen.iter().zip(parameters) {
             let candidate = &self.setting.candidates[*c];

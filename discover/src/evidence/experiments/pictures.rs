@@ -2,6 +2,7 @@
 
 use kufe_sled::correlation;
 
+use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::fit::{Fit, Setting};
 use crate::evidence::experiments::rows::Row;
 use crate::finding::{Curve, Picture, Plot, Scatter, Series};
@@ -74,6 +75,9 @@ fn driven(
 }
 
 fn law(setting: &Setting, rows: &[Row], first: &Fit) -> Picture {
+    if setting.base == Base::Film {
+        return over_film(rows, first);
+    }
     let pressure: Vec<f64> = rows.iter().map(|r| 1e-6 * r.pressure).collect();
     let low = pressure.iter().copied().fold(f64::INFINITY, f64::min);
     let high = pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -105,6 +109,31 @@ fn law(setting: &Setting, rows: &[Row], first: &Fit) -> Picture {
                 name: "base law, refitted".to_owned(),
                 x,
                 y,
+            }),
+        }),
+    }
+}
+
+fn over_film(rows: &[Row], first: &Fit) -> Picture {
+    let film: Vec<f64> = rows.iter().map(|r| 1e3 * r.film).collect();
+    let most = film.iter().copied().fold(0.0, f64::max);
+    Picture {
+        title: "Measured friction and the melt film".to_owned(),
+        caption: String::new(),
+        plot: Plot::Scatter(Scatter {
+            label: "friction over that of the film".to_owned(),
+            x_name: "mu of the film [1e-3]".to_owned(),
+            y_name: "mu [1e-3]".to_owned(),
+            x: film,
+            series: vec![Series {
+                name: "measured".to_owned(),
+                y: rows.iter().map(|r| 1e3 * r.mu).collect(),
+                sd: rows.iter().map(|r| 1e3 * r.mu_sd).collect(),
+            }],
+            curve: Some(Curve {
+                name: "film times zeta, refitted".to_owned(),
+                x: vec![0.0, most],
+                y: vec![0.0, first.step[0] * most],
             }),
         }),
     }

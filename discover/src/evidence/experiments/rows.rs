@@ -4,7 +4,9 @@ use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 
 use kufe_sled::Conditions;
-use kufe_sled::effects::OperatingPoint;
+use kufe_sled::effects::{Column, OperatingPoint};
+use kufe_sled::friction::film::Patch;
+use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::input::table::Table;
@@ -24,6 +26,8 @@ pub struct Row {
     pub mu: f64,
     /// Its standard deviation.
     pub mu_sd: f64,
+    /// Friction of the melt film on its contact; NaN where that is not the base law.
+    pub film: f64,
     /// What the effects of the catalogue see.
     pub conditions: OperatingPoint,
     /// All further columns that hold numbers.
@@ -70,6 +74,9 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
     let humidity = column("humidity_pct", 0.0, 100.0)?;
     let air_pa = column("air_pa", 4e4, 1.2e5)?;
     let distance = column("distance_m", 0.0, 1e9)?;
+    let length = column("contact_length_m", 1e-5, 10.0)?;
+    let width = column("contact_width_m", 1e-7, 1.0)?;
+    let roughness = column("roughness_m", 0.0, 1e-4)?;
     let (time, place) = (column("t_s", 0.0, 1e6)?, column("s_m", -1e6, 1e6)?);
     let mut further = Vec::new();
     for name in &table.header {
@@ -93,6 +100,7 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
                 pressure_sd: pressure_sd[i],
                 mu: mu[i],
                 mu_sd: mu_sd[i],
+                film: f64::NAN,
                 conditions: OperatingPoint {
                     t: get(&time, f64::NAN),
                     s: get(&place, f64::NAN),
@@ -109,6 +117,11 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
                     air_density: kufe_sled::aero::air_density(air_pa, air_c),
                     drag_area,
                     film: f64::NAN,
+                    patch: Patch {
+                        length: get(&length, f64::NAN),
+                        width: get(&width, f64::NAN),
+                        roughness: get(&roughness, f64::NAN),
+                    },
                 },
                 columns: further
                     .iter()
@@ -120,6 +133,43 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
         .collect();
     refuse_copies(table)?;
     Ok(rows)
+}
+
+/// Columns that the melt film is computed from.
+const OF_FILM: [Column; 5] = [
+    Column::ContactLength,
+    Column::ContactWidth,
+    Column::Load,
+    Column::Speed,
+    Column::IceTemperature,
+];
+
+/// Sets the friction of the film of every row, with boundary contact of the shear stress that the model states [Pa].
+///
+/// # Errors
+/// [`Error::MissingColumn`]; [`Error::File`] with the row where the film cannot be computed.
+pub fn set_films(rows: &mut [Row], table: &Table, boundary_shear: f64) -> Result<(), Error> {
+    if let Some(column) = OF_FILM.iter().find(|c| table.place(c.name()).is_none()) {
+        return Err(Error::MissingColumn {
+            file: table.file.clone(),
+            column: column.name().to_owned(),
+            found: format!(
+                "{} (friction.longitudinal.film = true needs it)",
+                table.header.join(", ")
+            ),
+        });
+    }
+    rows.par_iter_mut().enumerate().try_for_each(|(i, row)| {
+        let at = &row.conditions;
+        let film = at
+            .patch
+            .friction(at.fz, at.v, at.conditions.ice_c, boundary_shear);
+        row.film = film.map_err(|error| Error::File {
+            file: table.file.clone(),
+            reason: format!("row {}: the melt film: {error}", i + 2),
+        })?;
+        Ok(())
+    })
 }
 
 fn refuse_copies(table: &Table) -> Result<(), Error> {

@@ -154,7 +154,7 @@ pub fn screen_table(
         .zip(&free)
         .map(|(r, f)| f.norm_squared() / r.norm_squared().max(1e-300))
         .collect();
-    let freedom = (n as f64 - base as f64 - chosen.len() as f64 - 1.0).max(1.0);
+    let freedom = (n as f64 - base.len() as f64 - chosen.len() as f64 - 1.0).max(1.0);
     let judged = |c: usize| remaining_share[c] > rules.least_left && !chosen.contains(&c);
     let units = Units::new(&free, judged, &now.columns, inverse, freedom);
     let t = units.all(

@@ -63,7 +63,7 @@ impl SharesEffects for Experiments<'_> {
             return Vec::new();
         };
         let candidate = &self.setting.candidates[*c];
-        let at = self.setting.base + place;
+        let at = self.setting.base.len() + place;
         vec![Amount::of(
             candidate,
             fit.fit.step[at] * candidate.typical,

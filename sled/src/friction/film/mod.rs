@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`Strip`], [`FilmConditions`], [`BoundaryContact`], [`Properties`] | what the film is under, and of |
 //! | [`film`] | thickness, melt rate, shear, heat and drag along the strip |
+//! | [`Patch`] | the film's friction on a contact of known length and width |
 //! | [`IceHardness`] | the pressure that the ice bears |
 //!
 //! ```
@@ -17,9 +18,11 @@
 //! ```
 
 mod march;
+mod patch;
 mod properties;
 
 pub use march::{Film, FilmStation, FilmTotals, film, film_with_outflow};
+pub use patch::Patch;
 pub use properties::{
     BoundaryContact, FilmConditions, FilmOptions, HARDNESS_EXPONENT, HeatIntoIce, IceHardness,
     Properties, Strip, pressure_melting_bound,

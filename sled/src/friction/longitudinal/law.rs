@@ -166,8 +166,8 @@ pub fn longitudinal_force(fz: f64, alpha: f64, mu: f64) -> f64 {
 /// The keys of `[friction.longitudinal]` as written in a model file.
 ///
 /// Either `mu`, or `b`, `c`, `d` with `mu_cap` and optionally `zeta` and `zeta_acts_on`, or tables
-/// of mu alone with optionally `zeta`. The paths of the tables are carried along and opened by
-/// others.
+/// of mu alone with optionally `zeta`, or `film` with optionally `zeta`. The paths of the tables
+/// are carried along and opened by others.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LongitudinalKeys {
@@ -192,6 +192,10 @@ pub struct LongitudinalKeys {
     /// What the asperity factor multiplies; the coefficient where absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub zeta_acts_on: Option<ZetaActsOn>,
+    /// The melt film on the contact that each friction experiment states, times `zeta`; no law for a
+    /// sled, whose runners have tables.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub film: Option<bool>,
     /// Lookup table of the front runner's pressure or, without `mu` and the quadratic, of its mu, a
     /// path.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -217,9 +221,42 @@ impl LongitudinalKeys {
         Ok(Some(zeta))
     }
 
+    /// The factor on mu where the melt film of friction experiments is the law: no other key states
+    /// one.
+    ///
+    /// # Errors
+    /// [`Error::KeysExclude`] where another law is stated, [`Error::OutOfRange`] for a factor that
+    /// is not positive.
+    pub fn film(&self) -> Result<Option<f64>, Error> {
+        if self.film != Some(true) {
+            return Ok(None);
+        }
+        let others = [
+            ("mu", self.mu.is_some()),
+            ("b", self.b.is_some()),
+            ("c", self.c.is_some()),
+            ("d", self.d.is_some()),
+            ("mu_cap", self.mu_cap.is_some()),
+            ("zeta_acts_on", self.zeta_acts_on.is_some()),
+            ("front_table", self.front_table.is_some()),
+            ("rear_table", self.rear_table.is_some()),
+        ];
+        if let Some((other, _)) = others.iter().find(|(_, there)| *there) {
+            return Err(Error::KeysExclude {
+                key: "film",
+                other,
+                expected: "film alone, or with zeta",
+            });
+        }
+        let zeta = self.zeta.unwrap_or(1.0);
+        in_range("zeta", zeta, zeta > 0.0, "a positive number")?;
+        Ok(Some(zeta))
+    }
+
     /// The model the keys state, where it is not [tabled](Self::tabled).
     ///
     /// # Errors
+    /// [`Error::MissingKey`] where the law is the [`film`](Self::film) of friction experiments.
     /// [`Error::KeysExclude`] where `mu` is stated with a key of the quadratic,
     /// [`Error::MissingKey`] where the quadratic is incomplete, [`Error::OutOfRange`] for numbers
     /// no friction has.
@@ -234,6 +271,12 @@ impl LongitudinalKeys {
             ("zeta", self.zeta.is_some()),
             ("zeta_acts_on", self.zeta_acts_on.is_some()),
         ];
+        if self.film()?.is_some() {
+            return Err(Error::MissingKey {
+                key: "mu",
+                expected: "mu, or b, c and d, or front_table and rear_table of mu (kufe lut): film = true is a law of friction experiments alone",
+            });
+        }
         if let Some(mu) = self.mu {
             if let Some((other, _)) = quadratic.iter().find(|(_, there)| *there) {
                 return Err(Error::KeysExclude {

@@ -7,6 +7,7 @@ use std::borrow::Cow;
 use std::sync::OnceLock;
 
 use kufe_sled::effects::{Active, Constants, Forces, OperatingPoint, Relaxed, Sensor, Signals};
+use kufe_sled::friction::film::Patch;
 use kufe_sled::{
     Balance, Conditions, GRAVITY, LawForces, Motion, Sled, State, Vehicle, aero, from_sensors,
 };
@@ -196,6 +197,7 @@ impl<'a> ModelOnRun<'a> {
             air_density: self.air_density,
             drag_area: self.vehicle.sled.cda_m2,
             film: f64::NAN,
+            patch: Patch::UNKNOWN,
         }
     }
 

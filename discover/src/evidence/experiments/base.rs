@@ -1,0 +1,76 @@
+//! The law that a table of friction coefficients is fitted with before effects are looked for.
+
+use kufe_sled::Model;
+use kufe_sled::friction::Longitudinal;
+
+use crate::error::Error;
+use crate::evidence::experiments::rows::Row;
+
+/// The base law of the model, linear in its coefficients.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Base {
+    /// `mu`.
+    Fixed,
+    /// `mu = 1e-3 (b p^2 - c p + d)`, p in MPa.
+    Pressure,
+    /// `mu = zeta mu_film`, the melt film on the contact of each row.
+    Film,
+}
+
+impl Base {
+    /// The model's.
+    ///
+    /// # Errors
+    /// [`Error::Sled`] where its keys state no law of experiments.
+    pub fn of(model: &Model) -> Result<Base, Error> {
+        let keys = &model.friction.longitudinal;
+        if keys.film()?.is_some() {
+            return Ok(Base::Film);
+        }
+        Ok(match keys.model()? {
+            Longitudinal::Pressure(_) => Base::Pressure,
+            Longitudinal::Fixed(_) => Base::Fixed,
+        })
+    }
+
+    /// Names of its coefficients, and their units.
+    pub fn names(self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            Base::Fixed => &[("mu", "")],
+            Base::Pressure => &[("b", "1e-3/MPa2"), ("c", "1e-3/MPa"), ("d", "1e-3")],
+            Base::Film => &[("zeta", "")],
+        }
+    }
+
+    /// How many coefficients it has.
+    pub fn len(self) -> usize {
+        self.names().len()
+    }
+
+    /// What its coefficients multiply: p^2, p, 1 with p in MPa; 1; or the friction of the film.
+    pub fn columns(self, row: &Row) -> Vec<f64> {
+        let p = row.pressure / 1e6;
+        match self {
+            Base::Fixed => vec![1.0],
+            Base::Pressure => vec![p * p, p, 1.0],
+            Base::Film => vec![row.film],
+        }
+    }
+
+    /// The coefficient `k` as models state it.
+    pub fn stated(self, k: usize, value: f64) -> f64 {
+        match (self, k) {
+            (Base::Pressure, 1) => -1e3 * value,
+            (Base::Pressure, _) => 1e3 * value,
+            _ => value,
+        }
+    }
+
+    /// Slope of mu over the pressure [1/MPa], from the coefficients.
+    pub fn pressure_slope(self, row: &Row, coefficients: &[f64]) -> f64 {
+        match self {
+            Base::Pressure => 2.0 * coefficients[0] * row.pressure / 1e6 + coefficients[1],
+            _ => 0.0,
+        }
+    }
+}
