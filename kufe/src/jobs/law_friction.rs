@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use kufe_contact::solve;
 use kufe_sled::effects::{Effects, Kind, OperatingPoint};
+use kufe_sled::friction::film::Patch;
 use kufe_sled::friction::{Longitudinal, longitudinal_force};
 use kufe_sled::{Conditions, Model};
 
@@ -84,6 +85,7 @@ impl DrivingConditions {
             air_density: conditions.air_density(),
             drag_area,
             film: f64::NAN,
+            patch: Patch::UNKNOWN,
         }
     }
 }
