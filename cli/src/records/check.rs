@@ -12,7 +12,7 @@ use kufe::results::RunCheck;
 use kufe_sled::{Examination, examine_with};
 
 use crate::output::OutputDir;
-use crate::records::write_view;
+use crate::runs::write_view;
 use crate::terminal::Global;
 
 const EXAMPLES: &str = "\

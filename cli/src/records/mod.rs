@@ -11,8 +11,6 @@ use kufe::jobs::Failure;
 
 use crate::terminal::Global;
 
-pub use view::write_view;
-
 const EXAMPLES: &str = "\
 Examples:
   kufe runs init raw/monday_01.csv -o mapping.toml     guess the channels

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
 use kufe::jobs::runs::run_inputs;
-use kufe::jobs::view_runs::{ViewOptions, ViewedRuns, view_runs};
-use kufe::report::{Kind, RunsPage, VIEWER, page};
+use kufe::jobs::view_runs::{ViewOptions, view_runs};
+use kufe::report::RunsPage;
 use serde::Serialize;
 
-use crate::output::{OutputDir, OutputFiles};
-use crate::terminal::{Global, warn};
+use crate::output::OutputFiles;
+use crate::runs::viewer_page;
+use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -65,9 +66,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         most_values: RunsPage::MOST_VALUES,
     };
     let viewed = global.watched(|watch| view_runs(&options, watch))?;
-    for [run, reason] in &viewed.left_out {
-        warn(&format!("run {run} is not shown: {reason}"));
-    }
     let mut written = WrittenPage {
         written: &args.out,
         runs: viewed.runs.len(),
@@ -75,7 +73,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         rate_hz: viewed.rate_hz,
         bytes: 0,
     };
-    let html = html(viewed);
+    let html = viewer_page(viewed);
     written.bytes = html.len();
     files.write(&args.out, |writer| writer.write_all(html.as_bytes()))?;
     files.commit()?;
@@ -84,31 +82,4 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let (runs, rate) = (written.runs, written.rate_hz);
         format!("{out}: {runs} runs at {rate} Hz, {megabytes:.2} MB\n")
     })
-}
-
-fn html(viewed: ViewedRuns) -> String {
-    let title = format!("Runs of {}", viewed.index);
-    page(Kind::Runs, &title, &RunsPage::new(viewed))
-}
-
-/// Writes the page into the folder of another command, whose page links to it; its address from
-/// there. A failure is a warning: the results of the command are more than the view of its runs.
-///
-/// # Errors
-/// [`Failure::BadInput`] where the file cannot be written.
-pub fn write_view(
-    output: &OutputDir,
-    options: &ViewOptions,
-    global: &Global,
-) -> Result<Option<&'static str>, Failure> {
-    match global.watched(|watch| view_runs(options, watch)) {
-        Ok(viewed) => {
-            output.text(VIEWER, &html(viewed))?;
-            Ok(Some(VIEWER))
-        }
-        Err(failure) => {
-            warn(&format!("{VIEWER} is not written: {failure}"));
-            Ok(None)
-        }
-    }
 }

@@ -10,7 +10,7 @@ use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
 use kufe_sled::read_index;
 
 use crate::output::OutputDir;
-use crate::records::write_view;
+use crate::runs::write_view;
 use crate::terminal::{Global, warn, warn_if_cut};
 
 /// Find the effect that is missing in a model, name it and add it

@@ -12,9 +12,9 @@ use kufe_sled::{
 };
 
 use crate::output::OutputDir;
-use crate::records::write_view;
 use crate::runs::arguments::RunArgs;
 use crate::runs::files::draw_tables;
+use crate::runs::write_view;
 use crate::terminal::Global;
 
 /// Arguments of `kufe evaluate`.

@@ -7,5 +7,7 @@ mod files;
 pub mod fit;
 pub mod simulate;
 pub mod validate;
+mod viewer;
 
 pub use files::run_format;
+pub use viewer::{viewer_page, write_view};

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use kufe_sled::effects::{ActsOn, CATALOGUE, Effect};
+use kufe_sled::effects::{ActsOn, CATALOGUE, Effect, Experiments};
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
     Driver, FitOptions, Model, Prepared, Run, SimulateOptions, Track, TrackShape, Vehicle,
@@ -78,10 +78,9 @@ fn prepared(
 
 fn on_runs() -> impl Iterator<Item = &'static &'static Effect> {
     CATALOGUE.iter().filter(|effect| {
-        let acts_on = effect.info.acts_on;
-        !acts_on
-            .iter()
-            .all(|on| matches!(on, ActsOn::Contact | ActsOn::Map))
+        let info = &effect.info;
+        let elsewhere = |on: &ActsOn| matches!(on, ActsOn::Contact | ActsOn::Map);
+        info.experiments != Experiments::OverFilm && !info.acts_on.iter().all(elsewhere)
     })
 }
 

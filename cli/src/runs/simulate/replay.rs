@@ -16,9 +16,9 @@ use kufe_sled::{
 };
 
 use crate::output::OutputDir;
-use crate::records::write_view;
 use crate::runs::files::{draw_tables, run_format, write_mat};
 use crate::runs::simulate::Args;
+use crate::runs::write_view;
 use crate::terminal::{Global, warn};
 
 /// Drives the run again and writes it with the measurement.
