@@ -37,3 +37,9 @@ pub fn raised(failure: Failure) -> PyErr {
 pub fn bad_input(error: impl std::fmt::Display) -> PyErr {
     InputError::new_err(error.to_string())
 }
+
+/// The error for a run that is not among those of a result.
+pub fn no_such_run<'a>(run: &str, known: impl Iterator<Item = &'a str>) -> PyErr {
+    let known = known.collect::<Vec<_>>().join(", ");
+    InputError::new_err(format!("run {run}: the runs are {known}"))
+}

@@ -8,7 +8,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error::{InputError, raised};
+use crate::error::{no_such_run, raised};
 use crate::json::to_python;
 use crate::work::work;
 
@@ -103,11 +103,8 @@ impl Evaluation {
     /// glide, angles.
     fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
         let Some(found) = self.runs.iter().find(|evaluated| evaluated.run == run) else {
-            let known: Vec<&str> = self.runs.iter().map(|run| run.run.as_str()).collect();
-            return Err(InputError::new_err(format!(
-                "run {run}: the runs are {}",
-                known.join(", ")
-            )));
+            let known = self.runs.iter().map(|run| run.run.as_str());
+            return Err(no_such_run(run, known));
         };
         type Column = (&'static str, fn(&DrivingForce) -> f64);
         let columns: [Column; 8] = [

@@ -10,7 +10,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error::{InputError, raised};
+use crate::error::{no_such_run, raised};
 use crate::json::to_python;
 use crate::work::work;
 
@@ -215,11 +215,7 @@ impl Validation {
     fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
         let runs = &self.document.runs;
         let Some(found) = runs.iter().find(|compared| compared.run == run) else {
-            let known: Vec<&str> = runs.iter().map(|run| run.run.as_str()).collect();
-            let known = known.join(", ");
-            return Err(InputError::new_err(format!(
-                "run {run}: the runs are {known}"
-            )));
+            return Err(no_such_run(run, runs.iter().map(|run| run.run.as_str())));
         };
         type Column = (&'static str, fn(&LateralForce) -> f64);
         let columns: [Column; 5] = [

@@ -11,7 +11,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error::{InputError, raised};
+use crate::error::{InputError, no_such_run, raised};
 use crate::folder::write_folder;
 use crate::json::to_python;
 use crate::work::work;
@@ -133,11 +133,8 @@ impl Simulation {
     /// One run's channels as arrays, `t_s` among them; each name ends in its unit.
     fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
         let Some(found) = self.runs.iter().find(|driven| driven.entry.run == run) else {
-            let known: Vec<&str> = self.runs.iter().map(|run| run.entry.run.as_str()).collect();
-            let known = known.join(", ");
-            return Err(InputError::new_err(format!(
-                "run {run}: the runs are {known}"
-            )));
+            let known = self.runs.iter().map(|run| run.entry.run.as_str());
+            return Err(no_such_run(run, known));
         };
         let arrays = PyDict::new(py);
         let times = (0..found.len()).map(|i| found.t0_s + i as f64 * found.dt_s);

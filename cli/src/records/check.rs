@@ -6,13 +6,12 @@ use std::path::PathBuf;
 use kufe::charts::odd_curves;
 use kufe::jobs::Failure;
 use kufe::jobs::runs::{failure, run_inputs};
-use kufe::jobs::view_runs::ViewOptions;
-use kufe::report::{RunsPage, record_page};
+use kufe::report::record_page;
 use kufe::results::RunCheck;
 use kufe_sled::{Examination, examine_with};
 
 use crate::output::OutputDir;
-use crate::runs::write_view;
+use crate::runs::{all_runs, write_view};
 use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
@@ -52,14 +51,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let (runs, curves): (Vec<_>, Vec<_>) = examined.map_err(failure)?.into_iter().unzip();
     let check = RunCheck::new(args.runs.display().to_string(), runs);
     let viewer = if args.view {
-        let options = ViewOptions {
-            runs: args.runs.clone(),
-            model: None,
-            track: None,
-            only: Vec::new(),
-            most_values: RunsPage::MOST_VALUES,
-        };
-        write_view(&output, &options, global)?
+        write_view(&output, &all_runs(args.runs.clone()), global)?
     } else {
         None
     };

@@ -5,11 +5,10 @@ use std::path::{Path, PathBuf};
 use kufe::jobs::Failure;
 use kufe::jobs::runs::run_inputs;
 use kufe::jobs::view_runs::{ViewOptions, view_runs};
-use kufe::report::RunsPage;
 use serde::Serialize;
 
 use crate::output::OutputFiles;
-use crate::runs::viewer_page;
+use crate::runs::{all_runs, viewer_page};
 use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
@@ -59,11 +58,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let outputs = std::slice::from_ref(&args.out);
     let files = OutputFiles::begin("runs view", &inputs, outputs, global.force)?;
     let options = ViewOptions {
-        runs: args.runs.clone(),
         model: args.model.clone(),
-        track: None,
         only: args.run.clone(),
-        most_values: RunsPage::MOST_VALUES,
+        ..all_runs(args.runs.clone())
     };
     let viewed = global.watched(|watch| view_runs(&options, watch))?;
     let mut written = WrittenPage {

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use kufe::jobs::Failure;
 use kufe::jobs::runs::run_inputs;
 use kufe::jobs::view_runs::ViewOptions;
-use kufe::report::{RunsPage, discovery_page};
+use kufe::report::discovery_page;
 use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
 use kufe_sled::read_index;
 
 use crate::output::OutputDir;
-use crate::runs::write_view;
+use crate::runs::{all_runs, write_view};
 use crate::terminal::{Global, warn, warn_if_cut};
 
 /// Find the effect that is missing in a model, name it and add it
@@ -86,7 +86,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     let mut inputs = run_inputs(&args.data);
     inputs.extend([&args.model, &args.rules].into_iter().flatten().cloned());
-    let mut recorded = read_index(&args.data).is_ok().then(|| args.data.clone());
+    let mut recorded = (args.view && read_index(&args.data).is_ok()).then(|| args.data.clone());
     let mut model = args.model.clone();
     if campaign {
         let file = CampaignFile::read(&args.data).map_err(failure)?;
@@ -114,11 +114,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let viewer = match recorded {
         Some(runs) => {
             let options = ViewOptions {
-                runs,
                 model,
-                track: None,
-                only: Vec::new(),
-                most_values: RunsPage::MOST_VALUES,
+                ..all_runs(runs)
             };
             write_view(&output, &options, global)?
         }

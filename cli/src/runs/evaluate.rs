@@ -4,7 +4,6 @@ use kufe::charts::{angle_picture, energy_picture, force_picture, losses_picture}
 use kufe::jobs::Failure;
 use kufe::jobs::view_runs::ViewOptions;
 use kufe::plot::Figure;
-use kufe::report::RunsPage;
 use kufe::results::{Evaluation, RunsUsed, write_evaluation_csv};
 use kufe_sled::{
     DriverLosses, Group, RunEvaluation, distinct, evaluate, file_stem, groups, losses_by_driver,
@@ -14,7 +13,7 @@ use kufe_sled::{
 use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
 use crate::runs::files::draw_tables;
-use crate::runs::write_view;
+use crate::runs::{all_runs, write_view};
 use crate::terminal::Global;
 
 /// Arguments of `kufe evaluate`.
@@ -67,11 +66,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     written.extend(draw_tables(&output, &loaded.vehicle, &samples)?);
     if args.view {
         let options = ViewOptions {
-            runs: args.runs.runs.clone(),
             model: Some(args.runs.model.clone()),
-            track: None,
             only: runs.iter().map(|run| run.run.clone()).collect(),
-            most_values: RunsPage::MOST_VALUES,
+            ..all_runs(args.runs.runs.clone())
         };
         let viewer = write_view(&output, &options, global)?;
         written.extend(viewer.map(str::to_owned));

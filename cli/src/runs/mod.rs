@@ -10,4 +10,4 @@ pub mod validate;
 mod viewer;
 
 pub use files::run_format;
-pub use viewer::{viewer_page, write_view};
+pub use viewer::{all_runs, viewer_page, write_view};

@@ -1,11 +1,24 @@
 //! The viewer of runs in the folder of another command.
 
+use std::path::PathBuf;
+
 use kufe::jobs::Failure;
 use kufe::jobs::view_runs::{ViewOptions, ViewedRuns, view_runs};
 use kufe::report::{Kind, RunsPage, VIEWER, page};
 
 use crate::output::OutputDir;
 use crate::terminal::{Global, warn};
+
+/// All runs of an index without a model, in a page of the usual size.
+pub fn all_runs(runs: PathBuf) -> ViewOptions {
+    ViewOptions {
+        runs,
+        model: None,
+        track: None,
+        only: Vec::new(),
+        most_values: RunsPage::MOST_VALUES,
+    }
+}
 
 /// The page; runs that it does not show are warned of.
 pub fn viewer_page(viewed: ViewedRuns) -> String {

@@ -7,7 +7,6 @@ use kufe::jobs::runs::{failure, on_gaps, run_inputs, write_runs, write_track};
 use kufe::jobs::view_runs::ViewOptions;
 use kufe::jobs::{Failure, channel_series};
 use kufe::plot::unit_of;
-use kufe::report::RunsPage;
 use kufe::results::ReplayResult;
 use kufe_sled::{
     Difference, Entry, Inputs, Model, Replay, SimulateOptions, Track, TrackShape, Vehicle,
@@ -18,7 +17,7 @@ use kufe_sled::{
 use crate::output::OutputDir;
 use crate::runs::files::{draw_tables, run_format, write_mat};
 use crate::runs::simulate::Args;
-use crate::runs::write_view;
+use crate::runs::{all_runs, write_view};
 use crate::terminal::{Global, warn};
 
 /// Drives the run again and writes it with the measurement.
@@ -75,11 +74,10 @@ pub fn run(
     let mut pictures = draw_tables(&output, &vehicle, &samples)?;
     if let Some(run) = args.run.as_ref().filter(|_| args.view) {
         let options = ViewOptions {
-            runs: args.replay.clone().unwrap_or_default(),
             model: Some(model_file.to_path_buf()),
             track: Some(track_file.to_path_buf()),
             only: vec![run.clone()],
-            most_values: RunsPage::MOST_VALUES,
+            ..all_runs(args.replay.clone().unwrap_or_default())
         };
         let viewer = write_view(&output, &options, global)?;
         pictures.extend(viewer.map(str::to_owned));

@@ -22,7 +22,7 @@ impl Known {
     /// # Errors
     /// [`Error::MissingColumn`] where one needs a column that the table does not have.
     pub fn new(model: &Effects, table: &Table, base: Base) -> Result<(Self, Vec<String>), Error> {
-        let untold = |effect: &Effect| match effect.info.experiments {
+        let not_stated = |effect: &Effect| match effect.info.experiments {
             Experiments::OverFilm => base != Base::Film,
             // No row states the film of a sled's runners.
             _ => effect.info.needs.contains(&Column::Film),
@@ -32,7 +32,7 @@ impl Known {
         for active in model.active.iter().filter(|a| a.is_on()) {
             let needed: Vec<&str> = match &active.kind {
                 Kind::Custom(custom) if custom.acts_on_friction() => active.columns(),
-                Kind::Catalogue(effect) if effect.on_friction.is_some() && !untold(effect) => {
+                Kind::Catalogue(effect) if effect.on_friction.is_some() && !not_stated(effect) => {
                     let needed = effect.info.needs_in_experiments().unwrap_or_default();
                     needed.iter().map(|c| c.name()).collect()
                 }

@@ -92,48 +92,56 @@ fn law(setting: &Setting, rows: &[Row], first: &Fit) -> Picture {
             (p, 1e3 * first.predict(setting, &row, &[]).0)
         })
         .unzip();
-    Picture {
-        title: "Measured friction and the base law".to_owned(),
-        caption: String::new(),
-        plot: Plot::Scatter(Scatter {
-            label: "friction over pressure".to_owned(),
-            x_name: "largest pressure [MPa]".to_owned(),
-            y_name: "mu [1e-3]".to_owned(),
-            x: pressure,
-            series: vec![Series {
-                name: "measured".to_owned(),
-                y: rows.iter().map(|r| 1e3 * r.mu).collect(),
-                sd: rows.iter().map(|r| 1e3 * r.mu_sd).collect(),
-            }],
-            curve: Some(Curve {
-                name: "base law, refitted".to_owned(),
-                x,
-                y,
-            }),
-        }),
-    }
+    measured(
+        rows,
+        "Measured friction and the base law",
+        ["friction over pressure", "largest pressure [MPa]"],
+        pressure,
+        ("base law, refitted", x, y),
+    )
 }
 
 fn over_film(rows: &[Row], first: &Fit) -> Picture {
     let film: Vec<f64> = rows.iter().map(|r| 1e3 * r.film).collect();
     let most = film.iter().copied().fold(0.0, f64::max);
+    measured(
+        rows,
+        "Measured friction and the melt film",
+        ["friction over that of the film", "mu of the film [1e-3]"],
+        film,
+        (
+            "film times zeta, refitted",
+            vec![0.0, most],
+            vec![0.0, first.step[0] * most],
+        ),
+    )
+}
+
+/// The measured friction of the rows over `place`, with a curve.
+fn measured(
+    rows: &[Row],
+    title: &str,
+    [label, x_name]: [&str; 2],
+    place: Vec<f64>,
+    (name, x, y): (&str, Vec<f64>, Vec<f64>),
+) -> Picture {
     Picture {
-        title: "Measured friction and the melt film".to_owned(),
+        title: title.to_owned(),
         caption: String::new(),
         plot: Plot::Scatter(Scatter {
-            label: "friction over that of the film".to_owned(),
-            x_name: "mu of the film [1e-3]".to_owned(),
+            label: label.to_owned(),
+            x_name: x_name.to_owned(),
             y_name: "mu [1e-3]".to_owned(),
-            x: film,
+            x: place,
             series: vec![Series {
                 name: "measured".to_owned(),
                 y: rows.iter().map(|r| 1e3 * r.mu).collect(),
                 sd: rows.iter().map(|r| 1e3 * r.mu_sd).collect(),
             }],
             curve: Some(Curve {
-                name: "film times zeta, refitted".to_owned(),
-                x: vec![0.0, most],
-                y: vec![0.0, first.step[0] * most],
+                name: name.to_owned(),
+                x,
+                y,
             }),
         }),
     }
