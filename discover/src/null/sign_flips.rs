@@ -79,19 +79,6 @@ pub fn statistics(u: &DMatrix<f64>) -> Vec<f64> {
         .collect()
 }
 
-/// The chance of each of these gains by run, over all of them: T is their sum over the root of their squares, and nothing where it
-/// is negative.
-pub fn chances_of_gains(gains: &[&[f64]], flips: usize, seed: u64) -> Vec<f64> {
-    let runs = gains.first().map_or(0, |gains| gains.len());
-    let all = DMatrix::from_fn(gains.len(), runs, |c, i| gains[c][i]);
-    let null = MaxT::by_sign_flips(&all, flips, seed);
-    let chance = |gains: &&[f64]| {
-        let norm = gains.iter().map(|g| g * g).sum::<f64>().sqrt();
-        null.p_value(gains.iter().sum::<f64>().max(0.0) / norm.max(1e-300))
-    };
-    gains.iter().map(chance).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

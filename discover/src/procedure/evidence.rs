@@ -44,6 +44,20 @@ pub trait Evidence {
         step: usize,
     ) -> Result<Added<Self::Fit>, Error>;
 
+    /// A selected effect judged once more at the fit that contains it: itself, or the effect that takes its place, with its fit.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    fn exchange(
+        &mut self,
+        _before: &Self::Fit,
+        selected: Selected<Self::Act, Self::Fit>,
+        _step: usize,
+        _account: &Account,
+    ) -> Result<Selected<Self::Act, Self::Fit>, Error> {
+        Ok(selected)
+    }
+
     /// Removes from fit and account what later selected effects have made superfluous, and fits what remains once more.
     ///
     /// # Errors
@@ -279,6 +293,9 @@ pub struct Added<F> {
     /// Where it acts, if that is known only now; with the places of an effect that acts elsewhere already.
     pub place: Option<String>,
 }
+
+/// A selected effect with the model that contains it.
+pub type Selected<A, F> = (Selection<A>, Added<F>);
 
 /// What the locked-away data say.
 pub struct Opened {

@@ -67,7 +67,11 @@ pub fn search_evidence<E: Evidence>(
         }
         progress(&format!("adding {}", selection.candidate.label()));
         let at = known.unwrap_or(account.steps.len());
-        let added = evidence.add(&fit, &selection, at)?;
+        let mut added = evidence.add(&fit, &selection, at)?;
+        let mut selection = selection;
+        if known.is_none() {
+            (selection, added) = evidence.exchange(&fit, (selection, added), at, &account)?;
+        }
         places.resize(account.steps.len().max(at + 1), 0);
         places[at] += usize::from(added.place.is_some());
         match known {

@@ -7,11 +7,10 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
 use crate::evidence::runs::contacts::found::Found;
 use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
-use crate::evidence::runs::fit::gauss_newton::{Effort, fit, residuals};
-use crate::evidence::runs::fit::refit::Refits;
+use crate::evidence::runs::fit::gauss_newton::{fit, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
-use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ResidualModel};
+use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
@@ -36,8 +35,6 @@ pub struct Campaign<'a> {
     pub whole: Vec<Frame>,
     /// Contacts that the last screen selected.
     pub selected_contacts: Option<Found>,
-    /// What the balances leave above noise with the large effect that the last screen selected; nothing where none is large.
-    pub beside_large: Option<[f64; BALANCES]>,
     /// Runs that are locked away.
     pub held_out: Vec<Frame>,
     /// Channels that take part.
@@ -119,8 +116,6 @@ pub struct Current<'a> {
     pub free: &'a [usize],
     /// Simulates runs with it.
     pub simulator: &'a RunSimulator,
-    /// Refits with it.
-    pub refits: Refits,
 }
 
 /// Pairs of twins behind each Newton step where an installation may be off: what they leave in doubt, 7 % of what is taken off, is less
@@ -130,7 +125,7 @@ pub const BESIDE_INSTALLATION: [u64; 2] = [1, 2];
 pub const INSTALLATION_PAIRS: u64 = 2;
 
 impl<'a> Current<'a> {
-    /// A model of which nothing has been refitted.
+    /// Of a model with its rows' whitening.
     pub fn new(
         residual_model: &'a ResidualModel,
         whitener: &'a Whitener,
@@ -142,13 +137,7 @@ impl<'a> Current<'a> {
             whitener,
             free,
             simulator,
-            refits: Refits::default(),
         }
-    }
-
-    /// The same of another model with the same rows.
-    pub fn of(&self, residual_model: &'a ResidualModel) -> Self {
-        Self::new(residual_model, self.whitener, self.free, self.simulator)
     }
 
     /// Its rows' derivatives for candidates that act everywhere.
@@ -242,10 +231,7 @@ impl Campaign<'_> {
         }
         let found = self.least_squares(off, plain.owners.clone())?;
         let cost = found.residual_model.installation.distance();
-        let misfit = |fit: &RunFit| -> f64 {
-            let runs = self.left_by_run(&fit.residual_model, &fit.whitener);
-            runs.iter().sum()
-        };
+        let misfit = |fit: &RunFit| self.misfit(&fit.residual_model, &fit.whitener);
         let worse = misfit(&found) - misfit(&plain);
         Ok(if worse > cost { plain } else { found })
     }
@@ -261,16 +247,8 @@ impl Campaign<'_> {
         owners: Vec<usize>,
     ) -> Result<RunFit, Error> {
         let fixed = residual_model.hold(true);
-        let fitted = |model: &ResidualModel, free: &[usize]| {
-            fit(
-                model,
-                &self.training,
-                free,
-                self.used,
-                Effort::FULL,
-                f64::INFINITY,
-            )
-        };
+        let fitted =
+            |model: &ResidualModel, free: &[usize]| fit(model, &self.training, free, self.used);
         let mut found = fitted(&fixed, &self.free)?;
         let free = self.free.iter().copied();
         let inside: Vec<usize> = free.filter(|b| found.model.within(*b)).collect();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kufe_sled::effects::{CATALOGUE, Effects, Kind};
+use kufe_sled::effects::{CATALOGUE, Effects, Kind, Level};
 use kufe_sled::{Model, Vehicle, refuse_effects};
 use rayon::prelude::*;
 
@@ -12,8 +12,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, outside, remarks_on_channels};
 use crate::evidence::runs::contacts::model::Contacts;
-use crate::evidence::runs::fit::gauss_newton::{Effort, free_base, residuals};
-use crate::evidence::runs::fit::row_noise::beyond_noise;
+use crate::evidence::runs::fit::gauss_newton::{free_base, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::residual_model::{BASE, CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
@@ -28,7 +27,8 @@ use crate::evidence::runs::recordings::prepare::Data;
 use crate::finding::HeldOut;
 use crate::options::Options;
 use crate::procedure::evidence::{
-    Account, Added, Choice, Description, Evidence, Meaning, Opened, Screen, Selection, Words,
+    Account, Added, Choice, Description, Evidence, Meaning, Opened, Screen, Selected, Selection,
+    Words,
 };
 use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
@@ -91,7 +91,6 @@ impl<'a> Campaign<'a> {
             chances: Vec::new(),
             whole: Vec::new(),
             selected_contacts: None,
-            beside_large: None,
         };
         if let Some(contacts) = contacts {
             campaign.given_contacts(contacts);
@@ -112,20 +111,16 @@ impl Evidence for Campaign<'_> {
         account
             .remarks
             .extend(remarks_on_channels(self.model, self.used[0]));
-        let mut base = self.fitted(&self.given, Vec::new())?;
+        let base = self.least_squares(&self.given, Vec::new())?;
         let pushed = self.mark_pushes(&base.residual_model);
         if !pushed.is_empty() {
             account.remarks.push(format!(
                 "something pushed runs aside at places that others pass, a wall perhaps; what they say there is omitted: {}",
                 pushed.join(", ")
             ));
-            base = self.fitted(&base.residual_model, Vec::new())?;
         }
-        let mut base = self.installed(&base)?;
-        self.given.beyond_noise = beyond_noise(&base.residual_model, &self.training);
-        for model in [&mut base.residual_model, &mut base.settled] {
-            model.beyond_noise = self.given.beyond_noise;
-        }
+        let base = self.fitted_anew(&self.given, Vec::new())?;
+        self.given.beyond_noise = base.residual_model.beyond_noise;
         if self.data.noise_from == NoiseFrom::Differences {
             let n = self.data.noise.sd();
             let [low, high] = self.rules().estimated_noise_trust;
@@ -142,17 +137,13 @@ impl Evidence for Campaign<'_> {
     }
 
     fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>, Error> {
-        self.beside_large = None;
         let residual_model = &fit.residual_model.hold(false);
         let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);
         let simulator = self.simulator(residual_model);
         let free = self.free.clone();
         let at = Current::new(residual_model, &whitener, &free, &simulator);
         let track = self.surveyed(residual_model, &simulator, account);
-        if let Some(track) = track
-            .as_ref()
-            .filter(|track| self.is_tilted(residual_model, track))
-        {
+        if let Some(track) = track.as_ref().filter(|track| self.is_tilted(track)) {
             self.by_forces.clear();
             if let Some(selection) = self.on_the_track(residual_model, track, account) {
                 return Ok(Screen {
@@ -182,11 +173,7 @@ impl Evidence for Campaign<'_> {
         if let Some(found) = self.selected_contacts.take() {
             return self.added_contacts(fit, found, step);
         }
-        let mut residual_model = fit.residual_model.clone();
-        if let Some(beyond_noise) = self.beside_large {
-            residual_model.beyond_noise = beyond_noise;
-        }
-        let residual_model = &residual_model;
+        let residual_model = &fit.residual_model;
         let channel = CHANNEL_NAMES.iter().position(|c| *c == selection.channel);
         let gap = |residual_model: &ResidualModel| {
             gap_of(residual_model, &self.training, channel.unwrap_or(1))
@@ -219,10 +206,7 @@ impl Evidence for Campaign<'_> {
         }
         let owners = fit.owners.iter().copied().chain([step]).collect();
         // A large effect has bent the base and hidden what the installation is off by: both are found anew.
-        let refit = self.beside_either(&next, Effort::COMPARED, f64::INFINITY);
-        let start = refit.map_or(next, |refit| refit.model);
-        let next = self.installed(&self.least_squares(&start, owners)?)?;
-        let next = self.with_less_beyond(next);
+        let next = self.fitted_anew(&next, owners)?;
         let stretch = selection.candidate.act.track.is_some();
         Ok(Added {
             gap: [before, gap(&next.residual_model)],
@@ -230,6 +214,23 @@ impl Evidence for Campaign<'_> {
             fit: next,
             written: true,
         })
+    }
+
+    fn exchange(
+        &mut self,
+        before: &RunFit,
+        (selection, added): Selected<Amplitude, RunFit>,
+        step: usize,
+        account: &Account,
+    ) -> Result<Selected<Amplitude, RunFit>, Error> {
+        // The track channel, the levels of runs and sessions, and the contacts have screens of their own.
+        let within = selection.candidate.act.level == Level::Sample
+            && selection.parameters.is_empty()
+            && added.written;
+        match within {
+            true => self.exchanged(before, (selection, added), step, account),
+            false => Ok((selection, added)),
+        }
     }
 
     fn settle(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {

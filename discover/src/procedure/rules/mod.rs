@@ -124,16 +124,6 @@ pub struct RunRules {
     pub window_competes: f64,
     /// Contacts with walls, each run's own.
     pub contacts: ContactRules,
-    /// Share of all rows' squares from which the strongest selected effect is large: its rivals are then compared with it by full refits. Chosen.
-    pub large: f64,
-    /// Share of what balances leave above noise below which a model's own is taken in its place: the rest was no noise. Chosen.
-    pub less_beyond: f64,
-    /// Share of what a formula or contacts explain that their rivals must, to be compared with them. Chosen.
-    pub leads: f64,
-    /// Effects of the catalogue, the strongest first, that are refitted where something is large, in addition to all that move signals. Chosen.
-    pub leaders: usize,
-    /// Of these, those that leave least, with which what the installation is off by is found anew. Chosen.
-    pub finalists: usize,
     /// Standard deviations above which no part of an installation is merely off by its tolerance. Derived: of 25 parts within theirs, one is
     /// in 1.6 of 1000 campaigns.
     pub belief: f64,
@@ -234,11 +224,6 @@ impl Default for RunRules {
             least_signal: 0.2,
             window_competes: 0.3,
             contacts: ContactRules::default(),
-            large: 0.02,
-            less_beyond: 0.5,
-            leads: 0.5,
-            leaders: 6,
-            finalists: 3,
             belief: 4.0,
             column_wins: [2.0, 3.0],
             laws: LawRules::default(),

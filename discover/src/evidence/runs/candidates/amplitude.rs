@@ -1,6 +1,6 @@
 //! How an amplitude of an effect acts on a sled.
 
-use kufe_sled::effects::{Active, Channel, Custom, Effect, Judged, Kind, Level, Reading, Sensor};
+use kufe_sled::effects::{Active, Custom, Judged, Kind, Level};
 
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
@@ -20,37 +20,6 @@ pub struct Amplitude {
     pub track: Option<String>,
     /// A recorded column outside the model, that the expression names.
     pub carrier: Option<String>,
-}
-
-impl Amplitude {
-    /// Whether it changes what a sensor reads or a constant of the sled.
-    pub fn moves_signals(&self) -> bool {
-        match &self.kind {
-            Kind::Catalogue(effect) => effect.moves_signals(),
-            Kind::Custom(own) => matches!(own.channel, Channel::Sensor(_)),
-        }
-    }
-
-    /// Whether it is requested only where the installation is off by more than its tolerances can mean.
-    pub fn is_beyond_tolerance(&self) -> bool {
-        matches!(&self.kind, Kind::Catalogue(effect) if effect.info.judged == Judged::BeyondTolerance)
-    }
-
-    /// The sensor whose bias it is.
-    pub fn biased(&self) -> Option<Sensor> {
-        let Kind::Catalogue(effect) = &self.kind else {
-            return None;
-        };
-        let mut faults = effect.on_sensors.iter();
-        let own = faults.find(|f| f.reading == Reading::Biased && f.parameter == self.parameter);
-        own.map(|fault| fault.of)
-    }
-
-    /// Whether it is a channel that is late.
-    pub fn is_delay(&self) -> bool {
-        let late = |effect: &Effect| effect.on_sensors.iter().any(|f| f.reading == Reading::Late);
-        matches!(&self.kind, Kind::Catalogue(effect) if late(effect))
-    }
 }
 
 impl Candidate<Amplitude> {

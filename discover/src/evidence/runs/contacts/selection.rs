@@ -187,7 +187,7 @@ impl Campaign<'_> {
         // The base was bent by what it represented; places show better with one that is not, unless so much differs there that a whole
         // track is given up.
         let again = self.contacts_beside(&base.residual_model);
-        let again = again.filter(|again| again.gain > self.rules().leads * found.gain);
+        let again = again.filter(|again| again.gain > 0.5 * found.gain);
         let mut contacts = found.contacts;
         if let Some(again) = again {
             self.whole = again.frames;
@@ -195,8 +195,7 @@ impl Campaign<'_> {
             contacts = again.contacts;
         }
         contacts.step = Some(step);
-        let fit = self.fitted(&base.residual_model, fit.owners.clone())?;
-        let mut fit = self.with_less_beyond(self.installed(&fit)?);
+        let mut fit = self.fitted_anew(&base.residual_model, fit.owners.clone())?;
         set_own(&mut self.held_out, &fit.residual_model, &contacts.places);
         for model in [&mut fit.residual_model, &mut fit.settled] {
             model.contacts = Some(contacts.clone());

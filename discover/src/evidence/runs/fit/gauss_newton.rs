@@ -60,44 +60,9 @@ pub fn free_base(
     free
 }
 
-/// How far a fit goes.
-#[derive(Clone, Copy, Debug)]
-pub struct Effort {
-    /// Steps at most.
-    rounds: usize,
-    /// A change of the criterion below which it ends.
-    enough: f64,
-    /// Whether noise is counted by the base that is fitted, rather than by that from which the fit starts: then the base is that of the
-    /// criterion, which least squares would shrink.
-    by_own_base: bool,
-}
-
-impl Effort {
-    /// To a change far inside the noise.
-    pub const FULL: Self = Self {
-        rounds: 14,
-        enough: 1e-3,
-        by_own_base: false,
-    };
-    /// For comparisons, in which nothing below some units counts.
-    pub const COMPARED: Self = Self {
-        rounds: 14,
-        enough: 0.1,
-        by_own_base: true,
-    };
-    /// A preview, after which what leads is fitted on.
-    pub const PREVIEW: Self = Self {
-        rounds: 5,
-        enough: 0.1,
-        by_own_base: true,
-    };
-}
-
 /// Base and effects as they fit.
 #[derive(Clone)]
 pub struct Fit {
-    /// `n (ln(det S) / 2 - noise)`, n being the number of rows.
-    pub criterion: f64,
     /// The model.
     pub model: ResidualModel,
     /// Its rows' whitening.
@@ -106,9 +71,9 @@ pub struct Fit {
 
 /// Fits base and effects by Gauss-Newton, the installation as it is, the balances over the covariance S of their own residuals.
 ///
-/// Minimises `n (ln(det S) / 2 - noise)` ([`LogNoise`]) over the effects, and over the base that or `n ln(det S) / 2`: least
-/// squares with the covariance found along the way. Steps are halved until it falls; amplitudes stay in their bounds. It ends where a step gains or promises
-/// next to nothing, and early where half as much again as it promises would leave more than `beat`.
+/// Minimises `n (ln(det S) / 2 - noise)`, noise being [`LogNoise`] of the base from which the fit starts: least squares with the
+/// covariance found along the way. Steps are halved until it falls; amplitudes stay in their bounds. It ends where a step
+/// gains next to nothing.
 ///
 /// # Errors
 /// [`Error::BaseFit`] where a residual is not finite.
@@ -117,15 +82,15 @@ pub fn fit(
     frames: &[Frame],
     free_base: &[usize],
     used: [bool; CHANNELS],
-    effort: Effort,
-    beat: f64,
 ) -> Result<Fit, Error> {
+    const ROUNDS: usize = 14;
+    /// A change of the criterion far inside the noise.
+    const ENOUGH: f64 = 1e-2;
     let plain = Whitener::plain(used);
-    let mut best: Option<(Fit, DVector<f64>)> = None;
+    let mut best: Option<(f64, Fit, DVector<f64>)> = None;
     let mut trial = residual_model.clone();
     let mut share = 1.0;
-    let mut by_base: Option<([f64; BASE], Vec<f64>)> = None;
-    for _ in 0..effort.rounds {
+    for _ in 0..ROUNDS {
         let design = Design {
             residual_model: &trial,
             whitener: &plain,
@@ -134,7 +99,6 @@ pub fn fit(
             local: &[],
             windows: &[],
         };
-        let p = design.fitted();
         let products = BalanceProducts::new(&design, frames);
         let finite = products.are_finite();
         if !finite && best.is_none() {
@@ -143,54 +107,34 @@ pub fn fit(
             });
         }
         let whitener = Whitener::of(&products.covariance(), used);
-        let mut based = trial.clone();
-        if !effort.by_own_base {
-            based.base = residual_model.base;
-        }
-        // How it changes with the base is found anew where that has moved far.
-        let by_base_is_near = |(at, _): &([f64; BASE], Vec<f64>)| are_near(at, &trial.base);
-        let moving: &[usize] =
-            match effort.by_own_base && !by_base.as_ref().is_some_and(by_base_is_near) {
-                true => free_base,
-                false => &[],
-            };
-        let of_noise = LogNoise::new(&based, frames, used, moving);
-        let noise = of_noise.own;
+        let based = ResidualModel {
+            base: residual_model.base,
+            ..trial.clone()
+        };
+        let noise = match trial.free().is_empty() {
+            // Without an amplitude it is the same for every trial.
+            true => LogNoise::default(),
+            false => LogNoise::new(&based, frames, used),
+        };
         let criterion = match finite {
-            true => products.rows * (whitener.log_scale() - noise),
+            true => products.rows * (whitener.log_scale() - noise.own),
             false => f64::INFINITY,
         };
-        let best_yet = best.as_ref().map_or(f64::INFINITY, |(b, _)| b.criterion);
-        let gained = best_yet - criterion;
+        let gained = best
+            .as_ref()
+            .map_or(f64::INFINITY, |(least, ..)| least - criterion);
         if gained >= 0.0 {
-            if !moving.is_empty() {
-                by_base = Some((trial.base, of_noise.by_base));
+            let mut counted = DVector::zeros(design.fitted());
+            for (k, by) in noise.by_amplitudes.iter().enumerate() {
+                counted[free_base.len() + k] = products.rows * by;
             }
-            let mut counted = DVector::zeros(p);
-            let mut count = |first: usize, by: &[f64]| {
-                by.iter()
-                    .enumerate()
-                    .for_each(|(k, by)| counted[first + k] = products.rows * by);
-            };
-            if let Some((_, by)) = &by_base {
-                count(0, by);
-            }
-            count(free_base.len(), &of_noise.by_amplitudes);
             let step = joint_step(&products.weighted(&whitener), &counted);
             let after = Whitener::of(&products.covariance_after(&step), used);
-            let promised = products.rows * (after.log_scale() - noise) - counted.dot(&step);
-            let fit = Fit {
-                criterion,
-                model: trial.clone(),
-                whitener,
-            };
-            best = Some((fit, step));
+            let promised = products.rows * (after.log_scale() - noise.own) - counted.dot(&step);
+            let model = trial.clone();
+            best = Some((criterion, Fit { model, whitener }, step));
             share = 1.0;
-            // What is promised holds to first order, and of a base that nobody has fitted not even that.
-            let hopeless = gained.is_finite() && promised - 0.5 * (criterion - promised) > beat;
-            // Where a step promises far less than what ends the search, it is not tried.
-            let settled = (criterion - promised).abs() < 0.1 * effort.enough;
-            if gained < effort.enough || settled || hopeless {
+            if gained < ENOUGH || (criterion - promised).abs() < ENOUGH {
                 break;
             }
         } else {
@@ -199,15 +143,10 @@ pub fn fit(
                 break;
             }
         }
-        let (from, step) = best.as_ref().expect("the first round sets it");
+        let (_, from, step) = best.as_ref().expect("the first round sets it");
         trial = stepped(&from.model, free_base, step.as_slice(), share);
     }
-    let (mut fit, _) = best.expect("the first round sets it");
-    if !effort.by_own_base {
-        let rows: usize = frames.iter().map(Frame::row_count).sum();
-        let noise = LogNoise::new(&fit.model, frames, used, &[]).own;
-        fit.criterion = rows as f64 * (fit.whitener.log_scale() - noise);
-    }
+    let (_, fit, _) = best.expect("the first round sets it");
     Ok(fit)
 }
 
@@ -217,14 +156,6 @@ fn joint_step(total: &DMatrix<f64>, counted: &DVector<f64>) -> DVector<f64> {
     let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
     let jr = total.view((OWN_LEVELS, OWN_LEVELS + p), (p, 1));
     ridge_inverse(jj) * (jr.column(0) + counted)
-}
-
-/// Whether no multiplier of one base is so far from that of another that noise changes otherwise there.
-fn are_near(a: &[f64; BASE], b: &[f64; BASE]) -> bool {
-    /// Chosen.
-    const NEAR: f64 = 1.25;
-    let near = |(a, b): (&f64, &f64)| (1.0 / NEAR..NEAR).contains(&(a / b));
-    a.iter().zip(b).all(near)
 }
 
 /// Factor by which a step moves a multiplier of the base at most: from far away a step of one that these data hardly tell says nothing, and

@@ -7,7 +7,7 @@ use crate::evidence::runs::campaign::{Campaign, INSTALLATION_PAIRS, RunFit};
 use crate::evidence::runs::fit::estimate::{FIRST_ROUND, solve};
 use crate::evidence::runs::fit::gauss_newton::stepped;
 use crate::evidence::runs::fit::noise_products::mean_noise_products;
-use crate::evidence::runs::model::clocks::spread_of_delays;
+use crate::evidence::runs::fit::row_noise::beyond_noise;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS, Products};
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::ResidualModel;
@@ -27,52 +27,34 @@ struct PartProducts {
 }
 
 impl Campaign<'_> {
+    /// A model fitted from the given base, with what its installation is off by, and what its balances leave above noise.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    pub fn fitted_anew(&self, model: &ResidualModel, owners: Vec<usize>) -> Result<RunFit, Error> {
+        let bare = ResidualModel {
+            base: self.given.base,
+            installation: Installation::default(),
+            ..model.clone()
+        };
+        let mut fit = self.installed(&self.least_squares(&bare, owners)?)?;
+        let beyond_noise = beyond_noise(&fit.residual_model, &self.training);
+        for model in [&mut fit.residual_model, &mut fit.settled] {
+            model.beyond_noise = beyond_noise;
+        }
+        Ok(fit)
+    }
+
     /// A fitted model with what its installation may be off by, as far as the training rows can see it: combinations of which one
-    /// standard deviation moves a statistic by its own or more. Where the delays lie further apart than is stated their deviation is
-    /// the one that they show.
+    /// standard deviation moves a statistic by its own or more.
     ///
     /// # Errors
     /// Those of the fit.
     pub fn installed(&self, fit: &RunFit) -> Result<RunFit, Error> {
-        /// A deviation known to a tenth.
-        const ENOUGH: f64 = 1.1;
-        let Some((plain, stated, products)) = self.installable(fit)? else {
-            return Ok(fit.clone());
-        };
-        let next = self.installed_as(&plain, stated.clone(), &products)?;
-        let found = &next.residual_model.installation;
-        let wider = spread_of_delays(found, &products.free_products).sqrt();
-        match wider < ENOUGH {
-            true => Ok(next),
-            false => self.installed_as(&plain, stated.with_delays(wider), &products),
-        }
-    }
-
-    /// The same with delays no further apart than is stated.
-    ///
-    /// # Errors
-    /// Those of the fit.
-    pub fn installed_as_stated(&self, fit: &RunFit) -> Result<RunFit, Error> {
-        match self.installable(fit)? {
-            Some((plain, stated, products)) => self.installed_as(&plain, stated, &products),
-            None => Ok(fit.clone()),
-        }
-    }
-
-    /// What the tolerances of the model leave open in the training runs.
-    pub fn stated_installation(&self) -> Installation {
-        let sessions = self.training.iter().map(|frame| frame.session.as_str());
-        Installation::new(&self.model.tolerances.unwrap_or_default(), sessions)
-    }
-
-    /// The fit without an installation, the stated one, and the products of its parts; nothing where none is stated.
-    fn installable(
-        &self,
-        fit: &RunFit,
-    ) -> Result<Option<(RunFit, Installation, PartProducts)>, Error> {
+        const LEAST: f64 = 1.0;
         let mut stated = self.stated_installation();
         if stated.fitted() == 0 {
-            return Ok(None);
+            return Ok(fit.clone());
         }
         if let Some(information) = self.track_information(&fit.residual_model, &stated) {
             stated = stated.informed(information);
@@ -83,7 +65,49 @@ impl Campaign<'_> {
         };
         let plain = self.least_squares(&without, fit.owners.clone())?;
         let products = self.part_products(&plain);
-        Ok(Some((plain, stated, products)))
+        let installation = stated.told_apart(&products.free_products, LEAST);
+        let start = ResidualModel {
+            installation,
+            ..plain.residual_model.clone()
+        };
+        let at = start.hold(true);
+        let plain = RunFit {
+            settled: at.clone(),
+            residual_model: at,
+            ..plain
+        };
+        let installation = &start.installation;
+        let directions = &installation.directions;
+        if directions.is_empty() {
+            return Ok(plain);
+        }
+        // From parts to combinations; what comes before and after them stays.
+        let count = installation.parts.len();
+        let all = products.by_run.first().map_or(0, DMatrix::ncols);
+        let first = all - 1 - count;
+        let mut combined = DMatrix::zeros(all, first + directions.len() + 1);
+        (0..first).for_each(|k| combined[(k, k)] = 1.0);
+        combined[(all - 1, first + directions.len())] = 1.0;
+        for (k, direction) in directions.iter().enumerate() {
+            for (j, share) in installation.shares(direction).iter().enumerate() {
+                combined[(first + j, first + k)] = *share;
+            }
+        }
+        let runs: Vec<DMatrix<f64>> = products
+            .by_run
+            .iter()
+            .map(|c| combined.tr_mul(&(c * &combined)))
+            .collect();
+        let start = start.hold(false);
+        let prior = self.fit_design(&start, &plain.whitener).prior();
+        let step = solve(&runs, &prior).0;
+        self.with_installation(plain, &stepped(&start, &self.free, step.as_slice(), 1.0))
+    }
+
+    /// What the tolerances of the model leave open in the training runs.
+    pub fn stated_installation(&self) -> Installation {
+        let sessions = self.training.iter().map(|frame| frame.session.as_str());
+        Installation::new(&self.model.tolerances.unwrap_or_default(), sessions)
     }
 
     /// Products for a fit whose installation the forces do not determine.
@@ -107,56 +131,6 @@ impl Campaign<'_> {
             by_run: products.iter().zip(noise).map(corrected).collect(),
             free_products,
         }
-    }
-
-    /// The fit with an installation of these deviations.
-    fn installed_as(
-        &self,
-        plain: &RunFit,
-        installation: Installation,
-        products: &PartProducts,
-    ) -> Result<RunFit, Error> {
-        const LEAST: f64 = 1.0;
-        let wider: Vec<f64> = installation.parts.iter().map(|p| p.sd / p.stated).collect();
-        let count = wider.len();
-        let free_products = DMatrix::from_fn(count, count, |j, k| {
-            wider[j] * products.free_products[(j, k)] * wider[k]
-        });
-        let installation = installation.told_apart(&free_products, LEAST);
-        let directions = installation.directions.clone();
-        let start = ResidualModel {
-            installation: installation.clone(),
-            ..plain.residual_model.clone()
-        };
-        let at = start.hold(true);
-        let fit = RunFit {
-            settled: at.clone(),
-            residual_model: at,
-            ..plain.clone()
-        };
-        if directions.is_empty() {
-            return Ok(fit);
-        }
-        // From parts to combinations; what comes before and after them stays.
-        let all = products.by_run.first().map_or(0, DMatrix::ncols);
-        let first = all - 1 - count;
-        let mut combined = DMatrix::zeros(all, first + directions.len() + 1);
-        (0..first).for_each(|k| combined[(k, k)] = 1.0);
-        combined[(all - 1, first + directions.len())] = 1.0;
-        for (k, direction) in directions.iter().enumerate() {
-            for (j, share) in installation.shares(direction).iter().enumerate() {
-                combined[(first + j, first + k)] = share * wider[j];
-            }
-        }
-        let runs: Vec<DMatrix<f64>> = products
-            .by_run
-            .iter()
-            .map(|c| combined.tr_mul(&(c * &combined)))
-            .collect();
-        let start = start.hold(false);
-        let prior = self.fit_design(&start, &plain.whitener).prior();
-        let step = solve(&runs, &prior).0;
-        self.with_installation(fit, &stepped(&start, &self.free, step.as_slice(), 1.0))
     }
 
     /// Standard deviations, in the units in which they are fitted, that base and amplitudes have from what no combination of the

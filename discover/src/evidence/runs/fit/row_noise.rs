@@ -27,23 +27,17 @@ use crate::evidence::runs::model::whiten::{Whitener, covariance};
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Mean over the runs of `ln det(V + diag(b (dr/da)^2)) / 2` of the balances in use, and how it changes with what is fitted.
+#[derive(Default)]
 pub struct LogNoise {
     /// By this model.
     pub own: f64,
     /// By each fitted amplitude of the model's effects, in the unit in which it is fitted.
     pub by_amplitudes: Vec<f64>,
-    /// By each of some base parameters.
-    pub by_base: Vec<f64>,
 }
 
 impl LogNoise {
-    /// Of a model, with its derivatives by these base parameters.
-    pub fn new(
-        model: &ResidualModel,
-        frames: &[Frame],
-        used: [bool; CHANNELS],
-        base: &[usize],
-    ) -> Self {
+    /// Of a model.
+    pub fn new(model: &ResidualModel, frames: &[Frame], used: [bool; CHANNELS]) -> Self {
         let free = model.free();
         let moved: Vec<ResidualModel> = free
             .iter()
@@ -55,7 +49,7 @@ impl LogNoise {
             .collect();
         let of_run = |frame: &Frame| -> Vec<f64> {
             let n = frame.row_count() as f64;
-            let each = of_noise(model, (&moved, base), frame).into_iter();
+            let each = of_noise(model, &moved, frame).into_iter();
             each.map(|of| n * Whitener::of(&of.expected(model), used).log_scale())
                 .collect()
         };
@@ -68,9 +62,6 @@ impl LogNoise {
         Self {
             own,
             by_amplitudes: (1..=free.len()).map(slope).collect(),
-            by_base: (free.len() + 1..=free.len() + base.len())
-                .map(slope)
-                .collect(),
         }
     }
 }
@@ -106,23 +97,6 @@ pub fn beyond_noise(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] 
     })
 }
 
-/// The same with this model where it is less than this share of what is known of any balance; else nothing.
-///
-/// What a large effect leaves is no error of the accelerations: counted as one, it would credit a model with all by which its residual
-/// grows less than what it takes of them, and a bent sensor would explain more than the truth.
-pub fn far_less_beyond(
-    model: &ResidualModel,
-    frames: &[Frame],
-    used: [bool; CHANNELS],
-    share: f64,
-) -> Option<[f64; BALANCES]> {
-    let (known, found) = (model.beyond_noise, beyond_noise(model, frames));
-    let falls = |c: usize| used[c] && found[c] < share * known[c];
-    (0..BALANCES)
-        .any(falls)
-        .then(|| std::array::from_fn(|c| found[c].min(known[c])))
-}
-
 /// Covariance that the sensors' noise gives the balances, and how much of its acceleration each takes.
 struct OfNoise {
     covariance: Matrix3<f64>,
@@ -140,22 +114,17 @@ impl OfNoise {
 }
 
 fn own_noise(model: &ResidualModel, frame: &Frame) -> OfNoise {
-    let [own] = of_noise(model, (&[], &[]), frame)
+    let [own] = of_noise(model, &[], frame)
         .try_into()
         .unwrap_or_else(|_| unreachable!("one model"));
     own
 }
 
-/// Of a model, then of each that differs from it by an amplitude, then with each of these base parameters moved: all evaluate the base laws
-/// once.
-fn of_noise(
-    model: &ResidualModel,
-    (moved, base): (&[ResidualModel], &[usize]),
-    frame: &Frame,
-) -> Vec<OfNoise> {
+/// Of a model, then of each that differs from it by an amplitude: all evaluate the base laws once.
+fn of_noise(model: &ResidualModel, moved: &[ResidualModel], frame: &Frame) -> Vec<OfNoise> {
     /// Samples of a piece: masses and scales are the same all along, and what a bent sensor reads is not by much.
     const SAMPLES: usize = 16;
-    let count = 1 + moved.len() + base.len();
+    let count = 1 + moved.len();
     let noisy = frame.noisy.as_deref();
     let pieces: Vec<&Frame> = noisy.map_or_else(|| vec![frame], |noisy| noisy.iter().collect());
     let mut on_pieces: Vec<Vec<ModelOnRun>> = Vec::new();
@@ -171,11 +140,8 @@ fn of_noise(
     let mut sampled = 0.0;
     for i in samples {
         let at = on_run[0].with_more_acceleration(i);
-        let amplitudes = on_run.iter().map(|model| model.gains(i, &at));
-        let base = base
-            .iter()
-            .map(|b| on_run[0].gains_with_base(&at, *b, STEP));
-        for (sum, gain) in gains.iter_mut().zip(amplitudes.chain(base)) {
+        let each = on_run.iter().map(|model| model.gains(i, &at));
+        for (sum, gain) in gains.iter_mut().zip(each) {
             (0..BALANCES).for_each(|c| sum[c] += gain[c].abs());
         }
         sampled += 1.0;
@@ -184,11 +150,8 @@ fn of_noise(
         let mut raw = vec![[(); BALANCES].map(|()| Vec::with_capacity(piece.len())); count];
         for i in 0..piece.len() {
             let at = models[0].instant(i, &models[0].measured(i));
-            let amplitudes = models.iter().map(|model| model.balances_beside(i, &at));
-            let base = base
-                .iter()
-                .map(|b| models[0].balances_with_base(&at, *b, STEP));
-            for (raw, values) in raw.iter_mut().zip(amplitudes.chain(base)) {
+            let each = models.iter().map(|model| model.balances_beside(i, &at));
+            for (raw, values) in raw.iter_mut().zip(each) {
                 raw.iter_mut().zip(values).for_each(|(raw, x)| raw.push(x));
             }
         }

@@ -1,11 +1,9 @@
-//! A formula of a law as an effect of one's own, fitted together with the base.
+//! A formula of a law as an effect of one's own.
 
 use kufe_sled::effects::{Channel, Custom, Kind};
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::gauss_newton::Effort;
-use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::laws::formulas::formula::Formula;
 use crate::evidence::runs::laws::formulas::shape::{unit, unit_of};
 use crate::evidence::runs::laws::formulas::shapes::rounded;
@@ -27,64 +25,45 @@ pub struct LawFitter<'a> {
     pub channels: &'a [Channel],
 }
 
-/// A formula as an effect, fitted together with the base.
+/// A formula as an effect.
 pub struct FittedLaw {
     /// The formula.
     pub formula: Formula,
-    /// Its sums.
+    /// Its sums, behind them those of a named candidate.
     pub sums: LawSums,
     /// The effect.
     pub candidate: Candidate<Amplitude>,
-    /// The fit; nothing where no simulation knows its column.
-    pub refit: Option<Refit>,
     /// Its size.
     pub size: f64,
-    /// What it leaves, its numbers counted.
-    pub misfit: f64,
+}
+
+impl FittedLaw {
+    /// What it explains, less what each of its numbers counts for.
+    pub fn worth(&self, number: f64) -> f64 {
+        0.5 * self.formula.gain() - number * self.formula.term.shape.numbers() as f64
+    }
 }
 
 impl LawFitter<'_> {
-    /// The simplest formula of a smooth law, fitted.
+    /// The simplest formula of a smooth law.
     pub fn simplest(&self, law: &Smooth) -> Option<FittedLaw> {
         let formula = self.campaign.simplest(self.terms, self.channels, law)?;
-        self.fit_formula(formula)
-    }
-
-    /// A formula with a preview at its fit: a large effect bends the base that scores are taken at.
-    pub fn fit_formula(&self, formula: Formula) -> Option<FittedLaw> {
         let sums = self.terms.sums(std::slice::from_ref(&formula.term), &[1.0]);
         let sums = sums.into_iter().next()?;
         let part = sums.of(&[0], 0..sums.m.len());
         let size = part.s[0] / part.m[(0, 0)];
         let candidate = self.effect(&formula, size)?;
-        let refit = match candidate.act.carrier {
-            Some(_) => None,
-            None => {
-                let (model, from) = (self.at.residual_model, start(&candidate, size));
-                self.campaign
-                    .refitted(model, &candidate, from, Effort::PREVIEW)
-            }
-        };
-        if let Some(refit) = &refit
-            && !self.can_be_read(&formula, refit.size)
-        {
-            return None;
-        }
-        let misfit = refit.as_ref().map_or(f64::INFINITY, |refit| refit.misfit);
-        let numbers = formula.term.shape.numbers() as f64;
-        Some(FittedLaw {
-            misfit: misfit + self.campaign.rules().laws.number * numbers,
+        self.can_be_read(&formula, size).then_some(FittedLaw {
             formula,
             sums,
             candidate,
-            refit,
             size,
         })
     }
 
     /// Whether a sensor with this law still tells what is true, all along what it has said but for a few samples in a thousand; laws of
     /// forces, and of sensors on what others say, always can.
-    pub fn can_be_read(&self, formula: &Formula, size: f64) -> bool {
+    fn can_be_read(&self, formula: &Formula, size: f64) -> bool {
         const FEW: f64 = 1e-3;
         let own = match self.channels[formula.term.channel] {
             Channel::Sensor(sensor) => said_by(sensor),
@@ -100,7 +79,7 @@ impl LawFitter<'_> {
     }
 
     /// The formula as an effect of one's own; nothing where it has no size or the model has it already.
-    pub fn effect(&self, formula: &Formula, size: f64) -> Option<Candidate<Amplitude>> {
+    fn effect(&self, formula: &Formula, size: f64) -> Option<Candidate<Amplitude>> {
         let channel = self.channels[formula.term.channel];
         let shape = &formula.term.shape;
         let text = shape.text(&self.terms.names);
@@ -138,14 +117,6 @@ impl LawFitter<'_> {
             .collect();
         let sizes = [size.abs(), limit];
         (!already).then(|| Candidate::law(&columns, custom, carrier, &unit, sizes))
-    }
-}
-
-/// Where a refit starts: a sensor's law of a size that is found to first order may have no inverse.
-fn start(candidate: &Candidate<Amplitude>, size: f64) -> f64 {
-    match &candidate.act.kind {
-        Kind::Custom(own) if matches!(own.channel, Channel::Sensor(_)) => 0.3 * size,
-        _ => size,
     }
 }
 

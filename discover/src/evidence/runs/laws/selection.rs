@@ -1,11 +1,10 @@
 //! A law outside the catalogue, selected: a smooth one that is significant, as the simplest formula that does as well.
 
-use kufe_sled::effects::{Channel, Kind};
+use kufe_sled::effects::Channel;
 use nalgebra::DMatrix;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::refit::Refit;
 use crate::evidence::runs::laws::fitted_law::{FittedLaw, LawFitter, name};
 use crate::evidence::runs::laws::judged::Smooth;
 use crate::evidence::runs::laws::sums::{LawSums, difference, total};
@@ -13,6 +12,7 @@ use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::recordings::frame::further_columns;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
+use crate::null::clusters::{by_sessions, session_numbers};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Randomised, Selection};
 
@@ -25,19 +25,18 @@ pub enum Law {
 }
 
 impl Campaign<'_> {
-    /// The most significant law, where one explains more than the selected effect and leaves less, in full refits, than each of the
-    /// `strongest` of the catalogue with their sizes.
+    /// The most significant law, where one explains more than the selected effect.
     pub fn law(
         &self,
         at: &Current,
         selection: Option<&Selection<Amplitude>>,
-        strongest: &[(Candidate<Amplitude>, f64)],
         options: &ScreenOptions,
     ) -> Option<Law> {
         let no_model = selection.is_some_and(|c| c.candidate.act.carrier.is_some());
         if no_model || self.least_p() > options.alpha_column {
             return None;
         }
+        let rules = &self.rules().laws;
         let known: Vec<Candidate<Amplitude>> =
             selection.iter().map(|c| c.candidate.clone()).collect();
         let channels = self.law_channels();
@@ -50,74 +49,22 @@ impl Campaign<'_> {
             terms: &terms,
             channels: &channels,
         };
-        let (smooth, mut p_value) = self.smooth_laws(&terms, &channels, options);
+        let (smooth, p_value) = self.smooth_laws(&terms, &channels, options);
         let best = fitter.best(&smooth, selection);
-        let mut most = best.first().map_or(0.0, |law| total(&law.gains));
-        let mut leaders: Vec<FittedLaw> =
-            best.iter().filter_map(|law| fitter.simplest(law)).collect();
-        if leaders.is_empty() && selection.is_none() && !self.is_large(at, most) {
-            return None;
-        }
-        let without = self.refitted_alone(at)?;
-        let named = selection.and_then(|c| self.refitted_at(at, &c.candidate, c.size));
-        let named = named.as_deref();
-        let gain = |refit: &Refit| 2.0 * (without.misfit - refit.misfit);
-        most = most.max(named.map_or(0.0, gain));
-        if self.is_large(at, most)
-            && let Some((law, p)) = fitter.bent(without, options)
-        {
-            leaders.push(law);
-            p_value = p_value.min(p);
-        }
-        // A bias that leaves more than one which grows may be that one.
-        if let Some((selection, named)) = selection.zip(named)
-            && let Some(law) = fitter.drifting(&selection.candidate)
-            && law
-                .refit
-                .as_ref()
-                .is_some_and(|refit| refit.misfit < named.misfit)
-        {
-            leaders.push(law);
-        }
-        let mut shown = leaders
-            .into_iter()
-            .min_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
-        let mut alternatives = Vec::new();
-        if shown.candidate.act.carrier.is_none() {
-            let least = self.least_left(at, selection.zip(named), strongest);
-            // Nearer numbers do not double what a formula explains.
-            if without.misfit - shown.misfit < self.rules().leads * (without.misfit - least) {
-                return None;
-            }
-            (shown, alternatives) = fitter.driven(fitter.polished(shown), &smooth, without.misfit);
-            if least <= shown.misfit {
-                let drifts = selection
-                    .zip(named)
-                    .filter(|(selection, _)| grows(&selection.candidate, &shown));
-                let is_alternative = drifts.is_some_and(|(_, named)| {
-                    let [more, error] = self.more_than(Some(named), &shown);
-                    more > self.rules().laws.as_good * error
-                });
-                return is_alternative.then_some(Law::Alternative(shown.candidate.effect));
-            }
-        }
+        let laws = best.iter().filter_map(|law| fitter.simplest(law));
+        let worth = |law: &FittedLaw| law.worth(rules.number);
+        let shown = laws.max_by(|a, b| worth(a).total_cmp(&worth(b)))?;
         if let Some(selection) = selection {
-            let explained = named.map_or(0.0, |named| without.misfit - named.misfit);
-            let [mut more, mut error] = self.more_than(named, &shown);
-            if self.gives_way(selection, explained, [more, error])
-                && !selection.candidate.is_column()
-                && let Some((named, law)) = named.zip(shown.refit.as_ref())
-            {
-                [more, error] = self.more_anew(named, law)?;
-            }
-            if !self.gives_way(selection, explained, [more, error]) {
-                let is_alternative = !selection.candidate.is_column()
-                    && !straight_part(&selection.candidate, &shown.candidate)
-                    && more > self.rules().laws.as_good * error;
+            let none = DMatrix::zeros(1, 1);
+            let [own, named] = [0, 1].map(|k| shown.sums.held_gains(&[k], &none));
+            let [more, error] = difference(&own, &named);
+            if !self.gives_way(selection, total(&named), [more, error]) {
+                let is_alternative =
+                    !selection.candidate.is_column() && more > rules.as_good * error;
                 return is_alternative.then_some(Law::Alternative(shown.candidate.effect));
             }
         }
-        let class = fitter.class(&shown, &alternatives, &smooth);
+        let class = fitter.class(&shown, &smooth);
         let strongest = self.strongest_channel(at.residual_model, &shown.candidate, shown.size);
         let remark = best
             .first()
@@ -143,23 +90,15 @@ impl Campaign<'_> {
     /// The chance of a formula's score, its first column, where only sessions are independent.
     fn law_by_sessions(&self, sums: &LawSums) -> Option<f64> {
         let first = |rows: &DMatrix<f64>| rows.rows(0, 1).into_owned();
-        let p_values = self.p_sessions(&first(&sums.u), &[sums.shared[0]], &first(&sums.common));
+        let sessions = session_numbers(self.training.iter().map(|frame| frame.session.as_str()));
+        let p_values = by_sessions(
+            &first(&sums.u),
+            &[sums.shared[0]],
+            &first(&sums.common),
+            &sessions,
+            (self.options.flips, self.options.seed),
+        );
         p_values?.first().copied()
-    }
-
-    /// The least that the selected effect, unless it is a column, or one of the `strongest` leaves in a full refit.
-    fn least_left(
-        &self,
-        at: &Current,
-        named: Option<(&Selection<Amplitude>, &Refit)>,
-        strongest: &[(Candidate<Amplitude>, f64)],
-    ) -> f64 {
-        let named = named.filter(|(selection, _)| !selection.candidate.is_column());
-        let of_claim = named.map_or(f64::INFINITY, |(_, refit)| refit.misfit);
-        strongest
-            .iter()
-            .filter_map(|(candidate, size)| self.refitted_at(at, candidate, *size))
-            .fold(of_claim, |least, refit| least.min(refit.misfit))
     }
 
     /// Whether a selected effect gives way to a law that explains so much more, with its scatter: one of the catalogue to a law that explains more
@@ -176,31 +115,6 @@ impl Campaign<'_> {
             false => (search.clear, search.material * explained),
         };
         more > errors * error && more > least
-    }
-
-    /// How much more a law explains than a selected effect, refitted as `named`, with its scatter over runs.
-    fn more_than(&self, named: Option<&Refit>, law: &FittedLaw) -> [f64; 2] {
-        match law.refit.as_ref().zip(named) {
-            Some((law, named)) => {
-                let [law, named] = [law, named].map(|refit| self.misfit_by_run(refit));
-                difference(&named, &law)
-            }
-            None => {
-                let none = DMatrix::zeros(1, 1);
-                let gains = [0, 1].map(|k| law.sums.held_gains(&[k], &none));
-                difference(&gains[0], &gains[1])
-            }
-        }
-    }
-
-    /// The same with what the installation is off by found anew with each: found without either it represents a part of what is missing,
-    /// and a law on a sensor takes the other part.
-    fn more_anew(&self, named: &Refit, law: &Refit) -> Option<[f64; 2]> {
-        let [named, law] = [named, law].map(|refit| self.installed_anew(refit));
-        Some(difference(
-            &self.misfit_by_run(&named?),
-            &self.misfit_by_run(&law?),
-        ))
     }
 
     /// What is said where a smooth curve explains more than the formula.
@@ -257,56 +171,11 @@ impl LawFitter<'_> {
         best
     }
 
-    /// Of a law on a sensor, the column that drives it, with those that might: speed and time go together, and which it is shows in
-    /// full refits, where each has its own numbers.
-    fn driven(
-        &self,
-        law: FittedLaw,
-        smooth: &[Smooth],
-        without: f64,
-    ) -> (FittedLaw, Vec<FittedLaw>) {
-        let (mut shown, mut alternatives) = (law, Vec::new());
-        let channel = shown.formula.term.channel;
-        if !matches!(self.channels[channel], Channel::Sensor(_)) {
-            return (shown, alternatives);
-        }
-        let own = shown.formula.columns.clone();
-        for law in smooth {
-            if law.channel != channel || law.columns == own {
-                continue;
-            }
-            let Some(other) = self.simplest(law) else {
-                continue;
-            };
-            if without - other.misfit < self.campaign.rules().leads * (without - shown.misfit) {
-                continue;
-            }
-            let other = self.polished(other);
-            let (better, worse) = match other.misfit < shown.misfit {
-                true => (other, shown),
-                false => (shown, other),
-            };
-            shown = better;
-            alternatives.push(worse);
-        }
-        (shown, alternatives)
-    }
-
     /// The law's name, then those of laws that the data cannot tell from it.
-    fn class(&self, law: &FittedLaw, alternatives: &[FittedLaw], smooth: &[Smooth]) -> Vec<String> {
-        let (campaign, own) = (self.campaign, &law.candidate.effect);
-        let alike = |[more, error]: [f64; 2]| more <= campaign.rules().laws.alike * error;
-        let of_runs = |refit: &Refit| campaign.misfit_by_run(refit);
-        let misfit = law.refit.as_ref().map(of_runs);
-        let on_sensor = alternatives.iter().filter(|other| {
-            let both = misfit.as_ref().zip(other.refit.as_ref().map(of_runs));
-            both.is_some_and(|(own, other)| alike(difference(&other, own)))
-        });
-        // What was found by full refits alone has no scores to hold against those of others.
-        let smooth = match law.formula.gains.is_empty() {
-            true => &[],
-            false => smooth,
-        };
+    fn class(&self, law: &FittedLaw, smooth: &[Smooth]) -> Vec<String> {
+        let own = &law.candidate.effect;
+        let alike = self.campaign.rules().laws.alike;
+        let alike = |[more, error]: [f64; 2]| more <= alike * error;
         // Where none is significant by itself, as where noise is not known, those that explain as much are as good.
         let any = !smooth.iter().any(|other| other.significant);
         let single = smooth
@@ -328,9 +197,8 @@ impl LawFitter<'_> {
             .filter(|other| total(&other.gains) > total(&law.formula.gains))
             .map(|other| &other.columns);
         let named = |columns: &Vec<usize>| name(columns, &self.terms.names);
-        let others = on_sensor.map(|other| named(&other.formula.columns));
         let alone = single.chain(products).map(named);
-        let others = others.chain(alone.filter(|other| !within(own, other)));
+        let others = alone.filter(|other| !within(own, other));
         let mut class = vec![own.clone()];
         for other in others {
             if !class.contains(&other) {
@@ -339,26 +207,6 @@ impl LawFitter<'_> {
         }
         class
     }
-}
-
-/// Whether a fault of a sensor is what a law of what that sensor says itself is with its bend.
-fn straight_part(fault: &Candidate<Amplitude>, law: &Candidate<Amplitude>) -> bool {
-    let (Kind::Catalogue(effect), Kind::Custom(own)) = (&fault.act.kind, &law.act.kind) else {
-        return false;
-    };
-    effect.on_sensors.iter().any(|fault| {
-        own.channel == Channel::Sensor(fault.of)
-            && law.effect.strip_prefix("unknown:") == Some(fault.of.name())
-    })
-}
-
-/// Whether a law is that of a selected bias over time.
-fn grows(selected: &Candidate<Amplitude>, law: &FittedLaw) -> bool {
-    let Kind::Custom(own) = &law.candidate.act.kind else {
-        return false;
-    };
-    let biased = selected.act.biased().map(Channel::Sensor);
-    law.candidate.effect == "unknown:t_s" && biased == Some(own.channel)
 }
 
 /// Whether a law's name holds another one's column.

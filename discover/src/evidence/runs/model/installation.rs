@@ -57,21 +57,14 @@ pub struct Part {
     pub what: String,
     /// Unit of its size.
     pub unit: &'static str,
-    /// Standard deviation, in its unit.
+    /// Standard deviation that is stated, in its unit.
     pub sd: f64,
-    /// The same as it is stated.
-    pub stated: f64,
     /// The only session in which it is so; every one where there is none.
     session: Option<String>,
     wrong: Wrong,
 }
 
 impl Part {
-    /// Whether it is a delay.
-    pub fn is_delay(&self) -> bool {
-        matches!(self.wrong, Wrong::Late(_))
-    }
-
     /// Whether it moves the accelerometer ahead as a slope does.
     pub fn is_tilt(&self) -> bool {
         matches!(
@@ -117,8 +110,7 @@ struct SizeLaw {
 }
 
 impl SizeLaw {
-    fn of(parts: &[Part], information: Option<&Information>) -> Self {
-        let count = parts.len();
+    fn of(count: usize, information: Option<&Information>) -> Self {
         let Some(information) = information else {
             return Self {
                 mean: DVector::zeros(count),
@@ -126,12 +118,7 @@ impl SizeLaw {
                 inverse_root: DMatrix::identity(count, count),
             };
         };
-        let wider: Vec<f64> = parts.iter().map(|part| part.sd / part.stated).collect();
-        let precision = DMatrix::from_fn(count, count, |j, k| {
-            wider[j] * information.precision[(j, k)] * wider[k]
-        });
-        let scores = DVector::from_fn(count, |j, _| wider[j] * information.scores[j]);
-        let eigen = precision.symmetric_eigen();
+        let eigen = information.precision.clone().symmetric_eigen();
         let power = |exponent: f64| {
             let diagonal = eigen
                 .eigenvalues
@@ -139,7 +126,7 @@ impl SizeLaw {
             &eigen.eigenvectors * DMatrix::from_diagonal(&diagonal) * eigen.eigenvectors.transpose()
         };
         Self {
-            mean: power(-1.0) * scores,
+            mean: power(-1.0) * &information.scores,
             root: power(-0.5),
             inverse_root: power(0.5),
         }
@@ -159,7 +146,6 @@ pub struct Installation {
     pub fixed: bool,
     /// Law of the sizes before the forces are used.
     law: Arc<SizeLaw>,
-    information: Option<Arc<Information>>,
 }
 
 impl Installation {
@@ -175,7 +161,6 @@ impl Installation {
                     what,
                     unit,
                     sd,
-                    stated: sd,
                     session: None,
                     wrong,
                 });
@@ -245,7 +230,6 @@ impl Installation {
                     what: format!("offset of {} in session {session:?}", s.name()),
                     unit: "rad",
                     sd: t.session_offset_rad,
-                    stated: t.session_offset_rad,
                     session: Some(session.to_owned()),
                     wrong: Wrong::Biased(s),
                 });
@@ -255,23 +239,22 @@ impl Installation {
     }
 
     /// All independent errors, each by itself, at their means.
-    fn of(parts: Vec<Part>, information: Option<Arc<Information>>) -> Self {
+    fn of(parts: Vec<Part>, information: Option<Information>) -> Self {
         let count = parts.len();
         let alone = |k: usize| (0..count).map(|j| f64::from(u8::from(j == k))).collect();
-        let law = SizeLaw::of(&parts, information.as_deref());
+        let law = SizeLaw::of(count, information.as_ref());
         Self {
             sizes: law.mean.iter().copied().collect(),
             directions: (0..count).map(alone).collect(),
             fixed: false,
             law: Arc::new(law),
-            information,
             parts,
         }
     }
 
     /// The stated installation with what other data than the forces say of it.
     pub fn informed(self, information: Information) -> Self {
-        Self::of(self.parts, Some(Arc::new(information)))
+        Self::of(self.parts, Some(information))
     }
 
     /// Independent errors b of the sizes.
@@ -317,7 +300,7 @@ impl Installation {
         }
     }
 
-    /// What its sizes cost, as the logarithm of a density against that of sizes of 0, and the deviations above those stated.
+    /// What its sizes cost, as the logarithm of a density against that of sizes of 0.
     pub fn cost(&self) -> f64 {
         let of_mean = &self.law.inverse_root * &self.law.mean;
         self.distance() - 0.5 * of_mean.norm_squared()
@@ -325,30 +308,7 @@ impl Installation {
 
     /// The same against that of the sizes' means.
     pub fn distance(&self) -> f64 {
-        let wider: f64 = self.parts.iter().map(|p| (p.sd / p.stated).ln()).sum();
-        0.5 * self.independent().norm_squared() + wider
-    }
-
-    /// Whether a part is off by more than so many of its standard deviations.
-    pub fn is_beyond(&self, deviations: f64) -> bool {
-        self.sizes.iter().any(|size| size.abs() > deviations)
-    }
-
-    /// Whether the clocks of the channels were found to lie further apart than is stated.
-    pub fn has_own_clocks(&self) -> bool {
-        self.parts.iter().any(|part| part.sd > part.stated)
-    }
-
-    /// The same with such parts as they are stated.
-    pub fn within(&self, deviations: f64) -> Self {
-        let mut within = self.clone();
-        let exceeds = |size: &&mut f64| size.abs() > deviations;
-        within
-            .sizes
-            .iter_mut()
-            .filter(exceeds)
-            .for_each(|s| *s = 0.0);
-        within
+        0.5 * self.independent().norm_squared()
     }
 
     /// By how much a combination is off, in standard deviations.
@@ -377,35 +337,12 @@ impl Installation {
         }
     }
 
-    /// The same with delays as they are stated, nothing found of them.
-    pub fn with_stated_clocks(&self) -> Self {
-        let mut stated = self.clone();
-        for (part, size) in stated.parts.iter_mut().zip(&mut stated.sizes) {
-            if part.sd > part.stated {
-                (part.sd, *size) = (part.stated, 0.0);
-            }
-        }
-        stated.law = Arc::new(SizeLaw::of(&stated.parts, stated.information.as_deref()));
-        stated
-    }
-
     /// The same with each part fitted by itself.
     pub fn part_by_part(&self) -> Self {
         Self {
             sizes: self.sizes.clone(),
             ..Self::of(self.parts.clone(), None)
         }
-    }
-
-    /// The same with delays of another deviation, nothing found yet.
-    pub fn with_delays(&self, factor: f64) -> Self {
-        let mut parts = self.parts.clone();
-        for part in &mut parts {
-            if part.is_delay() {
-                part.sd *= factor;
-            }
-        }
-        Self::of(parts, self.information.clone())
     }
 
     /// Moves all combinations, in standard deviations.

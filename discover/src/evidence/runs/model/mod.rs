@@ -1,7 +1,6 @@
 //! Residuals of the one-track model and how they change with its parameters.
 
 pub(crate) mod channels;
-pub(crate) mod clocks;
 pub(crate) mod design;
 pub(crate) mod installation;
 pub(crate) mod instant;

@@ -362,20 +362,7 @@ impl<'a> ModelOnRun<'a> {
     /// the sample by one with the same base laws.
     pub fn gains(&self, i: usize, at: &[Instant; 1 + BALANCES]) -> [f64; BALANCES] {
         let signals = self.more_acceleration(i);
-        self.gains_of(|k| self.balances_at(i, &signals[k], &at[k]))
-    }
-
-    /// The same with base multiplier `b` moved by a small `step`.
-    pub fn gains_with_base(
-        &self,
-        at: &[Instant; 1 + BALANCES],
-        b: usize,
-        step: f64,
-    ) -> [f64; BALANCES] {
-        self.gains_of(|k| self.balances_with_base(&at[k], b, step))
-    }
-
-    fn gains_of(&self, balances: impl Fn(usize) -> [f64; BALANCES]) -> [f64; BALANCES] {
+        let balances = |k: usize| self.balances_at(i, &signals[k], &at[k]);
         let own = balances(0);
         std::array::from_fn(|c| {
             (balances(1 + c)[c] - own[c]) / (MORE * self.channels.scale(ACCELERATIONS[c]))

@@ -139,9 +139,7 @@ impl Campaign<'_> {
         if steps.is_empty() || base.whitener.count() == 0 || self.held_out.is_empty() {
             return Vec::new();
         }
-        // What an installation that is implausibly far off represents is open all the same.
-        let base_model = self.as_believed(&base.residual_model);
-        let base_model = base_model.as_ref().unwrap_or(&base.residual_model);
+        let base_model = &base.residual_model;
         let simulator = self.simulator(&last.settled);
         let locals: Vec<Candidate<Amplitude>> = last.residual_model.effects.active
             [last.already()..]

@@ -45,31 +45,21 @@ type Place<'a> = (usize, &'a str, i64);
 impl Campaign<'_> {
     /// By how much the locked-away runs' gap is lower with `to` than with `from`.
     ///
-    /// Models freed of what noisy inputs add are compared with one another, or, where one has not been, both without; neither with an
-    /// installation that is implausibly far off.
+    /// Models freed of what noisy inputs add are compared with one another, or, where one has not been, both without.
     pub fn lowered_by(&self, from: &RunFit, to: &RunFit) -> Option<Lowered> {
         let freed = !from.estimates.is_empty() && !to.estimates.is_empty();
-        let model = |fit: &RunFit| {
-            let model = match freed {
-                true => &fit.settled,
-                false => &fit.residual_model,
-            };
-            self.as_believed(model)
-        };
-        let mut before = model(from)?;
-        let after = model(to)?;
-        // What clocks of their own represented is judged with clocks as they are stated.
-        if before.installation.has_own_clocks() && !after.installation.has_own_clocks() {
-            before = self.with_stated_clocks(&before)?;
-        }
-        let lowered = self.lowered_between(&before, &after, to.unwritten.as_ref())?;
+        let [before, after] = [from, to].map(|fit| match freed {
+            true => &fit.settled,
+            false => &fit.residual_model,
+        });
+        let lowered = self.lowered_between(before, after, to.unwritten.as_ref())?;
         // What repeats because the installation is off within its tolerances is no gap that a selected effect has to close.
-        let mut repeats = self.repeats(&before);
+        let mut repeats = self.repeats(before);
         if !from.residual_model.installation.sizes.is_empty() {
             repeats = repeats.min(self.repeats(&from.residual_model));
         }
         Some(Lowered {
-            tolerated: self.tolerated(&before),
+            tolerated: self.tolerated(before),
             repeats,
             ..lowered
         })

@@ -1,9 +1,8 @@
 //! Who it could be: every candidate against what chance shows, within runs, between them and on the track.
 
 pub(crate) mod between_runs;
-pub(crate) mod clocks;
 mod detectable;
-pub(crate) mod leaders;
+mod exchange;
 pub(crate) mod levels;
 pub(crate) mod place;
 pub(crate) mod refine;

@@ -5,13 +5,14 @@ use nalgebra::DMatrix;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::noise_products::mean_noise_products;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::model::design::{Design, Products};
 use crate::evidence::runs::model::windows::Window;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::score_sums::ScoreSums;
 use crate::null::clusters::{by_sessions, session_numbers};
 use crate::null::sign_flips::MaxT;
 use crate::procedure::candidate::Candidate;
+use crate::regression::prior::Prior;
 use crate::regression::scores::{Scores, cross_information};
 
 /// How a screen is made.
@@ -80,34 +81,74 @@ pub struct RunScreen {
     pub cross: DMatrix<f64>,
 }
 
+/// Products of all columns with one another, and what they belong to.
+pub struct Tested<'a> {
+    /// Candidates that act everywhere.
+    pub regular: &'a [Candidate<Amplitude>],
+    /// Candidates that act in windows.
+    pub local: &'a [Candidate<Amplitude>],
+    /// The windows.
+    pub windows: &'a [Window],
+    /// What is known of the fitted parameters.
+    pub prior: Prior,
+    /// Products by run.
+    pub products: Vec<Products>,
+    /// What noisy inputs add to them.
+    pub noise: Vec<DMatrix<f64>>,
+}
+
+impl<'a> Tested<'a> {
+    /// The candidates of a design, what noise adds found from so many pairs of twins a run.
+    pub fn new(
+        design: &Design<'a>,
+        frames: &[Frame],
+        simulator: &RunSimulator,
+        pairs: u64,
+    ) -> Self {
+        Self {
+            regular: design.candidates,
+            local: design.local,
+            windows: design.windows,
+            prior: design.prior(),
+            products: design.products(frames),
+            noise: mean_noise_products(design, frames, simulator, 0..pairs),
+        }
+    }
+
+    fn typical(&self, c: usize) -> f64 {
+        match self.regular.get(c) {
+            Some(candidate) => candidate.typical,
+            None => self.local[self.windows[c - self.regular.len()].local].typical,
+        }
+    }
+}
+
 /// Judges every candidate.
-pub fn screen_runs(
-    design: &Design,
-    frames: &[Frame],
-    simulator: &RunSimulator,
-    options: &ScreenOptions,
-) -> RunScreen {
-    let prior = design.prior();
-    let products = design.products(frames);
-    let noise = mean_noise_products(design, frames, simulator, 0..options.pairs);
+pub fn screen_runs(tested: &Tested, frames: &[Frame], options: &ScreenOptions) -> RunScreen {
+    let Tested {
+        prior,
+        products,
+        noise,
+        ..
+    } = tested;
     let grams: Vec<_> = products
         .iter()
-        .zip(&noise)
+        .zip(noise)
         .map(|(p, d)| p.corrected(d, 1.0))
         .collect();
-    let scores = Scores::new(&grams, &prior);
+    let scores = Scores::new(&grams, prior);
     let at = |share: f64| {
         let grams: Vec<_> = products
             .iter()
-            .zip(&noise)
+            .zip(noise)
             .map(|(p, d)| p.corrected(d, share))
             .collect();
-        Scores::new(&grams, &prior)
+        Scores::new(&grams, prior)
     };
     let plain = at(0.0);
     let ends: Vec<Scores> = options.trust.iter().map(|share| at(*share)).collect();
     let (count, runs) = scores.u.shape();
-    let regular = design.candidates.len();
+    let regular = tested.regular.len();
     let usable: Vec<bool> = (0..count)
         .map(|c| {
             let information = scores.total_information(c);
@@ -118,7 +159,7 @@ pub fn screen_runs(
                 // A direction that is mostly noise says nothing.
                 touched >= 4 && information > options.least[1] * plain.total_information(c)
             } else {
-                let window = &design.windows[c - regular];
+                let window = &tested.windows[c - regular];
                 let there = frames.iter().filter(|f| f.track == window.track).count();
                 touched >= 4 && 2 * touched > there
             };
@@ -126,16 +167,16 @@ pub fn screen_runs(
         })
         .collect();
     let u = scores.u.clone();
-    let norms = norms(&scores, &usable, design);
+    let norms = norms(&scores, &usable, tested);
     let part = |u: &DMatrix<f64>, from: usize, to: usize, seed: u64| {
         let rows = u.rows(from, to - from).into_owned();
         let common = scores.common.rows(from, to - from).into_owned();
         MaxT::with_norms(&rows, &norms[from..to], &common, options.flips, seed)
     };
     let scattered = scattered(&scores, regular);
-    let named = design.candidates.iter().filter(|c| !c.is_column()).count();
+    let named = tested.regular.iter().filter(|c| !c.is_column()).count();
     assert!(
-        design.candidates[named..].iter().all(Candidate::is_column),
+        tested.regular[named..].iter().all(Candidate::is_column),
         "candidates outside the catalogue come last"
     );
     // Three families, each with a probability of a false positive of its own: the catalogue, what lies outside it, places.
@@ -180,7 +221,7 @@ pub fn screen_runs(
     let seen = (0..count)
         .map(|c| {
             let information = scores.total_information(c).max(1e-300);
-            let scale = typical(design, c);
+            let scale = tested.typical(c);
             let sum = scores.sum(c);
             let t = t_all[c];
             let size = sum / information;
@@ -220,7 +261,7 @@ pub fn screen_runs(
     RunScreen {
         seen,
         sums: ScoreSums::of(&scores),
-        cross: cross_information(&grams, &prior),
+        cross: cross_information(&grams, prior),
     }
 }
 
@@ -260,17 +301,17 @@ fn ts(scores: &Scores, norms: &[f64]) -> Vec<f64> {
 
 /// What sums of scores are measured in: a regular candidate's own scatter; a window's information times what the windows
 /// of its kind scatter by in the median, because the few runs on one track tell too little of their own.
-fn norms(scores: &Scores, usable: &[bool], design: &Design) -> Vec<f64> {
-    let regular = design.candidates.len();
+fn norms(scores: &Scores, usable: &[bool], tested: &Tested) -> Vec<f64> {
+    let regular = tested.regular.len();
     let mut norms: Vec<f64> = (0..scores.u.nrows())
         .map(|c| match usable[c] {
             true => scores.u.row(c).norm(),
             false => 0.0,
         })
         .collect();
-    for l in 0..design.local.len() {
+    for l in 0..tested.local.len() {
         let mine: Vec<usize> = (regular..norms.len())
-            .filter(|c| usable[*c] && design.windows[c - regular].local == l)
+            .filter(|c| usable[*c] && tested.windows[c - regular].local == l)
             .collect();
         let mut inflation: Vec<f64> = mine
             .iter()
@@ -289,13 +330,6 @@ fn norms(scores: &Scores, usable: &[bool], design: &Design) -> Vec<f64> {
         *norm = norm.hypot(scores.shared_variance(c).sqrt());
     }
     norms
-}
-
-fn typical(design: &Design, c: usize) -> f64 {
-    match design.candidates.get(c) {
-        Some(candidate) => candidate.typical,
-        None => design.local[design.windows[c - design.candidates.len()].local].typical,
-    }
 }
 
 /// What sizes fitted on four fifths of the runs explain on the rest; of what the installation adds each run has its share.

@@ -6,12 +6,12 @@ use crate::evidence::runs::candidates::columns::unknown;
 use crate::evidence::runs::fit::noise_products::noise_products;
 use crate::evidence::runs::laws::selection::Law;
 use crate::evidence::runs::model::design::Design;
-use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::windows::{Window, windows};
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::screen::detectable::detectable;
 use crate::evidence::runs::screen::residual_screen::{
-    RunScreen, ScreenOptions, best_windows, screen_runs,
+    RunScreen, ScreenOptions, Tested, best_windows, screen_runs,
 };
 use crate::evidence::runs::screen::score_sums::ScoreSums;
 use crate::evidence::runs::screen::track::on_track::Surveyed;
@@ -35,15 +35,8 @@ impl Campaign<'_> {
                 detectable: Vec::new(),
             };
         }
-        let mut regular = self.fresh(at.residual_model, &self.candidates.regular);
-        let strange = self.is_beyond_belief(at.residual_model);
-        regular.retain(|c| strange || !c.act.is_beyond_tolerance());
         let outside = self.options.looks_for(OUTSIDE_CATALOGUE);
-        if outside {
-            regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
-        }
-        // A person's own effect may bear such a name, too.
-        regular.sort_by_key(Candidate::is_column);
+        let regular = self.everywhere(at.residual_model);
         let all_windows = windows(
             &self.training,
             self.candidates.local.len(),
@@ -55,7 +48,8 @@ impl Campaign<'_> {
             ..at.design(&regular)
         };
         let options = self.screen_options(at, account);
-        let mut screen = screen_runs(&design, &self.training, at.simulator, &options);
+        let tested = Tested::new(&design, &self.training, at.simulator, options.pairs);
+        let mut screen = screen_runs(&tested, &self.training, &options);
         let named = regular.iter().filter(|c| !c.is_column()).count();
         // Where no p-value can pass there is no size that would be selected.
         let detectable = match self.least_p() > options.alpha {
@@ -86,22 +80,7 @@ impl Campaign<'_> {
         let required = found
             .as_ref()
             .map_or(0.0, |found| found.gain / self.rules().contacts.over);
-        let contact_gain = if required > standing { required } else { 0.0 };
-        let eased = self.beside_leader(at, &screen, &regular, contact_gain);
-        self.beside_large = eased.as_ref().map(|model| model.beyond_noise);
-        let eased = eased.as_ref().map(|model| at.of(model));
-        let at = eased.as_ref().unwrap_or(at);
-        let leading = self.leading(
-            at,
-            &screen,
-            &regular,
-            selection.as_ref(),
-            (&options, contact_gain),
-        );
-        let most = leading
-            .as_ref()
-            .map_or(standing, |(_, gain)| gain.max(standing));
-        if let Some(found) = found.filter(|_| required > most) {
+        if let Some(found) = found.filter(|_| required > standing) {
             let selection = self.claim_contacts(&found);
             self.selected_contacts = Some(found);
             return Screen {
@@ -109,10 +88,8 @@ impl Campaign<'_> {
                 detectable,
             };
         }
-        let selection = leading.map(|(selection, _)| selection).or(selection);
-        let strongest = strongest(&screen, &regular, self.rules().laws.tried);
         let law = match outside {
-            true => self.law(at, selection.as_ref(), &strongest, &options),
+            true => self.law(at, selection.as_ref(), &options),
             false => None,
         };
         let selection = match law {
@@ -129,7 +106,19 @@ impl Campaign<'_> {
         }
     }
 
-    fn screen_options(&self, at: &Current, account: &Account) -> ScreenOptions {
+    /// The candidates that act everywhere and are not in the model, those outside the catalogue last.
+    pub fn everywhere(&self, model: &ResidualModel) -> Vec<Candidate<Amplitude>> {
+        let mut regular = self.fresh(model, &self.candidates.regular);
+        if self.options.looks_for(OUTSIDE_CATALOGUE) {
+            regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
+        }
+        // A person's own effect may bear such a name, too.
+        regular.sort_by_key(Candidate::is_column);
+        regular
+    }
+
+    /// How a screen of a model is made.
+    pub fn screen_options(&self, at: &Current, account: &Account) -> ScreenOptions {
         let (rules, share) = (self.rules(), self.share(account));
         ScreenOptions {
             pairs: self.options.twins.div_ceil(40).max(1),
@@ -157,7 +146,8 @@ impl Campaign<'_> {
         }
     }
 
-    fn choose(
+    /// The selected effect of a screen: of the `regular` candidates and the windows at `places`.
+    pub fn choose(
         &self,
         at: &Current,
         screen: &RunScreen,
@@ -291,26 +281,4 @@ impl Campaign<'_> {
             parameters: Vec::new(),
         })
     }
-}
-
-/// The effects of the catalogue that explain most, each once, with their sizes.
-fn strongest(
-    screen: &RunScreen,
-    regular: &[Candidate<Amplitude>],
-    count: usize,
-) -> Vec<(Candidate<Amplitude>, f64)> {
-    let mut order: Vec<usize> = (0..regular.len())
-        .filter(|c| screen.seen[*c].usable && !regular[*c].is_column())
-        .filter(|c| regular[*c].admits(screen.seen[*c].size))
-        .collect();
-    order.sort_by(|a, b| screen.seen[*b].gain.total_cmp(&screen.seen[*a].gain));
-    let mut effects: Vec<&str> = Vec::new();
-    order.retain(|c| {
-        let effect = regular[*c].effect.as_str();
-        let first = !effects.contains(&effect);
-        effects.push(effect);
-        first
-    });
-    let of = |c: &usize| (regular[*c].clone(), screen.seen[*c].size);
-    order.iter().take(count).map(of).collect()
 }

@@ -21,8 +21,6 @@ pub enum Shape {
     Odd(usize, f64, f64),
     /// `exp(x / scale)`.
     Exponential(usize, f64),
-    /// `1 - exp(-x / scale)`: what warms up.
-    Approach(usize, f64),
     /// 1 above a value, 0 below.
     Step(usize, f64),
     /// `exp(-((x - middle) / width)^2)`.
@@ -44,7 +42,6 @@ impl Shape {
                 columns(x).signum() * (columns(x).abs() / scale).powf(power)
             }
             Shape::Exponential(x, scale) => (columns(x) / scale).exp(),
-            Shape::Approach(x, scale) => -(-columns(x) / scale).exp_m1(),
             Shape::Step(x, from) => f64::from(u8::from(columns(x) > from)),
             Shape::Hump(x, middle, width) => (-((columns(x) - middle) / width).powi(2)).exp(),
             Shape::Product(x, y) => columns(x) * columns(y),
@@ -64,7 +61,6 @@ impl Shape {
                 format!("sign({0}) * (abs({0}) / {scale})^{power}", name(x))
             }
             Shape::Exponential(x, scale) => format!("exp({} / ({scale}))", name(x)),
-            Shape::Approach(x, scale) => format!("(1 - exp(-{} / {scale}))", name(x)),
             Shape::Step(x, from) => format!("step({} - ({from}))", name(x)),
             Shape::Hump(x, middle, width) => {
                 format!("exp(-(({} - ({middle})) / {width})^2)", name(x))
@@ -82,7 +78,6 @@ impl Shape {
             | Shape::Power(..)
             | Shape::Odd(..)
             | Shape::Exponential(..)
-            | Shape::Approach(..)
             | Shape::Step(..) => 2,
             Shape::Hump(..) | Shape::Bump(..) => 3,
         }
@@ -122,7 +117,6 @@ impl Shape {
             | Shape::Size(x)
             | Shape::Step(x, _)
             | Shape::Exponential(x, _)
-            | Shape::Approach(x, _)
             | Shape::Bump(x, ..)
             | Shape::Power(x, ..)
             | Shape::Odd(x, ..)
@@ -235,7 +229,6 @@ mod tests {
             Shape::Power(0, 2.5, 1.5),
             Shape::Odd(0, 2.5, 1.5),
             Shape::Exponential(0, -3.0),
-            Shape::Approach(0, 4.0),
             Shape::Step(0, -2.0),
             Shape::Hump(0, -1.0, 0.5),
             Shape::Product(0, 1),

@@ -84,26 +84,6 @@ pub fn around(shape: &Shape, span: f64, share: f64) -> Vec<Shape> {
     }
 }
 
-/// The same kind of formula with one number moved up or down, by a share of itself or of the column's span.
-pub fn moved(shape: &Shape, span: f64, share: f64) -> Vec<Shape> {
-    let both = |of: &dyn Fn(f64) -> Shape| [share, -share].map(of).to_vec();
-    let times = |x: f64, by: f64| rounded(x * (2.0 * by).exp(), 5);
-    let shifted = |x: f64, by: f64| rounded(x + by * span, 5);
-    match *shape {
-        Shape::Power(x, scale, power) => both(&|by| Shape::Power(x, scale, times(power, by))),
-        Shape::Odd(x, scale, power) => both(&|by| Shape::Odd(x, scale, times(power, by))),
-        Shape::Exponential(x, scale) => both(&|by| Shape::Exponential(x, times(scale, by))),
-        Shape::Approach(x, scale) => both(&|by| Shape::Approach(x, times(scale, by))),
-        Shape::Step(x, from) => both(&|by| Shape::Step(x, shifted(from, by))),
-        Shape::Hump(x, middle, width) => [
-            both(&|by| Shape::Hump(x, shifted(middle, by), width)),
-            both(&|by| Shape::Hump(x, middle, times(width, by))),
-        ]
-        .concat(),
-        _ => Vec::new(),
-    }
-}
-
 /// The value below which a share of them lies.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let last = sorted.len().saturating_sub(1);

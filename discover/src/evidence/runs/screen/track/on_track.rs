@@ -6,9 +6,7 @@ use kufe_sled::GRAVITY;
 
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::gauss_newton::Effort;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::laws::sums::total;
 use crate::evidence::runs::model::installation::{Information, Installation, Part};
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel, TRACK};
 use crate::evidence::runs::recordings::frame::Frame;
@@ -72,10 +70,10 @@ impl Campaign<'_> {
     }
 
     /// Whether a tilt of the accelerometer is larger than the tolerances allow: friction follows it, so that it comes before the forces.
-    pub fn is_tilted(&self, model: &ResidualModel, track: &Surveyed) -> bool {
+    pub fn is_tilted(&self, track: &Surveyed) -> bool {
         let is_significant = |(c, candidate): (usize, &Candidate<Amplitude>)| {
             let seen = track.channel.judge(c, track.sd);
-            let tolerance = self.tolerance(model, candidate);
+            let tolerance = self.tolerance(candidate);
             let slopes = ["rad", "m/s2"].contains(&candidate.unit.as_str());
             slopes && seen.size.abs() > self.rules().belief * tolerance
         };
@@ -130,7 +128,7 @@ impl Campaign<'_> {
             return None;
         }
         for candidate in &list {
-            let known = [self.tolerance(residual_model, candidate), sd];
+            let known = [self.tolerance(candidate), sd];
             channel.take(residual_model, &self.training, candidate, known);
         }
         Some(Surveyed {
@@ -142,20 +140,18 @@ impl Campaign<'_> {
     }
 
     /// What tolerances of accelerometer and clocks leave open of a candidate of the track channel, a standard deviation in its unit.
-    fn tolerance(&self, model: &ResidualModel, candidate: &Candidate<Amplitude>) -> f64 {
+    fn tolerance(&self, candidate: &Candidate<Amplitude>) -> f64 {
         let known = self.model.tolerances.unwrap_or_default();
         match candidate.unit.as_str() {
             "rad" => (known.accel_bias_mps2 / GRAVITY).hypot(known.misalignment_rad),
             "m/s2" => known
                 .accel_bias_mps2
                 .hypot(GRAVITY * known.misalignment_rad),
-            // Of the speed with the accelerometer, each of which may be late, as far as clocks were found to lie apart; and with the slope,
+            // Of the speed with the accelerometer, each of which may be late; and with the slope,
             // which no low pass spreads over its time constant as it does the signals.
             "s" => {
-                let clocks = model.installation.parts.iter().filter(|p| p.is_delay());
-                let found = clocks.map(|part| part.sd).fold(known.delay_s, f64::max);
                 let spread = 0.5 / (PI * self.rules().recordings.signal_cutoff_hz);
-                (found * SQRT_2).hypot(spread)
+                (known.delay_s * SQRT_2).hypot(spread)
             }
             _ => 0.0,
         }
@@ -361,9 +357,12 @@ impl Campaign<'_> {
     /// What the forces leave of a model, its base refitted and what its installation is off by found anew: fixed as it was found without a
     /// candidate it represents a part of what that does.
     fn left_by_forces(&self, model: &ResidualModel) -> Option<f64> {
-        let refit = self.beside_either(model, Effort::COMPARED, f64::INFINITY)?;
-        let anew = self.installed_anew(&refit);
-        Some(total(&self.misfit_by_run(anew.as_ref().unwrap_or(&refit))))
+        let fit = self.fitted_anew(model, Vec::new()).ok()?;
+        let model = ResidualModel {
+            beyond_noise: model.beyond_noise,
+            ..fit.residual_model
+        };
+        Some(self.misfit(&model, &fit.whitener) + model.installation.cost())
     }
 
     /// What a candidate of this size explains of what the forces leave `without` it, in units of the noise's variance: less than nothing

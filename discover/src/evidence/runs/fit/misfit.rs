@@ -1,0 +1,35 @@
+//! What a fitted model leaves of the runs.
+
+use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::fit::gauss_newton::residuals;
+use crate::evidence::runs::fit::row_noise::log_noise_of;
+use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::model::whiten::Whitener;
+
+impl Campaign<'_> {
+    /// The negative log-likelihood of the training runs with a model, but for a constant and what its installation costs.
+    pub fn misfit(&self, model: &ResidualModel, whitener: &Whitener) -> f64 {
+        let all = residuals(model, &self.training);
+        let runs = self.training.iter().zip(&all).map(|(frame, rows)| {
+            let squares: f64 = whitener.apply(rows).iter().map(|x| x * x).sum();
+            let noise = log_noise_of(model, frame, self.used);
+            0.5 * squares + frame.row_count() as f64 * (whitener.log_scale() - noise)
+        });
+        runs.sum()
+    }
+
+    /// By how much the negative log posterior is lower with the second fit than with the first.
+    pub fn gained(&self, from: &RunFit, to: &RunFit) -> f64 {
+        let [a, b] = [from, to].map(|fit| fit.residual_model.beyond_noise);
+        // With a large effect both leave as little as the one that has it.
+        let beyond_noise = std::array::from_fn(|c| a[c].min(b[c]));
+        let [before, after] = [from, to].map(|fit| {
+            let model = ResidualModel {
+                beyond_noise,
+                ..fit.residual_model.clone()
+            };
+            self.misfit(&model, &fit.whitener) + model.installation.cost()
+        });
+        before - after
+    }
+}

@@ -1,0 +1,157 @@
+//! A selected effect judged once more, at the fit that contains it.
+//!
+//! A large effect bends the base at which it was first seen, and with it the scores of every candidate. At the fit with the effect, of
+//! amplitude a and column c, the residual without it is `r + a c` to first order. Every candidate is scored on that residual, the effect
+//! among them. Where another explains more, and its own fit leaves less, it takes the effect's place: a model is a sum of single
+//! effects, each selected given the others.
+//!
+//! Source: G. Wang, A. Sarkar, P. Carbonetto, M. Stephens, A simple new approach to variable selection in regression, with application
+//! to genetic fine mapping, Journal of the Royal Statistical Society B 82 (2020) 1273.
+
+use nalgebra::DMatrix;
+
+use crate::error::Error;
+use crate::evidence::runs::campaign::{Campaign, Current, RunFit};
+use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::fit::gauss_newton::residuals;
+use crate::evidence::runs::model::design::OWN_LEVELS;
+use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::screen::residual_screen::{Tested, screen_runs};
+use crate::procedure::candidate::Candidate;
+use crate::procedure::evidence::{Account, Evidence, Selected, Selection};
+
+/// Times that one effect takes another's place at most.
+const MOST: usize = 3;
+
+impl Campaign<'_> {
+    /// A selected effect with its fit, or the one that takes its place with its own.
+    ///
+    /// # Errors
+    /// Those of the fit.
+    pub fn exchanged(
+        &mut self,
+        before: &RunFit,
+        (mut selection, mut added): Selected<Amplitude, RunFit>,
+        step: usize,
+        account: &Account,
+    ) -> Result<Selected<Amplitude, RunFit>, Error> {
+        for _ in 0..MOST {
+            let Some(again) = self.judged_again(&added.fit, &selection.candidate, account) else {
+                break;
+            };
+            if again.candidate.is(&selection.candidate) {
+                selection = again;
+                break;
+            }
+            let next = self.add(before, &again, step)?;
+            if self.gained(&added.fit, &next.fit) <= 0.0 {
+                if !selection.class.contains(&again.candidate.effect) {
+                    selection.class.push(again.candidate.effect);
+                }
+                break;
+            }
+            (selection, added) = (again, next);
+        }
+        Ok((selection, added))
+    }
+
+    /// What is selected of all candidates on the residual without the last effect of a fit, which `named` is.
+    fn judged_again(
+        &self,
+        fit: &RunFit,
+        named: &Candidate<Amplitude>,
+        account: &Account,
+    ) -> Option<Selection<Amplitude>> {
+        let model = &fit.residual_model.hold(false);
+        let last = model.effects.active.len().checked_sub(1)?;
+        let free = model.free();
+        let amplitude = free.iter().position(|(e, _)| *e == last)?;
+        let scale = model.scale(last, free[amplitude].1);
+        let named = Candidate {
+            typical: scale,
+            ..named.clone()
+        };
+        let whitener = Whitener::estimate(&residuals(model, &self.training), self.used);
+        let simulator = self.simulator(model);
+        let at = Current::new(model, &whitener, &self.free, &simulator);
+        let others = self.everywhere(model);
+        let design = at.design(&others);
+        let options = self.screen_options(&at, account);
+        let mut tested = Tested::new(&design, &self.training, &simulator, options.pairs);
+        // Behind the other effects of the catalogue, or behind all columns outside it.
+        let place = match named.is_column() {
+            true => others.len(),
+            false => others.partition_point(|c| !c.is_column()),
+        };
+        let mut list = others.clone();
+        list.insert(place, named);
+        let out = TakenOut {
+            from: OWN_LEVELS + self.free.len() + amplitude,
+            to: OWN_LEVELS + design.fitted() - 1 + place,
+            size: model.effects.active[last].values[free[amplitude].1] / scale,
+        };
+        let parameter = self.free.len() + amplitude;
+        let prior = &mut tested.prior;
+        prior.precision = prior.precision.clone().remove_row(parameter);
+        prior.at = prior.at.clone().remove_row(parameter);
+        for (products, noise) in tested.products.iter_mut().zip(&mut tested.noise) {
+            products.full = out.of(&products.full);
+            products.windows = DMatrix::zeros(0, products.full.ncols());
+            *noise = out.of(noise);
+        }
+        tested.regular = &list;
+        let screen = screen_runs(&tested, &self.training, &options);
+        self.choose(&at, &screen, &list, &[], account)
+    }
+}
+
+/// A fitted column that becomes a candidate.
+struct TakenOut {
+    /// Its place among all columns.
+    from: usize,
+    /// Its place among the others.
+    to: usize,
+    /// Its fitted size.
+    size: f64,
+}
+
+impl TakenOut {
+    /// Products of the columns in their new order, the residual, which is last, without what the column took of it.
+    fn of(&self, products: &DMatrix<f64>) -> DMatrix<f64> {
+        let n = products.nrows();
+        let last = n - 1;
+        let mut all = products.clone();
+        let column = all.column(self.from) * self.size;
+        let mut residual = all.column_mut(last);
+        residual += column;
+        let row = all.row(self.from) * self.size;
+        let mut residual = all.row_mut(last);
+        residual += row;
+        let mut order: Vec<usize> = (0..n).filter(|k| *k != self.from).collect();
+        order.insert(self.to, self.from);
+        DMatrix::from_fn(n, n, |i, j| all[(order[i], order[j])])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of levels, base, an amplitude, two candidates and the residual.
+    #[test]
+    fn products_are_those_of_the_residual_without_the_effect() {
+        let x = DMatrix::from_fn(30, 7, |i, k| (i as f64 * (0.37 + 0.81 * k as f64)).sin());
+        let out = TakenOut {
+            from: 3,
+            to: 4,
+            size: 0.7,
+        };
+        let order = [0, 1, 2, 4, 3, 5];
+        let direct = DMatrix::from_fn(30, 7, |i, k| match order.get(k) {
+            Some(column) => x[(i, *column)],
+            None => x[(i, 6)] + 0.7 * x[(i, 3)],
+        });
+        let found = out.of(&x.tr_mul(&x));
+        assert!((found - direct.tr_mul(&direct)).abs().max() < 1e-12);
+    }
+}
