@@ -15,6 +15,7 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::recordings::prepare::Data;
+use crate::evidence::runs::screen::track::on_track::Surveyed;
 use crate::options::Options;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Account;
@@ -35,6 +36,8 @@ pub struct Campaign<'a> {
     pub whole: Vec<Frame>,
     /// Contacts that the last screen selected.
     pub selected_contacts: Option<Found>,
+    /// The track channel, and the effects on sensors with which it is so.
+    pub survey: Option<(Vec<(String, Vec<f64>)>, Option<Surveyed>)>,
     /// Runs that are locked away.
     pub held_out: Vec<Frame>,
     /// Channels that take part.

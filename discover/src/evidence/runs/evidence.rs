@@ -91,6 +91,7 @@ impl<'a> Campaign<'a> {
             chances: Vec::new(),
             whole: Vec::new(),
             selected_contacts: None,
+            survey: None,
         };
         if let Some(contacts) = contacts {
             campaign.given_contacts(contacts);

@@ -6,7 +6,7 @@ use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::laws::formulas::shape::Shape;
 use crate::evidence::runs::laws::formulas::shapes::bumps;
 use crate::evidence::runs::laws::smooth::{Group, test};
-use crate::evidence::runs::laws::sums::total;
+use crate::evidence::runs::laws::sums::{LawSums, total};
 use crate::evidence::runs::laws::term::{COLUMNS, Term, drives, said_by};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
@@ -100,20 +100,25 @@ impl Campaign<'_> {
                 }
             }
         }
-        let [low, high] = options.trust;
         let parts: Vec<&[Term]> = list.chunk_by(|a, b| a.channel == b.channel).collect();
-        let sums = terms.sums_of_parts(&parts, &[1.0, low, high]);
-        let tested: Vec<_> = sums
-            .iter()
-            .map(|sums| test(sums, &groups, options.flips, options.seed))
-            .collect();
+        let sums_at = |shares: &[f64]| terms.sums_of_parts(&parts, shares);
+        let judged = |sums: &LawSums| test(sums, &groups, options.flips, options.seed);
+        let Some(sums) = sums_at(&[1.0]).pop() else {
+            return (Vec::new(), 1.0);
+        };
+        let mut tested = vec![judged(&sums)];
+        // Where nothing is significant at the noise as it is known, nothing is over all that it may be.
+        let any = (tested[0].z.iter()).any(|z| tested[0].p_value(*z) <= options.alpha_column);
+        if any {
+            tested.extend(sums_at(&options.trust).iter().map(judged));
+        }
         let mut smallest = 1.0_f64;
         let laws = laws
             .into_iter()
             .enumerate()
             .map(|(g, (channel, columns))| {
                 let group = &groups[g];
-                let gains = sums[0].held_gains(&group.terms, &group.penalty);
+                let gains = sums.held_gains(&group.terms, &group.penalty);
                 let z = tested[0].z[g];
                 let p = tested[0].p_value(z);
                 // What holds of T is squared in Q.

@@ -2,9 +2,7 @@
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, Unwritten};
-use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
-use crate::evidence::runs::model::whiten::Whitener;
 use crate::finding::Step;
 use crate::procedure::evidence::{Account, SUPERFLUOUS};
 
@@ -15,32 +13,26 @@ impl Campaign<'_> {
     /// Those of the fits.
     pub fn with_what_lasts(&self, mut fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
         loop {
-            while let Some(step) = self.superfluous(&fit, &account.steps) {
-                account.leave_out(step, SUPERFLUOUS);
-                fit = self.without_step(&fit, step)?;
-            }
-            let mut last = fit;
-            self.write(&mut last)?;
-            let Some(step) = self.of_no_size(&last, &account.steps) else {
-                return Ok(last);
+            self.write(&mut fit)?;
+            let (step, why) = match self.superfluous(&fit, &account.steps) {
+                Some(step) => (step, SUPERFLUOUS),
+                None => match self.of_no_size(&fit, &account.steps) {
+                    Some(step) => (step, "had an interval that holds 0"),
+                    None => return Ok(fit),
+                },
             };
-            account.leave_out(step, "had an interval that holds 0");
-            fit = self.without_step(&last, step)?;
+            account.leave_out(step, why);
+            fit = self.without_step(&fit, step)?;
         }
     }
 
     /// The first step whose every amplitude has become weak: given the others, or, of a law outside the catalogue, given what its
     /// numbers are known by with everything else free.
     fn superfluous(&self, fit: &RunFit, steps: &[Step]) -> Option<usize> {
-        let residual_model = &fit.residual_model.hold(false);
+        let residual_model = &fit.residual_model;
         let (already, track) = (fit.already(), CHANNEL_NAMES[3].0);
         let law = |step: &Step| step.effect.starts_with("unknown:");
-        if steps.is_empty() {
-            return None;
-        }
-        let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);
-        let (estimates, _) = self.estimates(residual_model, &whitener);
-        let amplitudes = &estimates[self.free.len()..];
+        let amplitudes = &fit.estimates[self.free.len()..];
         let weak = |step: usize| {
             let least = match law(&steps[step]) {
                 true => self.rules().laws.number_t,

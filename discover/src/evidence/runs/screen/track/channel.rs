@@ -33,6 +33,7 @@ pub struct TrackScore {
 }
 
 /// The averaged channel.
+#[derive(Clone)]
 pub struct TrackChannel {
     /// Bin means, by bin: track, from [m], mean [m/s2], variance of the mean.
     bins: Vec<(String, f64, f64, f64)>,

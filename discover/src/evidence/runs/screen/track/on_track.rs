@@ -19,6 +19,7 @@ use crate::procedure::evidence::{Account, Dependence, Randomised, Selection};
 use crate::procedure::rivals::NamedEffect;
 
 /// The track channel of a screen, where it can be used.
+#[derive(Clone)]
 pub struct Surveyed {
     channel: TrackChannel,
     /// Slope and the sensors' faults that resemble it.
@@ -80,8 +81,31 @@ impl Campaign<'_> {
         track.list.iter().enumerate().any(is_significant)
     }
 
-    /// The channel, unless there is none, its runs disagree, or a slope fitted in it has already taken what it says.
+    /// The channel, unless there is none, its runs disagree, or a slope fitted in it has already taken what it says. It holds no
+    /// force: as long as no effect changes what a sensor reads it is as it was.
     pub fn surveyed(
+        &mut self,
+        residual_model: &ResidualModel,
+        simulator: &RunSimulator,
+        account: &mut Account,
+    ) -> Option<Surveyed> {
+        let active = residual_model.effects.active.iter();
+        let on_sensors = active.filter(|e| e.moves_signals());
+        let own: Vec<_> = on_sensors
+            .map(|e| (e.name.clone(), e.values.clone()))
+            .collect();
+        match &self.survey {
+            Some((known, survey)) if *known == own => survey.clone(),
+            _ => {
+                let survey = self.survey_of(residual_model, simulator, account);
+                self.survey = Some((own, survey.clone()));
+                survey
+            }
+        }
+        .filter(|_| residual_model.frozen.is_empty())
+    }
+
+    fn survey_of(
         &self,
         residual_model: &ResidualModel,
         simulator: &RunSimulator,
