@@ -18,7 +18,7 @@ use crate::evidence::runs::recordings::prepare::Data;
 use crate::evidence::runs::screen::track::on_track::Surveyed;
 use crate::options::Options;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::Account;
+use crate::procedure::evidence::{Account, Selection};
 use crate::procedure::rules::RunRules;
 use crate::procedure::shared_effects::Chance;
 
@@ -38,6 +38,8 @@ pub struct Campaign<'a> {
     pub selected_contacts: Option<Found>,
     /// The track channel, and the effects on sensors with which it is so.
     pub survey: Option<(Vec<(String, Vec<f64>)>, Option<Surveyed>)>,
+    /// The effect of the catalogue that a law was selected instead of, by first-order scores.
+    pub runner_up: Option<Selection<Amplitude>>,
     /// Runs that are locked away.
     pub held_out: Vec<Frame>,
     /// Channels that take part.

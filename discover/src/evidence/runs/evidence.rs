@@ -92,6 +92,7 @@ impl<'a> Campaign<'a> {
             whole: Vec::new(),
             selected_contacts: None,
             survey: None,
+            runner_up: None,
         };
         if let Some(contacts) = contacts {
             campaign.given_contacts(contacts);
@@ -138,6 +139,7 @@ impl Evidence for Campaign<'_> {
     }
 
     fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>, Error> {
+        self.runner_up = None;
         let residual_model = &fit.residual_model.hold(false);
         let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);
         let simulator = self.simulator(residual_model);

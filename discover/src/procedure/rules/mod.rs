@@ -220,7 +220,7 @@ impl Default for RunRules {
             holds: 0.85,
             window_holds: 1.5,
             least_left: 2e-3,
-            least_left_installed: 2e-4,
+            least_left_installed: 1e-6,
             least_signal: 0.2,
             window_competes: 0.3,
             contacts: ContactRules::default(),

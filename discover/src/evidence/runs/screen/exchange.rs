@@ -35,6 +35,13 @@ impl Campaign<'_> {
         step: usize,
         account: &Account,
     ) -> Result<Selected<Amplitude, RunFit>, Error> {
+        // A law must leave less than the effect that it was selected instead of, each fitted in full.
+        if let Some(other) = self.runner_up.take() {
+            let next = self.add(before, &other, step)?;
+            if self.gained(&added.fit, &next.fit) > -self.rules().laws.number {
+                (selection, added) = (other, next);
+            }
+        }
         for _ in 0..MOST {
             let Some(again) = self.judged_again(&added.fit, &selection.candidate, account) else {
                 break;

@@ -93,7 +93,10 @@ impl Campaign<'_> {
             false => None,
         };
         let selection = match law {
-            Some(Law::Instead(law)) => Some(*law),
+            Some(Law::Instead(law)) => {
+                self.runner_up = selection;
+                Some(*law)
+            }
             Some(Law::Alternative(name)) => selection.map(|mut selection| {
                 selection.class.push(name);
                 selection
