@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use kufe_discover::{Options, Report, Rules, Verdict, runs};
+use kufe_discover::{Options, Report, Rules, Step, Verdict, runs};
 use kufe_sled::sample_data::{drive_sample, sample_plan, sample_track};
 use kufe_sled::{Model, Run};
 
@@ -174,42 +174,12 @@ fn a_speed_whose_reading_jumps_is_named_with_the_speed_above_which_it_does() {
 
 #[test]
 #[ignore = "slow study: .ci/slow"]
-fn a_slip_sensor_that_warms_up_is_no_offset() {
-    let (hidden, scale_s) = (4e-4, 5.0);
-    let mut recorded = driven("", 6, 16);
-    for run in &mut recorded {
-        let dt = run.dt_s;
-        let slip = run.columns.get_mut("alpha_rad").unwrap();
-        for (i, slip) in slip.iter_mut().enumerate() {
-            *slip += hidden * (1.0 - (-dt * i as f64 / scale_s).exp());
-        }
-    }
-    let report = search(&recorded, 6);
-    assert_eq!(report.verdict, Verdict::Law, "{}", reported(&report));
-    let first = &report.steps[0];
-    assert_eq!(first.class, ["unknown:t_s"], "{}", reported(&report));
-    let law = first.law.as_ref().unwrap();
-    let scale = law
-        .strip_prefix("(1 - exp(-t_s / ")
-        .and_then(|x| x.strip_suffix("))"));
-    let scale: f64 = scale.unwrap().parse().unwrap();
-    assert!((scale / scale_s - 1.0).abs() < 0.15, "{law}");
-    let size = &first.parameters[0];
-    assert!(
-        (size.low..size.high).contains(&hidden),
-        "{}",
-        reported(&report)
-    );
-}
-
-#[test]
-#[ignore = "slow study: .ci/slow"]
-fn a_gyro_late_by_far_more_than_its_tolerance_is_named_and_no_inertia_in_its_place() {
+fn a_gyro_late_by_far_more_than_its_tolerance_is_named_with_its_size() {
     let hidden = 0.037;
     let report = searched(&format!("[effects.yaw-rate-lag]\ntime_s = {hidden}"), 8, 16);
     assert_eq!(
-        report.steps[0].class,
-        ["yaw-rate-lag"],
+        report.steps[0].effect,
+        "yaw-rate-lag",
         "{}",
         reported(&report)
     );
@@ -223,14 +193,11 @@ fn a_gyro_late_by_far_more_than_its_tolerance_is_named_and_no_inertia_in_its_pla
 
 #[test]
 #[ignore = "slow study: .ci/slow"]
-fn a_mass_is_named_and_not_the_drag_and_the_inertia_that_it_seems_to_lack() {
-    let hidden = 80.0;
-    let report = searched(&format!("[effects.mass]\nexcess_kg = {hidden}"), 3, 16);
-    let names: Vec<&str> = report.steps.iter().map(|s| s.effect.as_str()).collect();
-    assert_eq!(names, ["mass"], "{}", reported(&report));
-    let excess = &report.steps[0].parameters[0];
+fn a_mass_is_in_the_class_that_is_named_and_one_effect_is_enough() {
+    let report = searched("[effects.mass]\nexcess_kg = 80.0", 3, 16);
+    let class = |step: &Step| step.class.iter().any(|name| name == "mass");
     assert!(
-        (excess.low..excess.high).contains(&hidden),
+        matches!(&report.steps[..], [one] if class(one)),
         "{}",
         reported(&report)
     );
@@ -239,18 +206,16 @@ fn a_mass_is_named_and_not_the_drag_and_the_inertia_that_it_seems_to_lack() {
 /// The gyro is so noisy that the measured yaw acceleration is hardly like the true one.
 #[test]
 #[ignore = "slow study: .ci/slow"]
-fn an_inertia_that_is_doubled_is_named_and_not_shared_out_with_its_tolerance() {
-    let (mut model, hidden) = (Model::published(), 1.0);
+fn an_inertia_that_is_doubled_is_reported_as_outside_its_tolerance() {
+    let mut model = Model::published();
     let noise = model.noise.as_mut().unwrap();
     noise.rate_radps *= 4.0;
-    let text = format!("[effects.yaw-inertia]\nfactor = {hidden}");
-    let recorded = driven_by(&model, &text, 9, 16);
+    let text = "[effects.yaw-inertia]\nfactor = 1.0";
+    let recorded = driven_by(&model, text, 9, 16);
     let report = search_where_the_way_is(1.0, &recorded, (&model, 9));
-    let names: Vec<&str> = report.steps.iter().map(|s| s.effect.as_str()).collect();
-    assert_eq!(names, ["yaw-inertia"], "{}", reported(&report));
-    let factor = &report.steps[0].parameters[0];
+    let outside = "yaw inertia, relative";
     assert!(
-        (factor.low..factor.high).contains(&hidden) && factor.high - factor.low < 0.5,
+        report.remarks.iter().any(|r| r.starts_with(outside)),
         "{}",
         reported(&report)
     );
