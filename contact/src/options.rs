@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::{Iterate, SlidingIterate};
+use crate::{Error, Iterate, SlidingIterate};
 
 /// Version of the numerics: it rises whenever the same problem and options give other figures, so
 /// that results stored by an older version are not taken for this one's.
@@ -90,6 +90,14 @@ impl Options {
         self.stop
             .as_ref()
             .is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
+
+    /// An error where the solve is to end.
+    pub(crate) fn check_stop(&self) -> Result<(), Error> {
+        if self.stopped() {
+            return Err(Error::Stopped);
+        }
+        Ok(())
     }
 }
 

@@ -6,7 +6,7 @@ use kufe_mesh::Paraboloid;
 
 use crate::accuracy::estimators::{HIGHEST_ORDER, Limit, MeshValue};
 use crate::accuracy::meshes::{Meshes, Verdict};
-use crate::problem::check::checked;
+use crate::problem::check::CheckedProblem;
 use crate::{Error, Ice, Load, Options, Problem, Runner, Tilt};
 
 /// The order as it is, at half and at twice.
@@ -59,7 +59,7 @@ fn approaches(problem: &Problem, tolerance: f64) -> Result<[Limit; 3], Error> {
         p_max_tolerance: tolerance,
         ..Options::default()
     };
-    let mut meshes = Meshes::guess(problem, &options, checked(problem, &options)?, Vec::new())?;
+    let mut meshes = Meshes::guess(CheckedProblem::bearable(problem, &options)?, Vec::new())?;
     loop {
         let contact = meshes.solve_next()?;
         match meshes.judge(&contact) {

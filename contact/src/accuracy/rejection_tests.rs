@@ -8,7 +8,6 @@ use kufe_mesh::Paraboloid;
 use crate::accuracy::one_mesh::MeshProblem;
 use crate::active_set::constrained_cg::SetProblem;
 use crate::active_set::contact_set::{Control, Counts, SetUpdate};
-use crate::active_set::plane_problem::PlaneState;
 use crate::green::matrix::StorageLimit;
 use crate::mesh::contact_mesh::{Sets, State};
 use crate::{Foundation, Ice, Load, Options, Problem, Runner, Tilt};
@@ -32,9 +31,7 @@ fn an_acceleration_that_raises_the_energy_is_put_back_and_the_contact_found_all_
     // Energies and sweeps as the callback reports them after every update of the set; the bad
     // acceleration is compared with the update before it.
     let solve = |disturbed: Option<usize>| {
-        let none = vec![0.0; contact.candidates.len()];
-        let start = PlaneState::new(none, [patch.motion, 0.0, 0.0]);
-        let found = contact.plane_contact(&greens[1], &contact.unpressed_gap(), start);
+        let found = contact.plane_contact_from_rest(&greens[1], patch.motion);
         let mut state = contact.state_of(&found.force, found.motion);
         state.displacement = vec![0.0; contact.len()];
         let reported = RefCell::new(Vec::new());
@@ -44,7 +41,6 @@ fn an_acceleration_that_raises_the_energy_is_put_back_and_the_contact_found_all_
                 .push((update.energy, update.counts.sweeps));
         };
         let control = Control {
-            tolerance: 1e-9,
             iterations: 1000,
             options: &options,
             report: &report,

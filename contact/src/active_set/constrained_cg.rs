@@ -221,7 +221,7 @@ impl ContactMesh {
         residual: f64,
         next_check: &mut f64,
     ) -> Option<bool> {
-        let tolerance = set.control.tolerance;
+        let tolerance = set.control.options.residual;
         if residual.is_nan() || residual >= next_check.max(tolerance) {
             return None;
         }

@@ -63,9 +63,8 @@ impl ContactMesh {
             residual: f64::INFINITY,
             converged: false,
         };
-        let bound: Vec<f64> = self.candidates.iter().map(|&n| self.bound[n]).collect();
-        let force: Vec<f64> = self.candidates.iter().map(|&n| state.force[n]).collect();
-        let mut sets = Sets::of(&force, &bound);
+        let bound = self.on_candidates(&self.bound);
+        let mut sets = Sets::of(&self.on_candidates(&state.force), &bound);
         let mut counts = begun;
         let mut accepted: Option<Feasible> = None;
         for update in 0..UPDATES {
@@ -142,20 +141,24 @@ impl ContactMesh {
         })
     }
 
+    /// The candidates' forces, put back to their bounds.
+    fn clamped_forces(&self, state: &State) -> Vec<f64> {
+        let nodes = self.candidates.iter();
+        nodes
+            .map(|&c| state.force[c].clamp(0.0, self.bound[c]))
+            .collect()
+    }
+
     /// Projected SOR on the plane, from the gaps as they are now.
     fn predict(&self, state: &State, scaled: &Green) -> PlaneState {
         let gaps = self.gaps(state);
-        let n = self.candidates.len();
-        let force: Vec<f64> = self.candidates.iter().map(|&c| state.force[c]).collect();
-        let mut base: Vec<f64> = self
-            .candidates
-            .iter()
+        let nodes = || self.candidates.iter();
+        let mut base: Vec<f64> = nodes()
             .map(|&c| gaps[c] + dot(self.rows[c], state.motion))
             .collect();
-        let taken: Vec<f64> = force.iter().map(|f| -f).collect();
+        let taken: Vec<f64> = nodes().map(|&c| -state.force[c]).collect();
         scaled.add_times(&taken, &mut base);
-        let bound: Vec<f64> = self.candidates.iter().map(|&c| self.bound[c]).collect();
-        let clamped = (0..n).map(|i| force[i].clamp(0.0, bound[i])).collect();
+        let clamped = self.clamped_forces(state);
         self.plane_contact(scaled, &base, PlaneState::new(clamped, state.motion))
     }
 
@@ -178,18 +181,23 @@ impl ContactMesh {
         self.candidates.iter().zip(kind).any(contradicts)
     }
 
+    /// Solves the contact on the plane alone, from no forces at this approach [m].
+    pub fn plane_contact_from_rest(&self, scaled: &Green, approach: f64) -> PlaneState {
+        let none = vec![0.0; self.candidates.len()];
+        let start = PlaneState::new(none, [approach, 0.0, 0.0]);
+        self.plane_contact(scaled, &self.unpressed_gap(), start)
+    }
+
     /// Solves the contact on the plane alone, with the scaled Green's matrix.
     ///
     /// `base` is the gap of the candidates without motion and forces, `start` the forces and motion
     /// to begin with.
     pub fn plane_contact(&self, scaled: &Green, base: &[f64], start: PlaneState) -> PlaneState {
-        let rows: Vec<[f64; 3]> = self.candidates.iter().map(|&n| self.rows[n]).collect();
-        let bound: Vec<f64> = self.candidates.iter().map(|&n| self.bound[n]).collect();
         PlaneProblem {
             green: scaled,
             gap: base,
-            rows: &rows,
-            bound: &bound,
+            rows: &self.on_candidates(&self.rows),
+            bound: &self.on_candidates(&self.bound),
             motion: &self.motion,
         }
         .solve(start)
@@ -275,13 +283,8 @@ impl ContactMesh {
     /// loads, and the work of a load from first touch. Under a given approach no load works, and
     /// the energy is minus what the bodies have stored.
     pub fn feasible(&self, state: &State, scaled: &Green, last: Option<&Feasible>) -> Feasible {
-        let gaps = self.gaps(state);
-        let mut gap: Vec<f64> = self.candidates.iter().map(|&c| gaps[c]).collect();
-        let force: Vec<f64> = self
-            .candidates
-            .iter()
-            .map(|&c| state.force[c].clamp(0.0, self.bound[c]))
-            .collect();
+        let mut gap = self.on_candidates(&self.gaps(state));
+        let force = self.clamped_forces(state);
         let nodes = self.candidates.iter().zip(&force);
         let change: Vec<f64> = nodes.map(|(&c, f)| f - state.force[c]).collect();
         scaled.add_times(&change, &mut gap);
@@ -289,13 +292,8 @@ impl ContactMesh {
             Some(last) => last.energy + last.change(&force, &gap),
             None => {
                 // Motions that are fixed belong to the gap without forces.
-                let moved = [0, 1, 2].map(|a| {
-                    if self.motion.free[a] {
-                        state.motion[a]
-                    } else {
-                        -state.motion[a]
-                    }
-                });
+                let sign = |a: usize| if self.motion.free[a] { 1.0 } else { -1.0 };
+                let moved = [0, 1, 2].map(|a| sign(a) * state.motion[a]);
                 let unpressed = self.unpressed_gap();
                 // A load is at no height of its own: its work counts from first touch.
                 let lowest = if self.motion.free[0] {
@@ -321,16 +319,11 @@ impl ContactMesh {
     /// The forces on the way from accepted ones to those of a state where the first one meets its
     /// bound.
     pub fn on_the_way(&self, last: &Feasible, state: &State) -> Feasible {
-        let bound: Vec<f64> = self.candidates.iter().map(|&c| self.bound[c]).collect();
-        let to: Vec<f64> = self.candidates.iter().map(|&c| state.force[c]).collect();
-        let (part, force) = clip(&last.force, &to, &bound);
-        let gaps = self.gaps(state);
-        let gap: Vec<f64> = self
-            .candidates
-            .iter()
-            .zip(&last.gap)
-            .map(|(&c, before)| before + part * (gaps[c] - before))
-            .collect();
+        let to = self.on_candidates(&state.force);
+        let (part, force) = clip(&last.force, &to, &self.on_candidates(&self.bound));
+        let gaps = self.on_candidates(&self.gaps(state));
+        let pairs = gaps.iter().zip(&last.gap);
+        let gap: Vec<f64> = pairs.map(|(gap, b)| b + part * (gap - b)).collect();
         let energy = last.energy + last.change(&force, &gap);
         Feasible {
             force,
@@ -363,11 +356,9 @@ pub(crate) struct Progress {
 
 /// The limits of an iteration and its callback.
 pub(crate) struct Control<'a> {
-    /// Requested energy-norm residual over the energy of the solution.
-    pub tolerance: f64,
     /// Most iterations.
     pub iterations: usize,
-    /// Flag that stops it.
+    /// The requested residual, and the flag that stops it.
     pub options: &'a Options,
     /// Called at every update of the contact set, with the state as it is then.
     pub report: &'a dyn Fn(&SetUpdate, &State),

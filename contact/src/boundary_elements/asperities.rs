@@ -14,9 +14,9 @@ use crate::boundary_elements::window_contact::{
     AllCells, MOST_WINDOWS, Search, WindowContact, carried,
 };
 use crate::grid::grading::storable;
-use crate::problem::gap::Gap;
+use crate::problem::check::CheckedProblem;
 use crate::result::measure::{Figures, ROUNDED};
-use crate::{Error, Iterate, NextMesh, Options, Problem, Solution, StiffnessForm, SurfaceField};
+use crate::{Error, Iterate, NextMesh, Solution, StiffnessForm, SurfaceField};
 
 /// Touching nodes from which the contact plane alone is solved: the cost of finite elements grows
 /// with their square.
@@ -49,9 +49,7 @@ const PADDED: usize = 4;
 
 /// A contact of many asperities.
 pub(crate) struct Asperities<'a> {
-    problem: &'a Problem,
-    options: &'a Options,
-    gap: &'a Gap<'a>,
+    problem: &'a CheckedProblem<'a>,
     surface: Surface,
     /// Size of what the ice's surface consists of [m].
     spacing: [f64; 2],
@@ -67,15 +65,13 @@ impl<'a> Asperities<'a> {
     ///
     /// # Errors
     /// [`Error::Stopped`].
-    pub fn of(
-        problem: &'a Problem,
-        options: &'a Options,
-        gap: &'a Gap<'a>,
-    ) -> Result<Option<Self>, Error> {
+    pub fn of(problem: &'a CheckedProblem<'a>) -> Result<Option<Self>, Error> {
+        let options = problem.options;
         let in_volume = options.subsurface
             || options.stiffness == StiffnessForm::Assembled
-            || problem.runner.elastic.is_some();
-        let Some(ice) = problem.ice_surface.as_ref().filter(|_| !in_volume) else {
+            || problem.problem.runner.elastic.is_some();
+        let surface = problem.problem.ice_surface.as_ref();
+        let Some(ice) = surface.filter(|_| !in_volume) else {
             return Ok(None);
         };
         let spacing = ice.spacing();
@@ -86,10 +82,8 @@ impl<'a> Asperities<'a> {
         let scouted = |surface: &Surface| {
             let search = Search {
                 problem,
-                gap,
                 surface,
                 precision: ROUGH,
-                stop: options.stop.as_deref(),
             };
             let near = search.near(spacing)?;
             let scouted = of_size(near.window, spacing, SCOUTED) == near.window;
@@ -98,20 +92,16 @@ impl<'a> Asperities<'a> {
             }
             search.scouted(near, spacing).map(Some)
         };
-        let found = Surface::of(problem)
+        let found = Surface::of(problem.problem)
             .and_then(|surface| Ok(scouted(&surface)?.map(|found| (surface, found))));
-        let (surface, scouted) = match found {
-            Ok(Some(found)) => found,
-            Err(CheckUnavailable::Stopped) => return Err(Error::Stopped),
-            // What boundary elements do not find, finite elements may.
-            Ok(None) | Err(_) => return Ok(None),
+        // What boundary elements do not find, finite elements may.
+        let Some((surface, scouted)) = unless_stopped(found)?.flatten() else {
+            return Ok(None);
         };
         let half = scouted.half_asperity();
         let many = scouted.nodes(half, finest) >= MANY;
         Ok(many.then_some(Asperities {
             problem,
-            options,
-            gap,
             surface,
             spacing,
             scouted,
@@ -126,16 +116,14 @@ impl<'a> Asperities<'a> {
     /// [`Error::AccuracyNotReached`] where the finest cells allowed do not do, [`Error::Unsolved`]
     /// where the coarsest are too many, [`Error::Stopped`].
     pub fn solve(&self, history: &mut Vec<Iterate>) -> Result<Option<Solution>, Error> {
-        let options = self.options;
+        let options = self.problem.options;
         let tolerance = options.p_max_tolerance;
         let search = Search {
             problem: self.problem,
-            gap: self.gap,
             surface: &self.surface,
             precision: FINE,
-            stop: options.stop.as_deref(),
         };
-        let new_figures = || FigureHistory::of_asperities(self.problem.ice.hardness);
+        let new_figures = || FigureHistory::of_asperities(self.problem.problem.ice.hardness);
         let coarse = &self.scouted.window;
         let mut window = coarse.around(self.scouted.touched(), AROUND);
         let mut wanted = self.coarsest(window);
@@ -170,9 +158,8 @@ impl<'a> Asperities<'a> {
             };
             figures.push(read.figures, place, read.fineness(&contact, cells), false);
             judged = figures.limits();
-            let single = || Limits::unjudged(read.figures.p_max, place.approach);
             let reached = match judged {
-                _ if options.cells.is_some() => Some(single()),
+                _ if options.cells.is_some() => Some(figures.unjudged()),
                 limits => limits.filter(|limits| limits.relative <= tolerance),
             };
             wanted *= match judged {
@@ -185,7 +172,8 @@ impl<'a> Asperities<'a> {
                 continue;
             }
             // The last grid of this window: is it the whole contact?
-            let Ok(wider) = search.touched_around(&contact, self.spacing) else {
+            let around = unless_stopped(search.touched_around(&contact, self.spacing))?;
+            let Some(wider) = around else {
                 return Ok(None);
             };
             if let Some(wider) = wider {
@@ -199,11 +187,10 @@ impl<'a> Asperities<'a> {
                 continue;
             }
             if let Some(limits) = reached {
-                let solution = self.solution(&contact, read, (limits, &figures), history);
-                return Ok(Some(solution));
+                return Ok(Some(self.solution(&contact, read, limits, history)));
             }
-            let limits = judged.or_else(|| figures.last()).unwrap_or_else(single);
-            let best = self.solution(&contact, read, (limits, &figures), history);
+            let limits = judged.unwrap_or_else(|| figures.last());
+            let best = self.solution(&contact, read, limits, history);
             return Err(Error::AccuracyNotReached {
                 dofs: best.dofs,
                 estimate: limits.relative,
@@ -225,7 +212,8 @@ impl<'a> Asperities<'a> {
         history: &mut Vec<Iterate>,
     ) -> Result<Option<(WindowContact, Read)>, Error> {
         let (level, dofs) = (history.len(), grid.count());
-        if let Some(watcher) = &self.options.next_mesh {
+        let options = self.problem.options;
+        if let Some(watcher) = &options.next_mesh {
             watcher(&NextMesh {
                 level,
                 dofs,
@@ -233,10 +221,8 @@ impl<'a> Asperities<'a> {
             });
         }
         let start = carried(&from.pressed.pressure, &from.window, &grid);
-        let contact = match search.solved(grid, Some(start)) {
-            Ok(contact) => contact,
-            Err(CheckUnavailable::Stopped) => return Err(Error::Stopped),
-            Err(_) => return Ok(None),
+        let Some(contact) = unless_stopped(search.solved(grid, Some(start)))? else {
+            return Ok(None);
         };
         let read = contact.read();
         let iterate = Iterate {
@@ -251,7 +237,7 @@ impl<'a> Asperities<'a> {
             accelerations: contact.pressed.sets,
             energy: contact.energy(),
         };
-        if let Some(watcher) = &self.options.progress {
+        if let Some(watcher) = &options.progress {
             watcher(&iterate);
         }
         history.push(iterate);
@@ -261,12 +247,13 @@ impl<'a> Asperities<'a> {
     /// Cells over half an asperity's contact of a window's first grid: few enough that the limit of
     /// unknowns leaves room for two more, to estimate an error from.
     fn coarsest(&self, window: Window) -> f64 {
-        if let Some(cells) = self.options.cells {
+        let options = self.problem.options;
+        if let Some(cells) = options.cells {
             return cells as f64;
         }
         let third = |first: f64| self.divided(window, REFINEMENT.powi(2) * first).0.count();
-        let mut first = first_resolution(self.options.p_max_tolerance, true);
-        while PADDED * third(first) > self.options.max_dofs && first > LEAST_RESOLUTION {
+        let mut first = first_resolution(options.p_max_tolerance, true);
+        while PADDED * third(first) > options.max_dofs && first > LEAST_RESOLUTION {
             first = (0.95 * first).max(LEAST_RESOLUTION);
         }
         first
@@ -288,7 +275,7 @@ impl<'a> Asperities<'a> {
     /// Pitch and roll of a contact [rad].
     fn tilt(&self, contact: &WindowContact) -> [f64; 2] {
         let [_, pitch, roll] = contact.plane.motion(&contact.pressed.motion);
-        self.gap.tilt(pitch, roll)
+        self.problem.gap.tilt(pitch, roll)
     }
 
     /// What a contact and the limits of finer and finer cells make.
@@ -296,7 +283,7 @@ impl<'a> Asperities<'a> {
         &self,
         contact: &WindowContact,
         read: Read,
-        (limits, figures): (Limits, &FigureHistory),
+        limits: Limits,
         history: &mut Vec<Iterate>,
     ) -> Solution {
         let Read { all, force, .. } = read;
@@ -316,7 +303,6 @@ impl<'a> Asperities<'a> {
             moment(&|n| all.x[n % nx]) / fz,
             moment(&|n| all.y[n / nx]) / fz,
         ];
-        let other = figures.other_errors();
         let [pitch, roll] = self.tilt(contact);
         let bound = ROUNDED * contact.plane.hardness;
         let gap = contact.unfolded(&contact.pressed.opening);
@@ -328,7 +314,7 @@ impl<'a> Asperities<'a> {
             p_max: limits.peak.value,
             p_max_error: limits.peak.error,
             p_max_mesh: p_max,
-            hardness: self.problem.ice.hardness,
+            hardness: self.problem.problem.ice.hardness,
             p_mean: fz / area,
             p_mean_error: fz / area * limits.area_error / area,
             area,
@@ -336,13 +322,13 @@ impl<'a> Asperities<'a> {
             length,
             length_error: limits.length_error,
             width,
-            width_error: other.width_error,
-            approach: limits.approach,
-            approach_error: other.approach_error,
+            width_error: limits.width_error,
+            approach: limits.approach.value,
+            approach_error: limits.approach.error,
             pitch,
-            pitch_error: other.tilt_errors[0],
+            pitch_error: limits.tilt_errors[0],
             roll,
-            roll_error: other.tilt_errors[1],
+            roll_error: limits.tilt_errors[1],
             under_peak: None,
             fz,
             centre_of_pressure,
@@ -363,6 +349,18 @@ impl<'a> Asperities<'a> {
             symmetry: contact.window.mirrored,
             assembled: Vec::new(),
         }
+    }
+}
+
+/// What was found; nothing where boundary elements have no answer.
+///
+/// # Errors
+/// [`Error::Stopped`].
+fn unless_stopped<T>(found: Result<T, CheckUnavailable>) -> Result<Option<T>, Error> {
+    match found {
+        Ok(found) => Ok(Some(found)),
+        Err(CheckUnavailable::Stopped) => Err(Error::Stopped),
+        Err(_) => Ok(None),
     }
 }
 
@@ -431,12 +429,13 @@ impl Search<'_> {
         let mut sunk = vec![0.0; all.len()];
         Operator::new(&wide, self.surface)?.apply(&all, &mut sunk);
         let least = DEEP * found.approach();
-        let depth = |place| found.plane.depth(self.gap, &found.pressed.motion, place);
+        let gap = &self.problem.gap;
+        let depth = |place| found.plane.depth(gap, &found.pressed.motion, place);
         let touches =
             |cell: &usize| all[*cell] == 0.0 && depth(wide.place(*cell)) - sunk[*cell] > least;
         let touching = (0..all.len()).into_par_iter().filter(touches);
         let touching: Vec<usize> = touching.collect();
-        let (place, below) = found.elsewhere(self.gap, self.surface);
+        let (place, below) = found.deepest_outside(self);
         let elsewhere = Some(place).filter(|_| below > least);
         let places = touching.into_iter().map(|cell| wide.place(cell));
         let wider = places

@@ -6,8 +6,7 @@ use crate::accuracy::estimators::Limit;
 use crate::boundary_elements::active_set::Precision;
 use crate::boundary_elements::window::{CheckUnavailable, Surface};
 use crate::boundary_elements::window_contact::{Search, carried};
-use crate::problem::check::check;
-use crate::problem::gap::Gap;
+use crate::problem::check::CheckedProblem;
 use crate::{Options, Problem, Solution};
 
 /// Figures of a contact from its plane alone.
@@ -118,17 +117,15 @@ const DEEP: f64 = 0.01;
 
 /// The figures, and how steep the pressure is at its rim: [`WindowContact::at_rim`].
 fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), CheckUnavailable> {
-    check(problem, &Options::default()).map_err(|_| CheckUnavailable::NotSettled)?;
-    let gap = Gap::new(problem).map_err(|_| CheckUnavailable::NotSettled)?;
-    let surface = Surface::of(problem)?;
+    let options = Options::default();
+    let checked =
+        CheckedProblem::new(problem, &options).map_err(|_| CheckUnavailable::NotSettled)?;
     let search = Search {
-        problem,
-        gap: &gap,
-        surface: &surface,
+        problem: &checked,
+        surface: &Surface::of(problem)?,
         precision: PRECISION,
-        stop: None,
     };
-    let mut last = search.window(GRIDS[0])?;
+    let mut last = search.fitted(GRIDS[0], |window| window)?;
     let mut found = vec![last.figures()];
     for cells in &GRIDS[1..] {
         let window = last.window.with_cells([*cells; 2]);
@@ -140,7 +137,7 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
         }
     }
     let [p_max, approach, area, length, width] = found[found.len() - 1];
-    if last.elsewhere(&gap, &surface).1 > DEEP * approach {
+    if last.deepest_outside(&search).1 > DEEP * approach {
         return Err(CheckUnavailable::Elsewhere);
     }
     // Whatever grids say of them, rims are read to a part of a cell.

@@ -1,15 +1,13 @@
 //! A contact on the cells of one window, and the window that fits it.
 
 use std::f64::consts::PI;
-use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
-use crate::Problem;
 use crate::boundary_elements::active_set::{Plane, Precision, PressureState, press};
 use crate::boundary_elements::operator::{Operator, Radial};
 use crate::boundary_elements::window::{CheckUnavailable, Surface, Window};
-use crate::problem::gap::Gap;
+use crate::problem::check::CheckedProblem;
 use crate::result::measure::PressureField;
 use crate::result::rim::RimEstimator;
 
@@ -26,29 +24,23 @@ pub(super) struct WindowContact {
 /// What the grids of a problem share.
 #[derive(Clone, Copy)]
 pub(super) struct Search<'a> {
-    pub problem: &'a Problem,
-    pub gap: &'a Gap<'a>,
+    pub problem: &'a CheckedProblem<'a>,
     pub surface: &'a Surface,
     pub precision: Precision,
-    /// Once true, the solve ends.
-    pub stop: Option<&'a AtomicBool>,
 }
 
 impl Search<'_> {
-    /// The contact on so many cells each way of a window that fits it.
-    pub fn window(&self, cells: usize) -> Result<WindowContact, CheckUnavailable> {
-        self.fitted(cells, |window| window)
-    }
-
-    /// The contact on a window that fits it, `divided` anew wherever it changes.
+    /// The contact on a window that fits it, `divided` anew wherever it changes; the first one has
+    /// so many cells each way.
     pub fn fitted(
         &self,
         cells: usize,
         divided: impl Fn(Window) -> Window,
     ) -> Result<WindowContact, CheckUnavailable> {
         let modulus = 1.0 / self.surface.compliance;
-        let mut window = Window::first(self.problem, self.gap, modulus, cells)
-            .ok_or(CheckUnavailable::NotSettled)?;
+        let CheckedProblem { problem, gap, .. } = self.problem;
+        let mut window =
+            Window::first(problem, gap, modulus, cells).ok_or(CheckUnavailable::NotSettled)?;
         for _ in 0..MOST_WINDOWS {
             let found = self.solved(divided(window), None)?;
             match found.window.fitted(found.touched()) {
@@ -65,9 +57,15 @@ impl Search<'_> {
         window: Window,
         start: Option<Vec<f64>>,
     ) -> Result<WindowContact, CheckUnavailable> {
-        let plane = Plane::new(self.problem, self.gap, &window);
+        let CheckedProblem {
+            problem,
+            gap,
+            options,
+            ..
+        } = self.problem;
+        let plane = Plane::new(problem, gap, &window);
         let mut operator = Operator::new(&window, self.surface)?;
-        let pressed = press(&plane, &mut operator, start, self.precision, self.stop)?;
+        let pressed = press(&plane, &mut operator, start, self.precision, options)?;
         Ok(WindowContact {
             window,
             plane,
@@ -95,8 +93,9 @@ impl WindowContact {
 
     /// The place outside the window where the hull lies deepest in the ice, and how deep [m], under
     /// the displacements that the pressures' forces make there.
-    pub fn elsewhere(&self, gap: &Gap, surface: &Surface) -> ([f64; 2], f64) {
+    pub fn deepest_outside(&self, search: &Search) -> ([f64; 2], f64) {
         let (window, plane) = (&self.window, &self.plane);
+        let (gap, surface) = (&search.problem.gap, search.surface);
         let lows = gap.lows().filter(|place| !window.holds(*place));
         let places: Vec<[f64; 2]> = window.outside().chain(lows).collect();
         let depth = |place: &[f64; 2]| plane.depth(gap, &self.pressed.motion, *place);

@@ -211,6 +211,14 @@ pub(crate) struct Resolution {
 }
 
 impl Resolution {
+    /// So many cells, with the growth that keeps meshes of different fineness similar.
+    pub fn of(cells: f64) -> Self {
+        Resolution {
+            cells,
+            growth: 3.0 / cells,
+        }
+    }
+
     /// Cells that half the patch really gets with these mirror planes, the mean of both axes: see
     /// [`widened`].
     pub fn real_cells(self, symmetry: [bool; 2]) -> f64 {

@@ -3,11 +3,9 @@
 use std::borrow::Cow;
 
 use faer::Mat;
-use kufe_fem::Material;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
-use crate::active_set::plane_problem::PlaneState;
 use crate::green::matrix::{Green, StorageLimit};
 use crate::groove::measures::Rims;
 use crate::groove::plastic_contact::{Kind, MemoryState, PlasticContact, respond};
@@ -15,15 +13,14 @@ use crate::groove::solution::GrooveProfile;
 use crate::mesh::contact_mesh::State;
 use crate::mesh::discretise::Discretisation;
 use crate::motion::{Motion, dot};
-use crate::{Error, Load, Options, Problem};
+use crate::problem::check::CheckedProblem;
+use crate::{Error, Load, Options};
 
 /// One mesh of a sliding contact.
 pub(crate) struct MeshContact<'a> {
-    pub problem: &'a Problem,
-    pub material: Material,
+    pub problem: &'a CheckedProblem<'a>,
     pub mesh: &'a Discretisation,
     pub before: Option<&'a GrooveProfile>,
-    pub options: &'a Options,
 }
 
 /// Most corrections of the response.
@@ -47,9 +44,7 @@ struct Lines {
 impl MeshContact<'_> {
     /// Solves on the contact plane alone.
     pub fn on_plane(&self, start: &Start) -> Result<SlidingState, Error> {
-        let contact = &self.mesh.contact;
-        let green = self.green()?;
-        self.begin(&green, &contact.unpressed_gap(), start)
+        self.begin(&self.green()?, start)
     }
 
     /// Solves with the bodies' own response, from the far field of `forces`.
@@ -68,13 +63,12 @@ impl MeshContact<'_> {
     ) -> Result<[SlidingState; 2], Error> {
         let contact = &self.mesh.contact;
         let green = self.green()?;
-        let mut slid = self.begin(&green, &contact.unpressed_gap(), start)?;
+        let options = self.problem.options;
+        let mut slid = self.begin(&green, start)?;
         slid.state.displacement = vec![0.0; contact.len()];
         let outer = MeshSolve {
             problem: self.problem,
-            material: self.material,
             mesh: self.mesh,
-            options: self.options,
             stored: StorageLimit::USUAL,
             report: &|_, _| {},
         };
@@ -86,12 +80,10 @@ impl MeshContact<'_> {
             if slid.corrections > 0 {
                 outer.fix_outer_faces(&Forces::of(self.mesh, &slid.state), &mut slid.state);
             }
-            let tolerance = (1e-2 * slid.residual).clamp(self.options.residual, 1e-3);
+            let tolerance = (1e-2 * slid.residual).clamp(options.residual, 1e-3);
             slid.iterations += respond(contact, &mut slid.state, tolerance, ITERATIONS)
                 .ok_or_else(|| not_converged(&slid))?;
-            if self.options.stopped() {
-                return Err(Error::Stopped);
-            }
+            options.check_stop()?;
             if slid.residual <= SETTLED && slid.corrections >= FITTINGS {
                 let mut plain = slid.clone();
                 self.correct(&green, &self.lines(), &mut plain)?;
@@ -123,16 +115,14 @@ impl MeshContact<'_> {
     }
 
     /// Steady sliding on the plane.
-    fn begin(&self, green: &Mat<f64>, gap: &[f64], start: &Start) -> Result<SlidingState, Error> {
+    fn begin(&self, green: &Mat<f64>, start: &Start) -> Result<SlidingState, Error> {
         let contact = &self.mesh.contact;
-        let lines = self.lines();
-        let memory = self.memory(green, gap, &lines);
+        let (lines, gap) = (self.lines(), contact.unpressed_gap());
+        let memory = self.memory(green, &gap, &lines);
         let (kinds, motion) = match start {
             Start::AtRest(motion) => {
-                let none = vec![0.0; contact.candidates.len()];
-                let rest = PlaneState::new(none, [*motion, 0.0, 0.0]);
                 let stored = Green::Dense(Cow::Borrowed(green));
-                let rest = contact.plane_contact(&stored, gap, rest);
+                let rest = contact.plane_contact_from_rest(&stored, *motion);
                 (memory.kinds(&rest.force), rest.motion)
             }
             Start::From(known) => (known.on(self.mesh), known.motion),
@@ -140,7 +130,7 @@ impl MeshContact<'_> {
         let grooved = self
             .load_balance(&memory)
             .from(motion, kinds)
-            .ok_or_else(|| self.no_balance(&memory, gap))?;
+            .ok_or_else(|| self.no_balance(&memory))?;
         Ok(SlidingState {
             state: contact.state_of(&grooved.force, grooved.motion),
             depth: self.whole(&grooved),
@@ -153,14 +143,15 @@ impl MeshContact<'_> {
 
     /// Why no motion carries the load: more than the runner bears however deep it sinks, or the
     /// search failed.
-    fn no_balance(&self, memory: &PlasticContact<'_>, gap: &[f64]) -> Error {
+    fn no_balance(&self, memory: &PlasticContact<'_>) -> Error {
+        let gap = memory.gap;
         let highest = gap.iter().filter(|gap| gap.is_finite());
         let sunk = 2.0 * highest.fold(0.0, |most: f64, gap| most.max(*gap));
         let bears = memory
             .at([sunk, 0.0, 0.0], &vec![Kind::Full; gap.len()])
             .map(|state| memory.resultant(&state.force)[0]);
         let required = self.mesh.contact.motion.balance[0];
-        match (self.problem.load, bears) {
+        match (self.problem.problem.load, bears) {
             (Load::Force { fz, .. }, Some(bears)) if bears < required => {
                 Error::LoadExceedsHardness {
                     fz,
@@ -184,11 +175,8 @@ impl MeshContact<'_> {
     ) -> Result<(), Error> {
         let contact = &self.mesh.contact;
         let closing = contact.closing(&slid.state.displacement);
-        let mut gap: Vec<f64> = contact
-            .candidates
-            .iter()
-            .map(|&node| contact.gap[node] - closing[node])
-            .collect();
+        let nodes = contact.candidates.iter();
+        let mut gap: Vec<f64> = nodes.map(|&n| contact.gap[n] - closing[n]).collect();
         let known = self
             .memory(green, &gap, lines)
             .deflection(&slid.grooved.force);
@@ -223,8 +211,8 @@ impl MeshContact<'_> {
                 .is_some_and(|next| next / nx == nodes[k] / nx)
         };
         Lines {
-            rows: nodes.iter().map(|&n| contact.rows[n]).collect(),
-            bound: nodes.iter().map(|&n| contact.bound[n]).collect(),
+            rows: contact.on_candidates(&contact.rows),
+            bound: contact.on_candidates(&contact.bound),
             has_ahead: (0..nodes.len()).map(same_row).collect(),
             before: nodes.iter().map(|&n| self.depth_before(n / nx)).collect(),
         }
@@ -256,7 +244,7 @@ impl MeshContact<'_> {
         LoadBalance {
             memory,
             motion: &self.mesh.contact.motion,
-            options: self.options,
+            options: self.problem.options,
         }
     }
 

@@ -59,6 +59,11 @@ impl ContactMesh {
         self.bodies.iter().map(ElasticBody::work).collect()
     }
 
+    /// A plane array's values at the candidates.
+    pub fn on_candidates<T: Copy>(&self, plane: &[T]) -> Vec<T> {
+        self.candidates.iter().map(|&node| plane[node]).collect()
+    }
+
     /// Length of a displacement vector.
     pub fn len(&self) -> usize {
         self.bodies.iter().map(ElasticBody::len).sum()

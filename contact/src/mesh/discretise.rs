@@ -14,7 +14,7 @@ use crate::grid::stretch::Stretch;
 use crate::mesh::contact_mesh::ContactMesh;
 use crate::motion::Motion;
 use crate::precondition::planewise::{Columns, Side};
-use crate::problem::check::solid_material;
+use crate::problem::check::{CheckedProblem, solid_material};
 use crate::problem::gap::Gap;
 use crate::{Bed, Error, Foundation, Load, Problem};
 
@@ -77,19 +77,38 @@ const EVEN_DEPTH: f64 = 1.5;
 const SEARCH_CELLS: f64 = 4.0;
 
 /// What a mesh is made for.
-pub(crate) struct MeshPlan<'a> {
-    pub problem: &'a Problem,
-    pub gap: &'a Gap<'a>,
+struct MeshPlan<'a> {
+    problem: &'a Problem,
+    gap: &'a Gap<'a>,
     /// Of the ice.
-    pub material: Material,
-    pub patch: &'a Patch,
-    pub resolution: Resolution,
-    pub reach: Reach,
+    material: Material,
+    patch: &'a Patch,
+    resolution: Resolution,
+    reach: Reach,
+}
+
+impl CheckedProblem<'_> {
+    /// Meshes the ice under the patch, and an elastic runner over it.
+    pub fn mesh(
+        &self,
+        patch: &Patch,
+        resolution: Resolution,
+        reach: Reach,
+    ) -> Result<Discretisation, Error> {
+        MeshPlan {
+            problem: self.problem,
+            gap: &self.gap,
+            material: self.material,
+            patch,
+            resolution,
+            reach,
+        }
+        .mesh()
+    }
 }
 
 impl MeshPlan<'_> {
-    /// Meshes the ice under the patch, and an elastic runner over it.
-    pub fn mesh(&self) -> Result<Discretisation, Error> {
+    fn mesh(&self) -> Result<Discretisation, Error> {
         let symmetry = self.gap.symmetry();
         let (z, lower) = self.layers()?;
         let grid = TensorGrid {
@@ -171,7 +190,7 @@ impl MeshPlan<'_> {
         // An elastic hull is meshed whole, with nodes at its ends and sides.
         let elastic = self.problem.runner.elastic.as_ref();
         let on_columns = elastic.filter(|e| e.solid.is_none());
-        let meshed = on_columns.is_some() && extent.iter().all(|end| end.is_finite());
+        let meshed = on_columns.is_some() && self.problem.runner.is_bounded();
         let mut zones: Vec<Zone> = stretches
             .iter()
             .filter_map(|s| widened(s, symmetric, self.resolution))

@@ -38,7 +38,10 @@ impl<'a> Field<'a> {
     }
 
     /// Its pressures, to be read line by line.
-    pub fn pressure_field<'b>(&'b self, state: &'b State) -> PressureField<'b> {
+    pub fn pressure_field<'b>(&self, state: &'b State) -> PressureField<'b>
+    where
+        'a: 'b,
+    {
         let [along, across] = &self.mesh.contact.lumped;
         PressureField {
             x: &self.mesh.grid.x,
