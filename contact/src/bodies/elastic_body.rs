@@ -5,14 +5,13 @@ use std::sync::Arc;
 
 use faer::Mat;
 use kufe_fem::{
-    Body, Body as Hexahedra, End, Error, Material, MatrixFree, Section, SparseStiffness,
-    TensorOperator, to_components, to_nodes,
+    Body, Error, FixedFaces, Material, MatrixFree, Section, SparseStiffness, TensorOperator,
+    to_components, to_nodes,
 };
 use kufe_mesh::TensorGrid;
 
 use crate::RunnerSolid;
-use crate::precondition::factored::Mortar;
-use crate::precondition::inverse::Inverse;
+use crate::precondition::factored::{FactoredInverse, Mortar};
 use crate::precondition::mounted::MountedInverse;
 use crate::precondition::planewise::{Columns, InverseWork, PlanewiseInverse, Side};
 
@@ -35,6 +34,30 @@ pub(crate) struct ElasticBody {
     pub load: Vec<f64>,
 }
 
+/// M^-1, spectrally equivalent to the inverse of the stiffness.
+///
+/// A beginning gives how a residual would close the gap; then the forces on the contact plane that
+/// answer to it are known, and the finish takes them into the step. So one application serves both.
+pub(crate) enum Inverse {
+    /// Of a body that nothing but faces of its tensor grid hold.
+    Planewise(Box<PlanewiseInverse>),
+    /// Of a body with a mount.
+    Mounted(Box<MountedInverse>),
+    /// Of a solid, exact.
+    Factored(FactoredInverse),
+}
+
+/// Calls a method of whichever inverse a body has.
+macro_rules! each {
+    ($body:ident, $method:ident($($argument:expr),*)) => {
+        match &$body.inverse {
+            Inverse::Planewise(inverse) => inverse.$method($($argument),*),
+            Inverse::Mounted(inverse) => inverse.$method($($argument),*),
+            Inverse::Factored(inverse) => inverse.$method($($argument),*),
+        }
+    };
+}
+
 /// Vectors that one body's products and preconditioner reuse.
 pub(crate) struct BodyWork {
     stiffness: StiffnessWork,
@@ -49,14 +72,48 @@ impl ElasticBody {
         side: Side,
         columns: Columns,
     ) -> Self {
-        let end = match side {
-            Side::Below => End::High,
-            Side::Above => End::Low,
-        };
-        let inverse = PlanewiseInverse::new(&operator, end, columns, side.sign(), material);
+        let inverse = PlanewiseInverse::new(&operator, columns, side, material);
+        let inverse = Inverse::Planewise(Box::new(inverse));
+        ElasticBody::with_inverse(operator, inverse, material, side, columns)
+    }
+
+    /// A body above the plane with a preconditioner that includes its mount: entries that its
+    /// clamps hold, and forces from outside (none where empty) [N].
+    pub fn mounted(
+        operator: TensorOperator,
+        inverse: MountedInverse,
+        material: Material,
+        columns: Columns,
+        (fixed, load): (Vec<usize>, Vec<f64>),
+    ) -> Self {
+        let inverse = Inverse::Mounted(Box::new(inverse));
         ElasticBody {
-            inverse: Inverse::Planewise(Box::new(inverse)),
-            trace: trace_on_grid(&operator, side, columns),
+            fixed,
+            load,
+            ..ElasticBody::with_inverse(operator, inverse, material, Side::Above, columns)
+        }
+    }
+
+    fn with_inverse(
+        operator: TensorOperator,
+        inverse: Inverse,
+        material: Material,
+        side: Side,
+        columns: Columns,
+    ) -> Self {
+        // The vertical displacements of the highest nodes below the plane, of the lowest above it.
+        let [nx, ny, nz] = operator.shape();
+        let plane = match side {
+            Side::Below => nz - 1,
+            Side::Above => 0,
+        };
+        ElasticBody {
+            trace: Trace::Nodes {
+                columns,
+                start: (2 * nz + plane) * nx * ny,
+                sign: side.sign(),
+            },
+            inverse,
             stiffness: Stiffness::Tensor(operator),
             assembled: None,
             material,
@@ -65,28 +122,8 @@ impl ElasticBody {
         }
     }
 
-    /// A body above the plane with a preconditioner that knows its mount: entries that its clamps
-    /// hold, and forces from outside (none where empty) [N].
-    pub fn mounted(
-        operator: TensorOperator,
-        inverse: MountedInverse,
-        material: Material,
-        columns: Columns,
-        (fixed, load): (Vec<usize>, Vec<f64>),
-    ) -> Self {
-        ElasticBody {
-            inverse: Inverse::Mounted(Box::new(inverse)),
-            trace: trace_on_grid(&operator, Side::Above, columns),
-            stiffness: Stiffness::Tensor(operator),
-            assembled: None,
-            material,
-            fixed,
-            load,
-        }
-    }
-
     /// The same body on hexahedra in the same columns and layers, but of other heights.
-    pub fn on_mapped(mut self, hexahedra: &Hexahedra) -> Self {
+    pub fn on_mapped(mut self, hexahedra: &Body) -> Self {
         if let Stiffness::Tensor(grid) = self.stiffness {
             let hexahedra = MatrixFree::new(hexahedra);
             self.stiffness = Stiffness::Mapped { grid, hexahedra };
@@ -116,7 +153,7 @@ impl ElasticBody {
     pub fn work(&self) -> BodyWork {
         BodyWork {
             stiffness: self.stiffness.work(),
-            inverse: self.inverse.work(),
+            inverse: each!(self, work()),
         }
     }
 
@@ -134,25 +171,25 @@ impl ElasticBody {
 
     /// `closing` += B M^-1 `residual`; `work` keeps what [`ElasticBody::finish`] goes on from.
     pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut BodyWork) {
-        self.inverse.begin(residual, closing, &mut work.inverse);
+        each!(self, begin(residual, closing, &mut work.inverse));
     }
 
     /// `step` = M^-1 (residual - B^T m) for the residual that `work` was last begun with and the
     /// forces m on nodes.
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut BodyWork) {
-        self.inverse.finish(multipliers, step, &mut work.inverse);
+        each!(self, finish(multipliers, step, &mut work.inverse));
         self.fixed.iter().for_each(|&entry| step[entry] = 0.0);
     }
 
     /// `closing` += B M^-1 B^T f for the forces f on nodes; `work` forgets what it was begun with.
     pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], work: &mut BodyWork) {
-        self.inverse.respond(forces, closing, &mut work.inverse);
+        each!(self, respond(forces, closing, &mut work.inverse));
     }
 
     /// B M^-1 B^T between plane nodes, and the estimate of B K^-1 B^T that contact sets are
     /// predicted with [m/N].
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
-        self.inverse.green(nodes)
+        each!(self, green(nodes))
     }
 
     /// Displacements that faces, clamps or the mount fix, ascending.
@@ -166,19 +203,13 @@ impl ElasticBody {
     }
 }
 
-/// The vertical displacements of a grid's highest nodes for a body below, of its lowest for one
-/// above.
-fn trace_on_grid(operator: &TensorOperator, side: Side, columns: Columns) -> Trace {
-    let [nx, ny, nz] = operator.shape();
-    let plane = match side {
-        Side::Below => nz - 1,
-        Side::Above => 0,
-    };
-    Trace::Nodes {
-        columns,
-        start: (2 * nz + plane) * nx * ny,
-        sign: side.sign(),
-    }
+/// Faces fixed in all components: ends and sides where `all_round`, those of z (low, high) where
+/// `z`; mirror planes are fixed in their normal component.
+pub(crate) fn fixed_faces(symmetry: [bool; 2], all_round: bool, z: [bool; 2]) -> FixedFaces {
+    std::array::from_fn(|c| {
+        let low = |axis: usize| if symmetry[axis] { c == axis } else { all_round };
+        [[low(0), all_round], [low(1), all_round], z]
+    })
 }
 
 // The stiffness of a body as an operator.
@@ -250,12 +281,9 @@ impl Stiffness {
             Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. } => grid.mask(u),
             Stiffness::Solid(solid) => {
                 let nodes = solid.mesh().points.len();
+                let free = |entry: usize| solid.map.index(3 * (entry % nodes) + entry / nodes);
                 for (entry, u) in u.iter_mut().enumerate() {
-                    if solid
-                        .map
-                        .index(3 * (entry % nodes) + entry / nodes)
-                        .is_none()
-                    {
+                    if free(entry).is_none() {
                         *u = 0.0;
                     }
                 }

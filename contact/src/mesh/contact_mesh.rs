@@ -6,11 +6,10 @@ use std::ops::Range;
 use faer::Mat;
 use rayon::prelude::*;
 
-use crate::bodies::elastic_body::{BodyWork, ElasticBody};
+use crate::bodies::elastic_body::{BodyWork, ElasticBody, Inverse};
 use crate::green::matrix::{Green, StorageLimit};
 use crate::green::modal::ModalGreen;
 use crate::motion::{Motion, dot, dot_rows};
-use crate::precondition::inverse::Inverse;
 use crate::vector;
 
 /// A mesh with everything the iteration needs; plane arrays have x fastest.

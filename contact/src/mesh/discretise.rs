@@ -1,9 +1,9 @@
 //! From a patch and a resolution to a mesh.
 
-use kufe_fem::{ElementKind, FixedFaces, LowerLayer, Material, TensorOperator};
+use kufe_fem::{ElementKind, LowerLayer, Material, TensorOperator};
 use kufe_mesh::{HexMesh, TensorGrid};
 
-use crate::bodies::elastic_body::ElasticBody;
+use crate::bodies::elastic_body::{ElasticBody, fixed_faces};
 use crate::bodies::runner_body::RunnerPlan;
 use crate::bodies::solid_body::solid_body;
 use crate::grid::grading::{
@@ -118,7 +118,12 @@ impl MeshPlan<'_> {
         };
         storable(grid.shape())?;
         let (lambda, mu) = (self.material.lame_lambda(), self.material.shear_modulus());
-        let mut operator = TensorOperator::new(&grid, lambda, mu, fixed_faces(symmetry));
+        let mut operator = TensorOperator::new(
+            &grid,
+            lambda,
+            mu,
+            fixed_faces(symmetry, true, [true, false]),
+        );
         if let Some(layer) = lower {
             operator = operator.on_layer(layer);
         }
@@ -155,7 +160,7 @@ impl MeshPlan<'_> {
     /// From the patch to the outer faces, along and across [m].
     fn margin(&self) -> f64 {
         match self.problem.ice.foundation {
-            Foundation::HalfSpace => HALF_SPACE_REACH * self.largest(),
+            Foundation::HalfSpace => self.depth(),
             Foundation::RigidBed { thickness } => LAYER_REACH * thickness,
             Foundation::ElasticBed { thickness, bed } => LAYER_REACH * (thickness + bed.thickness),
         }
@@ -164,17 +169,14 @@ impl MeshPlan<'_> {
     /// Depth of the ice that is meshed [m].
     fn depth(&self) -> f64 {
         match self.problem.ice.foundation {
-            Foundation::HalfSpace => HALF_SPACE_REACH * self.largest(),
+            Foundation::HalfSpace => {
+                let [x_low, x_high] = self.patch.span_x();
+                HALF_SPACE_REACH * (0.5 * (x_high - x_low).max(2.0 * self.patch.y.half()))
+            }
             Foundation::RigidBed { thickness } | Foundation::ElasticBed { thickness, .. } => {
                 thickness
             }
         }
-    }
-
-    /// Half of the patch's longer side [m].
-    fn largest(&self) -> f64 {
-        let [x_low, x_high] = self.patch.span_x();
-        0.5 * (x_high - x_low).max(2.0 * self.patch.y.half())
     }
 
     /// Half of the narrowest stretch of the patch [m].
@@ -302,7 +304,7 @@ impl MeshPlan<'_> {
                 );
             }
         }
-        let share = if symmetry[0] { 0.5 } else { 1.0 } * if symmetry[1] { 0.5 } else { 1.0 };
+        let share = symmetry.map(|s| if s { 0.5 } else { 1.0 });
         let fz = match problem.load {
             Load::Force { fz, .. } => fz,
             Load::Approach { .. } => 0.0,
@@ -312,11 +314,7 @@ impl MeshPlan<'_> {
             gap.free_motion[1] && !symmetry[0],
             gap.free_motion[2] && !symmetry[1],
         ];
-        let columns = Columns {
-            first: [0, 0],
-            count: [nx, ny],
-            plane_width: nx,
-        };
+        let columns = Columns::of_plane([nx, ny]);
         let lumped = [0, 1].map(|axis| operator.axes[axis].lumped_mass.clone());
         let ice = ElasticBody::on_grid(operator, self.material, Side::Below, columns);
         Ok(ContactMesh {
@@ -328,7 +326,7 @@ impl MeshPlan<'_> {
             candidates,
             motion: Motion {
                 free,
-                balance: [fz * share, 0.0, 0.0],
+                balance: [fz * (share[0] * share[1]), 0.0, 0.0],
             },
         })
     }
@@ -351,16 +349,5 @@ fn lower_layer(bed: Bed, cells: usize) -> Result<LowerLayer, Error> {
         cells,
         lambda: material.lame_lambda(),
         mu: material.shear_modulus(),
-    })
-}
-
-/// Outer faces fixed in all components, mirror planes in their normal one.
-fn fixed_faces(symmetry: [bool; 2]) -> FixedFaces {
-    std::array::from_fn(|c| {
-        [
-            [!symmetry[0] || c == 0, true],
-            [!symmetry[1] || c == 1, true],
-            [true, false],
-        ]
     })
 }

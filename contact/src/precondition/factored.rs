@@ -43,21 +43,21 @@ impl FactoredInverse {
         to_components(by_node, out);
     }
 
-    /// See [`crate::precondition::inverse::Inverse::begin`].
+    /// See [`crate::bodies::elastic_body::ElasticBody::begin`].
     pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut InverseWork) {
         work.intermediate.copy_from_slice(residual);
         self.solve(residual, &mut work.by_node, &mut work.scratch);
         self.mortar.add_closing(&work.scratch, closing);
     }
 
-    /// See [`crate::precondition::inverse::Inverse::finish`].
+    /// See [`crate::bodies::elastic_body::ElasticBody::finish`].
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
         self.mortar
             .add_forces(multipliers, -1.0, &mut work.intermediate);
         self.solve(&work.intermediate, &mut work.by_node, step);
     }
 
-    /// See [`crate::precondition::inverse::Inverse::respond`].
+    /// See [`crate::bodies::elastic_body::ElasticBody::respond`].
     pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], work: &mut InverseWork) {
         work.intermediate.fill(0.0);
         self.mortar.add_forces(forces, 1.0, &mut work.intermediate);
@@ -65,7 +65,7 @@ impl FactoredInverse {
         self.mortar.add_closing(&work.scratch, closing);
     }
 
-    /// See [`crate::precondition::inverse::Inverse::green`]; both are exact.
+    /// See [`crate::bodies::elastic_body::ElasticBody::green`]; both are exact.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         let mut used: Vec<usize> = nodes
             .iter()
