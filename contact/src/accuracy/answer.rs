@@ -7,6 +7,7 @@ use crate::mesh::discretise::Discretisation;
 use crate::problem::check::CheckedProblem;
 use crate::result::measure::ROUNDED;
 use crate::result::pressure::Pressure;
+use crate::symmetry::unfolded;
 use crate::{Foundation, Iterate, RunnerField, Solution, SurfaceField, VolumeField};
 
 /// A mesh and the contact on it.
@@ -152,26 +153,19 @@ fn worst(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Mirrors plane fields over the symmetry planes.
 fn unfold(x: &[f64], y: &[f64], symmetry: [bool; 2], fields: [Vec<f64>; 4]) -> SurfaceField {
-    let whole = |nodes: &[f64], symmetric: bool| -> (Vec<f64>, Vec<usize>) {
-        if !symmetric {
-            return (nodes.to_vec(), (0..nodes.len()).collect());
-        }
-        let mirrored = (1..nodes.len()).rev().map(|i| (-nodes[i], i));
-        mirrored
-            .chain((0..nodes.len()).map(|i| (nodes[i], i)))
-            .unzip()
-    };
-    let (xs, is) = whole(x, symmetry[0]);
-    let (ys, js) = whole(y, symmetry[1]);
-    let spread = |values: &[f64]| -> Vec<f64> {
-        js.iter()
-            .flat_map(|&j| is.iter().map(move |&i| values[j * x.len() + i]))
+    let columns: Vec<_> = unfolded(x.len(), symmetry[0]).collect();
+    let rows: Vec<_> = unfolded(y.len(), symmetry[1]).collect();
+    let row = |values: &[f64], j: usize| -> Vec<f64> {
+        columns
+            .iter()
+            .map(|&(i, _)| values[j * x.len() + i])
             .collect()
     };
-    let [pressure, gap, uz, yielded] = fields.map(|f| spread(&f));
+    let spread = |values: &[f64]| rows.iter().flat_map(|&(j, _)| row(values, j)).collect();
+    let [pressure, gap, uz, yielded] = fields.map(|f| -> Vec<f64> { spread(&f) });
     SurfaceField {
-        x: xs,
-        y: ys,
+        x: columns.iter().map(|&(i, sign)| sign * x[i]).collect(),
+        y: rows.iter().map(|&(j, sign)| sign * y[j]).collect(),
         pressure,
         gap,
         yielded,

@@ -263,11 +263,11 @@ impl Sequence {
         let Some((three, used)) = self.three() else {
             return self.spread();
         };
-        match (self.settling, is_monotone(&used)) {
+        match (self.settling, is_monotone(used)) {
             (Settling::ByOrder, _) | (Settling::Alternating, true) => {
                 Some(Limit::richardson(three))
             }
-            (Settling::Alternating, false) => Some(Limit::of_alternating(&used)),
+            (Settling::Alternating, false) => Some(Limit::of_alternating(used)),
             (Settling::AtRidge, true) => Some(Limit::richardson_at_rim(three, HIGHEST_ORDER)),
             (Settling::AtRidge, false) | (Settling::Scatter, _) => {
                 self.meshes.last_chunk().copied().map(Limit::of_scatter)
@@ -285,25 +285,23 @@ impl Sequence {
     }
 
     /// Of the similar meshes those that show the order, and all from the first of them on.
-    fn three(&self) -> Option<([MeshValue; 3], Vec<MeshValue>)> {
-        let &[.., third] = &self.meshes[..] else {
+    fn three(&self) -> Option<([MeshValue; 3], &[MeshValue])> {
+        let similar = &self.meshes[self.meshes.len() - self.similar..];
+        let [coarser @ .., _, third] = similar else {
             return None;
         };
-        if let [coarser @ .., before, _, _] = &self.meshes[self.meshes.len() - self.similar..] {
-            // Far apart scatter counts least; not so far that the coarsest is in another range.
-            let near = |mesh: &&MeshValue| mesh.cells >= third.cells / WIDEST;
-            let first = coarser.iter().find(near).unwrap_or(before);
-            let middle = (first.cells * third.cells).sqrt();
-            let off = |mesh: &MeshValue| (mesh.cells / middle).ln().abs();
-            let similar = &self.meshes[self.meshes.len() - self.similar..];
-            let between = similar
-                .iter()
-                .filter(|mesh| mesh.cells > first.cells && mesh.cells < third.cells);
-            let second = between.min_by(|a, b| off(a).total_cmp(&off(b)))?;
-            let used = similar.iter().filter(|mesh| mesh.cells >= first.cells);
-            return Some(([*first, *second, third], used.copied().collect()));
-        }
-        None
+        // Far apart scatter counts least; not so far that the coarsest is in another range.
+        let near = |mesh: &MeshValue| mesh.cells >= third.cells / WIDEST;
+        let last = coarser.len().checked_sub(1)?;
+        let start = coarser.iter().position(near).unwrap_or(last);
+        let (first, used) = (similar[start], &similar[start..]);
+        let middle = (first.cells * third.cells).sqrt();
+        let off = |mesh: &MeshValue| (mesh.cells / middle).ln().abs();
+        let between = similar
+            .iter()
+            .filter(|mesh| mesh.cells > first.cells && mesh.cells < third.cells);
+        let second = between.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        Some(([first, *second, *third], used))
     }
 
     /// The last mesh's value with the spread of the last three and of what lies between them and

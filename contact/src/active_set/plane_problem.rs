@@ -4,7 +4,7 @@ use faer::Mat;
 
 use crate::active_set::balance::{Balance, BalancedForces};
 use crate::active_set::contact_set::Counts;
-use crate::green::closed_set::ClosedSet;
+use crate::green::closed_set::{ClosedSet, ITERATIONS};
 use crate::green::matrix::Green;
 use crate::mesh::contact_mesh::{Sets, clip};
 use crate::motion::{Motion, dot, solve_motion};
@@ -100,13 +100,11 @@ impl PlaneProblem<'_> {
         }
         let everyone = vec![true; self.gap.len()];
         let precision = self.green.precision();
-        let begun = self.balanced(
-            &state.force,
-            &self.open_gaps(&state, &deflection),
-            &everyone,
-        );
+        let gaps = self.open_gaps(&state, &deflection);
+        let begun = self.balanced(&state.force, &gaps, &everyone);
         let feasible = begun.met;
-        self.take(&mut state, begun);
+        state.force = begun.force;
+        state.motion = [0, 1, 2].map(|a| state.motion[a] + begun.turn[a]);
         deflection = self.deflection(&state.force);
         if !feasible {
             // What may touch cannot bear the load: these forces show where more is needed.
@@ -167,12 +165,8 @@ impl PlaneProblem<'_> {
         deflection: &mut Vec<f64>,
         answer: BalancedForces,
     ) -> bool {
-        let change: Vec<f64> = answer
-            .force
-            .iter()
-            .zip(&state.force)
-            .map(|(a, b)| a - b)
-            .collect();
+        let pairs = answer.force.iter().zip(&state.force);
+        let change: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
         let image = self.deflection(&change);
         let gaps = self.gaps(state, deflection);
         let slope: f64 = gaps.iter().zip(&change).map(|(g, c)| g * c).sum();
@@ -220,9 +214,8 @@ impl PlaneProblem<'_> {
     /// What the nodes that `may` answer to the motion that balances the load, each on its own
     /// stiffness.
     fn balanced(&self, force: &[f64], gaps: &[f64], may: &[bool]) -> BalancedForces {
-        let softness: Vec<f64> = (0..gaps.len())
-            .map(|i| RELAXATION / self.green.own(i))
-            .collect();
+        let softness = (0..gaps.len()).map(|i| RELAXATION / self.green.own(i));
+        let softness: Vec<f64> = softness.collect();
         Balance {
             force,
             gap: gaps,
@@ -235,26 +228,21 @@ impl PlaneProblem<'_> {
         .solve()
     }
 
-    fn take(&self, state: &mut PlaneState, answer: BalancedForces) {
-        state.force = answer.force;
-        state.motion = [0, 1, 2].map(|a| state.motion[a] + answer.turn[a]);
-    }
-
     /// D of forces that keep the balance; motions that are fixed belong to the gap.
     fn energy(&self, state: &PlaneState, deflection: &[f64]) -> f64 {
-        let fixed = [0, 1, 2].map(|a| {
+        let fixed = |a: usize| {
             if self.motion.free[a] {
                 0.0
             } else {
                 state.motion[a]
             }
-        });
-        (0..self.gap.len())
-            .map(|i| {
-                let gap = self.gap[i] - dot(self.rows[i], fixed);
-                state.force[i] * (gap + 0.5 * deflection[i])
-            })
-            .sum()
+        };
+        let fixed = [0, 1, 2].map(fixed);
+        let work = |i: usize| {
+            let gap = self.gap[i] - dot(self.rows[i], fixed);
+            state.force[i] * (gap + 0.5 * deflection[i])
+        };
+        (0..self.gap.len()).map(work).sum()
     }
 
     /// G f.
@@ -362,7 +350,8 @@ impl PlaneProblem<'_> {
                 let gap: Vec<f64> = inside.iter().map(|&i| self.gap[i] + pressed[i]).collect();
                 let near: Vec<f64> = inside.iter().map(|&i| state.force[i]).collect();
                 let set = ClosedSet::new(green, inside, &rows, self.motion.free);
-                let (found, motion) = set.solve(&gap, balance, state.motion, &near)?;
+                let (found, motion) =
+                    set.solve(ITERATIONS, &gap, [balance, state.motion], &near)?;
                 for (&node, f) in inside.iter().zip(found) {
                     force[node] = f;
                 }

@@ -160,13 +160,9 @@ impl RunnerPlan<'_> {
             Mount::Top | Mount::Places(_) => Vec::new(),
         };
         let [nx, ny, nz] = grid.shape();
-        let entries = (0..3)
-            .flat_map(|c| {
-                fixed[c]
-                    .iter()
-                    .map(move |&[i, j]| ((c * nz + nz - 1) * ny + j) * nx + i)
-            })
-            .collect();
+        let entry = |c: usize, [i, j]: [usize; 2]| ((c * nz + nz - 1) * ny + j) * nx + i;
+        let of = |c: usize| fixed[c].iter().map(move |&node| entry(c, node));
+        let entries = (0..3).flat_map(of).collect();
         let first = averaged.as_ref();
         let inverse = MountedInverse::new(&operator, first, columns, material, beam, fixed)
             .ok_or_else(|| Error::runner_mesh("its mount holds no independent nodes"))?;
@@ -243,21 +239,19 @@ fn beam_space(
     let material = solid.sections()[0].material;
     let stiffness =
         0.01 * material.youngs_modulus() * height.powi(2) / 12.0 * (4.73 / length).powi(4);
-    let mass: Vec<f64> = (0..nx * ny * nz)
-        .map(|node| {
-            let [i, j, k] = [node % nx, node / nx % ny, node / nx / ny];
-            stiffness * x.lumped_mass[i] * y.lumped_mass[j] * z.lumped_mass[k]
-        })
-        .collect();
-    let on_mirror: Vec<bool> = (0..nx * ny * nz)
-        .flat_map(|node| {
-            let [i, j] = [node % nx, node / nx % ny];
-            [symmetry[0] && i == 0, symmetry[1] && j == 0, false]
-        })
-        .collect();
-    let mut stiffness = MatrixFree::new(solid);
+    let mass = |node: usize| {
+        let [i, j, k] = [node % nx, node / nx % ny, node / nx / ny];
+        stiffness * x.lumped_mass[i] * y.lumped_mass[j] * z.lumped_mass[k]
+    };
+    let mass: Vec<f64> = (0..nx * ny * nz).map(mass).collect();
+    let flags = |node: usize| {
+        let [i, j] = [node % nx, node / nx % ny];
+        [symmetry[0] && i == 0, symmetry[1] && j == 0, false]
+    };
+    let on_mirror: Vec<bool> = (0..nx * ny * nz).flat_map(flags).collect();
+    let mut operator = MatrixFree::new(solid);
     let apply = |u: &[f64], out: &mut [f64]| {
-        stiffness.apply(u, out);
+        operator.apply(u, out);
         for (d, out) in out.iter_mut().enumerate() {
             *out = if on_mirror[d] {
                 0.0
@@ -296,14 +290,12 @@ pub(crate) fn fixed_nodes(
     symmetry: [bool; 2],
 ) -> [Vec<[usize; 2]>; 3] {
     let [nx, ny, _] = grid.shape();
-    let free = |c: usize, [i, j]: [usize; 2]| {
-        !(c == 0 && symmetry[0] && i == 0 || c == 1 && symmetry[1] && j == 0)
-    };
     let Mount::Loads(_) = mount else {
-        let places: Vec<[usize; 2]> = (0..ny)
-            .flat_map(|j| (0..nx).map(move |i| [i, j]))
-            .filter(|&[i, _]| mount.over(grid.x[i]))
-            .collect();
+        let free = |c: usize, [i, j]: [usize; 2]| {
+            !(c == 0 && symmetry[0] && i == 0 || c == 1 && symmetry[1] && j == 0)
+        };
+        let nodes = (0..nx * ny).map(|n| [n % nx, n / nx]);
+        let places: Vec<[usize; 2]> = nodes.filter(|&[i, _]| mount.over(grid.x[i])).collect();
         return [0, 1, 2].map(|c| places.iter().copied().filter(|&n| free(c, n)).collect());
     };
     let centre = |n: usize, symmetric: bool| if symmetric { 0 } else { n / 2 };

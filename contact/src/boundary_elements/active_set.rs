@@ -222,10 +222,8 @@ impl<'a> Solve<'a> {
             let cells = self.cells.iter().zip(&self.now.pressure);
             cells.filter(|(cell, _)| **cell == Cell::Pressed)
         };
-        let mut over: Vec<f64> = pressed()
-            .map(|(_, p)| *p)
-            .filter(|p| *p > hardness)
-            .collect();
+        let over = pressed().map(|(_, p)| *p).filter(|p| *p > hardness);
+        let mut over: Vec<f64> = over.collect();
         if 2 * over.len() <= pressed().count() {
             return hardness.next_up();
         }
@@ -287,24 +285,19 @@ impl Balance {
 
     /// The motions that a residual on the set contains.
     fn take_out(&self, plane: &Plane, pressed: &[usize], residual: &[f64]) -> Vec<f64> {
-        let sums = plane
-            .motions
-            .iter()
-            .map(|row| -> f64 { pressed.iter().map(|&c| row[c] * residual[c]).sum() });
+        let sum = |row: &Vec<f64>| -> f64 { pressed.iter().map(|&c| row[c] * residual[c]).sum() };
+        let sums = plane.motions.iter().map(sum);
         let sums = DVector::from_iterator(plane.motions.len(), sums);
         (&self.inverse * sums).as_slice().to_vec()
     }
 
     /// Changes pressures of the set by as little as balances the load.
     fn restore(&self, plane: &Plane, pressed: &[usize], pressure: &mut [f64]) {
-        let short = plane
-            .motions
-            .iter()
-            .zip(&plane.balance)
-            .map(|(row, required)| {
-                let finite = row.iter().zip(pressure.iter());
-                required - finite.map(|(n, p)| n * p).sum::<f64>()
-            });
+        let motions = plane.motions.iter().zip(&plane.balance);
+        let short = motions.map(|(row, required)| {
+            let terms = row.iter().zip(pressure.iter()).map(|(n, p)| n * p);
+            required - terms.sum::<f64>()
+        });
         let short = DVector::from_iterator(plane.motions.len(), short);
         let by = &self.inverse * short;
         for &c in pressed {
@@ -341,7 +334,7 @@ impl Plane {
         let places: Vec<[f64; 2]> = (0..nx * ny).map(|cell| window.place(cell)).collect();
         let mut gaps: Vec<f64> = places.par_iter().map(|&[x, y]| gap.at(x, y)).collect();
         let free: Vec<usize> = (0..3)
-            .filter(|&a| gap.free_motion[a] && (a == 0 || !window.mirrored[a - 1]))
+            .filter(|&a| gap.free_motion[a] && (a == 0 || !window.axes[a - 1].mirrored))
             .collect();
         let rows = |a: usize| places.iter().map(move |&[x, y]| gap.motion_row(x, y)[a]);
         let motions: Vec<Vec<f64>> = free.iter().map(|&a| rows(a).collect()).collect();

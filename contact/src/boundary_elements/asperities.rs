@@ -9,7 +9,7 @@ use crate::accuracy::meshes::FEWEST as LEAST_RESOLUTION;
 use crate::accuracy::watched::{FigureHistory, Fineness, Limits, Place};
 use crate::boundary_elements::active_set::Precision;
 use crate::boundary_elements::operator::Operator;
-use crate::boundary_elements::window::{CheckUnavailable, Surface, Window};
+use crate::boundary_elements::window::{CellAxis, CheckUnavailable, Surface, Window};
 use crate::boundary_elements::window_contact::{
     AllCells, MOST_WINDOWS, Search, WindowContact, carried,
 };
@@ -264,8 +264,9 @@ impl<'a> Asperities<'a> {
     fn divided(&self, window: Window, wanted: f64) -> (Window, f64) {
         let mut finer = 1.0;
         let cells = [0, 1].map(|axis| {
-            let least = wanted * (window.high[axis] - window.low[axis]) / self.half[axis];
-            let cells = fast(least.ceil().max(FEWEST) as usize, window.mirrored[axis]);
+            let CellAxis { mirrored, .. } = window.axes[axis];
+            let least = wanted * window.axes[axis].length() / self.half[axis];
+            let cells = fast(least.ceil().max(FEWEST) as usize, mirrored);
             finer *= cells as f64 / least;
             cells
         });
@@ -346,7 +347,7 @@ impl<'a> Asperities<'a> {
             },
             volume: None,
             runner_volume: None,
-            symmetry: contact.window.mirrored,
+            symmetry: contact.window.mirrored(),
             assembled: Vec::new(),
         }
     }
@@ -448,17 +449,14 @@ impl Search<'_> {
 /// A window with cells of this size, or of such a shape where that would be more than `most`.
 fn of_size(window: Window, size: [f64; 2], most: f64) -> Window {
     let cells = |coarser: f64| {
-        [0, 1].map(|axis| {
-            let whole = window.high[axis] - window.low[axis];
-            (whole / (coarser * size[axis])).max(FEWEST)
-        })
+        [0, 1].map(|axis| (window.axes[axis].length() / (coarser * size[axis])).max(FEWEST))
     };
     // Where one axis has its fewest cells the other is coarsened alone.
     let mut coarser = 1.0;
     while cells(coarser).iter().product::<f64>() > most {
         coarser *= 1.25;
     }
-    let cells = [0, 1].map(|axis| fast(cells(coarser)[axis] as usize, window.mirrored[axis]));
+    let cells = [0, 1].map(|axis| fast(cells(coarser)[axis] as usize, window.axes[axis].mirrored));
     window.with_cells(cells)
 }
 
@@ -517,7 +515,7 @@ impl WindowContact {
     /// The same forces on a window's cells of this size, or of its own where these are larger.
     fn coarsened(&self, size: [f64; 2]) -> (Window, Vec<f64>) {
         let coarse = of_size(self.window, size, SCOUTED);
-        let cells = [0, 1].map(|axis| coarse.cells[axis].min(self.window.cells[axis]));
+        let cells = [0, 1].map(|axis| coarse.cells()[axis].min(self.window.cells()[axis]));
         let coarse = self.window.with_cells(cells);
         let width = coarse.solved()[0];
         let part = coarse.count() as f64 / self.window.count() as f64;
@@ -525,7 +523,7 @@ impl WindowContact {
         let own = self.pressed.pressure.iter().enumerate();
         for (cell, p) in own.filter(|(_, p)| **p > 0.0) {
             let [x, y] = self.window.place(cell);
-            if let (Some(i), Some(j)) = (coarse.cell(0, x), coarse.cell(1, y)) {
+            if let (Some(i), Some(j)) = (coarse.axes[0].cell(x), coarse.axes[1].cell(y)) {
                 pressure[j * width + i] += part * p;
             }
         }
@@ -540,12 +538,9 @@ impl WindowContact {
     /// Half the mean size of an asperity's contact along x and y [m]: the half axis of an ellipse
     /// whose chords have the mean length of the stretches in contact.
     fn half_asperity(&self) -> [f64; 2] {
-        let [nx, ny] = self.window.cells;
-        let touches: Vec<bool> = self
-            .unfolded(&self.pressed.pressure)
-            .iter()
-            .map(|p| *p > 0.0)
-            .collect();
+        let [nx, ny] = self.window.cells();
+        let all = self.unfolded(&self.pressed.pressure);
+        let touches: Vec<bool> = all.iter().map(|p| *p > 0.0).collect();
         let count = touches.iter().filter(|t| **t).count() as f64;
         let starts = |stride: usize, place: &dyn Fn(usize) -> usize| {
             let starts = |n: &usize| touches[*n] && (place(*n) == 0 || !touches[*n - stride]);
@@ -559,16 +554,13 @@ impl WindowContact {
     /// Complementary energy of the pressures, the work of a load from first touch [J].
     fn energy(&self) -> f64 {
         let plane = &self.plane;
-        let lowest = match plane.balance.is_empty() {
-            true => 0.0,
-            false => plane.gap.iter().copied().fold(f64::INFINITY, f64::min),
+        let lowest = if plane.balance.is_empty() {
+            0.0
+        } else {
+            plane.gap.iter().copied().fold(f64::INFINITY, f64::min)
         };
-        let cells = self
-            .pressed
-            .pressure
-            .iter()
-            .zip(&plane.gap)
-            .zip(&self.pressed.sunk);
+        let pressures = self.pressed.pressure.iter();
+        let cells = pressures.zip(&plane.gap).zip(&self.pressed.sunk);
         let pressed = cells.filter(|((p, _), _)| **p > 0.0);
         let sum: f64 = pressed.map(|((p, g), u)| p * (g - lowest + 0.5 * u)).sum();
         let [dx, dy] = self.window.size();

@@ -137,6 +137,14 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
         }
     }
     let [p_max, approach, area, length, width] = found[found.len() - 1];
+    let errors = [0, 1, 2, 3, 4].map(|figure| error(&found, figure));
+    let [
+        p_max_error,
+        approach_error,
+        area_error,
+        length_error,
+        width_error,
+    ] = errors;
     if last.deepest_outside(&search).1 > DEEP * approach {
         return Err(CheckUnavailable::Elsewhere);
     }
@@ -145,15 +153,15 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
     let least = 0.5 * (along * width + across * length);
     let figures = BoundaryElements {
         p_max,
-        p_max_error: error(&found, 0),
+        p_max_error,
         approach,
-        approach_error: error(&found, 1),
+        approach_error,
         area,
-        area_error: error(&found, 2).max(least),
+        area_error: area_error.max(least),
         length,
-        length_error: error(&found, 3).max(along),
+        length_error: length_error.max(along),
         width,
-        width_error: error(&found, 4).max(across),
+        width_error: width_error.max(across),
         patch: last.patch(),
     };
     Ok((figures, last.at_rim()))

@@ -10,6 +10,7 @@ use crate::boundary_elements::window::{CheckUnavailable, Surface, Window};
 use crate::problem::check::CheckedProblem;
 use crate::result::measure::PressureField;
 use crate::result::rim::RimEstimator;
+use crate::symmetry::images;
 
 /// Windows that are tried.
 pub(super) const MOST_WINDOWS: usize = 24;
@@ -77,7 +78,7 @@ impl Search<'_> {
 impl WindowContact {
     /// Peak pressure [Pa], approach [m], area [m2], length and width [m].
     pub fn figures(&self) -> [f64; 5] {
-        let squares = peak(&self.squares(), self.plane.width, self.window.mirrored);
+        let squares = peak(&self.squares(), self.plane.width, self.window.mirrored());
         let p_max = squares.sqrt().min(self.plane.hardness);
         let [area, length, width] = self.extents();
         [p_max, self.approach(), area, length, width]
@@ -88,7 +89,7 @@ impl WindowContact {
         let closing: Vec<f64> = (0..self.plane.gap.len())
             .map(|c| self.plane.closing(c, &self.pressed.motion) - self.plane.gap[c])
             .collect();
-        peak(&closing, self.plane.width, self.window.mirrored)
+        peak(&closing, self.plane.width, self.window.mirrored())
     }
 
     /// The place outside the window where the hull lies deepest in the ice, and how deep [m], under
@@ -113,8 +114,9 @@ impl WindowContact {
         let forces: Vec<([f64; 2], f64)> = pressed
             .filter(|(_, p)| **p > 0.0)
             .flat_map(|(cell, p)| {
-                let images = window.images(window.place(cell));
-                images.map(move |place| (place, p * dx * dy))
+                let [x, y] = window.place(cell);
+                let places = images(window.mirrored()).map(move |[s, t]| [s * x, t * y]);
+                places.map(move |place| (place, p * dx * dy))
             })
             .collect();
         let lowered = |[x, y]: [f64; 2]| -> f64 {
@@ -141,10 +143,9 @@ impl WindowContact {
 
     /// The pressures on all cells of the window.
     pub fn all_cells(&self) -> AllCells {
-        let [x, y] = [0, 1].map(|axis| {
-            let (low, size) = (self.window.low[axis], self.window.size()[axis]);
-            let centre = |cell: usize| low + (cell as f64 + 0.5) * size;
-            (0..self.window.cells[axis]).map(centre).collect()
+        let [x, y] = self.window.axes.map(|axis| {
+            let centre = |cell: usize| axis.low + (cell as f64 + 0.5) * axis.size();
+            (0..axis.cells).map(centre).collect()
         });
         AllCells {
             x,
@@ -156,12 +157,12 @@ impl WindowContact {
 
     /// Values of the solved cells on all of them.
     pub fn unfolded(&self, values: &[f64]) -> Vec<f64> {
-        let [nx, ny] = self.window.cells;
+        let [x, y] = &self.window.axes;
         let row = |j: usize| {
-            let start = self.window.solved_cell(1, j) * self.plane.width;
-            (0..nx).map(move |i| values[start + self.window.solved_cell(0, i)])
+            let start = y.solved_cell(j) * self.plane.width;
+            (0..x.cells).map(move |i| values[start + x.solved_cell(i)])
         };
-        (0..ny).flat_map(row).collect()
+        (0..y.cells).flat_map(row).collect()
     }
 
     /// Squares of the pressures, which are parabolas along every line of a Hertz contact [Pa^2].
@@ -180,7 +181,7 @@ impl WindowContact {
         let [nx, ny] = self.window.solved();
         let open = |i: usize, j: usize| i >= nx || j >= ny || squares[j * nx + i] <= 0.0;
         let previous = |at: usize, axis: usize| match at {
-            0 if self.window.mirrored[axis] => 0,
+            0 if self.window.axes[axis].mirrored => 0,
             _ => at.wrapping_sub(1),
         };
         let rim = (0..squares.len()).filter(|c| {
@@ -195,8 +196,9 @@ impl WindowContact {
     pub fn patch(&self) -> [f64; 4] {
         let ends = self.touched();
         let [[left, right], [low, high]] = [0, 1].map(|axis| {
-            let [first, last] = ends[axis].map(|cell| self.window.centre(axis, cell));
-            if self.window.mirrored[axis] {
+            let cells = &self.window.axes[axis];
+            let [first, last] = ends[axis].map(|cell| cells.centre(cell));
+            if cells.mirrored {
                 [-last, last]
             } else {
                 [first, last]
@@ -251,7 +253,7 @@ pub(super) fn carried(pressure: &[f64], from: &Window, to: &Window) -> Vec<f64> 
     let [columns, rows] = [0, 1].map(|axis| -> Vec<Option<usize>> {
         let cells = 0..to.solved()[axis];
         cells
-            .map(|cell| from.cell(axis, to.centre(axis, cell)))
+            .map(|cell| from.axes[axis].cell(to.axes[axis].centre(cell)))
             .collect()
     });
     let at = |i: &Option<usize>, j: &Option<usize>| match (i, j) {

@@ -68,9 +68,8 @@ impl<'a> ModalGreen<'a> {
             dual(modes, &operator.axes[axis].mass, &window.along[axis])
         });
         let response = first.preconditioner.end_response();
-        let inverse = Mat::from_fn(response.nrows(), response.ncols(), |a, b| {
-            response[(a, b)].recip()
-        });
+        let [mx, my] = [response.nrows(), response.ncols()];
+        let inverse = Mat::from_fn(mx, my, |a, b| response[(a, b)].recip());
         let stiffness = form(&window, rows, inverse);
         let mut own = vec![0.0; candidates.len()];
         for form in &forms {
@@ -108,11 +107,8 @@ impl<'a> ModalGreen<'a> {
         if self.others.is_empty() {
             return vec![0.0; force.len()];
         }
-        let nodes = self.candidates.iter().copied();
-        let forces: Vec<(usize, f64)> = nodes
-            .zip(force.iter().copied())
-            .filter(|(_, f)| *f != 0.0)
-            .collect();
+        let forces = self.candidates.iter().copied().zip(force.iter().copied());
+        let forces: Vec<(usize, f64)> = forces.filter(|(_, f)| *f != 0.0).collect();
         let mut closing = vec![0.0; self.plane];
         for (body, work) in &self.others {
             body.respond(&forces, &mut closing, &mut work.borrow_mut());

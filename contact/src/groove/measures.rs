@@ -9,6 +9,7 @@ use crate::problem::check::CheckedProblem;
 use crate::result::measure::{PressureField, differences, mean_of_root};
 use crate::result::pressure::Field;
 use crate::result::rim::{RimEstimator, rim_by_overlap};
+use crate::symmetry::unfolded;
 
 /// The figures that errors are stated of, as one mesh has them.
 #[derive(Clone, Copy, Debug)]
@@ -126,11 +127,9 @@ impl<'a> GrooveReading<'a> {
     /// The section of the remaining groove, over the whole width.
     pub fn profile(&self) -> GrooveProfile {
         let (nx, ys) = (self.mesh.grid.x.len(), &self.mesh.grid.y);
-        let depth = |j: usize| self.slid.depth[j * nx];
-        let mirrored = (1..ys.len()).rev().filter(|_| self.mesh.symmetry[1]);
-        let pairs = mirrored.map(|j| (-ys[j], depth(j)));
-        let (y, depth) = pairs
-            .chain((0..ys.len()).map(|j| (ys[j], depth(j))))
+        let nodes = unfolded(ys.len(), self.mesh.symmetry[1]);
+        let (y, depth) = nodes
+            .map(|(j, sign)| (sign * ys[j], self.slid.depth[j * nx]))
             .unzip();
         GrooveProfile::new(y, depth).expect("nodes ascend and no groove is negative")
     }

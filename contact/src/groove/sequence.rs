@@ -17,6 +17,7 @@ use crate::mesh::discretise::{Discretisation, Reach};
 use crate::problem::check::CheckedProblem;
 use crate::result::pressure::{Field, Pressure};
 use crate::solve::check_answer;
+use crate::symmetry::unfolded;
 use crate::{Error, Options, Problem};
 
 /// Cells over half the patch while it is being found.
@@ -226,14 +227,14 @@ impl<'a> SlidingMeshes<'a> {
         let reading = self.reading(&mesh, &slid);
         let (profile, sections, m) = (reading.profile(), reading.sections(), reading.measures());
         let pressure = self.pressure(&mesh, &slid);
-        let depth = unfolded(&slid.depth, &mesh);
+        let depth = over_mirror(&slid.depth, &mesh);
         let nx = mesh.grid.x.len();
         // The groove is followed from the front to the back: ahead is the ice as it came.
         let came = |n: usize| slid.depth[n - n % nx + nx - 1];
         let grown: Vec<f64> = (0..slid.depth.len())
             .map(|n| slid.depth[n] - came(n))
             .collect();
-        let yielded = unfolded(&grown, &mesh);
+        let yielded = over_mirror(&grown, &mesh);
         // The ice that is met lies lower by the groove.
         for (gap, depth) in mesh.contact.gap.iter_mut().zip(&slid.depth) {
             *gap += depth;
@@ -305,11 +306,10 @@ fn similar(a: &Patch, b: &Patch) -> bool {
 }
 
 /// A plane field over the mirror plane y = 0, where it was used.
-fn unfolded(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
-    let [nx, ny] = [mesh.grid.x.len(), mesh.grid.y.len()];
-    let mirrored = (1..ny).rev().filter(|_| mesh.symmetry[1]);
-    let rows = mirrored.chain(0..ny);
-    rows.flat_map(|j| values[j * nx..(j + 1) * nx].iter().copied())
+fn over_mirror(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
+    let nx = mesh.grid.x.len();
+    let rows = unfolded(mesh.grid.y.len(), mesh.symmetry[1]);
+    rows.flat_map(|(j, _)| values[j * nx..(j + 1) * nx].iter().copied())
         .collect()
 }
 

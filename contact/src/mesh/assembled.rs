@@ -41,7 +41,7 @@ pub(crate) fn assemble(
     };
     for body in &mut mesh.contact.bodies {
         body.assembled = match (&body.stiffness, &mesh.runner_mesh) {
-            (Stiffness::Solid(solid), _) => of(solid.body())?,
+            (Stiffness::Solid(solid), _) => of(&solid.body)?,
             (Stiffness::Mapped { .. }, Some(runner)) => {
                 let kind = element.unwrap_or_default();
                 let solid = Body::uniform(runner.clone(), body.material, kind);

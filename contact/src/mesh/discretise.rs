@@ -16,6 +16,7 @@ use crate::motion::Motion;
 use crate::precondition::planewise::{Columns, Side};
 use crate::problem::check::{CheckedProblem, solid_material};
 use crate::problem::gap::Gap;
+use crate::symmetry::copies;
 use crate::{Bed, Error, Foundation, Load, Problem};
 
 /// How far the mesh reaches and which of its nodes may touch.
@@ -55,8 +56,7 @@ impl Discretisation {
 
     /// How often mirror planes repeat the modelled part.
     pub fn copies(&self) -> f64 {
-        let of = |&mirrored: &bool| if mirrored { 2.0 } else { 1.0 };
-        self.symmetry.iter().map(of).product()
+        copies(self.symmetry)
     }
 }
 

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use kufe_fem::{Body, FACES, Material, MatrixFree, nodal_stresses, von_mises};
 use kufe_mesh::HexMesh;
 
+use crate::symmetry::images;
 use crate::{ElasticRunner, Error, Mount, Problem, RunnerField, Solution};
 
 /// What the steel bears, of the last mesh: nothing here is extrapolated.
@@ -61,8 +62,7 @@ pub fn runner_loads(problem: &Problem, solution: &Solution) -> Result<Option<Run
         .collect();
     let most = (0..mises.len()).fold(0, |most, n| if mises[n] > mises[most] { n } else { most });
     let mut mounts = Vec::new();
-    let ends = problem.runner.underside.extent();
-    if elastic.solid.is_some() || ends.iter().all(|end| end.is_finite()) {
+    if elastic.solid.is_some() || problem.runner.is_bounded() {
         let mut forces = vec![0.0; displacement.len()];
         MatrixFree::new(&body).apply(&displacement, &mut forces);
         let on_mount = on_mount(elastic, field);
@@ -96,10 +96,8 @@ fn on_mount(elastic: &ElasticRunner, field: &RunnerField) -> Vec<bool> {
         let fixed = |node| solid.map.index(3 * node).is_none();
         return (0..points.len()).map(fixed).collect();
     }
-    let top = points
-        .iter()
-        .map(|p| p[2])
-        .fold(f64::NEG_INFINITY, f64::max);
+    let heights = points.iter().map(|p| p[2]);
+    let top = heights.fold(f64::NEG_INFINITY, f64::max);
     let slack = 1e-9 * top.abs();
     let over = |x| elastic.mount == Mount::Top || elastic.mount.over(x);
     let fixed = |p: &[f64; 3]| p[2] >= top - slack && over(p[0]);
@@ -124,11 +122,7 @@ fn parts(mesh: &HexMesh, on: &[bool]) -> Vec<Vec<usize>> {
             }
         }
     }
-    for cell in mesh
-        .cells
-        .iter()
-        .filter(|cell| cell.iter().any(|&n| unassigned[n]))
-    {
+    for cell in &mesh.cells {
         let nodes: Vec<usize> = cell.iter().copied().filter(|&n| unassigned[n]).collect();
         join(&nodes);
     }
@@ -167,15 +161,11 @@ impl Part<'_> {
             symmetry[axis] && self.nodes.iter().any(on_plane)
         });
         let separate = [0, 1].map(|axis| symmetry[axis] && !meets[axis]);
-        let whole = signs(meets);
-        let image = |sign: [f64; 2]| -> MountForce {
-            let turned: Vec<[f64; 2]> = whole
-                .iter()
-                .map(|own| [own[0] * sign[0], own[1] * sign[1]])
-                .collect();
-            self.force(&turned)
+        let image = |sign: [f64; 2]| {
+            let turned = images(meets).map(|own| [own[0] * sign[0], own[1] * sign[1]]);
+            self.force(&turned.collect::<Vec<_>>())
         };
-        signs(separate).into_iter().map(image).collect()
+        images(separate).map(image).collect()
     }
 
     /// What acts on the images of the part by these signs of x and y, together.
@@ -214,15 +204,6 @@ impl Part<'_> {
             von_mises: self.von_mises,
         }
     }
-}
-
-/// The signs of x and y of all images by these mirror planes, the original first.
-fn signs(planes: [bool; 2]) -> Vec<[f64; 2]> {
-    let of = |used: bool| if used { vec![1.0, -1.0] } else { vec![1.0] };
-    let along = of(planes[0]);
-    let each = along.into_iter();
-    each.flat_map(|x| of(planes[1]).into_iter().map(move |y| [x, y]))
-        .collect()
 }
 
 #[cfg(test)]
