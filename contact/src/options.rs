@@ -21,8 +21,8 @@ pub enum StiffnessForm {
     /// Applied cell by cell, without being stored.
     #[default]
     MatrixFree,
-    /// Assembled into faer's sparse matrices, one a body: some twenty times the memory and several
-    /// times the time of a product, the same answer to rounding. The preconditioners are the same.
+    /// Assembled, one matrix a body: some ten times the memory and several times the time of a
+    /// product, the same answer to rounding. The preconditioners are the same.
     Assembled,
 }
 

@@ -21,16 +21,16 @@ const ROUNDS: usize = 30;
 
 /// Finds the patch with contact problems on the plane alone, regrading until the grid fits what it
 /// finds.
-pub(crate) fn find_patch(problem: &CheckedProblem) -> Result<(Patch, Forces), Error> {
-    let mut patch = first_guess(problem);
+pub(crate) fn find_patch(checked: &CheckedProblem) -> Result<(Patch, Forces), Error> {
+    let mut patch = first_guess(checked);
     for _ in 0..ROUNDS {
-        problem.options.check_stop()?;
-        let mesh = problem.mesh(&patch, COARSE_MESH, Reach::WholeHull)?;
+        checked.options.check_stop()?;
+        let mesh = checked.mesh(&patch, COARSE_MESH, Reach::WholeHull)?;
         let contact = &mesh.contact;
         let [_, scaled] = contact.greens(StorageLimit::USUAL);
         let found = contact.plane_contact_from_rest(&scaled, patch.motion);
         let state = contact.state_of(&found.force, found.motion);
-        let next = Field::new(&mesh, problem.problem, &patch).of(&state).patch;
+        let next = Field::new(&mesh, checked.problem, &patch).of(&state).patch;
         let settled = similar(&patch, &next);
         patch = next;
         if settled {

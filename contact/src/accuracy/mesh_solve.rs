@@ -34,7 +34,7 @@ impl Forces {
 
 /// One mesh of a problem, and the callback for what happens on it.
 pub(crate) struct MeshSolve<'a> {
-    pub problem: &'a CheckedProblem<'a>,
+    pub checked: &'a CheckedProblem<'a>,
     pub mesh: &'a Discretisation,
     /// Most candidates whose Green's matrix is stored.
     pub stored: StorageLimit,
@@ -66,7 +66,7 @@ impl MeshSolve<'_> {
         let contact = &self.mesh.contact;
         let CheckedProblem {
             problem, options, ..
-        } = self.problem;
+        } = self.checked;
         let greens = contact.greens(self.stored);
         let on_plane = contact.plane_contact_from_rest(&greens[1], motion);
         let mut state = contact.state_of(&on_plane.force, on_plane.motion);
@@ -131,7 +131,7 @@ impl MeshSolve<'_> {
         let (on_ice, on_runner) = state.displacement.split_at_mut(3 * grid.node_count());
         let CheckedProblem {
             problem, material, ..
-        } = self.problem;
+        } = self.checked;
         if problem.ice.foundation == Foundation::HalfSpace {
             prescribe(grid, symmetry, *material, &lumps, Side::Below, on_ice);
         }
@@ -154,7 +154,7 @@ impl MeshSolve<'_> {
     fn with_fixed_faces(&self, greens: &[Green; 2], state: &mut State, begun: Counts) -> Progress {
         let control = Control {
             iterations: self.most_iterations(),
-            options: self.problem.options,
+            options: self.checked.options,
             report: self.report,
         };
         self.mesh.contact.solve(state, greens, begun, &control)
@@ -184,7 +184,7 @@ mod tests {
         let one = MeshProblem::new(problem, 4.0)?;
         let options = Options::default();
         let solve = MeshSolve {
-            problem: &CheckedProblem::new(&one.problem, &options)?,
+            checked: &CheckedProblem::new(&one.problem, &options)?,
             mesh: &one.mesh,
             stored: StorageLimit::USUAL,
             report: &|_, _| {},

@@ -33,7 +33,7 @@ pub(crate) const FEWEST: f64 = 2.0;
 
 /// What is known of a problem, mesh by mesh.
 pub(crate) struct Meshes<'a> {
-    problem: CheckedProblem<'a>,
+    checked: CheckedProblem<'a>,
     /// Where contact is expected, and the forces found last.
     patch: Patch,
     forces: Forces,
@@ -65,10 +65,10 @@ pub(crate) struct Plan {
 impl<'a> Meshes<'a> {
     /// Finds the patch of a problem on the contact plane alone; its meshes follow those of a
     /// `history` that ended without an answer.
-    pub fn guess(problem: CheckedProblem<'a>, history: Vec<Iterate>) -> Result<Self, Error> {
-        let (patch, forces) = find_patch(&problem)?;
-        let options = problem.options;
-        let own = OwnCells::new(problem.problem, &patch);
+    pub fn guess(checked: CheckedProblem<'a>, history: Vec<Iterate>) -> Result<Self, Error> {
+        let (patch, forces) = find_patch(&checked)?;
+        let options = checked.options;
+        let own = OwnCells::new(checked.problem, &patch);
         let coarsest = options.cells.map_or_else(
             || {
                 let first = first_resolution(options.p_max_tolerance, patch.is_even());
@@ -85,12 +85,12 @@ impl<'a> Meshes<'a> {
             first: coarsest.round(),
             coarsest,
             own,
-            solved: FigureHistory::new(problem.problem.ice.hardness, error_floor(own)),
+            solved: FigureHistory::new(checked.problem.ice.hardness, error_floor(own)),
             graded_anew: false,
             regraded: 0,
             widened: Vec::new(),
             history,
-            problem,
+            checked,
         })
     }
 
@@ -99,7 +99,7 @@ impl<'a> Meshes<'a> {
         let mut mesh = self.next_mesh()?;
         let CheckedProblem {
             problem, options, ..
-        } = self.problem;
+        } = self.checked;
         if options.stiffness == StiffnessForm::Assembled {
             let elastic = problem.runner.elastic.as_ref();
             let element = elastic.map(|e| e.element_kind());
@@ -136,7 +136,7 @@ impl<'a> Meshes<'a> {
             reported.borrow_mut().push(iterate);
         };
         let (state, progress) = MeshSolve {
-            problem: &self.problem,
+            checked: &self.checked,
             mesh: &mesh,
             stored: StorageLimit::USUAL,
             report: &report,
@@ -148,14 +148,14 @@ impl<'a> Meshes<'a> {
         let cells = Resolution::of(self.cells).real_cells(mesh.symmetry);
         let place = Place {
             approach: mesh.contact.depth(&state),
-            tilt: self.problem.gap.tilt(state.motion[1], state.motion[2]),
+            tilt: self.checked.gap.tilt(state.motion[1], state.motion[2]),
             missed: self.patch.missed(&pressure.patch, cells),
             at_ridge: !self.patch.is_even(),
         };
         self.solved
             .push(pressure.figures, place, cells, self.graded_anew);
         if options.subsurface {
-            let largest = mesh.largest_shear(self.problem.material, &pressure.values, &state);
+            let largest = mesh.largest_shear(self.checked.material, &pressure.values, &state);
             self.solved.push_under(largest, cells, self.graded_anew);
         }
         Ok(SolvedMesh {
@@ -169,10 +169,10 @@ impl<'a> Meshes<'a> {
     /// The next mesh; the first one of a patch so that the limit of unknowns leaves room for two
     /// more, to estimate an error from.
     fn next_mesh(&mut self) -> Result<Discretisation, Error> {
-        let options = self.problem.options;
+        let options = self.checked.options;
         loop {
             let resolution = Resolution::of(self.cells);
-            let mesh = self.problem.mesh(&self.patch, resolution, Reach::Patch)?;
+            let mesh = self.checked.mesh(&self.patch, resolution, Reach::Patch)?;
             let room = options.max_dofs as f64 / (mesh.free_dofs() as f64 * REFINEMENT.powi(6));
             let first = self.solved.similar() == 0 && options.cells.is_none();
             if !first || room >= 1.0 || self.cells <= FEWEST {
@@ -185,7 +185,7 @@ impl<'a> Meshes<'a> {
     }
 
     fn gap_of<'b>(&'b self, contact: &'b SolvedMesh) -> DeformedGap<'b> {
-        DeformedGap::new(&self.problem, &self.patch, contact)
+        DeformedGap::new(&self.checked, &self.patch, contact)
     }
 
     /// Makes these places part of the patch, and begins again with the first mesh's cells.
@@ -203,7 +203,7 @@ impl<'a> Meshes<'a> {
             )));
         }
         // Meshes without that place say nothing of this contact.
-        let hardness = self.problem.problem.ice.hardness;
+        let hardness = self.checked.problem.ice.hardness;
         self.solved = FigureHistory::new(hardness, error_floor(self.own));
         self.patch = self.gap_of(contact).patch_with(found);
         self.widened.push(self.patch.clone());
@@ -245,7 +245,7 @@ impl<'a> Meshes<'a> {
     pub fn solution(self, contact: SolvedMesh, limits: Limits) -> Solution {
         Solution {
             under_peak: self.solved.under_peak(),
-            ..contact.solution(&self.problem, limits, self.history)
+            ..contact.solution(&self.checked, limits, self.history)
         }
     }
 }
@@ -278,7 +278,7 @@ impl Meshes<'_> {
     pub fn judge(&self, contact: &SolvedMesh) -> Verdict {
         let verdict = self.judge_accuracy(contact);
         // Uneven ice touches at many places: none is waited for until the others are solved finely.
-        let early = self.solved.similar() <= 1 && self.problem.problem.ice_surface.is_some();
+        let early = self.solved.similar() <= 1 && self.checked.problem.ice_surface.is_some();
         if matches!(verdict, Verdict::Refine(_)) && !early {
             return verdict;
         }
@@ -298,7 +298,7 @@ impl Meshes<'_> {
     }
 
     fn judge_accuracy(&self, contact: &SolvedMesh) -> Verdict {
-        let options = self.problem.options;
+        let options = self.checked.options;
         if options.cells.is_some() {
             return Verdict::Reached(self.solved.unjudged());
         }
@@ -357,7 +357,7 @@ impl Meshes<'_> {
     /// The best solution there is, and how far it is from the requested one.
     pub fn out_of_reach(self, contact: SolvedMesh, limits: Option<Limits>) -> Error {
         let limits = limits.unwrap_or_else(|| self.solved.last());
-        let tolerance = self.problem.options.p_max_tolerance;
+        let tolerance = self.checked.options.p_max_tolerance;
         let finest = contact.pressure.patch.finest_over(&self.patch);
         let best = self.solution(contact, limits);
         Error::AccuracyNotReached {

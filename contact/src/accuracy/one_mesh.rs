@@ -37,7 +37,7 @@ impl MeshProblem {
     /// Solved with Green's matrices of so many nodes stored.
     pub fn solve(&self, stored: StorageLimit) -> Result<(State, Progress), Error> {
         MeshSolve {
-            problem: &CheckedProblem::new(&self.problem, &Options::default())?,
+            checked: &CheckedProblem::new(&self.problem, &Options::default())?,
             mesh: &self.mesh,
             stored,
             report: &|_, _| {},

@@ -40,7 +40,7 @@ const CURVED: f64 = 0.5;
 
 /// The gap of a solved mesh anywhere on the plane.
 pub(crate) struct DeformedGap<'a> {
-    problem: &'a CheckedProblem<'a>,
+    checked: &'a CheckedProblem<'a>,
     /// The patch that the mesh was made for.
     patch: &'a Patch,
     solved: &'a SolvedMesh,
@@ -53,9 +53,9 @@ pub(crate) struct DeformedGap<'a> {
 }
 
 impl<'a> DeformedGap<'a> {
-    pub fn new(problem: &'a CheckedProblem<'a>, patch: &'a Patch, solved: &'a SolvedMesh) -> Self {
+    pub fn new(checked: &'a CheckedProblem<'a>, patch: &'a Patch, solved: &'a SolvedMesh) -> Self {
         let (mesh, state) = (&solved.mesh, &solved.state);
-        let lumps = match problem.problem.ice.foundation {
+        let lumps = match checked.problem.ice.foundation {
             Foundation::HalfSpace => lumps(&mesh.grid.x, &mesh.grid.y, &state.force, mesh.symmetry),
             // A layer is at rest some thicknesses away.
             _ => Vec::new(),
@@ -63,7 +63,7 @@ impl<'a> DeformedGap<'a> {
         DeformedGap {
             depth: mesh.contact.depth(state),
             closing: mesh.contact.closing(&state.displacement),
-            problem,
+            checked,
             patch,
             solved,
             lumps,
@@ -72,7 +72,7 @@ impl<'a> DeformedGap<'a> {
 
     /// The gap at (x, y) without displacements [m].
     fn undeformed(&self, x: f64, y: f64) -> f64 {
-        let gap = &self.problem.gap;
+        let gap = &self.checked.gap;
         gap.at(x, y) - dot(gap.motion_row(x, y), self.solved.state.motion)
     }
 
@@ -113,12 +113,12 @@ impl<'a> DeformedGap<'a> {
     /// valley along it, in order, and where a measured surface is low; there also between the
     /// nodes.
     pub fn penetrations(&self) -> Vec<Penetration> {
-        let mut found = if self.problem.problem.runner.is_bounded() {
+        let mut found = if self.checked.problem.runner.is_bounded() {
             self.valleys()
         } else {
             Vec::new()
         };
-        found.extend(self.problem.gap.lows().filter_map(|at| self.deep(at)));
+        found.extend(self.checked.gap.lows().filter_map(|at| self.deep(at)));
         found
     }
 
@@ -131,7 +131,7 @@ impl<'a> DeformedGap<'a> {
         };
         let least = part * self.depth;
         // The ice only sinks, and only elastic runners come nearer by themselves.
-        let rigid = self.problem.problem.runner.elastic.is_none();
+        let rigid = self.checked.problem.runner.elastic.is_none();
         if rigid && self.undeformed(x, y) > -least {
             return None;
         }
@@ -141,7 +141,7 @@ impl<'a> DeformedGap<'a> {
 
     /// The deepest place of each valley along the hull, in order.
     fn valleys(&self) -> Vec<Penetration> {
-        let [low, high, right, left] = self.problem.problem.runner.underside.extent();
+        let [low, high, right, left] = self.checked.problem.runner.underside.extent();
         let (dx, dy) = (
             (high - low) / STATIONS as f64,
             (left - right) / POINTS as f64,
@@ -218,7 +218,7 @@ impl<'a> DeformedGap<'a> {
             };
             Stretch::even(end(-1.0, at - low), end(1.0, high - at))
         };
-        let [low, high, right, left] = self.problem.problem.runner.underside.extent();
+        let [low, high, right, left] = self.checked.problem.runner.underside.extent();
         let along = stretch(x, [low, high], &|x| self.gap(x, y));
         let across = stretch(y, [right, left], &|y| self.gap(x, y));
         widen_to(&mut patch.y, [if mirrored[1] { -y } else { y }, y]);

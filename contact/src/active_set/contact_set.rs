@@ -1,7 +1,5 @@
 //! Which nodes touch: accelerated projective SOR on the bodies' own stiffness.
 
-use std::convert::Infallible;
-
 use crate::Options;
 use crate::active_set::constrained_cg::SetProblem;
 use crate::active_set::plane_problem::{PlaneProblem, PlaneState};
@@ -34,10 +32,9 @@ impl ContactMesh {
         control: &Control,
     ) -> Progress {
         let mut work = self.workspace();
-        let Ok(progress) = self.solve_by(state, greens, begun, control, |set, state, progress| {
-            Ok::<_, Infallible>(self.iterate(set, state, &mut work, progress))
-        });
-        progress
+        self.solve_by(state, greens, begun, control, |set, state, progress| {
+            self.iterate(set, state, &mut work, progress)
+        })
     }
 
     /// As [`ContactMesh::solve`] with an iteration within one contact set, which returns whether
@@ -50,14 +47,14 @@ impl ContactMesh {
     /// force meets its bound. Where it does not fall the next set is that of the forces accepted
     /// last with the nodes whose gaps contradict it: its minimiser lies lower, since those forces
     /// are among its own.
-    pub fn solve_by<E>(
+    fn solve_by(
         &self,
         state: &mut State,
         greens: &[Green; 2],
         begun: Counts,
         control: &Control,
-        mut iterate: impl FnMut(&SetProblem, &mut State, &mut Progress) -> Result<bool, E>,
-    ) -> Result<Progress, E> {
+        mut iterate: impl FnMut(&SetProblem, &mut State, &mut Progress) -> bool,
+    ) -> Progress {
         let mut progress = Progress {
             iterations: 0,
             residual: f64::INFINITY,
@@ -84,7 +81,7 @@ impl ContactMesh {
                         .powi((update / UNHURRIED) as i32 - PATIENT)
                         .clamp(1.0, MOST_SLACK),
             };
-            let confirmed = iterate(&set, state, &mut progress)?;
+            let confirmed = iterate(&set, state, &mut progress);
             counts.accelerations += 1;
             let trial = self.feasible(state, &greens[1], accepted.as_ref());
             // Forces put back to their bounds leave gaps that are only predicted: not good enough
@@ -129,7 +126,7 @@ impl ContactMesh {
                 }
             };
         }
-        Ok(progress)
+        progress
     }
 
     /// Whether all forces are within their bounds, by more than rounding.
@@ -445,14 +442,12 @@ mod tests {
                 |set, state, progress| {
                     number += 1;
                     let Some(at) = disturbed.filter(|at| number <= *at) else {
-                        return Ok::<_, std::convert::Infallible>(
-                            contact.iterate(set, state, &mut work, progress),
-                        );
+                        return contact.iterate(set, state, &mut work, progress);
                     };
                     if number < at {
                         contact.iterate(set, state, &mut work, progress);
                         before = Some(contact.feasible(state, &greens[1], None));
-                        return Ok(false);
+                        return false;
                     }
                     let mut inside = set.sets.inside.clone();
                     let force = |i: &usize| state.force[contact.candidates[*i]];
@@ -473,10 +468,9 @@ mod tests {
                     let last = before.as_ref().expect("one before");
                     let now = contact.feasible(state, &greens[1], Some(last));
                     risen = Some([last.energy, now.energy]);
-                    Ok(false)
+                    false
                 },
             );
-            let Ok(progress) = progress;
             (progress, state, reported.into_inner(), risen)
         };
         let (straight, expected, ..) = solve(None);

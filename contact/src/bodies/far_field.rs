@@ -87,10 +87,8 @@ pub(crate) fn prescribe(
             || (i == 0 && !symmetry[0])
             || (j == 0 && !symmetry[1])
     };
-    let faces: Vec<[usize; 3]> = (0..nz)
-        .flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])))
-        .filter(|&[i, j, k]| outer(i, j, k))
-        .collect();
+    let all = (0..nodes).map(|n| [n % nx, n / nx % ny, n / nx / ny]);
+    let faces: Vec<[usize; 3]> = all.filter(|&[i, j, k]| outer(i, j, k)).collect();
     let values: Vec<[f64; 3]> = faces
         .par_iter()
         .map(|&[i, j, k]| {

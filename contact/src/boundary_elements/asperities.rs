@@ -49,7 +49,7 @@ const PADDED: usize = 4;
 
 /// A contact of many asperities.
 pub(crate) struct Asperities<'a> {
-    problem: &'a CheckedProblem<'a>,
+    checked: &'a CheckedProblem<'a>,
     surface: Surface,
     /// Size of what the ice's surface consists of [m].
     spacing: [f64; 2],
@@ -65,12 +65,12 @@ impl<'a> Asperities<'a> {
     ///
     /// # Errors
     /// [`Error::Stopped`].
-    pub fn of(problem: &'a CheckedProblem<'a>) -> Result<Option<Self>, Error> {
-        let options = problem.options;
+    pub fn of(checked: &'a CheckedProblem<'a>) -> Result<Option<Self>, Error> {
+        let options = checked.options;
         let in_volume = options.subsurface
             || options.stiffness == StiffnessForm::Assembled
-            || problem.problem.runner.elastic.is_some();
-        let surface = problem.problem.ice_surface.as_ref();
+            || checked.problem.runner.elastic.is_some();
+        let surface = checked.problem.ice_surface.as_ref();
         let Some(ice) = surface.filter(|_| !in_volume) else {
             return Ok(None);
         };
@@ -81,7 +81,7 @@ impl<'a> Asperities<'a> {
         );
         let scouted = |surface: &Surface| {
             let search = Search {
-                problem,
+                checked,
                 surface,
                 precision: ROUGH,
             };
@@ -92,7 +92,7 @@ impl<'a> Asperities<'a> {
             }
             search.scouted(near, spacing).map(Some)
         };
-        let found = Surface::of(problem.problem)
+        let found = Surface::of(checked.problem)
             .and_then(|surface| Ok(scouted(&surface)?.map(|found| (surface, found))));
         // What boundary elements do not find, finite elements may.
         let Some((surface, scouted)) = unless_stopped(found)?.flatten() else {
@@ -101,7 +101,7 @@ impl<'a> Asperities<'a> {
         let half = scouted.half_asperity();
         let many = scouted.nodes(half, finest) >= MANY;
         Ok(many.then_some(Asperities {
-            problem,
+            checked,
             surface,
             spacing,
             scouted,
@@ -116,14 +116,14 @@ impl<'a> Asperities<'a> {
     /// [`Error::AccuracyNotReached`] where the finest cells allowed do not do, [`Error::Unsolved`]
     /// where the coarsest are too many, [`Error::Stopped`].
     pub fn solve(&self, history: &mut Vec<Iterate>) -> Result<Option<Solution>, Error> {
-        let options = self.problem.options;
+        let options = self.checked.options;
         let tolerance = options.p_max_tolerance;
         let search = Search {
-            problem: self.problem,
+            checked: self.checked,
             surface: &self.surface,
             precision: FINE,
         };
-        let new_figures = || FigureHistory::of_asperities(self.problem.problem.ice.hardness);
+        let new_figures = || FigureHistory::of_asperities(self.checked.problem.ice.hardness);
         let coarse = &self.scouted.window;
         let mut window = coarse.around(self.scouted.touched(), AROUND);
         let mut wanted = self.coarsest(window);
@@ -212,7 +212,7 @@ impl<'a> Asperities<'a> {
         history: &mut Vec<Iterate>,
     ) -> Result<Option<(WindowContact, Read)>, Error> {
         let (level, dofs) = (history.len(), grid.count());
-        let options = self.problem.options;
+        let options = self.checked.options;
         if let Some(watcher) = &options.next_mesh {
             watcher(&NextMesh {
                 level,
@@ -247,7 +247,7 @@ impl<'a> Asperities<'a> {
     /// Cells over half an asperity's contact of a window's first grid: few enough that the limit of
     /// unknowns leaves room for two more, to estimate an error from.
     fn coarsest(&self, window: Window) -> f64 {
-        let options = self.problem.options;
+        let options = self.checked.options;
         if let Some(cells) = options.cells {
             return cells as f64;
         }
@@ -276,7 +276,7 @@ impl<'a> Asperities<'a> {
     /// Pitch and roll of a contact [rad].
     fn tilt(&self, contact: &WindowContact) -> [f64; 2] {
         let [_, pitch, roll] = contact.plane.motion(&contact.pressed.motion);
-        self.problem.gap.tilt(pitch, roll)
+        self.checked.gap.tilt(pitch, roll)
     }
 
     /// What a contact and the limits of finer and finer cells make.
@@ -315,7 +315,7 @@ impl<'a> Asperities<'a> {
             p_max: limits.peak.value,
             p_max_error: limits.peak.error,
             p_max_mesh: p_max,
-            hardness: self.problem.problem.ice.hardness,
+            hardness: self.checked.problem.ice.hardness,
             p_mean: fz / area,
             p_mean_error: fz / area * limits.area_error / area,
             area,
@@ -430,7 +430,7 @@ impl Search<'_> {
         let mut sunk = vec![0.0; all.len()];
         Operator::new(&wide, self.surface)?.apply(&all, &mut sunk);
         let least = DEEP * found.approach();
-        let gap = &self.problem.gap;
+        let gap = &self.checked.gap;
         let depth = |place| found.plane.depth(gap, &found.pressed.motion, place);
         let touches =
             |cell: &usize| all[*cell] == 0.0 && depth(wide.place(*cell)) - sunk[*cell] > least;

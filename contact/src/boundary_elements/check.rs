@@ -121,7 +121,7 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
     let checked =
         CheckedProblem::new(problem, &options).map_err(|_| CheckUnavailable::NotSettled)?;
     let search = Search {
-        problem: &checked,
+        checked: &checked,
         surface: &Surface::of(problem)?,
         precision: PRECISION,
     };

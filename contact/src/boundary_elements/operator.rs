@@ -411,24 +411,15 @@ impl Layer {
         );
         let plane = lambda + 2.0 * mu;
         // Lengths in 1/k and stresses in mu make every entry of order 1.
-        let a = Matrix4::new(
-            0.0,
-            1.0,
-            1.0,
-            0.0,
-            -lambda / plane,
-            0.0,
-            0.0,
-            mu / plane,
-            (plane - lambda * lambda / plane) / mu,
-            0.0,
-            0.0,
-            lambda / plane,
-            0.0,
-            0.0,
-            -1.0,
-            0.0,
-        );
+        let (p, q) = (lambda / plane, mu / plane);
+        let r = (plane - lambda * lambda / plane) / mu;
+        let rows = [
+            [0.0, 1.0, 1.0, 0.0],
+            [-p, 0.0, 0.0, q],
+            [r, 0.0, 0.0, p],
+            [0.0, 0.0, -1.0, 0.0],
+        ];
+        let a = Matrix4::from_row_slice(rows.as_flattened());
         let deep = (k * self.thickness).min(DEEP);
         let steps = (deep / STEP).ceil().max(1.0);
         let t = deep / steps;

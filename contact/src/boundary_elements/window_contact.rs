@@ -25,7 +25,7 @@ pub(super) struct WindowContact {
 /// What the grids of a problem share.
 #[derive(Clone, Copy)]
 pub(super) struct Search<'a> {
-    pub problem: &'a CheckedProblem<'a>,
+    pub checked: &'a CheckedProblem<'a>,
     pub surface: &'a Surface,
     pub precision: Precision,
 }
@@ -39,7 +39,7 @@ impl Search<'_> {
         divided: impl Fn(Window) -> Window,
     ) -> Result<WindowContact, CheckUnavailable> {
         let modulus = 1.0 / self.surface.compliance;
-        let CheckedProblem { problem, gap, .. } = self.problem;
+        let CheckedProblem { problem, gap, .. } = self.checked;
         let mut window =
             Window::first(problem, gap, modulus, cells).ok_or(CheckUnavailable::NotSettled)?;
         for _ in 0..MOST_WINDOWS {
@@ -63,7 +63,7 @@ impl Search<'_> {
             gap,
             options,
             ..
-        } = self.problem;
+        } = self.checked;
         let plane = Plane::new(problem, gap, &window);
         let mut operator = Operator::new(&window, self.surface)?;
         let pressed = press(&plane, &mut operator, start, self.precision, options)?;
@@ -96,7 +96,7 @@ impl WindowContact {
     /// the displacements that the pressures' forces make there.
     pub fn deepest_outside(&self, search: &Search) -> ([f64; 2], f64) {
         let (window, plane) = (&self.window, &self.plane);
-        let (gap, surface) = (&search.problem.gap, search.surface);
+        let (gap, surface) = (&search.checked.gap, search.surface);
         let lows = gap.lows().filter(|place| !window.holds(*place));
         let places: Vec<[f64; 2]> = window.outside().chain(lows).collect();
         let depth = |place: &[f64; 2]| plane.depth(gap, &self.pressed.motion, *place);

@@ -40,7 +40,7 @@ pub(crate) struct Measures {
 
 /// A mesh and its solution.
 pub(crate) struct GrooveReading<'a> {
-    problem: &'a CheckedProblem<'a>,
+    checked: &'a CheckedProblem<'a>,
     mesh: &'a Discretisation,
     slid: &'a SlidingState,
     rims: Rims<'a>,
@@ -51,14 +51,14 @@ pub(crate) struct GrooveReading<'a> {
 
 impl<'a> GrooveReading<'a> {
     pub fn new(
-        problem: &'a CheckedProblem<'a>,
+        checked: &'a CheckedProblem<'a>,
         mesh: &'a Discretisation,
         slid: &'a SlidingState,
         field: &Field<'a>,
     ) -> Self {
         let field = field.pressure_field(&slid.state);
         GrooveReading {
-            problem,
+            checked,
             mesh,
             slid,
             rims: Rims::new(mesh, slid),
@@ -73,16 +73,16 @@ impl<'a> GrooveReading<'a> {
         let [back, front] = self.ends();
         let contact = &self.mesh.contact;
         let resultant = contact.resultant(&self.slid.state);
-        let centre_along = self.problem.gap.line_of_action[0] + resultant[1] / resultant[0];
+        let centre_along = self.checked.gap.line_of_action[0] + resultant[1] / resultant[0];
         let (plastic_work, by_slope) = (self.plastic_work(), self.by_slope());
         Measures {
             p_max: if self.rims.full.contains(&true) {
-                self.problem.hardness()
+                self.checked.hardness()
             } else {
                 self.field.peak(&self.pressure)
             },
             depth: self.profile().deepest(),
-            ploughing: match self.problem.problem.runner.elastic {
+            ploughing: match self.checked.problem.runner.elastic {
                 // Nothing yields: the remaining moment of pressures on slopes is the mesh's error.
                 _ if plastic_work == 0.0 => 0.0,
                 None => 0.5 * (plastic_work + by_slope),
@@ -141,7 +141,7 @@ impl<'a> GrooveReading<'a> {
         let added: f64 = (0..ny)
             .map(|j| across[j] * (self.slid.depth[j * nx] - self.slid.depth[j * nx + nx - 1]))
             .sum();
-        self.mesh.copies() * self.problem.hardness() * added
+        self.mesh.copies() * self.checked.hardness() * added
     }
 
     /// Sum of the forces times the slope of the undeformed runner.
@@ -151,7 +151,7 @@ impl<'a> GrooveReading<'a> {
         let slope = |n: usize| {
             let (x, y) = (grid.x[n % nx], grid.y[n / nx]);
             let step = 0.01 * (grid.x[n % nx + 1] - x);
-            let rise = self.problem.gap.at(x + step, y) - self.problem.gap.at(x - step, y);
+            let rise = self.checked.gap.at(x + step, y) - self.checked.gap.at(x - step, y);
             rise / (2.0 * step) - state.motion[1]
         };
         let touching = (0..state.force.len()).filter(|&n| state.force[n] > 0.0);
@@ -160,7 +160,7 @@ impl<'a> GrooveReading<'a> {
 
     /// Stations from the front to the back: width and mean pressure.
     pub fn sections(&self) -> Vec<Section> {
-        let hardness = self.problem.hardness();
+        let hardness = self.checked.hardness();
         let sides = self.sides();
         let section = |i: usize| {
             let [right, left] = sides[i]?;

@@ -17,7 +17,7 @@ use crate::{Error, Load, Options};
 
 /// One mesh of a sliding contact.
 pub(crate) struct MeshContact<'a> {
-    pub problem: &'a CheckedProblem<'a>,
+    pub checked: &'a CheckedProblem<'a>,
     pub mesh: &'a Discretisation,
     pub before: Option<&'a GrooveProfile>,
 }
@@ -53,12 +53,12 @@ impl MeshContact<'_> {
         report: impl Fn(&SlidingState),
     ) -> Result<[SlidingState; 2], Error> {
         let contact = &self.mesh.contact;
-        let options = self.problem.options;
+        let options = self.checked.options;
         let mut plane = self.plane()?;
         let mut slid = self.begin(&plane, start)?;
         slid.state.displacement = vec![0.0; contact.len()];
         let outer = MeshSolve {
-            problem: self.problem,
+            checked: self.checked,
             mesh: self.mesh,
             stored: StorageLimit::USUAL,
             report: &|_, _| {},
@@ -149,7 +149,7 @@ impl MeshContact<'_> {
             .at([sunk, 0.0, 0.0], &vec![Kind::Full; plane.gap.len()])
             .map(|state| plane.resultant(&state.force)[0]);
         let required = self.mesh.contact.motion.balance[0];
-        match (self.problem.problem.load, bears) {
+        match (self.checked.problem.load, bears) {
             (Load::Force { fz, .. }, Some(bears)) if bears < required => {
                 Error::LoadExceedsHardness {
                     fz,
@@ -200,7 +200,7 @@ impl MeshContact<'_> {
         LoadBalance {
             plane,
             motion: &self.mesh.contact.motion,
-            options: self.problem.options,
+            options: self.checked.options,
         }
     }
 

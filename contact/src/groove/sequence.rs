@@ -34,7 +34,7 @@ const LEAST_REFINEMENT: f64 = 1.1;
 
 /// What is known of a sliding contact, mesh by mesh.
 struct SlidingMeshes<'a> {
-    problem: &'a CheckedProblem<'a>,
+    checked: &'a CheckedProblem<'a>,
     before: Option<&'a GrooveProfile>,
     patch: Patch,
     start: Start,
@@ -52,19 +52,19 @@ struct SlidingHistory {
 impl<'a> SlidingMeshes<'a> {
     /// Finds the patch on the contact plane alone, with the forces on it.
     fn find_patch(
-        problem: &'a CheckedProblem<'a>,
+        checked: &'a CheckedProblem<'a>,
         before: Option<&'a GrooveProfile>,
     ) -> Result<(Self, Forces), Error> {
-        let patch = sliding_guess(problem);
+        let patch = sliding_guess(checked);
         let mut meshes = SlidingMeshes {
             start: Start::AtRest(patch.motion),
-            problem,
+            checked,
             before,
             patch,
         };
         for _ in 0..ROUNDS {
-            problem.options.check_stop()?;
-            let mesh = problem.mesh(&meshes.patch, COARSE_MESH, Reach::WholeHull)?;
+            checked.options.check_stop()?;
+            let mesh = checked.mesh(&meshes.patch, COARSE_MESH, Reach::WholeHull)?;
             let slid = meshes.on(&mesh).on_plane(&meshes.start)?;
             let guessed = meshes.patch.clone();
             meshes.next_patch(&mesh, &slid);
@@ -77,7 +77,7 @@ impl<'a> SlidingMeshes<'a> {
 
     /// Solves mesh after mesh until two agree, and combines their figures.
     fn solve(mut self, forces: Forces) -> Result<SlidingSolution, Error> {
-        let options = self.problem.options;
+        let options = self.checked.options;
         let tolerance = options.p_max_tolerance;
         let mut history = SlidingHistory {
             forces,
@@ -126,7 +126,7 @@ impl<'a> SlidingMeshes<'a> {
 
     fn on<'b>(&'b self, mesh: &'b Discretisation) -> MeshContact<'b> {
         MeshContact {
-            problem: self.problem,
+            checked: self.checked,
             mesh,
             before: self.before,
         }
@@ -134,11 +134,11 @@ impl<'a> SlidingMeshes<'a> {
 
     fn mesh(&self, cells: f64) -> Result<Discretisation, Error> {
         let resolution = Resolution::of(cells);
-        self.problem.mesh(&self.patch, resolution, Reach::Patch)
+        self.checked.mesh(&self.patch, resolution, Reach::Patch)
     }
 
     fn field<'b>(&'b self, mesh: &'b Discretisation) -> Field<'b> {
-        Field::new(mesh, self.problem.problem, &self.patch)
+        Field::new(mesh, self.checked.problem, &self.patch)
     }
 
     fn reading<'b>(
@@ -146,7 +146,7 @@ impl<'a> SlidingMeshes<'a> {
         mesh: &'b Discretisation,
         slid: &'b SlidingState,
     ) -> GrooveReading<'b> {
-        GrooveReading::new(self.problem, mesh, slid, &self.field(mesh))
+        GrooveReading::new(self.checked, mesh, slid, &self.field(mesh))
     }
 
     /// Fits the next mesh to the rims that this one found.
@@ -158,13 +158,13 @@ impl<'a> SlidingMeshes<'a> {
 
     /// Passes a state of a mesh on, before which the meshes had this error.
     fn report(&self, mesh: &Discretisation, slid: &SlidingState, level: usize, error: f64) {
-        let Some(watcher) = &self.problem.options.sliding_progress else {
+        let Some(watcher) = &self.checked.options.sliding_progress else {
             return;
         };
         let reading = self.reading(mesh, slid);
         let measures = reading.measures();
         watcher(&SlidingIterate {
-            hardness: self.problem.hardness(),
+            hardness: self.checked.hardness(),
             level,
             dofs: mesh.free_dofs(),
             error_before: error.is_finite().then_some(error),
@@ -195,9 +195,9 @@ impl<'a> SlidingMeshes<'a> {
             ploughing_by_slope: measures.by_slope,
         });
         history.measures.push(measures);
-        if self.problem.options.subsurface {
+        if self.checked.options.subsurface {
             let values = self.pressure(mesh, slid).values;
-            let largest = mesh.largest_shear(self.problem.material, &values, &slid.state);
+            let largest = mesh.largest_shear(self.checked.material, &values, &slid.state);
             // Each mesh is fitted to rims of its own: what they differ by is the error.
             let number = history.meshes.len() as f64;
             history.under.push(largest, number, true);
@@ -211,7 +211,7 @@ impl<'a> SlidingMeshes<'a> {
         let mut pressure = self.field(mesh).of(&slid.state);
         for (&node, &kind) in mesh.contact.candidates.iter().zip(&slid.grooved.kinds) {
             if kind == Kind::Full {
-                pressure.values[node] = self.problem.hardness();
+                pressure.values[node] = self.checked.hardness();
             }
         }
         pressure
@@ -263,7 +263,7 @@ impl<'a> SlidingMeshes<'a> {
             area_error: 2.0 * length_error / (m.front - m.back) * figures.area,
             length_error,
             width_error: figures.width * length_error / figures.length,
-            tilt_errors: self.problem.gap.tilt(pitch, roll).map(tilt_error),
+            tilt_errors: self.checked.gap.tilt(pitch, roll).map(tilt_error),
             relative,
         };
         let solved = SolvedMesh {
@@ -272,7 +272,7 @@ impl<'a> SlidingMeshes<'a> {
             state: slid.state,
             pressure,
         };
-        let mut contact = solved.solution(self.problem, limits, Vec::new());
+        let mut contact = solved.solution(self.checked, limits, Vec::new());
         contact.under_peak = history.under.under_peak(0.0, 0.0);
         contact.surface.yielded = yielded;
         let of = |value, error| Measure { value, error };
