@@ -58,9 +58,12 @@ macro_rules! each {
     };
 }
 
-/// Vectors that one body's products and preconditioner reuse.
+/// Vectors that one body's products and preconditioner reuse: of a product two node by node, and the
+/// forces of cells on their corners.
 pub(crate) struct BodyWork {
-    stiffness: StiffnessWork,
+    displacement: Vec<f64>,
+    force: Vec<f64>,
+    corners: Vec<f64>,
     inverse: InverseWork,
 }
 
@@ -151,8 +154,14 @@ impl ElasticBody {
 
     /// Vectors for the methods below.
     pub fn work(&self) -> BodyWork {
+        let length = match self.stiffness {
+            Stiffness::Tensor(_) => 0,
+            Stiffness::Mapped { .. } | Stiffness::Solid(_) => self.len(),
+        };
         BodyWork {
-            stiffness: self.stiffness.work(),
+            displacement: vec![0.0; length],
+            force: vec![0.0; length],
+            corners: Vec::new(),
             inverse: each!(self, work()),
         }
     }
@@ -164,7 +173,7 @@ impl ElasticBody {
                 assembled.apply(u, out);
                 self.stiffness.mask(out);
             }
-            None => self.stiffness.apply(u, out, &mut work.stiffness),
+            None => self.stiffness.apply(u, out, work),
         }
         self.fixed.iter().for_each(|&entry| out[entry] = 0.0);
     }
@@ -228,15 +237,6 @@ pub(crate) enum Stiffness {
     Solid(Arc<RunnerSolid>),
 }
 
-/// Vectors that products with a stiffness reuse: two node by node, and the forces of cells on their
-/// corners.
-#[derive(Default)]
-pub(crate) struct StiffnessWork {
-    displacement: Vec<f64>,
-    force: Vec<f64>,
-    corners: Vec<f64>,
-}
-
 impl Stiffness {
     /// Length of a displacement vector.
     pub fn len(&self) -> usize {
@@ -262,19 +262,6 @@ impl Stiffness {
         }
     }
 
-    /// Vectors for [`Stiffness::apply`].
-    pub fn work(&self) -> StiffnessWork {
-        let length = match self {
-            Stiffness::Tensor(_) => 0,
-            Stiffness::Mapped { .. } | Stiffness::Solid(_) => self.len(),
-        };
-        StiffnessWork {
-            displacement: vec![0.0; length],
-            force: vec![0.0; length],
-            corners: Vec::new(),
-        }
-    }
-
     /// Sets the displacements that faces or a solid's own clamps fix to 0.
     pub fn mask(&self, u: &mut [f64]) {
         match self {
@@ -292,7 +279,7 @@ impl Stiffness {
     }
 
     /// `out` = K `u`, with 0 on entries that faces or a solid's own clamps fix.
-    pub fn apply(&self, u: &[f64], out: &mut [f64], work: &mut StiffnessWork) {
+    fn apply(&self, u: &[f64], out: &mut [f64], work: &mut BodyWork) {
         match self {
             Stiffness::Tensor(grid) => grid.apply(u, out),
             Stiffness::Mapped { grid, hexahedra } => {

@@ -10,9 +10,7 @@ use crate::accuracy::watched::{FigureHistory, Fineness, Limits, Place};
 use crate::boundary_elements::active_set::Precision;
 use crate::boundary_elements::operator::Operator;
 use crate::boundary_elements::window::{CellAxis, CheckUnavailable, Surface, Window};
-use crate::boundary_elements::window_contact::{
-    AllCells, MOST_WINDOWS, Search, WindowContact, carried,
-};
+use crate::boundary_elements::window_contact::{AllCells, MOST_WINDOWS, Search, WindowContact};
 use crate::grid::grading::storable;
 use crate::problem::check::CheckedProblem;
 use crate::result::measure::{Figures, ROUNDED};
@@ -220,7 +218,7 @@ impl<'a> Asperities<'a> {
                 error_before,
             });
         }
-        let start = carried(&from.pressed.pressure, &from.window, &grid);
+        let start = from.carried(&grid);
         let Some(contact) = unless_stopped(search.solved(grid, Some(start)))? else {
             return Ok(None);
         };
@@ -398,8 +396,7 @@ impl Search<'_> {
         for _ in 0..MOST_WINDOWS {
             let finer = of_size(window, spacing, SCOUTED);
             if finer != found.window {
-                let start = carried(&found.pressed.pressure, &found.window, &finer);
-                found = self.solved(finer, Some(start))?;
+                found = self.solved(finer, Some(found.carried(&finer)))?;
             }
             if let Some(next) = found.window.fitted(found.touched()) {
                 window = next;

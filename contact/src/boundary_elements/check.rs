@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::accuracy::estimators::Limit;
 use crate::boundary_elements::active_set::Precision;
 use crate::boundary_elements::window::{CheckUnavailable, Surface};
-use crate::boundary_elements::window_contact::{Search, carried};
+use crate::boundary_elements::window_contact::Search;
 use crate::problem::check::CheckedProblem;
 use crate::{Options, Problem, Solution};
 
@@ -129,8 +129,7 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
     let mut found = vec![last.figures()];
     for cells in &GRIDS[1..] {
         let window = last.window.with_cells([*cells; 2]);
-        let start = carried(&last.pressed.pressure, &last.window, &window);
-        last = search.solved(window, Some(start))?;
+        last = search.solved(window, Some(last.carried(&window)))?;
         found.push(last.figures());
         if found.len() >= COMPARED && error(&found, 0) <= tolerance * found[found.len() - 1][0] {
             break;

@@ -207,6 +207,23 @@ impl WindowContact {
         [left, right, low, high]
     }
 
+    /// The pressures on the cells of another window, 0 outside of this one.
+    pub fn carried(&self, to: &Window) -> Vec<f64> {
+        let width = self.plane.width;
+        let columns_and_rows = [0, 1].map(|axis| -> Vec<Option<usize>> {
+            let (own, other) = (self.window.axes[axis], to.axes[axis]);
+            let cells = 0..to.solved()[axis];
+            cells.map(|cell| own.cell(other.centre(cell))).collect()
+        });
+        let [columns, rows] = &columns_and_rows;
+        let at = |i: Option<usize>, j: Option<usize>| {
+            i.zip(j)
+                .map_or(0.0, |(i, j)| self.pressed.pressure[j * width + i])
+        };
+        let row = |j: Option<usize>| columns.iter().map(move |&i| at(i, j));
+        rows.iter().flat_map(|&j| row(j)).collect()
+    }
+
     /// First and last cell of the contact along x and y.
     pub fn touched(&self) -> [[usize; 2]; 2] {
         let mut ends = [[usize::MAX, 0]; 2];
@@ -245,24 +262,6 @@ impl AllCells {
             hardness: self.hardness,
         }
     }
-}
-
-/// Pressures of one window's cells on another's, 0 outside.
-pub(super) fn carried(pressure: &[f64], from: &Window, to: &Window) -> Vec<f64> {
-    let [width, _] = from.solved();
-    let [columns, rows] = [0, 1].map(|axis| -> Vec<Option<usize>> {
-        let cells = 0..to.solved()[axis];
-        cells
-            .map(|cell| from.axes[axis].cell(to.axes[axis].centre(cell)))
-            .collect()
-    });
-    let at = |i: &Option<usize>, j: &Option<usize>| match (i, j) {
-        (Some(i), Some(j)) => pressure[j * width + i],
-        _ => 0.0,
-    };
-    rows.iter()
-        .flat_map(|j| columns.iter().map(move |i| at(i, j)))
-        .collect()
 }
 
 /// The largest value on a grid of cells, raised by the vertex of the parabola through its

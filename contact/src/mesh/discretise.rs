@@ -1,6 +1,6 @@
 //! From a patch and a resolution to a mesh.
 
-use kufe_fem::{ElementKind, LowerLayer, Material, TensorOperator};
+use kufe_fem::{ElementKind, LowerLayer, TensorOperator};
 use kufe_mesh::{HexMesh, TensorGrid};
 
 use crate::bodies::elastic_body::{ElasticBody, fixed_faces};
@@ -15,9 +15,8 @@ use crate::mesh::contact_mesh::ContactMesh;
 use crate::motion::Motion;
 use crate::precondition::planewise::{Columns, Side};
 use crate::problem::check::{CheckedProblem, solid_material};
-use crate::problem::gap::Gap;
 use crate::symmetry::copies;
-use crate::{Bed, Error, Foundation, Load, Problem};
+use crate::{Bed, Error, Foundation, Load};
 
 /// How far the mesh reaches and which of its nodes may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,10 +77,7 @@ const SEARCH_CELLS: f64 = 4.0;
 
 /// What a mesh is made for.
 struct MeshPlan<'a> {
-    problem: &'a Problem,
-    gap: &'a Gap<'a>,
-    /// Of the ice.
-    material: Material,
+    checked: &'a CheckedProblem<'a>,
     patch: &'a Patch,
     resolution: Resolution,
     reach: Reach,
@@ -96,9 +92,7 @@ impl CheckedProblem<'_> {
         reach: Reach,
     ) -> Result<Discretisation, Error> {
         MeshPlan {
-            problem: self.problem,
-            gap: &self.gap,
-            material: self.material,
+            checked: self,
             patch,
             resolution,
             reach,
@@ -109,7 +103,7 @@ impl CheckedProblem<'_> {
 
 impl MeshPlan<'_> {
     fn mesh(&self) -> Result<Discretisation, Error> {
-        let symmetry = self.gap.symmetry();
+        let symmetry = self.checked.gap.symmetry();
         let (z, lower) = self.layers()?;
         let grid = TensorGrid {
             x: self.line(&self.patch.x, 0)?,
@@ -117,7 +111,10 @@ impl MeshPlan<'_> {
             z,
         };
         storable(grid.shape())?;
-        let (lambda, mu) = (self.material.lame_lambda(), self.material.shear_modulus());
+        let (lambda, mu) = (
+            self.checked.material.lame_lambda(),
+            self.checked.material.shear_modulus(),
+        );
         let mut operator = TensorOperator::new(
             &grid,
             lambda,
@@ -127,16 +124,16 @@ impl MeshPlan<'_> {
         if let Some(layer) = lower {
             operator = operator.on_layer(layer);
         }
-        if self.problem.ice.element_kind() == ElementKind::Hex8Dilatation {
+        if self.checked.problem.ice.element_kind() == ElementKind::Hex8Dilatation {
             operator = operator.with_mean_dilatation();
         }
         let mut contact = self.contact_mesh(&grid, operator)?;
         let mut runner_mesh = None;
-        if let Some(elastic) = &self.problem.runner.elastic {
+        if let Some(elastic) = &self.checked.problem.runner.elastic {
             let (body, mesh) = match &elastic.solid {
                 Some(solid) => (solid_body(solid, &grid), solid.mesh().clone()),
                 None => RunnerPlan {
-                    problem: self.problem,
+                    problem: self.checked.problem,
                     elastic,
                     ice: &grid,
                     symmetry,
@@ -159,7 +156,7 @@ impl MeshPlan<'_> {
 
     /// From the patch to the outer faces, along and across [m].
     fn margin(&self) -> f64 {
-        match self.problem.ice.foundation {
+        match self.checked.problem.ice.foundation {
             Foundation::HalfSpace => self.depth(),
             Foundation::RigidBed { thickness } => LAYER_REACH * thickness,
             Foundation::ElasticBed { thickness, bed } => LAYER_REACH * (thickness + bed.thickness),
@@ -168,7 +165,7 @@ impl MeshPlan<'_> {
 
     /// Depth of the ice that is meshed [m].
     fn depth(&self) -> f64 {
-        match self.problem.ice.foundation {
+        match self.checked.problem.ice.foundation {
             Foundation::HalfSpace => {
                 let [x_low, x_high] = self.patch.span_x();
                 HALF_SPACE_REACH * (0.5 * (x_high - x_low).max(2.0 * self.patch.y.half()))
@@ -187,12 +184,12 @@ impl MeshPlan<'_> {
 
     /// Nodes along (axis 0) or across (axis 1), graded to these stretches.
     fn line(&self, stretches: &[Stretch], axis: usize) -> Result<Vec<f64>, Error> {
-        let symmetric = self.gap.symmetry()[axis];
-        let extent = self.problem.runner.underside.extent();
+        let symmetric = self.checked.gap.symmetry()[axis];
+        let extent = self.checked.problem.runner.underside.extent();
         // An elastic hull is meshed whole, with nodes at its ends and sides.
-        let elastic = self.problem.runner.elastic.as_ref();
+        let elastic = self.checked.problem.runner.elastic.as_ref();
         let on_columns = elastic.filter(|e| e.solid.is_none());
-        let meshed = on_columns.is_some() && self.problem.runner.is_bounded();
+        let meshed = on_columns.is_some() && self.checked.problem.runner.is_bounded();
         let mut zones: Vec<Zone> = stretches
             .iter()
             .filter_map(|s| widened(s, symmetric, self.resolution))
@@ -249,11 +246,11 @@ impl MeshPlan<'_> {
         };
         let growth = self.resolution.growth;
         let mut z = graded_axis(Start::AtOrBelow(-depth), 0.0, &[zone], growth)?;
-        if self.problem.ice.foundation != Foundation::HalfSpace {
+        if self.checked.problem.ice.foundation != Foundation::HalfSpace {
             let scale = -depth / z[0];
             z.iter_mut().for_each(|z| *z *= scale);
         }
-        let Foundation::ElasticBed { bed, .. } = self.problem.ice.foundation else {
+        let Foundation::ElasticBed { bed, .. } = self.checked.problem.ice.foundation else {
             return Ok((z, None));
         };
         let below = below(&z, bed.thickness, growth)?;
@@ -268,7 +265,7 @@ impl MeshPlan<'_> {
         grid: &TensorGrid,
         operator: TensorOperator,
     ) -> Result<ContactMesh, Error> {
-        let (problem, gap, patch) = (self.problem, self.gap, self.patch);
+        let CheckedProblem { problem, gap, .. } = self.checked;
         let symmetry = gap.symmetry();
         let [nx, ny, _] = grid.shape();
         let mut gaps = Vec::with_capacity(nx * ny);
@@ -294,7 +291,7 @@ impl MeshPlan<'_> {
                         "a number of m, or infinity where there is no hull",
                     ));
                 }
-                if value.is_finite() && (everywhere || expected(patch, x, y)) {
+                if value.is_finite() && (everywhere || expected(self.patch, x, y)) {
                     candidates.push(gaps.len());
                 }
                 gaps.push(value);
@@ -316,7 +313,7 @@ impl MeshPlan<'_> {
         ];
         let columns = Columns::of_plane([nx, ny]);
         let lumped = [0, 1].map(|axis| operator.axes[axis].lumped_mass.clone());
-        let ice = ElasticBody::on_grid(operator, self.material, Side::Below, columns);
+        let ice = ElasticBody::on_grid(operator, self.checked.material, Side::Below, columns);
         Ok(ContactMesh {
             bodies: vec![ice],
             lumped,

@@ -160,7 +160,8 @@ impl PressureField<'_> {
     }
 }
 
-/// Neighbours' distances and values around node `k`; a mirror plane continues the field evenly.
+/// Neighbours' distances and pressures around node `k`; a mirror plane continues the field evenly.
+/// `None` where one of them is not in contact.
 fn neighbours(
     nodes: &[f64],
     k: usize,
@@ -171,11 +172,12 @@ fn neighbours(
         return None;
     }
     let above = [nodes[k + 1] - nodes[k], value(k + 1)];
-    match k {
-        0 if symmetric => Some([above, above]),
-        0 => None,
-        _ => Some([[nodes[k] - nodes[k - 1], value(k - 1)], above]),
-    }
+    let below = match k {
+        0 if symmetric => above,
+        0 => return None,
+        _ => [nodes[k] - nodes[k - 1], value(k - 1)],
+    };
+    (below[1] > 0.0 && above[1] > 0.0).then_some([below, above])
 }
 
 /// Slope and curvature at a node from its neighbours.
@@ -190,29 +192,21 @@ pub(crate) fn differences([[h0, p0], [h1, p1]]: [[f64; 2]; 2], here: f64) -> (f6
 /// m1 p' + m2 p'' / 2 of the hat function at node `k`; 0 at the rim, where the pressure is not
 /// smooth.
 fn moment_share(nodes: &[f64], k: usize, symmetric: bool, value: impl Fn(usize) -> f64) -> f64 {
-    match neighbours(nodes, k, symmetric, &value) {
-        Some(sides) if sides[0][1] > 0.0 && sides[1][1] > 0.0 => {
-            let [h0, h1] = [sides[0][0], sides[1][0]];
-            let (slope, curvature) = differences(sides, value(k));
-            let first = (h1 - h0) / 3.0;
-            let second = (h0.powi(3) + h1.powi(3)) / (6.0 * (h0 + h1));
-            first * slope + 0.5 * second * curvature
-        }
-        _ => 0.0,
-    }
+    let Some(sides) = neighbours(nodes, k, symmetric, &value) else {
+        return 0.0;
+    };
+    let [h0, h1] = [sides[0][0], sides[1][0]];
+    let (slope, curvature) = differences(sides, value(k));
+    let first = (h1 - h0) / 3.0;
+    let second = (h0.powi(3) + h1.powi(3)) / (6.0 * (h0 + h1));
+    first * slope + 0.5 * second * curvature
 }
 
 /// How far the parabola through three nodes rises above the middle one.
 fn vertex_rise(nodes: &[f64], k: usize, symmetric: bool, value: impl Fn(usize) -> f64) -> f64 {
-    match neighbours(nodes, k, symmetric, &value) {
-        Some(sides) if sides[0][1] > 0.0 && sides[1][1] > 0.0 => {
-            let (slope, curvature) = differences(sides, value(k));
-            if curvature < 0.0 {
-                -0.5 * slope * slope / curvature
-            } else {
-                0.0
-            }
-        }
+    let sides = neighbours(nodes, k, symmetric, &value);
+    match sides.map(|sides| differences(sides, value(k))) {
+        Some((slope, curvature)) if curvature < 0.0 => -0.5 * slope * slope / curvature,
         _ => 0.0,
     }
 }
