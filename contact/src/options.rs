@@ -76,8 +76,8 @@ pub struct Options {
     pub progress: Option<Watcher>,
     /// Called before each mesh is solved, which may take longer than all before it.
     pub next_mesh: Option<MeshWatcher>,
-    /// Called while a runner slides: on each mesh with what the contact plane alone makes of it, and
-    /// after every correction by the bodies.
+    /// Called while a runner slides: on each mesh with what the contact plane alone makes of it,
+    /// and after every correction by the bodies.
     pub sliding_progress: Option<SlidingWatcher>,
     /// Once true, the solve ends with [`Error::Stopped`](crate::Error::Stopped), within about an
     /// iteration.

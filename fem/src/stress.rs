@@ -329,7 +329,7 @@ mod tests {
             ElementKind::Hex8Dilatation,
         ] {
             let mut mesh = block([3, 2, 4], [1.0, 2.0, 0.5], 0.25);
-            // In planes across x, as the axial element wants them.
+            // In planes across x, as the axial element requires.
             for (node, p) in mesh.points.iter_mut().enumerate() {
                 p[0] = (node % 4) as f64 / 3.0;
             }

@@ -1,4 +1,4 @@
-//! Finer and finer meshes of one problem, and what they say together.
+//! Finer and finer meshes of one problem, and the estimates that they give together.
 
 use std::cell::RefCell;
 
@@ -202,7 +202,7 @@ impl<'a> Meshes<'a> {
                  at fewer places, or is smoother"
             )));
         }
-        // Meshes without that place say nothing of this contact.
+        // Meshes without that place are meshes of another contact.
         let hardness = self.checked.problem.ice.hardness;
         self.solved = FigureHistory::new(hardness, error_floor(self.own));
         self.patch = self.gap_of(contact).patch_with(found);
@@ -311,7 +311,7 @@ impl Meshes<'_> {
         // That a finer grading changes nothing is as good as that no finer one is wanted.
         let graded = !anew || self.graded_anew;
         if let Some(limits) = limits.filter(|l| graded && l.relative <= tolerance) {
-            // Meshes that agree say nothing of what all of them are too coarse for.
+            // Meshes that agree may all be too coarse for a peak.
             return if coarse && !self.graded_anew {
                 Verdict::OutOfReach(Some(limits))
             } else {
@@ -341,7 +341,7 @@ impl Meshes<'_> {
             Some(own) if !anew && cells > own => return Verdict::OutOfReach(limits),
             _ => cells,
         };
-        // A mesh that is graded anew may have some more than its cells say.
+        // A mesh that is graded anew may have more unknowns than in proportion to its cells.
         let more = (cells / self.cells).powi(3).max(REFINEMENT);
         if more <= room {
             return Verdict::Refine(Plan { anew, cells });
@@ -387,8 +387,8 @@ mod tests {
     const ORDERS: [f64; 3] = [0.5 * HIGHEST_ORDER, HIGHEST_ORDER, 2.0 * HIGHEST_ORDER];
     const TOLERANCES: [f64; 2] = [0.02, 0.005];
 
-    /// A contact on ice that yields, with the approach that rectangles give it and what they know it
-    /// to.
+    /// A contact on ice that yields, with the approach that rectangles give it and what they know
+    /// it to.
     struct Row {
         problem: Problem,
         approach: f64,
@@ -426,8 +426,8 @@ mod tests {
         yields.map(row).collect()
     }
 
-    /// The approach of a contact solved to an accuracy, by each of [`ORDERS`]: what decides when meshes
-    /// do is the area, whatever these say.
+    /// The approach of a contact solved to an accuracy, by each of [`ORDERS`]: what decides when
+    /// meshes do is the area, whatever these say.
     fn approaches(problem: &Problem, tolerance: f64) -> Result<[Limit; 3], Error> {
         let options = Options {
             p_max_tolerance: tolerance,
@@ -446,8 +446,8 @@ mod tests {
         }
     }
 
-    /// The share of limits that hold 1, known to so much, and the median of what they state over what
-    /// they are off by.
+    /// The share of limits that hold 1, known to so much, and the median of what they state over
+    /// what they are off by.
     fn reported(limits: &mut [(Limit, f64)]) -> [f64; 2] {
         let off = |(limit, _): &(Limit, f64)| (limit.value - 1.0).abs();
         let covered = limits.iter().filter(|l| off(l) <= l.0.error + l.1).count();
@@ -474,9 +474,9 @@ mod tests {
         }
     }
 
-    /// Three meshes of 3 to 8 cells and twice as many, with limit 1: a smooth error of an order of 0.5
-    /// to 3 and of 0.1 to 10 % on the coarsest, and one of the rim between nodes of 0.1 to 1 times
-    /// that, which falls with the cells' size to the power 1.5.
+    /// Three meshes of 3 to 8 cells and twice as many, with limit 1: a smooth error of an order of
+    /// 0.5 to 3 and of 0.1 to 10 % on the coarsest, and one of the rim between nodes of 0.1 to 1
+    /// times that, which falls with the cells' size to the power 1.5.
     fn sequence(random: &mut Random) -> [MeshValue; 3] {
         let first = (5.5 + 2.5 * random.next()).floor();
         let (order, error) = (

@@ -314,7 +314,7 @@ impl ShearHistory {
     }
 
     /// Adds a mesh: finer and similar to the last one, or `graded_anew`. One whose shear is largest
-    /// at an end of the line says nothing, and those before it nothing of what follows.
+    /// at an end of the line gives no value, and the sequence begins again.
     pub fn push(&mut self, largest: Option<LargestShear>, cells: f64, graded_anew: bool) {
         let Some(LargestShear { value, depth }) = largest else {
             *self = ShearHistory::new();
@@ -327,7 +327,7 @@ impl ShearHistory {
 
     /// The limit of the shear, and the last mesh's depth, with their errors; both have besides what
     /// stays of these relative errors on all meshes, independent of theirs and of one sign. `None`
-    /// where the last mesh says nothing.
+    /// where the last mesh gives no value.
     pub fn under_peak(&self, floor: f64, missed: f64) -> Option<UnderPeak> {
         let depth = self.depth.value();
         if depth.is_nan() {

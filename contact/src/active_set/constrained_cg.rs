@@ -153,7 +153,8 @@ impl ContactMesh {
     /// Solves K u = load - B^T f for the displacements of a state, from those it has, by
     /// preconditioned conjugate gradients; returns the iterations, `None` where `most` do not do.
     ///
-    /// It ends where the residual in the energy norm is below `tolerance` of the forces' own energy.
+    /// It ends where the residual in the energy norm is below `tolerance` of the forces' own
+    /// energy.
     pub fn respond(&self, state: &mut State, tolerance: f64, most: usize) -> Option<usize> {
         let mut work = self.workspace();
         self.residual(state, &mut work.residual, &mut work.bodies);

@@ -482,8 +482,8 @@ mod tests {
             reported.windows(2).all(|pair| pair[1].0 <= pair[0].0),
             "{reported:?}"
         );
-        // After an accepted acceleration, sweeps search for the next set; after a rejected one, it is that
-        // of the forces accepted last.
+        // After an accepted acceleration, sweeps search for the next set; after a rejected one, it
+        // is that of the forces accepted last.
         assert!(reported[1].1 > 0 && reported[2].1 == 0, "{reported:?}");
         let largest = expected.force.iter().copied().fold(0.0, f64::max);
         for (a, b) in state.force.iter().zip(&expected.force) {

@@ -25,7 +25,7 @@ pub(crate) struct PlaneProblem<'a> {
     pub rows: &'a [[f64; 3]],
     /// Largest force of each node [N]; infinite where the ice has no hardness.
     pub bound: &'a [f64],
-    /// Motion, its free parts and the balance they answer to.
+    /// Motion: its free parts and their balance.
     pub motion: &'a Motion,
 }
 
@@ -62,7 +62,7 @@ const RELAXATION: f64 = 1.4;
 /// Sweeps at the first motion.
 const FIRST_SWEEPS: usize = 3;
 
-/// Rounds in which sweeps go on between accelerations; later ones sweep only from the minimiser of
+/// Rounds with sweeps between accelerations; later ones sweep only from the minimiser of
 /// a set.
 const FREE_ROUNDS: usize = 60;
 
@@ -396,8 +396,8 @@ mod tests {
 
     use super::*;
 
-    /// Nodes on a square under a round bottom: point loads on a half-space, and a stiff spring under
-    /// each.
+    /// Nodes on a square under a round bottom: point loads on a half-space, and a stiff spring
+    /// under each.
     struct Square {
         green: Mat<f64>,
         gap: Vec<f64>,

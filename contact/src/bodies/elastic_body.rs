@@ -22,7 +22,7 @@ use crate::precondition::planewise::{Columns, InverseWork, PlanewiseInverse, Sid
 /// hold component after component.
 pub(crate) struct ElasticBody {
     pub stiffness: Stiffness,
-    /// K of all displacements assembled: what is multiplied with where it is there.
+    /// K of all displacements, where it is assembled; then products use it.
     pub assembled: Option<Arc<SparseStiffness>>,
     pub inverse: Inverse,
     pub trace: Trace,
@@ -58,8 +58,8 @@ macro_rules! each {
     };
 }
 
-/// Vectors that one body's products and preconditioner reuse: of a product two node by node, and the
-/// forces of cells on their corners.
+/// Vectors that one body's products and preconditioner reuse: of a product two node by node, and
+/// the forces of cells on their corners.
 pub(crate) struct BodyWork {
     displacement: Vec<f64>,
     force: Vec<f64>,

@@ -74,7 +74,7 @@ pub(super) fn press(
     let mut solve = Solve::new(plane, operator, start, options);
     let mut tolerance = ROUGH;
     for set in 0..MOST_SETS {
-        // Rough residuals may send cells to and fro for ever.
+        // With rough residuals the sets may cycle.
         if set >= PATIENCE {
             tolerance = (tolerance * FINER).max(precision.residual);
         }

@@ -111,7 +111,7 @@ impl<'a> Asperities<'a> {
     /// of cells in contact does not settle on one of them, or no window has all of the contact.
     ///
     /// # Errors
-    /// [`Error::AccuracyNotReached`] where the finest cells allowed do not do, [`Error::Unsolved`]
+    /// [`Error::AccuracyNotReached`] where the finest cells allowed are too coarse, [`Error::Unsolved`]
     /// where the coarsest are too many, [`Error::Stopped`].
     pub fn solve(&self, history: &mut Vec<Iterate>) -> Result<Option<Solution>, Error> {
         let options = self.checked.options;
@@ -177,7 +177,7 @@ impl<'a> Asperities<'a> {
             if let Some(wider) = wider {
                 window = wider;
                 windows += 1;
-                // Grids without that place say nothing of this contact.
+                // Grids without that place are grids of another contact.
                 wanted = self.coarsest(window);
                 figures = new_figures();
                 judged = None;
@@ -457,7 +457,7 @@ fn of_size(window: Window, size: [f64; 2], most: f64) -> Window {
     window.with_cells(cells)
 }
 
-// What the pressures of a contact say.
+// Pressures, forces and figures of a contact.
 
 /// Pressures and forces of a contact on all cells of its window, and its figures.
 struct Read {

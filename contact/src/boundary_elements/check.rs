@@ -54,7 +54,7 @@ const STEEP: f64 = 0.4;
 /// what their compliance differs from the half-space's; products by Fourier's functions of a grid
 /// padded to twice its size (S. Liu, Q. Wang and G. Liu, Wear 243, 2000). The window of cells is
 /// fitted to the contact. Of the method of [`solve`](crate::solve) it uses nothing but the
-/// problem's gap. The rim falls between cells, so that figures go to and fro as cells get smaller:
+/// problem's gap. The rim falls between cells, so that figures oscillate as cells get smaller:
 /// the finest grid's are given, and as their error three times the range over three grids, of 20,
 /// 24 and 32 cells each way.
 ///
@@ -147,7 +147,7 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
     if last.deepest_outside(&search).1 > DEEP * approach {
         return Err(CheckUnavailable::Elsewhere);
     }
-    // Whatever grids say of them, rims are read to a part of a cell.
+    // Rims are resolved to a part of a cell, however well the grids agree.
     let [along, across] = last.window.size().map(|size| 2.0 * READ * size);
     let least = 0.5 * (along * width + across * length);
     let figures = BoundaryElements {
@@ -166,7 +166,7 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
     Ok((figures, last.at_rim()))
 }
 
-/// The error of a figure by its range over the finest grids, whose values go to and fro.
+/// The error of a figure by its range over the finest grids, whose values oscillate.
 fn error(found: &[[f64; 5]], figure: usize) -> f64 {
     let finest = &found[found.len().saturating_sub(COMPARED)..];
     let values: Vec<f64> = finest.iter().map(|figures| figures[figure]).collect();

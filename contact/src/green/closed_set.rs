@@ -158,8 +158,8 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    //! Claims on the equations of a closed set: they are met, in iterations that hardly grow with the
-    //! mesh.
+    //! Claims on the equations of a closed set: they are met, in iterations that hardly grow with
+    //! the mesh.
 
     use std::sync::Arc;
 

@@ -158,8 +158,8 @@ fn dual(modes: MatRef<'_, f64>, mass: &Tridiagonal, rows: &std::ops::Range<usize
 
 #[cfg(test)]
 mod tests {
-    //! Claims on Green's matrices that are not stored: they are the stored ones, and contacts come out
-    //! the same.
+    //! Claims on Green's matrices that are not stored: they are the stored ones, and contacts come
+    //! out the same.
 
     use std::sync::Arc;
 

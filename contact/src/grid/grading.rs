@@ -8,7 +8,7 @@ use crate::grid::stretch::Stretch;
 pub(crate) struct Zone {
     /// Where it is, and how fine relative to `spacing`.
     pub stretch: Stretch,
-    /// Spacing where the stretch wants 1 [m].
+    /// Spacing where the stretch's relative size is 1 [m].
     pub spacing: f64,
 }
 

@@ -146,7 +146,7 @@ const INTERVALS: usize = 1000;
 const LEAST: f64 = 2e-3;
 /// As many corners as are heeded, the largest changes first: a rough hull may have one everywhere.
 const MOST: usize = 12;
-/// A jump is searched down to this step [m]: shorter ones drown in the rounding of heights.
+/// A jump is searched down to this step [m]: differences over shorter ones are rounding.
 const SHORTEST: f64 = 1e-5;
 
 /// The corners of heights (x, y) -> z on their line along x at `y`, in order, within the extent [x

@@ -1,4 +1,4 @@
-//! A stretch of an axis in contact, and how fine it wants to be resolved where.
+//! A stretch of an axis in contact, and the relative cell size at each place of it.
 
 /// A stretch of one axis that is in contact.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-//! What a sliding contact's mesh says: groove, ploughing, and the patch from its front to its back.
+//! Figures of a sliding contact on one mesh: groove, ploughing, and the patch from front to back.
 
 use crate::groove::on_mesh::SlidingState;
 use crate::groove::plastic_contact::Kind;

@@ -91,7 +91,8 @@ impl MeshContact<'_> {
         Err(not_converged(&slid))
     }
 
-    /// The contact plane on the preconditioner's response, whose matrix steady sliding needs stored.
+    /// The contact plane on the preconditioner's response, whose matrix steady sliding needs
+    /// stored.
     fn plane(&self) -> Result<PlasticContact, Error> {
         let contact = &self.mesh.contact;
         let nodes = &contact.candidates;
@@ -234,7 +235,7 @@ fn not_converged(slid: &SlidingState) -> Error {
 
 // The motion under which a plane with plastic memory carries the load.
 
-/// A plane with memory and what the runner's motion has to answer to.
+/// A plane with plastic memory and the balance that determines the runner's motion.
 ///
 /// Force and moments rise with approach and turn, in steps: a node at the front goes from open to
 /// full within the little that its own response gives. Newton's steps lead near the balance where
@@ -242,7 +243,7 @@ fn not_converged(slid: &SlidingState) -> Error {
 /// P. Jarratt, BIT 11 (1971) 168-174), the approach within the pitch and the pitch within the roll.
 pub(crate) struct LoadBalance<'a> {
     pub plane: &'a PlasticContact,
-    /// The free motions and the balance they answer to.
+    /// The free motions and their balance.
     pub motion: &'a Motion,
     pub options: &'a Options,
 }

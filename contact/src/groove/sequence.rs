@@ -40,7 +40,7 @@ struct SlidingMeshes<'a> {
     start: Start,
 }
 
-/// What the meshes solved so far say.
+/// Results of the meshes solved so far.
 struct SlidingHistory {
     /// The forces found last.
     forces: Forces,
@@ -176,7 +176,7 @@ impl<'a> SlidingMeshes<'a> {
         });
     }
 
-    /// Adds what a mesh says to the history; returns its figures.
+    /// Adds a mesh to the history; returns its figures.
     fn take(
         &self,
         mesh: &Discretisation,

@@ -23,7 +23,7 @@ pub struct AssembledBody {
 
 /// Assembles the stiffness of every body of a mesh, to be multiplied with from now on.
 ///
-/// `element` is that of a runner whose hexahedra are none of tensor shape.
+/// `element` is that of a runner on mapped hexahedra.
 ///
 /// # Errors
 /// [`Error::StiffnessTooLarge`] where the bodies together would need more than `limit` bytes,

@@ -259,7 +259,7 @@ impl MeshPlan<'_> {
         Ok((increasing(z)?, Some(lower)))
     }
 
-    /// The ice alone, with what the runner's hull and the load say on the contact plane.
+    /// The ice alone, with the gap, the bounds of forces and the load on the contact plane.
     fn contact_mesh(
         &self,
         grid: &TensorGrid,

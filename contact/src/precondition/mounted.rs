@@ -90,7 +90,7 @@ impl MountedInverse {
         self.add_closing(-1.0, work, closing);
     }
 
-    /// `closing` += `factor` B u of what modal values and motions of a beam say.
+    /// `closing` += `factor` B u for the modal values and the motions of the beam in `work`.
     fn add_closing(&self, factor: f64, work: &InverseWork, closing: &mut [f64]) {
         let trace = self.contact.trace(&self.fast, &work.intermediate);
         let amplitudes = self.beam.answer(&work.motion);
@@ -143,7 +143,7 @@ impl MountedInverse {
     /// The clamps' reduction of the Green's matrix of contact nodes: X G^-1 X^T, X between those
     /// and the fixed ones.
     ///
-    /// `kind` says which of the scales of P's part, `scale` its value.
+    /// `kind` is the number of the scale of P's part, `scale` its value.
     fn clamped_share(&self, kind: usize, scale: f64, nodes: &[[usize; 2]]) -> Mat<f64> {
         let clamps = &self.clamps;
         let vertical = clamps.rows.len() - clamps.fixed[2].len();

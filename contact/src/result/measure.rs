@@ -256,7 +256,7 @@ fn tip(last: f64, outside: f64, crossing: &[Vec<[f64; 2]>]) -> f64 {
     last + reach * (outside - last).signum()
 }
 
-// How far a contact reaches: area, length and width, and what its load says of them where the ice
+// Extents of a contact: area, length and width, and how its load corrects them where the ice
 // yields up to its rim.
 
 /// Contact intervals of all lines of nodes.

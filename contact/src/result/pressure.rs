@@ -112,7 +112,7 @@ impl<'a> Field<'a> {
     }
 }
 
-/// The patch that a pressure field covers, and how fine it wants to be resolved.
+/// The patch that a pressure field covers, with the cell sizes that resolve it.
 ///
 /// Sizes start from those of `before`, the patch that the mesh was made for. Where the contact ends
 /// at the hull's own sharp `edge` the pressure is singular, no mesh resolves it, and the sizes stay

@@ -389,9 +389,9 @@ mod tests {
         in_balance(&solution, &loads, "a block");
     }
 
-    /// A bar that is pressed in its middle and carried at two places: by statics the bending moment in
-    /// the middle is half of each load's less that of the pressure on its side, and a beam's stress
-    /// there is 6 M / (b h^2).
+    /// A bar that is pressed in its middle and carried at two places: by statics the bending moment
+    /// in the middle is half of each load's less that of the pressure on its side, and a beam's
+    /// stress there is 6 M / (b h^2).
     #[test]
     fn a_bar_carried_at_two_places_has_a_beams_stress_in_its_middle() {
         struct Bar;
@@ -402,8 +402,8 @@ mod tests {
                 if x.abs() > 0.15 || y.abs() > 0.5 * WIDTH {
                     return f64::INFINITY;
                 }
-                // A radius of 1 m in the middle that levels off at 2 mm, so that the ends stay off the
-                // ice.
+                // A radius of 1 m in the middle that levels off at 2 mm, so that the ends stay off
+                // the ice.
                 let rise = 2e-3;
                 rise * (1.0 - 1.0 / (1.0 + x * x / (2.0 * rise)))
             }

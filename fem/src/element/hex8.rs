@@ -177,7 +177,8 @@ pub fn strain_displacement(corners: &Corners, xi: [f64; 3]) -> [[f64; 24]; 6] {
 }
 
 /// Adds the stiffness density of two scalar functions with gradients `ga` and `gb`, for Lame
-/// constants times a point's weight, to a 3 x 3 block: K_ij = lambda ga_i gb_j + mu ga_j gb_i + mu (ga . gb) delta_ij.
+/// constants times a point's weight, to a 3 x 3 block: K_ij = lambda ga_i gb_j + mu ga_j gb_i + mu
+/// (ga . gb) delta_ij.
 #[inline]
 pub(crate) fn add_block(
     block: &mut [[f64; 3]; 3],

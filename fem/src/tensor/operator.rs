@@ -385,8 +385,8 @@ mod tests {
     use crate::precondition::planewise_diagonal::PlanewiseDiagonal;
     use crate::sparse::assembly::assemble;
 
-    /// The assembled stiffness of the same hexahedra, on graded grids whose rows are shorter and longer
-    /// than a register.
+    /// The assembled stiffness of the same hexahedra, on graded grids whose rows are shorter and
+    /// longer than a register.
     #[test]
     fn operator_is_the_assembled_stiffness() {
         for shape in [
@@ -550,8 +550,9 @@ mod tests {
         }
     }
 
-    /// With one Poisson's ratio the preconditioner is the inverse of the stiffness' diagonal blocks,
-    /// layers included: on a displacement of one component P^-1 K u gives u back in that component.
+    /// With one Poisson's ratio the preconditioner is the inverse of the stiffness' diagonal
+    /// blocks, layers included: on a displacement of one component P^-1 K u gives u back in that
+    /// component.
     #[test]
     fn layers_of_one_poissons_ratio_are_inverted_exactly_in_each_component() {
         let (grid, ice, _, _) = layered();
