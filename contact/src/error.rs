@@ -84,7 +84,7 @@ pub enum Error {
     /// A problem that may have an answer, which no mesh gave; with what is expected instead.
     #[error("{0}")]
     Unsolved(String),
-    /// The problem is none of steady sliding.
+    /// The problem is not one of steady sliding.
     #[error("steady sliding does not take {reason}")]
     NotSliding {
         /// What it does not take.

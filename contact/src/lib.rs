@@ -76,6 +76,7 @@ mod precondition;
 mod problem;
 mod result;
 mod solve;
+mod symmetry;
 mod vector;
 
 pub use boundary_elements::check::{

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::{Iterate, SlidingIterate};
+use crate::{Error, Iterate, SlidingIterate};
 
 /// Version of the numerics: it rises whenever the same problem and options give other figures, so
 /// that results stored by an older version are not taken for this one's.
@@ -21,8 +21,8 @@ pub enum StiffnessForm {
     /// Applied cell by cell, without being stored.
     #[default]
     MatrixFree,
-    /// Assembled into faer's sparse matrices, one a body: some twenty times the memory and several
-    /// times the time of a product, the same answer to rounding. The preconditioners are the same.
+    /// Assembled, one matrix a body: some ten times the memory and several times the time of a
+    /// product, the same answer to rounding. The preconditioners are the same.
     Assembled,
 }
 
@@ -76,8 +76,8 @@ pub struct Options {
     pub progress: Option<Watcher>,
     /// Called before each mesh is solved, which may take longer than all before it.
     pub next_mesh: Option<MeshWatcher>,
-    /// Called while a runner slides: on each mesh with what the contact plane alone makes of it, and
-    /// after every correction by the bodies.
+    /// Called while a runner slides: on each mesh with what the contact plane alone makes of it,
+    /// and after every correction by the bodies.
     pub sliding_progress: Option<SlidingWatcher>,
     /// Once true, the solve ends with [`Error::Stopped`](crate::Error::Stopped), within about an
     /// iteration.
@@ -90,6 +90,14 @@ impl Options {
         self.stop
             .as_ref()
             .is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
+
+    /// An error where the solve is to end.
+    pub(crate) fn check_stop(&self) -> Result<(), Error> {
+        if self.stopped() {
+            return Err(Error::Stopped);
+        }
+        Ok(())
     }
 }
 

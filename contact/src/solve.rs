@@ -1,8 +1,8 @@
 //! From a problem to a pressure field of the requested accuracy.
 
-use crate::accuracy::meshes::{Estimate, Meshes, Verdict};
+use crate::accuracy::meshes::{Meshes, Verdict};
 use crate::boundary_elements::asperities::Asperities;
-use crate::problem::check::{MOST_TILT, checked};
+use crate::problem::check::{CheckedProblem, MOST_TILT};
 use crate::{Error, Load, Options, Problem, Solution};
 
 /// Solves a contact problem.
@@ -25,36 +25,29 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     // Among the workers from the start: every parallel loop begun outside would wait for one to
     // wake up.
     rayon::scope(|_| {
-        let (material, gap) = checked(problem, options)?;
+        let checked = CheckedProblem::bearable(problem, options)?;
         let mut history = Vec::new();
-        let asperities = Asperities::of(problem, options, &gap)?;
+        let asperities = Asperities::of(&checked)?;
         let on_plane = asperities.and_then(|found| found.solve(&mut history).transpose());
-        let solved = on_plane.unwrap_or_else(|| {
-            let meshes = Meshes::guess(problem, options, (material, gap), history)?;
-            refined(options, meshes)
-        });
-        passed(problem, options, solved)
+        let solved = on_plane.unwrap_or_else(|| refined(Meshes::guess(checked, history)?));
+        match &solved {
+            Ok(solution) => verify(problem, options, solution)?,
+            Err(Error::AccuracyNotReached { best, .. }) => verify(problem, options, best)?,
+            Err(_) => {}
+        }
+        solved
     })
 }
 
 /// Solves mesh after mesh, from what is known of the problem.
-fn refined(options: &Options, mut meshes: Meshes) -> Result<Solution, Error> {
+fn refined(mut meshes: Meshes) -> Result<Solution, Error> {
     loop {
         let contact = meshes.solve_next()?;
         match meshes.judge(&contact) {
             Verdict::Reached(limits) => return Ok(meshes.solution(contact, limits)),
             Verdict::Refine(plan) => meshes.refine(contact, plan),
             Verdict::Widen(found) => meshes.widen(&contact, &found)?,
-            Verdict::OutOfReach(limits) => {
-                let (best, Estimate { relative, finest }) = meshes.out_of_reach(contact, limits);
-                return Err(Error::AccuracyNotReached {
-                    dofs: best.dofs,
-                    estimate: relative,
-                    tolerance: options.p_max_tolerance,
-                    finest,
-                    best: Box::new(best),
-                });
-            }
+            Verdict::OutOfReach(limits) => return Err(meshes.out_of_reach(contact, limits)),
         }
     }
 }
@@ -64,33 +57,7 @@ fn refined(options: &Options, mut meshes: Meshes) -> Result<Solution, Error> {
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::Unsuitable`], [`Error::LoadExceedsHardness`].
 pub fn check_problem(problem: &Problem, options: &Options) -> Result<(), Error> {
-    checked(problem, options).map(|_| ())
-}
-
-/// Passes a solution on that is an answer and verified, one that misses its accuracy too.
-fn passed(
-    problem: &Problem,
-    options: &Options,
-    solved: Result<Solution, Error>,
-) -> Result<Solution, Error> {
-    let pass = |solution| answered(problem, verified(solution, options)?);
-    match solved {
-        Ok(solution) => pass(solution),
-        Err(Error::AccuracyNotReached {
-            dofs,
-            estimate,
-            tolerance,
-            finest,
-            best,
-        }) => Err(Error::AccuracyNotReached {
-            dofs,
-            estimate,
-            tolerance,
-            finest,
-            best: Box::new(pass(*best)?),
-        }),
-        Err(error) => Err(error),
-    }
+    CheckedProblem::bearable(problem, options).map(|_| ())
 }
 
 /// Relative difference of the force carried from the requested one that a balanced contact may
@@ -101,33 +68,33 @@ const BALANCED: f64 = 1e-6;
 /// slack where they went in circles.
 const LARGEST_VIOLATION: f64 = 2e-5;
 
-/// Passes a solution on that holds equilibrium and contact conditions on all nodes of the plane, or
-/// to ten times a residual that was requested looser.
-fn verified(solution: Solution, options: &Options) -> Result<Solution, Error> {
+/// Checks that a solution holds equilibrium and contact conditions on all nodes of the plane, or
+/// to ten times a residual that was requested looser, and is an answer.
+fn verify(problem: &Problem, options: &Options, solution: &Solution) -> Result<(), Error> {
     let most = LARGEST_VIOLATION.max(10.0 * options.residual);
-    if solution.kkt_residual <= most {
-        return Ok(solution);
+    let violation = solution.kkt_residual;
+    if violation.is_nan() || violation > most {
+        return Err(Error::Unsolved(format!(
+            "equilibrium and contact conditions are violated by {violation:.2e} (relative; all \
+             nodes of the contact plane), {most:.1e} is the most"
+        )));
     }
-    Err(Error::Unsolved(format!(
-        "equilibrium and contact conditions are violated by {:.2e} (relative; all nodes of the \
-         contact plane), {most:.1e} is the most",
-        solution.kkt_residual
-    )))
+    check_answer(problem, solution)
 }
 
 const POSITIVE: &str = "a positive number";
 const FINITE: &str = "a finite number";
 const SMALL: &str = "at most 0.12 either way: tilts are taken as small";
 
-/// Passes an answer on that is one: finite, with a contact, under the requested load.
-pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution, Error> {
+/// Checks that an answer is one: finite, with a contact, under the requested load.
+pub(crate) fn check_answer(problem: &Problem, s: &Solution) -> Result<(), Error> {
     let positive = |value: f64| value.is_finite() && value > 0.0;
     let small = |tilt: f64| tilt.abs() <= MOST_TILT;
     let carried = match problem.load {
-        Load::Force { fz, .. } => (solution.fz / fz - 1.0).abs() <= BALANCED,
+        Load::Force { fz, .. } => (s.fz / fz - 1.0).abs() <= BALANCED,
         Load::Approach { .. } => true,
     };
-    let s = &solution;
+    let (kkt, requested) = (s.kkt_residual, "the requested normal force");
     for (name, value, holds, expected) in [
         ("peak pressure [Pa]", s.p_max, positive(s.p_max), POSITIVE),
         ("mean pressure [Pa]", s.p_mean, positive(s.p_mean), POSITIVE),
@@ -137,18 +104,8 @@ pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution
         ("pitch [rad]", s.pitch, small(s.pitch), SMALL),
         ("roll [rad]", s.roll, small(s.roll), SMALL),
         ("approach [m]", s.approach, s.approach.is_finite(), FINITE),
-        (
-            "residual",
-            s.kkt_residual,
-            s.kkt_residual.is_finite(),
-            FINITE,
-        ),
-        (
-            "force carried [N]",
-            s.fz,
-            carried,
-            "the requested normal force",
-        ),
+        ("residual", kkt, kkt.is_finite(), FINITE),
+        ("force carried [N]", s.fz, carried, requested),
     ] {
         if !holds {
             return Err(Error::NoAnswer {
@@ -158,7 +115,7 @@ pub(crate) fn answered(problem: &Problem, solution: Solution) -> Result<Solution
             });
         }
     }
-    Ok(solution)
+    Ok(())
 }
 
 #[cfg(test)]
@@ -213,15 +170,15 @@ mod tests {
             ..Options::default()
         };
         let graded = solve(&problem, &Options::default())?;
-        let start = checked(&problem, &options)?;
-        let mut meshes = Meshes::guess(&problem, &options, start, Vec::new())?;
+        let start = CheckedProblem::bearable(&problem, &options)?;
+        let mut meshes = Meshes::guess(start, Vec::new())?;
         meshes.regraded = REGRADINGS;
         let Err(Error::AccuracyNotReached {
             estimate,
             finest,
             best,
             ..
-        }) = refined(&options, meshes)
+        }) = refined(meshes)
         else {
             return Err("meshes without a grading were taken for an answer".into());
         };

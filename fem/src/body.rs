@@ -49,14 +49,13 @@ impl Body {
                 expected: mesh.cells.len(),
             });
         }
-        for (cell, corners) in mesh.cells.iter().enumerate() {
-            if let Some(&node) = corners.iter().find(|&&node| node >= node_count) {
-                return Err(Error::NodeIndex {
-                    cell,
-                    node,
-                    node_count,
-                });
-            }
+        let nodes = mesh.cells.as_flattened().iter();
+        if let Some((place, &node)) = nodes.enumerate().find(|(_, node)| **node >= node_count) {
+            return Err(Error::NodeIndex {
+                cell: place / 8,
+                node,
+                node_count,
+            });
         }
         let body = Self { mesh, sections };
         let inverted = (0..body.mesh.cells.len())
@@ -66,10 +65,7 @@ impl Body {
                 let valid = determinant > 0.0 && determinant.is_finite();
                 (!valid).then_some(Error::InvertedCell { cell, determinant })
             });
-        match inverted {
-            Some(error) => Err(error),
-            None => Ok(body),
-        }
+        inverted.map_or(Ok(body), Err)
     }
 
     /// A body of one material and one kind of element. Fails as [`Body::new`].

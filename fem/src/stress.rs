@@ -120,13 +120,10 @@ enum CornerStresses {
 
 impl CornerStresses {
     fn new(body: &Body, cell: usize, u: &[f64]) -> Self {
-        let lengths = match body.sections()[cell].kind {
-            ElementKind::Hex8 => hex8::box_lengths(&body.corners(cell)),
-            _ => None,
-        };
-        match lengths {
-            Some(lengths) => CornerStresses::Edges(lengths),
-            None => {
+        let plain = body.sections()[cell].kind == ElementKind::Hex8;
+        match hex8::box_lengths(&body.corners(cell)) {
+            Some(lengths) if plain => CornerStresses::Edges(lengths),
+            _ => {
                 let stresses = extrapolate_to_corners(&cell_stresses(body, cell, u));
                 CornerStresses::Continued(Box::new(stresses))
             }
@@ -332,7 +329,7 @@ mod tests {
             ElementKind::Hex8Dilatation,
         ] {
             let mut mesh = block([3, 2, 4], [1.0, 2.0, 0.5], 0.25);
-            // In planes across x, as the axial element wants them.
+            // In planes across x, as the axial element requires.
             for (node, p) in mesh.points.iter_mut().enumerate() {
                 p[0] = (node % 4) as f64 / 3.0;
             }

@@ -1,42 +1,36 @@
 //! From the last mesh to what a solve returns.
 
 use crate::accuracy::watched::Limits;
-use crate::active_set::contact_set::Progress;
 use crate::mesh::assembled::assembled_bodies;
 use crate::mesh::contact_mesh::{ContactMesh, State};
 use crate::mesh::discretise::Discretisation;
-use crate::problem::gap::Gap;
+use crate::problem::check::CheckedProblem;
 use crate::result::measure::ROUNDED;
 use crate::result::pressure::Pressure;
-use crate::{Foundation, Iterate, Problem, RunnerField, Solution, SurfaceField, VolumeField};
+use crate::symmetry::unfolded;
+use crate::{Foundation, Iterate, RunnerField, Solution, SurfaceField, VolumeField};
 
-/// The last mesh's solution and what it is of.
-pub(crate) struct Answer<'a> {
-    pub problem: &'a Problem,
-    pub gap: &'a Gap<'a>,
+/// A mesh and the contact on it.
+pub(crate) struct SolvedMesh {
     pub mesh: Discretisation,
     pub state: State,
-    pub progress: Progress,
+    /// Conjugate-gradient iterations.
+    pub iterations: usize,
     pub pressure: Pressure,
-    /// Unknowns.
-    pub dofs: usize,
 }
 
-impl Answer<'_> {
-    /// With the limits of fine meshes and what happened on all of them.
-    pub fn solution(self, limits: Limits, history: Vec<Iterate>) -> Solution {
-        let Answer {
-            problem,
-            gap,
-            mesh,
-            state,
-            progress,
-            pressure,
-            dofs,
-        } = self;
+impl SolvedMesh {
+    /// The solution of `problem` with the limits of fine meshes and what happened on all of them.
+    pub fn solution(
+        self,
+        CheckedProblem { problem, gap, .. }: &CheckedProblem,
+        limits: Limits,
+        history: Vec<Iterate>,
+    ) -> Solution {
+        let SolvedMesh { mesh, state, .. } = self;
         let Pressure {
             values, figures, ..
-        } = pressure;
+        } = self.pressure;
         let resultant = mesh.contact.resultant(&state);
         let fz = mesh.copies() * resultant[0];
         // A mirror plane holds the centre of pressure; otherwise it follows from the moments about
@@ -48,7 +42,6 @@ impl Answer<'_> {
                 gap.line_of_action[axis] + moment / resultant[0]
             }
         };
-        let centre_of_pressure = [centre(0, resultant[1]), centre(1, -resultant[2])];
         let [pitch, roll] = gap.tilt(state.motion[1], state.motion[2]);
         let gaps = mesh.contact.gaps(&state);
         let ice_surface = mesh.contact.ice_surface(&state.displacement);
@@ -57,17 +50,10 @@ impl Answer<'_> {
         let overlaps = values.iter().zip(&gaps);
         let yielded = overlaps.map(|(p, gap)| if *p >= bound { -gap } else { 0.0 });
         let yielded = yielded.collect();
-        let surface = unfold(
-            &mesh.grid.x,
-            &mesh.grid.y,
-            mesh.symmetry,
-            [values, gaps, ice_surface, yielded],
-        );
-        let depth = mesh.contact.depth(&state);
-        let kkt_residual = kkt(&mesh.contact, &state, depth);
-        let nodes = mesh.grid.node_count();
-        let u = &state.displacement;
-        let displacement = by_node(&u[..3 * nodes]);
+        let kkt_residual = kkt(&mesh.contact, &state, &gaps);
+        let fields = [values, gaps, ice_surface, yielded];
+        let surface = unfold(&mesh.grid.x, &mesh.grid.y, mesh.symmetry, fields);
+        let (on_ice, on_runner) = state.displacement.split_at(3 * mesh.grid.node_count());
         let bed = match problem.ice.foundation {
             Foundation::ElasticBed { bed, .. } => Some((bed, mesh.bed_layers())),
             _ => None,
@@ -84,36 +70,35 @@ impl Answer<'_> {
             length: figures.length,
             length_error: limits.length_error,
             width: figures.width,
-            // Where nothing else is known: as uncertain as what is judged by.
-            width_error: figures.width * limits.length_error / figures.length,
-            approach: limits.approach,
-            approach_error: limits.approach * limits.relative,
+            width_error: limits.width_error,
+            approach: limits.approach.value,
+            approach_error: limits.approach.error,
             pitch,
-            pitch_error: turned(pitch, limits.relative),
+            pitch_error: limits.tilt_errors[0],
             roll,
-            roll_error: turned(roll, limits.relative),
+            roll_error: limits.tilt_errors[1],
             under_peak: None,
             fz,
-            centre_of_pressure,
+            centre_of_pressure: [centre(0, resultant[1]), centre(1, -resultant[2])],
             kkt_residual,
-            dofs,
-            iterations: progress.iterations,
+            dofs: mesh.free_dofs(),
+            iterations: self.iterations,
             history,
             surface,
+            symmetry: mesh.symmetry,
+            assembled: assembled_bodies(&mesh.contact),
             volume: Some(VolumeField {
                 grid: mesh.grid,
-                displacement,
+                displacement: by_node(on_ice),
                 youngs_modulus: problem.ice.youngs_modulus,
                 poissons_ratio: problem.ice.poissons_ratio,
                 element: problem.ice.element_kind(),
                 bed,
             }),
             runner_volume: mesh.runner_mesh.map(|mesh| RunnerField {
-                displacement: by_node(&u[3 * nodes..]),
+                displacement: by_node(on_runner),
                 mesh,
             }),
-            symmetry: mesh.symmetry,
-            assembled: assembled_bodies(&mesh.contact),
         }
     }
 }
@@ -128,16 +113,15 @@ fn by_node(u: &[f64]) -> Vec<[f64; 3]> {
 
 /// Largest relative violation: equilibrium by the operator, balance, and tension and penetration
 /// over all nodes of the plane.
-fn kkt(contact: &ContactMesh, state: &State, depth: f64) -> f64 {
+fn kkt(contact: &ContactMesh, state: &State, gaps: &[f64]) -> f64 {
     let largest = state
         .force
         .iter()
         .fold(f64::MIN_POSITIVE, |m, f| m.max(f.abs()));
     let tension = worst(state.force.iter().map(|f| -f)) / largest;
-    let gaps = contact.gaps(state);
     let full = |n: usize| state.force[n] >= contact.bound[n];
     let open = (0..gaps.len()).filter(|&n| !full(n));
-    let penetration = worst(open.map(|n| -gaps[n])) / depth;
+    let penetration = worst(open.map(|n| -gaps[n])) / contact.depth(state);
     // Moments are compared with the force times half the contact's extent.
     let reach = contact
         .rows
@@ -169,39 +153,23 @@ fn worst(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Mirrors plane fields over the symmetry planes.
 fn unfold(x: &[f64], y: &[f64], symmetry: [bool; 2], fields: [Vec<f64>; 4]) -> SurfaceField {
-    let whole = |nodes: &[f64], symmetric: bool| -> (Vec<f64>, Vec<usize>) {
-        if !symmetric {
-            return (nodes.to_vec(), (0..nodes.len()).collect());
-        }
-        let mirrored = (1..nodes.len()).rev().map(|i| (-nodes[i], i));
-        mirrored
-            .chain((0..nodes.len()).map(|i| (nodes[i], i)))
-            .unzip()
-    };
-    let (xs, is) = whole(x, symmetry[0]);
-    let (ys, js) = whole(y, symmetry[1]);
-    let spread = |values: &[f64]| -> Vec<f64> {
-        js.iter()
-            .flat_map(|&j| is.iter().map(move |&i| values[j * x.len() + i]))
+    let columns: Vec<_> = unfolded(x.len(), symmetry[0]).collect();
+    let rows: Vec<_> = unfolded(y.len(), symmetry[1]).collect();
+    let row = |values: &[f64], j: usize| -> Vec<f64> {
+        columns
+            .iter()
+            .map(|&(i, _)| values[j * x.len() + i])
             .collect()
     };
-    let [pressure, gap, uz, yielded] = fields.map(|f| spread(&f));
+    let spread = |values: &[f64]| rows.iter().flat_map(|&(j, _)| row(values, j)).collect();
+    let [pressure, gap, uz, yielded] = fields.map(|f| -> Vec<f64> { spread(&f) });
     SurfaceField {
-        x: xs,
-        y: ys,
+        x: columns.iter().map(|&(i, sign)| sign * x[i]).collect(),
+        y: rows.iter().map(|&(j, sign)| sign * y[j]).collect(),
         pressure,
         gap,
         yielded,
         uz,
-    }
-}
-
-/// The error of a tilt by a relative one; of one mesh nothing is known, of a tilt of 0 neither.
-fn turned(tilt: f64, relative: f64) -> f64 {
-    if relative.is_finite() {
-        tilt.abs() * relative
-    } else {
-        relative
     }
 }
 

@@ -22,8 +22,8 @@ pub(crate) struct Limit {
 /// Order of trilinear cells: what the meshes are expected to converge with, and the highest order
 /// that is believed.
 const FORMAL_ORDER: f64 = 2.0;
-/// Largest order that is believed of values that a rim or a ridge moves. It is above the order of smooth
-/// figures whose second-order part vanishes.
+/// Largest order that is believed of values that a rim or a ridge moves. It is above the order of
+/// smooth figures whose second-order part vanishes.
 pub(crate) const HIGHEST_ORDER: f64 = 3.0;
 /// Lowest order that is believed: below it a limit is far from every mesh there is.
 const LOWEST_ORDER: f64 = 0.5;
@@ -86,8 +86,8 @@ impl Limit {
     }
 
     /// The same for a figure that the place of a rim or a ridge between nodes moves by as much as
-    /// the cells do: values that settle faster than the order `highest` lets them do so by accident,
-    /// and have [`Limit::of_range`].
+    /// the cells do: values that settle faster than the order `highest` lets them do so by
+    /// accident, and have [`Limit::of_range`].
     pub fn richardson_at_rim(meshes: [MeshValue; 3], highest: f64) -> Self {
         let [h1, h2, h3] = meshes.map(|mesh| mesh.cells.powf(-highest));
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
@@ -98,7 +98,7 @@ impl Limit {
         }
     }
 
-    /// The last of values that go to and fro, and as its error [`RANGE_FACTOR`] times their
+    /// The last of values that oscillate, and as its error [`RANGE_FACTOR`] times their
     /// scatter.
     ///
     /// The errors of two meshes with opposite signs differ by |a - b| and share it as their cell
@@ -118,8 +118,8 @@ impl Limit {
         }
     }
 
-    /// The last of three meshes whose values scatter, and as its error what first order, the slowest
-    /// that was seen, leaves of [`Limit::of_range`]: R h3 / (h1 - h3).
+    /// The last of three meshes whose values scatter, and as its error what first order, the
+    /// slowest that was seen, leaves of [`Limit::of_range`]: R h3 / (h1 - h3).
     ///
     /// Their errors may have one sign or either: how far apart they are says no less than that.
     pub fn of_scatter(meshes: [MeshValue; 3]) -> Self {
@@ -140,7 +140,7 @@ impl Limit {
         }
     }
 
-    /// The error of `value`, which a mesh says, by this limit.
+    /// The error of the `value` of a mesh by this limit.
     pub fn error_of(&self, value: f64) -> f64 {
         (value - self.value).abs() + self.error
     }
@@ -180,7 +180,7 @@ fn order_of(observed: f64, ratio: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-// What meshes say together of a figure, and how fine they are to be.
+// The limit of a figure from all meshes, and the resolution of the next one.
 
 /// How a figure settles as cells get smaller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -188,7 +188,7 @@ enum Settling {
     /// By an order, or not at all.
     #[default]
     ByOrder,
-    /// By an order, or to and fro: the peak of a smooth contact.
+    /// By an order, or oscillating: the peak of a smooth contact.
     Alternating,
     /// By an order, or to and fro with errors of one sign or either: a peak at a ridge, as along a
     /// rounded edge, which lies anywhere between nodes.
@@ -198,7 +198,7 @@ enum Settling {
     Scatter,
 }
 
-/// What the meshes solved so far say of one figure.
+/// One figure on the meshes solved so far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sequence {
     meshes: Vec<MeshValue>,
@@ -242,7 +242,7 @@ impl Sequence {
         self.similar
     }
 
-    /// What the last mesh says; NaN before there is one.
+    /// The value of the last mesh; NaN before there is one.
     pub fn value(&self) -> f64 {
         self.meshes.last().map_or(f64::NAN, |mesh| mesh.value)
     }
@@ -263,11 +263,11 @@ impl Sequence {
         let Some((three, used)) = self.three() else {
             return self.spread();
         };
-        match (self.settling, is_monotone(&used)) {
+        match (self.settling, is_monotone(used)) {
             (Settling::ByOrder, _) | (Settling::Alternating, true) => {
                 Some(Limit::richardson(three))
             }
-            (Settling::Alternating, false) => Some(Limit::of_alternating(&used)),
+            (Settling::Alternating, false) => Some(Limit::of_alternating(used)),
             (Settling::AtRidge, true) => Some(Limit::richardson_at_rim(three, HIGHEST_ORDER)),
             (Settling::AtRidge, false) | (Settling::Scatter, _) => {
                 self.meshes.last_chunk().copied().map(Limit::of_scatter)
@@ -285,25 +285,23 @@ impl Sequence {
     }
 
     /// Of the similar meshes those that show the order, and all from the first of them on.
-    fn three(&self) -> Option<([MeshValue; 3], Vec<MeshValue>)> {
-        let &[.., third] = &self.meshes[..] else {
+    fn three(&self) -> Option<([MeshValue; 3], &[MeshValue])> {
+        let similar = &self.meshes[self.meshes.len() - self.similar..];
+        let [coarser @ .., _, third] = similar else {
             return None;
         };
-        if let [coarser @ .., before, _, _] = &self.meshes[self.meshes.len() - self.similar..] {
-            // Far apart scatter counts least; not so far that the coarsest is in another range.
-            let near = |mesh: &&MeshValue| mesh.cells >= third.cells / WIDEST;
-            let first = coarser.iter().find(near).unwrap_or(before);
-            let middle = (first.cells * third.cells).sqrt();
-            let off = |mesh: &MeshValue| (mesh.cells / middle).ln().abs();
-            let similar = &self.meshes[self.meshes.len() - self.similar..];
-            let between = similar
-                .iter()
-                .filter(|mesh| mesh.cells > first.cells && mesh.cells < third.cells);
-            let second = between.min_by(|a, b| off(a).total_cmp(&off(b)))?;
-            let used = similar.iter().filter(|mesh| mesh.cells >= first.cells);
-            return Some(([*first, *second, third], used.copied().collect()));
-        }
-        None
+        // Far apart scatter counts least; not so far that the coarsest is in another range.
+        let near = |mesh: &MeshValue| mesh.cells >= third.cells / WIDEST;
+        let last = coarser.len().checked_sub(1)?;
+        let start = coarser.iter().position(near).unwrap_or(last);
+        let (first, used) = (similar[start], &similar[start..]);
+        let middle = (first.cells * third.cells).sqrt();
+        let off = |mesh: &MeshValue| (mesh.cells / middle).ln().abs();
+        let between = similar
+            .iter()
+            .filter(|mesh| mesh.cells > first.cells && mesh.cells < third.cells);
+        let second = between.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        Some(([first, *second, *third], used))
     }
 
     /// The last mesh's value with the spread of the last three and of what lies between them and
@@ -322,7 +320,7 @@ impl Sequence {
             .unwrap_or_else(|| self.spread_from(self.meshes.len().saturating_sub(3)))
     }
 
-    /// The range of what the last three meshes say; infinite for a single one.
+    /// The range of the values of the last three meshes; infinite for a single one.
     pub fn range(&self) -> f64 {
         range(&self.values_from(self.meshes.len().saturating_sub(3)))
     }

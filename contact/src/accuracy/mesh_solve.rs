@@ -1,16 +1,16 @@
 //! The solve on one mesh.
 
-use kufe_fem::{Material, TensorOperator};
+use kufe_fem::TensorOperator;
 use kufe_mesh::TensorGrid;
 
 use crate::active_set::contact_set::{Control, Counts, Progress, SetUpdate};
-use crate::active_set::plane_problem::PlaneState;
 use crate::bodies::far_field::{lumps, prescribe};
 use crate::green::matrix::{Green, StorageLimit};
 use crate::mesh::contact_mesh::State;
 use crate::mesh::discretise::Discretisation;
 use crate::precondition::planewise::Side;
-use crate::{Error, Foundation, Load, Options, Problem};
+use crate::problem::check::CheckedProblem;
+use crate::{Error, Foundation, Load};
 
 /// Contact forces as they are known so far, on the plane they were found on.
 pub(crate) struct Forces {
@@ -34,10 +34,8 @@ impl Forces {
 
 /// One mesh of a problem, and the callback for what happens on it.
 pub(crate) struct MeshSolve<'a> {
-    pub problem: &'a Problem,
-    pub material: Material,
+    pub checked: &'a CheckedProblem<'a>,
     pub mesh: &'a Discretisation,
-    pub options: &'a Options,
     /// Most candidates whose Green's matrix is stored.
     pub stored: StorageLimit,
     /// Called at every update of the contact set, with the state as it is then.
@@ -66,21 +64,24 @@ impl MeshSolve<'_> {
         forces: &Forces,
     ) -> Result<(State, Progress), Error> {
         let contact = &self.mesh.contact;
+        let CheckedProblem {
+            problem, options, ..
+        } = self.checked;
         let greens = contact.greens(self.stored);
-        let (mut state, counts) = self.begin(&greens[1], motion);
+        let on_plane = contact.plane_contact_from_rest(&greens[1], motion);
+        let mut state = contact.state_of(&on_plane.force, on_plane.motion);
+        state.displacement = vec![0.0; contact.len()];
         self.fix_outer_faces(forces, &mut state);
-        let mut progress = self.with_fixed_faces(&greens, &mut state, counts);
-        if matches!(self.problem.load, Load::Approach { .. })
-            && self.problem.ice.foundation == Foundation::HalfSpace
+        let mut progress = self.with_fixed_faces(&greens, &mut state, on_plane.counts);
+        if matches!(problem.load, Load::Approach { .. })
+            && problem.ice.foundation == Foundation::HalfSpace
         {
             // The force, and with it the far field, follows from the solution.
             let mut change = f64::INFINITY;
             for _ in 0..rounds {
                 let before = contact.resultant(&state)[0];
                 self.fix_outer_faces(&Forces::of(self.mesh, &state), &mut state);
-                if self.options.stopped() {
-                    break;
-                }
+                options.check_stop()?;
                 let again = self.with_fixed_faces(&greens, &mut state, Counts::default());
                 progress.iterations += again.iterations;
                 progress.converged &= again.converged;
@@ -91,32 +92,20 @@ impl MeshSolve<'_> {
                     break;
                 }
             }
-            let settled = change <= SETTLED;
-            if !self.options.stopped() && !settled {
+            options.check_stop()?;
+            if change.is_nan() || change > SETTLED {
                 return Err(Error::FarField { rounds, change });
             }
         }
-        if self.options.stopped() {
-            return Err(Error::Stopped);
-        }
+        options.check_stop()?;
         if !progress.converged {
             return Err(Error::NotConverged {
                 iterations: progress.iterations,
                 residual: progress.residual,
-                tolerance: self.options.residual,
+                tolerance: options.residual,
             });
         }
         Ok((state, progress))
-    }
-
-    /// The contact on the plane alone, from no forces at `motion`.
-    fn begin(&self, scaled: &Green, motion: f64) -> (State, Counts) {
-        let contact = &self.mesh.contact;
-        let start = PlaneState::new(vec![0.0; contact.candidates.len()], [motion, 0.0, 0.0]);
-        let found = contact.plane_contact(scaled, &contact.unpressed_gap(), start);
-        let mut state = contact.state_of(&found.force, found.motion);
-        state.displacement = vec![0.0; contact.len()];
-        (state, found.counts)
     }
 
     /// [`ITERATIONS`], more where a material is nearly incompressible: K over its preconditioner,
@@ -140,8 +129,11 @@ impl MeshSolve<'_> {
         let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
         let (grid, symmetry) = (&self.mesh.grid, self.mesh.symmetry);
         let (on_ice, on_runner) = state.displacement.split_at_mut(3 * grid.node_count());
-        if self.problem.ice.foundation == Foundation::HalfSpace {
-            prescribe(grid, symmetry, self.material, &lumps, Side::Below, on_ice);
+        let CheckedProblem {
+            problem, material, ..
+        } = self.checked;
+        if problem.ice.foundation == Foundation::HalfSpace {
+            prescribe(grid, symmetry, *material, &lumps, Side::Below, on_ice);
         }
         // An unbounded runner has all columns: a half-space too.
         if let [ice, body] = &self.mesh.contact.bodies[..]
@@ -149,18 +141,11 @@ impl MeshSolve<'_> {
             && let Some(operator) = body.stiffness.grid()
         {
             let grid = TensorGrid {
-                x: grid.x.clone(),
-                y: grid.y.clone(),
                 z: operator.axes[2].nodes.clone(),
+                ..grid.clone()
             };
-            prescribe(
-                &grid,
-                symmetry,
-                body.material,
-                &lumps,
-                Side::Above,
-                on_runner,
-            );
+            let material = body.material;
+            prescribe(&grid, symmetry, material, &lumps, Side::Above, on_runner);
         }
     }
 
@@ -168,9 +153,8 @@ impl MeshSolve<'_> {
     /// forces took `begun`.
     fn with_fixed_faces(&self, greens: &[Green; 2], state: &mut State, begun: Counts) -> Progress {
         let control = Control {
-            tolerance: self.options.residual,
             iterations: self.most_iterations(),
-            options: self.options,
+            options: self.checked.options,
             report: self.report,
         };
         self.mesh.contact.solve(state, greens, begun, &control)
@@ -185,7 +169,7 @@ mod tests {
 
     use super::*;
     use crate::accuracy::one_mesh::MeshProblem;
-    use crate::{Ice, Runner};
+    use crate::{Ice, Options, Problem, Runner};
 
     #[test]
     fn a_far_field_that_does_not_settle_with_the_force_is_refused()
@@ -200,10 +184,8 @@ mod tests {
         let one = MeshProblem::new(problem, 4.0)?;
         let options = Options::default();
         let solve = MeshSolve {
-            problem: &one.problem,
-            material: one.material,
+            checked: &CheckedProblem::new(&one.problem, &options)?,
             mesh: &one.mesh,
-            options: &options,
             stored: StorageLimit::USUAL,
             report: &|_, _| {},
         };

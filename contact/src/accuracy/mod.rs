@@ -3,14 +3,10 @@
 pub(crate) mod answer;
 pub(crate) mod estimators;
 pub(crate) mod find_patch;
-#[cfg(test)]
-pub(crate) mod highest_tests;
 pub(crate) mod mesh_solve;
 pub(crate) mod meshes;
 #[cfg(test)]
 pub(crate) mod one_mesh;
 pub(crate) mod own_cells;
 pub(crate) mod penetration_check;
-#[cfg(test)]
-pub(crate) mod rejection_tests;
 pub(crate) mod watched;

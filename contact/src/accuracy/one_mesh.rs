@@ -1,7 +1,5 @@
 //! One mesh of a problem, for tests.
 
-use kufe_fem::Material;
-
 use crate::accuracy::find_patch::find_patch;
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::active_set::contact_set::Progress;
@@ -9,14 +7,13 @@ use crate::green::matrix::StorageLimit;
 use crate::grid::grading::Resolution;
 use crate::grid::patch::Patch;
 use crate::mesh::contact_mesh::State;
-use crate::mesh::discretise::{Discretisation, MeshPlan, Reach};
-use crate::problem::check::checked;
+use crate::mesh::discretise::{Discretisation, Reach};
+use crate::problem::check::CheckedProblem;
 use crate::{Error, Options, Problem};
 
 /// A mesh of a problem's patch as found, and what it is solved from.
 pub(crate) struct MeshProblem {
     pub problem: Problem,
-    pub material: Material,
     pub patch: Patch,
     pub forces: Forces,
     pub mesh: Discretisation,
@@ -26,23 +23,11 @@ impl MeshProblem {
     /// With so many cells over half the patch.
     pub fn new(problem: Problem, cells: f64) -> Result<Self, Error> {
         let options = Options::default();
-        let (material, gap) = checked(&problem, &options)?;
-        let (patch, forces) = find_patch(&problem, &gap, material, &options)?;
-        let mesh = MeshPlan {
-            problem: &problem,
-            gap: &gap,
-            material,
-            patch: &patch,
-            resolution: Resolution {
-                cells,
-                growth: 3.0 / cells,
-            },
-            reach: Reach::Patch,
-        }
-        .mesh()?;
+        let checked = CheckedProblem::bearable(&problem, &options)?;
+        let (patch, forces) = find_patch(&checked)?;
+        let mesh = checked.mesh(&patch, Resolution::of(cells), Reach::Patch)?;
         Ok(MeshProblem {
             problem,
-            material,
             patch,
             forces,
             mesh,
@@ -52,10 +37,8 @@ impl MeshProblem {
     /// Solved with Green's matrices of so many nodes stored.
     pub fn solve(&self, stored: StorageLimit) -> Result<(State, Progress), Error> {
         MeshSolve {
-            problem: &self.problem,
-            material: self.material,
+            checked: &CheckedProblem::new(&self.problem, &Options::default())?,
             mesh: &self.mesh,
-            options: &Options::default(),
             stored,
             report: &|_, _| {},
         }

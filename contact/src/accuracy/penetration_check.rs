@@ -3,14 +3,14 @@
 use kufe_fem::boussinesq;
 use rayon::prelude::*;
 
+use crate::Foundation;
+use crate::accuracy::answer::SolvedMesh;
 use crate::bodies::far_field::{PointForce, lumps};
 use crate::grid::patch::Patch;
 use crate::grid::stretch::Stretch;
-use crate::mesh::contact_mesh::State;
-use crate::mesh::discretise::{Discretisation, expected};
+use crate::mesh::discretise::expected;
 use crate::motion::dot;
-use crate::problem::gap::Gap;
-use crate::{Foundation, Problem};
+use crate::problem::check::CheckedProblem;
 
 /// A place where runner and ice would lie in one another.
 #[derive(Clone, Copy, Debug)]
@@ -34,54 +34,114 @@ const BETWEEN: f64 = 0.2;
 /// stretch's may all miss it.
 const NARROW: f64 = 0.35;
 
-/// A solved mesh and what it was made for.
-pub(crate) struct SolvedMesh<'a> {
-    pub problem: &'a Problem,
-    pub gap: &'a Gap<'a>,
-    pub patch: &'a Patch,
-    pub mesh: &'a Discretisation,
-    pub state: &'a State,
+/// How far a curved surface may lie below what is interpolated between the corners of a cell, over
+/// the range of its values there.
+const CURVED: f64 = 0.5;
+
+/// The gap of a solved mesh anywhere on the plane.
+pub(crate) struct DeformedGap<'a> {
+    checked: &'a CheckedProblem<'a>,
+    /// The patch that the mesh was made for.
+    patch: &'a Patch,
+    solved: &'a SolvedMesh,
+    /// How deep runner and ice press one another in [m].
+    depth: f64,
+    /// What displacements close at the mesh's nodes [m].
+    closing: Vec<f64>,
+    /// The forces, on a half-space outside the mesh.
+    lumps: Vec<PointForce>,
 }
 
-impl SolvedMesh<'_> {
+impl<'a> DeformedGap<'a> {
+    pub fn new(checked: &'a CheckedProblem<'a>, patch: &'a Patch, solved: &'a SolvedMesh) -> Self {
+        let (mesh, state) = (&solved.mesh, &solved.state);
+        let lumps = match checked.problem.ice.foundation {
+            Foundation::HalfSpace => lumps(&mesh.grid.x, &mesh.grid.y, &state.force, mesh.symmetry),
+            // A layer is at rest some thicknesses away.
+            _ => Vec::new(),
+        };
+        DeformedGap {
+            depth: mesh.contact.depth(state),
+            closing: mesh.contact.closing(&state.displacement),
+            checked,
+            patch,
+            solved,
+            lumps,
+        }
+    }
+
+    /// The gap at (x, y) without displacements [m].
+    fn undeformed(&self, x: f64, y: f64) -> f64 {
+        let gap = &self.checked.gap;
+        gap.at(x, y) - dot(gap.motion_row(x, y), self.solved.state.motion)
+    }
+
+    /// The gap at (x, y) [m].
+    fn gap(&self, x: f64, y: f64) -> f64 {
+        let mesh = &self.solved.mesh;
+        let undeformed = self.undeformed(x, y);
+        let [sx, sy] = mesh.symmetry;
+        let folded = |at: f64, symmetric: bool| if symmetric { at.abs() } else { at };
+        let cells = [
+            cell(&mesh.grid.x, folded(x, sx)),
+            cell(&mesh.grid.y, folded(y, sy)),
+        ];
+        let closing = match cells {
+            [Some((i, u)), Some((j, v))] => {
+                let nx = mesh.grid.x.len();
+                let at = |i: usize, j: usize| self.closing[j * nx + i];
+                let corners = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
+                let low = (1.0 - u) * corners[0] + u * corners[1];
+                let high = (1.0 - u) * corners[2] + u * corners[3];
+                let least = corners.iter().copied().fold(f64::INFINITY, f64::min);
+                let most = corners.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                (1.0 - v) * low + v * high - CURVED * (most - least)
+            }
+            _ => {
+                let material = mesh.contact.bodies[0].material;
+                let sunk = |lump: &PointForce| {
+                    let point = [x - lump.at[0], y - lump.at[1], 0.0];
+                    boussinesq(point, lump.force, material)[2]
+                };
+                self.lumps.iter().map(sunk).sum()
+            }
+        };
+        undeformed - closing
+    }
+
     /// Places outside of where contact was expected: on a hull with ends the deepest of each
     /// valley along it, in order, and where a measured surface is low; there also between the
     /// nodes.
     pub fn penetrations(&self) -> Vec<Penetration> {
-        let extent = self.problem.runner.underside.extent();
-        let bounded = extent.iter().all(|end| end.is_finite());
-        if !bounded && self.gap.lows().next().is_none() {
-            return Vec::new();
-        }
-        let surface = Surface::new(self);
-        let mut found = if bounded {
-            self.valleys(&surface, extent)
+        let mut found = if self.checked.problem.runner.is_bounded() {
+            self.valleys()
         } else {
             Vec::new()
         };
-        found.extend(self.gap.lows().filter_map(|at| self.deep(&surface, at)));
+        found.extend(self.checked.gap.lows().filter_map(|at| self.deep(at)));
         found
     }
 
     /// A place where a surface is low, if it lies in the other one.
-    fn deep(&self, surface: &Surface, [x, y]: [f64; 2]) -> Option<Penetration> {
+    fn deep(&self, [x, y]: [f64; 2]) -> Option<Penetration> {
         let part = if expected(self.patch, x, y) {
             BETWEEN
         } else {
             LEAST
         };
-        let least = part * surface.depth;
+        let least = part * self.depth;
         // The ice only sinks, and only elastic runners come nearer by themselves.
-        if self.problem.runner.elastic.is_none() && surface.undeformed(x, y) > -least {
+        let rigid = self.checked.problem.runner.elastic.is_none();
+        if rigid && self.undeformed(x, y) > -least {
             return None;
         }
-        let depth = -surface.gap(x, y);
+        let depth = -self.gap(x, y);
         (depth > least).then_some(Penetration { at: [x, y], depth })
     }
 
     /// The deepest place of each valley along the hull, in order.
-    fn valleys(&self, surface: &Surface, extent: [f64; 4]) -> Vec<Penetration> {
-        let [low, high, right, left] = extent;
+    fn valleys(&self) -> Vec<Penetration> {
+        let [low, high, right, left] = self.checked.problem.runner.underside.extent();
         let (dx, dy) = (
             (high - low) / STATIONS as f64,
             (left - right) / POINTS as f64,
@@ -90,7 +150,7 @@ impl SolvedMesh<'_> {
             if expected(self.patch, x, y) {
                 f64::INFINITY
             } else {
-                surface.gap(x, y)
+                self.gap(x, y)
             }
         };
         let place = |k: usize| right + dy * k as f64;
@@ -122,24 +182,21 @@ impl SolvedMesh<'_> {
                 depth: -height(at[0], at[1]),
             }
         });
-        found
-            .filter(|at| at.depth > LEAST * surface.depth)
-            .collect()
+        found.filter(|at| at.depth > LEAST * self.depth).collect()
     }
 
     /// The patch with these places of contact more.
     pub fn patch_with(&self, found: &[Penetration]) -> Patch {
-        let surface = Surface::new(self);
         let mut patch = self.patch.clone();
         for place in found {
-            self.add(place, &surface, &mut patch);
+            self.add(place, &mut patch);
         }
         patch.x.sort_by(|a, b| a.low.total_cmp(&b.low));
         patch
     }
 
-    fn add(&self, found: &Penetration, surface: &Surface, patch: &mut Patch) {
-        let mirrored = self.mesh.symmetry;
+    fn add(&self, found: &Penetration, patch: &mut Patch) {
+        let mirrored = self.solved.mesh.symmetry;
         // Of two places that a mirror plane makes one the positive one is meshed.
         let [x, y] = [0, 1].map(|axis| {
             if mirrored[axis] {
@@ -148,40 +205,22 @@ impl SolvedMesh<'_> {
                 found.at[axis]
             }
         });
-        let [low, high, right, left] = self.problem.runner.underside.extent();
-        let whole = |from: f64, to: f64| {
-            if (to - from).is_finite() {
-                to - from
-            } else {
-                patch.y.half()
-            }
-        };
-        let end = |along: bool, sign: f64, limit: f64| {
-            let size = if along {
-                whole(low, high)
-            } else {
-                whole(right, left)
-            };
-            let mut step = 1e-6 * size;
-            let gap = |step: f64| {
-                if along {
-                    surface.gap(x + sign * step, y)
-                } else {
-                    surface.gap(x, y + sign * step)
+        let half_width = patch.y.half();
+        let stretch = |at: f64, [low, high]: [f64; 2], gap: &dyn Fn(f64) -> f64| {
+            let whole = high - low;
+            let size = if whole.is_finite() { whole } else { half_width };
+            let end = |sign: f64, limit: f64| {
+                let mut step = 1e-6 * size;
+                while gap(at + sign * step) < 0.0 && step < limit {
+                    step *= 1.3;
                 }
+                at + sign * step.min(limit)
             };
-            while gap(step) < 0.0 && step < limit {
-                step *= 1.3;
-            }
-            sign * step.min(limit)
+            Stretch::even(end(-1.0, at - low), end(1.0, high - at))
         };
-        let [along, across] = [
-            Stretch::even(x + end(true, -1.0, x - low), x + end(true, 1.0, high - x)),
-            Stretch::even(
-                y + end(false, -1.0, y - right),
-                y + end(false, 1.0, left - y),
-            ),
-        ];
+        let [low, high, right, left] = self.checked.problem.runner.underside.extent();
+        let along = stretch(x, [low, high], &|x| self.gap(x, y));
+        let across = stretch(y, [right, left], &|y| self.gap(x, y));
         widen_to(&mut patch.y, [if mirrored[1] { -y } else { y }, y]);
         resolve(&mut patch.y, &across);
         if mirrored[1] {
@@ -235,77 +274,6 @@ fn least(value: impl Fn(f64) -> f64, middle: f64, reach: f64, ends: [f64; 2]) ->
         found
     } else {
         middle
-    }
-}
-
-/// How far a curved surface may lie below what is interpolated between the corners of a cell, over
-/// the range of its values there.
-const CURVED: f64 = 0.5;
-
-/// The gap of a state anywhere on the plane.
-struct Surface<'a> {
-    of: &'a SolvedMesh<'a>,
-    /// How deep runner and ice press one another in [m].
-    depth: f64,
-    /// What displacements close at the mesh's nodes [m].
-    closing: Vec<f64>,
-    /// The forces, on a half-space outside the mesh.
-    lumps: Vec<PointForce>,
-}
-
-impl<'a> Surface<'a> {
-    fn new(of: &'a SolvedMesh<'a>) -> Self {
-        let (mesh, state) = (of.mesh, of.state);
-        let lumps = match of.problem.ice.foundation {
-            Foundation::HalfSpace => lumps(&mesh.grid.x, &mesh.grid.y, &state.force, mesh.symmetry),
-            // A layer is at rest some thicknesses away.
-            _ => Vec::new(),
-        };
-        Surface {
-            of,
-            depth: mesh.contact.depth(state),
-            closing: mesh.contact.closing(&state.displacement),
-            lumps,
-        }
-    }
-
-    /// The gap at (x, y) without displacements [m].
-    fn undeformed(&self, x: f64, y: f64) -> f64 {
-        let SolvedMesh { gap, state, .. } = self.of;
-        gap.at(x, y) - dot(gap.motion_row(x, y), state.motion)
-    }
-
-    /// The gap at (x, y) [m].
-    fn gap(&self, x: f64, y: f64) -> f64 {
-        let mesh = self.of.mesh;
-        let undeformed = self.undeformed(x, y);
-        let [sx, sy] = mesh.symmetry;
-        let folded = |at: f64, symmetric: bool| if symmetric { at.abs() } else { at };
-        let cells = [
-            cell(&mesh.grid.x, folded(x, sx)),
-            cell(&mesh.grid.y, folded(y, sy)),
-        ];
-        let closing = match cells {
-            [Some((i, u)), Some((j, v))] => {
-                let nx = mesh.grid.x.len();
-                let at = |i: usize, j: usize| self.closing[j * nx + i];
-                let corners = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
-                let low = (1.0 - u) * corners[0] + u * corners[1];
-                let high = (1.0 - u) * corners[2] + u * corners[3];
-                let least = corners.iter().copied().fold(f64::INFINITY, f64::min);
-                let most = corners.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                (1.0 - v) * low + v * high - CURVED * (most - least)
-            }
-            _ => {
-                let material = mesh.contact.bodies[0].material;
-                let sunk = |lump: &PointForce| {
-                    let point = [x - lump.at[0], y - lump.at[1], 0.0];
-                    boussinesq(point, lump.force, material)[2]
-                };
-                self.lumps.iter().map(sunk).sum()
-            }
-        };
-        undeformed - closing
     }
 }
 

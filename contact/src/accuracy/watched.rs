@@ -42,11 +42,15 @@ pub(crate) struct Limits {
     /// Peak pressure [Pa].
     pub peak: Limit,
     /// Approach [m].
-    pub approach: f64,
+    pub approach: Limit,
     /// Error of the last mesh's area [m2].
     pub area_error: f64,
     /// Error of the last mesh's length [m].
     pub length_error: f64,
+    /// Error of the last mesh's width [m].
+    pub width_error: f64,
+    /// Errors of the last mesh's pitch and roll [rad].
+    pub tilt_errors: [f64; 2],
     /// Relative error of what is watched: the peak's, or where the ice's hardness fixes that,
     /// [`AREA_WEIGHT`] times the area's.
     pub relative: f64,
@@ -63,22 +67,6 @@ pub(crate) struct Place {
     pub missed: f64,
     /// Whether the mesh is graded to a ridge of the pressure, or to an end of the hull.
     pub at_ridge: bool,
-}
-
-impl Limits {
-    /// One mesh, without an error estimate.
-    pub fn unjudged(p_max: f64, approach: f64) -> Self {
-        Limits {
-            peak: Limit {
-                value: p_max,
-                error: f64::INFINITY,
-            },
-            approach,
-            area_error: f64::INFINITY,
-            length_error: f64::INFINITY,
-            relative: f64::INFINITY,
-        }
-    }
 }
 
 /// How fine a mesh is.
@@ -98,17 +86,6 @@ impl From<f64> for Fineness {
             extents: [cells; 2],
         }
     }
-}
-
-/// Errors of the figures that do not decide on refinement.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct OtherErrors {
-    /// Error of the last mesh's width [m].
-    pub width_error: f64,
-    /// Error of the approach in the limit [m].
-    pub approach_error: f64,
-    /// Errors of the last mesh's pitch and roll [rad].
-    pub tilt_errors: [f64; 2],
 }
 
 impl FigureHistory {
@@ -196,21 +173,32 @@ impl FigureHistory {
     }
 
     /// The last mesh with its error estimates.
-    pub fn last(&self) -> Option<Limits> {
-        self.of(self.peak.last())
+    ///
+    /// # Panics
+    /// Before there is a mesh.
+    pub fn last(&self) -> Limits {
+        self.of(self.peak.last()).expect("a mesh")
     }
 
-    /// The errors of width, approach and tilt; infinite after one mesh.
-    pub fn other_errors(&self) -> OtherErrors {
-        let last = |figure: &Sequence| figure.last().error_of(figure.value());
-        OtherErrors {
-            tilt_errors: [last(&self.tilt[0]), last(&self.tilt[1])],
-            width_error: self.extent_error(&self.width, self.off()[2]),
-            approach_error: self
-                .approach()
-                .error
-                .hypot(self.floor.approach * self.approach.value())
-                + self.missed * self.approach.value(),
+    /// The last mesh, its peak, area and length without an error estimate.
+    ///
+    /// # Panics
+    /// Before there is a mesh.
+    pub fn unjudged(&self) -> Limits {
+        let judged = self.last();
+        Limits {
+            peak: Limit {
+                value: self.peak.value(),
+                error: f64::INFINITY,
+            },
+            approach: Limit {
+                value: self.approach.value(),
+                ..judged.approach
+            },
+            area_error: f64::INFINITY,
+            length_error: f64::INFINITY,
+            relative: f64::INFINITY,
+            ..judged
         }
     }
 
@@ -222,11 +210,6 @@ impl FigureHistory {
             value,
             error: error.hypot(self.floor.approach * value) + self.missed * value,
         }
-    }
-
-    /// Differences of area, length and width between two estimators of the last mesh's rims.
-    fn off(&self) -> [f64; 3] {
-        self.last.map_or([f64::INFINITY; 3], |last| last.off)
     }
 
     /// Difference of the last mesh's area between two estimators of the rim. Next to yielding ice
@@ -273,7 +256,7 @@ impl FigureHistory {
 
     fn of(&self, peak: Limit) -> Option<Limits> {
         let last = self.last?;
-        let [_, length_off, _] = last.off;
+        let [_, length_off, width_off] = last.off;
         let area_error = rims_error(&self.area, self.area_off());
         let area_error = area_error.hypot(self.floor.peak * last.area);
         let length_error = self.extent_error(&self.length, length_off);
@@ -285,11 +268,22 @@ impl FigureHistory {
             let error = peak.error.hypot(self.floor.peak * value) + self.missed * value;
             (value, error, error / value)
         };
+        let mesh = self.approach.value();
+        let Limit {
+            value: approach,
+            error: by_meshes,
+        } = self.approach();
+        let tilt_error = |figure: &Sequence| figure.last().error_of(figure.value());
         Some(Limits {
             peak: Limit { value, error },
-            approach: self.approach().value,
+            approach: Limit {
+                value: approach,
+                error: by_meshes.hypot(self.floor.approach * mesh) + self.missed * mesh,
+            },
             area_error,
             length_error,
+            width_error: self.extent_error(&self.width, width_off),
+            tilt_errors: self.tilt.each_ref().map(tilt_error),
             relative,
         })
     }
@@ -320,7 +314,7 @@ impl ShearHistory {
     }
 
     /// Adds a mesh: finer and similar to the last one, or `graded_anew`. One whose shear is largest
-    /// at an end of the line says nothing, and those before it nothing of what follows.
+    /// at an end of the line gives no value, and the sequence begins again.
     pub fn push(&mut self, largest: Option<LargestShear>, cells: f64, graded_anew: bool) {
         let Some(LargestShear { value, depth }) = largest else {
             *self = ShearHistory::new();
@@ -333,7 +327,7 @@ impl ShearHistory {
 
     /// The limit of the shear, and the last mesh's depth, with their errors; both have besides what
     /// stays of these relative errors on all meshes, independent of theirs and of one sign. `None`
-    /// where the last mesh says nothing.
+    /// where the last mesh gives no value.
     pub fn under_peak(&self, floor: f64, missed: f64) -> Option<UnderPeak> {
         let depth = self.depth.value();
         if depth.is_nan() {
@@ -380,7 +374,7 @@ mod tests {
         let mut watched = FigureHistory::new(Some(20e6), ErrorFloor::default());
         pushed(&mut watched, 3.0, [0.5, 0.5, -1.0]);
         assert!(watched.limits().is_none());
-        assert_eq!(watched.last().map(|l| l.relative), Some(f64::INFINITY));
+        assert_eq!(watched.last().relative, f64::INFINITY);
         pushed(&mut watched, 4.0, [0.5, 0.5, -1.0]);
         pushed(&mut watched, 6.0, [0.5, 0.5, -1.0]);
         let limits = watched.limits().expect("three meshes");
@@ -427,8 +421,8 @@ mod tests {
                 off: [0.0; 3],
             };
             watched.push(figures, PLACE, fineness, false);
-            let limits = watched.last().expect("a mesh");
-            stated = [limits.length_error, watched.other_errors().width_error];
+            let limits = watched.last();
+            stated = [limits.length_error, limits.width_error];
         }
         // Cells of 0.1 / 600 and 0.01 / 60, and two thirds of one at either end.
         for (found, cell) in stated.into_iter().zip([0.1 / 600.0, 0.01 / 60.0]) {

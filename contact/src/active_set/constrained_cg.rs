@@ -4,7 +4,7 @@ use faer::Mat;
 
 use crate::active_set::contact_set::{Control, Progress};
 use crate::bodies::elastic_body::BodyWork;
-use crate::green::closed_set::ClosedSet;
+use crate::green::closed_set::{ClosedSet, ITERATIONS};
 use crate::green::matrix::Green;
 use crate::mesh::contact_mesh::{ContactMesh, Sets, State};
 use crate::motion::{dot, solve_motion};
@@ -53,10 +53,8 @@ pub(crate) struct Workspace {
 impl ContactMesh {
     pub fn constrain<'a>(&self, sets: &Sets, green: &'a Green<'_>) -> Option<Constraint<'a>> {
         let inside = &sets.inside;
-        let rows: Vec<[f64; 3]> = inside
-            .iter()
-            .map(|&i| self.rows[self.candidates[i]])
-            .collect();
+        let nodes: Vec<usize> = inside.iter().map(|&i| self.candidates[i]).collect();
+        let rows: Vec<[f64; 3]> = nodes.iter().map(|&node| self.rows[node]).collect();
         let closed = match green {
             Green::Dense(green) => {
                 let n = inside.len();
@@ -73,9 +71,8 @@ impl ContactMesh {
                 Closed::Iterated(ClosedSet::new(green, inside, &rows, self.motion.free))
             }
         };
-        let inside = inside.iter().map(|&i| self.candidates[i]).collect();
         Some(Constraint {
-            inside,
+            inside: nodes,
             rows,
             closed,
         })
@@ -112,7 +109,7 @@ impl ContactMesh {
         self.enter(constraint, state, work);
         progress.iterations += 1;
         // Now the step's defect and imbalance are 0, and stay so.
-        let mut rho_before = 0.0;
+        let mut before = 0.0;
         let mut turn_direction = [0.0; 3];
         let mut next_check = set.first_check;
         loop {
@@ -123,28 +120,13 @@ impl ContactMesh {
             if control.reached(progress.iterations) {
                 return false;
             }
-            let beta = if rho_before > 0.0 {
-                rho / rho_before
-            } else {
-                0.0
-            };
-            rho_before = rho;
-            vector::scale_add(&mut work.direction, beta, &work.step);
+            let beta = if before > 0.0 { rho / before } else { 0.0 };
+            before = rho;
             turn_direction = [0, 1, 2].map(|a| turn[a] + beta * turn_direction[a]);
-            self.apply(&work.direction, &mut work.image, &mut work.bodies);
-            let curvature = vector::dot(&work.direction, &work.image);
-            if curvature <= 0.0 {
+            let Some(alpha) = self.descend(beta, rho, state, work) else {
                 return false;
-            }
-            let alpha = rho / curvature;
-            for (q, t) in state.motion.iter_mut().zip(turn_direction) {
-                *q += alpha * t;
-            }
-            vector::add_two(
-                alpha,
-                [&mut state.displacement, &mut work.residual],
-                [&work.direction, &work.image],
-            );
+            };
+            state.motion = [0, 1, 2].map(|a| state.motion[a] + alpha * turn_direction[a]);
             progress.iterations += 1;
         }
     }
@@ -154,13 +136,59 @@ impl ContactMesh {
     pub fn out_of_equilibrium(&self, state: &State) -> f64 {
         let mut work = self.workspace();
         self.residual(state, &mut work.residual, &mut work.bodies);
+        self.precondition_bodies(&mut work);
+        let energy = self.energy(state).max(f64::MIN_POSITIVE);
+        (vector::dot(&work.residual, &work.step).abs() / energy).sqrt()
+    }
+
+    /// The step z = M^-1 r of the bodies alone.
+    fn precondition_bodies(&self, work: &mut Workspace) {
         let mut closing = vec![0.0; self.gap.len()];
         for ((body, part), body_work) in self.parts().zip(&mut work.bodies) {
             body.begin(&work.residual[part.clone()], &mut closing, body_work);
             body.finish(&[], &mut work.step[part], body_work);
         }
-        let energy = self.energy(state).max(f64::MIN_POSITIVE);
-        (vector::dot(&work.residual, &work.step).abs() / energy).sqrt()
+    }
+
+    /// Solves K u = load - B^T f for the displacements of a state, from those it has, by
+    /// preconditioned conjugate gradients; returns the iterations, `None` where `most` do not do.
+    ///
+    /// It ends where the residual in the energy norm is below `tolerance` of the forces' own
+    /// energy.
+    pub fn respond(&self, state: &mut State, tolerance: f64, most: usize) -> Option<usize> {
+        let mut work = self.workspace();
+        self.residual(state, &mut work.residual, &mut work.bodies);
+        let mut before = 0.0;
+        for iteration in 0..most {
+            self.precondition_bodies(&mut work);
+            let rho = vector::dot(&work.residual, &work.step).max(0.0);
+            let energy = self.energy(state).max(f64::MIN_POSITIVE);
+            if rho <= tolerance * tolerance * energy {
+                return Some(iteration);
+            }
+            let beta = if before > 0.0 { rho / before } else { 0.0 };
+            before = rho;
+            self.descend(beta, rho, state, &mut work)?;
+        }
+        None
+    }
+
+    /// Goes on by conjugate gradients: the direction is the step plus `beta` times itself; returns
+    /// the length of the way along it, `None` where the curvature there is not positive.
+    fn descend(&self, beta: f64, rho: f64, state: &mut State, work: &mut Workspace) -> Option<f64> {
+        vector::scale_add(&mut work.direction, beta, &work.step);
+        self.apply(&work.direction, &mut work.image, &mut work.bodies);
+        let curvature = vector::dot(&work.direction, &work.image);
+        if curvature <= 0.0 {
+            return None;
+        }
+        let alpha = rho / curvature;
+        vector::add_two(
+            alpha,
+            [&mut state.displacement, &mut work.residual],
+            [&work.direction, &work.image],
+        );
+        Some(alpha)
     }
 
     /// Enters the subspace: closes what is open inside, balances the load. Leaves the residual of
@@ -174,12 +202,8 @@ impl ContactMesh {
             .map(|&i| self.gap[i] - dot(self.rows[i], state.motion) - closing[i])
             .collect();
         let mut balance = self.motion.balance;
-        for (row, force) in self
-            .rows
-            .iter()
-            .zip(&state.force)
-            .filter(|(_, f)| **f != 0.0)
-        {
+        let loaded = self.rows.iter().zip(&state.force);
+        for (row, force) in loaded.filter(|(_, f)| **f != 0.0) {
             for (b, r) in balance.iter_mut().zip(row) {
                 *b -= r * force;
             }
@@ -221,7 +245,7 @@ impl ContactMesh {
         residual: f64,
         next_check: &mut f64,
     ) -> Option<bool> {
-        let tolerance = set.control.tolerance;
+        let tolerance = set.control.options.residual;
         if residual.is_nan() || residual >= next_check.max(tolerance) {
             return None;
         }
@@ -289,7 +313,7 @@ impl ContactMesh {
             }
             Closed::Iterated(set) => {
                 let gap: Vec<f64> = side.col(0).iter().copied().collect();
-                let found = set.solve(&gap, balance, [0.0; 3], &vec![0.0; n]);
+                let found = set.solve(ITERATIONS, &gap, [balance, [0.0; 3]], &vec![0.0; n]);
                 let (multipliers, turn) = found.unwrap_or((vec![f64::NAN; n], [f64::NAN; 3]));
                 return (turn, multipliers);
             }

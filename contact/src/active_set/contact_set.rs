@@ -1,7 +1,5 @@
 //! Which nodes touch: accelerated projective SOR on the bodies' own stiffness.
 
-use std::convert::Infallible;
-
 use crate::Options;
 use crate::active_set::constrained_cg::SetProblem;
 use crate::active_set::plane_problem::{PlaneProblem, PlaneState};
@@ -34,10 +32,9 @@ impl ContactMesh {
         control: &Control,
     ) -> Progress {
         let mut work = self.workspace();
-        let Ok(progress) = self.solve_by(state, greens, begun, control, |set, state, progress| {
-            Ok::<_, Infallible>(self.iterate(set, state, &mut work, progress))
-        });
-        progress
+        self.solve_by(state, greens, begun, control, |set, state, progress| {
+            self.iterate(set, state, &mut work, progress)
+        })
     }
 
     /// As [`ContactMesh::solve`] with an iteration within one contact set, which returns whether
@@ -50,22 +47,21 @@ impl ContactMesh {
     /// force meets its bound. Where it does not fall the next set is that of the forces accepted
     /// last with the nodes whose gaps contradict it: its minimiser lies lower, since those forces
     /// are among its own.
-    pub fn solve_by<E>(
+    fn solve_by(
         &self,
         state: &mut State,
         greens: &[Green; 2],
         begun: Counts,
         control: &Control,
-        mut iterate: impl FnMut(&SetProblem, &mut State, &mut Progress) -> Result<bool, E>,
-    ) -> Result<Progress, E> {
+        mut iterate: impl FnMut(&SetProblem, &mut State, &mut Progress) -> bool,
+    ) -> Progress {
         let mut progress = Progress {
             iterations: 0,
             residual: f64::INFINITY,
             converged: false,
         };
-        let bound: Vec<f64> = self.candidates.iter().map(|&n| self.bound[n]).collect();
-        let force: Vec<f64> = self.candidates.iter().map(|&n| state.force[n]).collect();
-        let mut sets = Sets::of(&force, &bound);
+        let bound = self.on_candidates(&self.bound);
+        let mut sets = Sets::of(&self.on_candidates(&state.force), &bound);
         let mut counts = begun;
         let mut accepted: Option<Feasible> = None;
         for update in 0..UPDATES {
@@ -85,7 +81,7 @@ impl ContactMesh {
                         .powi((update / UNHURRIED) as i32 - PATIENT)
                         .clamp(1.0, MOST_SLACK),
             };
-            let confirmed = iterate(&set, state, &mut progress)?;
+            let confirmed = iterate(&set, state, &mut progress);
             counts.accelerations += 1;
             let trial = self.feasible(state, &greens[1], accepted.as_ref());
             // Forces put back to their bounds leave gaps that are only predicted: not good enough
@@ -130,7 +126,7 @@ impl ContactMesh {
                 }
             };
         }
-        Ok(progress)
+        progress
     }
 
     /// Whether all forces are within their bounds, by more than rounding.
@@ -142,20 +138,24 @@ impl ContactMesh {
         })
     }
 
+    /// The candidates' forces, put back to their bounds.
+    fn clamped_forces(&self, state: &State) -> Vec<f64> {
+        let nodes = self.candidates.iter();
+        nodes
+            .map(|&c| state.force[c].clamp(0.0, self.bound[c]))
+            .collect()
+    }
+
     /// Projected SOR on the plane, from the gaps as they are now.
     fn predict(&self, state: &State, scaled: &Green) -> PlaneState {
         let gaps = self.gaps(state);
-        let n = self.candidates.len();
-        let force: Vec<f64> = self.candidates.iter().map(|&c| state.force[c]).collect();
-        let mut base: Vec<f64> = self
-            .candidates
-            .iter()
+        let nodes = || self.candidates.iter();
+        let mut base: Vec<f64> = nodes()
             .map(|&c| gaps[c] + dot(self.rows[c], state.motion))
             .collect();
-        let taken: Vec<f64> = force.iter().map(|f| -f).collect();
+        let taken: Vec<f64> = nodes().map(|&c| -state.force[c]).collect();
         scaled.add_times(&taken, &mut base);
-        let bound: Vec<f64> = self.candidates.iter().map(|&c| self.bound[c]).collect();
-        let clamped = (0..n).map(|i| force[i].clamp(0.0, bound[i])).collect();
+        let clamped = self.clamped_forces(state);
         self.plane_contact(scaled, &base, PlaneState::new(clamped, state.motion))
     }
 
@@ -178,18 +178,23 @@ impl ContactMesh {
         self.candidates.iter().zip(kind).any(contradicts)
     }
 
+    /// Solves the contact on the plane alone, from no forces at this approach [m].
+    pub fn plane_contact_from_rest(&self, scaled: &Green, approach: f64) -> PlaneState {
+        let none = vec![0.0; self.candidates.len()];
+        let start = PlaneState::new(none, [approach, 0.0, 0.0]);
+        self.plane_contact(scaled, &self.unpressed_gap(), start)
+    }
+
     /// Solves the contact on the plane alone, with the scaled Green's matrix.
     ///
     /// `base` is the gap of the candidates without motion and forces, `start` the forces and motion
     /// to begin with.
     pub fn plane_contact(&self, scaled: &Green, base: &[f64], start: PlaneState) -> PlaneState {
-        let rows: Vec<[f64; 3]> = self.candidates.iter().map(|&n| self.rows[n]).collect();
-        let bound: Vec<f64> = self.candidates.iter().map(|&n| self.bound[n]).collect();
         PlaneProblem {
             green: scaled,
             gap: base,
-            rows: &rows,
-            bound: &bound,
+            rows: &self.on_candidates(&self.rows),
+            bound: &self.on_candidates(&self.bound),
             motion: &self.motion,
         }
         .solve(start)
@@ -275,13 +280,8 @@ impl ContactMesh {
     /// loads, and the work of a load from first touch. Under a given approach no load works, and
     /// the energy is minus what the bodies have stored.
     pub fn feasible(&self, state: &State, scaled: &Green, last: Option<&Feasible>) -> Feasible {
-        let gaps = self.gaps(state);
-        let mut gap: Vec<f64> = self.candidates.iter().map(|&c| gaps[c]).collect();
-        let force: Vec<f64> = self
-            .candidates
-            .iter()
-            .map(|&c| state.force[c].clamp(0.0, self.bound[c]))
-            .collect();
+        let mut gap = self.on_candidates(&self.gaps(state));
+        let force = self.clamped_forces(state);
         let nodes = self.candidates.iter().zip(&force);
         let change: Vec<f64> = nodes.map(|(&c, f)| f - state.force[c]).collect();
         scaled.add_times(&change, &mut gap);
@@ -289,13 +289,8 @@ impl ContactMesh {
             Some(last) => last.energy + last.change(&force, &gap),
             None => {
                 // Motions that are fixed belong to the gap without forces.
-                let moved = [0, 1, 2].map(|a| {
-                    if self.motion.free[a] {
-                        state.motion[a]
-                    } else {
-                        -state.motion[a]
-                    }
-                });
+                let sign = |a: usize| if self.motion.free[a] { 1.0 } else { -1.0 };
+                let moved = [0, 1, 2].map(|a| sign(a) * state.motion[a]);
                 let unpressed = self.unpressed_gap();
                 // A load is at no height of its own: its work counts from first touch.
                 let lowest = if self.motion.free[0] {
@@ -321,16 +316,11 @@ impl ContactMesh {
     /// The forces on the way from accepted ones to those of a state where the first one meets its
     /// bound.
     pub fn on_the_way(&self, last: &Feasible, state: &State) -> Feasible {
-        let bound: Vec<f64> = self.candidates.iter().map(|&c| self.bound[c]).collect();
-        let to: Vec<f64> = self.candidates.iter().map(|&c| state.force[c]).collect();
-        let (part, force) = clip(&last.force, &to, &bound);
-        let gaps = self.gaps(state);
-        let gap: Vec<f64> = self
-            .candidates
-            .iter()
-            .zip(&last.gap)
-            .map(|(&c, before)| before + part * (gaps[c] - before))
-            .collect();
+        let to = self.on_candidates(&state.force);
+        let (part, force) = clip(&last.force, &to, &self.on_candidates(&self.bound));
+        let gaps = self.on_candidates(&self.gaps(state));
+        let pairs = gaps.iter().zip(&last.gap);
+        let gap: Vec<f64> = pairs.map(|(gap, b)| b + part * (gap - b)).collect();
         let energy = last.energy + last.change(&force, &gap);
         Feasible {
             force,
@@ -363,11 +353,9 @@ pub(crate) struct Progress {
 
 /// The limits of an iteration and its callback.
 pub(crate) struct Control<'a> {
-    /// Requested energy-norm residual over the energy of the solution.
-    pub tolerance: f64,
     /// Most iterations.
     pub iterations: usize,
-    /// Flag that stops it.
+    /// The requested residual, and the flag that stops it.
     pub options: &'a Options,
     /// Called at every update of the contact set, with the state as it is then.
     pub report: &'a dyn Fn(&SetUpdate, &State),
@@ -393,4 +381,114 @@ pub(crate) struct SetUpdate {
     pub counts: Counts,
     /// Energy of the forces accepted so far, of the part that is solved [J].
     pub energy: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    //! Claims on accelerations whose energy rises.
+
+    use std::cell::RefCell;
+    use std::sync::Arc;
+
+    use kufe_mesh::Paraboloid;
+
+    use crate::accuracy::one_mesh::MeshProblem;
+    use crate::active_set::constrained_cg::SetProblem;
+    use crate::active_set::contact_set::{Control, Counts, SetUpdate};
+    use crate::green::matrix::StorageLimit;
+    use crate::mesh::contact_mesh::{Sets, State};
+    use crate::{Foundation, Ice, Load, Options, Problem, Runner, Tilt};
+
+    /// Share of the touching nodes that the bad acceleration keeps.
+    const KEPT: f64 = 0.3;
+
+    #[test]
+    fn an_acceleration_that_raises_the_energy_is_put_back_and_the_contact_found_all_the_same()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005)?));
+        let ice = Ice {
+            foundation: Foundation::RigidBed { thickness: 0.005 },
+            ..Ice::half_space(9e9, 0.33)
+        };
+        let problem = Problem::new(runner, ice, Load::central(1000.0, Tilt::Free));
+        let options = Options::default();
+        let MeshProblem { mesh, patch, .. } = MeshProblem::new(problem, 5.0)?;
+        let contact = &mesh.contact;
+        let greens = contact.greens(StorageLimit::USUAL);
+        // Energies and sweeps as the callback reports them after every update of the set; the bad
+        // acceleration is compared with the update before it.
+        let solve = |disturbed: Option<usize>| {
+            let found = contact.plane_contact_from_rest(&greens[1], patch.motion);
+            let mut state = contact.state_of(&found.force, found.motion);
+            state.displacement = vec![0.0; contact.len()];
+            let reported = RefCell::new(Vec::new());
+            let report = |update: &SetUpdate, _: &State| {
+                reported
+                    .borrow_mut()
+                    .push((update.energy, update.counts.sweeps));
+            };
+            let control = Control {
+                iterations: 1000,
+                options: &options,
+                report: &report,
+            };
+            let mut work = contact.workspace();
+            let (mut number, mut before, mut risen) = (0, None, None);
+            let progress = contact.solve_by(
+                &mut state,
+                &greens,
+                Counts::default(),
+                &control,
+                |set, state, progress| {
+                    number += 1;
+                    let Some(at) = disturbed.filter(|at| number <= *at) else {
+                        return contact.iterate(set, state, &mut work, progress);
+                    };
+                    if number < at {
+                        contact.iterate(set, state, &mut work, progress);
+                        before = Some(contact.feasible(state, &greens[1], None));
+                        return false;
+                    }
+                    let mut inside = set.sets.inside.clone();
+                    let force = |i: &usize| state.force[contact.candidates[*i]];
+                    inside.sort_by(|a, b| force(b).total_cmp(&force(a)));
+                    inside.truncate((KEPT * inside.len() as f64) as usize);
+                    inside.sort_unstable();
+                    let sets = Sets {
+                        inside,
+                        full: Vec::new(),
+                    };
+                    let constraint = contact.constrain(&sets, &greens[0]).expect("independent");
+                    let bad = SetProblem {
+                        sets: &sets,
+                        constraint: &constraint,
+                        ..*set
+                    };
+                    contact.iterate(&bad, state, &mut work, progress);
+                    let last = before.as_ref().expect("one before");
+                    let now = contact.feasible(state, &greens[1], Some(last));
+                    risen = Some([last.energy, now.energy]);
+                    false
+                },
+            );
+            (progress, state, reported.into_inner(), risen)
+        };
+        let (straight, expected, ..) = solve(None);
+        let (progress, state, reported, risen) = solve(Some(2));
+        assert!(straight.converged && progress.converged);
+        let [last, bad] = risen.expect("a second update");
+        assert!(bad > last + 1e-3 * last.abs(), "{last} {bad}");
+        assert!(
+            reported.windows(2).all(|pair| pair[1].0 <= pair[0].0),
+            "{reported:?}"
+        );
+        // After an accepted acceleration, sweeps search for the next set; after a rejected one, it
+        // is that of the forces accepted last.
+        assert!(reported[1].1 > 0 && reported[2].1 == 0, "{reported:?}");
+        let largest = expected.force.iter().copied().fold(0.0, f64::max);
+        for (a, b) in state.force.iter().zip(&expected.force) {
+            assert!((a - b).abs() < 1e-6 * largest, "{a} {b}");
+        }
+        Ok(())
+    }
 }

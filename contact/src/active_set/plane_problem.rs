@@ -4,7 +4,7 @@ use faer::Mat;
 
 use crate::active_set::balance::{Balance, BalancedForces};
 use crate::active_set::contact_set::Counts;
-use crate::green::closed_set::ClosedSet;
+use crate::green::closed_set::{ClosedSet, ITERATIONS};
 use crate::green::matrix::Green;
 use crate::mesh::contact_mesh::{Sets, clip};
 use crate::motion::{Motion, dot, solve_motion};
@@ -25,7 +25,7 @@ pub(crate) struct PlaneProblem<'a> {
     pub rows: &'a [[f64; 3]],
     /// Largest force of each node [N]; infinite where the ice has no hardness.
     pub bound: &'a [f64],
-    /// Motion, its free parts and the balance they answer to.
+    /// Motion: its free parts and their balance.
     pub motion: &'a Motion,
 }
 
@@ -62,7 +62,7 @@ const RELAXATION: f64 = 1.4;
 /// Sweeps at the first motion.
 const FIRST_SWEEPS: usize = 3;
 
-/// Rounds in which sweeps go on between accelerations; later ones sweep only from the minimiser of
+/// Rounds with sweeps between accelerations; later ones sweep only from the minimiser of
 /// a set.
 const FREE_ROUNDS: usize = 60;
 
@@ -100,13 +100,11 @@ impl PlaneProblem<'_> {
         }
         let everyone = vec![true; self.gap.len()];
         let precision = self.green.precision();
-        let begun = self.balanced(
-            &state.force,
-            &self.open_gaps(&state, &deflection),
-            &everyone,
-        );
+        let gaps = self.open_gaps(&state, &deflection);
+        let begun = self.balanced(&state.force, &gaps, &everyone);
         let feasible = begun.met;
-        self.take(&mut state, begun);
+        state.force = begun.force;
+        state.motion = [0, 1, 2].map(|a| state.motion[a] + begun.turn[a]);
         deflection = self.deflection(&state.force);
         if !feasible {
             // What may touch cannot bear the load: these forces show where more is needed.
@@ -167,12 +165,8 @@ impl PlaneProblem<'_> {
         deflection: &mut Vec<f64>,
         answer: BalancedForces,
     ) -> bool {
-        let change: Vec<f64> = answer
-            .force
-            .iter()
-            .zip(&state.force)
-            .map(|(a, b)| a - b)
-            .collect();
+        let pairs = answer.force.iter().zip(&state.force);
+        let change: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
         let image = self.deflection(&change);
         let gaps = self.gaps(state, deflection);
         let slope: f64 = gaps.iter().zip(&change).map(|(g, c)| g * c).sum();
@@ -220,9 +214,8 @@ impl PlaneProblem<'_> {
     /// What the nodes that `may` answer to the motion that balances the load, each on its own
     /// stiffness.
     fn balanced(&self, force: &[f64], gaps: &[f64], may: &[bool]) -> BalancedForces {
-        let softness: Vec<f64> = (0..gaps.len())
-            .map(|i| RELAXATION / self.green.own(i))
-            .collect();
+        let softness = (0..gaps.len()).map(|i| RELAXATION / self.green.own(i));
+        let softness: Vec<f64> = softness.collect();
         Balance {
             force,
             gap: gaps,
@@ -235,26 +228,21 @@ impl PlaneProblem<'_> {
         .solve()
     }
 
-    fn take(&self, state: &mut PlaneState, answer: BalancedForces) {
-        state.force = answer.force;
-        state.motion = [0, 1, 2].map(|a| state.motion[a] + answer.turn[a]);
-    }
-
     /// D of forces that keep the balance; motions that are fixed belong to the gap.
     fn energy(&self, state: &PlaneState, deflection: &[f64]) -> f64 {
-        let fixed = [0, 1, 2].map(|a| {
+        let fixed = |a: usize| {
             if self.motion.free[a] {
                 0.0
             } else {
                 state.motion[a]
             }
-        });
-        (0..self.gap.len())
-            .map(|i| {
-                let gap = self.gap[i] - dot(self.rows[i], fixed);
-                state.force[i] * (gap + 0.5 * deflection[i])
-            })
-            .sum()
+        };
+        let fixed = [0, 1, 2].map(fixed);
+        let work = |i: usize| {
+            let gap = self.gap[i] - dot(self.rows[i], fixed);
+            state.force[i] * (gap + 0.5 * deflection[i])
+        };
+        (0..self.gap.len()).map(work).sum()
     }
 
     /// G f.
@@ -362,7 +350,8 @@ impl PlaneProblem<'_> {
                 let gap: Vec<f64> = inside.iter().map(|&i| self.gap[i] + pressed[i]).collect();
                 let near: Vec<f64> = inside.iter().map(|&i| state.force[i]).collect();
                 let set = ClosedSet::new(green, inside, &rows, self.motion.free);
-                let (found, motion) = set.solve(&gap, balance, state.motion, &near)?;
+                let (found, motion) =
+                    set.solve(ITERATIONS, &gap, [balance, state.motion], &near)?;
                 for (&node, f) in inside.iter().zip(found) {
                     force[node] = f;
                 }
@@ -400,5 +389,140 @@ impl PlaneProblem<'_> {
 }
 
 #[cfg(test)]
-#[path = "plane_tests.rs"]
-mod tests;
+mod tests {
+    //! Claims on accelerated projective SOR on the contact plane.
+
+    use std::borrow::Cow;
+
+    use super::*;
+
+    /// Nodes on a square under a round bottom: point loads on a half-space, and a stiff spring
+    /// under each.
+    struct Square {
+        green: Mat<f64>,
+        gap: Vec<f64>,
+        rows: Vec<[f64; 3]>,
+    }
+
+    impl Square {
+        fn new(n: usize, lean: f64) -> Self {
+            let place = |i: usize| {
+                let at = |k: usize| 2.0 * k as f64 / (n - 1) as f64 - 1.0;
+                [at(i % n), at(i / n)]
+            };
+            let green = Mat::from_fn(n * n, n * n, |i, j| {
+                let ([x, y], [s, t]) = (place(i), place(j));
+                let spacing = 2.0 / (n - 1) as f64;
+                1.0 / (x - s).hypot(y - t).max(0.28 * spacing)
+            });
+            let gap = (0..n * n).map(|i| {
+                let [x, y] = place(i);
+                0.5 * (x * x + y * y) + lean * x
+            });
+            let rows = (0..n * n).map(|i| [1.0, place(i)[0], -place(i)[1]]);
+            Square {
+                green,
+                gap: gap.collect(),
+                rows: rows.collect(),
+            }
+        }
+
+        fn solve(&self, bound: f64, motion: &Motion, start: f64) -> PlaneState {
+            let bound = vec![bound; self.gap.len()];
+            let green = Green::Dense(Cow::Borrowed(&self.green));
+            let problem = PlaneProblem {
+                green: &green,
+                gap: &self.gap,
+                rows: &self.rows,
+                bound: &bound,
+                motion,
+            };
+            let none = vec![0.0; self.gap.len()];
+            problem.solve(PlaneState::new(none, [start, 0.0, 0.0]))
+        }
+    }
+
+    fn free(motions: [bool; 3], balance: [f64; 3]) -> Motion {
+        Motion {
+            free: motions,
+            balance,
+        }
+    }
+
+    #[test]
+    fn energy_falls_step_by_step_to_a_state_that_meets_every_condition() {
+        let square = Square::new(15, 0.1);
+        for (load, bound) in [
+            (0.3, f64::INFINITY),
+            (0.02, f64::INFINITY),
+            (0.3, 0.006),
+            (0.3, 0.0021),
+        ] {
+            for start in [0.0, 0.4, 30.0] {
+                let motion = free([true; 3], [load, 0.1 * load, 0.05 * load]);
+                let s = square.solve(bound, &motion, start);
+                assert!(s.settled, "{load} {bound} {start}: {:?}", s.counts);
+                assert!(
+                    s.energies.windows(2).all(|e| e[1] <= e[0]),
+                    "{:?}",
+                    s.energies
+                );
+                for a in 0..3 {
+                    let sum: f64 = s
+                        .force
+                        .iter()
+                        .zip(&square.rows)
+                        .map(|(f, r)| f * r[a])
+                        .sum();
+                    assert!((sum - motion.balance[a]).abs() < 1e-9 * load, "{a}: {sum}");
+                }
+                assert!(s.force.iter().all(|f| (0.0..=bound).contains(f)));
+                for i in 0..s.force.len() {
+                    let deflection: f64 = (0..s.force.len())
+                        .map(|j| square.green[(i, j)] * s.force[j])
+                        .sum();
+                    let gap = square.gap[i] - dot(square.rows[i], s.motion) + deflection;
+                    let wrong = match s.force[i] {
+                        0.0 => gap.min(0.0),
+                        f if f >= bound => gap.max(0.0),
+                        _ => gap,
+                    };
+                    assert!(wrong.abs() < 1e-9, "{load} {bound} {start}, {i}: {gap}");
+                }
+            }
+        }
+    }
+
+    /// Thousands of plain sweeps at the motion that was found come to the same forces.
+    #[test]
+    fn plain_projected_sor_at_the_motion_found_gives_the_same_forces() {
+        let square = Square::new(11, 0.05);
+        let motion = free([true, true, false], [0.2, 0.0, 0.0]);
+        let s = square.solve(f64::INFINITY, &motion, 0.1);
+        let bound = vec![f64::INFINITY; square.gap.len()];
+        let green = Green::Dense(Cow::Borrowed(&square.green));
+        let plain = PlaneProblem {
+            green: &green,
+            gap: &square.gap,
+            rows: &square.rows,
+            bound: &bound,
+            motion: &motion,
+        };
+        let mut state = PlaneState::new(vec![0.0; bound.len()], s.motion);
+        let mut deflection = vec![0.0; bound.len()];
+        for _ in 0..5000 {
+            plain.sweep(&mut state, &mut deflection);
+        }
+        for (a, b) in state.force.iter().zip(&s.force) {
+            assert!((a - b).abs() < 1e-9, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn a_load_that_the_nodes_cannot_bear_is_not_settled_and_presses_all_of_them() {
+        let square = Square::new(7, 0.0);
+        let s = square.solve(1e-3, &free([true, false, false], [1.0, 0.0, 0.0]), 0.1);
+        assert!(!s.settled && s.energies.is_empty());
+        assert!(s.force.iter().all(|&f| f == 1e-3));
+    }
+}

@@ -5,14 +5,13 @@ use std::sync::Arc;
 
 use faer::Mat;
 use kufe_fem::{
-    Body, Body as Hexahedra, End, Error, Material, MatrixFree, Section, SparseStiffness,
-    TensorOperator, to_components, to_nodes,
+    Body, Error, FixedFaces, Material, MatrixFree, Section, SparseStiffness, TensorOperator,
+    to_components, to_nodes,
 };
 use kufe_mesh::TensorGrid;
 
 use crate::RunnerSolid;
-use crate::precondition::factored::Mortar;
-use crate::precondition::inverse::Inverse;
+use crate::precondition::factored::{FactoredInverse, Mortar};
 use crate::precondition::mounted::MountedInverse;
 use crate::precondition::planewise::{Columns, InverseWork, PlanewiseInverse, Side};
 
@@ -23,7 +22,7 @@ use crate::precondition::planewise::{Columns, InverseWork, PlanewiseInverse, Sid
 /// hold component after component.
 pub(crate) struct ElasticBody {
     pub stiffness: Stiffness,
-    /// K of all displacements assembled: what is multiplied with where it is there.
+    /// K of all displacements, where it is assembled; then products use it.
     pub assembled: Option<Arc<SparseStiffness>>,
     pub inverse: Inverse,
     pub trace: Trace,
@@ -35,9 +34,36 @@ pub(crate) struct ElasticBody {
     pub load: Vec<f64>,
 }
 
-/// Vectors that one body's products and preconditioner reuse.
+/// M^-1, spectrally equivalent to the inverse of the stiffness.
+///
+/// A beginning gives how a residual would close the gap; then the forces on the contact plane that
+/// answer to it are known, and the finish takes them into the step. So one application serves both.
+pub(crate) enum Inverse {
+    /// Of a body that nothing but faces of its tensor grid hold.
+    Planewise(Box<PlanewiseInverse>),
+    /// Of a body with a mount.
+    Mounted(Box<MountedInverse>),
+    /// Of a solid, exact.
+    Factored(FactoredInverse),
+}
+
+/// Calls a method of whichever inverse a body has.
+macro_rules! each {
+    ($body:ident, $method:ident($($argument:expr),*)) => {
+        match &$body.inverse {
+            Inverse::Planewise(inverse) => inverse.$method($($argument),*),
+            Inverse::Mounted(inverse) => inverse.$method($($argument),*),
+            Inverse::Factored(inverse) => inverse.$method($($argument),*),
+        }
+    };
+}
+
+/// Vectors that one body's products and preconditioner reuse: of a product two node by node, and
+/// the forces of cells on their corners.
 pub(crate) struct BodyWork {
-    stiffness: StiffnessWork,
+    displacement: Vec<f64>,
+    force: Vec<f64>,
+    corners: Vec<f64>,
     inverse: InverseWork,
 }
 
@@ -49,14 +75,48 @@ impl ElasticBody {
         side: Side,
         columns: Columns,
     ) -> Self {
-        let end = match side {
-            Side::Below => End::High,
-            Side::Above => End::Low,
-        };
-        let inverse = PlanewiseInverse::new(&operator, end, columns, side.sign(), material);
+        let inverse = PlanewiseInverse::new(&operator, columns, side, material);
+        let inverse = Inverse::Planewise(Box::new(inverse));
+        ElasticBody::with_inverse(operator, inverse, material, side, columns)
+    }
+
+    /// A body above the plane with a preconditioner that includes its mount: entries that its
+    /// clamps hold, and forces from outside (none where empty) [N].
+    pub fn mounted(
+        operator: TensorOperator,
+        inverse: MountedInverse,
+        material: Material,
+        columns: Columns,
+        (fixed, load): (Vec<usize>, Vec<f64>),
+    ) -> Self {
+        let inverse = Inverse::Mounted(Box::new(inverse));
         ElasticBody {
-            inverse: Inverse::Planewise(Box::new(inverse)),
-            trace: trace_on_grid(&operator, side, columns),
+            fixed,
+            load,
+            ..ElasticBody::with_inverse(operator, inverse, material, Side::Above, columns)
+        }
+    }
+
+    fn with_inverse(
+        operator: TensorOperator,
+        inverse: Inverse,
+        material: Material,
+        side: Side,
+        columns: Columns,
+    ) -> Self {
+        // The vertical displacements of the highest nodes below the plane, of the lowest above it.
+        let [nx, ny, nz] = operator.shape();
+        let plane = match side {
+            Side::Below => nz - 1,
+            Side::Above => 0,
+        };
+        ElasticBody {
+            trace: Trace::Nodes {
+                columns,
+                start: (2 * nz + plane) * nx * ny,
+                sign: side.sign(),
+            },
+            inverse,
             stiffness: Stiffness::Tensor(operator),
             assembled: None,
             material,
@@ -65,28 +125,8 @@ impl ElasticBody {
         }
     }
 
-    /// A body above the plane with a preconditioner that knows its mount: entries that its clamps
-    /// hold, and forces from outside (none where empty) [N].
-    pub fn mounted(
-        operator: TensorOperator,
-        inverse: MountedInverse,
-        material: Material,
-        columns: Columns,
-        (fixed, load): (Vec<usize>, Vec<f64>),
-    ) -> Self {
-        ElasticBody {
-            inverse: Inverse::Mounted(Box::new(inverse)),
-            trace: trace_on_grid(&operator, Side::Above, columns),
-            stiffness: Stiffness::Tensor(operator),
-            assembled: None,
-            material,
-            fixed,
-            load,
-        }
-    }
-
     /// The same body on hexahedra in the same columns and layers, but of other heights.
-    pub fn on_mapped(mut self, hexahedra: &Hexahedra) -> Self {
+    pub fn on_mapped(mut self, hexahedra: &Body) -> Self {
         if let Stiffness::Tensor(grid) = self.stiffness {
             let hexahedra = MatrixFree::new(hexahedra);
             self.stiffness = Stiffness::Mapped { grid, hexahedra };
@@ -114,9 +154,15 @@ impl ElasticBody {
 
     /// Vectors for the methods below.
     pub fn work(&self) -> BodyWork {
+        let length = match self.stiffness {
+            Stiffness::Tensor(_) => 0,
+            Stiffness::Mapped { .. } | Stiffness::Solid(_) => self.len(),
+        };
         BodyWork {
-            stiffness: self.stiffness.work(),
-            inverse: self.inverse.work(),
+            displacement: vec![0.0; length],
+            force: vec![0.0; length],
+            corners: Vec::new(),
+            inverse: each!(self, work()),
         }
     }
 
@@ -127,32 +173,32 @@ impl ElasticBody {
                 assembled.apply(u, out);
                 self.stiffness.mask(out);
             }
-            None => self.stiffness.apply(u, out, &mut work.stiffness),
+            None => self.stiffness.apply(u, out, work),
         }
         self.fixed.iter().for_each(|&entry| out[entry] = 0.0);
     }
 
     /// `closing` += B M^-1 `residual`; `work` keeps what [`ElasticBody::finish`] goes on from.
     pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut BodyWork) {
-        self.inverse.begin(residual, closing, &mut work.inverse);
+        each!(self, begin(residual, closing, &mut work.inverse));
     }
 
     /// `step` = M^-1 (residual - B^T m) for the residual that `work` was last begun with and the
     /// forces m on nodes.
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut BodyWork) {
-        self.inverse.finish(multipliers, step, &mut work.inverse);
+        each!(self, finish(multipliers, step, &mut work.inverse));
         self.fixed.iter().for_each(|&entry| step[entry] = 0.0);
     }
 
     /// `closing` += B M^-1 B^T f for the forces f on nodes; `work` forgets what it was begun with.
     pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], work: &mut BodyWork) {
-        self.inverse.respond(forces, closing, &mut work.inverse);
+        each!(self, respond(forces, closing, &mut work.inverse));
     }
 
     /// B M^-1 B^T between plane nodes, and the estimate of B K^-1 B^T that contact sets are
     /// predicted with [m/N].
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
-        self.inverse.green(nodes)
+        each!(self, green(nodes))
     }
 
     /// Displacements that faces, clamps or the mount fix, ascending.
@@ -166,19 +212,13 @@ impl ElasticBody {
     }
 }
 
-/// The vertical displacements of a grid's highest nodes for a body below, of its lowest for one
-/// above.
-fn trace_on_grid(operator: &TensorOperator, side: Side, columns: Columns) -> Trace {
-    let [nx, ny, nz] = operator.shape();
-    let plane = match side {
-        Side::Below => nz - 1,
-        Side::Above => 0,
-    };
-    Trace::Nodes {
-        columns,
-        start: (2 * nz + plane) * nx * ny,
-        sign: side.sign(),
-    }
+/// Faces fixed in all components: ends and sides where `all_round`, those of z (low, high) where
+/// `z`; mirror planes are fixed in their normal component.
+pub(crate) fn fixed_faces(symmetry: [bool; 2], all_round: bool, z: [bool; 2]) -> FixedFaces {
+    std::array::from_fn(|c| {
+        let low = |axis: usize| if symmetry[axis] { c == axis } else { all_round };
+        [[low(0), all_round], [low(1), all_round], z]
+    })
 }
 
 // The stiffness of a body as an operator.
@@ -195,15 +235,6 @@ pub(crate) enum Stiffness {
     },
     /// Hexahedra in no order.
     Solid(Arc<RunnerSolid>),
-}
-
-/// Vectors that products with a stiffness reuse: two node by node, and the forces of cells on their
-/// corners.
-#[derive(Default)]
-pub(crate) struct StiffnessWork {
-    displacement: Vec<f64>,
-    force: Vec<f64>,
-    corners: Vec<f64>,
 }
 
 impl Stiffness {
@@ -231,31 +262,15 @@ impl Stiffness {
         }
     }
 
-    /// Vectors for [`Stiffness::apply`].
-    pub fn work(&self) -> StiffnessWork {
-        let length = match self {
-            Stiffness::Tensor(_) => 0,
-            Stiffness::Mapped { .. } | Stiffness::Solid(_) => self.len(),
-        };
-        StiffnessWork {
-            displacement: vec![0.0; length],
-            force: vec![0.0; length],
-            corners: Vec::new(),
-        }
-    }
-
     /// Sets the displacements that faces or a solid's own clamps fix to 0.
     pub fn mask(&self, u: &mut [f64]) {
         match self {
             Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. } => grid.mask(u),
             Stiffness::Solid(solid) => {
                 let nodes = solid.mesh().points.len();
+                let free = |entry: usize| solid.map.index(3 * (entry % nodes) + entry / nodes);
                 for (entry, u) in u.iter_mut().enumerate() {
-                    if solid
-                        .map
-                        .index(3 * (entry % nodes) + entry / nodes)
-                        .is_none()
-                    {
+                    if free(entry).is_none() {
                         *u = 0.0;
                     }
                 }
@@ -264,7 +279,7 @@ impl Stiffness {
     }
 
     /// `out` = K `u`, with 0 on entries that faces or a solid's own clamps fix.
-    pub fn apply(&self, u: &[f64], out: &mut [f64], work: &mut StiffnessWork) {
+    fn apply(&self, u: &[f64], out: &mut [f64], work: &mut BodyWork) {
         match self {
             Stiffness::Tensor(grid) => grid.apply(u, out),
             Stiffness::Mapped { grid, hexahedra } => {

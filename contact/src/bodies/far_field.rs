@@ -5,6 +5,7 @@ use kufe_mesh::TensorGrid;
 use rayon::prelude::*;
 
 use crate::precondition::planewise::Side;
+use crate::symmetry::images;
 
 /// A vertical force on the surface.
 #[derive(Clone, Copy, Debug)]
@@ -23,12 +24,9 @@ const LUMPS: f64 = 8.0;
 /// the square of its size over the distance.
 pub(crate) fn lumps(x: &[f64], y: &[f64], force: &[f64], symmetry: [bool; 2]) -> Vec<PointForce> {
     let touched = |i: usize, j: usize| force[j * x.len() + i] > 0.0;
-    let columns: Vec<usize> = (0..x.len())
-        .filter(|&i| (0..y.len()).any(|j| touched(i, j)))
-        .collect();
-    let rows: Vec<usize> = (0..y.len())
-        .filter(|&j| (0..x.len()).any(|i| touched(i, j)))
-        .collect();
+    let columns = (0..x.len()).filter(|&i| (0..y.len()).any(|j| touched(i, j)));
+    let rows = (0..y.len()).filter(|&j| (0..x.len()).any(|i| touched(i, j)));
+    let (columns, rows): (Vec<usize>, Vec<usize>) = (columns.collect(), rows.collect());
     let extent = |nodes: &[f64], touched: &[usize]| match touched {
         [first, .., last] => nodes[*last] - nodes[*first],
         _ => 0.0,
@@ -54,21 +52,13 @@ pub(crate) fn lumps(x: &[f64], y: &[f64], force: &[f64], symmetry: [bool; 2]) ->
                 continue;
             }
             let (cx, cy) = (sums[1] / sums[0], sums[2] / sums[0]);
-            for sx in mirror(symmetry[0]) {
-                for sy in mirror(symmetry[1]) {
-                    lumps.push(PointForce {
-                        at: [sx * cx, sy * cy],
-                        force: sums[0],
-                    });
-                }
-            }
+            lumps.extend(images(symmetry).map(|[sx, sy]| PointForce {
+                at: [sx * cx, sy * cy],
+                force: sums[0],
+            }));
         }
     }
     lumps
-}
-
-fn mirror(symmetric: bool) -> impl Iterator<Item = f64> + Clone {
-    [1.0, -1.0].into_iter().take(if symmetric { 2 } else { 1 })
 }
 
 /// Writes the half-space's displacements under `lumps` onto the outer faces of the grid.
@@ -97,10 +87,8 @@ pub(crate) fn prescribe(
             || (i == 0 && !symmetry[0])
             || (j == 0 && !symmetry[1])
     };
-    let faces: Vec<[usize; 3]> = (0..nz)
-        .flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| [i, j, k])))
-        .filter(|&[i, j, k]| outer(i, j, k))
-        .collect();
+    let all = (0..nodes).map(|n| [n % nx, n / nx % ny, n / nx / ny]);
+    let faces: Vec<[usize; 3]> = all.filter(|&[i, j, k]| outer(i, j, k)).collect();
     let values: Vec<[f64; 3]> = faces
         .par_iter()
         .map(|&[i, j, k]| {

@@ -5,7 +5,7 @@ use kufe_fem::{
 };
 use kufe_mesh::{HexMesh, TensorGrid, limit_slope, mesh_over_heights};
 
-use crate::bodies::elastic_body::ElasticBody;
+use crate::bodies::elastic_body::{ElasticBody, fixed_faces};
 use crate::grid::grading::{Start, Zone, even_steps, graded_axis};
 use crate::grid::stretch::Stretch;
 use crate::precondition::mounted::{BeamSpace, MountedInverse};
@@ -48,8 +48,7 @@ impl RunnerPlan<'_> {
         let elastic = self.elastic;
         let (modulus, ratio) = (elastic.youngs_modulus, elastic.poissons_ratio);
         let material = solid_material("runner Young's modulus", modulus, ratio)?;
-        let extent = self.problem.runner.underside.extent();
-        if extent.iter().any(|end| end.is_infinite()) {
+        if !self.problem.runner.is_bounded() {
             return Ok(self.half_space(material));
         }
         let (columns, grid) = self.columns();
@@ -68,12 +67,12 @@ impl RunnerPlan<'_> {
             y: ice.y.clone(),
             z: ice.z.iter().rev().map(|z| -z).collect(),
         };
-        let columns = Columns {
-            first: [0, 0],
-            count: [grid.x.len(), grid.y.len()],
-            plane_width: ice.x.len(),
-        };
-        let mut operator = self.operator(&grid, material, fixed_faces(self.symmetry, true, true));
+        let columns = Columns::of_plane([ice.x.len(), ice.y.len()]);
+        let mut operator = self.operator(
+            &grid,
+            material,
+            fixed_faces(self.symmetry, true, [false, true]),
+        );
         if self.elastic.element_kind() == ElementKind::Hex8Dilatation {
             operator = operator.with_mean_dilatation();
         }
@@ -84,12 +83,8 @@ impl RunnerPlan<'_> {
     }
 
     fn operator(&self, grid: &TensorGrid, material: Material, fixed: FixedFaces) -> TensorOperator {
-        TensorOperator::new(
-            grid,
-            material.lame_lambda(),
-            material.shear_modulus(),
-            fixed,
-        )
+        let (lambda, mu) = (material.lame_lambda(), material.shear_modulus());
+        TensorOperator::new(grid, lambda, mu, fixed)
     }
 
     /// The columns under the hull, and their grid without heights.
@@ -122,7 +117,11 @@ impl RunnerPlan<'_> {
         mesh: &HexMesh,
         grid: &TensorGrid,
     ) -> Result<ElasticBody, Error> {
-        let operator = self.operator(grid, material, fixed_faces(self.symmetry, false, true));
+        let operator = self.operator(
+            grid,
+            material,
+            fixed_faces(self.symmetry, false, [false, true]),
+        );
         let body = ElasticBody::on_grid(operator, material, Side::Above, columns);
         if !self.for_solving {
             return Ok(body);
@@ -141,7 +140,7 @@ impl RunnerPlan<'_> {
         let (elastic, symmetry) = (self.elastic, self.symmetry);
         let extent = self.problem.runner.underside.extent();
         let length = extent[1] - extent[0];
-        let mut operator = self.operator(grid, material, fixed_faces(symmetry, false, false));
+        let mut operator = self.operator(grid, material, fixed_faces(symmetry, false, [false; 2]));
         // No face holds the body: its rigid motions get a little stiffness in P, and the mount is a
         // constraint.
         let axis = &mut operator.axes[0];
@@ -155,24 +154,17 @@ impl RunnerPlan<'_> {
         let solid = solid(mesh, material, kind)?;
         let height = grid.z[grid.z.len() - 1];
         let beam = beam_space(&solid, &operator, symmetry, [length, height]);
-        let mut inverse =
-            MountedInverse::new(&operator, averaged.as_ref(), 0, columns, -1.0, material);
-        inverse.add_beam(beam);
         let fixed = fixed_nodes(&elastic.mount, grid, symmetry);
         let load = match &elastic.mount {
             Mount::Loads(loads) => load_of(self.problem, loads, grid, symmetry),
             Mount::Top | Mount::Places(_) => Vec::new(),
         };
         let [nx, ny, nz] = grid.shape();
-        let entries = (0..3)
-            .flat_map(|c| {
-                fixed[c]
-                    .iter()
-                    .map(move |&[i, j]| ((c * nz + nz - 1) * ny + j) * nx + i)
-            })
-            .collect();
-        inverse
-            .clamp(nz - 1, fixed)
+        let entry = |c: usize, [i, j]: [usize; 2]| ((c * nz + nz - 1) * ny + j) * nx + i;
+        let of = |c: usize| fixed[c].iter().map(move |&node| entry(c, node));
+        let entries = (0..3).flat_map(of).collect();
+        let first = averaged.as_ref();
+        let inverse = MountedInverse::new(&operator, first, columns, material, beam, fixed)
             .ok_or_else(|| Error::runner_mesh("its mount holds no independent nodes"))?;
         let body = ElasticBody::mounted(operator, inverse, material, columns, (entries, load));
         Ok(if self.for_solving {
@@ -193,16 +185,10 @@ fn mapped(
 ) -> Result<(HexMesh, TensorGrid), Error> {
     let (x, y) = (&grid.x, &grid.y);
     let underside = problem.runner.underside.as_ref();
-    let mut heights: Vec<f64> = y
-        .iter()
-        .flat_map(|&y| x.iter().map(move |&x| underside.height(x, y)))
-        .collect();
-    limit_slope(
-        x,
-        y,
-        &mut heights,
-        elastic.flank.unwrap_or_else(|| elastic.mount.flank()),
-    );
+    let row = |y: f64| x.iter().map(move |&x| underside.height(x, y));
+    let mut heights: Vec<f64> = y.iter().flat_map(|&y| row(y)).collect();
+    let flank = elastic.flank.unwrap_or_else(|| elastic.mount.flank());
+    limit_slope(x, y, &mut heights, flank);
     let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
     let height = elastic.top - lowest;
     let size = (COARSER * spacing).min(0.25 * height);
@@ -238,21 +224,6 @@ fn solid(mesh: &HexMesh, material: Material, kind: ElementKind) -> Result<Solid,
     Solid::uniform(mesh.clone(), material, kind).map_err(Error::runner_mesh)
 }
 
-/// Mirror planes fixed in their normal component, ends and sides where `all_round`, the top where
-/// `top`.
-fn fixed_faces(symmetry: [bool; 2], all_round: bool, top: bool) -> FixedFaces {
-    std::array::from_fn(|c| {
-        let ends = |axis: usize| {
-            if symmetry[axis] {
-                [c == axis, all_round]
-            } else {
-                [all_round, all_round]
-            }
-        };
-        [ends(0), ends(1), [false, top]]
-    })
-}
-
 /// The beam motions of a body of `length` and `height` [m] whose rigid motions nothing holds.
 ///
 /// Rigid motions get a hundredth of the stiffness of the first bending mode of a free beam, E H^2 /
@@ -268,21 +239,19 @@ fn beam_space(
     let material = solid.sections()[0].material;
     let stiffness =
         0.01 * material.youngs_modulus() * height.powi(2) / 12.0 * (4.73 / length).powi(4);
-    let mass: Vec<f64> = (0..nx * ny * nz)
-        .map(|node| {
-            let [i, j, k] = [node % nx, node / nx % ny, node / nx / ny];
-            stiffness * x.lumped_mass[i] * y.lumped_mass[j] * z.lumped_mass[k]
-        })
-        .collect();
-    let on_mirror: Vec<bool> = (0..nx * ny * nz)
-        .flat_map(|node| {
-            let [i, j] = [node % nx, node / nx % ny];
-            [symmetry[0] && i == 0, symmetry[1] && j == 0, false]
-        })
-        .collect();
-    let mut stiffness = MatrixFree::new(solid);
+    let mass = |node: usize| {
+        let [i, j, k] = [node % nx, node / nx % ny, node / nx / ny];
+        stiffness * x.lumped_mass[i] * y.lumped_mass[j] * z.lumped_mass[k]
+    };
+    let mass: Vec<f64> = (0..nx * ny * nz).map(mass).collect();
+    let flags = |node: usize| {
+        let [i, j] = [node % nx, node / nx % ny];
+        [symmetry[0] && i == 0, symmetry[1] && j == 0, false]
+    };
+    let on_mirror: Vec<bool> = (0..nx * ny * nz).flat_map(flags).collect();
+    let mut operator = MatrixFree::new(solid);
     let apply = |u: &[f64], out: &mut [f64]| {
-        stiffness.apply(u, out);
+        operator.apply(u, out);
         for (d, out) in out.iter_mut().enumerate() {
             *out = if on_mirror[d] {
                 0.0
@@ -294,19 +263,15 @@ fn beam_space(
     // Motions shorter than one and a half heights are no beam's.
     let knots = (length / (1.5 * height)).clamp(KNOTS[0], KNOTS[1]) as usize;
     let knots = if symmetry[0] { knots / 2 + 1 } else { knots };
-    let middle = |nodes: &[f64], symmetric: bool| {
-        if symmetric {
-            0.0
-        } else {
-            0.5 * (nodes[0] + nodes[nodes.len() - 1])
-        }
+    let middle = if symmetry[1] {
+        0.0
+    } else {
+        0.5 * (y.nodes[0] + y.nodes[ny - 1])
     };
     let points = solid.mesh().points.clone();
-    let top = points
-        .iter()
-        .map(|p| p[2])
-        .fold(f64::NEG_INFINITY, f64::max);
-    let axis = [middle(&y.nodes, symmetry[1]), top - 0.5 * height];
+    let heights = points.iter().map(|p| p[2]);
+    let top = heights.fold(f64::NEG_INFINITY, f64::max);
+    let axis = [middle, top - 0.5 * height];
     match BeamModes::new(points, &x.nodes, knots, axis, on_mirror.clone(), apply) {
         Ok(modes) => BeamSpace::new(modes, [nx, ny, nz]),
         Err(error) => unreachable!("three flags a node: {error}"),
@@ -325,14 +290,12 @@ pub(crate) fn fixed_nodes(
     symmetry: [bool; 2],
 ) -> [Vec<[usize; 2]>; 3] {
     let [nx, ny, _] = grid.shape();
-    let free = |c: usize, [i, j]: [usize; 2]| {
-        !(c == 0 && symmetry[0] && i == 0 || c == 1 && symmetry[1] && j == 0)
-    };
     let Mount::Loads(_) = mount else {
-        let places: Vec<[usize; 2]> = (0..ny)
-            .flat_map(|j| (0..nx).map(move |i| [i, j]))
-            .filter(|&[i, _]| mount.over(grid.x[i]))
-            .collect();
+        let free = |c: usize, [i, j]: [usize; 2]| {
+            !(c == 0 && symmetry[0] && i == 0 || c == 1 && symmetry[1] && j == 0)
+        };
+        let nodes = (0..nx * ny).map(|n| [n % nx, n / nx]);
+        let places: Vec<[usize; 2]> = nodes.filter(|&[i, _]| mount.over(grid.x[i])).collect();
         return [0, 1, 2].map(|c| places.iter().copied().filter(|&n| free(c, n)).collect());
     };
     let centre = |n: usize, symmetric: bool| if symmetric { 0 } else { n / 2 };

@@ -5,9 +5,8 @@ use std::sync::Arc;
 use kufe_mesh::TensorGrid;
 
 use crate::RunnerSolid;
-use crate::bodies::elastic_body::{ElasticBody, Stiffness, Trace};
+use crate::bodies::elastic_body::{ElasticBody, Inverse, Stiffness, Trace};
 use crate::precondition::factored::{FactoredInverse, Mortar, mortar_rows};
-use crate::precondition::inverse::Inverse;
 
 /// A solid with its factor as preconditioner, exact, over the plane of the ice's `grid` by a
 /// mortar.

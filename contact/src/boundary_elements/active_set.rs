@@ -1,15 +1,13 @@
 //! Pressures on cells: sets of open, pressed and yielding cells, each solved by projected conjugate
 //! gradients.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::boundary_elements::operator::Operator;
 use crate::boundary_elements::window::{CheckUnavailable, Window};
 use crate::problem::gap::Gap;
-use crate::{Load, Problem};
+use crate::{Load, Options, Problem};
 
 /// Where a cell is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,12 +69,12 @@ pub(super) fn press(
     operator: &mut Operator,
     start: Option<Vec<f64>>,
     precision: Precision,
-    stop: Option<&AtomicBool>,
+    options: &Options,
 ) -> Result<PressureState, CheckUnavailable> {
-    let mut solve = Solve::new(plane, operator, start, stop);
+    let mut solve = Solve::new(plane, operator, start, options);
     let mut tolerance = ROUGH;
     for set in 0..MOST_SETS {
-        // Rough residuals may send cells to and fro for ever.
+        // With rough residuals the sets may cycle.
         if set >= PATIENCE {
             tolerance = (tolerance * FINER).max(precision.residual);
         }
@@ -99,8 +97,8 @@ struct Solve<'a> {
     now: PressureState,
     direction: Vec<f64>,
     product: Vec<f64>,
-    /// Once true, the solve ends.
-    stop: Option<&'a AtomicBool>,
+    /// With the flag that ends the solve.
+    options: &'a Options,
 }
 
 impl<'a> Solve<'a> {
@@ -108,27 +106,20 @@ impl<'a> Solve<'a> {
         plane: &'a Plane,
         operator: &'a mut Operator,
         start: Option<Vec<f64>>,
-        stop: Option<&'a AtomicBool>,
+        options: &'a Options,
     ) -> Self {
         let count = plane.gap.len();
         let pressure = start.unwrap_or_else(|| {
-            let mut sorted: Vec<f64> = plane
-                .gap
-                .iter()
-                .copied()
-                .filter(|g| g.is_finite())
-                .collect();
+            let finite = plane.gap.iter().copied().filter(|g| g.is_finite());
+            let mut sorted: Vec<f64> = finite.collect();
             sorted.sort_by(f64::total_cmp);
-            let deepest = sorted
-                .get((FIRST * sorted.len() as f64) as usize)
-                .copied()
-                .unwrap_or(0.0);
+            let first = sorted.get((FIRST * sorted.len() as f64) as usize);
+            let deepest = first.copied().unwrap_or(0.0);
             let level = plane.gap.iter().map(|g| (deepest - g).max(0.0));
             level.collect()
         });
-        let state = |p: &f64| match *p {
-            p if p <= 0.0 => Cell::Open,
-            _ => Cell::Pressed,
+        let state = |p: &f64| {
+            if *p <= 0.0 { Cell::Open } else { Cell::Pressed }
         };
         Solve {
             cells: pressure.iter().map(state).collect(),
@@ -144,7 +135,7 @@ impl<'a> Solve<'a> {
             },
             direction: vec![0.0; count],
             product: vec![0.0; count],
-            stop,
+            options,
         }
     }
 
@@ -166,15 +157,12 @@ impl<'a> Solve<'a> {
         balance.restore(self.plane, &pressed, &mut self.now.pressure);
         let mut moved = vec![0.0; count];
         self.operator.apply(&self.now.pressure, &mut moved);
-        let mut residual: Vec<f64> = moved
-            .iter()
-            .zip(&self.plane.gap)
-            .map(|(u, g)| u + g)
-            .collect();
+        let moved = moved.iter().zip(&self.plane.gap);
+        let mut residual: Vec<f64> = moved.map(|(u, g)| u + g).collect();
         self.direction.fill(0.0);
         let mut before = f64::INFINITY;
         for _ in 0..MOST_STEPS {
-            if self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+            if self.options.stopped() {
                 return Err(CheckUnavailable::Stopped);
             }
             self.now.motion = balance.take_out(self.plane, &pressed, &residual);
@@ -234,10 +222,8 @@ impl<'a> Solve<'a> {
             let cells = self.cells.iter().zip(&self.now.pressure);
             cells.filter(|(cell, _)| **cell == Cell::Pressed)
         };
-        let mut over: Vec<f64> = pressed()
-            .map(|(_, p)| *p)
-            .filter(|p| *p > hardness)
-            .collect();
+        let over = pressed().map(|(_, p)| *p).filter(|p| *p > hardness);
+        let mut over: Vec<f64> = over.collect();
         if 2 * over.len() <= pressed().count() {
             return hardness.next_up();
         }
@@ -299,24 +285,19 @@ impl Balance {
 
     /// The motions that a residual on the set contains.
     fn take_out(&self, plane: &Plane, pressed: &[usize], residual: &[f64]) -> Vec<f64> {
-        let sums = plane
-            .motions
-            .iter()
-            .map(|row| -> f64 { pressed.iter().map(|&c| row[c] * residual[c]).sum() });
+        let sum = |row: &Vec<f64>| -> f64 { pressed.iter().map(|&c| row[c] * residual[c]).sum() };
+        let sums = plane.motions.iter().map(sum);
         let sums = DVector::from_iterator(plane.motions.len(), sums);
         (&self.inverse * sums).as_slice().to_vec()
     }
 
     /// Changes pressures of the set by as little as balances the load.
     fn restore(&self, plane: &Plane, pressed: &[usize], pressure: &mut [f64]) {
-        let short = plane
-            .motions
-            .iter()
-            .zip(&plane.balance)
-            .map(|(row, required)| {
-                let finite = row.iter().zip(pressure.iter());
-                required - finite.map(|(n, p)| n * p).sum::<f64>()
-            });
+        let motions = plane.motions.iter().zip(&plane.balance);
+        let short = motions.map(|(row, required)| {
+            let terms = row.iter().zip(pressure.iter()).map(|(n, p)| n * p);
+            required - terms.sum::<f64>()
+        });
         let short = DVector::from_iterator(plane.motions.len(), short);
         let by = &self.inverse * short;
         for &c in pressed {
@@ -350,23 +331,13 @@ impl Plane {
     /// The problem's gap and load on a window's cells.
     pub fn new(problem: &Problem, gap: &Gap, window: &Window) -> Self {
         let [nx, ny] = window.solved();
-        let places: Vec<[f64; 2]> = (0..ny)
-            .flat_map(|j| (0..nx).map(move |i| [i, j]))
-            .map(|[i, j]| [window.centre(0, i), window.centre(1, j)])
-            .collect();
+        let places: Vec<[f64; 2]> = (0..nx * ny).map(|cell| window.place(cell)).collect();
         let mut gaps: Vec<f64> = places.par_iter().map(|&[x, y]| gap.at(x, y)).collect();
         let free: Vec<usize> = (0..3)
-            .filter(|&a| gap.free_motion[a] && (a == 0 || !window.mirrored[a - 1]))
+            .filter(|&a| gap.free_motion[a] && (a == 0 || !window.axes[a - 1].mirrored))
             .collect();
-        let motions: Vec<Vec<f64>> = free
-            .iter()
-            .map(|&a| {
-                places
-                    .iter()
-                    .map(|&[x, y]| gap.motion_row(x, y)[a])
-                    .collect()
-            })
-            .collect();
+        let rows = |a: usize| places.iter().map(move |&[x, y]| gap.motion_row(x, y)[a]);
+        let motions: Vec<Vec<f64>> = free.iter().map(|&a| rows(a).collect()).collect();
         let [dx, dy] = window.size();
         let (mut balance, mut fixed) = (vec![0.0; free.len()], 0.0);
         match problem.load {

@@ -9,14 +9,12 @@ use crate::accuracy::meshes::FEWEST as LEAST_RESOLUTION;
 use crate::accuracy::watched::{FigureHistory, Fineness, Limits, Place};
 use crate::boundary_elements::active_set::Precision;
 use crate::boundary_elements::operator::Operator;
-use crate::boundary_elements::window::{CheckUnavailable, Surface, Window};
-use crate::boundary_elements::window_contact::{
-    AllCells, MOST_WINDOWS, Search, WindowContact, carried,
-};
+use crate::boundary_elements::window::{CellAxis, CheckUnavailable, Surface, Window};
+use crate::boundary_elements::window_contact::{AllCells, MOST_WINDOWS, Search, WindowContact};
 use crate::grid::grading::storable;
-use crate::problem::gap::Gap;
+use crate::problem::check::CheckedProblem;
 use crate::result::measure::{Figures, ROUNDED};
-use crate::{Error, Iterate, NextMesh, Options, Problem, Solution, StiffnessForm, SurfaceField};
+use crate::{Error, Iterate, NextMesh, Solution, StiffnessForm, SurfaceField};
 
 /// Touching nodes from which the contact plane alone is solved: the cost of finite elements grows
 /// with their square.
@@ -49,9 +47,7 @@ const PADDED: usize = 4;
 
 /// A contact of many asperities.
 pub(crate) struct Asperities<'a> {
-    problem: &'a Problem,
-    options: &'a Options,
-    gap: &'a Gap<'a>,
+    checked: &'a CheckedProblem<'a>,
     surface: Surface,
     /// Size of what the ice's surface consists of [m].
     spacing: [f64; 2],
@@ -67,15 +63,13 @@ impl<'a> Asperities<'a> {
     ///
     /// # Errors
     /// [`Error::Stopped`].
-    pub fn of(
-        problem: &'a Problem,
-        options: &'a Options,
-        gap: &'a Gap<'a>,
-    ) -> Result<Option<Self>, Error> {
+    pub fn of(checked: &'a CheckedProblem<'a>) -> Result<Option<Self>, Error> {
+        let options = checked.options;
         let in_volume = options.subsurface
             || options.stiffness == StiffnessForm::Assembled
-            || problem.runner.elastic.is_some();
-        let Some(ice) = problem.ice_surface.as_ref().filter(|_| !in_volume) else {
+            || checked.problem.runner.elastic.is_some();
+        let surface = checked.problem.ice_surface.as_ref();
+        let Some(ice) = surface.filter(|_| !in_volume) else {
             return Ok(None);
         };
         let spacing = ice.spacing();
@@ -85,11 +79,9 @@ impl<'a> Asperities<'a> {
         );
         let scouted = |surface: &Surface| {
             let search = Search {
-                problem,
-                gap,
+                checked,
                 surface,
                 precision: ROUGH,
-                stop: options.stop.as_deref(),
             };
             let near = search.near(spacing)?;
             let scouted = of_size(near.window, spacing, SCOUTED) == near.window;
@@ -98,20 +90,16 @@ impl<'a> Asperities<'a> {
             }
             search.scouted(near, spacing).map(Some)
         };
-        let found = Surface::of(problem)
+        let found = Surface::of(checked.problem)
             .and_then(|surface| Ok(scouted(&surface)?.map(|found| (surface, found))));
-        let (surface, scouted) = match found {
-            Ok(Some(found)) => found,
-            Err(CheckUnavailable::Stopped) => return Err(Error::Stopped),
-            // What boundary elements do not find, finite elements may.
-            Ok(None) | Err(_) => return Ok(None),
+        // What boundary elements do not find, finite elements may.
+        let Some((surface, scouted)) = unless_stopped(found)?.flatten() else {
+            return Ok(None);
         };
         let half = scouted.half_asperity();
         let many = scouted.nodes(half, finest) >= MANY;
         Ok(many.then_some(Asperities {
-            problem,
-            options,
-            gap,
+            checked,
             surface,
             spacing,
             scouted,
@@ -123,19 +111,17 @@ impl<'a> Asperities<'a> {
     /// of cells in contact does not settle on one of them, or no window has all of the contact.
     ///
     /// # Errors
-    /// [`Error::AccuracyNotReached`] where the finest cells allowed do not do, [`Error::Unsolved`]
+    /// [`Error::AccuracyNotReached`] where the finest cells allowed are too coarse, [`Error::Unsolved`]
     /// where the coarsest are too many, [`Error::Stopped`].
     pub fn solve(&self, history: &mut Vec<Iterate>) -> Result<Option<Solution>, Error> {
-        let options = self.options;
+        let options = self.checked.options;
         let tolerance = options.p_max_tolerance;
         let search = Search {
-            problem: self.problem,
-            gap: self.gap,
+            checked: self.checked,
             surface: &self.surface,
             precision: FINE,
-            stop: options.stop.as_deref(),
         };
-        let new_figures = || FigureHistory::of_asperities(self.problem.ice.hardness);
+        let new_figures = || FigureHistory::of_asperities(self.checked.problem.ice.hardness);
         let coarse = &self.scouted.window;
         let mut window = coarse.around(self.scouted.touched(), AROUND);
         let mut wanted = self.coarsest(window);
@@ -170,9 +156,8 @@ impl<'a> Asperities<'a> {
             };
             figures.push(read.figures, place, read.fineness(&contact, cells), false);
             judged = figures.limits();
-            let single = || Limits::unjudged(read.figures.p_max, place.approach);
             let reached = match judged {
-                _ if options.cells.is_some() => Some(single()),
+                _ if options.cells.is_some() => Some(figures.unjudged()),
                 limits => limits.filter(|limits| limits.relative <= tolerance),
             };
             wanted *= match judged {
@@ -185,13 +170,14 @@ impl<'a> Asperities<'a> {
                 continue;
             }
             // The last grid of this window: is it the whole contact?
-            let Ok(wider) = search.touched_around(&contact, self.spacing) else {
+            let around = unless_stopped(search.touched_around(&contact, self.spacing))?;
+            let Some(wider) = around else {
                 return Ok(None);
             };
             if let Some(wider) = wider {
                 window = wider;
                 windows += 1;
-                // Grids without that place say nothing of this contact.
+                // Grids without that place are grids of another contact.
                 wanted = self.coarsest(window);
                 figures = new_figures();
                 judged = None;
@@ -199,11 +185,10 @@ impl<'a> Asperities<'a> {
                 continue;
             }
             if let Some(limits) = reached {
-                let solution = self.solution(&contact, read, (limits, &figures), history);
-                return Ok(Some(solution));
+                return Ok(Some(self.solution(&contact, read, limits, history)));
             }
-            let limits = judged.or_else(|| figures.last()).unwrap_or_else(single);
-            let best = self.solution(&contact, read, (limits, &figures), history);
+            let limits = judged.unwrap_or_else(|| figures.last());
+            let best = self.solution(&contact, read, limits, history);
             return Err(Error::AccuracyNotReached {
                 dofs: best.dofs,
                 estimate: limits.relative,
@@ -225,18 +210,17 @@ impl<'a> Asperities<'a> {
         history: &mut Vec<Iterate>,
     ) -> Result<Option<(WindowContact, Read)>, Error> {
         let (level, dofs) = (history.len(), grid.count());
-        if let Some(watcher) = &self.options.next_mesh {
+        let options = self.checked.options;
+        if let Some(watcher) = &options.next_mesh {
             watcher(&NextMesh {
                 level,
                 dofs,
                 error_before,
             });
         }
-        let start = carried(&from.pressed.pressure, &from.window, &grid);
-        let contact = match search.solved(grid, Some(start)) {
-            Ok(contact) => contact,
-            Err(CheckUnavailable::Stopped) => return Err(Error::Stopped),
-            Err(_) => return Ok(None),
+        let start = from.carried(&grid);
+        let Some(contact) = unless_stopped(search.solved(grid, Some(start)))? else {
+            return Ok(None);
         };
         let read = contact.read();
         let iterate = Iterate {
@@ -251,7 +235,7 @@ impl<'a> Asperities<'a> {
             accelerations: contact.pressed.sets,
             energy: contact.energy(),
         };
-        if let Some(watcher) = &self.options.progress {
+        if let Some(watcher) = &options.progress {
             watcher(&iterate);
         }
         history.push(iterate);
@@ -261,12 +245,13 @@ impl<'a> Asperities<'a> {
     /// Cells over half an asperity's contact of a window's first grid: few enough that the limit of
     /// unknowns leaves room for two more, to estimate an error from.
     fn coarsest(&self, window: Window) -> f64 {
-        if let Some(cells) = self.options.cells {
+        let options = self.checked.options;
+        if let Some(cells) = options.cells {
             return cells as f64;
         }
         let third = |first: f64| self.divided(window, REFINEMENT.powi(2) * first).0.count();
-        let mut first = first_resolution(self.options.p_max_tolerance, true);
-        while PADDED * third(first) > self.options.max_dofs && first > LEAST_RESOLUTION {
+        let mut first = first_resolution(options.p_max_tolerance, true);
+        while PADDED * third(first) > options.max_dofs && first > LEAST_RESOLUTION {
             first = (0.95 * first).max(LEAST_RESOLUTION);
         }
         first
@@ -277,8 +262,9 @@ impl<'a> Asperities<'a> {
     fn divided(&self, window: Window, wanted: f64) -> (Window, f64) {
         let mut finer = 1.0;
         let cells = [0, 1].map(|axis| {
-            let least = wanted * (window.high[axis] - window.low[axis]) / self.half[axis];
-            let cells = fast(least.ceil().max(FEWEST) as usize, window.mirrored[axis]);
+            let CellAxis { mirrored, .. } = window.axes[axis];
+            let least = wanted * window.axes[axis].length() / self.half[axis];
+            let cells = fast(least.ceil().max(FEWEST) as usize, mirrored);
             finer *= cells as f64 / least;
             cells
         });
@@ -288,7 +274,7 @@ impl<'a> Asperities<'a> {
     /// Pitch and roll of a contact [rad].
     fn tilt(&self, contact: &WindowContact) -> [f64; 2] {
         let [_, pitch, roll] = contact.plane.motion(&contact.pressed.motion);
-        self.gap.tilt(pitch, roll)
+        self.checked.gap.tilt(pitch, roll)
     }
 
     /// What a contact and the limits of finer and finer cells make.
@@ -296,7 +282,7 @@ impl<'a> Asperities<'a> {
         &self,
         contact: &WindowContact,
         read: Read,
-        (limits, figures): (Limits, &FigureHistory),
+        limits: Limits,
         history: &mut Vec<Iterate>,
     ) -> Solution {
         let Read { all, force, .. } = read;
@@ -316,7 +302,6 @@ impl<'a> Asperities<'a> {
             moment(&|n| all.x[n % nx]) / fz,
             moment(&|n| all.y[n / nx]) / fz,
         ];
-        let other = figures.other_errors();
         let [pitch, roll] = self.tilt(contact);
         let bound = ROUNDED * contact.plane.hardness;
         let gap = contact.unfolded(&contact.pressed.opening);
@@ -328,7 +313,7 @@ impl<'a> Asperities<'a> {
             p_max: limits.peak.value,
             p_max_error: limits.peak.error,
             p_max_mesh: p_max,
-            hardness: self.problem.ice.hardness,
+            hardness: self.checked.problem.ice.hardness,
             p_mean: fz / area,
             p_mean_error: fz / area * limits.area_error / area,
             area,
@@ -336,13 +321,13 @@ impl<'a> Asperities<'a> {
             length,
             length_error: limits.length_error,
             width,
-            width_error: other.width_error,
-            approach: limits.approach,
-            approach_error: other.approach_error,
+            width_error: limits.width_error,
+            approach: limits.approach.value,
+            approach_error: limits.approach.error,
             pitch,
-            pitch_error: other.tilt_errors[0],
+            pitch_error: limits.tilt_errors[0],
             roll,
-            roll_error: other.tilt_errors[1],
+            roll_error: limits.tilt_errors[1],
             under_peak: None,
             fz,
             centre_of_pressure,
@@ -360,9 +345,21 @@ impl<'a> Asperities<'a> {
             },
             volume: None,
             runner_volume: None,
-            symmetry: contact.window.mirrored,
+            symmetry: contact.window.mirrored(),
             assembled: Vec::new(),
         }
+    }
+}
+
+/// What was found; nothing where boundary elements have no answer.
+///
+/// # Errors
+/// [`Error::Stopped`].
+fn unless_stopped<T>(found: Result<T, CheckUnavailable>) -> Result<Option<T>, Error> {
+    match found {
+        Ok(found) => Ok(Some(found)),
+        Err(CheckUnavailable::Stopped) => Err(Error::Stopped),
+        Err(_) => Ok(None),
     }
 }
 
@@ -399,8 +396,7 @@ impl Search<'_> {
         for _ in 0..MOST_WINDOWS {
             let finer = of_size(window, spacing, SCOUTED);
             if finer != found.window {
-                let start = carried(&found.pressed.pressure, &found.window, &finer);
-                found = self.solved(finer, Some(start))?;
+                found = self.solved(finer, Some(found.carried(&finer)))?;
             }
             if let Some(next) = found.window.fitted(found.touched()) {
                 window = next;
@@ -431,12 +427,13 @@ impl Search<'_> {
         let mut sunk = vec![0.0; all.len()];
         Operator::new(&wide, self.surface)?.apply(&all, &mut sunk);
         let least = DEEP * found.approach();
-        let depth = |place| found.plane.depth(self.gap, &found.pressed.motion, place);
+        let gap = &self.checked.gap;
+        let depth = |place| found.plane.depth(gap, &found.pressed.motion, place);
         let touches =
             |cell: &usize| all[*cell] == 0.0 && depth(wide.place(*cell)) - sunk[*cell] > least;
         let touching = (0..all.len()).into_par_iter().filter(touches);
         let touching: Vec<usize> = touching.collect();
-        let (place, below) = found.elsewhere(self.gap, self.surface);
+        let (place, below) = found.deepest_outside(self);
         let elsewhere = Some(place).filter(|_| below > least);
         let places = touching.into_iter().map(|cell| wide.place(cell));
         let wider = places
@@ -449,21 +446,18 @@ impl Search<'_> {
 /// A window with cells of this size, or of such a shape where that would be more than `most`.
 fn of_size(window: Window, size: [f64; 2], most: f64) -> Window {
     let cells = |coarser: f64| {
-        [0, 1].map(|axis| {
-            let whole = window.high[axis] - window.low[axis];
-            (whole / (coarser * size[axis])).max(FEWEST)
-        })
+        [0, 1].map(|axis| (window.axes[axis].length() / (coarser * size[axis])).max(FEWEST))
     };
     // Where one axis has its fewest cells the other is coarsened alone.
     let mut coarser = 1.0;
     while cells(coarser).iter().product::<f64>() > most {
         coarser *= 1.25;
     }
-    let cells = [0, 1].map(|axis| fast(cells(coarser)[axis] as usize, window.mirrored[axis]));
+    let cells = [0, 1].map(|axis| fast(cells(coarser)[axis] as usize, window.axes[axis].mirrored));
     window.with_cells(cells)
 }
 
-// What the pressures of a contact say.
+// Pressures, forces and figures of a contact.
 
 /// Pressures and forces of a contact on all cells of its window, and its figures.
 struct Read {
@@ -518,7 +512,7 @@ impl WindowContact {
     /// The same forces on a window's cells of this size, or of its own where these are larger.
     fn coarsened(&self, size: [f64; 2]) -> (Window, Vec<f64>) {
         let coarse = of_size(self.window, size, SCOUTED);
-        let cells = [0, 1].map(|axis| coarse.cells[axis].min(self.window.cells[axis]));
+        let cells = [0, 1].map(|axis| coarse.cells()[axis].min(self.window.cells()[axis]));
         let coarse = self.window.with_cells(cells);
         let width = coarse.solved()[0];
         let part = coarse.count() as f64 / self.window.count() as f64;
@@ -526,7 +520,7 @@ impl WindowContact {
         let own = self.pressed.pressure.iter().enumerate();
         for (cell, p) in own.filter(|(_, p)| **p > 0.0) {
             let [x, y] = self.window.place(cell);
-            if let (Some(i), Some(j)) = (coarse.cell(0, x), coarse.cell(1, y)) {
+            if let (Some(i), Some(j)) = (coarse.axes[0].cell(x), coarse.axes[1].cell(y)) {
                 pressure[j * width + i] += part * p;
             }
         }
@@ -541,12 +535,9 @@ impl WindowContact {
     /// Half the mean size of an asperity's contact along x and y [m]: the half axis of an ellipse
     /// whose chords have the mean length of the stretches in contact.
     fn half_asperity(&self) -> [f64; 2] {
-        let [nx, ny] = self.window.cells;
-        let touches: Vec<bool> = self
-            .unfolded(&self.pressed.pressure)
-            .iter()
-            .map(|p| *p > 0.0)
-            .collect();
+        let [nx, ny] = self.window.cells();
+        let all = self.unfolded(&self.pressed.pressure);
+        let touches: Vec<bool> = all.iter().map(|p| *p > 0.0).collect();
         let count = touches.iter().filter(|t| **t).count() as f64;
         let starts = |stride: usize, place: &dyn Fn(usize) -> usize| {
             let starts = |n: &usize| touches[*n] && (place(*n) == 0 || !touches[*n - stride]);
@@ -560,16 +551,13 @@ impl WindowContact {
     /// Complementary energy of the pressures, the work of a load from first touch [J].
     fn energy(&self) -> f64 {
         let plane = &self.plane;
-        let lowest = match plane.balance.is_empty() {
-            true => 0.0,
-            false => plane.gap.iter().copied().fold(f64::INFINITY, f64::min),
+        let lowest = if plane.balance.is_empty() {
+            0.0
+        } else {
+            plane.gap.iter().copied().fold(f64::INFINITY, f64::min)
         };
-        let cells = self
-            .pressed
-            .pressure
-            .iter()
-            .zip(&plane.gap)
-            .zip(&self.pressed.sunk);
+        let pressures = self.pressed.pressure.iter();
+        let cells = pressures.zip(&plane.gap).zip(&self.pressed.sunk);
         let pressed = cells.filter(|((p, _), _)| **p > 0.0);
         let sum: f64 = pressed.map(|((p, g), u)| p * (g - lowest + 0.5 * u)).sum();
         let [dx, dy] = self.window.size();

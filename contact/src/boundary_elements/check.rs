@@ -5,9 +5,8 @@ use rayon::prelude::*;
 use crate::accuracy::estimators::Limit;
 use crate::boundary_elements::active_set::Precision;
 use crate::boundary_elements::window::{CheckUnavailable, Surface};
-use crate::boundary_elements::window_contact::{Search, carried};
-use crate::problem::check::check;
-use crate::problem::gap::Gap;
+use crate::boundary_elements::window_contact::Search;
+use crate::problem::check::CheckedProblem;
 use crate::{Options, Problem, Solution};
 
 /// Figures of a contact from its plane alone.
@@ -55,7 +54,7 @@ const STEEP: f64 = 0.4;
 /// what their compliance differs from the half-space's; products by Fourier's functions of a grid
 /// padded to twice its size (S. Liu, Q. Wang and G. Liu, Wear 243, 2000). The window of cells is
 /// fitted to the contact. Of the method of [`solve`](crate::solve) it uses nothing but the
-/// problem's gap. The rim falls between cells, so that figures go to and fro as cells get smaller:
+/// problem's gap. The rim falls between cells, so that figures oscillate as cells get smaller:
 /// the finest grid's are given, and as their error three times the range over three grids, of 20,
 /// 24 and 32 cells each way.
 ///
@@ -118,51 +117,56 @@ const DEEP: f64 = 0.01;
 
 /// The figures, and how steep the pressure is at its rim: [`WindowContact::at_rim`].
 fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), CheckUnavailable> {
-    check(problem, &Options::default()).map_err(|_| CheckUnavailable::NotSettled)?;
-    let gap = Gap::new(problem).map_err(|_| CheckUnavailable::NotSettled)?;
-    let surface = Surface::of(problem)?;
+    let options = Options::default();
+    let checked =
+        CheckedProblem::new(problem, &options).map_err(|_| CheckUnavailable::NotSettled)?;
     let search = Search {
-        problem,
-        gap: &gap,
-        surface: &surface,
+        checked: &checked,
+        surface: &Surface::of(problem)?,
         precision: PRECISION,
-        stop: None,
     };
-    let mut last = search.window(GRIDS[0])?;
+    let mut last = search.fitted(GRIDS[0], |window| window)?;
     let mut found = vec![last.figures()];
     for cells in &GRIDS[1..] {
         let window = last.window.with_cells([*cells; 2]);
-        let start = carried(&last.pressed.pressure, &last.window, &window);
-        last = search.solved(window, Some(start))?;
+        last = search.solved(window, Some(last.carried(&window)))?;
         found.push(last.figures());
         if found.len() >= COMPARED && error(&found, 0) <= tolerance * found[found.len() - 1][0] {
             break;
         }
     }
     let [p_max, approach, area, length, width] = found[found.len() - 1];
-    if last.elsewhere(&gap, &surface).1 > DEEP * approach {
+    let errors = [0, 1, 2, 3, 4].map(|figure| error(&found, figure));
+    let [
+        p_max_error,
+        approach_error,
+        area_error,
+        length_error,
+        width_error,
+    ] = errors;
+    if last.deepest_outside(&search).1 > DEEP * approach {
         return Err(CheckUnavailable::Elsewhere);
     }
-    // Whatever grids say of them, rims are read to a part of a cell.
+    // Rims are resolved to a part of a cell, however well the grids agree.
     let [along, across] = last.window.size().map(|size| 2.0 * READ * size);
     let least = 0.5 * (along * width + across * length);
     let figures = BoundaryElements {
         p_max,
-        p_max_error: error(&found, 0),
+        p_max_error,
         approach,
-        approach_error: error(&found, 1),
+        approach_error,
         area,
-        area_error: error(&found, 2).max(least),
+        area_error: area_error.max(least),
         length,
-        length_error: error(&found, 3).max(along),
+        length_error: length_error.max(along),
         width,
-        width_error: error(&found, 4).max(across),
+        width_error: width_error.max(across),
         patch: last.patch(),
     };
     Ok((figures, last.at_rim()))
 }
 
-/// The error of a figure by its range over the finest grids, whose values go to and fro.
+/// The error of a figure by its range over the finest grids, whose values oscillate.
 fn error(found: &[[f64; 5]], figure: usize) -> f64 {
     let finest = &found[found.len().saturating_sub(COMPARED)..];
     let values: Vec<f64> = finest.iter().map(|figures| figures[figure]).collect();

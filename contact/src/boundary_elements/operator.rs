@@ -29,7 +29,8 @@ const ALONE: usize = 1 << 14;
 pub(super) struct Operator {
     /// Cells along x and y.
     cells: [usize; 2],
-    mirrored: [bool; 2],
+    /// The first of the cells that are solved for; those before it are their images.
+    first: [usize; 2],
     to_waves: Arc<dyn RealToComplex<f64>>,
     from_waves: Arc<dyn ComplexToReal<f64>>,
     /// Along y, forward and back.
@@ -45,7 +46,7 @@ pub(super) struct Operator {
 impl Operator {
     /// For the cells of a window.
     pub fn new(window: &Window, surface: &Surface) -> Result<Self, CheckUnavailable> {
-        let cells = window.cells;
+        let cells = window.cells();
         let [nx, ny] = cells;
         let table = kernel(cells, window.size(), surface)?;
         let (mut real, mut complex) = (RealFftPlanner::new(), FftPlanner::new());
@@ -78,7 +79,7 @@ impl Operator {
         let blocks = solved.div_ceil(BLOCK);
         Ok(Operator {
             cells,
-            mirrored: window.mirrored,
+            first: window.axes.map(|axis| axis.first_solved()),
             to_waves,
             from_waves: real.plan_fft_inverse(2 * nx),
             across,
@@ -91,9 +92,7 @@ impl Operator {
     /// `to` = displacements [m] under `pressure` [Pa], cell by cell, x fastest.
     pub fn apply(&mut self, pressure: &[f64], to: &mut [f64]) {
         let [nx, ny] = self.cells;
-        let (mirrored, half) = (self.mirrored, nx + 1);
-        // The first of the cells that are solved for; those before it are their images.
-        let [x0, y0] = [0, 1].map(|axis| first_solved(self.cells[axis], mirrored[axis]));
+        let ([x0, y0], half) = (self.first, nx + 1);
         let width = nx - x0;
         let solved = ny - y0;
         let alone = nx * ny < ALONE;
@@ -127,21 +126,15 @@ impl Operator {
                 },
             );
         let (lines, [forward, back]) = (&self.lines, &self.across);
-        let scratch = forward
-            .get_inplace_scratch_len()
-            .max(back.get_inplace_scratch_len());
+        let [length, other] = [forward, back].map(|plan| plan.get_inplace_scratch_len());
+        let scratch = length.max(other);
         self.columns
             .par_chunks_mut(solved)
             .zip(self.response.par_chunks(ny + 1))
             .enumerate()
             .with_min_len(tasks(half))
             .for_each_init(
-                || {
-                    [
-                        vec![Complex::default(); 2 * ny],
-                        vec![Complex::default(); scratch],
-                    ]
-                },
+                || [2 * ny, scratch].map(|length| vec![Complex::default(); length]),
                 |[ring, scratch], (wave, (column, response))| {
                     for (block, values) in ring[y0..ny].chunks_mut(BLOCK).enumerate() {
                         let start = (block * half + wave) * BLOCK;
@@ -186,11 +179,6 @@ impl Operator {
                 },
             );
     }
-}
-
-/// The first cell of an axis that is solved for; those before it are images.
-fn first_solved(cells: usize, mirrored: bool) -> usize {
-    if mirrored { cells / 2 } else { 0 }
 }
 
 /// Passes the end of a transform on whose vectors are its plan's own.
@@ -423,24 +411,15 @@ impl Layer {
         );
         let plane = lambda + 2.0 * mu;
         // Lengths in 1/k and stresses in mu make every entry of order 1.
-        let a = Matrix4::new(
-            0.0,
-            1.0,
-            1.0,
-            0.0,
-            -lambda / plane,
-            0.0,
-            0.0,
-            mu / plane,
-            (plane - lambda * lambda / plane) / mu,
-            0.0,
-            0.0,
-            lambda / plane,
-            0.0,
-            0.0,
-            -1.0,
-            0.0,
-        );
+        let (p, q) = (lambda / plane, mu / plane);
+        let r = (plane - lambda * lambda / plane) / mu;
+        let rows = [
+            [0.0, 1.0, 1.0, 0.0],
+            [-p, 0.0, 0.0, q],
+            [r, 0.0, 0.0, p],
+            [0.0, 0.0, -1.0, 0.0],
+        ];
+        let a = Matrix4::from_row_slice(rows.as_flattened());
         let deep = (k * self.thickness).min(DEEP);
         let steps = (deep / STEP).ceil().max(1.0);
         let t = deep / steps;
@@ -497,12 +476,8 @@ mod tests {
             let table = kernel(cells, window.size(), &surface).expect("a half-space");
             let whole = |c: usize| [c % cells[0], c / cells[0]];
             let own = |[i, j]: [usize; 2]| {
-                let fold =
-                    |axis: usize, cell: usize| match first_solved(cells[axis], mirrored[axis]) {
-                        first if cell < first => first - 1 - cell,
-                        first => cell - first,
-                    };
-                fold(1, j) * nx + fold(0, i)
+                let [x, y] = &window.axes;
+                y.solved_cell(j) * nx + x.solved_cell(i)
             };
             let largest = found.iter().fold(0.0f64, |most, u| most.max(u.abs()));
             for c in (0..cells[0] * cells[1]).step_by(37) {

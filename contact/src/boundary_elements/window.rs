@@ -3,6 +3,7 @@
 use crate::bisection::{bisect, bisect_scales};
 use crate::boundary_elements::operator::Layer;
 use crate::problem::gap::Gap;
+use crate::symmetry::copies;
 use crate::{Foundation, Load, Problem};
 
 /// How far along x contact is searched under a hull without ends [m].
@@ -20,21 +21,166 @@ const FILLED: f64 = 0.7;
 /// Open cells around the contact in a regenerated window.
 const MARGIN: f64 = 1.0;
 
+/// Even cells along one axis of a window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct CellAxis {
+    /// Start of the cells [m].
+    pub low: f64,
+    /// Their end [m].
+    pub high: f64,
+    /// Cells, those across a mirror plane included.
+    pub cells: usize,
+    /// Whether 0 is a mirror plane, in the middle of the cells.
+    pub mirrored: bool,
+    /// The hull's ends [m].
+    extent: [f64; 2],
+}
+
+impl CellAxis {
+    /// Length of all cells [m].
+    pub fn length(&self) -> f64 {
+        self.high - self.low
+    }
+
+    /// Size of a cell [m].
+    pub fn size(&self) -> f64 {
+        self.length() / self.cells as f64
+    }
+
+    /// Cells that are solved for.
+    fn solved(&self) -> usize {
+        self.cells - self.first_solved()
+    }
+
+    /// The first cell that is solved for; those before it are images.
+    pub fn first_solved(&self) -> usize {
+        if self.mirrored { self.cells / 2 } else { 0 }
+    }
+
+    /// Where the solved cells begin [m].
+    fn origin(&self) -> f64 {
+        if self.mirrored { 0.0 } else { self.low }
+    }
+
+    /// Centre of a solved cell [m].
+    pub fn centre(&self, cell: usize) -> f64 {
+        self.origin() + (cell as f64 + 0.5) * self.size()
+    }
+
+    /// The solved cell that mirror planes make a cell of.
+    pub fn solved_cell(&self, cell: usize) -> usize {
+        match self.first_solved() {
+            first if cell < first => first - 1 - cell,
+            first => cell - first,
+        }
+    }
+
+    /// The solved cell that holds a place.
+    pub fn cell(&self, at: f64) -> Option<usize> {
+        let place = (at - self.origin()) / self.size();
+        (place >= 0.0 && place < self.solved() as f64).then_some(place as usize)
+    }
+
+    /// With these ends, within the hull's.
+    fn between(self, low: f64, high: f64) -> Self {
+        CellAxis {
+            low: low.max(self.extent[0]),
+            high: high.min(self.extent[1]),
+            ..self
+        }
+    }
+
+    /// From the first to the last of some solved cells, with so many cells around.
+    fn around(self, [first, last]: [usize; 2], margin: f64) -> Self {
+        let around = (0.5 + margin) * self.size();
+        let high = self.centre(last) + around;
+        if self.mirrored {
+            self.between(-high, high)
+        } else {
+            self.between(self.centre(first) - around, high)
+        }
+    }
+
+    /// The axis that fits contact from the first to the last cell; `None` where this one does.
+    fn fitted(self, [first, last]: [usize; 2]) -> Option<Self> {
+        let solved = self.solved();
+        let touches_low = !self.mirrored && first == 0 && self.low > self.extent[0];
+        let touches_high = last + 1 == solved && self.high < self.extent[1];
+        if touches_low || touches_high {
+            let growth = (GROWTH - 1.0) * self.length();
+            let grown = |touches: bool| if touches { growth } else { 0.0 };
+            let high = self.high + grown(touches_high);
+            let low = if self.mirrored {
+                -high
+            } else {
+                self.low - grown(touches_low)
+            };
+            return Some(self.between(low, high));
+        }
+        let start = if self.mirrored { 0 } else { first };
+        let filled = (last + 1 - start) as f64;
+        (filled < FILLED * solved as f64).then(|| self.around([first, last], MARGIN))
+    }
+
+    fn scaled(self, by: f64) -> Self {
+        let (middle, half) = if self.mirrored {
+            (0.0, self.high.max(-self.low))
+        } else {
+            (0.5 * (self.low + self.high), 0.5 * self.length())
+        };
+        self.between(middle - by * half, middle + by * half)
+    }
+
+    fn contains(&self, other: &CellAxis) -> bool {
+        let slack = 1e-9 * self.length();
+        self.low <= other.low + slack && other.high <= self.high + slack
+    }
+
+    /// The shortest axis that contains this one and a place.
+    fn with_place(self, at: f64) -> Self {
+        let [low, high] = if self.mirrored {
+            [-at.abs(), at.abs()]
+        } else {
+            [at; 2]
+        };
+        CellAxis {
+            low: self.low.min(low),
+            high: self.high.max(high),
+            ..self
+        }
+    }
+
+    /// With cells of the same size around, as many as half of its own at either end as far as there
+    /// is a hull; and the first of its own solved cells there.
+    fn surroundings(self) -> (Self, usize) {
+        let size = self.size();
+        let most = (self.cells / 2) as f64;
+        let room = |reach: f64| (reach / size).floor().clamp(0.0, most);
+        let mut below = room(self.low - self.extent[0]);
+        let mut above = room(self.extent[1] - self.high);
+        let mut first = below as usize;
+        if self.mirrored {
+            below = below.min(above);
+            above = below;
+            first = 0;
+        }
+        let wide = CellAxis {
+            low: self.low - below * size,
+            high: self.high + above * size,
+            cells: self.cells + (below + above) as usize,
+            ..self
+        };
+        (wide, first)
+    }
+}
+
 /// A rectangle around the contact, in even cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Window {
-    /// Least x and y [m].
-    pub low: [f64; 2],
-    /// Largest x and y [m].
-    pub high: [f64; 2],
-    /// Cells along x and y, those across a mirror plane included.
-    pub cells: [usize; 2],
-    /// Whether x = 0 and y = 0 are mirror planes, in the middle of the window.
-    pub mirrored: [bool; 2],
+    /// Along x and y.
+    pub axes: [CellAxis; 2],
     /// Least gap on the line along x through the line of action [m].
     pub lowest: f64,
-    /// The hull's ends: least and largest x, least and largest y [m].
-    extent: [f64; 4],
 }
 
 impl Window {
@@ -53,54 +199,63 @@ impl Window {
                 line.cut(gap, high.exp())
             }
         };
-        let window = Window {
-            low: [cut[0], cut[2]],
-            high: [cut[1], cut[3]],
-            cells: [cells; 2],
-            mirrored: gap.symmetry(),
+        let mirrored = gap.symmetry();
+        let axes = [0, 1].map(|axis| {
+            let around = CellAxis {
+                low: cut[2 * axis],
+                high: cut[2 * axis + 1],
+                cells,
+                mirrored: mirrored[axis],
+                extent: [extent[2 * axis], extent[2 * axis + 1]],
+            };
+            around.scaled(AROUND)
+        });
+        Some(Window {
+            axes,
             lowest: line.lowest,
-            extent,
-        };
-        Some(window.scaled(AROUND))
+        })
     }
 
     /// So many cells between these ends `[x_min, y_min, x_max, y_max]`.
     #[cfg(test)]
     pub fn of_cells(ends: [f64; 4], cells: [usize; 2], mirrored: [bool; 2]) -> Self {
-        Window {
-            low: [ends[0], ends[1]],
-            high: [ends[2], ends[3]],
-            cells,
-            mirrored,
-            lowest: 0.0,
-            extent: [
-                f64::NEG_INFINITY,
-                f64::INFINITY,
-                f64::NEG_INFINITY,
-                f64::INFINITY,
-            ],
-        }
+        let axes = [0, 1].map(|axis| CellAxis {
+            low: ends[axis],
+            high: ends[2 + axis],
+            cells: cells[axis],
+            mirrored: mirrored[axis],
+            extent: [f64::NEG_INFINITY, f64::INFINITY],
+        });
+        Window { axes, lowest: 0.0 }
     }
 
-    /// With other cells.
+    /// With these cells along x and y.
     pub fn with_cells(self, cells: [usize; 2]) -> Self {
-        Window { cells, ..self }
+        let axes = [0, 1].map(|axis| CellAxis {
+            cells: cells[axis],
+            ..self.axes[axis]
+        });
+        Window { axes, ..self }
+    }
+
+    /// Cells along x and y, those across a mirror plane included.
+    pub fn cells(&self) -> [usize; 2] {
+        self.axes.map(|axis| axis.cells)
+    }
+
+    /// Whether x = 0 and y = 0 are mirror planes.
+    pub fn mirrored(&self) -> [bool; 2] {
+        self.axes.map(|axis| axis.mirrored)
     }
 
     /// Size of a cell along x and y [m].
     pub fn size(&self) -> [f64; 2] {
-        [0, 1].map(|axis| (self.high[axis] - self.low[axis]) / self.cells[axis] as f64)
+        self.axes.map(|axis| axis.size())
     }
 
     /// Cells that are solved for along x and y.
     pub fn solved(&self) -> [usize; 2] {
-        [0, 1].map(|axis| {
-            if self.mirrored[axis] {
-                self.cells[axis] / 2
-            } else {
-                self.cells[axis]
-            }
-        })
+        self.axes.map(|axis| axis.solved())
     }
 
     /// Number of cells that are solved for.
@@ -110,75 +265,38 @@ impl Window {
 
     /// Number of cells with the pressure of a solved one.
     pub fn copies(&self) -> f64 {
-        self.mirrored
-            .map(|m| if m { 2.0 } else { 1.0 })
-            .iter()
-            .product()
-    }
-
-    /// Where the solved cells of an axis begin [m].
-    fn origin(&self, axis: usize) -> f64 {
-        if self.mirrored[axis] {
-            0.0
-        } else {
-            self.low[axis]
-        }
-    }
-
-    /// Centre of a solved cell along an axis [m].
-    pub fn centre(&self, axis: usize, cell: usize) -> f64 {
-        self.origin(axis) + (cell as f64 + 0.5) * self.size()[axis]
+        copies(self.mirrored())
     }
 
     /// Centre of a solved cell, by its number with x fastest [m].
     pub fn place(&self, cell: usize) -> [f64; 2] {
-        let width = self.solved()[0];
-        [self.centre(0, cell % width), self.centre(1, cell / width)]
-    }
-
-    /// The solved cell that mirror planes make a cell of, along an axis.
-    pub fn solved_cell(&self, axis: usize, cell: usize) -> usize {
-        match self.cells[axis] / 2 {
-            half if self.mirrored[axis] && cell < half => half - 1 - cell,
-            half if self.mirrored[axis] => cell - half,
-            _ => cell,
-        }
-    }
-
-    /// A place and its images by the mirror planes [m].
-    pub fn images(&self, [x, y]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
-        let signs = self
-            .mirrored
-            .map(|m| if m { &[1.0, -1.0][..] } else { &[1.0] });
-        let along = signs[0].iter();
-        along.flat_map(move |s| signs[1].iter().map(move |t| [s * x, t * y]))
+        let [x, y] = &self.axes;
+        [x.centre(cell % x.solved()), y.centre(cell / x.solved())]
     }
 
     /// The distance from a place to the farthest corner [m].
     pub fn farthest(&self, place: [f64; 2]) -> f64 {
-        let [x, y] = [0, 1].map(|axis| {
-            let [low, high] = [self.low[axis], self.high[axis]];
-            (place[axis] - low).abs().max((place[axis] - high).abs())
-        });
-        x.hypot(y)
+        let far = |axis: &CellAxis, at: f64| (at - axis.low).abs().max((at - axis.high).abs());
+        far(&self.axes[0], place[0]).hypot(far(&self.axes[1], place[1]))
     }
 
     /// Whether a place is on its cells or half its size from them.
     pub fn holds(&self, place: [f64; 2]) -> bool {
-        (0..2).all(|axis| {
-            let [low, high] = [self.low[axis], self.high[axis]];
-            let margin = 0.5 * (high - low);
-            (low - margin..=high + margin).contains(&place[axis])
+        self.axes.iter().zip(place).all(|(axis, at)| {
+            let margin = 0.5 * axis.length();
+            (axis.low - margin..=axis.high + margin).contains(&at)
         })
     }
 
     /// Places along the hull, on the lines through this window's middle and sides, that are half
     /// its size and more away from it.
     pub fn outside(&self) -> impl Iterator<Item = [f64; 2]> {
-        let middle = [0, 1].map(|axis| 0.5 * (self.low[axis] + self.high[axis]));
-        let lines = [self.low[1], middle[1], self.high[1]];
-        let around = self.high[0] - self.low[0];
-        let [from, to] = [self.extent[0], self.extent[1]]
+        let [x, y] = self.axes;
+        let middle = [x, y].map(|axis| 0.5 * (axis.low + axis.high));
+        let lines = [y.low, middle[1], y.high];
+        let around = x.length();
+        let [from, to] = x
+            .extent
             .map(|end| (end - middle[0]).clamp(-REACH, REACH) + middle[0]);
         let along = (0..=2 * SAMPLES)
             .map(move |k| from + (to - from) * k as f64 / (2 * SAMPLES) as f64)
@@ -189,138 +307,44 @@ impl Window {
     /// The window that fits contact from the first to the last cell of each axis; `None` where this
     /// one does.
     pub fn fitted(&self, contact: [[usize; 2]; 2]) -> Option<Self> {
-        let mut next = *self;
-        let mut changed = false;
-        for (axis, [first, last]) in contact.into_iter().enumerate() {
-            let solved = self.solved()[axis];
-            let [least, most] = [self.extent[2 * axis], self.extent[2 * axis + 1]];
-            let touches_low = !self.mirrored[axis] && first == 0 && self.low[axis] > least;
-            let touches_high = last + 1 == solved && self.high[axis] < most;
-            let whole = self.high[axis] - self.low[axis];
-            if touches_low {
-                next.low[axis] -= (GROWTH - 1.0) * whole;
-            }
-            if touches_high {
-                next.high[axis] += (GROWTH - 1.0) * whole;
-            }
-            let filled = if self.mirrored[axis] {
-                last + 1
-            } else {
-                last + 1 - first
-            };
-            if touches_low || touches_high {
-                changed = true;
-            } else if (filled as f64) < FILLED * solved as f64 {
-                changed = true;
-                [next.low[axis], next.high[axis]] = self.ends(axis, [first, last], MARGIN);
-            }
-            if self.mirrored[axis] {
-                next.low[axis] = -next.high[axis];
-            }
-        }
-        changed.then(|| next.clipped())
+        let fitted = [0, 1].map(|axis| self.axes[axis].fitted(contact[axis]));
+        fitted.iter().any(Option::is_some).then(|| Window {
+            axes: [0, 1].map(|axis| fitted[axis].unwrap_or(self.axes[axis])),
+            ..*self
+        })
     }
 
     /// The window from the first to the last cell in contact of each axis, with so many cells
     /// around.
     pub fn around(&self, contact: [[usize; 2]; 2], margin: f64) -> Self {
-        let mut next = *self;
-        for (axis, cells) in contact.into_iter().enumerate() {
-            [next.low[axis], next.high[axis]] = self.ends(axis, cells, margin);
-        }
-        next.clipped()
-    }
-
-    /// Ends along an axis of some solved cells and others around them [m].
-    fn ends(&self, axis: usize, [first, last]: [usize; 2], margin: f64) -> [f64; 2] {
-        let around = (0.5 + margin) * self.size()[axis];
-        let high = self.centre(axis, last) + around;
-        if self.mirrored[axis] {
-            [-high, high]
-        } else {
-            [self.centre(axis, first) - around, high]
+        Window {
+            axes: [0, 1].map(|axis| self.axes[axis].around(contact[axis], margin)),
+            ..*self
         }
     }
 
     /// Whether another window lies within this one.
     pub fn contains(&self, other: &Window) -> bool {
-        let slack = 1e-9;
-        (0..2).all(|axis| {
-            let slack = slack * (self.high[axis] - self.low[axis]);
-            self.low[axis] <= other.low[axis] + slack && other.high[axis] <= self.high[axis] + slack
-        })
+        (0..2).all(|axis| self.axes[axis].contains(&other.axes[axis]))
     }
 
     /// The smallest window that contains this one and a place.
     pub fn with_place(&self, place: [f64; 2]) -> Self {
-        let mut next = *self;
-        for (axis, at) in place.into_iter().enumerate() {
-            let ends = if self.mirrored[axis] {
-                [-at.abs(), at.abs()]
-            } else {
-                [at; 2]
-            };
-            next.low[axis] = next.low[axis].min(ends[0]);
-            next.high[axis] = next.high[axis].max(ends[1]);
+        Window {
+            axes: [0, 1].map(|axis| self.axes[axis].with_place(place[axis])),
+            ..*self
         }
-        next
     }
 
-    /// This window with cells of the same size around it, as many as half of its own on each side
-    /// as far as there is a hull; and the first of its own solved cells there.
+    /// This window with cells of the same size around it; and the first of its own solved cells
+    /// there.
     pub fn surroundings(&self) -> (Self, [usize; 2]) {
-        let mut wide = *self;
-        let mut first = [0; 2];
-        for (axis, first) in first.iter_mut().enumerate() {
-            let size = self.size()[axis];
-            let most = (self.cells[axis] / 2) as f64;
-            let room = |reach: f64| (reach / size).floor().clamp(0.0, most);
-            let mut below = room(self.low[axis] - self.extent[2 * axis]);
-            let mut above = room(self.extent[2 * axis + 1] - self.high[axis]);
-            if self.mirrored[axis] {
-                below = below.min(above);
-                above = below;
-            } else {
-                *first = below as usize;
-            }
-            wide.low[axis] -= below * size;
-            wide.high[axis] += above * size;
-            wide.cells[axis] += (below + above) as usize;
-        }
-        (wide, first)
-    }
-
-    /// The solved cell that holds a place.
-    pub fn cell(&self, axis: usize, at: f64) -> Option<usize> {
-        let place = (at - self.origin(axis)) / self.size()[axis];
-        (place >= 0.0 && place < self.solved()[axis] as f64).then_some(place as usize)
-    }
-
-    fn scaled(self, by: f64) -> Self {
-        let mut next = self;
-        for axis in 0..2 {
-            let middle = if self.mirrored[axis] {
-                0.0
-            } else {
-                0.5 * (self.low[axis] + self.high[axis])
-            };
-            let half = if self.mirrored[axis] {
-                self.high[axis].max(-self.low[axis])
-            } else {
-                0.5 * (self.high[axis] - self.low[axis])
-            };
-            next.low[axis] = middle - by * half;
-            next.high[axis] = middle + by * half;
-        }
-        next.clipped()
-    }
-
-    fn clipped(mut self) -> Self {
-        for axis in 0..2 {
-            self.low[axis] = self.low[axis].max(self.extent[2 * axis]);
-            self.high[axis] = self.high[axis].min(self.extent[2 * axis + 1]);
-        }
-        self
+        let [(x, first_x), (y, first_y)] = self.axes.map(CellAxis::surroundings);
+        let wide = Window {
+            axes: [x, y],
+            ..*self
+        };
+        (wide, [first_x, first_y])
     }
 }
 

@@ -1,17 +1,16 @@
 //! A contact on the cells of one window, and the window that fits it.
 
 use std::f64::consts::PI;
-use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
-use crate::Problem;
 use crate::boundary_elements::active_set::{Plane, Precision, PressureState, press};
 use crate::boundary_elements::operator::{Operator, Radial};
 use crate::boundary_elements::window::{CheckUnavailable, Surface, Window};
-use crate::problem::gap::Gap;
+use crate::problem::check::CheckedProblem;
 use crate::result::measure::PressureField;
 use crate::result::rim::RimEstimator;
+use crate::symmetry::images;
 
 /// Windows that are tried.
 pub(super) const MOST_WINDOWS: usize = 24;
@@ -26,29 +25,23 @@ pub(super) struct WindowContact {
 /// What the grids of a problem share.
 #[derive(Clone, Copy)]
 pub(super) struct Search<'a> {
-    pub problem: &'a Problem,
-    pub gap: &'a Gap<'a>,
+    pub checked: &'a CheckedProblem<'a>,
     pub surface: &'a Surface,
     pub precision: Precision,
-    /// Once true, the solve ends.
-    pub stop: Option<&'a AtomicBool>,
 }
 
 impl Search<'_> {
-    /// The contact on so many cells each way of a window that fits it.
-    pub fn window(&self, cells: usize) -> Result<WindowContact, CheckUnavailable> {
-        self.fitted(cells, |window| window)
-    }
-
-    /// The contact on a window that fits it, `divided` anew wherever it changes.
+    /// The contact on a window that fits it, `divided` anew wherever it changes; the first one has
+    /// so many cells each way.
     pub fn fitted(
         &self,
         cells: usize,
         divided: impl Fn(Window) -> Window,
     ) -> Result<WindowContact, CheckUnavailable> {
         let modulus = 1.0 / self.surface.compliance;
-        let mut window = Window::first(self.problem, self.gap, modulus, cells)
-            .ok_or(CheckUnavailable::NotSettled)?;
+        let CheckedProblem { problem, gap, .. } = self.checked;
+        let mut window =
+            Window::first(problem, gap, modulus, cells).ok_or(CheckUnavailable::NotSettled)?;
         for _ in 0..MOST_WINDOWS {
             let found = self.solved(divided(window), None)?;
             match found.window.fitted(found.touched()) {
@@ -65,9 +58,15 @@ impl Search<'_> {
         window: Window,
         start: Option<Vec<f64>>,
     ) -> Result<WindowContact, CheckUnavailable> {
-        let plane = Plane::new(self.problem, self.gap, &window);
+        let CheckedProblem {
+            problem,
+            gap,
+            options,
+            ..
+        } = self.checked;
+        let plane = Plane::new(problem, gap, &window);
         let mut operator = Operator::new(&window, self.surface)?;
-        let pressed = press(&plane, &mut operator, start, self.precision, self.stop)?;
+        let pressed = press(&plane, &mut operator, start, self.precision, options)?;
         Ok(WindowContact {
             window,
             plane,
@@ -79,7 +78,7 @@ impl Search<'_> {
 impl WindowContact {
     /// Peak pressure [Pa], approach [m], area [m2], length and width [m].
     pub fn figures(&self) -> [f64; 5] {
-        let squares = peak(&self.squares(), self.plane.width, self.window.mirrored);
+        let squares = peak(&self.squares(), self.plane.width, self.window.mirrored());
         let p_max = squares.sqrt().min(self.plane.hardness);
         let [area, length, width] = self.extents();
         [p_max, self.approach(), area, length, width]
@@ -90,13 +89,14 @@ impl WindowContact {
         let closing: Vec<f64> = (0..self.plane.gap.len())
             .map(|c| self.plane.closing(c, &self.pressed.motion) - self.plane.gap[c])
             .collect();
-        peak(&closing, self.plane.width, self.window.mirrored)
+        peak(&closing, self.plane.width, self.window.mirrored())
     }
 
     /// The place outside the window where the hull lies deepest in the ice, and how deep [m], under
     /// the displacements that the pressures' forces make there.
-    pub fn elsewhere(&self, gap: &Gap, surface: &Surface) -> ([f64; 2], f64) {
+    pub fn deepest_outside(&self, search: &Search) -> ([f64; 2], f64) {
         let (window, plane) = (&self.window, &self.plane);
+        let (gap, surface) = (&search.checked.gap, search.surface);
         let lows = gap.lows().filter(|place| !window.holds(*place));
         let places: Vec<[f64; 2]> = window.outside().chain(lows).collect();
         let depth = |place: &[f64; 2]| plane.depth(gap, &self.pressed.motion, *place);
@@ -114,8 +114,9 @@ impl WindowContact {
         let forces: Vec<([f64; 2], f64)> = pressed
             .filter(|(_, p)| **p > 0.0)
             .flat_map(|(cell, p)| {
-                let images = window.images(window.place(cell));
-                images.map(move |place| (place, p * dx * dy))
+                let [x, y] = window.place(cell);
+                let places = images(window.mirrored()).map(move |[s, t]| [s * x, t * y]);
+                places.map(move |place| (place, p * dx * dy))
             })
             .collect();
         let lowered = |[x, y]: [f64; 2]| -> f64 {
@@ -142,10 +143,9 @@ impl WindowContact {
 
     /// The pressures on all cells of the window.
     pub fn all_cells(&self) -> AllCells {
-        let [x, y] = [0, 1].map(|axis| {
-            let (low, size) = (self.window.low[axis], self.window.size()[axis]);
-            let centre = |cell: usize| low + (cell as f64 + 0.5) * size;
-            (0..self.window.cells[axis]).map(centre).collect()
+        let [x, y] = self.window.axes.map(|axis| {
+            let centre = |cell: usize| axis.low + (cell as f64 + 0.5) * axis.size();
+            (0..axis.cells).map(centre).collect()
         });
         AllCells {
             x,
@@ -157,12 +157,12 @@ impl WindowContact {
 
     /// Values of the solved cells on all of them.
     pub fn unfolded(&self, values: &[f64]) -> Vec<f64> {
-        let [nx, ny] = self.window.cells;
+        let [x, y] = &self.window.axes;
         let row = |j: usize| {
-            let start = self.window.solved_cell(1, j) * self.plane.width;
-            (0..nx).map(move |i| values[start + self.window.solved_cell(0, i)])
+            let start = y.solved_cell(j) * self.plane.width;
+            (0..x.cells).map(move |i| values[start + x.solved_cell(i)])
         };
-        (0..ny).flat_map(row).collect()
+        (0..y.cells).flat_map(row).collect()
     }
 
     /// Squares of the pressures, which are parabolas along every line of a Hertz contact [Pa^2].
@@ -181,7 +181,7 @@ impl WindowContact {
         let [nx, ny] = self.window.solved();
         let open = |i: usize, j: usize| i >= nx || j >= ny || squares[j * nx + i] <= 0.0;
         let previous = |at: usize, axis: usize| match at {
-            0 if self.window.mirrored[axis] => 0,
+            0 if self.window.axes[axis].mirrored => 0,
             _ => at.wrapping_sub(1),
         };
         let rim = (0..squares.len()).filter(|c| {
@@ -196,14 +196,32 @@ impl WindowContact {
     pub fn patch(&self) -> [f64; 4] {
         let ends = self.touched();
         let [[left, right], [low, high]] = [0, 1].map(|axis| {
-            let [first, last] = ends[axis].map(|cell| self.window.centre(axis, cell));
-            if self.window.mirrored[axis] {
+            let cells = &self.window.axes[axis];
+            let [first, last] = ends[axis].map(|cell| cells.centre(cell));
+            if cells.mirrored {
                 [-last, last]
             } else {
                 [first, last]
             }
         });
         [left, right, low, high]
+    }
+
+    /// The pressures on the cells of another window, 0 outside of this one.
+    pub fn carried(&self, to: &Window) -> Vec<f64> {
+        let width = self.plane.width;
+        let columns_and_rows = [0, 1].map(|axis| -> Vec<Option<usize>> {
+            let (own, other) = (self.window.axes[axis], to.axes[axis]);
+            let cells = 0..to.solved()[axis];
+            cells.map(|cell| own.cell(other.centre(cell))).collect()
+        });
+        let [columns, rows] = &columns_and_rows;
+        let at = |i: Option<usize>, j: Option<usize>| {
+            i.zip(j)
+                .map_or(0.0, |(i, j)| self.pressed.pressure[j * width + i])
+        };
+        let row = |j: Option<usize>| columns.iter().map(move |&i| at(i, j));
+        rows.iter().flat_map(|&j| row(j)).collect()
     }
 
     /// First and last cell of the contact along x and y.
@@ -244,24 +262,6 @@ impl AllCells {
             hardness: self.hardness,
         }
     }
-}
-
-/// Pressures of one window's cells on another's, 0 outside.
-pub(super) fn carried(pressure: &[f64], from: &Window, to: &Window) -> Vec<f64> {
-    let [width, _] = from.solved();
-    let [columns, rows] = [0, 1].map(|axis| -> Vec<Option<usize>> {
-        let cells = 0..to.solved()[axis];
-        cells
-            .map(|cell| from.cell(axis, to.centre(axis, cell)))
-            .collect()
-    });
-    let at = |i: &Option<usize>, j: &Option<usize>| match (i, j) {
-        (Some(i), Some(j)) => pressure[j * width + i],
-        _ => 0.0,
-    };
-    rows.iter()
-        .flat_map(|j| columns.iter().map(move |i| at(i, j)))
-        .collect()
 }
 
 /// The largest value on a grid of cells, raised by the vertex of the parabola through its

@@ -10,7 +10,7 @@ use crate::motion::{dot, solve_semidefinite};
 const PRECISION: f64 = 1e-11;
 
 /// Most iterations; a few dozen are usual, whatever the set.
-const ITERATIONS: usize = 300;
+pub(crate) const ITERATIONS: usize = 300;
 
 /// G f = N q - g on a set A of candidates, with N^T f = balance for the free motions.
 ///
@@ -52,10 +52,7 @@ impl<'a> ClosedSet<'a> {
         });
         set.gram = Matrix3::from_fn(|a, b| {
             if free[a] && free[b] {
-                rows.iter()
-                    .zip(&set.columns[b])
-                    .map(|(r, c)| r[a] * c)
-                    .sum()
+                set.resultant(&set.columns[b], a)
             } else {
                 0.0
             }
@@ -64,19 +61,9 @@ impl<'a> ClosedSet<'a> {
     }
 
     /// The forces and the motion for gaps g without either, from forces near them; fixed motions,
-    /// and those that the set does not feel, stay as in `current`. None where the iteration does
-    /// not end.
+    /// and those that the set does not feel, stay as in `current`. None where `most` iterations do
+    /// not do.
     pub fn solve(
-        &self,
-        gap: &[f64],
-        balance: [f64; 3],
-        current: [f64; 3],
-        near: &[f64],
-    ) -> Option<(Vec<f64>, [f64; 3])> {
-        self.solve_within(ITERATIONS, gap, [balance, current], near)
-    }
-
-    fn solve_within(
         &self,
         most: usize,
         gap: &[f64],
@@ -84,13 +71,7 @@ impl<'a> ClosedSet<'a> {
         near: &[f64],
     ) -> Option<(Vec<f64>, [f64; 3])> {
         let mut force = near.to_vec();
-        let imbalance = Vector3::from_fn(|a, _| {
-            if self.free[a] {
-                balance[a] - sum(self.rows.iter().zip(&force).map(|(r, f)| r[a] * f))
-            } else {
-                0.0
-            }
-        });
+        let imbalance = self.on_free(|a| balance[a] - self.resultant(&force, a));
         self.add_columns(solve_semidefinite(self.gram, imbalance), &mut force);
         let mut image = self.times(&force);
         let mut motion = current;
@@ -101,13 +82,7 @@ impl<'a> ClosedSet<'a> {
         let mut before = 0.0;
         for _ in 0..most {
             let mut step = self.precondition(&residual);
-            let felt = Vector3::from_fn(|a, _| {
-                if self.free[a] {
-                    sum(self.rows.iter().zip(&step).map(|(r, z)| r[a] * z))
-                } else {
-                    0.0
-                }
-            });
+            let felt = self.on_free(|a| self.resultant(&step, a));
             let turn = solve_semidefinite(self.gram, felt);
             self.add_columns(-turn, &mut step);
             for (r, row) in residual.iter_mut().zip(&self.rows) {
@@ -137,12 +112,22 @@ impl<'a> ClosedSet<'a> {
         None
     }
 
+    /// Values of the free motions, 0 of the others.
+    fn on_free(&self, value: impl Fn(usize) -> f64) -> Vector3<f64> {
+        Vector3::from_fn(|a, _| if self.free[a] { value(a) } else { 0.0 })
+    }
+
+    /// N^T f for a motion.
+    fn resultant(&self, force: &[f64], motion: usize) -> f64 {
+        let terms = self.rows.iter().zip(force);
+        terms.map(|(row, f)| row[motion] * f).sum()
+    }
+
     fn add_columns(&self, factors: Vector3<f64>, out: &mut [f64]) {
         for (factor, column) in factors.iter().zip(&self.columns) {
             if *factor != 0.0 {
-                out.iter_mut()
-                    .zip(column)
-                    .for_each(|(o, c)| *o += factor * c);
+                let pairs = out.iter_mut().zip(column);
+                pairs.for_each(|(o, c)| *o += factor * c);
             }
         }
     }
@@ -167,14 +152,62 @@ impl<'a> ClosedSet<'a> {
     }
 }
 
-fn sum(values: impl Iterator<Item = f64>) -> f64 {
-    values.sum()
-}
-
 fn product(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]
-#[path = "closed_set_tests.rs"]
-mod tests;
+mod tests {
+    //! Claims on the equations of a closed set: they are met, in iterations that hardly grow with
+    //! the mesh.
+
+    use std::sync::Arc;
+
+    use super::*;
+    use kufe_mesh::Paraboloid;
+
+    use crate::accuracy::one_mesh::MeshProblem;
+    use crate::green::matrix::{Green, StorageLimit};
+    use crate::{Ice, Load, Problem, Runner, Tilt};
+
+    /// Four times the nodes and four times again: the same few dozen iterations are enough.
+    #[test]
+    fn sets_are_closed_in_iterations_that_hardly_grow_with_the_mesh()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005)?));
+        let load = Load::central(1000.0, Tilt::Free);
+        let problem = Problem::new(runner, Ice::half_space(9e9, 0.33), load);
+        for cells in [5.0, 10.0, 20.0] {
+            let MeshProblem { mesh, patch, .. } = MeshProblem::new(problem.clone(), cells)?;
+            let contact = &mesh.contact;
+            let [Green::Modal(green), _] = contact.greens(StorageLimit {
+                faces: 0,
+                mounted: 0,
+            }) else {
+                return Err("a stored matrix above the limit".into());
+            };
+            let near = |&i: &usize| contact.gap[contact.candidates[i]] < patch.motion;
+            let inside: Vec<usize> = (0..contact.candidates.len()).filter(near).collect();
+            let nodes = || inside.iter().map(|&i| contact.candidates[i]);
+            let rows: Vec<[f64; 3]> = nodes().map(|node| contact.rows[node]).collect();
+            let gap: Vec<f64> = nodes().map(|node| contact.gap[node]).collect();
+            let set = ClosedSet::new(&green, &inside, &rows, contact.motion.free);
+            let balance = contact.motion.balance;
+            let none = vec![0.0; inside.len()];
+            let count = (1..ITERATIONS)
+                .find(|&most| set.solve(most, &gap, [balance, [0.0; 3]], &none).is_some());
+            println!("{} nodes: {count:?} iterations", inside.len());
+            let (force, motion) = set
+                .solve(40, &gap, [balance, [0.0; 3]], &none)
+                .ok_or("more than 40 iterations")?;
+            let moved = set.times(&force);
+            for k in 0..inside.len() {
+                let open = gap[k] + moved[k] - dot(rows[k], motion);
+                assert!(open.abs() < 1e-9 * motion[0].abs(), "{cells}: {open:e}");
+            }
+            let carried: f64 = force.iter().sum();
+            assert!((carried / balance[0] - 1.0).abs() < 1e-12, "{carried}");
+        }
+        Ok(())
+    }
+}

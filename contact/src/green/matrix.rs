@@ -64,7 +64,7 @@ impl Green<'_> {
         }
     }
 
-    /// Sets forces one after another to what `wanted` says for a node, its force and its
+    /// Sets forces one after another to `wanted` of a node, its force and its
     /// deflection; `deflection` = G f follows.
     pub fn sweep(
         &self,
@@ -245,7 +245,7 @@ impl<'a> LineSweep<'a> {
         }
     }
 
-    /// Sets forces as `wanted` says for a node, its force and its deflection, of which `others` is
+    /// Sets forces to `wanted` of a node, its force and its deflection, of which `others` is
     /// the part that is not of the modes.
     pub fn run(
         mut self,

@@ -2,22 +2,24 @@
 
 use kufe_mesh::Underside;
 
+use crate::Load;
 use crate::bisection::{bisect, bisect_scales};
 use crate::grid::patch::{Patch, corners};
 use crate::grid::stretch::Stretch;
+use crate::problem::check::CheckedProblem;
 use crate::problem::gap::Gap;
-use crate::{Load, Problem};
 
 /// Guesses the patch: the part of the hull that a rigid cut at depth d removes, with d such that E*
 /// d (length width)^(1/2) carries the load, which is a Hertz contact's load to within a factor
 /// of 2.
-pub(crate) fn first_guess(problem: &Problem, gap: &Gap) -> Patch {
-    guess(problem, gap, &|_, _| f64::INFINITY)
+pub(crate) fn first_guess(problem: &CheckedProblem) -> Patch {
+    guess(problem, &|_, _| f64::INFINITY)
 }
 
 /// Guesses the patch as [`first_guess`] does where a cut of some length and width [m] bears at
 /// `most` so much [N].
-pub(crate) fn guess(problem: &Problem, gap: &Gap, most: &dyn Fn(f64, f64) -> f64) -> Patch {
+fn guess(problem: &CheckedProblem, most: &dyn Fn(f64, f64) -> f64) -> Patch {
+    let CheckedProblem { problem, gap, .. } = problem;
     let contact_modulus = problem.ice.youngs_modulus / (1.0 - problem.ice.poissons_ratio.powi(2));
     let underside = problem.runner.underside.as_ref();
     let stations = Stations::new(underside, gap);
@@ -50,14 +52,7 @@ fn within(guess: &Patch, [low, high, right, left]: [f64; 4]) -> [f64; 4] {
     if low.is_finite() && high.is_finite() {
         return [low, high, right, left];
     }
-    let from = guess
-        .x
-        .iter()
-        .fold(f64::INFINITY, |from, x| from.min(x.low));
-    let to = guess
-        .x
-        .iter()
-        .fold(f64::NEG_INFINITY, |to, x| to.max(x.high));
+    let [from, to] = guess.span_x();
     [2.0 * from - to, 2.0 * to - from, right, left]
 }
 
@@ -92,21 +87,11 @@ impl Stations {
         }
         offsets.sort_by(f64::total_cmp);
         offsets.dedup();
-        let y_range = [
-            if extent[2].is_finite() {
-                extent[2]
-            } else {
-                y0 - 2.0
-            },
-            if extent[3].is_finite() {
-                extent[3]
-            } else {
-                y0 + 2.0
-            },
-        ];
-        let along: Vec<[f64; 2]> = offsets
-            .iter()
-            .map(|d| [x0 + d, lowest_across(gap, x0 + d, y0, y_range)])
+        let end = |end: f64, otherwise: f64| if end.is_finite() { end } else { otherwise };
+        let y_range = [end(extent[2], y0 - 2.0), end(extent[3], y0 + 2.0)];
+        let stations = offsets.iter().map(|d| x0 + d);
+        let along: Vec<[f64; 2]> = stations
+            .map(|x| [x, lowest_across(gap, x, y0, y_range)])
             .filter(|s| s[1].is_finite())
             .collect();
         let lowest = along.iter().map(|s| s[1]).fold(f64::INFINITY, f64::min);
@@ -121,49 +106,31 @@ impl Stations {
 
     /// The part of the hull within `depth` of its lowest point.
     fn cut(&self, gap: &Gap, depth: f64) -> Patch {
-        let mut x: Vec<[f64; 2]> = Vec::new();
-        let mut inside = false;
-        for pair in self.along.windows(2) {
-            let crossing = || {
-                pair[0][0]
-                    + (pair[1][0] - pair[0][0]) * (depth - pair[0][1]) / (pair[1][1] - pair[0][1])
+        let below = |s: &[f64; 2]| s[1] < depth;
+        let crossing = |[from, to]: [[f64; 2]; 2]| {
+            from[0] + (to[0] - from[0]) * (depth - from[1]) / (to[1] - from[1])
+        };
+        let mut x = Vec::new();
+        let mut next = 0;
+        while let Some(first) = (next..self.along.len()).find(|&k| below(&self.along[k])) {
+            let end = (first..self.along.len()).find(|&k| !below(&self.along[k]));
+            let last = end.map_or(self.along.len() - 1, |end| end - 1);
+            let low = match first {
+                0 => self.along[0][0],
+                _ => crossing([self.along[first - 1], self.along[first]]),
             };
-            match (pair[0][1] < depth, pair[1][1] < depth) {
-                (true, true) if !inside => {
-                    x.push([pair[0][0], pair[1][0]]);
-                    inside = true;
-                }
-                (true, true) => {
-                    if let Some(last) = x.last_mut() {
-                        last[1] = pair[1][0];
-                    }
-                }
-                (true, false) => {
-                    let end = crossing();
-                    match x.last_mut() {
-                        Some(last) if inside => last[1] = end,
-                        _ => x.push([pair[0][0], end]),
-                    }
-                    inside = false;
-                }
-                (false, true) => {
-                    x.push([crossing(), pair[1][0]]);
-                    inside = true;
-                }
-                (false, false) => {}
-            }
+            let high = match end {
+                Some(end) => crossing([self.along[last], self.along[end]]),
+                None => self.along[last][0],
+            };
+            x.extend((low < high).then(|| Stretch::even(low, high)));
+            next = last + 1;
         }
-        let deepest = self
-            .along
-            .iter()
-            .min_by(|a, b| a[1].total_cmp(&b[1]))
-            .map_or(0.0, |s| s[0]);
+        let stations = self.along.iter();
+        let deepest = stations.min_by(|a, b| a[1].total_cmp(&b[1]));
+        let deepest = deepest.map_or(0.0, |s| s[0]);
         let width = |sign: f64| {
-            let end = if sign > 0.0 {
-                self.y_range[1]
-            } else {
-                self.y_range[0]
-            } - self.y0;
+            let end = self.y_range[usize::from(sign > 0.0)] - self.y0;
             let below = |d: f64| gap.at(deepest, self.y0 + d) - self.lowest < depth;
             let ends = [1e-9f64.min(end.abs()), end.abs()];
             if below(sign * ends[1]) {
@@ -172,10 +139,6 @@ impl Stations {
             let [_, high] = bisect_scales(ends, 60, |middle| below(sign * middle));
             sign * high
         };
-        let x = x
-            .iter()
-            .map(|[low, high]| Stretch::even(*low, *high))
-            .collect();
         let y = Stretch::even(self.y0 + width(-1.0), self.y0 + width(1.0));
         Patch {
             x,
@@ -211,10 +174,10 @@ const BEHIND: f64 = 2e-3;
 
 /// Guesses the patch: as for elastic ice, but no deeper cut bears more than the hardness over half
 /// its ellipse, that ahead of the lowest point.
-pub(crate) fn sliding_guess(problem: &Problem, gap: &Gap) -> Patch {
-    let hardness = problem.ice.hardness.unwrap_or(f64::INFINITY);
+pub(crate) fn sliding_guess(problem: &CheckedProblem) -> Patch {
+    let hardness = problem.hardness();
     let most = |length: f64, width: f64| hardness * std::f64::consts::PI / 8.0 * length * width;
-    regular(guess(problem, gap, &most))
+    regular(guess(problem, &most))
 }
 
 /// The patch whose rims are these [x low, x high, y low, y high]; zones of cells end half a cell

@@ -8,7 +8,7 @@ use crate::grid::stretch::Stretch;
 pub(crate) struct Zone {
     /// Where it is, and how fine relative to `spacing`.
     pub stretch: Stretch,
-    /// Spacing where the stretch wants 1 [m].
+    /// Spacing where the stretch's relative size is 1 [m].
     pub spacing: f64,
 }
 
@@ -211,6 +211,14 @@ pub(crate) struct Resolution {
 }
 
 impl Resolution {
+    /// So many cells, with the growth that keeps meshes of different fineness similar.
+    pub fn of(cells: f64) -> Self {
+        Resolution {
+            cells,
+            growth: 3.0 / cells,
+        }
+    }
+
     /// Cells that half the patch really gets with these mirror planes, the mean of both axes: see
     /// [`widened`].
     pub fn real_cells(self, symmetry: [bool; 2]) -> f64 {

@@ -48,15 +48,10 @@ impl Patch {
     /// Whether this patch's rims are those of `other` to a `part` of their stretches' halves, as
     /// fine as cells are there.
     pub fn agrees_with(&self, other: &Patch, part: f64) -> bool {
-        let agree = |mine: &Stretch, theirs: &Stretch| {
+        self.all_stretches(other, |mine, theirs| {
             let near = |a: f64, b: f64| (a - b).abs() <= part * mine.half() * mine.size(a);
             near(mine.low, theirs.low) && near(mine.high, theirs.high)
-        };
-        let pairs = self.x.iter().zip(&other.x);
-        self.x.len() == other.x.len()
-            && pairs
-                .chain([(&self.y, &other.y)])
-                .all(|(mine, theirs)| agree(mine, theirs))
+        })
     }
 
     /// What peak and approach of a mesh with so many cells over half the patch are off by,
@@ -80,8 +75,8 @@ impl Patch {
             };
             0.5 * (at(mine.low, theirs.low) + at(mine.high, theirs.high))
         };
-        let along = self.x.iter().zip(&found.x);
-        let along = along.map(|(mine, theirs)| missed(mine, theirs));
+        let pairs = self.x.iter().zip(&found.x);
+        let along = pairs.map(|(mine, theirs)| missed(mine, theirs));
         0.5 * (along.fold(0.0, f64::max) + missed(&self.y, &found.y))
     }
 
@@ -113,15 +108,10 @@ impl Patch {
         along.fold(over(&self.y, &other.y), f64::min)
     }
 
-    /// Smallest wanted spacing over the even one.
-    pub fn finest(&self) -> f64 {
-        let stretches = self.x.iter().chain([&self.y]);
-        stretches.map(Stretch::finest).fold(1.0, f64::min)
-    }
-
     /// Whether even cells do everywhere: a smooth contact away from its hull's ends.
     pub fn is_even(&self) -> bool {
-        self.finest() == 1.0
+        let mut stretches = self.x.iter().chain([&self.y]);
+        stretches.all(|stretch| stretch.finest() == 1.0)
     }
 
     /// From its first to its last point along x [m].
@@ -156,7 +146,7 @@ const INTERVALS: usize = 1000;
 const LEAST: f64 = 2e-3;
 /// As many corners as are heeded, the largest changes first: a rough hull may have one everywhere.
 const MOST: usize = 12;
-/// A jump is searched down to this step [m]: shorter ones drown in the rounding of heights.
+/// A jump is searched down to this step [m]: differences over shorter ones are rounding.
 const SHORTEST: f64 = 1e-5;
 
 /// The corners of heights (x, y) -> z on their line along x at `y`, in order, within the extent [x
@@ -187,10 +177,8 @@ pub(crate) fn corners(heights: impl Fn(f64, f64) -> f64, extent: [f64; 4], y: f6
     found.sort_by(|&a, &b| changes[b].total_cmp(&changes[a]));
     found.truncate(MOST);
     found.sort_unstable();
-    found
-        .into_iter()
-        .map(|i| narrowed(&change, place(i), step))
-        .collect()
+    let corner = |i: usize| narrowed(&change, place(i), step);
+    found.into_iter().map(corner).collect()
 }
 
 /// Curvature of a line through three points `step` apart.

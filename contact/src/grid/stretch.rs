@@ -1,4 +1,4 @@
-//! A stretch of an axis in contact, and how fine it wants to be resolved where.
+//! A stretch of an axis in contact, and the relative cell size at each place of it.
 
 /// A stretch of one axis that is in contact.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,13 +38,10 @@ impl Stretch {
     pub fn size(&self, x: f64) -> f64 {
         let place = (x - self.low) / (self.high - self.low);
         let next = self.sizes.partition_point(|s| s[0] < place);
-        match (
-            next.checked_sub(1).map(|i| self.sizes[i]),
-            self.sizes.get(next),
-        ) {
+        let (before, after) = self.sizes.split_at(next);
+        match (before.last(), after.first()) {
             (Some(a), Some(b)) => a[1] + (b[1] - a[1]) * (place - a[0]) / (b[0] - a[0]),
-            (Some(only), None) => only[1],
-            (None, Some(only)) => only[1],
+            (Some(only), None) | (None, Some(only)) => only[1],
             (None, None) => 1.0,
         }
     }
@@ -84,11 +81,8 @@ impl Stretch {
         let inside: Vec<usize> = (0..nodes.len())
             .filter(|&i| nodes[i] >= self.low && nodes[i] <= self.high && pressures[i] > 0.0)
             .collect();
-        let top = inside
-            .iter()
-            .map(|&i| pressures[i])
-            .fold(0.0, f64::max)
-            .powi(2);
+        let top = inside.iter().map(|&i| pressures[i]).fold(0.0, f64::max);
+        let top = top.powi(2);
         let even = 2.0 * top / self.half().powi(2);
         let mut sizes: Vec<[f64; 2]> = inside
             .windows(3)

@@ -1,12 +1,15 @@
-//! What a sliding contact's mesh says: groove, ploughing, and the patch from its front to its back.
+//! Figures of a sliding contact on one mesh: groove, ploughing, and the patch from front to back.
 
-use crate::groove::on_mesh::{MeshContact, SlidingState};
+use crate::groove::on_mesh::SlidingState;
 use crate::groove::plastic_contact::Kind;
 use crate::groove::solution::{GrooveProfile, Section};
 use crate::mesh::discretise::Discretisation;
-use crate::problem::gap::Gap;
+use crate::motion::dot;
+use crate::problem::check::CheckedProblem;
 use crate::result::measure::{PressureField, differences, mean_of_root};
+use crate::result::pressure::Field;
 use crate::result::rim::{RimEstimator, rim_by_overlap};
+use crate::symmetry::unfolded;
 
 /// The figures that errors are stated of, as one mesh has them.
 #[derive(Clone, Copy, Debug)]
@@ -37,39 +40,49 @@ pub(crate) struct Measures {
 
 /// A mesh and its solution.
 pub(crate) struct GrooveReading<'a> {
-    on: &'a MeshContact<'a>,
-    gap: &'a Gap<'a>,
+    checked: &'a CheckedProblem<'a>,
+    mesh: &'a Discretisation,
     slid: &'a SlidingState,
     rims: Rims<'a>,
+    field: PressureField<'a>,
+    /// Nodal pressures [Pa].
+    pressure: Vec<f64>,
 }
 
 impl<'a> GrooveReading<'a> {
-    pub fn new(on: &'a MeshContact<'a>, gap: &'a Gap<'a>, slid: &'a SlidingState) -> Self {
+    pub fn new(
+        checked: &'a CheckedProblem<'a>,
+        mesh: &'a Discretisation,
+        slid: &'a SlidingState,
+        field: &Field<'a>,
+    ) -> Self {
+        let field = field.pressure_field(&slid.state);
         GrooveReading {
-            on,
-            gap,
+            checked,
+            mesh,
             slid,
-            rims: Rims::new(on.mesh, slid),
+            rims: Rims::new(mesh, slid),
+            pressure: field.pressures(),
+            field,
         }
     }
 
-    /// The figures; `field` reads the pressure.
-    pub fn measures(&self, field: &PressureField) -> Measures {
-        let pressure = field.pressures();
+    /// The figures.
+    pub fn measures(&self) -> Measures {
         let lowest = self.lowest();
-        let [back, front] = self
-            .rims
-            .ends(&field.chords_along(&pressure, RimEstimator::Shape));
-        let contact = &self.on.mesh.contact;
+        let [back, front] = self.ends();
+        let contact = &self.mesh.contact;
+        let resultant = contact.resultant(&self.slid.state);
+        let centre_along = self.checked.gap.line_of_action[0] + resultant[1] / resultant[0];
         let (plastic_work, by_slope) = (self.plastic_work(), self.by_slope());
         Measures {
-            p_max: if self.rims.yields() {
-                field.hardness
+            p_max: if self.rims.full.contains(&true) {
+                self.checked.hardness()
             } else {
-                field.peak(&pressure)
+                self.field.peak(&self.pressure)
             },
             depth: self.profile().deepest(),
-            ploughing: match self.on.problem.runner.elastic {
+            ploughing: match self.checked.problem.runner.elastic {
                 // Nothing yields: the remaining moment of pressures on slopes is the mesh's error.
                 _ if plastic_work == 0.0 => 0.0,
                 None => 0.5 * (plastic_work + by_slope),
@@ -79,98 +92,108 @@ impl<'a> GrooveReading<'a> {
             by_slope,
             front: front - lowest,
             back: back - lowest,
-            load_ahead: self.centre_along() - lowest,
-            fz: self.copies() * contact.resultant(&self.slid.state)[0],
+            load_ahead: centre_along - lowest,
+            fz: self.mesh.copies() * resultant[0],
             approach: contact.depth(&self.slid.state),
             lowest,
         }
     }
 
+    /// Back and front ends of the patch [m].
+    fn ends(&self) -> [f64; 2] {
+        let chords = self.field.chords_along(&self.pressure, RimEstimator::Shape);
+        self.rims.ends(&chords)
+    }
+
+    /// Both sides of the contact at every column; none where it is open.
+    fn sides(&self) -> Vec<Option<[f64; 2]>> {
+        let chords = self
+            .field
+            .chords_across(&self.pressure, RimEstimator::Shape);
+        self.rims.sides(&chords)
+    }
+
+    /// The patch's rims, below the cell: [x low, x high, y low, y high] [m].
+    pub fn rims(&self) -> [f64; 4] {
+        let [back, front] = self.ends();
+        let sides = self.sides();
+        let touched = || sides.iter().flatten();
+        let left = touched().fold(f64::NEG_INFINITY, |left, s| left.max(s[1]));
+        let right = touched().fold(f64::INFINITY, |right, s| right.min(s[0]));
+        let right = if self.mesh.symmetry[1] { -left } else { right };
+        [back, front, right, left]
+    }
+
     /// The section of the remaining groove, over the whole width.
     pub fn profile(&self) -> GrooveProfile {
-        let [nx, _] = self.shape();
-        let ys = &self.on.mesh.grid.y;
-        let depth = |j: usize| self.slid.depth[j * nx];
-        let mirrored = (1..ys.len()).rev().filter(|_| self.on.mesh.symmetry[1]);
-        let pairs = mirrored.map(|j| (-ys[j], depth(j)));
-        let (y, depth) = pairs
-            .chain((0..ys.len()).map(|j| (ys[j], depth(j))))
+        let (nx, ys) = (self.mesh.grid.x.len(), &self.mesh.grid.y);
+        let nodes = unfolded(ys.len(), self.mesh.symmetry[1]);
+        let (y, depth) = nodes
+            .map(|(j, sign)| (sign * ys[j], self.slid.depth[j * nx]))
             .unzip();
         GrooveProfile::new(y, depth).expect("nodes ascend and no groove is negative")
     }
 
     /// Work of the plastic depth over the way: H times the section that this runner adds.
     fn plastic_work(&self) -> f64 {
-        let [nx, ny] = self.shape();
-        let hardness = self.on.problem.ice.hardness.unwrap_or(0.0);
-        let across = &self.on.mesh.contact.lumped[1];
+        let [nx, ny] = self.rims.shape();
+        let across = &self.mesh.contact.lumped[1];
         let added: f64 = (0..ny)
             .map(|j| across[j] * (self.slid.depth[j * nx] - self.slid.depth[j * nx + nx - 1]))
             .sum();
-        self.copies() * hardness * added
+        self.mesh.copies() * self.checked.hardness() * added
     }
 
     /// Sum of the forces times the slope of the undeformed runner.
     fn by_slope(&self) -> f64 {
-        let [nx, _] = self.shape();
-        let grid = &self.on.mesh.grid;
-        let state = &self.slid.state;
+        let (grid, state) = (&self.mesh.grid, &self.slid.state);
+        let nx = grid.x.len();
         let slope = |n: usize| {
             let (x, y) = (grid.x[n % nx], grid.y[n / nx]);
             let step = 0.01 * (grid.x[n % nx + 1] - x);
-            let rise = self.gap.at(x + step, y) - self.gap.at(x - step, y);
+            let rise = self.checked.gap.at(x + step, y) - self.checked.gap.at(x - step, y);
             rise / (2.0 * step) - state.motion[1]
         };
         let touching = (0..state.force.len()).filter(|&n| state.force[n] > 0.0);
-        self.copies() * touching.map(|n| state.force[n] * slope(n)).sum::<f64>()
+        self.mesh.copies() * touching.map(|n| state.force[n] * slope(n)).sum::<f64>()
     }
 
     /// Stations from the front to the back: width and mean pressure.
-    pub fn sections(&self, field: &PressureField) -> Vec<Section> {
-        let pressure = field.pressures();
-        let [nx, _] = self.shape();
-        let [back, front] = self
-            .rims
-            .ends(&field.chords_along(&pressure, RimEstimator::Shape));
-        let hardness = self.on.problem.ice.hardness.unwrap_or(f64::INFINITY);
-        let sides = self
-            .rims
-            .sides(&field.chords_across(&pressure, RimEstimator::Shape));
+    pub fn sections(&self) -> Vec<Section> {
+        let hardness = self.checked.hardness();
+        let sides = self.sides();
         let section = |i: usize| {
             let [right, left] = sides[i]?;
             Some(Section {
-                x: self.on.mesh.grid.x[i],
-                width: self.copies() * (left - right),
+                x: self.mesh.grid.x[i],
+                width: self.mesh.copies() * (left - right),
                 pressure: self.rims.mean_pressure(i, left - right, hardness),
             })
         };
-        let sections = (0..nx).rev().filter_map(section).collect();
-        with_ends(sections, [back, front])
+        let sections = (0..sides.len()).rev().filter_map(section).collect();
+        with_ends(sections, self.ends())
     }
 
     /// Where the runner, as it is turned, is lowest over the track along x; the middle of where it
     /// is level.
     fn lowest(&self) -> f64 {
-        let [nx, ny] = self.shape();
-        let contact = &self.on.mesh.contact;
+        let [nx, ny] = self.rims.shape();
+        let contact = &self.mesh.contact;
         let motion = self.slid.state.motion;
         let height = |i: usize| {
             let heights = (0..ny).map(|j| {
                 let n = j * nx + i;
-                contact.gap[n] - crate::motion::dot(contact.rows[n], motion)
+                contact.gap[n] - dot(contact.rows[n], motion)
             });
             heights.fold(f64::INFINITY, f64::min)
         };
         let heights: Vec<f64> = (0..nx).map(height).collect();
         let least = heights.iter().copied().fold(f64::INFINITY, f64::min);
         let level: Vec<usize> = (0..nx).filter(|&i| heights[i] - least <= 1e-12).collect();
-        let x = &self.on.mesh.grid.x;
+        let x = &self.mesh.grid.x;
+        let finite = |i: usize| heights.get(i).is_some_and(|height| height.is_finite());
         match level[..] {
-            [i] if i > 0
-                && i + 1 < nx
-                && heights[i - 1].is_finite()
-                && heights[i + 1].is_finite() =>
-            {
+            [i] if i > 0 && finite(i - 1) && finite(i + 1) => {
                 let below = [x[i] - x[i - 1], heights[i - 1]];
                 let above = [x[i + 1] - x[i], heights[i + 1]];
                 let (slope, bend) = differences([below, above], heights[i]);
@@ -178,19 +201,6 @@ impl<'a> GrooveReading<'a> {
             }
             _ => level.iter().map(|&i| x[i]).sum::<f64>() / level.len() as f64,
         }
-    }
-
-    fn centre_along(&self) -> f64 {
-        let resultant = self.on.mesh.contact.resultant(&self.slid.state);
-        self.gap.line_of_action[0] + resultant[1] / resultant[0]
-    }
-
-    fn shape(&self) -> [usize; 2] {
-        [self.on.mesh.grid.x.len(), self.on.mesh.grid.y.len()]
-    }
-
-    fn copies(&self) -> f64 {
-        self.on.mesh.copies()
     }
 }
 
@@ -242,25 +252,6 @@ impl<'a> Rims<'a> {
         }
     }
 
-    /// Whether the ice yields somewhere.
-    pub fn yields(&self) -> bool {
-        self.full.contains(&true)
-    }
-
-    /// The patch's rims, below the cell: [x low, x high, y low, y high] [m].
-    pub fn rims(&self, field: &PressureField) -> [f64; 4] {
-        let pressure = field.pressures();
-        let [back, front] = self.ends(&field.chords_along(&pressure, RimEstimator::Shape));
-        let sides = self.sides(&field.chords_across(&pressure, RimEstimator::Shape));
-        let touched = sides.iter().flatten();
-        let left = touched
-            .clone()
-            .fold(f64::NEG_INFINITY, |left, s| left.max(s[1]));
-        let right = touched.fold(f64::INFINITY, |right, s| right.min(s[0]));
-        let right = if self.mesh.symmetry[1] { -left } else { right };
-        [back, front, right, left]
-    }
-
     /// The area that yields, up to its rims below the cell, over that of the full nodes' parts of
     /// the plane: 1 where none is full.
     ///
@@ -310,7 +301,7 @@ impl<'a> Rims<'a> {
     /// Forces represent the nodes' parts of the plane, and the width ends below the cell: a full
     /// node bears the hardness on its part, whatever its force is fitted to, and so does what lies
     /// between there and the rim.
-    pub fn mean_pressure(&self, i: usize, width: f64, hardness: f64) -> f64 {
+    fn mean_pressure(&self, i: usize, width: f64, hardness: f64) -> f64 {
         let [nx, ny] = self.shape();
         let [along, across] = &self.mesh.contact.lumped;
         let borne = (0..ny).map(|j| {
@@ -399,8 +390,8 @@ impl<'a> Rims<'a> {
         self.slid.depth[j * nx + i] - self.slid.depth[j * nx + nx - 1]
     }
 
-    /// Both sides of the contact at every column; none where it is open.
-    pub fn sides(&self, chords: &[Vec<[f64; 2]>]) -> Vec<Option<[f64; 2]>> {
+    /// Both sides of the contact at every column with these chords; none where it is open.
+    fn sides(&self, chords: &[Vec<[f64; 2]>]) -> Vec<Option<[f64; 2]>> {
         let [nx, _] = self.shape();
         let mut sides = vec![None; nx];
         let mut ahead = [0.0; 2];
@@ -452,7 +443,7 @@ impl<'a> Rims<'a> {
 
     /// Back and front ends of the patch [m]; the front where the ice begins to yield, below the
     /// cell.
-    pub fn ends(&self, chords: &[Vec<[f64; 2]>]) -> [f64; 2] {
+    fn ends(&self, chords: &[Vec<[f64; 2]>]) -> [f64; 2] {
         let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
         for (j, chords) in chords.iter().enumerate() {
             let (Some(first), Some(last)) = (chords.first(), chords.last()) else {

@@ -2,28 +2,24 @@
 
 use std::borrow::Cow;
 
-use faer::Mat;
-use kufe_fem::Material;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
-use crate::active_set::plane_problem::PlaneState;
 use crate::green::matrix::{Green, StorageLimit};
 use crate::groove::measures::Rims;
-use crate::groove::plastic_contact::{Kind, MemoryState, PlasticContact, respond};
+use crate::groove::plastic_contact::{Kind, PlasticContact, PlasticState};
 use crate::groove::solution::GrooveProfile;
 use crate::mesh::contact_mesh::State;
 use crate::mesh::discretise::Discretisation;
 use crate::motion::{Motion, dot};
-use crate::{Error, Load, Options, Problem};
+use crate::problem::check::CheckedProblem;
+use crate::{Error, Load, Options};
 
 /// One mesh of a sliding contact.
 pub(crate) struct MeshContact<'a> {
-    pub problem: &'a Problem,
-    pub material: Material,
+    pub checked: &'a CheckedProblem<'a>,
     pub mesh: &'a Discretisation,
     pub before: Option<&'a GrooveProfile>,
-    pub options: &'a Options,
 }
 
 /// Most corrections of the response.
@@ -36,20 +32,10 @@ const FITTINGS: usize = 4;
 /// Most iterations of one response.
 const ITERATIONS: usize = 400;
 
-/// What the plane with memory knows of a mesh.
-struct Lines {
-    rows: Vec<[f64; 3]>,
-    bound: Vec<f64>,
-    has_ahead: Vec<bool>,
-    before: Vec<f64>,
-}
-
 impl MeshContact<'_> {
     /// Solves on the contact plane alone.
     pub fn on_plane(&self, start: &Start) -> Result<SlidingState, Error> {
-        let contact = &self.mesh.contact;
-        let green = self.green()?;
-        self.begin(&green, &contact.unpressed_gap(), start)
+        self.begin(&self.plane()?, start)
     }
 
     /// Solves with the bodies' own response, from the far field of `forces`.
@@ -67,80 +53,84 @@ impl MeshContact<'_> {
         report: impl Fn(&SlidingState),
     ) -> Result<[SlidingState; 2], Error> {
         let contact = &self.mesh.contact;
-        let green = self.green()?;
-        let mut slid = self.begin(&green, &contact.unpressed_gap(), start)?;
+        let options = self.checked.options;
+        let mut plane = self.plane()?;
+        let mut slid = self.begin(&plane, start)?;
         slid.state.displacement = vec![0.0; contact.len()];
         let outer = MeshSolve {
-            problem: self.problem,
-            material: self.material,
+            checked: self.checked,
             mesh: self.mesh,
-            options: self.options,
             stored: StorageLimit::USUAL,
             report: &|_, _| {},
         };
         outer.fix_outer_faces(forces, &mut slid.state);
-        let mut lines = self.lines();
         slid.residual = 1.0;
         while slid.corrections < CORRECTIONS {
             report(&slid);
             if slid.corrections > 0 {
                 outer.fix_outer_faces(&Forces::of(self.mesh, &slid.state), &mut slid.state);
             }
-            let tolerance = (1e-2 * slid.residual).clamp(self.options.residual, 1e-3);
-            slid.iterations += respond(contact, &mut slid.state, tolerance, ITERATIONS)
+            let tolerance = (1e-2 * slid.residual).clamp(options.residual, 1e-3);
+            slid.iterations += contact
+                .respond(&mut slid.state, tolerance, ITERATIONS)
                 .ok_or_else(|| not_converged(&slid))?;
-            if self.options.stopped() {
-                return Err(Error::Stopped);
-            }
+            options.check_stop()?;
             if slid.residual <= SETTLED && slid.corrections >= FITTINGS {
                 let mut plain = slid.clone();
-                self.correct(&green, &self.lines(), &mut plain)?;
+                plane.bound = contact.on_candidates(&contact.bound);
+                self.correct(&mut plane, &mut plain)?;
                 return Ok([slid, plain]);
             }
             if slid.corrections < FITTINGS {
                 let full = Rims::new(self.mesh, &slid).full_area();
-                let bounds = self.mesh.contact.candidates.iter().zip(&mut lines.bound);
-                bounds.for_each(|(&node, b)| *b = full * self.mesh.contact.bound[node]);
+                plane.bound = contact.on_candidates(&contact.bound);
+                plane.bound.iter_mut().for_each(|bound| *bound *= full);
             }
-            self.correct(&green, &lines, &mut slid)?;
+            self.correct(&mut plane, &mut slid)?;
         }
         Err(not_converged(&slid))
     }
 
-    /// The Green's matrix of the candidates, which steady sliding needs stored.
-    fn green(&self) -> Result<Mat<f64>, Error> {
+    /// The contact plane on the preconditioner's response, whose matrix steady sliding needs
+    /// stored.
+    fn plane(&self) -> Result<PlasticContact, Error> {
         let contact = &self.mesh.contact;
-        let nodes = contact.candidates.len();
-        let limit = StorageLimit::USUAL.mounted;
-        if nodes > limit {
+        let nodes = &contact.candidates;
+        let (count, limit) = (nodes.len(), StorageLimit::USUAL.mounted);
+        if count > limit {
             return Err(Error::Unsolved(format!(
-                "{nodes} nodes of the contact plane may touch while the runner slides, {limit} are \
+                "{count} nodes of the contact plane may touch while the runner slides, {limit} are \
                  the most: expected a shorter contact, longer waves, or less accuracy"
             )));
         }
         let [_, green] = contact.dense_greens();
-        Ok(green)
+        let row = |node: &usize| node / self.mesh.grid.x.len();
+        let same_row = |k: usize| nodes.get(k + 1).map(row) == Some(row(&nodes[k]));
+        Ok(PlasticContact {
+            green,
+            gap: contact.unpressed_gap(),
+            rows: contact.on_candidates(&contact.rows),
+            bound: contact.on_candidates(&contact.bound),
+            has_ahead: (0..count).map(same_row).collect(),
+            before: nodes.iter().map(|n| self.depth_before(row(n))).collect(),
+        })
     }
 
     /// Steady sliding on the plane.
-    fn begin(&self, green: &Mat<f64>, gap: &[f64], start: &Start) -> Result<SlidingState, Error> {
+    fn begin(&self, plane: &PlasticContact, start: &Start) -> Result<SlidingState, Error> {
         let contact = &self.mesh.contact;
-        let lines = self.lines();
-        let memory = self.memory(green, gap, &lines);
         let (kinds, motion) = match start {
             Start::AtRest(motion) => {
-                let none = vec![0.0; contact.candidates.len()];
-                let rest = PlaneState::new(none, [*motion, 0.0, 0.0]);
-                let stored = Green::Dense(Cow::Borrowed(green));
-                let rest = contact.plane_contact(&stored, gap, rest);
-                (memory.kinds(&rest.force), rest.motion)
+                let stored = Green::Dense(Cow::Borrowed(&plane.green));
+                let rest = contact.plane_contact_from_rest(&stored, *motion);
+                (plane.kinds(&rest.force), rest.motion)
             }
             Start::From(known) => (known.on(self.mesh), known.motion),
         };
         let grooved = self
-            .load_balance(&memory)
+            .load_balance(plane)
             .from(motion, kinds)
-            .ok_or_else(|| self.no_balance(&memory, gap))?;
+            .ok_or_else(|| self.no_balance(plane))?;
         Ok(SlidingState {
             state: contact.state_of(&grooved.force, grooved.motion),
             depth: self.whole(&grooved),
@@ -153,14 +143,14 @@ impl MeshContact<'_> {
 
     /// Why no motion carries the load: more than the runner bears however deep it sinks, or the
     /// search failed.
-    fn no_balance(&self, memory: &PlasticContact<'_>, gap: &[f64]) -> Error {
-        let highest = gap.iter().filter(|gap| gap.is_finite());
+    fn no_balance(&self, plane: &PlasticContact) -> Error {
+        let highest = plane.gap.iter().filter(|gap| gap.is_finite());
         let sunk = 2.0 * highest.fold(0.0, |most: f64, gap| most.max(*gap));
-        let bears = memory
-            .at([sunk, 0.0, 0.0], &vec![Kind::Full; gap.len()])
-            .map(|state| memory.resultant(&state.force)[0]);
+        let bears = plane
+            .at([sunk, 0.0, 0.0], &vec![Kind::Full; plane.gap.len()])
+            .map(|state| plane.resultant(&state.force)[0]);
         let required = self.mesh.contact.motion.balance[0];
-        match (self.problem.load, bears) {
+        match (self.checked.problem.load, bears) {
             (Load::Force { fz, .. }, Some(bears)) if bears < required => {
                 Error::LoadExceedsHardness {
                     fz,
@@ -176,28 +166,16 @@ impl MeshContact<'_> {
     }
 
     /// New forces under the response that the bodies have given to the last ones.
-    fn correct(
-        &self,
-        green: &Mat<f64>,
-        lines: &Lines,
-        slid: &mut SlidingState,
-    ) -> Result<(), Error> {
+    fn correct(&self, plane: &mut PlasticContact, slid: &mut SlidingState) -> Result<(), Error> {
         let contact = &self.mesh.contact;
         let closing = contact.closing(&slid.state.displacement);
-        let mut gap: Vec<f64> = contact
-            .candidates
-            .iter()
-            .map(|&node| contact.gap[node] - closing[node])
+        let known = plane.deflection(&slid.grooved.force);
+        let nodes = contact.candidates.iter().zip(known);
+        plane.gap = nodes
+            .map(|(&node, known)| contact.gap[node] - closing[node] - known)
             .collect();
-        let known = self
-            .memory(green, &gap, lines)
-            .deflection(&slid.grooved.force);
-        gap.iter_mut()
-            .zip(&known)
-            .for_each(|(gap, known)| *gap -= known);
-        let memory = self.memory(green, &gap, lines);
         let kinds = slid.grooved.kinds.clone();
-        let next = self.load_balance(&memory).from(slid.grooved.motion, kinds);
+        let next = self.load_balance(plane).from(slid.grooved.motion, kinds);
         let next = next.ok_or_else(|| not_converged(slid))?;
         let pairs = next.force.iter().zip(&slid.grooved.force);
         let change: f64 = pairs.map(|(a, b)| (a - b).abs()).sum();
@@ -213,55 +191,22 @@ impl MeshContact<'_> {
         Ok(())
     }
 
-    fn lines(&self) -> Lines {
-        let contact = &self.mesh.contact;
-        let nx = self.mesh.grid.x.len();
-        let nodes = &contact.candidates;
-        let same_row = |k: usize| {
-            nodes
-                .get(k + 1)
-                .is_some_and(|next| next / nx == nodes[k] / nx)
-        };
-        Lines {
-            rows: nodes.iter().map(|&n| contact.rows[n]).collect(),
-            bound: nodes.iter().map(|&n| contact.bound[n]).collect(),
-            has_ahead: (0..nodes.len()).map(same_row).collect(),
-            before: nodes.iter().map(|&n| self.depth_before(n / nx)).collect(),
-        }
-    }
-
     /// Depth of the groove in which the ice of row `j` comes [m].
     fn depth_before(&self, j: usize) -> f64 {
         let y = self.mesh.grid.y[j];
         self.before.map_or(0.0, |groove| groove.at(y))
     }
 
-    fn memory<'b>(
-        &'b self,
-        green: &'b Mat<f64>,
-        gap: &'b [f64],
-        lines: &'b Lines,
-    ) -> PlasticContact<'b> {
-        PlasticContact {
-            green,
-            gap,
-            rows: &lines.rows,
-            bound: &lines.bound,
-            has_ahead: &lines.has_ahead,
-            before: &lines.before,
-        }
-    }
-
-    fn load_balance<'b>(&'b self, memory: &'b PlasticContact<'b>) -> LoadBalance<'b> {
+    fn load_balance<'b>(&'b self, plane: &'b PlasticContact) -> LoadBalance<'b> {
         LoadBalance {
-            memory,
+            plane,
             motion: &self.mesh.contact.motion,
-            options: self.options,
+            options: self.checked.options,
         }
     }
 
     /// The depth on the whole plane: each row keeps towards the back what it had.
-    fn whole(&self, grooved: &MemoryState) -> Vec<f64> {
+    fn whole(&self, grooved: &PlasticState) -> Vec<f64> {
         let [nx, ny] = [self.mesh.grid.x.len(), self.mesh.grid.y.len()];
         let mut known = vec![f64::NAN; nx * ny];
         for (&node, &depth) in self.mesh.contact.candidates.iter().zip(&grooved.depth) {
@@ -290,15 +235,15 @@ fn not_converged(slid: &SlidingState) -> Error {
 
 // The motion under which a plane with plastic memory carries the load.
 
-/// A plane with memory and what the runner's motion has to answer to.
+/// A plane with plastic memory and the balance that determines the runner's motion.
 ///
 /// Force and moments rise with approach and turn, in steps: a node at the front goes from open to
 /// full within the little that its own response gives. Newton's steps lead near the balance where
 /// they can; from there each motion is bracketed (bisection with the secant of Illinois: M. Dowell,
 /// P. Jarratt, BIT 11 (1971) 168-174), the approach within the pitch and the pitch within the roll.
 pub(crate) struct LoadBalance<'a> {
-    pub memory: &'a PlasticContact<'a>,
-    /// The free motions and the balance they answer to.
+    pub plane: &'a PlasticContact,
+    /// The free motions and their balance.
     pub motion: &'a Motion,
     pub options: &'a Options,
 }
@@ -316,8 +261,8 @@ const LARGEST: f64 = 0.5;
 
 impl LoadBalance<'_> {
     /// Solves from a motion and sets near the solution; `None` where none is found.
-    pub fn from(&self, motion: [f64; 3], kinds: Vec<Kind>) -> Option<MemoryState> {
-        let start = self.memory.at(motion, &kinds)?;
+    pub fn from(&self, motion: [f64; 3], kinds: Vec<Kind>) -> Option<PlasticState> {
+        let start = self.plane.at(motion, &kinds)?;
         let free: Vec<usize> = (0..3).filter(|&axis| self.motion.free[axis]).collect();
         let near = self.near(start, &free);
         self.balanced(near, &free)
@@ -325,14 +270,14 @@ impl LoadBalance<'_> {
 
     /// Towards the balance of all motions at once, by Newton's method on the sets as they are, for
     /// as long as that leads there.
-    fn near(&self, start: MemoryState, free: &[usize]) -> MemoryState {
+    fn near(&self, start: PlasticState, free: &[usize]) -> PlasticState {
         let mut at = start;
         for _ in 0..NEWTON_STEPS {
             let missing = self.missing(&at, free);
             if missing <= SLACK {
                 break;
             }
-            let slopes = self.memory.slopes(&at.kinds);
+            let slopes = self.plane.slopes(&at.kinds);
             let identity = |a: usize, b: usize| if a == b { 1.0 } else { 0.0 };
             let is_free = |a: usize| free.contains(&a);
             let matrix = Matrix3::from_fn(|a, b| {
@@ -361,7 +306,7 @@ impl LoadBalance<'_> {
                 break;
             }
             let motion = [0, 1, 2].map(|a| at.motion[a] + step[a] * self.unit(a, &at));
-            match self.memory.at(motion, &at.kinds) {
+            match self.plane.at(motion, &at.kinds) {
                 Some(next) if self.missing(&next, free) < 0.7 * missing => at = next,
                 _ => break,
             }
@@ -370,7 +315,7 @@ impl LoadBalance<'_> {
     }
 
     /// Largest part that is out of balance.
-    fn missing(&self, state: &MemoryState, free: &[usize]) -> f64 {
+    fn missing(&self, state: &PlasticState, free: &[usize]) -> f64 {
         let parts = free
             .iter()
             .map(|&axis| self.out(state, axis).abs() / self.size(axis));
@@ -378,12 +323,12 @@ impl LoadBalance<'_> {
     }
 
     /// The motion that moves the farthest node by the contact's depth.
-    fn unit(&self, axis: usize, state: &MemoryState) -> f64 {
+    fn unit(&self, axis: usize, state: &PlasticState) -> f64 {
         self.deep(state) / self.scale(axis)
     }
 
     /// Balances the last of the `free` motions with those before it.
-    fn balanced(&self, start: MemoryState, free: &[usize]) -> Option<MemoryState> {
+    fn balanced(&self, start: PlasticState, free: &[usize]) -> Option<PlasticState> {
         let Some((&axis, inner)) = free.split_last() else {
             return Some(start);
         };
@@ -415,7 +360,7 @@ impl LoadBalance<'_> {
             }
             let mut motion = at.motion;
             motion[axis] = next;
-            let moved = self.balanced(self.memory.at(motion, &at.kinds)?, inner)?;
+            let moved = self.balanced(self.plane.at(motion, &at.kinds)?, inner)?;
             let now = self.out(&moved, axis);
             if now * out <= 0.0 {
                 other = Some((here, out));
@@ -429,8 +374,8 @@ impl LoadBalance<'_> {
     }
 
     /// What a state carries too much along a motion.
-    fn out(&self, state: &MemoryState, axis: usize) -> f64 {
-        self.memory.resultant(&state.force)[axis] - self.motion.balance[axis]
+    fn out(&self, state: &PlasticState, axis: usize) -> f64 {
+        self.plane.resultant(&state.force)[axis] - self.motion.balance[axis]
     }
 
     /// The load, or its moment at the farthest node.
@@ -440,13 +385,13 @@ impl LoadBalance<'_> {
 
     /// What a unit of a motion moves the farthest node.
     fn scale(&self, axis: usize) -> f64 {
-        let reach = self.memory.rows.iter().map(|row| row[axis].abs());
+        let reach = self.plane.rows.iter().map(|row| row[axis].abs());
         reach.fold(f64::MIN_POSITIVE, f64::max)
     }
 
     /// Deepest place of the runner in the undeformed ice [m].
-    fn deep(&self, state: &MemoryState) -> f64 {
-        let below = |i: usize| dot(self.memory.rows[i], state.motion) - self.memory.gap[i];
+    fn deep(&self, state: &PlasticState) -> f64 {
+        let below = |i: usize| dot(self.plane.rows[i], state.motion) - self.plane.gap[i];
         (0..state.force.len())
             .filter(|&i| state.force[i] > 0.0)
             .map(|i| below(i).abs())
@@ -461,7 +406,7 @@ impl LoadBalance<'_> {
 pub(crate) struct SlidingState {
     pub state: State,
     /// On the candidates.
-    pub grooved: MemoryState,
+    pub grooved: PlasticState,
     /// Plastic depth on the whole plane, x fastest [m].
     pub depth: Vec<f64>,
     /// Conjugate-gradient iterations.

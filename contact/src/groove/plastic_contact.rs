@@ -2,10 +2,8 @@
 
 use faer::Mat;
 
-use crate::mesh::contact_mesh::{ContactMesh, State};
 use crate::motion::dot;
 use crate::precondition::dense::DenseLu;
-use crate::vector;
 
 /// Contact forces f and the ice's plastic depth u on the contact plane, as one complementarity
 /// problem.
@@ -22,19 +20,19 @@ use crate::vector;
 /// q, by Newton's method on the sets of nodes that are open (f = 0, r = 0), closed (gap = 0, r = 0)
 /// or full (gap = 0, f = bound): M. Hintermüller, K. Ito, K. Kunisch, SIAM J. Optim. 13 (2003)
 /// 865-888. Where the sets come back to earlier ones, sweeps from the front to the back lead on.
-pub(crate) struct PlasticContact<'a> {
+pub(crate) struct PlasticContact {
     /// G, the response of the gap to forces [m/N].
-    pub green: &'a Mat<f64>,
+    pub green: Mat<f64>,
     /// g, the gap without motion, forces and groove [m].
-    pub gap: &'a [f64],
+    pub gap: Vec<f64>,
     /// Rows N.
-    pub rows: &'a [[f64; 3]],
+    pub rows: Vec<[f64; 3]>,
     /// Forces at the ice's hardness [N].
-    pub bound: &'a [f64],
+    pub bound: Vec<f64>,
     /// Whether the next node is the next one ahead in the same row.
-    pub has_ahead: &'a [bool],
+    pub has_ahead: Vec<bool>,
     /// Depth of the groove that is there when the ice comes [m].
-    pub before: &'a [f64],
+    pub before: Vec<f64>,
 }
 
 /// What a node does.
@@ -47,7 +45,7 @@ pub(crate) enum Kind {
 
 /// Forces, motion and groove.
 #[derive(Clone, Debug)]
-pub(crate) struct MemoryState {
+pub(crate) struct PlasticState {
     pub kinds: Vec<Kind>,
     /// Contact forces [N].
     pub force: Vec<f64>,
@@ -70,10 +68,10 @@ const SWEEPS: usize = 12;
 /// Contradictions below this part of the largest force or depth are rounding.
 const SLACK: f64 = 1e-11;
 
-impl PlasticContact<'_> {
+impl PlasticContact {
     /// Solves at a given motion, from sets that may be wrong; `None` where no sets confirm
     /// themselves.
-    pub fn at(&self, motion: [f64; 3], kinds: &[Kind]) -> Option<MemoryState> {
+    pub fn at(&self, motion: [f64; 3], kinds: &[Kind]) -> Option<PlasticState> {
         let mut kinds = kinds.to_vec();
         let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
         for _ in 0..STEPS {
@@ -86,7 +84,7 @@ impl PlasticContact<'_> {
             if changes < fewest {
                 (fewest, patience) = (changes, PATIENCE);
             } else if patience == 0 {
-                let bounded = state.force.iter().zip(self.bound);
+                let bounded = state.force.iter().zip(&self.bound);
                 let mut force: Vec<f64> = bounded.map(|(f, b)| f.clamp(0.0, *b)).collect();
                 self.sweep(&mut force, motion);
                 kinds = self.kinds(&force);
@@ -105,16 +103,22 @@ impl PlasticContact<'_> {
             f if f >= bound => Kind::Full,
             _ => Kind::Closed,
         };
-        force.iter().zip(self.bound).map(of).collect()
+        force.iter().zip(&self.bound).map(of).collect()
     }
 
     /// N^T f.
     pub fn resultant(&self, force: &[f64]) -> [f64; 3] {
-        [0, 1, 2].map(|a| force.iter().zip(self.rows).map(|(f, row)| f * row[a]).sum())
+        [0, 1, 2].map(|a| {
+            force
+                .iter()
+                .zip(&self.rows)
+                .map(|(f, row)| f * row[a])
+                .sum()
+        })
     }
 
     /// Forces and groove under which the sets hold, whatever their signs.
-    fn newton(&self, kinds: Vec<Kind>, motion: [f64; 3]) -> Option<MemoryState> {
+    fn newton(&self, kinds: Vec<Kind>, motion: [f64; 3]) -> Option<PlasticState> {
         let full = |i: usize| match kinds[i] {
             Kind::Full => self.bound[i],
             _ => 0.0,
@@ -193,7 +197,7 @@ impl PlasticContact<'_> {
     }
 
     /// The groove that full nodes leave, and the gaps over it.
-    fn state(&self, kinds: Vec<Kind>, force: Vec<f64>, motion: [f64; 3]) -> MemoryState {
+    fn state(&self, kinds: Vec<Kind>, force: Vec<f64>, motion: [f64; 3]) -> PlasticState {
         let n = kinds.len();
         let deflection = self.deflection(&force);
         let (mut depth, mut rise, mut gap) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
@@ -212,7 +216,7 @@ impl PlasticContact<'_> {
             rise[i] = depth[i] - ahead;
             gap[i] = above + depth[i];
         }
-        MemoryState {
+        PlasticState {
             kinds,
             force,
             motion,
@@ -223,7 +227,7 @@ impl PlasticContact<'_> {
     }
 
     /// The sets that signs require, and how many nodes they move.
-    fn corrected(&self, state: &MemoryState) -> (Vec<Kind>, usize) {
+    fn corrected(&self, state: &PlasticState) -> (Vec<Kind>, usize) {
         let largest = state.force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
         let deep = (0..state.gap.len())
             .map(|i| (dot(self.rows[i], state.motion) - self.gap[i]).abs())
@@ -282,52 +286,6 @@ impl PlasticContact<'_> {
     }
 }
 
-// What the bodies answer to forces on the contact plane.
-
-/// Solves K u = load - B^T f for the displacements of a state, from those it has, by preconditioned
-/// conjugate gradients; returns the iterations, `None` where `most` do not do.
-///
-/// It ends where the residual in the energy norm is below `tolerance` of the forces' own energy.
-pub(crate) fn respond(
-    contact: &ContactMesh,
-    state: &mut State,
-    tolerance: f64,
-    most: usize,
-) -> Option<usize> {
-    let n = contact.len();
-    let (mut residual, mut step, mut direction, mut image) =
-        (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    let mut work = contact.work();
-    let mut closing = vec![0.0; contact.gap.len()];
-    contact.residual(state, &mut residual, &mut work);
-    let mut before = 0.0;
-    for iteration in 0..most {
-        for ((body, part), body_work) in contact.parts().zip(&mut work) {
-            body.begin(&residual[part.clone()], &mut closing, body_work);
-            body.finish(&[], &mut step[part], body_work);
-        }
-        let rho = vector::dot(&residual, &step).max(0.0);
-        let energy = contact.energy(state).max(f64::MIN_POSITIVE);
-        if rho <= tolerance * tolerance * energy {
-            return Some(iteration);
-        }
-        let beta = if before > 0.0 { rho / before } else { 0.0 };
-        before = rho;
-        vector::scale_add(&mut direction, beta, &step);
-        contact.apply(&direction, &mut image, &mut work);
-        let curvature = vector::dot(&direction, &image);
-        if curvature <= 0.0 {
-            return None;
-        }
-        vector::add_two(
-            rho / curvature,
-            [&mut state.displacement, &mut residual],
-            [&direction, &image],
-        );
-    }
-    None
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -341,20 +299,29 @@ mod tests {
         [at(i % N), 0.5 * at(3 * (i / N))]
     }
 
+    /// So many rows of such nodes, with this largest force and depth of the groove ahead.
+    fn plane(lines: usize, bound: f64, before: f64) -> PlasticContact {
+        let n = lines * N;
+        PlasticContact {
+            green: Mat::from_fn(n, n, |i, j| {
+                let ([x, y], [s, t]) = (place(i), place(j));
+                1.0 / (x - s).hypot(y - t).max(0.05)
+            }),
+            gap: (0..n)
+                .map(|i| place(i).iter().map(|v| 0.5 * v * v).sum())
+                .collect(),
+            rows: (0..n).map(|i| [1.0, place(i)[0], -place(i)[1]]).collect(),
+            bound: vec![bound; n],
+            has_ahead: (0..n).map(|i| i % N + 1 < N).collect(),
+            before: vec![before; n],
+        }
+    }
+
     /// Hundreds of plain sweeps from the front to the back at the same motion come to the same
     /// forces and the same groove.
     #[test]
     fn the_sets_found_are_those_of_plain_sweeps() {
         let n = 5 * N;
-        let green = Mat::from_fn(n, n, |i, j| {
-            let ([x, y], [s, t]) = (place(i), place(j));
-            1.0 / (x - s).hypot(y - t).max(0.05)
-        });
-        let gap: Vec<f64> = (0..n)
-            .map(|i| place(i).iter().map(|v| 0.5 * v * v).sum())
-            .collect();
-        let rows: Vec<[f64; 3]> = (0..n).map(|i| [1.0, place(i)[0], -place(i)[1]]).collect();
-        let has_ahead: Vec<bool> = (0..n).map(|i| i % N + 1 < N).collect();
         // The largest force without a bound is 4.9e-3.
         for (bound, before, yields) in [
             (6e-3, 0.0, false),
@@ -362,34 +329,23 @@ mod tests {
             (3e-3, 0.0, true),
             (3e-3, 0.02, true),
         ] {
-            let memory = PlasticContact {
-                green: &green,
-                gap: &gap,
-                rows: &rows,
-                bound: &vec![bound; n],
-                has_ahead: &has_ahead,
-                before: &vec![before; n],
-            };
+            let memory = plane(5, bound, before);
             let motion = [0.35, 0.02, 0.0];
             let found = memory
                 .at(motion, &vec![Kind::Closed; n])
                 .expect("sets that hold");
             let mut force = vec![0.0; n];
             (0..300).for_each(|_| memory.sweep(&mut force, motion));
-            for i in 0..n {
-                assert!(
-                    (force[i] - found.force[i]).abs() < 1e-9,
-                    "{bound} {i}: {} {}",
-                    force[i],
-                    found.force[i]
-                );
-                let ahead = if has_ahead[i] {
+            for (i, &force) in force.iter().enumerate() {
+                let off = (force - found.force[i]).abs();
+                assert!(off < 1e-9, "{bound} {i}: {force} {}", found.force[i]);
+                let ahead = if memory.has_ahead[i] {
                     found.depth[i + 1]
                 } else {
                     before
                 };
                 assert!(found.depth[i] >= ahead - 1e-12 && found.gap[i] > -1e-12);
-                assert!(found.depth[i] <= ahead + 1e-12 || force[i] == bound);
+                assert!(found.depth[i] <= ahead + 1e-12 || force == bound);
             }
             assert_eq!(found.kinds.contains(&Kind::Full), yields, "{bound}");
         }
@@ -399,20 +355,9 @@ mod tests {
     #[test]
     fn slopes_are_differences_of_the_resultant() {
         let n = 2 * N;
-        let green = Mat::from_fn(n, n, |i, j| {
-            let ([x, y], [s, t]) = (place(i), place(j));
-            1.0 / (x - s).hypot(y - t).max(0.05)
-        });
-        let gap: Vec<f64> = (0..n).map(|i| 0.5 * place(i)[0].powi(2)).collect();
-        let rows: Vec<[f64; 3]> = (0..n).map(|i| [1.0, place(i)[0], -place(i)[1]]).collect();
-        let has_ahead: Vec<bool> = (0..n).map(|i| i % N + 1 < N).collect();
         let memory = PlasticContact {
-            green: &green,
-            gap: &gap,
-            rows: &rows,
-            bound: &vec![4e-3; n],
-            has_ahead: &has_ahead,
-            before: &vec![0.0; n],
+            gap: (0..n).map(|i| 0.5 * place(i)[0].powi(2)).collect(),
+            ..plane(2, 4e-3, 0.0)
         };
         let motion = [0.2, 0.01, 0.0];
         let here = memory

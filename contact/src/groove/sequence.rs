@@ -1,26 +1,23 @@
 //! Finer and finer meshes of one sliding contact.
 
-use kufe_fem::Material;
-
-use crate::accuracy::answer::Answer;
+use crate::accuracy::answer::SolvedMesh;
 use crate::accuracy::estimators::{Limit, grid_convergence_index};
 use crate::accuracy::mesh_solve::Forces;
 use crate::accuracy::watched::{Limits, ShearHistory};
-use crate::active_set::contact_set::Progress;
 use crate::grid::first_guess::{fitted, sliding_guess};
 use crate::grid::grading::Resolution;
 use crate::grid::patch::Patch;
-use crate::groove::measures::{GrooveReading, Measures, Rims};
+use crate::groove::measures::{GrooveReading, Measures};
 use crate::groove::on_mesh::{MeshContact, SlidingState, Start, WarmStart};
 use crate::groove::plastic_contact::Kind;
 use crate::groove::solution::{
     Groove, GrooveProfile, Measure, SlidingIterate, SlidingMesh, SlidingSolution,
 };
-use crate::mesh::discretise::{Discretisation, MeshPlan, Reach};
-use crate::problem::check::{capacity, check};
-use crate::problem::gap::Gap;
+use crate::mesh::discretise::{Discretisation, Reach};
+use crate::problem::check::CheckedProblem;
 use crate::result::pressure::{Field, Pressure};
-use crate::solve::answered;
+use crate::solve::check_answer;
+use crate::symmetry::unfolded;
 use crate::{Error, Options, Problem};
 
 /// Cells over half the patch while it is being found.
@@ -36,103 +33,83 @@ const REFINEMENT: f64 = 1.5;
 const LEAST_REFINEMENT: f64 = 1.1;
 
 /// What is known of a sliding contact, mesh by mesh.
-pub(crate) struct SlidingMeshes<'a> {
-    problem: &'a Problem,
-    options: &'a Options,
-    gap: Gap<'a>,
-    material: Material,
+struct SlidingMeshes<'a> {
+    checked: &'a CheckedProblem<'a>,
     before: Option<&'a GrooveProfile>,
     patch: Patch,
-    forces: Forces,
     start: Start,
+}
+
+/// Results of the meshes solved so far.
+struct SlidingHistory {
+    /// The forces found last.
+    forces: Forces,
     measures: Vec<Measures>,
     under: ShearHistory,
     meshes: Vec<SlidingMesh>,
 }
 
 impl<'a> SlidingMeshes<'a> {
-    /// Finds the patch on the contact plane alone.
-    pub fn find_patch(
-        problem: &'a Problem,
-        gap: Gap<'a>,
-        material: Material,
+    /// Finds the patch on the contact plane alone, with the forces on it.
+    fn find_patch(
+        checked: &'a CheckedProblem<'a>,
         before: Option<&'a GrooveProfile>,
-        options: &'a Options,
-    ) -> Result<Self, Error> {
-        let mut patch = sliding_guess(problem, &gap);
-        let mut start = Start::AtRest(patch.motion);
+    ) -> Result<(Self, Forces), Error> {
+        let patch = sliding_guess(checked);
+        let mut meshes = SlidingMeshes {
+            start: Start::AtRest(patch.motion),
+            checked,
+            before,
+            patch,
+        };
         for _ in 0..ROUNDS {
-            if options.stopped() {
-                return Err(Error::Stopped);
-            }
-            let plan = MeshPlan {
-                problem,
-                gap: &gap,
-                material,
-                patch: &patch,
-                resolution: COARSE_MESH,
-                reach: Reach::WholeHull,
-            };
-            let mesh = plan.mesh()?;
-            let on = MeshContact {
-                problem,
-                material,
-                mesh: &mesh,
-                before,
-                options,
-            };
-            let slid = on.on_plane(&start)?;
-            let field = Field::new(&mesh, problem, &patch);
-            let rims = Rims::new(&mesh, &slid).rims(&field.pressure_field(&slid.state));
-            let found = fitted(field.of(&slid.state).patch, rims);
-            start = Start::From(WarmStart::of(&mesh, &slid));
-            let settled = similar(&patch, &found);
-            patch = found;
-            if settled {
-                let forces = Forces::of(&mesh, &slid.state);
-                return Ok(SlidingMeshes {
-                    problem,
-                    options,
-                    gap,
-                    material,
-                    before,
-                    patch,
-                    forces,
-                    start,
-                    measures: Vec::new(),
-                    under: ShearHistory::new(),
-                    meshes: Vec::new(),
-                });
+            checked.options.check_stop()?;
+            let mesh = checked.mesh(&meshes.patch, COARSE_MESH, Reach::WholeHull)?;
+            let slid = meshes.on(&mesh).on_plane(&meshes.start)?;
+            let guessed = meshes.patch.clone();
+            meshes.next_patch(&mesh, &slid);
+            if similar(&guessed, &meshes.patch) {
+                return Ok((meshes, Forces::of(&mesh, &slid.state)));
             }
         }
         Err(Error::no_patch(ROUNDS))
     }
 
-    /// Solves mesh after mesh until two agree, and puts together what they say.
-    pub fn solve(mut self) -> Result<SlidingSolution, Error> {
-        let tolerance = self.options.p_max_tolerance;
-        let mut cells = self
-            .options
+    /// Solves mesh after mesh until two agree, and combines their figures.
+    fn solve(mut self, forces: Forces) -> Result<SlidingSolution, Error> {
+        let options = self.checked.options;
+        let tolerance = options.p_max_tolerance;
+        let mut history = SlidingHistory {
+            forces,
+            measures: Vec::new(),
+            under: ShearHistory::new(),
+            meshes: Vec::new(),
+        };
+        let mut cells = options
             .cells
             .map_or_else(|| first_cells(tolerance), |c| c as f64);
-        self.fit(cells)?;
+        // The first mesh is fitted to the rims that it finds on the contact plane alone, so that it
+        // is one of those that follow.
+        let mesh = self.mesh(cells)?;
+        let slid = self.on(&mesh).on_plane(&self.start)?;
+        self.next_patch(&mesh, &slid);
         let mut refined = 1.0;
         let mut estimate = f64::INFINITY;
         loop {
             let mesh = self.mesh(cells)?;
             let dofs = mesh.free_dofs();
-            let on = self.on(&mesh);
-            let [slid, plain] = on.solve(&self.start, &self.forces, |slid| {
-                self.report(&mesh, slid, dofs, estimate);
+            let level = history.meshes.len();
+            let [slid, plain] = self.on(&mesh).solve(&self.start, &history.forces, |slid| {
+                self.report(&mesh, slid, level, estimate);
             })?;
-            let plain = self.measures(&mesh, &plain);
-            self.take(&mesh, &slid, dofs);
-            let errors = Errors::of(&self.measures, &plain, refined);
-            estimate = errors.largest(&self.measures[self.measures.len() - 1]);
-            if self.options.cells.is_some() || estimate <= tolerance {
-                return Ok(self.put_together(mesh, slid, errors));
+            let plain = self.reading(&mesh, &plain).measures();
+            let measures = self.take(&mesh, &slid, &mut history);
+            let errors = Errors::of(&history.measures, &plain, refined);
+            estimate = errors.largest(&measures);
+            if options.cells.is_some() || estimate <= tolerance {
+                return Ok(self.solution(mesh, slid, errors, history));
             }
-            let room = (self.options.max_dofs as f64 / dofs as f64).cbrt();
+            let room = (options.max_dofs as f64 / dofs as f64).cbrt();
             if room < LEAST_REFINEMENT {
                 return Err(Error::SlidingAccuracyNotReached {
                     dofs,
@@ -147,83 +124,68 @@ impl<'a> SlidingMeshes<'a> {
         }
     }
 
-    /// Fits the patch to the rims that the first mesh finds on the contact plane alone, so that it
-    /// is one of those that follow.
-    fn fit(&mut self, cells: f64) -> Result<(), Error> {
-        let mesh = self.mesh(cells)?;
-        let slid = self.on(&mesh).on_plane(&self.start)?;
-        self.next_patch(&mesh, &slid);
-        Ok(())
-    }
-
     fn on<'b>(&'b self, mesh: &'b Discretisation) -> MeshContact<'b> {
         MeshContact {
-            problem: self.problem,
-            material: self.material,
+            checked: self.checked,
             mesh,
             before: self.before,
-            options: self.options,
         }
     }
 
     fn mesh(&self, cells: f64) -> Result<Discretisation, Error> {
-        let plan = MeshPlan {
-            problem: self.problem,
-            gap: &self.gap,
-            material: self.material,
-            patch: &self.patch,
-            resolution: Resolution {
-                cells,
-                growth: 3.0 / cells,
-            },
-            reach: Reach::Patch,
-        };
-        plan.mesh()
+        let resolution = Resolution::of(cells);
+        self.checked.mesh(&self.patch, resolution, Reach::Patch)
+    }
+
+    fn field<'b>(&'b self, mesh: &'b Discretisation) -> Field<'b> {
+        Field::new(mesh, self.checked.problem, &self.patch)
+    }
+
+    fn reading<'b>(
+        &'b self,
+        mesh: &'b Discretisation,
+        slid: &'b SlidingState,
+    ) -> GrooveReading<'b> {
+        GrooveReading::new(self.checked, mesh, slid, &self.field(mesh))
     }
 
     /// Fits the next mesh to the rims that this one found.
     fn next_patch(&mut self, mesh: &Discretisation, slid: &SlidingState) {
-        let field = Field::new(mesh, self.problem, &self.patch);
-        let rims = Rims::new(mesh, slid).rims(&field.pressure_field(&slid.state));
-        self.patch = fitted(field.of(&slid.state).patch, rims);
+        let rims = self.reading(mesh, slid).rims();
+        self.patch = fitted(self.field(mesh).of(&slid.state).patch, rims);
         self.start = Start::From(WarmStart::of(mesh, slid));
     }
 
-    /// The figures of a state.
-    fn measures(&self, mesh: &Discretisation, slid: &SlidingState) -> Measures {
-        let field = Field::new(mesh, self.problem, &self.patch);
-        let on = self.on(mesh);
-        GrooveReading::new(&on, &self.gap, slid).measures(&field.pressure_field(&slid.state))
-    }
-
     /// Passes a state of a mesh on, before which the meshes had this error.
-    fn report(&self, mesh: &Discretisation, slid: &SlidingState, dofs: usize, error: f64) {
-        let Some(watcher) = &self.options.sliding_progress else {
+    fn report(&self, mesh: &Discretisation, slid: &SlidingState, level: usize, error: f64) {
+        let Some(watcher) = &self.checked.options.sliding_progress else {
             return;
         };
-        let field = Field::new(mesh, self.problem, &self.patch);
-        let field = field.pressure_field(&slid.state);
-        let on = self.on(mesh);
-        let reading = GrooveReading::new(&on, &self.gap, slid);
-        let measures = reading.measures(&field);
+        let reading = self.reading(mesh, slid);
+        let measures = reading.measures();
         watcher(&SlidingIterate {
-            hardness: self.problem.ice.hardness.unwrap_or(f64::INFINITY),
-            level: self.meshes.len(),
-            dofs,
+            hardness: self.checked.hardness(),
+            level,
+            dofs: mesh.free_dofs(),
             error_before: error.is_finite().then_some(error),
             corrections: slid.corrections,
             residual: slid.residual,
             fz: measures.fz,
             ploughing: measures.ploughing,
-            sections: reading.sections(&field),
+            sections: reading.sections(),
         });
     }
 
-    /// Keeps what a mesh says.
-    fn take(&mut self, mesh: &Discretisation, slid: &SlidingState, dofs: usize) {
-        let measures = self.measures(mesh, slid);
-        self.meshes.push(SlidingMesh {
-            dofs,
+    /// Adds a mesh to the history; returns its figures.
+    fn take(
+        &self,
+        mesh: &Discretisation,
+        slid: &SlidingState,
+        history: &mut SlidingHistory,
+    ) -> Measures {
+        let measures = self.reading(mesh, slid).measures();
+        history.meshes.push(SlidingMesh {
+            dofs: mesh.free_dofs(),
             contact_nodes: slid.state.force.iter().filter(|f| **f > 0.0).count(),
             corrections: slid.corrections,
             iterations: slid.iterations,
@@ -232,84 +194,86 @@ impl<'a> SlidingMeshes<'a> {
             plastic_work: measures.plastic_work,
             ploughing_by_slope: measures.by_slope,
         });
-        self.measures.push(measures);
-        if self.options.subsurface {
-            let pressure = self.pressure(mesh, slid);
-            let largest = mesh.largest_shear(self.material, &pressure.values, &slid.state);
+        history.measures.push(measures);
+        if self.checked.options.subsurface {
+            let values = self.pressure(mesh, slid).values;
+            let largest = mesh.largest_shear(self.checked.material, &values, &slid.state);
             // Each mesh is fitted to rims of its own: what they differ by is the error.
-            self.under.push(largest, self.meshes.len() as f64, true);
+            let number = history.meshes.len() as f64;
+            history.under.push(largest, number, true);
         }
-        self.forces = Forces::of(mesh, &slid.state);
+        history.forces = Forces::of(mesh, &slid.state);
+        measures
     }
-}
 
-impl SlidingMeshes<'_> {
     /// The pressures of a state: the hardness wherever the ice yields.
     fn pressure(&self, mesh: &Discretisation, slid: &SlidingState) -> Pressure {
-        let mut pressure = Field::new(mesh, self.problem, &self.patch).of(&slid.state);
-        for (k, &node) in mesh.contact.candidates.iter().enumerate() {
-            if slid.grooved.kinds[k] == Kind::Full {
-                pressure.values[node] = self.problem.ice.hardness.unwrap_or(f64::INFINITY);
+        let mut pressure = self.field(mesh).of(&slid.state);
+        for (&node, &kind) in mesh.contact.candidates.iter().zip(&slid.grooved.kinds) {
+            if kind == Kind::Full {
+                pressure.values[node] = self.checked.hardness();
             }
         }
         pressure
     }
 
-    fn put_together(
-        self,
+    fn solution(
+        &self,
         mut mesh: Discretisation,
         slid: SlidingState,
         errors: Errors,
+        history: SlidingHistory,
     ) -> SlidingSolution {
-        let on = self.on(&mesh);
-        let field = Field::new(&mesh, self.problem, &self.patch);
-        let reading = GrooveReading::new(&on, &self.gap, &slid);
-        let (profile, sections) = (
-            reading.profile(),
-            reading.sections(&field.pressure_field(&slid.state)),
-        );
+        let reading = self.reading(&mesh, &slid);
+        let (profile, sections, m) = (reading.profile(), reading.sections(), reading.measures());
         let pressure = self.pressure(&mesh, &slid);
-        let m = self.measures[self.measures.len() - 1];
-        let depth = unfolded(&slid.depth, &mesh);
+        let depth = over_mirror(&slid.depth, &mesh);
         let nx = mesh.grid.x.len();
         // The groove is followed from the front to the back: ahead is the ice as it came.
         let came = |n: usize| slid.depth[n - n % nx + nx - 1];
         let grown: Vec<f64> = (0..slid.depth.len())
             .map(|n| slid.depth[n] - came(n))
             .collect();
-        let yielded = unfolded(&grown, &mesh);
+        let yielded = over_mirror(&grown, &mesh);
         // The ice that is met lies lower by the groove.
         for (gap, depth) in mesh.contact.gap.iter_mut().zip(&slid.depth) {
             *gap += depth;
         }
-        let dofs = mesh.free_dofs();
-        let (area, length_error) = (pressure.figures.area, errors.front + errors.back);
-        let answer = Answer {
-            problem: self.problem,
-            gap: &self.gap,
-            mesh,
-            progress: Progress {
-                iterations: slid.iterations,
-                residual: slid.residual,
-                converged: true,
-            },
-            state: slid.state,
-            pressure,
-            dofs,
+        let figures = pressure.figures;
+        let (length_error, relative) = (errors.front + errors.back, errors.largest(&m));
+        // Of one mesh nothing is known, of a tilt of 0 neither.
+        let tilt_error = |tilt: f64| {
+            if relative.is_finite() {
+                tilt.abs() * relative
+            } else {
+                relative
+            }
         };
+        let [_, pitch, roll] = slid.state.motion;
         let limits = Limits {
             peak: Limit {
                 value: m.p_max,
                 error: errors.p_max,
             },
-            approach: m.approach,
+            approach: Limit {
+                value: m.approach,
+                error: m.approach * relative,
+            },
             // The width is taken to be as uncertain as the length.
-            area_error: 2.0 * length_error / (m.front - m.back) * area,
+            area_error: 2.0 * length_error / (m.front - m.back) * figures.area,
             length_error,
-            relative: errors.largest(&m),
+            width_error: figures.width * length_error / figures.length,
+            tilt_errors: self.checked.gap.tilt(pitch, roll).map(tilt_error),
+            relative,
         };
-        let mut contact = answer.solution(limits, Vec::new());
-        contact.under_peak = self.under.under_peak(0.0, 0.0);
+        let solved = SolvedMesh {
+            mesh,
+            iterations: slid.iterations,
+            state: slid.state,
+            pressure,
+        };
+        let mut contact = solved.solution(self.checked, limits, Vec::new());
+        contact.under_peak = history.under.under_peak(0.0, 0.0);
         contact.surface.yielded = yielded;
         let of = |value, error| Measure { value, error };
         SlidingSolution {
@@ -324,7 +288,7 @@ impl SlidingMeshes<'_> {
                 profile,
                 depth,
                 sections,
-                meshes: self.meshes,
+                meshes: history.meshes,
             },
         }
     }
@@ -342,11 +306,10 @@ fn similar(a: &Patch, b: &Patch) -> bool {
 }
 
 /// A plane field over the mirror plane y = 0, where it was used.
-fn unfolded(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
-    let [nx, ny] = [mesh.grid.x.len(), mesh.grid.y.len()];
-    let mirrored = (1..ny).rev().filter(|_| mesh.symmetry[1]);
-    let rows = mirrored.chain(0..ny);
-    rows.flat_map(|j| values[j * nx..(j + 1) * nx].iter().copied())
+fn over_mirror(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
+    let nx = mesh.grid.x.len();
+    let rows = unfolded(mesh.grid.y.len(), mesh.symmetry[1]);
+    rows.flat_map(|(j, _)| values[j * nx..(j + 1) * nx].iter().copied())
         .collect()
 }
 
@@ -394,46 +357,33 @@ pub fn slide(
     options: &Options,
 ) -> Result<SlidingSolution, Error> {
     rayon::scope(|_| {
-        let material = check(problem, options)?;
-        refuse(problem)?;
-        capacity(problem)?;
+        let mut checked = CheckedProblem::bearable(problem, options)?;
+        let refused = |reason: &'static str| Err(Error::NotSliding { reason });
+        if problem.ice.hardness.is_none() {
+            return refused("ice without a hardness");
+        }
+        if problem.ice_surface.is_some() {
+            return refused("ice of varying height, on which no sliding is steady");
+        }
         let mirrored = before.is_none_or(GrooveProfile::mirror_symmetric);
-        let gap = Gap::new(problem)?.mirrored_at_most([false, mirrored]);
-        let solution =
-            SlidingMeshes::find_patch(problem, gap, material, before, options)?.solve()?;
-        Ok(SlidingSolution {
-            contact: answered(problem, solution.contact)?,
-            ..solution
-        })
+        checked.gap.mirrored = [false, mirrored];
+        let (meshes, forces) = SlidingMeshes::find_patch(&checked, before)?;
+        let solution = meshes.solve(forces)?;
+        check_answer(problem, &solution.contact)?;
+        Ok(solution)
     })
-}
-
-/// What steady sliding does not take.
-fn refuse(problem: &Problem) -> Result<(), Error> {
-    if problem.ice.hardness.is_none() {
-        return Err(Error::NotSliding {
-            reason: "ice without a hardness",
-        });
-    }
-    if problem.ice_surface.is_some() {
-        return Err(Error::NotSliding {
-            reason: "ice of varying height, on which no sliding is steady",
-        });
-    }
-    Ok(())
 }
 
 // How far the last mesh's figures are from those of fine meshes.
 
 /// Estimated errors, in the figures' own units.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Errors {
-    pub p_max: f64,
-    pub depth: f64,
-    pub ploughing: f64,
-    pub front: f64,
-    pub back: f64,
-    pub load_ahead: f64,
+struct Errors {
+    p_max: f64,
+    depth: f64,
+    ploughing: f64,
+    front: f64,
+    back: f64,
+    load_ahead: f64,
 }
 
 /// Ploughing force over the load below which its error is measured by this [1].
@@ -449,7 +399,7 @@ impl Errors {
     ///
     /// The index alone does not do: where nodes lie next to rims is chance, and two meshes may
     /// agree by it.
-    pub fn of(measures: &[Measures], plain: &Measures, refined: f64) -> Self {
+    fn of(measures: &[Measures], plain: &Measures, refined: f64) -> Self {
         let error = |of: fn(&Measures) -> f64| match measures {
             [.., before, last] => {
                 grid_convergence_index(of(before), of(last), refined).hypot(of(plain) - of(last))
@@ -467,7 +417,7 @@ impl Errors {
     }
 
     /// Largest of the errors of peak pressure, groove and ploughing, over their values.
-    pub fn largest(&self, of: &Measures) -> f64 {
+    fn largest(&self, of: &Measures) -> f64 {
         let shares = [
             self.p_max / of.p_max,
             self.depth / of.depth.max(LEAST_DEPTH * of.approach),

@@ -54,16 +54,10 @@ impl PressureMap {
     /// Gap and displacement are averages of the bilinear fields over the pixels; see [`pressure`]
     /// for the pressure. Where nothing touches, the window is the whole field.
     pub fn new(field: &SurfaceField, fz: f64, bound: f64) -> PressureMap {
-        let columns = field.x.len();
+        let (columns, rows) = (field.x.len(), field.y.len());
         let touches = |i: usize, j: usize| field.pressure[j * columns + i] > 0.0;
-        let touched_x: Vec<bool> = (0..columns)
-            .map(|i| (0..field.y.len()).any(|j| touches(i, j)))
-            .collect();
-        let touched_y: Vec<bool> = (0..field.y.len())
-            .map(|j| (0..columns).any(|i| touches(i, j)))
-            .collect();
-        let along = Axis::around(&field.x, &touched_x);
-        let across = Axis::around(&field.y, &touched_y);
+        let along = Axis::around(&field.x, |i| (0..rows).any(|j| touches(i, j)));
+        let across = Axis::around(&field.y, |j| (0..columns).any(|i| touches(i, j)));
         let average = |values: &[f64]| average(values, columns, &along, &across);
         // Nodes in contact have no gap; the solver's tolerance may leave a small one.
         let gap: Vec<f64> = field
@@ -137,10 +131,10 @@ impl Axis {
     }
 
     /// A window around the touched nodes, its pixels about as fine as the finest cell there.
-    fn around(nodes: &[f64], touched: &[bool]) -> Axis {
+    fn around(nodes: &[f64], touched: impl Fn(usize) -> bool) -> Axis {
         let last = nodes.len() - 1;
-        let lowest = touched.iter().position(|&t| t).unwrap_or(0);
-        let highest = touched.iter().rposition(|&t| t).unwrap_or(last);
+        let lowest = (0..nodes.len()).position(&touched).unwrap_or(0);
+        let highest = (0..nodes.len()).rposition(&touched).unwrap_or(last);
         let (low, high) = (lowest.saturating_sub(1), (highest + 1).min(last));
         let margin = MARGIN * (nodes[high] - nodes[low]);
         let start = (nodes[low] - margin).max(nodes[0]);
@@ -151,18 +145,16 @@ impl Axis {
             .fold(f64::INFINITY, f64::min);
         let count = (((end - start) / finest).ceil() as usize).clamp(FEWEST, MOST);
         let step = (end - start) / count as f64;
-        let weights = (0..count)
-            .map(|k| {
-                let from = start + k as f64 * step;
-                let to = (start + (k + 1) as f64 * step).min(end);
-                hat_averages(nodes, from, to)
-            })
-            .collect();
+        let weights = |k: usize| {
+            let from = start + k as f64 * step;
+            let to = (start + (k + 1) as f64 * step).min(end);
+            hat_averages(nodes, from, to)
+        };
         Axis {
             first: start + 0.5 * step,
             step,
             count,
-            weights,
+            weights: (0..count).map(weights).collect(),
         }
     }
 }
@@ -205,12 +197,10 @@ fn average(values: &[f64], columns: usize, along: &Axis, across: &Axis) -> Vec<f
                 *sum += weight * value;
             }
         }
-        pixels.extend(along.weights.iter().map(|pairs| {
-            pairs
-                .iter()
-                .map(|&(i, weight)| weight * row[i])
-                .sum::<f64>()
-        }));
+        let mean = |pairs: &Vec<(usize, f64)>| -> f64 {
+            pairs.iter().map(|&(i, weight)| weight * row[i]).sum()
+        };
+        pixels.extend(along.weights.iter().map(mean));
     }
     pixels
 }
@@ -223,16 +213,13 @@ fn average(values: &[f64], columns: usize, along: &Axis, across: &Axis) -> Vec<f
 fn pressure(field: &SurfaceField, fz: f64, bound: f64, along: &Axis, across: &Axis) -> Vec<f64> {
     let (nodes, columns) = (field.y.len(), along.count);
     let squared = squared_pressure(field, bound);
-    let mut by_rows = vec![f64::NAN; nodes * columns];
-    squared
+    let by_rows: Vec<f64> = squared
         .par_chunks_exact(field.x.len())
-        .zip(by_rows.par_chunks_exact_mut(columns))
-        .for_each(|(row, out)| {
+        .flat_map_iter(|row| {
             let line = Hermite::new(&field.x, row);
-            out.iter_mut()
-                .enumerate()
-                .for_each(|(i, value)| *value = line.at(along.centre(i)));
-        });
+            (0..columns).map(move |i| line.at(along.centre(i)))
+        })
+        .collect();
     let lines: Vec<Vec<f64>> = (0..columns)
         .into_par_iter()
         .map(|i| {
@@ -362,7 +349,7 @@ const APART: f64 = 5.0;
 /// the runner.
 pub fn pressure_maps(solution: &Solution) -> Vec<PressureMap> {
     let field = &solution.surface;
-    let Some(parts) = split(field) else {
+    let Some(parts) = split(&field.x, &field.pressure) else {
         return vec![PressureMap::of(solution)];
     };
     let parts = parts.map(|columns| cropped(field, columns));
@@ -378,7 +365,7 @@ pub fn pressure_maps(solution: &Solution) -> Vec<PressureMap> {
 /// contact.
 pub fn parted(map: PressureMap) -> Vec<PressureMap> {
     let x: Vec<f64> = (0..map.nx).map(|i| map.x0 + i as f64 * map.dx).collect();
-    match split_columns(&x, &map.pressure) {
+    match split(&x, &map.pressure) {
         None => vec![map],
         Some(parts) => parts.map(|columns| part(&map, columns)).into(),
     }
@@ -406,13 +393,9 @@ fn part(map: &PressureMap, columns: Range<usize>) -> PressureMap {
     }
 }
 
-/// The columns on both sides of the middle of the longest empty stretch, where that is long.
-fn split(field: &SurfaceField) -> Option<[Range<usize>; 2]> {
-    split_columns(&field.x, &field.pressure)
-}
-
-/// As [`split`], of rows of pressures over columns at `x`.
-fn split_columns(x: &[f64], pressure: &[f64]) -> Option<[Range<usize>; 2]> {
+/// The columns at `x` on both sides of the middle of the longest empty stretch of these rows of
+/// pressures, where that is long.
+fn split(x: &[f64], pressure: &[f64]) -> Option<[Range<usize>; 2]> {
     let columns = x.len();
     let touched: Vec<usize> = (0..columns)
         .filter(|&i| pressure.chunks(columns).any(|row| row[i] > 0.0))
@@ -584,7 +567,7 @@ mod patches_tests {
     #[test]
     fn a_contact_on_two_ends_is_parted_in_the_middle_and_its_force_kept() {
         let two = field(|i| (2..=3).contains(&i) || (36..=38).contains(&i));
-        let [left, right] = split(&two)
+        let [left, right] = split(&two.x, &two.pressure)
             .expect("two parts")
             .map(|part| cropped(&two, part));
         assert_eq!((left.x[0], right.x[right.x.len() - 1]), (0.0, 40.0));
@@ -613,10 +596,9 @@ mod patches_tests {
 
     #[test]
     fn a_single_contact_and_two_near_ones_stay_whole() {
-        assert_eq!(split(&field(|i| (10..=30).contains(&i))), None);
-        assert_eq!(
-            split(&field(|i| (5..=15).contains(&i) || (25..=35).contains(&i))),
-            None
-        );
+        let parts = |of: SurfaceField| split(&of.x, &of.pressure);
+        assert_eq!(parts(field(|i| (10..=30).contains(&i))), None);
+        let near = field(|i| (5..=15).contains(&i) || (25..=35).contains(&i));
+        assert_eq!(parts(near), None);
     }
 }

@@ -23,7 +23,7 @@ pub struct AssembledBody {
 
 /// Assembles the stiffness of every body of a mesh, to be multiplied with from now on.
 ///
-/// `element` is that of a runner whose hexahedra are none of tensor shape.
+/// `element` is that of a runner on mapped hexahedra.
 ///
 /// # Errors
 /// [`Error::StiffnessTooLarge`] where the bodies together would need more than `limit` bytes,
@@ -41,7 +41,7 @@ pub(crate) fn assemble(
     };
     for body in &mut mesh.contact.bodies {
         body.assembled = match (&body.stiffness, &mesh.runner_mesh) {
-            (Stiffness::Solid(solid), _) => of(solid.body())?,
+            (Stiffness::Solid(solid), _) => of(&solid.body)?,
             (Stiffness::Mapped { .. }, Some(runner)) => {
                 let kind = element.unwrap_or_default();
                 let solid = Body::uniform(runner.clone(), body.material, kind);

@@ -6,11 +6,10 @@ use std::ops::Range;
 use faer::Mat;
 use rayon::prelude::*;
 
-use crate::bodies::elastic_body::{BodyWork, ElasticBody};
+use crate::bodies::elastic_body::{BodyWork, ElasticBody, Inverse};
 use crate::green::matrix::{Green, StorageLimit};
 use crate::green::modal::ModalGreen;
 use crate::motion::{Motion, dot, dot_rows};
-use crate::precondition::inverse::Inverse;
 use crate::vector;
 
 /// A mesh with everything the iteration needs; plane arrays have x fastest.
@@ -57,6 +56,11 @@ impl ContactMesh {
     /// Vectors for the bodies' products and preconditioners.
     pub fn work(&self) -> Vec<BodyWork> {
         self.bodies.iter().map(ElasticBody::work).collect()
+    }
+
+    /// A plane array's values at the candidates.
+    pub fn on_candidates<T: Copy>(&self, plane: &[T]) -> Vec<T> {
+        self.candidates.iter().map(|&node| plane[node]).collect()
     }
 
     /// Length of a displacement vector.
@@ -127,10 +131,8 @@ impl ContactMesh {
         for body in self.bodies.iter().filter(|b| !b.load.is_empty()) {
             body.begin(&body.load, &mut closing, &mut body.work());
         }
-        self.candidates
-            .iter()
-            .map(|&node| self.gap[node] - closing[node])
-            .collect()
+        let nodes = self.candidates.iter();
+        nodes.map(|&node| self.gap[node] - closing[node]).collect()
     }
 
     /// Vertical displacement of the ice surface: what it closes of the gap.
@@ -172,13 +174,8 @@ impl ContactMesh {
     /// Twice the energy stored by the contact forces: sum of force times closing.
     pub fn energy(&self, state: &State) -> f64 {
         let closing = self.closing(&state.displacement);
-        state
-            .force
-            .iter()
-            .zip(&closing)
-            .map(|(f, c)| f * c)
-            .sum::<f64>()
-            .abs()
+        let work = state.force.iter().zip(&closing).map(|(f, c)| f * c);
+        work.sum::<f64>().abs()
     }
 
     /// Forces 0 outside the set and at their bound where full.
@@ -211,13 +208,8 @@ impl ContactMesh {
     /// `out` = load - K u - B^T f.
     pub fn residual(&self, state: &State, out: &mut [f64], work: &mut [BodyWork]) {
         self.apply(&state.displacement, out, work);
-        let forces: Vec<(usize, f64)> = state
-            .force
-            .iter()
-            .copied()
-            .enumerate()
-            .filter(|(_, f)| *f != 0.0)
-            .collect();
+        let forces = state.force.iter().copied().enumerate();
+        let forces: Vec<(usize, f64)> = forces.filter(|(_, f)| *f != 0.0).collect();
         self.add_forces(&forces, out);
         for (body, part) in self.parts() {
             for (out, load) in out[part].iter_mut().zip(&body.load) {
@@ -272,11 +264,8 @@ impl Sets {
             self.inside
                 .extend(open.min_by(|&i, &j| gap(i).total_cmp(&gap(j))));
         } else {
-            let least = self
-                .full
-                .iter()
-                .copied()
-                .max_by(|&i, &j| gap(i).total_cmp(&gap(j)));
+            let full = self.full.iter().copied();
+            let least = full.max_by(|&i, &j| gap(i).total_cmp(&gap(j)));
             self.full.retain(|&i| Some(i) != least);
             self.inside.extend(least);
         }

@@ -1,9 +1,9 @@
 //! From a patch and a resolution to a mesh.
 
-use kufe_fem::{ElementKind, FixedFaces, LowerLayer, Material, TensorOperator};
+use kufe_fem::{ElementKind, LowerLayer, TensorOperator};
 use kufe_mesh::{HexMesh, TensorGrid};
 
-use crate::bodies::elastic_body::ElasticBody;
+use crate::bodies::elastic_body::{ElasticBody, fixed_faces};
 use crate::bodies::runner_body::RunnerPlan;
 use crate::bodies::solid_body::solid_body;
 use crate::grid::grading::{
@@ -14,9 +14,9 @@ use crate::grid::stretch::Stretch;
 use crate::mesh::contact_mesh::ContactMesh;
 use crate::motion::Motion;
 use crate::precondition::planewise::{Columns, Side};
-use crate::problem::check::solid_material;
-use crate::problem::gap::Gap;
-use crate::{Bed, Error, Foundation, Load, Problem};
+use crate::problem::check::{CheckedProblem, solid_material};
+use crate::symmetry::copies;
+use crate::{Bed, Error, Foundation, Load};
 
 /// How far the mesh reaches and which of its nodes may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,8 +55,7 @@ impl Discretisation {
 
     /// How often mirror planes repeat the modelled part.
     pub fn copies(&self) -> f64 {
-        let of = |&mirrored: &bool| if mirrored { 2.0 } else { 1.0 };
-        self.symmetry.iter().map(of).product()
+        copies(self.symmetry)
     }
 }
 
@@ -77,20 +76,34 @@ const EVEN_DEPTH: f64 = 1.5;
 const SEARCH_CELLS: f64 = 4.0;
 
 /// What a mesh is made for.
-pub(crate) struct MeshPlan<'a> {
-    pub problem: &'a Problem,
-    pub gap: &'a Gap<'a>,
-    /// Of the ice.
-    pub material: Material,
-    pub patch: &'a Patch,
-    pub resolution: Resolution,
-    pub reach: Reach,
+struct MeshPlan<'a> {
+    checked: &'a CheckedProblem<'a>,
+    patch: &'a Patch,
+    resolution: Resolution,
+    reach: Reach,
+}
+
+impl CheckedProblem<'_> {
+    /// Meshes the ice under the patch, and an elastic runner over it.
+    pub fn mesh(
+        &self,
+        patch: &Patch,
+        resolution: Resolution,
+        reach: Reach,
+    ) -> Result<Discretisation, Error> {
+        MeshPlan {
+            checked: self,
+            patch,
+            resolution,
+            reach,
+        }
+        .mesh()
+    }
 }
 
 impl MeshPlan<'_> {
-    /// Meshes the ice under the patch, and an elastic runner over it.
-    pub fn mesh(&self) -> Result<Discretisation, Error> {
-        let symmetry = self.gap.symmetry();
+    fn mesh(&self) -> Result<Discretisation, Error> {
+        let symmetry = self.checked.gap.symmetry();
         let (z, lower) = self.layers()?;
         let grid = TensorGrid {
             x: self.line(&self.patch.x, 0)?,
@@ -98,21 +111,29 @@ impl MeshPlan<'_> {
             z,
         };
         storable(grid.shape())?;
-        let (lambda, mu) = (self.material.lame_lambda(), self.material.shear_modulus());
-        let mut operator = TensorOperator::new(&grid, lambda, mu, fixed_faces(symmetry));
+        let (lambda, mu) = (
+            self.checked.material.lame_lambda(),
+            self.checked.material.shear_modulus(),
+        );
+        let mut operator = TensorOperator::new(
+            &grid,
+            lambda,
+            mu,
+            fixed_faces(symmetry, true, [true, false]),
+        );
         if let Some(layer) = lower {
             operator = operator.on_layer(layer);
         }
-        if self.problem.ice.element_kind() == ElementKind::Hex8Dilatation {
+        if self.checked.problem.ice.element_kind() == ElementKind::Hex8Dilatation {
             operator = operator.with_mean_dilatation();
         }
         let mut contact = self.contact_mesh(&grid, operator)?;
         let mut runner_mesh = None;
-        if let Some(elastic) = &self.problem.runner.elastic {
+        if let Some(elastic) = &self.checked.problem.runner.elastic {
             let (body, mesh) = match &elastic.solid {
                 Some(solid) => (solid_body(solid, &grid), solid.mesh().clone()),
                 None => RunnerPlan {
-                    problem: self.problem,
+                    problem: self.checked.problem,
                     elastic,
                     ice: &grid,
                     symmetry,
@@ -135,8 +156,8 @@ impl MeshPlan<'_> {
 
     /// From the patch to the outer faces, along and across [m].
     fn margin(&self) -> f64 {
-        match self.problem.ice.foundation {
-            Foundation::HalfSpace => HALF_SPACE_REACH * self.largest(),
+        match self.checked.problem.ice.foundation {
+            Foundation::HalfSpace => self.depth(),
             Foundation::RigidBed { thickness } => LAYER_REACH * thickness,
             Foundation::ElasticBed { thickness, bed } => LAYER_REACH * (thickness + bed.thickness),
         }
@@ -144,18 +165,15 @@ impl MeshPlan<'_> {
 
     /// Depth of the ice that is meshed [m].
     fn depth(&self) -> f64 {
-        match self.problem.ice.foundation {
-            Foundation::HalfSpace => HALF_SPACE_REACH * self.largest(),
+        match self.checked.problem.ice.foundation {
+            Foundation::HalfSpace => {
+                let [x_low, x_high] = self.patch.span_x();
+                HALF_SPACE_REACH * (0.5 * (x_high - x_low).max(2.0 * self.patch.y.half()))
+            }
             Foundation::RigidBed { thickness } | Foundation::ElasticBed { thickness, .. } => {
                 thickness
             }
         }
-    }
-
-    /// Half of the patch's longer side [m].
-    fn largest(&self) -> f64 {
-        let [x_low, x_high] = self.patch.span_x();
-        0.5 * (x_high - x_low).max(2.0 * self.patch.y.half())
     }
 
     /// Half of the narrowest stretch of the patch [m].
@@ -166,12 +184,12 @@ impl MeshPlan<'_> {
 
     /// Nodes along (axis 0) or across (axis 1), graded to these stretches.
     fn line(&self, stretches: &[Stretch], axis: usize) -> Result<Vec<f64>, Error> {
-        let symmetric = self.gap.symmetry()[axis];
-        let extent = self.problem.runner.underside.extent();
+        let symmetric = self.checked.gap.symmetry()[axis];
+        let extent = self.checked.problem.runner.underside.extent();
         // An elastic hull is meshed whole, with nodes at its ends and sides.
-        let elastic = self.problem.runner.elastic.as_ref();
+        let elastic = self.checked.problem.runner.elastic.as_ref();
         let on_columns = elastic.filter(|e| e.solid.is_none());
-        let meshed = on_columns.is_some() && extent.iter().all(|end| end.is_finite());
+        let meshed = on_columns.is_some() && self.checked.problem.runner.is_bounded();
         let mut zones: Vec<Zone> = stretches
             .iter()
             .filter_map(|s| widened(s, symmetric, self.resolution))
@@ -228,11 +246,11 @@ impl MeshPlan<'_> {
         };
         let growth = self.resolution.growth;
         let mut z = graded_axis(Start::AtOrBelow(-depth), 0.0, &[zone], growth)?;
-        if self.problem.ice.foundation != Foundation::HalfSpace {
+        if self.checked.problem.ice.foundation != Foundation::HalfSpace {
             let scale = -depth / z[0];
             z.iter_mut().for_each(|z| *z *= scale);
         }
-        let Foundation::ElasticBed { bed, .. } = self.problem.ice.foundation else {
+        let Foundation::ElasticBed { bed, .. } = self.checked.problem.ice.foundation else {
             return Ok((z, None));
         };
         let below = below(&z, bed.thickness, growth)?;
@@ -241,13 +259,13 @@ impl MeshPlan<'_> {
         Ok((increasing(z)?, Some(lower)))
     }
 
-    /// The ice alone, with what the runner's hull and the load say on the contact plane.
+    /// The ice alone, with the gap, the bounds of forces and the load on the contact plane.
     fn contact_mesh(
         &self,
         grid: &TensorGrid,
         operator: TensorOperator,
     ) -> Result<ContactMesh, Error> {
-        let (problem, gap, patch) = (self.problem, self.gap, self.patch);
+        let CheckedProblem { problem, gap, .. } = self.checked;
         let symmetry = gap.symmetry();
         let [nx, ny, _] = grid.shape();
         let mut gaps = Vec::with_capacity(nx * ny);
@@ -273,7 +291,7 @@ impl MeshPlan<'_> {
                         "a number of m, or infinity where there is no hull",
                     ));
                 }
-                if value.is_finite() && (everywhere || expected(patch, x, y)) {
+                if value.is_finite() && (everywhere || expected(self.patch, x, y)) {
                     candidates.push(gaps.len());
                 }
                 gaps.push(value);
@@ -283,7 +301,7 @@ impl MeshPlan<'_> {
                 );
             }
         }
-        let share = if symmetry[0] { 0.5 } else { 1.0 } * if symmetry[1] { 0.5 } else { 1.0 };
+        let share = symmetry.map(|s| if s { 0.5 } else { 1.0 });
         let fz = match problem.load {
             Load::Force { fz, .. } => fz,
             Load::Approach { .. } => 0.0,
@@ -293,13 +311,9 @@ impl MeshPlan<'_> {
             gap.free_motion[1] && !symmetry[0],
             gap.free_motion[2] && !symmetry[1],
         ];
-        let columns = Columns {
-            first: [0, 0],
-            count: [nx, ny],
-            plane_width: nx,
-        };
+        let columns = Columns::of_plane([nx, ny]);
         let lumped = [0, 1].map(|axis| operator.axes[axis].lumped_mass.clone());
-        let ice = ElasticBody::on_grid(operator, self.material, Side::Below, columns);
+        let ice = ElasticBody::on_grid(operator, self.checked.material, Side::Below, columns);
         Ok(ContactMesh {
             bodies: vec![ice],
             lumped,
@@ -309,7 +323,7 @@ impl MeshPlan<'_> {
             candidates,
             motion: Motion {
                 free,
-                balance: [fz * share, 0.0, 0.0],
+                balance: [fz * (share[0] * share[1]), 0.0, 0.0],
             },
         })
     }
@@ -332,16 +346,5 @@ fn lower_layer(bed: Bed, cells: usize) -> Result<LowerLayer, Error> {
         cells,
         lambda: material.lame_lambda(),
         mu: material.shear_modulus(),
-    })
-}
-
-/// Outer faces fixed in all components, mirror planes in their normal one.
-fn fixed_faces(symmetry: [bool; 2]) -> FixedFaces {
-    std::array::from_fn(|c| {
-        [
-            [!symmetry[0] || c == 0, true],
-            [!symmetry[1] || c == 1, true],
-            [true, false],
-        ]
     })
 }

@@ -43,21 +43,21 @@ impl FactoredInverse {
         to_components(by_node, out);
     }
 
-    /// See [`crate::precondition::inverse::Inverse::begin`].
+    /// See [`crate::bodies::elastic_body::ElasticBody::begin`].
     pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut InverseWork) {
         work.intermediate.copy_from_slice(residual);
         self.solve(residual, &mut work.by_node, &mut work.scratch);
         self.mortar.add_closing(&work.scratch, closing);
     }
 
-    /// See [`crate::precondition::inverse::Inverse::finish`].
+    /// See [`crate::bodies::elastic_body::ElasticBody::finish`].
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
         self.mortar
             .add_forces(multipliers, -1.0, &mut work.intermediate);
         self.solve(&work.intermediate, &mut work.by_node, step);
     }
 
-    /// See [`crate::precondition::inverse::Inverse::respond`].
+    /// See [`crate::bodies::elastic_body::ElasticBody::respond`].
     pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], work: &mut InverseWork) {
         work.intermediate.fill(0.0);
         self.mortar.add_forces(forces, 1.0, &mut work.intermediate);
@@ -65,34 +65,27 @@ impl FactoredInverse {
         self.mortar.add_closing(&work.scratch, closing);
     }
 
-    /// See [`crate::precondition::inverse::Inverse::green`]; both are exact.
+    /// See [`crate::bodies::elastic_body::ElasticBody::green`]; both are exact.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
+        let row = |node: usize| self.mortar.rows[node].iter();
         let mut used: Vec<usize> = nodes
             .iter()
-            .flat_map(|&node| self.mortar.rows[node].iter().map(|&(k, _)| k))
+            .flat_map(|&n| row(n).map(|&(k, _)| k))
             .collect();
         used.sort_unstable();
         used.dedup();
         let numbers: Vec<usize> = used.iter().map(|&k| self.solid.surface[k]).collect();
         let responses = self.solid.responses(&numbers);
         // W S, then W S W^T.
-        let half: Vec<Vec<f64>> = nodes
-            .iter()
-            .map(|&node| {
-                let of = |response: &Vec<f64>| -> f64 {
-                    self.mortar.rows[node]
-                        .iter()
-                        .map(|&(k, w)| w * response[k])
-                        .sum()
-                };
-                responses.iter().map(of).collect()
-            })
-            .collect();
-        let place = |k: usize| used.partition_point(|&u| u < k);
         let n = nodes.len();
+        let half = Mat::from_fn(n, used.len(), |i, k| {
+            let response = &responses[k];
+            row(nodes[i]).map(|&(k, w)| w * response[k]).sum::<f64>()
+        });
+        let place = |k: usize| used.partition_point(|&u| u < k);
         let lower = Mat::from_fn(n, n, |i, j| {
-            let row = self.mortar.rows[nodes[j]].iter();
-            row.map(|&(k, w)| w * half[i][place(k)]).sum::<f64>()
+            let terms = row(nodes[j]).map(|&(k, w)| w * half[(i, place(k))]);
+            terms.sum::<f64>()
         });
         let green = Mat::from_fn(n, n, |i, j| 0.5 * (lower[(i, j)] + lower[(j, i)]));
         [green.clone(), green]
@@ -128,10 +121,8 @@ impl Mortar {
     /// `closing` += B u of a body above, whose rising opens the gap.
     pub fn add_closing(&self, u: &[f64], closing: &mut [f64]) {
         for (closing, row) in closing.iter_mut().zip(&self.rows) {
-            *closing -= row
-                .iter()
-                .map(|&(k, w)| w * u[self.entries[k]])
-                .sum::<f64>();
+            let terms = row.iter().map(|&(k, w)| w * u[self.entries[k]]);
+            *closing -= terms.sum::<f64>();
         }
     }
 
@@ -154,11 +145,9 @@ pub(crate) fn mortar_rows(grid: &TensorGrid, faces: &[([usize; 4], [[f64; 2]; 4]
     let mut sums: Vec<(f64, BTreeMap<usize, f64>)> = vec![(0.0, BTreeMap::new()); nx * ny];
     for (nodes, corners) in faces {
         let bounds = |axis: usize| {
-            corners
-                .iter()
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |b, c| {
-                    [b[0].min(c[axis]), b[1].max(c[axis])]
-                })
+            let places = corners.map(|corner| corner[axis]);
+            let low = places.into_iter().fold(f64::INFINITY, f64::min);
+            [low, places.into_iter().fold(f64::NEG_INFINITY, f64::max)]
         };
         let cells = |nodes: &[f64], [low, high]: [f64; 2]| {
             let first = nodes.partition_point(|&v| v <= low).saturating_sub(1);
@@ -180,8 +169,7 @@ pub(crate) fn mortar_rows(grid: &TensorGrid, faces: &[([usize; 4], [[f64; 2]; 4]
                         let s = (at[0] - cell[0]) / (cell[1] - cell[0]);
                         let t = (at[1] - cell[2]) / (cell[3] - cell[2]);
                         for (di, dj) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                            let phi = (if di == 0 { 1.0 - s } else { s })
-                                * (if dj == 0 { 1.0 - t } else { t });
+                            let phi = [1.0 - s, s][di] * [1.0 - t, t][dj];
                             let (total, row) = &mut sums[(j + dj) * nx + i + di];
                             *total += weight * area * phi;
                             for (node, psi) in nodes.iter().zip(psi) {

@@ -2,6 +2,5 @@
 
 pub(crate) mod dense;
 pub(crate) mod factored;
-pub(crate) mod inverse;
 pub(crate) mod mounted;
 pub(crate) mod planewise;

@@ -5,184 +5,167 @@ use kufe_fem::{Axis, BeamModes, FastDiagonal, Material, TensorOperator, to_compo
 use rayon::prelude::*;
 
 use crate::precondition::dense::DenseCholesky;
-use crate::precondition::planewise::{Columns, InverseWork, PlaneBasis, surface_response};
+use crate::precondition::planewise::{Columns, InverseWork, PlaneBasis, Side, surface_response};
 
 /// M^-1 = P^-1 + Z C^-1 Z^T, in the subspace where the clamps hold.
 ///
-/// P is fast diagonalisation, Z the motions of a beam where the body is slender ([`BeamSpace`]),
-/// and the clamps ([`Clamps`]) are places on the body's top that no face of P holds.
+/// P is fast diagonalisation, Z the motions of a beam ([`BeamSpace`]), and the clamps ([`Clamps`])
+/// are places on the body's top that no face of P holds. The contact plane is the lowest one.
 pub(crate) struct MountedInverse {
     fast: FastDiagonal,
     contact: PlaneModes,
     columns: Columns,
-    sign: f64,
     /// Factor by which the true surface response exceeds that of P on a half-space.
     response: f64,
-    beam: Option<BeamSpace>,
-    clamps: Option<Clamps>,
+    beam: BeamSpace,
+    clamps: Clamps,
 }
 
+/// The gap shrinks by this times a vertical displacement of the contact plane.
+const SIGN: f64 = Side::Above.sign();
+
 impl MountedInverse {
-    /// Without beam and clamps; `first` is the x axis of component x where it is not the operator's
-    /// own.
+    /// With the nodes (i, j) of the highest plane that the mount holds, by component; `first` is
+    /// the x axis of component x where it is not the operator's own.
+    ///
+    /// None where the clamps are no independent constraint.
     pub fn new(
         operator: &TensorOperator,
         first: Option<&Axis>,
-        plane: usize,
         columns: Columns,
-        sign: f64,
         material: Material,
-    ) -> Self {
+        beam: BeamSpace,
+        fixed: [Vec<[usize; 2]>; 3],
+    ) -> Option<Self> {
         let fast = FastDiagonal::with_first_axis(operator, first);
-        let contact = PlaneModes::new(&fast, 2, plane);
         let response = surface_response(operator, material);
-        MountedInverse {
+        let top = operator.shape()[2] - 1;
+        Some(MountedInverse {
+            contact: PlaneModes::new(&fast, 2, 0),
+            clamps: Clamps::new(&fast, top, fixed, &beam, [1.0, response])?,
             fast,
-            contact,
             columns,
-            sign,
             response,
-            beam: None,
-            clamps: None,
-        }
-    }
-
-    /// Adds the motions of a beam.
-    pub fn add_beam(&mut self, beam: BeamSpace) {
-        self.beam = Some(beam);
-    }
-
-    /// Fixes entries (component, node (i, j)) of plane `plane`; fails where they are no independent
-    /// constraint.
-    pub fn clamp(&mut self, plane: usize, fixed: [Vec<[usize; 2]>; 3]) -> Option<()> {
-        let factors = [1.0, self.response];
-        self.clamps = Some(Clamps::new(
-            &self.fast,
-            plane,
-            fixed,
-            self.beam.as_ref(),
-            factors,
-        )?);
-        Some(())
+            beam,
+        })
     }
 
     /// Vectors for the methods below.
     pub fn work(&self) -> InverseWork {
         InverseWork {
             intermediate: vec![0.0; self.fast.mode_count()],
-            motion: vec![0.0; self.beam.as_ref().map_or(0, BeamSpace::len)],
+            motion: vec![0.0; self.beam.len()],
             scratch: vec![0.0; self.fast.scratch_len()],
-            by_node: vec![0.0; self.beam.as_ref().map_or(0, BeamSpace::vector_len)],
+            by_node: vec![0.0; self.beam.vector_len],
             sums: Vec::new(),
         }
     }
 
-    /// See [`crate::precondition::inverse::Inverse::begin`].
+    /// See [`crate::bodies::elastic_body::ElasticBody::begin`].
     pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut InverseWork) {
-        let InverseWork {
-            intermediate: modal,
-            motion,
-            scratch,
-            by_node,
-            sums,
-        } = work;
-        self.fast.to_modes(residual, modal, scratch);
+        let modal = &mut work.intermediate;
+        self.fast.to_modes(residual, modal, &mut work.scratch);
         self.fast.divide(modal);
-        if let Some(beam) = &self.beam {
-            beam.project(residual, motion, by_node, sums);
-        }
-        self.hold(modal, motion);
-        self.add_closing(1.0, modal, motion, closing);
+        self.beam.project(residual, work);
+        self.hold(work);
+        self.add_closing(1.0, work, closing);
     }
 
-    /// See [`crate::precondition::inverse::Inverse::finish`].
+    /// See [`crate::bodies::elastic_body::ElasticBody::finish`].
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
-        let InverseWork {
-            intermediate: modal,
-            motion,
-            scratch,
-            by_node,
-            ..
-        } = work;
-        self.take_forces(multipliers, modal, motion);
-        self.hold(modal, motion);
-        self.fast.from_modes(modal, step, scratch);
-        if let Some(beam) = &self.beam {
-            beam.add_motion(&beam.answer(motion), step, by_node);
-        }
+        self.take_forces(multipliers, work);
+        self.hold(work);
+        self.fast
+            .from_modes(&work.intermediate, step, &mut work.scratch);
+        let amplitudes = self.beam.answer(&work.motion);
+        self.beam.add_motion(&amplitudes, step, &mut work.by_node);
     }
 
-    /// See [`crate::precondition::inverse::Inverse::respond`].
+    /// See [`crate::bodies::elastic_body::ElasticBody::respond`].
     pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], work: &mut InverseWork) {
-        let InverseWork {
-            intermediate: modal,
-            motion,
-            ..
-        } = work;
-        modal.fill(0.0);
-        motion.fill(0.0);
-        self.take_forces(forces, modal, motion);
-        self.hold(modal, motion);
-        self.add_closing(-1.0, modal, motion, closing);
+        work.intermediate.fill(0.0);
+        work.motion.fill(0.0);
+        self.take_forces(forces, work);
+        self.hold(work);
+        self.add_closing(-1.0, work, closing);
     }
 
-    /// `closing` += `factor` B u of what modal values and motions of a beam say.
-    fn add_closing(&self, factor: f64, modal: &[f64], motion: &[f64], closing: &mut [f64]) {
-        let trace = self.contact.trace(&self.fast, modal);
-        let amplitudes = self.beam.as_ref().map(|beam| beam.answer(motion));
+    /// `closing` += `factor` B u for the modal values and the motions of the beam in `work`.
+    fn add_closing(&self, factor: f64, work: &InverseWork, closing: &mut [f64]) {
+        let trace = self.contact.trace(&self.fast, &work.intermediate);
+        let amplitudes = self.beam.answer(&work.motion);
         let [nx, ny] = self.columns.count;
         for j in 0..ny {
             for i in 0..nx {
-                let mut value = trace[(i, j)];
-                if let (Some(beam), Some(c)) = (&self.beam, &amplitudes) {
-                    value += beam.on_contact([i, j], c);
-                }
-                closing[self.columns.node([i, j])] += factor * self.sign * value;
+                let value = trace[(i, j)] + self.beam.on_contact([i, j], &amplitudes);
+                closing[self.columns.node([i, j])] += factor * SIGN * value;
             }
         }
     }
 
     /// Takes the forces m on nodes from what an application has gathered: r - B^T m.
-    fn take_forces(&self, multipliers: &[(usize, f64)], modal: &mut [f64], motion: &mut [f64]) {
+    fn take_forces(&self, multipliers: &[(usize, f64)], work: &mut InverseWork) {
         let [nx, ny] = self.columns.count;
         let mut plane = Mat::<f64>::zeros(nx, ny);
         for &(node, m) in multipliers {
             if let Some([i, j]) = self.columns.local(node) {
-                plane[(i, j)] = self.sign * m;
-                if let Some(beam) = &self.beam {
-                    beam.subtract_contact([i, j], self.sign * m, motion);
-                }
+                plane[(i, j)] = SIGN * m;
+                self.beam
+                    .subtract_contact([i, j], SIGN * m, &mut work.motion);
             }
         }
         self.contact
-            .subtract_load(&self.fast, plane.as_ref(), modal);
+            .subtract_load(&self.fast, plane.as_ref(), &mut work.intermediate);
     }
 
     /// Subtracts the clamps' reactions that keep them still.
-    fn hold(&self, modal: &mut [f64], motion: &mut [f64]) {
-        if let Some(clamps) = &self.clamps {
-            clamps.hold(&self.fast, self.beam.as_ref(), modal, motion);
-        }
+    fn hold(&self, work: &mut InverseWork) {
+        let (modal, motion) = (&mut work.intermediate, &mut work.motion);
+        self.clamps.hold(&self.fast, &self.beam, modal, motion);
     }
 
-    /// See [`crate::precondition::inverse::Inverse::green`]; the second one scales P's part to
+    /// See [`crate::bodies::elastic_body::ElasticBody::green`]; the second one scales P's part to
     /// elasticity's response.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         let local = self.columns.all_local(nodes);
         let fast = self.contact.green(&local);
-        let beam = self.beam.as_ref().map(|beam| beam.contact_green(&local));
+        let rows = self.beam.contact_rows(&local);
+        let beam = self.beam.green(&rows, &rows);
         [0, 1].map(|kind| {
             let factor = [1.0, self.response][kind];
             let mut green = faer::Scale(factor) * &fast;
-            if let Some(beam) = &beam {
-                green += beam;
-            }
-            if let Some(clamps) = &self.clamps {
-                let beam = self.beam.as_ref();
-                green -= clamps.share(kind, &self.fast, &self.contact, beam, factor, &local);
-            }
+            green += &beam;
+            green -= self.clamped_share(kind, factor, &local);
             green
         })
+    }
+
+    /// The clamps' reduction of the Green's matrix of contact nodes: X G^-1 X^T, X between those
+    /// and the fixed ones.
+    ///
+    /// `kind` is the number of the scale of P's part, `scale` its value.
+    fn clamped_share(&self, kind: usize, scale: f64, nodes: &[[usize; 2]]) -> Mat<f64> {
+        let clamps = &self.clamps;
+        let vertical = clamps.rows.len() - clamps.fixed[2].len();
+        let table = self.contact.table_with(&clamps.modes[2], &self.fast);
+        let basis = &self.contact.basis;
+        let direct = basis.green_between(table.as_ref(), nodes, &clamps.fixed[2]);
+        let rows: Vec<_> = clamps.rows.iter().collect();
+        let mut cross = self.beam.green(&rows, &self.beam.contact_rows(nodes));
+        for j in 0..nodes.len() {
+            for i in 0..clamps.fixed[2].len() {
+                cross[(vertical + i, j)] += scale * direct[(j, i)];
+            }
+        }
+        // Half of the factor on either side, so that the share is symmetric: Y = L^-1 X^T, share =
+        // Y^T Y.
+        let mut half = cross;
+        faer::linalg::triangular_solve::solve_lower_triangular_in_place(
+            clamps.factors[kind].lower(),
+            half.as_mut(),
+            faer::Par::Seq,
+        );
+        half.transpose() * &half
     }
 }
 
@@ -193,13 +176,13 @@ impl MountedInverse {
 /// With D picking them, the preconditioner in the subspace D z = 0 is M^-1 r = Q^-1 (r - D^T m), G
 /// m = D Q^-1 r, G = D Q^-1 D^T, where Q^-1 = P^-1 + Z C^-1 Z^T knows no clamps. Restricting
 /// stiffness and preconditioner to one subspace keeps their spectral bounds.
-pub(crate) struct Clamps {
+struct Clamps {
     /// The plane's modes by component.
     modes: [PlaneModes; 3],
     /// Fixed nodes (i, j) by component.
     fixed: [Vec<[usize; 2]>; 3],
-    /// Z's rows of the fixed displacements, in their order; none without a beam.
-    rows: Vec<Vec<(usize, f64)>>,
+    /// Z's rows of the fixed displacements, in their order.
+    rows: Vec<Row>,
     /// G as it is, and with P's part scaled to elasticity's response.
     factors: [DenseCholesky; 2],
     /// Nodes along x and y.
@@ -211,82 +194,61 @@ impl Clamps {
     /// each of `scales`.
     ///
     /// None where G is not definite.
-    pub fn new(
+    fn new(
         fast: &FastDiagonal,
         plane: usize,
         fixed: [Vec<[usize; 2]>; 3],
-        beam: Option<&BeamSpace>,
+        beam: &BeamSpace,
         scales: [f64; 2],
     ) -> Option<Self> {
         let modes = [0, 1, 2].map(|c| PlaneModes::new(fast, c, plane));
-        let shape = [0, 1].map(|axis| fast.axis_modes(0, axis).vectors.nrows());
-        let count: usize = fixed.iter().map(Vec::len).sum();
-        let rows: Vec<Vec<(usize, f64)>> = beam.map_or(Vec::new(), |beam| {
-            (0..3)
-                .flat_map(|c| fixed[c].iter().map(move |&node| beam.row(node, plane, c)))
-                .collect()
-        });
-        let mut blocks = Mat::<f64>::zeros(count, count);
+        let rows: Vec<Row> = (0..3)
+            .flat_map(|c| fixed[c].iter().map(move |&node| beam.row(node, plane, c)))
+            .collect();
+        let mut blocks = Mat::<f64>::zeros(rows.len(), rows.len());
         let mut start = 0;
         for (modes, nodes) in modes.iter().zip(&fixed) {
-            let green = modes.green(nodes);
-            for j in 0..nodes.len() {
-                for i in 0..nodes.len() {
-                    blocks[(start + i, start + j)] = green[(i, j)];
-                }
-            }
-            start += nodes.len();
+            let (green, n) = (modes.green(nodes), nodes.len());
+            let mut block = blocks.as_mut().submatrix_mut(start, start, n, n);
+            block.copy_from(&green);
+            start += n;
         }
-        let of_beam = beam.map(|beam| {
-            let rows: Vec<_> = rows.iter().collect();
-            beam.green(&rows, &rows)
-        });
+        let references: Vec<_> = rows.iter().collect();
+        let of_beam = beam.green(&references, &references);
         let factor = |scale: f64| {
             let mut green = faer::Scale(scale) * &blocks;
-            if let Some(beam) = &of_beam {
-                green += beam;
-            }
+            green += &of_beam;
             DenseCholesky::new(&green)
         };
         Some(Clamps {
             factors: [factor(scales[0])?, factor(scales[1])?],
+            shape: [beam.shape[0], beam.shape[1]],
             modes,
             fixed,
             rows,
-            shape,
         })
     }
 
     /// Takes from Q^-1 r, given by its modal values and by Z^T r, the part that moves the fixed
     /// displacements.
-    pub fn hold(
-        &self,
-        fast: &FastDiagonal,
-        beam: Option<&BeamSpace>,
-        modal: &mut [f64],
-        motion: &mut [f64],
-    ) {
+    fn hold(&self, fast: &FastDiagonal, beam: &BeamSpace, modal: &mut [f64], motion: &mut [f64]) {
+        let clamped = || {
+            let components = self.modes.iter().zip(&self.fixed);
+            components.filter(|(_, nodes)| !nodes.is_empty())
+        };
         let mut moved = Vec::new();
-        for (modes, nodes) in self.modes.iter().zip(&self.fixed) {
-            if nodes.is_empty() {
-                continue;
-            }
+        for (modes, nodes) in clamped() {
             let trace = modes.trace(fast, modal);
             moved.extend(nodes.iter().map(|&[i, j]| trace[(i, j)]));
         }
-        if let Some(beam) = beam {
-            let c = beam.answer(motion);
-            for (m, row) in moved.iter_mut().zip(&self.rows) {
-                *m += row.iter().map(|&(k, v)| v * c[k]).sum::<f64>();
-            }
+        let c = beam.answer(motion);
+        for (m, row) in moved.iter_mut().zip(&self.rows) {
+            *m += row.iter().map(|&(k, v)| v * c[k]).sum::<f64>();
         }
         let side = Mat::from_fn(moved.len(), 1, |i, _| moved[i]);
         let reaction = self.factors[0].solve(&side);
         let mut start = 0;
-        for (modes, nodes) in self.modes.iter().zip(&self.fixed) {
-            if nodes.is_empty() {
-                continue;
-            }
+        for (modes, nodes) in clamped() {
             let mut plane = Mat::<f64>::zeros(self.shape[0], self.shape[1]);
             for (k, &[i, j]) in nodes.iter().enumerate() {
                 plane[(i, j)] = reaction[(start + k, 0)];
@@ -300,57 +262,16 @@ impl Clamps {
             }
         }
     }
-
-    /// The clamps' reduction of the Green's matrix of contact nodes: X G^-1 X^T, X between those
-    /// and the fixed ones.
-    ///
-    /// `kind` says which of the scales, `scale` its value.
-    pub fn share(
-        &self,
-        kind: usize,
-        fast: &FastDiagonal,
-        contact: &PlaneModes,
-        beam: Option<&BeamSpace>,
-        scale: f64,
-        nodes: &[[usize; 2]],
-    ) -> Mat<f64> {
-        let count: usize = self.fixed.iter().map(Vec::len).sum();
-        let vertical = count - self.fixed[2].len();
-        let table = contact.table_with(&self.modes[2], fast);
-        let basis = &contact.basis;
-        let direct = basis.green_between(table.as_ref(), nodes, &self.fixed[2]);
-        let mut cross = match beam {
-            Some(beam) => {
-                let rows: Vec<_> = self.rows.iter().collect();
-                beam.green(&rows, &beam.contact_rows(nodes))
-            }
-            None => Mat::zeros(count, nodes.len()),
-        };
-        for j in 0..nodes.len() {
-            for i in 0..self.fixed[2].len() {
-                cross[(vertical + i, j)] += scale * direct[(j, i)];
-            }
-        }
-        // Half of the factor on either side, so that the share is symmetric: Y = L^-1 X^T, share =
-        // Y^T Y.
-        let mut half = cross;
-        faer::linalg::triangular_solve::solve_lower_triangular_in_place(
-            self.factors[kind].lower(),
-            half.as_mut(),
-            faer::Par::Seq,
-        );
-        half.transpose() * &half
-    }
 }
 
 // The modes of one displacement component on one horizontal plane of a body.
 
 /// The modes of one displacement component on one horizontal plane of a body, under the
 /// fast-diagonalisation operator P.
-pub(crate) struct PlaneModes {
+struct PlaneModes {
     /// The displacement component.
     component: usize,
-    pub basis: PlaneBasis,
+    basis: PlaneBasis,
     /// Values of the z modes on the plane.
     z: Vec<f64>,
     /// T, modes of x by modes of y [m/N]: the sum over c of Qz[plane,c]^2 / Lambda_abc.
@@ -359,7 +280,7 @@ pub(crate) struct PlaneModes {
 
 impl PlaneModes {
     /// The modes of displacement component `component` on plane `plane` of the z axis.
-    pub fn new(preconditioner: &FastDiagonal, component: usize, plane: usize) -> Self {
+    fn new(preconditioner: &FastDiagonal, component: usize, plane: usize) -> Self {
         let [x, y, z] = [0, 1, 2].map(|axis| preconditioner.axis_modes(component, axis));
         let values: Vec<f64> = (0..z.values.len()).map(|m| z.vectors[(plane, m)]).collect();
         let mut modes = PlaneModes {
@@ -373,7 +294,7 @@ impl PlaneModes {
     }
 
     /// sum over c of Qz[plane,c] Qz[other plane,c] / Lambda_abc, for two planes of one component.
-    pub fn table_with(&self, other: &PlaneModes, preconditioner: &FastDiagonal) -> Mat<f64> {
+    fn table_with(&self, other: &PlaneModes, preconditioner: &FastDiagonal) -> Mat<f64> {
         assert_eq!(self.component, other.component);
         let [mx, my] = self.basis.mode_shape();
         let inverse = preconditioner.inverse(self.component);
@@ -389,7 +310,7 @@ impl PlaneModes {
     }
 
     /// Displacement on the plane's nodes from a modal vector of the body.
-    pub fn trace(&self, preconditioner: &FastDiagonal, modal: &[f64]) -> Mat<f64> {
+    fn trace(&self, preconditioner: &FastDiagonal, modal: &[f64]) -> Mat<f64> {
         let own = &modal[preconditioner.component_range(self.component)];
         let [mx, my] = self.basis.mode_shape();
         let mut trace = vec![0.0; mx * my];
@@ -403,7 +324,7 @@ impl PlaneModes {
     }
 
     /// Subtracts what P^-1 answers to nodal forces on the plane from a modal vector of the body.
-    pub fn subtract_load(
+    fn subtract_load(
         &self,
         preconditioner: &FastDiagonal,
         nodal: MatRef<'_, f64>,
@@ -424,7 +345,7 @@ impl PlaneModes {
     }
 
     /// G between nodes (i, j) of this plane.
-    pub fn green(&self, nodes: &[[usize; 2]]) -> Mat<f64> {
+    fn green(&self, nodes: &[[usize; 2]]) -> Mat<f64> {
         self.basis.green(self.table.as_ref(), nodes)
     }
 }
@@ -473,43 +394,39 @@ impl BeamSpace {
     }
 
     /// Number of motions.
-    pub fn len(&self) -> usize {
+    fn len(&self) -> usize {
         self.modes.len()
     }
 
-    /// Length of a displacement vector.
-    pub fn vector_len(&self) -> usize {
-        self.vector_len
-    }
-
-    /// c = Z^T r for r by components, through a vector node by node and the sums of tasks.
-    pub fn project(&self, r: &[f64], c: &mut [f64], by_node: &mut [f64], sums: &mut Vec<f64>) {
-        to_nodes(r, by_node);
-        self.modes.project(by_node, c, sums);
+    /// The motions Z^T r of `work`, for r by components.
+    fn project(&self, r: &[f64], work: &mut InverseWork) {
+        to_nodes(r, &mut work.by_node);
+        let motion = &mut work.motion;
+        self.modes.project(&work.by_node, motion, &mut work.sums);
     }
 
     /// C^-1 c.
-    pub fn answer(&self, c: &[f64]) -> Vec<f64> {
+    fn answer(&self, c: &[f64]) -> Vec<f64> {
         let mut out = c.to_vec();
         self.modes.solve(&mut out);
         out
     }
 
     /// `u` += Z c for u by components, through a vector node by node.
-    pub fn add_motion(&self, c: &[f64], u: &mut [f64], by_node: &mut [f64]) {
+    fn add_motion(&self, c: &[f64], u: &mut [f64], by_node: &mut [f64]) {
         to_nodes(u, by_node);
         self.modes.add_motion(c, by_node);
         to_components(by_node, u);
     }
 
     /// Z's row of a component of the node in column (i, j) on plane `plane`.
-    pub fn row(&self, [i, j]: [usize; 2], plane: usize, component: usize) -> Row {
+    fn row(&self, [i, j]: [usize; 2], plane: usize, component: usize) -> Row {
         let [nx, ny] = self.shape;
         self.modes.row((plane * ny + j) * nx + i, component)
     }
 
     /// Vertical displacement of a node of the contact plane.
-    pub fn on_contact(&self, [i, j]: [usize; 2], c: &[f64]) -> f64 {
+    fn on_contact(&self, [i, j]: [usize; 2], c: &[f64]) -> f64 {
         self.contact[j * self.shape[0] + i]
             .iter()
             .map(|&(k, v)| v * c[k])
@@ -517,20 +434,14 @@ impl BeamSpace {
     }
 
     /// `c` -= Z^T of a vertical force on the contact plane.
-    pub fn subtract_contact(&self, [i, j]: [usize; 2], force: f64, c: &mut [f64]) {
+    fn subtract_contact(&self, [i, j]: [usize; 2], force: f64, c: &mut [f64]) {
         for &(k, v) in &self.contact[j * self.shape[0] + i] {
             c[k] -= force * v;
         }
     }
 
-    /// Z C^-1 Z^T between vertical displacements of the contact plane.
-    pub fn contact_green(&self, nodes: &[[usize; 2]]) -> Mat<f64> {
-        let rows = self.contact_rows(nodes);
-        self.green(&rows, &rows)
-    }
-
     /// Z's rows of nodes of the contact plane.
-    pub fn contact_rows(&self, nodes: &[[usize; 2]]) -> Vec<&Row> {
+    fn contact_rows(&self, nodes: &[[usize; 2]]) -> Vec<&Row> {
         nodes
             .iter()
             .map(|[i, j]| &self.contact[j * self.shape[0] + i])
@@ -538,7 +449,7 @@ impl BeamSpace {
     }
 
     /// R C^-1 S^T for rows R and S of Z.
-    pub fn green(&self, left: &[&Row], right: &[&Row]) -> Mat<f64> {
+    fn green(&self, left: &[&Row], right: &[&Row]) -> Mat<f64> {
         let columns: Vec<Vec<f64>> = right
             .par_iter()
             .map(|row| {

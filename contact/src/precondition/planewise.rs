@@ -10,26 +10,29 @@ pub(crate) struct PlanewiseInverse {
     pub preconditioner: PlanewiseDiagonal,
     pub basis: PlaneBasis,
     pub columns: Columns,
-    sign: f64,
+    side: Side,
     /// Factor by which the true surface response exceeds that of P on a half-space.
     pub response: f64,
 }
 
 impl PlanewiseInverse {
-    /// With the contact plane at `end` of z.
+    /// With the contact plane at the end of z that is towards the other body.
     pub fn new(
         operator: &TensorOperator,
-        end: End,
         columns: Columns,
-        sign: f64,
+        side: Side,
         material: Material,
     ) -> Self {
+        let end = match side {
+            Side::Below => End::High,
+            Side::Above => End::Low,
+        };
         let preconditioner = PlanewiseDiagonal::new(operator, end);
         let [x, y] = preconditioner.plane_modes();
         PlanewiseInverse {
             basis: PlaneBasis::new(x, y),
             columns,
-            sign,
+            side,
             response: surface_response(operator, material),
             preconditioner,
         }
@@ -43,14 +46,14 @@ impl PlanewiseInverse {
         }
     }
 
-    /// See [`crate::precondition::inverse::Inverse::begin`].
+    /// See [`crate::bodies::elastic_body::ElasticBody::begin`].
     pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut InverseWork) {
         self.preconditioner.gather(residual, &mut work.intermediate);
         self.add_closing(self.preconditioner.gathered(&work.intermediate), closing);
     }
 
     /// `closing` += B P^-1 r from what the contact plane has gathered of r.
-    pub fn add_closing(&self, gathered: MatRef<'_, f64>, closing: &mut [f64]) {
+    fn add_closing(&self, gathered: MatRef<'_, f64>, closing: &mut [f64]) {
         let response = self.preconditioner.end_response();
         let answer = Mat::from_fn(gathered.nrows(), gathered.ncols(), |a, b| {
             gathered[(a, b)] * response[(a, b)]
@@ -59,20 +62,20 @@ impl PlanewiseInverse {
         let [nx, ny] = self.columns.count;
         for j in 0..ny {
             for i in 0..nx {
-                closing[self.columns.node([i, j])] += self.sign * trace[(i, j)];
+                closing[self.columns.node([i, j])] += self.side.sign() * trace[(i, j)];
             }
         }
     }
 
-    /// See [`crate::precondition::inverse::Inverse::finish`].
+    /// See [`crate::bodies::elastic_body::ElasticBody::finish`].
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
         let intermediate = &mut work.intermediate;
         self.take_forces(multipliers, self.preconditioner.gathered_mut(intermediate));
         self.preconditioner.spread(intermediate, step);
     }
 
-    /// See [`crate::precondition::inverse::Inverse::respond`].
-    pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64]) {
+    /// See [`crate::bodies::elastic_body::ElasticBody::respond`].
+    pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], _: &mut InverseWork) {
         let [mx, my] = self.basis.mode_shape();
         let mut gathered = Mat::<f64>::zeros(mx, my);
         self.take_forces(forces, gathered.as_mut());
@@ -81,7 +84,7 @@ impl PlanewiseInverse {
     }
 
     /// `gathered` -= B^T m for the forces m on nodes.
-    pub fn take_forces(&self, multipliers: &[(usize, f64)], mut gathered: MatMut<'_, f64>) {
+    fn take_forces(&self, multipliers: &[(usize, f64)], mut gathered: MatMut<'_, f64>) {
         let [nx, ny] = self.columns.count;
         let mut plane = Mat::<f64>::zeros(nx, ny);
         for &(node, m) in multipliers {
@@ -90,10 +93,10 @@ impl PlanewiseInverse {
             }
         }
         let load = self.basis.to_modes(plane.as_ref());
-        gathered -= faer::Scale(self.sign) * load;
+        gathered -= faer::Scale(self.side.sign()) * load;
     }
 
-    /// See [`crate::precondition::inverse::Inverse::green`]; the second one is scaled to
+    /// See [`crate::bodies::elastic_body::ElasticBody::green`]; the second one is scaled to
     /// elasticity's response.
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         let local = self.columns.all_local(nodes);
@@ -306,6 +309,15 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
+    /// All columns of a plane of so many nodes along x and along y.
+    pub fn of_plane(count: [usize; 2]) -> Self {
+        Columns {
+            first: [0, 0],
+            count,
+            plane_width: count[0],
+        }
+    }
+
     /// A plane node's column along x and y in this rectangle.
     pub fn local(&self, node: usize) -> Option<[usize; 2]> {
         let i = (node % self.plane_width).checked_sub(self.first[0])?;
@@ -340,7 +352,7 @@ pub(crate) enum Side {
 
 impl Side {
     /// The gap shrinks by this times the vertical displacement.
-    pub fn sign(self) -> f64 {
+    pub const fn sign(self) -> f64 {
         match self {
             Side::Below => 1.0,
             Side::Above => -1.0,

@@ -10,42 +10,50 @@ use crate::{
 const PASCALS: &str = "a positive number of Pa";
 const METRES: &str = "a positive number of m";
 
-/// The ice's material and the gap of a problem that has passed every check before it is solved.
-pub(crate) fn checked<'a>(
-    problem: &'a Problem,
-    options: &Options,
-) -> Result<(Material, Gap<'a>), Error> {
-    let material = check(problem, options)?;
-    let gap = Gap::new(problem)?;
-    capacity(problem)?;
-    Ok((material, gap))
+/// A problem whose numbers are in their ranges, with its options and what its checks derive.
+pub(crate) struct CheckedProblem<'a> {
+    pub problem: &'a Problem,
+    pub options: &'a Options,
+    /// Of the ice.
+    pub material: Material,
+    pub gap: Gap<'a>,
 }
 
-/// Refuses a load that the hull cannot pass on at the stated hardness.
-pub(crate) fn capacity(problem: &Problem) -> Result<(), Error> {
-    let (Load::Force { fz, .. }, Some(hardness)) = (problem.load, problem.ice.hardness) else {
-        return Ok(());
-    };
-    let [x0, x1, y0, y1] = problem.runner.underside.extent();
-    let capacity = hardness * (x1 - x0) * (y1 - y0);
-    if capacity <= fz {
-        Err(Error::LoadExceedsHardness { fz, capacity })
-    } else {
-        Ok(())
+impl<'a> CheckedProblem<'a> {
+    /// Checks the ranges, and the fit of hull, track and load.
+    pub fn new(problem: &'a Problem, options: &'a Options) -> Result<Self, Error> {
+        Ok(CheckedProblem {
+            problem,
+            options,
+            material: check(problem, options)?,
+            gap: Gap::new(problem)?,
+        })
+    }
+
+    /// As [`CheckedProblem::new`], with a load that the hull can pass on at the stated hardness.
+    pub fn bearable(problem: &'a Problem, options: &'a Options) -> Result<Self, Error> {
+        let checked = CheckedProblem::new(problem, options)?;
+        if let (Load::Force { fz, .. }, Some(hardness)) = (problem.load, problem.ice.hardness) {
+            let [x0, x1, y0, y1] = problem.runner.underside.extent();
+            let capacity = hardness * (x1 - x0) * (y1 - y0);
+            if capacity <= fz {
+                return Err(Error::LoadExceedsHardness { fz, capacity });
+            }
+        }
+        Ok(checked)
+    }
+
+    /// Largest pressure that the ice bears [Pa].
+    pub fn hardness(&self) -> f64 {
+        self.problem.ice.hardness.unwrap_or(f64::INFINITY)
     }
 }
 
 /// The ice's material, where every number of the problem is in its range.
-pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Error> {
+fn check(problem: &Problem, options: &Options) -> Result<Material, Error> {
     check_ice(&problem.ice)?;
     let curvature = problem.track_curvature;
-    let expected = "a finite number of 1/m";
-    within(
-        curvature.is_finite(),
-        "track curvature",
-        curvature,
-        expected,
-    )?;
+    finite("track curvature", curvature, "a finite number of 1/m")?;
     check_load(&problem.load)?;
     let [x_low, x_high, y_low, y_high] = problem.runner.underside.extent();
     let (length, width) = (x_high - x_low, y_high - y_low);
@@ -55,20 +63,14 @@ pub(crate) fn check(problem: &Problem, options: &Options) -> Result<Material, Er
         check_elastic(problem, elastic)?;
         check_mount(problem, elastic)?;
     }
-    let tolerance = options.p_max_tolerance;
     let name = "accuracy of the peak pressure";
-    positive(name, tolerance, "a positive number")?;
+    positive(name, options.p_max_tolerance, "a positive number")?;
     let (residual, expected) = (options.residual, "more than 0 and less than 1");
     let usable = residual > 0.0 && residual < 1.0;
     within(usable, "requested residual", residual, expected)?;
     if let Some(cells) = options.cells {
-        let usable = (1..=1000).contains(&cells);
-        within(
-            usable,
-            "cells over half the patch",
-            cells as f64,
-            "1 to 1000",
-        )?;
+        let (usable, name) = ((1..=1000).contains(&cells), "cells over half the patch");
+        within(usable, name, cells as f64, "1 to 1000")?;
     }
     let ice = &problem.ice;
     solid_material("ice material", ice.youngs_modulus, ice.poissons_ratio)
@@ -119,8 +121,11 @@ fn check_load(load: &Load) -> Result<(), Error> {
         }
     };
     for offset in offsets {
-        let (name, expected) = ("offset of the line of action", "a finite number of m");
-        within(offset.is_finite(), name, offset, expected)?;
+        finite(
+            "offset of the line of action",
+            offset,
+            "a finite number of m",
+        )?;
     }
     for tilt in tilts {
         let expected = "at most 0.12 rad either way";
@@ -139,6 +144,10 @@ fn within(
         return Ok(());
     }
     Err(Error::out_of_range(name, value, expected))
+}
+
+fn finite(name: &'static str, value: f64, expected: &'static str) -> Result<(), Error> {
+    within(value.is_finite(), name, value, expected)
 }
 
 pub(crate) fn positive(
@@ -181,16 +190,11 @@ fn check_elastic(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error
     let young = own.map_or(elastic.youngs_modulus, |solid| {
         solid.material().youngs_modulus()
     });
-    within(
-        young >= SOFTEST * problem.ice.youngs_modulus,
-        "runner's Young's modulus",
-        young,
-        "at least 1e-9 of the ice's",
-    )?;
-    let extent = problem.runner.underside.extent();
-    if elastic.solid.is_none() && extent.iter().all(|end| end.is_finite()) {
-        let top = elastic.top;
-        within(top.is_finite(), "runner's top", top, "a finite number of m")?;
+    let stiff = young >= SOFTEST * problem.ice.youngs_modulus;
+    let expected = "at least 1e-9 of the ice's";
+    within(stiff, "runner's Young's modulus", young, expected)?;
+    if elastic.solid.is_none() && problem.runner.is_bounded() {
+        finite("runner's top", elastic.top, "a finite number of m")?;
     }
     match elastic.flank {
         Some(flank) => positive("slope of the runner's flank", flank, "a positive number"),
@@ -205,13 +209,8 @@ fn check_mount(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error> 
     }
     let extent = problem.runner.underside.extent();
     let places = elastic.mount.places();
-    let count = places.len() as f64;
-    within(
-        count > 0.0,
-        "places of the runner's mount",
-        count,
-        "1 or more",
-    )?;
+    let (count, name) = (places.len() as f64, "places of the runner's mount");
+    within(count > 0.0, name, count, "1 or more")?;
     for place in places {
         positive("length of a mount's place", place.length, METRES)?;
         let half = 0.5 * place.length;
@@ -235,12 +234,8 @@ fn check_mount(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error> 
     };
     let sum = |f: &dyn Fn(&LoadedPlace) -> f64| loads.iter().map(f).sum::<f64>();
     let (share, line) = (sum(&|l| l.share), sum(&|l| l.share * l.place.x));
-    within(
-        (share - 1.0).abs() <= 1e-6,
-        "sum of the loads' shares",
-        share,
-        "1",
-    )?;
+    let whole = (share - 1.0).abs() <= 1e-6;
+    within(whole, "sum of the loads' shares", share, "1")?;
     let (name, expected) = ("line of action of the loads", "that of the normal force");
     within((line - offset_x).abs() <= 1e-6, name, line, expected)
 }

@@ -122,6 +122,11 @@ impl Runner {
             elastic: None,
         }
     }
+
+    /// Whether its hull ends along x and y.
+    pub fn is_bounded(&self) -> bool {
+        self.underside.extent().iter().all(|end| end.is_finite())
+    }
 }
 
 /// The elasticity of a runner, its solid and what holds it.

@@ -21,9 +21,9 @@ pub(crate) struct Gap<'a> {
     /// A rotation taken out of g when pitch and roll are free, so that g is level at the line of
     /// action [rad].
     pub levelling: [f64; 2],
-    /// The mirror planes x = 0 and y = 0 that nothing but hull, ice, track and load keeps from
-    /// being used.
-    mirrored: [bool; 2],
+    /// Mirror planes x = 0 and y = 0 to be used where hull, ice and load have them: sliding has
+    /// none across the runner.
+    pub mirrored: [bool; 2],
 }
 
 impl<'a> Gap<'a> {
@@ -85,23 +85,14 @@ impl<'a> Gap<'a> {
         Ok(gap)
     }
 
-    /// The same with no more mirror planes than these: sliding has none across the runner.
-    pub fn mirrored_at_most(mut self, planes: [bool; 2]) -> Self {
-        self.mirrored = planes;
-        self
-    }
-
     /// g at (x, y) [m]; infinite where there is no hull.
     pub fn at(&self, x: f64, y: f64) -> f64 {
         let [x0, y0] = self.line_of_action;
         let pitch = self.fixed_tilt[0] + self.levelling[0];
         let roll = self.fixed_tilt[1] + self.levelling[1];
         let height = self.problem.runner.underside.height(x, y);
-        let ice = self
-            .problem
-            .ice_surface
-            .as_ref()
-            .map_or(0.0, |surface| surface.height(x, y));
+        let surface = self.problem.ice_surface.as_ref();
+        let ice = surface.map_or(0.0, |surface| surface.height(x, y));
         height - ice - track_height(self.problem.track_curvature, x) - pitch * (x - x0)
             + roll * (y - y0)
     }
@@ -135,23 +126,18 @@ impl<'a> Gap<'a> {
     pub fn symmetry(&self) -> [bool; 2] {
         let mut hull = self.problem.runner.underside.mirror_symmetric();
         if let Some(elastic) = &self.problem.runner.elastic {
-            // A mesh from elsewhere is what it is.
             let own = elastic.solid.is_some();
             hull = [
                 hull[0] && !own && elastic.mount.mirror_symmetric(),
                 hull[1] && !own,
             ];
         }
-        let ice = self
-            .problem
-            .ice_surface
-            .as_ref()
-            .map_or([true; 2], |surface| surface.mirror_symmetric());
-        let [x0, y0] = self.line_of_action;
-        [
-            self.mirrored[0] && hull[0] && ice[0] && x0 == 0.0 && self.fixed_tilt[0] == 0.0,
-            self.mirrored[1] && hull[1] && ice[1] && y0 == 0.0 && self.fixed_tilt[1] == 0.0,
-        ]
+        let surface = self.problem.ice_surface.as_ref();
+        let ice = surface.map_or([true; 2], |surface| surface.mirror_symmetric());
+        [0, 1].map(|axis| {
+            let load = self.line_of_action[axis] == 0.0 && self.fixed_tilt[axis] == 0.0;
+            self.mirrored[axis] && hull[axis] && ice[axis] && load
+        })
     }
 
     /// The rotation (pitch, roll) that levels a smooth hull at the line of action; 0 where the hull
@@ -160,26 +146,19 @@ impl<'a> Gap<'a> {
         let [x0, y0] = self.line_of_action;
         let extent = self.problem.runner.underside.extent();
         let symmetric = self.symmetry();
-        let difference = |low: f64, high: f64, step: f64, at: &dyn Fn(f64) -> f64| {
+        let along = |d: f64| self.at(x0 + d, y0);
+        let across = |d: f64| self.at(x0, y0 + d);
+        let slope = |axis: usize, step: f64, at: &dyn Fn(f64) -> f64| {
+            let [low, high] = [0, 1].map(|end| extent[2 * axis + end] - self.line_of_action[axis]);
             let (from, to) = (low.max(-step), high.min(step));
             let slope = (at(to) - at(from)) / (to - from);
-            if slope.is_finite() { slope } else { 0.0 }
+            if symmetric[axis] || !slope.is_finite() {
+                0.0
+            } else {
+                slope
+            }
         };
-        let pitch = if symmetric[0] {
-            0.0
-        } else {
-            difference(extent[0] - x0, extent[1] - x0, 1e-3, &|d| {
-                self.at(x0 + d, y0)
-            })
-        };
-        let roll = if symmetric[1] {
-            0.0
-        } else {
-            -difference(extent[2] - y0, extent[3] - y0, 1e-5, &|d| {
-                self.at(x0, y0 + d)
-            })
-        };
-        [pitch, roll]
+        [slope(0, 1e-3, &along), -slope(1, 1e-5, &across)]
     }
 }
 

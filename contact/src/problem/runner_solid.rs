@@ -17,7 +17,7 @@ use crate::Error;
 /// Cells have incompatible modes, so that thin steel bends. The factor is made once and serves
 /// every mesh of the ice.
 pub struct RunnerSolid {
-    body: Body,
+    pub(crate) body: Body,
     pub(crate) stiffness: BlockMatrix,
     pub(crate) map: DofMap,
     pub(crate) factor: Factor,
@@ -104,11 +104,6 @@ impl RunnerSolid {
         self.body.mesh()
     }
 
-    /// The hexahedra.
-    pub(crate) fn body(&self) -> &Body {
-        &self.body
-    }
-
     /// Young's modulus and Poisson's ratio.
     pub(crate) fn material(&self) -> Material {
         self.body.sections()[0].material
@@ -116,22 +111,14 @@ impl RunnerSolid {
 
     /// The underside as triangles, for a smooth surface through its nodes.
     pub fn underside(&self) -> Hull {
-        let number: HashMap<usize, u32> = self
-            .surface
-            .iter()
-            .enumerate()
-            .map(|(k, &node)| (node, k as u32))
-            .collect();
+        let number = |node: usize| self.surface.partition_point(|&s| s < node) as u32;
         let triangles = self.faces.iter().flat_map(|face| {
-            let [a, b, c, d] = face.map(|node| number[&node]);
+            let [a, b, c, d] = face.map(number);
             [[a, b, c], [a, c, d]]
         });
+        let nodes = self.surface.iter();
         Hull {
-            positions: self
-                .surface
-                .iter()
-                .map(|&node| self.mesh().points[node])
-                .collect(),
+            positions: nodes.map(|&node| self.mesh().points[node]).collect(),
             triangles: triangles.collect(),
         }
     }
@@ -148,10 +135,11 @@ impl RunnerSolid {
         for (face, &height) in self.faces.iter().zip(&self.heights) {
             let ends = [0, 1].map(|axis| {
                 let at = face.map(|node| self.mesh().points[node][axis]);
-                at.iter()
-                    .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &x| {
-                        [low.min(x), high.max(x)]
-                    })
+                [
+                    at.into_iter().reduce(f64::min),
+                    at.into_iter().reduce(f64::max),
+                ]
+                .map(|end| end.unwrap_or(f64::NAN))
             });
             let middle = ends.map(|[low, high]| 0.5 * (low + high));
             if (x[0]..=x[1]).contains(&middle[0]) && (y[0]..=y[1]).contains(&middle[1]) {
@@ -167,15 +155,10 @@ impl RunnerSolid {
     /// Vertical displacements of the underside's nodes, in the order of `surface`, under 1 N
     /// upwards on each of `nodes` [m/N].
     pub(crate) fn responses(&self, nodes: &[usize]) -> Vec<Vec<f64>> {
-        let mut known = self
-            .responses
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        let missing: Vec<usize> = nodes
-            .iter()
-            .copied()
-            .filter(|node| !known.contains_key(node))
-            .collect();
+        let known = self.responses.lock();
+        let mut known = known.unwrap_or_else(PoisonError::into_inner);
+        let missing = nodes.iter().filter(|node| !known.contains_key(node));
+        let missing: Vec<usize> = missing.copied().collect();
         let free = self.map.free_count();
         for batch in missing.chunks(BATCH) {
             let mut sides = vec![0.0; free * batch.len()];
@@ -186,11 +169,8 @@ impl RunnerSolid {
             }
             self.factor.solve(&mut sides);
             for (column, &node) in sides.chunks_exact(free).zip(batch) {
-                let vertical = |&node: &usize| {
-                    self.map
-                        .index(3 * node + 2)
-                        .map_or(0.0, |index| column[index])
-                };
+                let index = |node: usize| self.map.index(3 * node + 2);
+                let vertical = |&node: &usize| index(node).map_or(0.0, |index| column[index]);
                 known.insert(node, self.surface.iter().map(vertical).collect());
             }
         }

@@ -1,6 +1,7 @@
 //! From nodal forces to pressures, and from pressures to the figures of a contact.
 
 use crate::result::rim::{RimEstimator, chords};
+use crate::symmetry::copies;
 
 /// A pressure field on the graded nodes of the contact plane, x fastest, with the mirror planes it
 /// ends at.
@@ -22,7 +23,7 @@ pub(crate) struct PressureField<'a> {
 }
 
 /// What the line of an index holds, by its chords.
-pub(super) type LineValue<'a> = dyn Fn(usize, &[[f64; 2]]) -> f64 + 'a;
+type LineValue<'a> = dyn Fn(usize, &[[f64; 2]]) -> f64 + 'a;
 
 /// Pressures from this part of the hardness on are the hardness but for rounding.
 pub(crate) const ROUNDED: f64 = 1.0 - 1e-9;
@@ -78,96 +79,70 @@ impl PressureField<'_> {
     /// % high in the median; by shape alone it is 1.3 % low.
     pub fn figures(&self, pressure: &[f64]) -> Figures {
         let lines = self.lines(pressure, RimEstimator::Shape);
-        let [area, length, width] = self.extents_of(&lines);
+        let by_shape = self.extents_of(&lines);
         let by_load = self.extents(pressure, RimEstimator::Load);
-        let off = |a: f64, b: f64| (a - b).abs();
-        if !pressure.iter().any(|&p| p >= self.bound()) {
-            let mean = |a: f64, b: f64| 0.5 * (a + b);
-            return Figures {
-                p_max: self.peak(pressure),
-                area: mean(area, by_load[0]),
-                length: mean(length, by_load[1]),
-                width: mean(width, by_load[2]),
-                off: [
-                    0.5 * off(area, by_load[0]),
-                    off(length, by_load[1]),
-                    off(width, by_load[2]),
-                ],
-            };
-        }
-        let excess = self.excess_area(pressure, &lines);
-        // Rims below the cell reduce the error: the areas of 180 contacts had errors of up to 0.86
-        // times half of it.
-        let share = if self.gap.is_some() { 0.5 } else { 1.0 };
-        let part = if area > 0.0 { excess / area } else { 0.0 };
-        let [too_long, too_wide] = [0, 1].map(|axis| self.too_far(axis, pressure, &lines, part));
+        let apart = [0, 1, 2].map(|k| (by_shape[k] - by_load[k]).abs());
+        let ([area, length, width], off) = if pressure.iter().any(|&p| p >= self.bound()) {
+            let excess = self.excess_area(pressure, &lines);
+            // Rims below the cell reduce the error: the areas of 180 contacts had errors of up to
+            // 0.86 times half of it.
+            let share = if self.gap.is_some() { 0.5 } else { 1.0 };
+            let [area, ..] = by_shape;
+            let part = if area > 0.0 { excess / area } else { 0.0 };
+            let [long, wide] = [0, 1].map(|axis| self.too_far(axis, pressure, &lines, part));
+            let excess = [(excess, share), (long, 1.0), (wide, 1.0)];
+            (
+                [0, 1, 2].map(|k| by_shape[k] - excess[k].0),
+                [0, 1, 2].map(|k| apart[k].max(excess[k].1 * excess[k].0.abs())),
+            )
+        } else {
+            (
+                [0, 1, 2].map(|k| 0.5 * (by_shape[k] + by_load[k])),
+                [0.5 * apart[0], apart[1], apart[2]],
+            )
+        };
         Figures {
             p_max: self.peak(pressure),
-            area: area - excess,
-            length: length - too_long,
-            width: width - too_wide,
-            off: [
-                off(area, by_load[0]).max(share * excess.abs()),
-                off(length, by_load[1]).max(too_long.abs()),
-                off(width, by_load[2]).max(too_wide.abs()),
-            ],
+            area,
+            length,
+            width,
+            off,
         }
     }
 
     /// What lines, each by its chords, make over the contact: the mean of columns (`of` first) and
     /// rows.
-    pub(super) fn integral(
-        &self,
-        columns: &[Vec<[f64; 2]>],
-        rows: &[Vec<[f64; 2]>],
-        of: [&LineValue; 2],
-    ) -> f64 {
-        let lines = |chords: &[Vec<[f64; 2]>], of: &LineValue| {
+    fn integral(&self, Lines { columns, rows }: &Lines, of: [&LineValue; 2]) -> f64 {
+        let values = |chords: &[Vec<[f64; 2]>], of: &LineValue| {
             let values = chords.iter().enumerate().map(|(k, line)| of(k, line));
             values.collect::<Vec<f64>>()
         };
-        let by_columns = area(self.x, &lines(columns, of[0]), rows);
-        let by_rows = area(self.y, &lines(rows, of[1]), columns);
-        0.5 * (by_columns + by_rows) * self.copies()
-    }
-
-    /// How often mirror planes repeat the field.
-    pub(super) fn copies(&self) -> f64 {
-        let of = |&mirrored: &bool| if mirrored { 2.0 } else { 1.0 };
-        self.symmetry.iter().map(of).product()
+        let by_columns = area(self.x, &values(columns, of[0]), rows);
+        let by_rows = area(self.y, &values(rows, of[1]), columns);
+        0.5 * (by_columns + by_rows) * copies(self.symmetry)
     }
 
     /// Contact intervals of every line across (one for each x).
     pub fn chords_across(&self, pressure: &[f64], by: RimEstimator) -> Vec<Vec<[f64; 2]>> {
         let nx = self.x.len();
-        (0..nx)
-            .map(|i| {
-                let column = |of: &[f64]| -> Vec<f64> {
-                    (0..self.y.len()).map(|j| of[j * nx + i]).collect()
-                };
-                let gap = self.gap.as_deref().map(column);
-                chords(
-                    self.y,
-                    &column(pressure),
-                    gap.as_deref(),
-                    (self.bound(), self.symmetry[1]),
-                    by,
-                )
-            })
-            .collect()
+        let end = (self.bound(), self.symmetry[1]);
+        let line = |i: usize| {
+            let column = |of: &[f64]| of.iter().skip(i).step_by(nx).copied().collect::<Vec<f64>>();
+            let gap = self.gap.as_deref().map(column);
+            chords(self.y, &column(pressure), gap.as_deref(), end, by)
+        };
+        (0..nx).map(line).collect()
     }
 
     /// Contact intervals of every line along (one for each y).
     pub fn chords_along(&self, pressure: &[f64], by: RimEstimator) -> Vec<Vec<[f64; 2]>> {
         let nx = self.x.len();
-        pressure
-            .chunks_exact(nx)
-            .enumerate()
-            .map(|(j, row)| {
-                let gap = self.gap.as_ref().map(|gap| &gap[j * nx..(j + 1) * nx]);
-                chords(self.x, row, gap, (self.bound(), self.symmetry[0]), by)
-            })
-            .collect()
+        let end = (self.bound(), self.symmetry[0]);
+        let line = |(j, row): (usize, &[f64])| {
+            let gap = self.gap.as_ref().map(|gap| &gap[j * nx..(j + 1) * nx]);
+            chords(self.x, row, gap, end, by)
+        };
+        pressure.chunks_exact(nx).enumerate().map(line).collect()
     }
 
     /// The largest pressure: at a node, raised by the vertex of the parabola through its neighbours
@@ -185,7 +160,8 @@ impl PressureField<'_> {
     }
 }
 
-/// Neighbours' distances and values around node `k`; a mirror plane continues the field evenly.
+/// Neighbours' distances and pressures around node `k`; a mirror plane continues the field evenly.
+/// `None` where one of them is not in contact.
 fn neighbours(
     nodes: &[f64],
     k: usize,
@@ -196,11 +172,12 @@ fn neighbours(
         return None;
     }
     let above = [nodes[k + 1] - nodes[k], value(k + 1)];
-    match k {
-        0 if symmetric => Some([above, above]),
-        0 => None,
-        _ => Some([[nodes[k] - nodes[k - 1], value(k - 1)], above]),
-    }
+    let below = match k {
+        0 if symmetric => above,
+        0 => return None,
+        _ => [nodes[k] - nodes[k - 1], value(k - 1)],
+    };
+    (below[1] > 0.0 && above[1] > 0.0).then_some([below, above])
 }
 
 /// Slope and curvature at a node from its neighbours.
@@ -215,29 +192,21 @@ pub(crate) fn differences([[h0, p0], [h1, p1]]: [[f64; 2]; 2], here: f64) -> (f6
 /// m1 p' + m2 p'' / 2 of the hat function at node `k`; 0 at the rim, where the pressure is not
 /// smooth.
 fn moment_share(nodes: &[f64], k: usize, symmetric: bool, value: impl Fn(usize) -> f64) -> f64 {
-    match neighbours(nodes, k, symmetric, &value) {
-        Some(sides) if sides[0][1] > 0.0 && sides[1][1] > 0.0 => {
-            let [h0, h1] = [sides[0][0], sides[1][0]];
-            let (slope, curvature) = differences(sides, value(k));
-            let first = (h1 - h0) / 3.0;
-            let second = (h0.powi(3) + h1.powi(3)) / (6.0 * (h0 + h1));
-            first * slope + 0.5 * second * curvature
-        }
-        _ => 0.0,
-    }
+    let Some(sides) = neighbours(nodes, k, symmetric, &value) else {
+        return 0.0;
+    };
+    let [h0, h1] = [sides[0][0], sides[1][0]];
+    let (slope, curvature) = differences(sides, value(k));
+    let first = (h1 - h0) / 3.0;
+    let second = (h0.powi(3) + h1.powi(3)) / (6.0 * (h0 + h1));
+    first * slope + 0.5 * second * curvature
 }
 
 /// How far the parabola through three nodes rises above the middle one.
 fn vertex_rise(nodes: &[f64], k: usize, symmetric: bool, value: impl Fn(usize) -> f64) -> f64 {
-    match neighbours(nodes, k, symmetric, &value) {
-        Some(sides) if sides[0][1] > 0.0 && sides[1][1] > 0.0 => {
-            let (slope, curvature) = differences(sides, value(k));
-            if curvature < 0.0 {
-                -0.5 * slope * slope / curvature
-            } else {
-                0.0
-            }
-        }
+    let sides = neighbours(nodes, k, symmetric, &value);
+    match sides.map(|sides| differences(sides, value(k))) {
+        Some((slope, curvature)) if curvature < 0.0 => -0.5 * slope * slope / curvature,
         _ => 0.0,
     }
 }
@@ -252,10 +221,8 @@ fn area(nodes: &[f64], lines: &[f64], crossing: &[Vec<[f64; 2]>]) -> f64 {
         if here <= 0.0 {
             continue;
         }
-        for next in [i.checked_sub(1), Some(i + 1).filter(|&n| n < nodes.len())]
-            .into_iter()
-            .flatten()
-        {
+        let after = Some(i + 1).filter(|&n| n < nodes.len());
+        for next in [i.checked_sub(1), after].into_iter().flatten() {
             let there = lines[next];
             if there > 0.0 {
                 // Each interval is met from both of its ends.
@@ -278,11 +245,8 @@ pub(crate) fn mean_of_root(a: f64, b: f64) -> f64 {
 /// out of it.
 fn tip(last: f64, outside: f64, crossing: &[Vec<[f64; 2]>]) -> f64 {
     let (low, high) = (last.min(outside), last.max(outside));
-    let ends = crossing
-        .iter()
-        .flatten()
-        .flatten()
-        .filter(|e| (low..=high).contains(*e));
+    let ends = crossing.iter().flatten().flatten();
+    let ends = ends.filter(|e| (low..=high).contains(*e));
     let farthest = ends.map(|e| (e - last).abs()).fold(0.0, f64::max);
     let reach = if farthest > 0.0 {
         farthest
@@ -292,11 +256,11 @@ fn tip(last: f64, outside: f64, crossing: &[Vec<[f64; 2]>]) -> f64 {
     last + reach * (outside - last).signum()
 }
 
-// How far a contact reaches: area, length and width, and what its load says of them where the ice
+// Extents of a contact: area, length and width, and how its load corrects them where the ice
 // yields up to its rim.
 
 /// Contact intervals of all lines of nodes.
-pub(crate) struct Lines {
+struct Lines {
     /// Of those across, one for each x.
     columns: Vec<Vec<[f64; 2]>>,
     /// Of those along, one for each y.
@@ -326,7 +290,7 @@ impl Lines {
 
 impl PressureField<'_> {
     /// Contact intervals of all lines, with ends by this estimator.
-    pub(super) fn lines(&self, pressure: &[f64], by: RimEstimator) -> Lines {
+    fn lines(&self, pressure: &[f64], by: RimEstimator) -> Lines {
         Lines {
             columns: self.chords_across(pressure, by),
             rows: self.chords_along(pressure, by),
@@ -339,7 +303,7 @@ impl PressureField<'_> {
     }
 
     /// The same from its lines.
-    pub(super) fn extents_of(&self, lines: &Lines) -> [f64; 3] {
+    fn extents_of(&self, lines: &Lines) -> [f64; 3] {
         let extent = |axis: usize| {
             let ends = [false, true].map(|last| lines.outermost(axis, last));
             match ends {
@@ -349,7 +313,7 @@ impl PressureField<'_> {
             }
         };
         let of = |_: usize, chords: &[[f64; 2]]| chords.iter().map(|c| c[1] - c[0]).sum();
-        let area = self.integral(&lines.columns, &lines.rows, [&of; 2]);
+        let area = self.integral(lines, [&of; 2]);
         [area, extent(0), extent(1)]
     }
 
@@ -358,7 +322,7 @@ impl PressureField<'_> {
     /// A pressure that falls from the hardness H to 0 within a cell leaves its rim known to a part
     /// of that cell. But what the pressures up to these rims would bear, Q, is more than the force
     /// F by H for each area too much, and by nothing where pressures go to 0 at a rim: (Q - F) / H.
-    pub(super) fn excess_area(&self, pressure: &[f64], lines: &Lines) -> f64 {
+    fn excess_area(&self, pressure: &[f64], lines: &Lines) -> f64 {
         let nx = self.x.len();
         let (bound, yielding) = (self.bound(), &self.yielding_to_the_rim(pressure));
         let across = |i: usize, chords: &[[f64; 2]]| {
@@ -369,15 +333,14 @@ impl PressureField<'_> {
             let line = |i: usize| yielding[j * nx + i];
             chords.iter().map(|c| borne(self.x, line, *c, bound)).sum()
         };
-        let of: [&LineValue; 2] = [&across, &along];
-        let within = self.integral(&lines.columns, &lines.rows, of);
-        (within - self.copies() * self.force.iter().sum::<f64>()) / self.hardness
+        let within = self.integral(lines, [&across, &along]);
+        (within - copies(self.symmetry) * self.force.iter().sum::<f64>()) / self.hardness
     }
 
     /// What the length or the width is too large by where the area is by `part` of itself: half of
     /// that part of the stretch at either end, if the ice yields there; ends where the pressure
     /// goes to 0 stay [m].
-    pub(super) fn too_far(&self, axis: usize, pressure: &[f64], lines: &Lines, part: f64) -> f64 {
+    fn too_far(&self, axis: usize, pressure: &[f64], lines: &Lines, part: f64) -> f64 {
         let mirrored = self.symmetry[axis];
         let end = |last: bool| {
             let Some((line, [low, high])) = lines.outermost(axis, last) else {

@@ -38,7 +38,10 @@ impl<'a> Field<'a> {
     }
 
     /// Its pressures, to be read line by line.
-    pub fn pressure_field<'b>(&'b self, state: &'b State) -> PressureField<'b> {
+    pub fn pressure_field<'b>(&self, state: &'b State) -> PressureField<'b>
+    where
+        'a: 'b,
+    {
         let [along, across] = &self.mesh.contact.lumped;
         PressureField {
             x: &self.mesh.grid.x,
@@ -82,12 +85,9 @@ impl<'a> Field<'a> {
         (0..gap.len()).filter(|&n| state.force[n] > 0.0).any(|n| {
             let left = (n % nx > 0).then(|| n - 1);
             let right = (n % nx + 1 < nx).then_some(n + 1);
-            let below = n.checked_sub(nx);
-            let above = (n + nx < gap.len()).then_some(n + nx);
-            [left, right, below, above]
-                .into_iter()
-                .flatten()
-                .any(|n| gap[n].is_infinite())
+            let next = [left, right, n.checked_sub(nx), Some(n + nx)];
+            let mut gaps = next.into_iter().flatten().filter_map(|n| gap.get(n));
+            gaps.any(|gap| gap.is_infinite())
         })
     }
 
@@ -112,7 +112,7 @@ impl<'a> Field<'a> {
     }
 }
 
-/// The patch that a pressure field covers, and how fine it wants to be resolved.
+/// The patch that a pressure field covers, with the cell sizes that resolve it.
 ///
 /// Sizes start from those of `before`, the patch that the mesh was made for. Where the contact ends
 /// at the hull's own sharp `edge` the pressure is singular, no mesh resolves it, and the sizes stay
@@ -125,23 +125,16 @@ fn found_patch(
     edge: bool,
 ) -> Patch {
     let nx = field.x.len();
-    let mut x = merged(
-        field.chords_along(pressure, RimEstimator::Cells),
-        field.symmetry[0],
-    );
-    let mut y = merged(
-        field.chords_across(pressure, RimEstimator::Cells),
-        field.symmetry[1],
-    );
+    let along = field.chords_along(pressure, RimEstimator::Cells);
+    let across = field.chords_across(pressure, RimEstimator::Cells);
+    let mut x = merged(along, field.symmetry[0]);
+    let mut y = merged(across, field.symmetry[1]);
     let last = y.pop().unwrap_or_else(|| before.y.clone());
     let mut y = Stretch::even(y.first().map_or(last.low, |first| first.low), last.high);
-    let highest_at_x: Vec<f64> = (0..nx)
-        .map(|i| highest(pressure.iter().skip(i).step_by(nx)))
-        .collect();
-    let highest_at_y: Vec<f64> = pressure
-        .chunks_exact(nx)
-        .map(|row| highest(row.iter()))
-        .collect();
+    let highest_at_x = (0..nx).map(|i| highest(pressure.iter().skip(i).step_by(nx)));
+    let highest_at_x: Vec<f64> = highest_at_x.collect();
+    let highest_at_y = pressure.chunks_exact(nx).map(|row| highest(row.iter()));
+    let highest_at_y: Vec<f64> = highest_at_y.collect();
     let bound = field.bound();
     for stretch in &mut x {
         if let Some(same) = before.x.iter().find(|s| s.meets(stretch)) {
@@ -181,13 +174,11 @@ fn merged(chords: Vec<Vec<[f64; 2]>>, symmetric: bool) -> Vec<Stretch> {
     all.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut merged: Vec<[f64; 2]> = Vec::new();
     for stretch in all {
+        let length = |of: &[f64; 2]| of[1] - of[0];
+        let near =
+            |last: &[f64; 2]| stretch[0] - last[1] < 0.2 * length(&stretch).max(length(last));
         match merged.last_mut() {
-            Some(last)
-                if stretch[0] - last[1]
-                    < 0.2 * (stretch[1] - stretch[0]).max(last[1] - last[0]) =>
-            {
-                last[1] = last[1].max(stretch[1]);
-            }
+            Some(last) if near(last) => last[1] = last[1].max(stretch[1]),
             _ => merged.push(stretch),
         }
     }

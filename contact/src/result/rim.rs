@@ -25,6 +25,13 @@ pub(crate) fn chords(
     (bound, symmetric): (f64, bool),
     by: RimEstimator,
 ) -> Vec<[f64; 2]> {
+    let line = Line {
+        nodes,
+        pressure,
+        gap: gap.unwrap_or(&[]),
+        bound,
+        symmetric,
+    };
     let mut found = Vec::new();
     let mut i = 0;
     while i < nodes.len() {
@@ -36,62 +43,7 @@ pub(crate) fn chords(
         while i + 1 < nodes.len() && pressure[i + 1] > 0.0 {
             i += 1;
         }
-        let last = i;
-        let at = |k: usize| (nodes[k], pressure[k]);
-        let open = |k: usize| Some((*nodes.get(k)?, *gap?.get(k)?));
-        let below = [1, 2].map(|k| first.checked_sub(k).and_then(open));
-        let above = [1, 2].map(|k| open(last + k));
-        let before = first.checked_sub(1).map_or(nodes[first], |o| nodes[o]);
-        let after = nodes.get(last + 1).copied().unwrap_or(nodes[last]);
-        let half_way = [0.5 * (nodes[first] + before), 0.5 * (nodes[last] + after)];
-        let cut = first == 0 && symmetric;
-        let upwards: Vec<(f64, f64)> = (first..=last).take(4).map(at).collect();
-        let downwards: Vec<(f64, f64)> = (first..=last).rev().take(4).map(at).collect();
-        let line = Line {
-            nodes,
-            pressure,
-            gap: gap.unwrap_or(&[]),
-            bound,
-            symmetric,
-        };
-        let outside_of = |inside: [usize; 2], open: [Option<(f64, f64)>; 2], outwards: isize| {
-            let full = inside.map(|k| pressure[k] >= bound);
-            if by == RimEstimator::Cells && full[0] {
-                return None;
-            }
-            let jumps = by != RimEstimator::Cells && full[1];
-            let by_gap = rim_by_gap(inside.map(at), open, (!jumps).then_some(bound));
-            let yields =
-                (by != RimEstimator::Cells).then(|| line.rim_of_yielding(inside[0], outwards));
-            let farther = |a: f64, b: f64| if outwards < 0 { a.min(b) } else { a.max(b) };
-            by_gap.into_iter().chain(yields.flatten()).reduce(farther)
-        };
-        let low = if cut {
-            nodes[0]
-        } else {
-            let end = match by {
-                RimEstimator::Shape => rim_by_shape(&upwards, before, bound),
-                RimEstimator::Load | RimEstimator::Cells if last > first + 2 => {
-                    rim_by_load(&upwards, before, |_| half_way[1], bound)
-                }
-                RimEstimator::Load | RimEstimator::Cells => None,
-            };
-            end.or_else(|| outside_of([first, (first + 1).min(last)], below, -1))
-                .unwrap_or(half_way[0])
-        };
-        let other = |x: f64| if cut { 2.0 * nodes[0] - x } else { half_way[0] };
-        let end = match by {
-            RimEstimator::Shape => rim_by_shape(&downwards, after, bound),
-            RimEstimator::Load | RimEstimator::Cells if cut || last > first + 2 => {
-                rim_by_load(&downwards, after, other, bound)
-            }
-            RimEstimator::Load | RimEstimator::Cells => None,
-        };
-        let next = last.saturating_sub(1).max(first);
-        let high = end
-            .or_else(|| outside_of([last, next], above, 1))
-            .unwrap_or(half_way[1]);
-        found.push([low, high]);
+        found.push([0, 1].map(|side| line.end([first, i], side, by)));
         i += 1;
     }
     found
@@ -261,6 +213,65 @@ struct Line<'a> {
 }
 
 impl Line<'_> {
+    /// The lower (`side` 0) or upper end of the stretch of the nodes `first` to `last`.
+    fn end(&self, [first, last]: [usize; 2], side: usize, by: RimEstimator) -> f64 {
+        let nodes = self.nodes;
+        let cut = first == 0 && self.symmetric;
+        if cut && side == 0 {
+            return nodes[0];
+        }
+        let before = first.checked_sub(1).map_or(nodes[first], |o| nodes[o]);
+        let after = nodes.get(last + 1).copied().unwrap_or(nodes[last]);
+        let half_way = [0.5 * (nodes[first] + before), 0.5 * (nodes[last] + after)];
+        // From the outermost node inwards, and outwards.
+        let inside: Vec<usize> = match side {
+            0 => (first..=last).take(4).collect(),
+            _ => (first..=last).rev().take(4).collect(),
+        };
+        let outwards = [-1, 1][side];
+        let at = |k: usize| (nodes[k], self.pressure[k]);
+        let shape: Vec<(f64, f64)> = inside.iter().map(|&k| at(k)).collect();
+        let outside = [before, after][side];
+        let opposite = |x: f64| {
+            if cut {
+                2.0 * nodes[0] - x
+            } else {
+                half_way[1 - side]
+            }
+        };
+        let found = match by {
+            RimEstimator::Shape => rim_by_shape(&shape, outside, self.bound),
+            RimEstimator::Load | RimEstimator::Cells if cut || last > first + 2 => {
+                rim_by_load(&shape, outside, opposite, self.bound)
+            }
+            RimEstimator::Load | RimEstimator::Cells => None,
+        };
+        let outermost = [inside[0], inside.get(1).copied().unwrap_or(inside[0])];
+        found
+            .or_else(|| self.end_by_gap(outermost, outwards, by))
+            .unwrap_or(half_way[side])
+    }
+
+    /// The end outside the outermost node of a stretch, `inside` with the next one, by the gap or
+    /// where the ice ceases to yield, if that is farther out.
+    fn end_by_gap(&self, inside: [usize; 2], outwards: isize, by: RimEstimator) -> Option<f64> {
+        let full = inside.map(|k| self.pressure[k] >= self.bound);
+        let cells = by == RimEstimator::Cells;
+        if cells && full[0] {
+            return None;
+        }
+        let jumps = !cells && full[1];
+        let open = [1, 2].map(|k| {
+            let k = inside[0].checked_add_signed(k * outwards)?;
+            Some((*self.nodes.get(k)?, *self.gap.get(k)?))
+        });
+        let at = |k: usize| (self.nodes[k], self.pressure[k]);
+        let by_gap = rim_by_gap(inside.map(at), open, (!jumps).then_some(self.bound));
+        let yields = (!cells).then(|| self.rim_of_yielding(inside[0], outwards));
+        let farther = |a: f64, b: f64| if outwards < 0 { a.min(b) } else { a.max(b) };
+        by_gap.into_iter().chain(yields.flatten()).reduce(farther)
+    }
+
     /// Where the ice ceases to yield outside `end`, the outermost node in contact; `None` where
     /// neither it nor the next one within bears all it can.
     ///

@@ -103,8 +103,8 @@ pub struct Iterate {
     pub p_max: f64,
     /// Projected SOR sweeps since the last update.
     pub sweeps: usize,
-    /// Accelerations since the last update: on the contact plane, and the iterations on this set. By
-    /// boundary elements, the contact sets whose equations were solved.
+    /// Accelerations since the last update: on the contact plane, and the iterations on this set.
+    /// By boundary elements, the contact sets whose equations were solved.
     pub accelerations: usize,
     /// Complementary energy of the contact forces accepted so far, which falls from update to
     /// update of a mesh: at the solution minus the total potential energy, with the load's work

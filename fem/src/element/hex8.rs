@@ -176,20 +176,19 @@ pub fn strain_displacement(corners: &Corners, xi: [f64; 3]) -> [[f64; 24]; 6] {
     b
 }
 
-/// Adds `weight` times the stiffness density of two scalar functions with gradients `ga` and `gb`
-/// to a 3 x 3 block: K_ij = lambda ga_i gb_j + mu ga_j gb_i + mu (ga . gb) delta_ij.
+/// Adds the stiffness density of two scalar functions with gradients `ga` and `gb`, for Lame
+/// constants times a point's weight, to a 3 x 3 block: K_ij = lambda ga_i gb_j + mu ga_j gb_i + mu
+/// (ga . gb) delta_ij.
 #[inline]
 pub(crate) fn add_block(
     block: &mut [[f64; 3]; 3],
-    ga: [f64; 3],
-    gb: [f64; 3],
-    weighted_lambda: f64,
-    weighted_mu: f64,
+    [ga, gb]: [[f64; 3]; 2],
+    [lambda, mu]: [f64; 2],
 ) {
-    let dot = weighted_mu * (ga[0] * gb[0] + ga[1] * gb[1] + ga[2] * gb[2]);
+    let dot = mu * (ga[0] * gb[0] + ga[1] * gb[1] + ga[2] * gb[2]);
     for i in 0..3 {
         for j in 0..3 {
-            block[i][j] += weighted_lambda * ga[i] * gb[j] + weighted_mu * ga[j] * gb[i];
+            block[i][j] += lambda * ga[i] * gb[j] + mu * ga[j] * gb[i];
         }
         block[i][i] += dot;
     }
@@ -233,13 +232,8 @@ pub fn stiffness(corners: &Corners, material: Material) -> ElementMatrix {
         let (g, determinant) = gradients(corners, xi);
         for a in 0..8 {
             for b in a..8 {
-                add_block(
-                    &mut blocks[a][b],
-                    g[a],
-                    g[b],
-                    lambda * determinant,
-                    mu * determinant,
-                );
+                let moduli = [lambda * determinant, mu * determinant];
+                add_block(&mut blocks[a][b], [g[a], g[b]], moduli);
             }
         }
     }

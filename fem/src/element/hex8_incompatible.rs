@@ -43,14 +43,8 @@ impl Uncondensed {
                 std::array::from_fn(|a| if a < 8 { g[a] } else { modes[a - 8] });
             for a in 0..11 {
                 for b in a..11 {
-                    let block = &mut blocks[a][b];
-                    add_block(
-                        block,
-                        all[a],
-                        all[b],
-                        lambda * determinant,
-                        mu * determinant,
-                    );
+                    let moduli = [lambda * determinant, mu * determinant];
+                    add_block(&mut blocks[a][b], [all[a], all[b]], moduli);
                 }
             }
         }
@@ -93,14 +87,8 @@ pub(crate) fn inner_factor(corners: &Corners, material: Material) -> [[f64; 9]; 
         let modes = mode_gradients(&centre, xi, determinant);
         for a in 0..3 {
             for b in 0..=a {
-                let block = &mut blocks[a][b];
-                add_block(
-                    block,
-                    modes[a],
-                    modes[b],
-                    lambda * determinant,
-                    mu * determinant,
-                );
+                let moduli = [lambda * determinant, mu * determinant];
+                add_block(&mut blocks[a][b], [modes[a], modes[b]], moduli);
             }
         }
     }

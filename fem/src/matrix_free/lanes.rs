@@ -315,7 +315,7 @@ fn traction<S: Simd>(s: &[Lanes<S>; 6], v: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
 }
 
 /// Corner forces K u of a vector's cells; `inner` is given for cells with incompatible modes, with
-/// their first place in the batch, `mean` says what is averaged.
+/// their first place in the batch, `mean` is what is averaged.
 #[inline(always)]
 pub(crate) fn apply<S: Simd>(
     corners: &CornerField<S>,

@@ -1,7 +1,7 @@
 //! The stiffness of a body applied without being stored.
 
 #[cfg(target_arch = "x86_64")]
-use pulp::{NullaryFnOnce, Scalar, x86::V3};
+use pulp::{Scalar, x86::V3};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -182,7 +182,11 @@ struct Task<'a> {
 #[cfg(target_arch = "x86_64")]
 fn dispatch(task: Task<'_>) {
     match V3::try_new() {
-        Some(simd) => Simd::vectorize(simd, Vectors { simd, task }),
+        Some(simd) => Simd::vectorize(
+            simd,
+            #[inline(always)]
+            || task.with_simd(simd),
+        ),
         None => task.with_simd(Scalar::new()),
     }
 }
@@ -191,23 +195,6 @@ fn dispatch(task: Task<'_>) {
 #[cfg(not(target_arch = "x86_64"))]
 fn dispatch(task: Task<'_>) {
     pulp::Arch::new().dispatch(task);
-}
-
-/// A task and the vector instructions that it goes by.
-#[cfg(target_arch = "x86_64")]
-struct Vectors<'a, S> {
-    simd: S,
-    task: Task<'a>,
-}
-
-#[cfg(target_arch = "x86_64")]
-impl<S: Simd> NullaryFnOnce for Vectors<'_, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.task.with_simd(self.simd);
-    }
 }
 
 impl WithSimd for Task<'_> {

@@ -82,32 +82,32 @@ impl Elimination {
             .enumerate()
             .for_each(|(block, column)| {
                 let first = block * PAIRS;
-                if forward {
-                    pulp::Arch::new().dispatch(Forward(Column::new(self, first, column)));
-                }
-                if backward {
-                    pulp::Arch::new().dispatch(Backward(Column::new(self, first, column)));
+                for (backward, wanted) in [(false, forward), (true, backward)] {
+                    if wanted {
+                        pulp::Arch::new().dispatch(Pass {
+                            elimination: self,
+                            first,
+                            values: column,
+                            backward,
+                        });
+                    }
                 }
             });
     }
 }
 
-/// A block of pairs through all planes, in the order of elimination.
-struct Column<'a, 'b> {
+/// A pass over a block of pairs through all planes, in the order of elimination or back.
+///
+/// Forward y_i = r_i - T_(i,i-1) y_(i-1) / pivot_(i-1), backward z_i = (y_i - T_(i,i+1) z_(i+1)) /
+/// pivot_i.
+struct Pass<'a, 'b> {
     elimination: &'a Elimination,
     first: usize,
     values: &'a mut [&'b mut [f64]],
+    backward: bool,
 }
 
-impl<'a, 'b> Column<'a, 'b> {
-    fn new(elimination: &'a Elimination, first: usize, values: &'a mut [&'b mut [f64]]) -> Self {
-        Column {
-            elimination,
-            first,
-            values,
-        }
-    }
-
+impl<'a> Pass<'a, '_> {
     /// The block's inverse pivots at one step, and its shifts.
     #[inline(always)]
     fn coefficients(&self, step: usize) -> [&'a [f64]; 2] {
@@ -121,44 +121,34 @@ impl<'a, 'b> Column<'a, 'b> {
     }
 }
 
-/// y_i = r_i - T_(i,i-1) y_(i-1) / pivot_(i-1).
-struct Forward<'a, 'b>(Column<'a, 'b>);
-
-impl WithSimd for Forward<'_, '_> {
+impl WithSimd for Pass<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let column = self.0;
-        for step in 1..column.values.len() {
-            let coefficients = column.coefficients(step - 1);
-            let coupling = column.elimination.coupling[step];
-            let (before, rest) = column.values.split_at_mut(step);
-            forward(simd, coupling, coefficients, before[step - 1], rest[0]);
+        let coupling = &self.elimination.coupling;
+        let last = self.values.len() - 1;
+        if !self.backward {
+            for step in 1..=last {
+                let coefficients = self.coefficients(step - 1);
+                let (before, rest) = self.values.split_at_mut(step);
+                forward(
+                    simd,
+                    coupling[step],
+                    coefficients,
+                    before[step - 1],
+                    rest[0],
+                );
+            }
+            return;
         }
-    }
-}
-
-/// z_i = (y_i - T_(i,i+1) z_(i+1)) / pivot_i.
-struct Backward<'a, 'b>(Column<'a, 'b>);
-
-impl WithSimd for Backward<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let column = self.0;
-        let last = column.values.len() - 1;
-        let [inverse, _] = column.coefficients(last);
-        column.values[last]
-            .iter_mut()
-            .zip(inverse)
-            .for_each(|(y, inverse)| *y *= inverse);
+        let [inverse, _] = self.coefficients(last);
+        let values = self.values[last].iter_mut().zip(inverse);
+        values.for_each(|(y, inverse)| *y *= inverse);
         for step in (0..last).rev() {
-            let coefficients = column.coefficients(step);
-            let coupling = column.elimination.coupling[step + 1];
-            let (here, after) = column.values.split_at_mut(step + 1);
-            backward(simd, coupling, coefficients, after[0], here[step]);
+            let coefficients = self.coefficients(step);
+            let (here, after) = self.values.split_at_mut(step + 1);
+            backward(simd, coupling[step + 1], coefficients, after[0], here[step]);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The preconditioner: three scalar operators, each inverted by diagonalising its axes.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use faer::linalg::matmul::matmul;
 use faer::traits::ComplexField;
@@ -57,18 +57,10 @@ impl FastDiagonal {
             _ => 0,
         };
         let key = |c: usize, axis: usize| (axis, operator.fixed[c][axis], variant(c, axis));
-        let mut wanted: Vec<(usize, [bool; 2], usize)> = Vec::new();
-        for c in 0..3 {
-            for axis in 0..3 {
-                let key = key(c, axis);
-                if !wanted.contains(&key) {
-                    wanted.push(key);
-                }
-            }
-        }
-        let solved: HashMap<(usize, [bool; 2], usize), AxisModes> = wanted
-            .par_iter()
-            .map(|&(axis, fixed, variant)| {
+        let keys: BTreeSet<_> = (0..9).map(|k| key(k / 3, k % 3)).collect();
+        let solved: BTreeMap<_, AxisModes> = keys
+            .into_par_iter()
+            .map(|(axis, fixed, variant)| {
                 let modes = match (axis, first) {
                     (2, _) => operator.preconditioned_z(2 * variant).modes(fixed),
                     (0, Some(first)) if variant == 1 => first.modes(fixed),
@@ -81,12 +73,9 @@ impl FastDiagonal {
         let components = std::array::from_fn(|c| {
             let modes: [AxisModes; 3] = std::array::from_fn(|axis| solved[&key(c, axis)].clone());
             let coefficients = operator.scalar_coefficients(c);
-            let [sx, sy, sz] = std::array::from_fn(|axis| {
-                modes[axis]
-                    .values
-                    .iter()
-                    .map(|theta| coefficients[axis] * theta)
-                    .collect::<Vec<f64>>()
+            let [sx, sy, sz]: [Vec<f64>; 3] = std::array::from_fn(|axis| {
+                let values = modes[axis].values.iter();
+                values.map(|theta| coefficients[axis] * theta).collect()
             });
             let mut inverse = Vec::with_capacity(sx.len() * sy.len() * sz.len());
             for z in &sz {
@@ -142,17 +131,13 @@ impl FastDiagonal {
         for (c, component) in self.components.iter().enumerate() {
             let [mx, my, mz] = component.mode_shape();
             let planes = &mut scratch[..mx * my * nz];
-            let (qx, qy, qz) = component.vectors();
+            let [qx, qy, qz] = component.vectors();
             // x and y, plane by plane.
             planes.par_chunks_mut(mx * my).enumerate().for_each_init(
                 || vec![0.0; mx * ny],
                 |half, (k, plane)| {
-                    let source = &r[c * nodes + k * nx * ny..c * nodes + (k + 1) * nx * ny];
-                    product(
-                        columns_mut(half, [mx, ny]),
-                        qx.transpose(),
-                        columns(source, [nx, ny]),
-                    );
+                    let source = columns(&r[c * nodes + k * nx * ny..], [nx, ny]);
+                    product(columns_mut(half, [mx, ny]), qx.transpose(), source);
                     product(columns_mut(plane, [mx, my]), columns(half, [mx, ny]), qy);
                 },
             );
@@ -184,7 +169,7 @@ impl FastDiagonal {
         assert_eq!((z.len(), modal.len()), (3 * nodes, self.mode_count()));
         for (c, component) in self.components.iter().enumerate() {
             let [mx, my, mz] = component.mode_shape();
-            let (qx, qy, qz) = component.vectors();
+            let [qx, qy, qz] = component.vectors();
             let source = columns(&modal[component.start..], [mx * my, mz]);
             let planes = &mut scratch[..mx * my * nz];
             by_column_blocks(planes, mx * my, nz, |first, block| {
@@ -198,13 +183,10 @@ impl FastDiagonal {
                 .for_each_init(
                     || vec![0.0; nx * my],
                     |half, (k, plane)| {
-                        let source = &planes[k * mx * my..(k + 1) * mx * my];
-                        product(columns_mut(half, [nx, my]), qx, columns(source, [mx, my]));
-                        product(
-                            columns_mut(plane, [nx, ny]),
-                            columns(half, [nx, my]),
-                            qy.transpose(),
-                        );
+                        let source = columns(&planes[k * mx * my..], [mx, my]);
+                        product(columns_mut(half, [nx, my]), qx, source);
+                        let half = columns(half, [nx, my]);
+                        product(columns_mut(plane, [nx, ny]), half, qy.transpose());
                     },
                 );
         }
@@ -223,12 +205,8 @@ impl Component {
         std::array::from_fn(|axis| self.modes[axis].values.len())
     }
 
-    fn vectors(&self) -> (MatRef<'_, f64>, MatRef<'_, f64>, MatRef<'_, f64>) {
-        (
-            self.modes[0].vectors.as_ref(),
-            self.modes[1].vectors.as_ref(),
-            self.modes[2].vectors.as_ref(),
-        )
+    fn vectors(&self) -> [MatRef<'_, f64>; 3] {
+        self.modes.each_ref().map(|modes| modes.vectors.as_ref())
     }
 }
 

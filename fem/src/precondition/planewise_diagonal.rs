@@ -286,11 +286,8 @@ impl RoundedModes {
         let narrowed = columns(&room.nodal, [x.nrows(), y.nrows()]);
         product(columns_mut(&mut room.half, half), x.transpose(), narrowed);
         let whole = [x.ncols(), y.ncols()];
-        product(
-            columns_mut(&mut room.modal, whole),
-            columns(&room.half, half),
-            y,
-        );
+        let halved = columns(&room.half, half);
+        product(columns_mut(&mut room.modal, whole), halved, y);
         widen(&room.modal, scale, modal);
     }
 

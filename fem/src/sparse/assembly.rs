@@ -46,10 +46,8 @@ impl BlockMatrix {
                     let node = task * ROWS_A_TASK + local;
                     let range = self.graph.row_start[node]..self.graph.row_start[node + 1];
                     let mut sum = [0.0; 3];
-                    for (block, &other) in self.blocks[range.clone()]
-                        .iter()
-                        .zip(&self.graph.neighbours[range])
-                    {
+                    let blocks = self.blocks[range.clone()].iter();
+                    for (block, &other) in blocks.zip(&self.graph.neighbours[range]) {
                         let at = 3 * other as usize;
                         let v = &u[at..at + 3];
                         for i in 0..3 {
@@ -86,10 +84,8 @@ impl BlockMatrix {
         let n = map.free_count();
         // The matrix is symmetric, so a column's rows are read from the block row of its node.
         let entries = |column: usize| {
-            let (node, c) = (
-                map.free()[column] as usize / 3,
-                map.free()[column] as usize % 3,
-            );
+            let dof = map.free()[column] as usize;
+            let (node, c) = (dof / 3, dof % 3);
             let range = self.graph.row_start[node]..self.graph.row_start[node + 1];
             range.flat_map(move |k| {
                 let other = self.graph.neighbours[k] as usize;
@@ -105,18 +101,10 @@ impl BlockMatrix {
             .collect();
         let mut column_start = vec![0u32; n + 1];
         for j in 0..n {
-            column_start[j + 1] = column_start[j]
-                .checked_add(counts[j])
-                .expect("fewer than 2^32 entries");
+            let end = column_start[j].checked_add(counts[j]);
+            column_start[j + 1] = end.expect("fewer than 2^32 entries");
         }
-        let mut rows = Vec::with_capacity(column_start[n] as usize);
-        let mut values = Vec::with_capacity(column_start[n] as usize);
-        for j in 0..n {
-            for (row, value) in entries(j) {
-                rows.push(row);
-                values.push(value);
-            }
-        }
+        let (rows, values) = (0..n).flat_map(entries).unzip();
         SparseColMat::new(
             SymbolicSparseColMat::new_checked(n, n, column_start, None, rows),
             values,
@@ -181,11 +169,8 @@ pub fn assemble_on(body: &Body, graph: Arc<NodeGraph>) -> BlockMatrix {
         }
         rows.into_par_iter().for_each(|(node, row)| {
             let neighbours = graph.row(node);
-            for (cell, corner) in graph
-                .cells
-                .of(node)
-                .filter(|(cell, _)| chunk.contains(cell))
-            {
+            let places = graph.cells.of(node);
+            for (cell, corner) in places.filter(|(cell, _)| chunk.contains(cell)) {
                 let matrix = &matrices[cell - chunk.start];
                 for (b, &other) in cells[cell].iter().enumerate() {
                     let place = neighbours.binary_search(&(other as u32));

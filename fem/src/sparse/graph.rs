@@ -58,33 +58,21 @@ impl NodeGraph {
     pub fn new(mesh: &HexMesh) -> Self {
         let node_count = mesh.points.len();
         let cells = NodeCells::new(mesh);
-        const BATCH: usize = 1024;
-        let batches: Vec<(Vec<u32>, Vec<u32>)> = (0..node_count.div_ceil(BATCH))
+        let rows: Vec<Vec<u32>> = (0..node_count)
             .into_par_iter()
-            .map(|batch| {
-                let (mut counts, mut all, mut row) = (Vec::new(), Vec::new(), Vec::new());
-                for node in batch * BATCH..((batch + 1) * BATCH).min(node_count) {
-                    row.clear();
-                    for (cell, _) in cells.of(node) {
-                        row.extend(mesh.cells[cell].iter().map(|&n| n as u32));
-                    }
-                    row.sort_unstable();
-                    row.dedup();
-                    counts.push(row.len() as u32);
-                    all.extend_from_slice(&row);
-                }
-                (counts, all)
+            .map(|node| {
+                let around = cells.of(node).flat_map(|(cell, _)| &mesh.cells[cell]);
+                let mut row: Vec<u32> = around.map(|&n| n as u32).collect();
+                row.sort_unstable();
+                row.dedup();
+                row
             })
             .collect();
-        let mut row_start = Vec::with_capacity(node_count + 1);
-        row_start.push(0);
-        let mut neighbours = Vec::with_capacity(batches.iter().map(|(_, all)| all.len()).sum());
-        for (counts, all) in batches {
-            for count in counts {
-                row_start.push(row_start[row_start.len() - 1] + count as usize);
-            }
-            neighbours.extend(all);
+        let mut row_start = vec![0];
+        for row in &rows {
+            row_start.push(row_start[row_start.len() - 1] + row.len());
         }
+        let neighbours = rows.concat();
         Self {
             row_start,
             neighbours,
@@ -135,10 +123,8 @@ fn dissect(graph: &NodeGraph, points: &[[f64; 3]], set: &mut [usize], side: &mut
         return;
     }
     let touches_above = |side: &[u8], node: usize| {
-        graph
-            .row(node)
-            .iter()
-            .any(|&other| side[other as usize] == ABOVE)
+        let mut others = graph.row(node).iter();
+        others.any(|&other| side[other as usize] == ABOVE)
     };
     let mut best: Option<(usize, f64, usize)> = None;
     for axis in 0..3 {
@@ -146,10 +132,8 @@ fn dissect(graph: &NodeGraph, points: &[[f64; 3]], set: &mut [usize], side: &mut
             continue;
         };
         mark(points, set, side, axis, cut);
-        let separator = set
-            .iter()
-            .filter(|&&n| side[n] == BELOW && touches_above(side, n))
-            .count();
+        let cut_off = |&&n: &&usize| side[n] == BELOW && touches_above(side, n);
+        let separator = set.iter().filter(cut_off).count();
         if best.is_none_or(|(_, _, smallest)| separator < smallest) {
             best = Some((axis, cut, separator));
         }
@@ -189,11 +173,8 @@ fn median_cut(points: &[[f64; 3]], set: &[usize], axis: usize) -> Option<f64> {
 
 fn mark(points: &[[f64; 3]], set: &[usize], side: &mut [u8], axis: usize, cut: f64) {
     for &node in set {
-        side[node] = if points[node][axis] <= cut {
-            BELOW
-        } else {
-            ABOVE
-        };
+        let below = points[node][axis] <= cut;
+        side[node] = if below { BELOW } else { ABOVE };
     }
 }
 

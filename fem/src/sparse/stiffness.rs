@@ -1,8 +1,5 @@
-//! The stiffness as faer's sparse matrix, to be multiplied with and written to files.
+//! The stiffness by component, to be multiplied with and written to files.
 
-use faer::sparse::linalg::matmul::dense_sparse_matmul;
-use faer::sparse::{SparseColMat, SymbolicSparseColMat};
-use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
 use crate::body::Body;
@@ -10,36 +7,29 @@ use crate::error::Error;
 use crate::sparse::assembly::{BlockMatrix, assemble_on};
 use crate::sparse::graph::NodeGraph;
 
-/// The stiffness of all displacements of a body [N/m], fixed ones included, as a sparse matrix of
-/// faer's.
+/// The stiffness of all displacements of a body [N/m], fixed ones included.
 ///
 /// Vectors hold component after component, as those of [`crate::TensorOperator`]: displacement `c`
-/// of node `n` is number `c * node_count + n`. The matrix is stored in panels of neighbouring
-/// columns, both triangles of it, so that a product is one scalar product a column: the same bits
-/// for any number of threads.
+/// of node `n` is number `c * node_count + n`. Rows are stored in blocks of 3 x 3, so that a
+/// product has the same bits for any number of threads.
 #[derive(Clone, Debug)]
 pub struct SparseStiffness {
-    dofs: usize,
-    /// [`COLUMNS`] columns each, but the last; all rows.
-    panels: Vec<SparseColMat<u32, f64>>,
+    matrix: BlockMatrix,
 }
 
-/// Columns of a panel.
-const COLUMNS: usize = 4096;
+/// Nodes whose rows are applied by one task.
+const NODES_A_TASK: usize = 256;
 
-/// Memory of a block of 3 x 3 while the matrix is made [bytes]: its node, itself, and nine entries
-/// with their rows.
-const BYTES_A_BLOCK: u64 = 4 + 9 * 8 + 9 * (8 + 4);
+/// Memory of a block of 3 x 3 with its node [bytes].
+const BYTES_A_BLOCK: u64 = 9 * 8 + 4;
 
-/// Memory of a node in addition to its blocks [bytes]: its cells and the starts of rows and
-/// columns.
-const BYTES_A_NODE: u64 = 8 * 8 + 2 * 8 + 3 * 4;
+/// Memory of a node in addition to its blocks [bytes]: its cells and the starts of rows.
+const BYTES_A_NODE: u64 = 8 * 8 + 2 * 8;
 
 impl SparseStiffness {
     /// Assembles the stiffness of a body, in parallel.
     ///
-    /// Needs 184 bytes for each of some 27 neighbours of a node while it is made, of which 108
-    /// stay; that is counted first.
+    /// Needs 76 bytes for each of some 27 neighbours of a node; that is counted first.
     ///
     /// # Errors
     /// [`Error::MatrixTooLarge`] where it would need more than `limit` bytes; nothing is assembled
@@ -70,27 +60,31 @@ impl SparseStiffness {
             });
         }
         let matrix = assemble_on(body, graph.into());
-        let dofs = matrix.dofs();
-        let panels = (0..dofs.div_ceil(COLUMNS))
-            .into_par_iter()
-            .map(|p| panel(&matrix, p * COLUMNS..((p + 1) * COLUMNS).min(dofs)))
-            .collect();
-        Ok(Self { dofs, panels })
+        Ok(Self { matrix })
     }
 
     /// Number of displacements.
     pub fn dofs(&self) -> usize {
-        self.dofs
+        self.matrix.dofs()
     }
 
     /// Number of entries stored, both triangles.
     pub fn entries(&self) -> usize {
-        self.panels.iter().map(|p| p.compute_nnz()).sum()
+        9 * self.matrix.blocks.len()
     }
 
     /// Memory that the matrix holds [bytes].
     pub fn bytes(&self) -> usize {
-        12 * self.entries() + 4 * (self.dofs + self.panels.len())
+        BYTES_A_BLOCK as usize * self.matrix.blocks.len()
+    }
+
+    /// The blocks of a node's row with their nodes.
+    fn row(&self, node: usize) -> impl Iterator<Item = (&[[f64; 3]; 3], usize)> + Clone {
+        let graph = &self.matrix.graph;
+        let range = graph.row_start[node]..graph.row_start[node + 1];
+        let neighbours = graph.neighbours[range.clone()].iter();
+        let blocks = self.matrix.blocks[range].iter();
+        blocks.zip(neighbours.map(|&other| other as usize))
     }
 
     /// `y` = K `u`, by component.
@@ -98,69 +92,44 @@ impl SparseStiffness {
     /// # Panics
     /// Where a vector has another length.
     pub fn apply(&self, u: &[f64], y: &mut [f64]) {
-        assert_eq!((u.len(), y.len()), (self.dofs, self.dofs));
-        let tasks = y.par_chunks_mut(COLUMNS).zip(&self.panels);
-        tasks.for_each(|(y, panel)| {
-            // K is symmetric: a column times u is a row times u.
-            dense_sparse_matmul(
-                MatMut::from_row_major_slice_mut(y, 1, panel.ncols()),
-                Accum::Replace,
-                MatRef::from_row_major_slice(u, 1, self.dofs),
-                panel.as_ref(),
-                1.0,
-                Par::Seq,
-            );
+        assert_eq!((u.len(), y.len()), (self.dofs(), self.dofs()));
+        let nodes = self.dofs() / 3;
+        let (x, rest) = y.split_at_mut(nodes);
+        let (y, z) = rest.split_at_mut(nodes);
+        let [x, y, z] = [x, y, z].map(|part| part.par_chunks_mut(NODES_A_TASK));
+        x.zip(y).zip(z).enumerate().for_each(|(task, ((x, y), z))| {
+            for local in 0..x.len() {
+                let row = self.row(task * NODES_A_TASK + local);
+                let sum = |c: usize| {
+                    let along =
+                        |i: usize| row.clone().map(move |(k, n)| u[i * nodes + n] * k[c][i]);
+                    (0..3).flat_map(along).sum::<f64>()
+                };
+                [x[local], y[local], z[local]] = [sum(0), sum(1), sum(2)];
+            }
         });
     }
 
     /// The entries of the lower triangle as (row, column, value [N/m]), column by column, rows
     /// ascending.
     pub fn lower(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        let columns = self.panels.iter().enumerate().flat_map(|(p, panel)| {
-            (0..panel.ncols()).map(move |local| (panel, local, p * COLUMNS + local))
-        });
-        columns.flat_map(|(panel, local, column)| {
-            let panel = panel.as_ref();
-            let rows = panel.symbolic().row_idx_of_col(local);
-            let entries = rows.zip(panel.val_of_col(local));
+        let nodes = self.dofs() / 3;
+        (0..self.dofs()).flat_map(move |column| {
+            let (c, node) = (column / nodes, column % nodes);
+            // The matrix is symmetric, so a column's rows are read from the block row of its node.
+            let along = move |i: usize| self.row(node).map(move |(k, n)| (i * nodes + n, k[c][i]));
+            let entries = (0..3).flat_map(along);
             entries
                 .filter(move |(row, _)| *row >= column)
-                .map(move |(row, value)| (row, column, *value))
+                .map(move |(row, value)| (row, column, value))
         })
     }
 }
 
 impl PartialEq for SparseStiffness {
     fn eq(&self, other: &Self) -> bool {
-        self.dofs == other.dofs && self.lower().eq(other.lower())
+        self.dofs() == other.dofs() && self.lower().eq(other.lower())
     }
-}
-
-/// Some neighbouring columns of a matrix, by component.
-fn panel(matrix: &BlockMatrix, columns: std::ops::Range<usize>) -> SparseColMat<u32, f64> {
-    let graph = &matrix.graph;
-    let nodes = graph.node_count();
-    let mut start = Vec::with_capacity(columns.len() + 1);
-    start.push(0u32);
-    let entries = columns
-        .clone()
-        .map(|column| 3 * graph.row(column % nodes).len())
-        .sum();
-    let (mut rows, mut values) = (Vec::with_capacity(entries), Vec::with_capacity(entries));
-    for column in columns.clone() {
-        let (c, node) = (column / nodes, column % nodes);
-        let range = graph.row_start[node]..graph.row_start[node + 1];
-        for i in 0..3 {
-            // The matrix is symmetric, so a column's rows are read from the block row of its node.
-            for (block, &other) in matrix.blocks[range.clone()].iter().zip(graph.row(node)) {
-                rows.push((i * nodes) as u32 + other);
-                values.push(block[c][i]);
-            }
-        }
-        start.push(rows.len() as u32);
-    }
-    let pattern = SymbolicSparseColMat::new_checked(3 * nodes, columns.len(), start, None, rows);
-    SparseColMat::new(pattern, values)
 }
 
 #[cfg(test)]
@@ -171,10 +140,10 @@ mod tests {
     use crate::test_block::mixed;
 
     #[test]
-    fn product_is_that_of_the_blocks_over_more_than_one_panel_and_for_any_number_of_threads() {
+    fn product_is_that_of_the_blocks_over_several_tasks_and_for_any_number_of_threads() {
         let body = mixed(14);
         let n = body.dofs();
-        assert!(n > 2 * COLUMNS);
+        assert!(n > 6 * NODES_A_TASK);
         let u: Vec<f64> = (0..n).map(|i| (0.37 * i as f64).sin()).collect();
         let (mut by_node, mut expected) = (vec![0.0; n], vec![0.0; n]);
         to_nodes(&u, &mut by_node);

@@ -33,8 +33,8 @@ use crate::tensor::factors::{Factors, WIDEST};
 use crate::tensor::slab::RowEnds;
 use crate::tensor::stencils::{AcrossRow, AlongX, AlongZ, Behind, between};
 
-/// The work on a band of one plane.
-pub(crate) struct Plane<'a> {
+/// What the work on a band of one plane reads.
+pub(crate) struct Band<'a> {
     pub factors: &'a Factors,
     /// Place among the factors' layers.
     pub layer: usize,
@@ -42,11 +42,6 @@ pub(crate) struct Plane<'a> {
     pub rows: [&'a [f64]; 3],
     /// The same rows' ends.
     pub ends: &'a RowEnds,
-    /// What the plane below and this one have so far, then this one and the one above: a pair a row
-    /// and equation, by group of equations and column.
-    pub sums: &'a mut [f64],
-    /// The plane below, which is complete now, by component.
-    pub out: [&'a mut [f64]; 3],
     pub nx: usize,
     /// Neighbouring rows.
     pub band: Range<usize>,
@@ -55,12 +50,22 @@ pub(crate) struct Plane<'a> {
     pub ahead: [[&'a [f64]; 2]; 3],
 }
 
+/// The work on a band of one plane.
+pub(crate) struct Plane<'a> {
+    pub read: Band<'a>,
+    /// What the plane below and this one have so far, then this one and the one above: a pair a row
+    /// and equation, by group of equations and column.
+    pub sums: &'a mut [f64],
+    /// The plane below, which is complete now, by component.
+    pub out: [&'a mut [f64]; 3],
+}
+
 impl WithSimd for Plane<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        if self.band.len() == self.factors.rows.len() {
+        if self.read.band.len() == self.read.factors.rows.len() {
             self.equations::<S, true>(simd);
         } else {
             self.equations::<S, false>(simd);
@@ -85,28 +90,18 @@ impl Plane<'_> {
 
     #[inline(always)]
     fn group<S: Simd, const FIRST: usize, const N: usize, const WHOLE: bool>(&mut self, simd: S) {
-        let columns = self.nx.div_ceil(S::F64_LANES);
-        let rows = self.band.len();
+        let columns = self.read.nx.div_ceil(S::F64_LANES);
+        let rows = self.read.band.len();
         let part = part(self.sums.len(), (FIRST, N));
         let sums = S::as_mut_simd_f64s(&mut self.sums[part]).0;
         let mut sums = sums.chunks_exact_mut(2 * N * rows);
         for column in 0..columns {
             let Some(sums) = sums.next() else { return };
-            let column = Column {
-                factors: self.factors,
-                layer: self.layer,
-                rows: self.rows,
-                ends: self.ends,
-                column,
-                nx: self.nx,
-                band: &self.band,
-                ahead: self.ahead,
-            };
-            let out = &mut self.out[FIRST..FIRST + N];
-            if column.column == 0 || (column.column + 1) * S::F64_LANES >= self.nx {
-                column.run::<S, FIRST, N, true, WHOLE>(simd, sums, out);
+            let (read, out) = (&self.read, &mut self.out[FIRST..FIRST + N]);
+            if column == 0 || (column + 1) * S::F64_LANES >= read.nx {
+                read.column::<S, FIRST, N, true, WHOLE>(simd, column, sums, out);
             } else {
-                column.run::<S, FIRST, N, false, WHOLE>(simd, sums, out);
+                read.column::<S, FIRST, N, false, WHOLE>(simd, column, sums, out);
             }
         }
     }
@@ -144,18 +139,6 @@ impl WithSimd for LastPlane<'_> {
     }
 }
 
-/// One vector of neighbours along x through the band's rows.
-struct Column<'a> {
-    factors: &'a Factors,
-    layer: usize,
-    rows: [&'a [f64]; 3],
-    ends: &'a RowEnds,
-    column: usize,
-    nx: usize,
-    band: &'a Range<usize>,
-    ahead: [[&'a [f64]; 2]; 3],
-}
-
 /// Writes a vector to the beginning of a row.
 #[inline(always)]
 fn store<S: Simd, const END: bool>(simd: S, row: &mut [f64], width: usize, value: S::f64s) {
@@ -166,22 +149,23 @@ fn store<S: Simd, const END: bool>(simd: S, row: &mut [f64], width: usize, value
     }
 }
 
-impl Column<'_> {
-    /// The equations `FIRST` to `FIRST + N`, in a column at an `END` of the rows or not, in all
-    /// rows or some.
+impl Band<'_> {
+    /// The equations `FIRST` to `FIRST + N` at one vector of neighbours along x, at an `END` of the
+    /// rows or not, in all rows or some.
     #[inline(always)]
-    fn run<S: Simd, const FIRST: usize, const N: usize, const END: bool, const WHOLE: bool>(
+    fn column<S: Simd, const FIRST: usize, const N: usize, const END: bool, const WHOLE: bool>(
         &self,
         simd: S,
+        column: usize,
         sums: &mut [S::f64s],
         out: &mut [&mut [f64]],
     ) {
         let factors = self.factors;
         let lanes = S::F64_LANES;
-        let first = self.column * lanes;
+        let first = column * lanes;
         let width = (self.nx - first).min(lanes);
         let across = AcrossRow::<S, FIRST, N, END> {
-            x: AlongX::new(factors, self.column, FIRST),
+            x: AlongX::new(factors, column, FIRST),
             shares: factors.shares.map(|share| simd.splat_f64s(share)),
             zero: simd.splat_f64s(0.0),
         };
@@ -248,7 +232,7 @@ impl Column<'_> {
         let pairs = rows[inner.clone()].iter().zip(&rows[inner.start + 1..]);
         let steps = ux.zip(uy).zip(uz).zip(pairs).zip(sums.chunks_exact_mut(N));
         let base = inner.start * self.nx + first;
-        let mut ahead = self.column * self.band.len() * lanes;
+        let mut ahead = column * self.band.len() * lanes;
         for (i, ((((x, y), z_row), (below, here)), sums)) in steps.enumerate() {
             if !WHOLE {
                 for [read, written] in &self.ahead[FIRST..FIRST + N] {

@@ -4,7 +4,5 @@ pub mod axis;
 mod factors;
 mod kernel;
 pub mod operator;
-#[cfg(test)]
-mod operator_tests;
 mod slab;
 mod stencils;

@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use crate::tensor::factors::{Factors, WIDEST, padded};
-use crate::tensor::kernel::{LastPlane, Plane};
+use crate::tensor::kernel::{Band, LastPlane, Plane};
 
 /// What a walk works in.
 pub(crate) struct Scratch {
@@ -111,15 +111,17 @@ pub(crate) fn walk(
                 [&u[(c * nz + next) * size + first * nx..], later]
             });
             arch.dispatch(Plane {
-                factors,
-                layer: k - factors.first,
-                rows,
-                ends: &scratch.ends,
+                read: Band {
+                    factors,
+                    layer: k - factors.first,
+                    rows,
+                    ends: &scratch.ends,
+                    nx,
+                    band: band.clone(),
+                    ahead,
+                },
                 sums,
                 out: complete,
-                nx,
-                band: band.clone(),
-                ahead,
             });
         }
         if planes.end == factors.end() {

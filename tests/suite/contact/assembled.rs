@@ -198,5 +198,5 @@ fn more_memory_than_it_may_take_is_refused_with_both_figures() {
     assert_eq!(limit, 100_000);
     // Some 27 neighbours a node, fewer at the faces.
     let a_displacement = needed as f64 / dofs as f64;
-    assert!((1000.0..1700.0).contains(&a_displacement), "{needed}");
+    assert!((400.0..710.0).contains(&a_displacement), "{needed}");
 }
