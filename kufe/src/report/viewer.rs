@@ -4,7 +4,7 @@ use std::path::Path;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_encode};
 
-use crate::report::page::escape;
+use crate::plot::escape;
 
 /// The page of recorded runs beside the pages that link to it.
 pub const VIEWER: &str = "view.html";
@@ -43,7 +43,15 @@ impl Stretch {
     }
 }
 
-impl ViewedPart<'_> {
+impl<'a> ViewedPart<'a> {
+    /// Whole runs.
+    pub fn of_runs(runs: &'a [&'a str]) -> Self {
+        ViewedPart {
+            runs,
+            ..ViewedPart::default()
+        }
+    }
+
     /// A link to this part of the page at the address `viewer`, as HTML.
     pub fn link(&self, viewer: &str, text: &str) -> String {
         let mut parts = Vec::new();

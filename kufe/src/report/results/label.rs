@@ -79,12 +79,10 @@ const WORDS: [(&str, &str); 5] = [
 ];
 
 fn named(key: &str) -> Option<&'static str> {
-    let quantity = QUANTITIES.iter().find(|quantity| quantity.key == key);
-    let known = NAMES.iter().find(|(known, _)| *known == key);
-    quantity
-        .map(|quantity| quantity.label)
-        .or(known.map(|(_, name)| *name))
-        .or(Column::named(key).map(Column::label))
+    let quantities = QUANTITIES.iter().map(|one| (one.key, one.label));
+    let mut known = quantities.chain(NAMES);
+    let name = known.find(|(known, _)| *known == key).map(|(_, name)| name);
+    name.or(Column::named(key).map(Column::label))
 }
 
 /// Whether a key is one of those that say most.
@@ -94,10 +92,10 @@ pub fn is_named(key: &str) -> bool {
 
 /// The unit of a key's numbers, as its ending says; empty for pure numbers.
 pub fn unit_of(key: &str) -> Cow<'static, str> {
-    match COUNTED.contains(&key) {
-        true => Cow::Borrowed(THOUSANDTHS),
-        false => crate::plot::unit_of(key),
+    if COUNTED.contains(&key) {
+        return Cow::Borrowed(THOUSANDTHS);
     }
+    crate::plot::unit_of(key)
 }
 
 /// A key as people call it: its proper name, or its words without the unit.
