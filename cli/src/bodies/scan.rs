@@ -46,7 +46,7 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
     let mut found = check_hull(&check.file, &check.fz_n, check.p_max)?;
     if let Some(out) = &check.out {
         let text = found.case(out, &check.fz_n)?;
-        files.write(out, |writer| writer.write_all(text.as_bytes()))?;
+        files.bytes(out, text.as_bytes())?;
     }
     files.commit()?;
     found.result.written.clone_from(&check.out);

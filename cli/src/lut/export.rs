@@ -177,7 +177,7 @@ impl Forms {
             let mut bytes = Vec::new();
             write(form, &mut bytes)
                 .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;
-            files.write(&path, |writer| writer.write_all(&bytes))?;
+            files.bytes(&path, &bytes)?;
             written.push(path);
         }
         Ok(written)
@@ -199,5 +199,5 @@ pub fn write_table(table: &Table, path: &Path, files: &OutputFiles) -> Result<()
     table
         .write(&mut bytes)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;
-    files.write(path, |writer| writer.write_all(&bytes))
+    files.bytes(path, &bytes)
 }

@@ -110,7 +110,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let picture = table_picture(&table, quantity, slice, &samples)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
     let outside = picture.outside;
-    files.write(&out, |writer| writer.write_all(&picture.figure.png()))?;
+    files.bytes(&out, &picture.figure.png())?;
     files.commit()?;
     let drawn = Drawn {
         written: [&out],

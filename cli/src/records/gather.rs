@@ -98,7 +98,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     paths.push(args.out.clone());
     let output = OutputFiles::begin("runs gather", &inputs, &paths, global.force)?;
     for (name, bytes) in &tracks {
-        output.write(&folder.join(name), |to| to.write_all(bytes))?;
+        output.bytes(&folder.join(name), bytes)?;
     }
     for (entry, copy) in entries.iter_mut().zip(&copies) {
         if args.copy {

@@ -7,7 +7,7 @@ use kufe_sled::MOST_NUMBERS;
 use kufe_telemetry::{TextOptions, guess_mapping, read_log};
 use serde::Serialize;
 
-use crate::about::schema::{Kind, write_with_schema};
+use crate::about::schema::write_with_schema;
 use crate::terminal::Global;
 
 const EXAMPLES: &str = "\
@@ -53,8 +53,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         logs.push((from_mapping(sample, &args.out)?, log));
     }
     let text = guess_mapping(&logs);
-    let (kind, inputs) = (Kind::Mapping, &args.samples);
-    let schema = write_with_schema("runs init", kind, inputs, &args.out, &text, global.force)?;
+    let (inputs, out) = (&args.samples, &args.out);
+    let schema = write_with_schema("runs init", "mapping", inputs, out, &text, global.force)?;
     let written = WrittenMapping {
         file: &args.out,
         schema,

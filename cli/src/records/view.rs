@@ -72,7 +72,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let html = viewer_page(viewed);
     written.bytes = html.len();
-    files.write(&args.out, |writer| writer.write_all(html.as_bytes()))?;
+    files.bytes(&args.out, html.as_bytes())?;
     files.commit()?;
     global.print(&written, || {
         let (out, megabytes) = (args.out.display(), written.bytes as f64 / 1e6);
