@@ -76,28 +76,20 @@ pub fn run(
     let output = OutputDir::prepare("press (series)", &series.inputs, &args.out, global.force)?;
     output.record()?;
     let finished: Vec<_> = steps.iter().map(|step| series.finished(step)).collect();
-    for (step, _) in steps
-        .iter()
-        .zip(&finished)
-        .filter(|(_, found)| found.is_none())
-    {
-        // Refused before the first step is solved.
-        series.output_of(step)?;
-    }
+    // Refused before the first step is solved.
+    let missing = steps.iter().zip(&finished);
+    let mut missing = missing.filter(|(_, found)| found.is_none());
+    missing.try_for_each(|(step, _)| series.output_of(step).map(|_| ()))?;
     remove_other_steps(&args.out, &steps);
     let mut tried = Tried::default();
     let solved = global.watched(|watch| series.solve(&steps, &finished, watch, &mut tried));
     write_overview(&output, &args.out, &tried.rows, &args.lists, steps.len())?;
     output.commit()?;
     solved?;
-    let Tried {
-        rows,
-        retained,
-        short,
-    } = tried;
-    global.print(&rows, || summary::series(&rows, retained, &args.out))?;
+    let (rows, retained) = (&tried.rows, tried.retained);
+    global.print(rows, || summary::series(rows, retained, &args.out))?;
     let done = rows.iter().filter(|row| row.error.is_none()).count();
-    ending([done, rows.len(), steps.len()], short, &args.out)
+    ending([done, rows.len(), steps.len()], tried.short, &args.out)
 }
 
 /// Removes the steps of an earlier series that this one does not have.
@@ -249,11 +241,10 @@ fn write_overview(
     output.write("table.csv", |mut file| write_csv(&mut file, rows))?;
     let times = lists.times(count);
     for (name, file) in [("series.pvd", "field.vtu"), ("runner.pvd", "runner.vtu")] {
-        let entries: Vec<(f64, String)> = rows
-            .iter()
-            .filter(|row| row.result.is_some() && out.join(&row.folder).join(file).exists())
-            .map(|row| (times[row.step - 1], format!("{}/{file}", row.folder)))
-            .collect();
+        let rows = rows.iter().filter(|row| row.result.is_some());
+        let rows = rows.filter(|row| out.join(&row.folder).join(file).exists());
+        let entries = rows.map(|row| (times[row.step - 1], format!("{}/{file}", row.folder)));
+        let entries: Vec<(f64, String)> = entries.collect();
         if !entries.is_empty() {
             let entries: Vec<(f64, &str)> = entries.iter().map(|(t, f)| (*t, f.as_str())).collect();
             output.write(name, |mut file| write_pvd(&entries, &mut file))?;
@@ -335,36 +326,31 @@ impl Lists {
             |keys, value| keys.fz_n = Some(value),
         ];
         let mut combinations = vec![VariedKeys::default()];
-        for (values, set) in self.all().into_iter().zip(set) {
-            if values.is_empty() {
-                continue;
-            }
-            let mut longer = Vec::new();
-            for keys in &combinations {
-                for &value in values {
+        for (values, set) in self
+            .all()
+            .into_iter()
+            .zip(set)
+            .filter(|(list, _)| !list.is_empty())
+        {
+            let longer = combinations.iter().flat_map(|keys| {
+                values.iter().map(|value| {
                     let mut keys = keys.clone();
-                    set(&mut keys, value);
-                    longer.push(keys);
-                }
-            }
-            combinations = longer;
+                    set(&mut keys, *value);
+                    keys
+                })
+            });
+            combinations = longer.collect();
         }
         combinations
     }
 
     /// Times for ParaView: the values themselves where one list rises, else 1, 2, 3 ...
     fn times(&self, count: usize) -> Vec<f64> {
-        let several: Vec<&[f64]> = self
-            .all()
-            .into_iter()
-            .filter(|list| list.len() > 1)
-            .collect();
+        let several = self.all().into_iter().filter(|list| list.len() > 1);
+        let several: Vec<&[f64]> = several.collect();
+        let rises = |list: &[f64]| list.is_sorted_by(|a, b| a < b && b.is_finite());
         match several[..] {
-            [only]
-                if only.windows(2).all(|w| w[0] < w[1]) && only.iter().all(|v| v.is_finite()) =>
-            {
-                only.to_vec()
-            }
+            [only] if rises(only) && only[0].is_finite() => only.to_vec(),
             _ => (1..=count).map(|k| k as f64).collect(),
         }
     }

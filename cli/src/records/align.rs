@@ -78,13 +78,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         warn(&gaps_line(&document.gaps));
     }
     global.print(document, || {
-        summary(document)
-            + &format!(
-                "{}: runs.csv, {} runs, {} tracks, align.json\n",
-                args.out.display(),
-                aligned.runs.len(),
-                document.tracks.len()
-            )
+        let (out, runs, tracks) = (
+            args.out.display(),
+            aligned.runs.len(),
+            document.tracks.len(),
+        );
+        summary(document) + &format!("{out}: runs.csv, {runs} runs, {tracks} tracks, align.json\n")
     })
 }
 
@@ -96,15 +95,14 @@ fn summary(document: &Alignment) -> String {
         } else {
             "one another"
         };
+        let name = &track.track;
         text += &format!(
-            "{} along {with}\nrun               starts at [m]   stretch   drift [m]   within [m]\n",
-            track.track
+            "{name} along {with}\nrun               starts at [m]   stretch   drift [m]   within [m]\n"
         );
         for run in &track.runs {
-            text += &format!(
-                "{:16} {:14.2} {:9.4} {:11.2} {:12.2}\n",
-                run.run, run.start_m, run.stretch, run.drift_m, run.sd_m
-            );
+            let (name, start, stretch) = (&run.run, run.start_m, run.stretch);
+            let (drift, sd) = (run.drift_m, run.sd_m);
+            text += &format!("{name:16} {start:14.2} {stretch:9.4} {drift:11.2} {sd:12.2}\n");
         }
     }
     text

@@ -50,10 +50,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     });
     let (runs, curves): (Vec<_>, Vec<_>) = examined.map_err(failure)?.into_iter().unzip();
     let check = RunCheck::new(args.runs.display().to_string(), runs);
-    let viewer = if args.view {
-        write_view(&output, &all_runs(args.runs.clone()), global)?
-    } else {
-        None
+    let viewer = match args.view {
+        true => write_view(&output, &all_runs(args.runs.clone()), global)?,
+        false => None,
     };
     let page = record_page(&check, &curves, viewer);
     output.text("check.html", &page)?;
@@ -80,46 +79,37 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 fn summary(runs: &[Examination]) -> String {
     const MOST_NAMES: usize = 6;
     let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
-    let mut add = |line: String, run| match lines.iter_mut().find(|(known, _)| *known == line) {
-        Some((_, names)) => names.push(run),
-        None => lines.push((line, vec![run])),
-    };
     for run in runs {
-        if let Some(reason) = &run.refused {
-            add(format!("wrong  {reason}"), &run.run);
-        }
-        for fault in &run.faults {
-            let columns = fault.columns.join(", ");
+        let refused = run.refused.iter().map(|reason| format!("wrong  {reason}"));
+        let faults = run.faults.iter().map(|fault| {
             let certain = if fault.proven { "wrong" } else { "doubt" };
-            let mend = format!(
-                "{certain}  {columns}: {}; in a mapping: {}",
-                fault.looks_like, fault.mend
-            );
-            add(mend, &run.run);
-        }
-        for note in run.notes.iter().filter(|note| note.weight >= 0.05) {
-            let column = if note.column.is_empty() {
-                "rows"
-            } else {
-                &note.column
-            };
-            add(format!("odd    {column}: {}", note.what), &run.run);
+            let (columns, like, mend) = (fault.columns.join(", "), &fault.looks_like, &fault.mend);
+            format!("{certain}  {columns}: {like}; in a mapping: {mend}")
+        });
+        let notes = run.notes.iter().filter(|note| note.weight >= 0.05);
+        let notes = notes.map(|note| match &*note.column {
+            "" => format!("odd    rows: {}", note.what),
+            column => format!("odd    {column}: {}", note.what),
+        });
+        for line in refused.chain(faults).chain(notes) {
+            match lines.iter_mut().find(|(known, _)| *known == line) {
+                Some((_, names)) => names.push(&run.run),
+                None => lines.push((line, vec![&run.run])),
+            }
         }
     }
     let mut text = String::new();
     for (line, names) in lines {
-        let more = names.len().saturating_sub(MOST_NAMES);
-        let shown = names[..names.len() - more].join(", ");
-        let more = if more > 0 {
-            format!(" and {more} more")
-        } else {
-            String::new()
+        let shown = names[..names.len().min(MOST_NAMES)].join(", ");
+        let more = match names.len().saturating_sub(MOST_NAMES) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
         };
         text += &format!("{line}  ({shown}{more})\n");
     }
-    let good = runs.iter().filter(|run| !run.is_wrong()).count();
-    text + &format!(
-        "{good} of {} runs show nothing that is provably wrong\n",
-        runs.len()
-    )
+    let (good, count) = (
+        runs.iter().filter(|run| !run.is_wrong()).count(),
+        runs.len(),
+    );
+    text + &format!("{good} of {count} runs show nothing that is provably wrong\n")
 }

@@ -61,52 +61,50 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 fn report(args: &Args, global: &Global, imported: &ImportedRuns) -> Result<(), Failure> {
     let ImportedRuns { list, notes } = imported;
-    for remark in notes
-        .iter()
-        .flat_map(|note| &note.remarks)
-        .filter(|_| !global.quiet)
-    {
+    let remarks = notes.iter().flat_map(|note| &note.remarks);
+    for remark in remarks.filter(|_| !global.quiet) {
         note(&format!("note: {remark}"));
     }
     for run in &list.excluded {
         note(&format!("run {} is not imported: {}", run.run, run.reason));
     }
     global.print(list, || {
-        let files = list.files.len() - 1;
-        text(list, notes) + &format!("{}: runs.csv and {files} more files\n", args.out.display())
+        let (out, files) = (args.out.display(), list.files.len() - 1);
+        text(list, notes) + &format!("{out}: runs.csv and {files} more files\n")
     })
 }
 
 fn text(list: &ImportList, notes: &[Note]) -> String {
     let seconds: f64 = list.runs.iter().map(|run| run.seconds).sum();
-    let columns = notes.first().map_or(0, |note| note.channels.len());
-    let rate = notes.first().map_or(0.0, |note| note.rate_hz);
-    let mut text = format!(
-        "{} runs, {seconds:.0} s at {rate} Hz, {columns} columns\n",
-        notes.len()
-    );
+    let first = notes.first();
+    let (columns, rate) = first.map_or((0, 0.0), |note| (note.channels.len(), note.rate_hz));
+    let runs = notes.len();
+    let mut text = format!("{runs} runs, {seconds:.0} s at {rate} Hz, {columns} columns\n");
     let counts = || list.runs.iter().flat_map(|run| run.samples.values());
-    let (expected, read) = counts().fold((0, 0), |(expected, read), count| {
-        (expected + count.expected, read + count.read)
-    });
+    let expected: usize = counts().map(|count| count.expected).sum();
+    let read: usize = counts().map(|count| count.read).sum();
     if read < expected {
         text += &format!("{read} of {expected} samples have a value\n");
     }
     let missing = |run: &ImportedRun| run.missing_rows.values().sum::<usize>();
-    let runs = list.runs.iter().filter(|run| missing(run) > 0).count();
-    if runs > 0 {
-        let values: usize = list.runs.iter().map(missing).sum();
+    let missing: Vec<usize> = list
+        .runs
+        .iter()
+        .map(missing)
+        .filter(|count| *count > 0)
+        .collect();
+    if !missing.is_empty() {
+        let (values, runs) = (missing.iter().sum::<usize>(), missing.len());
         text += &format!(
             "{values} values are missing, in {runs} runs: their places are in RUN.import.json\n"
         );
     }
     let loggers = notes.iter().flat_map(|note| &note.loggers);
     for (name, logger) in loggers.filter(|(_, l)| l.clock.source == "found").take(12) {
+        let (file, delay) = (&logger.file, logger.clock.delay_s);
+        let sd = logger.clock.delay_sd_s.unwrap_or(0.0);
         text += &format!(
-            "{}: the clock of {name} is {:+.4} s late, within {:.4} s, the lag of its sensors included\n",
-            logger.file,
-            logger.clock.delay_s,
-            logger.clock.delay_sd_s.unwrap_or(0.0)
+            "{file}: the clock of {name} is {delay:+.4} s late, within {sd:.4} s, the lag of its sensors included\n"
         );
     }
     text
