@@ -119,8 +119,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } = out;
     let path = file.display();
     let refuse = |error: MeshError| Failure::BadInput(format!("kufe hull {name}: {error}"));
-    let format =
-        HullFormat::of(file).map_err(|error| Failure::BadInput(format!("{path}: {error}")))?;
+    let wrong = |error| Failure::bad_input(error).within(&path.to_string());
+    let format = HullFormat::of(file).map_err(wrong)?;
     let swept = swept.map_err(refuse)?;
     let outputs = std::slice::from_ref(file);
     let files = OutputFiles::begin("hull", points.as_slice(), outputs, global.force)?;

@@ -14,10 +14,9 @@ use crate::output::OutputDir;
 
 /// The format that `--parquet` selects.
 pub fn run_format(parquet: bool) -> RunFormat {
-    if parquet {
-        RunFormat::Parquet
-    } else {
-        RunFormat::Csv
+    match parquet {
+        true => RunFormat::Parquet,
+        false => RunFormat::Csv,
     }
 }
 
@@ -51,8 +50,9 @@ pub fn draw_tables(
             continue;
         };
         let table = read_table(&file)?;
-        let picture = table_picture(&table, table.judged(), Slice::default(), requested)
-            .map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?;
+        let name_of_table = file.display().to_string();
+        let picture = table_picture(&table, table.judged(), Slice::default(), requested);
+        let picture = picture.map_err(|error| Failure::bad_input(error).within(&name_of_table))?;
         output.picture(name, &picture.figure)?;
         drawn.push((*name).to_owned());
     }
