@@ -38,79 +38,24 @@ type Document = (
 );
 
 /// The files that have a schema, those that a user writes first.
+#[rustfmt::skip]
 const DOCUMENTS: [Document; 21] = [
     ("case", "case.toml: one contact problem", of::<Case>),
     ("table", "table.toml: one lookup table", table::schema),
-    (
-        "model",
-        "model.toml: the sled and its friction",
-        of::<Model>,
-    ),
-    (
-        "mapping",
-        "mapping.toml: where runs are recorded, and how",
-        of::<Mapping>,
-    ),
-    (
-        "result",
-        "result.json: one solved contact",
-        of::<ContactResult>,
-    ),
-    (
-        "comparison",
-        "comparison.json: two solved contacts",
-        of::<Comparison>,
-    ),
-    (
-        "series",
-        "table.json: the contacts of a series",
-        of::<Vec<SeriesRow>>,
-    ),
-    (
-        "mesh",
-        "quality.json: the quality of a mesh",
-        of::<MeshQuality>,
-    ),
-    (
-        "friction",
-        "friction.json: friction over speed and temperature",
-        of::<FrictionTable>,
-    ),
-    (
-        "optimum",
-        "friction.json of a search: the runner with the least friction",
-        of::<FrictionOptimum>,
-    ),
-    (
-        "pressure-fit",
-        "fit.json of friction over pressure",
-        of::<PressureFit>,
-    ),
-    (
-        "icehouse",
-        "icehouse.json: gliding runs in an ice house",
-        of::<IceHouseResult>,
-    ),
-    (
-        "lateral-fit",
-        "fit.json of lateral friction",
-        of::<LateralFitDocument>,
-    ),
-    (
-        "validation",
-        "validation.json: model and measurement compared",
-        of::<Validation>,
-    ),
-    (
-        "evaluation",
-        "evaluation.json: losses of drivers",
-        of::<Evaluation>,
-    ),
-    (
-        "simulation",
-        "simulation.json: simulated runs",
-        of::<Simulation>,
-    ),
+    ("model", "model.toml: the sled and its friction", of::<Model>),
+    ("mapping", "mapping.toml: where runs are recorded, and how", of::<Mapping>),
+    ("result", "result.json: one solved contact", of::<ContactResult>),
+    ("comparison", "comparison.json: two solved contacts", of::<Comparison>),
+    ("series", "table.json: the contacts of a series", of::<Vec<SeriesRow>>),
+    ("mesh", "quality.json: the quality of a mesh", of::<MeshQuality>),
+    ("friction", "friction.json: friction over speed and temperature", of::<FrictionTable>),
+    ("optimum", "friction.json of a search: the runner with the least friction", of::<FrictionOptimum>),
+    ("pressure-fit", "fit.json of friction over pressure", of::<PressureFit>),
+    ("icehouse", "icehouse.json: gliding runs in an ice house", of::<IceHouseResult>),
+    ("lateral-fit", "fit.json of lateral friction", of::<LateralFitDocument>),
+    ("validation", "validation.json: model and measurement compared", of::<Validation>),
+    ("evaluation", "evaluation.json: losses of drivers", of::<Evaluation>),
+    ("simulation", "simulation.json: simulated runs", of::<Simulation>),
     ("replay", "simulation.json of a replay", of::<ReplayResult>),
     ("check", "check.json: examined runs", of::<RunCheck>),
     ("alignment", "align.json: aligned runs", of::<Alignment>),
