@@ -11,7 +11,7 @@ use kufe_contact::Options;
 use kufe_sled::friction::Span;
 
 use crate::friction::optimum_picture::optimum_picture;
-use crate::friction::request::Request;
+use crate::friction::point::Args;
 use crate::terminal::Global;
 
 /// Searches, prints and writes.
@@ -19,15 +19,15 @@ use crate::terminal::Global;
 /// # Errors
 /// [`Failure::Usage`] for a search over several cases, speeds or temperatures and for bounds that
 /// are none, else as [`optimise`].
-pub fn run(request: &Request, global: &Global) -> Result<(), Failure> {
-    let ([path], &[v_mps], &[ice_c]) = (request.cases, request.speeds, request.temperatures) else {
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let ([path], &[v_mps], &[ice_c]) = (&args.cases[..], &args.v_mps[..], &args.ice_c[..]) else {
         let text = "--optimise: expected one case, one --v-mps and one --ice-c";
         return Err(Failure::Usage(text.into()));
     };
-    let parameters = request.optimise.iter().map(|text| parameter(text));
+    let parameters = args.optimise.iter().map(|text| parameter(text));
     let parameters: Vec<Parameter> = parameters.collect::<Result<_, _>>()?;
     let loaded = LoadedCase::read(path)?;
-    let output = request.output(std::slice::from_ref(&loaded), global)?;
+    let output = args.output(std::slice::from_ref(&loaded), global)?;
     let options = Options::default();
     let found =
         global.watched(|watch| optimise(&loaded, [v_mps, ice_c], &parameters, watch, &options))?;

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use kufe::jobs::{DrivingConditions, Failure, FrictionLaw, case_file::LoadedCase};
 use kufe::results::FrictionByLaw;
 
-use crate::friction::request::Request;
+use crate::output::{OutputDir, case_inputs};
 use crate::terminal::Global;
 
 /// Options of a law over the pressure, and of no groove.
@@ -99,15 +99,23 @@ impl Args {
         Err(Failure::Usage(missing.join("\n")))
     }
 
-    /// The table over speed and temperature, where one is requested.
-    pub fn sliding(&self) -> Option<Request<'_>> {
-        self.groove.then_some(Request {
-            cases: &self.cases,
-            speeds: &self.v_mps,
-            temperatures: &self.ice_c,
-            optimise: &self.optimise,
-            out: self.out.as_ref(),
-        })
+    /// The output folder, where one is requested, before anything is solved.
+    ///
+    /// # Errors
+    /// As [`OutputDir::begin`].
+    pub fn output(
+        &self,
+        cases: &[LoadedCase],
+        global: &Global,
+    ) -> Result<Option<OutputDir>, Failure> {
+        let Some(out) = &self.out else {
+            return Ok(None);
+        };
+        let mut inputs = Vec::new();
+        for (path, loaded) in self.cases.iter().zip(cases) {
+            inputs.extend(case_inputs(Some(path), loaded)?);
+        }
+        OutputDir::begin("friction", &inputs, out, global.force).map(Some)
     }
 }
 

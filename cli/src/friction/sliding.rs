@@ -10,9 +10,17 @@ use kufe::jobs::slide::{FrictionPoint, fastest, friction_table};
 use kufe::results::{CaseRecord, FastestRunners, FrictionRow, FrictionTable, write_csv};
 use kufe_contact::Options;
 
-use crate::friction::request::{Request, Runner};
+use crate::friction::point::Args;
 use crate::friction::sliding_picture::sliding_picture;
 use crate::terminal::Global;
+
+/// One runner with its points, temperature by temperature.
+pub struct Runner {
+    /// Its name.
+    pub name: String,
+    /// Its friction.
+    pub points: Vec<FrictionPoint>,
+}
 
 /// Most points of a table, so that a slip of the hand does not run for days.
 const MOST: usize = 10_000;
@@ -22,29 +30,22 @@ const MOST: usize = 10_000;
 /// # Errors
 /// [`Failure::Usage`] for too long lists, else as [`friction_table`]; [`Failure::BadInput`] for an
 /// output that cannot be written.
-pub fn run(request: &Request, global: &Global) -> Result<(), Failure> {
-    let counts = [request.speeds.len(), request.temperatures.len()];
-    let count = counts
-        .iter()
-        .fold(request.cases.len(), |n, &k| n.saturating_mul(k));
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let (speeds, temperatures) = (&args.v_mps, &args.ice_c);
+    let counts = [args.cases.len(), speeds.len(), temperatures.len()];
+    let count = counts.into_iter().fold(1, usize::saturating_mul);
     if count > MOST {
         let text = format!("{count} points: expected at most {MOST}");
         return Err(Failure::Usage(text));
     }
-    let cases = request.cases.iter().map(|path| LoadedCase::read(path));
+    let cases = args.cases.iter().map(|path| LoadedCase::read(path));
     let cases: Vec<LoadedCase> = cases.collect::<Result<_, _>>()?;
-    let output = request.output(&cases, global)?;
+    let output = args.output(&cases, global)?;
     let options = Options::default();
-    let names = names(request.cases);
+    let names = names(&args.cases);
     let runners = global.watched(|watch| {
         let solved = cases.iter().zip(names).map(|(loaded, name)| {
-            let points = friction_table(
-                loaded,
-                request.speeds,
-                request.temperatures,
-                watch,
-                &options,
-            )?;
+            let points = friction_table(loaded, speeds, temperatures, watch, &options)?;
             Ok(Runner { name, points })
         });
         solved.collect::<Result<Vec<Runner>, Failure>>()

@@ -13,17 +13,8 @@ use crate::output::OutputDir;
 use crate::runs::run_format;
 use crate::terminal::{Global, warn};
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe runs align runs.csv --model model.toml -o aligned/              along track_NAME.csv in the folder of runs.csv, where it exists
-  kufe runs align runs.csv --model model.toml --estimate -o aligned/   along one another, whatever track files there are
-
-Writes runs.csv and one file a run with s_m along the track, track_NAME.csv (the survey, or what the runs measured, with its
-standard errors) and align.json. The model states the places of the sensors.";
-
 /// Arguments of `kufe runs align`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Index of the runs
     pub runs: PathBuf,

@@ -14,16 +14,8 @@ use crate::output::OutputDir;
 use crate::runs::{all_runs, write_view};
 use crate::terminal::Global;
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe runs check runs/runs.csv -o check/          what is wrong, and what is odd
-  kufe runs check runs/runs.csv --view -o check/   with a page that shows the runs
-
-Writes check.json and check.html. Ends with 3 where something is provably wrong with a run, else with 0.";
-
 /// Arguments of `kufe runs check`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Index of the runs
     pub runs: PathBuf,

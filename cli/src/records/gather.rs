@@ -13,19 +13,8 @@ use serde::Serialize;
 use crate::output::OutputFiles;
 use crate::terminal::{Global, warn};
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe runs gather monday/ tuesday/ wednesday/ -o runs.csv               three days' indices in one
-  kufe runs gather raw/ -o runs.csv --track igls --session-from-folder   files without an index
-  kufe runs gather monday/runs.csv extra/late.csv -o all/runs.csv --copy into a folder of their own
-
-Of a folder its runs.csv is taken, or, without one, its files that are runs. The index names them by relative paths; runs whose
-names occur in several folders get the folder's before them. Tables of tracks (track_NAME.csv) are written into the folder of
-the index, where commands expect them. Options fill in what is not stated and change nothing that is.";
-
 /// Arguments of `kufe runs gather`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Folders, indices and files of runs
     #[arg(required = true, value_name = "FOLDER")]

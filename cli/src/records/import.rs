@@ -10,29 +10,8 @@ use kufe_telemetry::Note;
 use crate::output::OutputDir;
 use crate::terminal::{Global, note};
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe runs init raw/monday_01.csv -o mapping.toml     guess a mapping; answer its questions
-  kufe runs import mapping.toml -o runs/               runs.csv and one file a run
-
-A mapping names the files of each logger and what each column is made of:
-  rate_hz = 100
-  [logger.box]
-  files = \"raw/*.csv\"                # the * is the run's name
-  time = \"Time\"
-  [channels]
-  v_mps = { from = \"GPS Speed\", unit = \"km/h\" }
-  ay_mps2 = { from = \"Lateral Acc\", unit = \"g\", sign = -1 }
-  [index]
-  track = \"igls\"                     # and driver, driver_class, session, ice_c, air_c, air_pa
-
-Faster channels go through a low pass at 0.4 of the rate, slower ones are interpolated, gaps stay gaps. Several loggers are
-brought to one clock by what their channels share. RUN.import.json describes how each run was made. A run that cannot be
-imported is excluded with its reason, and the command ends with 5.";
-
 /// Arguments of `kufe runs import`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// The mapping: the files of the runs, and the names of their channels
     pub mapping: PathBuf,

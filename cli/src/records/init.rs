@@ -10,17 +10,8 @@ use serde::Serialize;
 use crate::about::schema::write_with_schema;
 use crate::terminal::Global;
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe runs init raw/monday_01.csv                          one logger: mapping.toml
-  kufe runs init raw/imu_01.csv raw/gps_01.csv -o m.toml    two loggers of one run
-
-Channels are identified by names, units in the file and values; a comment states how certain that is. What is not identified
-is a line that begins with \"# ?\": answer the line below it.";
-
 /// Arguments of `kufe runs init`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Files of one run, one a logger
     #[arg(required = true)]
