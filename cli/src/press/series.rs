@@ -34,16 +34,6 @@ struct Series<'a> {
     options: &'a Options,
 }
 
-/// The steps that were tried.
-#[derive(Default)]
-struct Tried {
-    rows: Vec<SeriesRow>,
-    /// How many had a result before.
-    retained: usize,
-    /// Why the last one of insufficient accuracy is so.
-    short: Option<String>,
-}
-
 /// Solves every combination into a folder of its own; results that are in the output folder already
 /// stay.
 ///
@@ -81,15 +71,16 @@ pub fn run(
     let mut missing = missing.filter(|(_, found)| found.is_none());
     missing.try_for_each(|(step, _)| series.output_of(step).map(|_| ()))?;
     remove_other_steps(&args.out, &steps);
-    let mut tried = Tried::default();
-    let solved = global.watched(|watch| series.solve(&steps, &finished, watch, &mut tried));
-    write_overview(&output, &args.out, &tried.rows, &args.lists, steps.len())?;
+    let mut rows = Vec::new();
+    let solved = global.watched(|watch| series.solve(&steps, &finished, watch, &mut rows));
+    write_overview(&output, &args.out, &rows, &args.lists, steps.len())?;
     output.commit()?;
     solved?;
-    let (rows, retained) = (&tried.rows, tried.retained);
-    global.print(rows, || summary::series(rows, retained, &args.out))?;
-    let done = rows.iter().filter(|row| row.error.is_none()).count();
-    ending([done, rows.len(), steps.len()], tried.short, &args.out)
+    let retained = finished.iter().flatten().count();
+    global.print(&rows, || summary::series(&rows, retained, &args.out))?;
+    let mut short = rows.iter().filter_map(|row| row.error.as_deref());
+    let done = rows.len() - short.clone().count();
+    ending([done, rows.len(), steps.len()], short.next_back(), &args.out)
 }
 
 /// Removes the steps of an earlier series that this one does not have.
@@ -108,11 +99,11 @@ fn remove_other_steps(out: &Path, steps: &[Step]) {
 /// for insufficient accuracy.
 fn ending(
     [done, tried, steps]: [usize; 3],
-    short: Option<String>,
+    short: Option<&str>,
     out: &Path,
 ) -> Result<(), Failure> {
     match short {
-        Some(text) if done == 0 && tried == steps => Err(Failure::NotConverged(text)),
+        Some(text) if done == 0 && tried == steps => Err(Failure::NotConverged(text.to_owned())),
         _ if done == steps => Ok(()),
         _ => Err(Failure::Partial(format!(
             "{}: {done} of {steps} steps are solved and written; the same command resumes",
@@ -147,11 +138,8 @@ impl Series<'_> {
 
     /// The step's result that is in its folder already, with all requested files.
     fn finished(&self, step: &Step) -> Option<ContactResult> {
-        if self.args.lists.fresh {
-            return None;
-        }
         let folder = self.args.out.join(&step.folder);
-        if folder.is_symlink() {
+        if self.args.lists.fresh || folder.is_symlink() {
             return None;
         }
         let result: ContactResult = read_json(&folder.join("result.json"), LONGEST).ok()?;
@@ -168,7 +156,7 @@ impl Series<'_> {
         steps: &[Step],
         finished: &[Option<ContactResult>],
         watch: &Watch,
-        tried: &mut Tried,
+        rows: &mut Vec<SeriesRow>,
     ) -> Result<(), Failure> {
         let warned = Mutex::new(BTreeMap::new());
         let warn_once = |text: &str| {
@@ -187,8 +175,7 @@ impl Series<'_> {
         let mut took = Vec::new();
         for (k, (step, finished_step)) in steps.iter().zip(finished).enumerate() {
             if finished_step.is_some() {
-                tried.retained += 1;
-                tried.rows.push(step.row(finished_step.as_ref(), None));
+                rows.push(step.row(finished_step.as_ref(), None));
                 continue;
             }
             if watch.stopped() {
@@ -209,11 +196,8 @@ impl Series<'_> {
                 Err(other) => return Err(other.within(&step.folder)),
             };
             let short = short.map(|text| format!("{}: {text}", step.folder));
-            if let Some(text) = &short {
-                watch.warn(text);
-                tried.short = Some(text.clone());
-            }
-            tried.rows.push(step.row(result.as_ref(), short));
+            short.iter().for_each(|text| watch.warn(text));
+            rows.push(step.row(result.as_ref(), short));
             took.push(begun.elapsed().as_secs_f64());
         }
         let warned = warned.lock().unwrap_or_else(PoisonError::into_inner);
@@ -362,9 +346,7 @@ mod tests {
 
     #[test]
     fn a_series_ends_with_4_only_where_all_of_it_was_tried() {
-        let ends = |counts, short: Option<&str>| {
-            ending(counts, short.map(str::to_owned), Path::new("out"))
-        };
+        let ends = |counts, short: Option<&str>| ending(counts, short, Path::new("out"));
         assert!(ends([3, 3, 3], None).is_ok());
         let short = Some("step-001: 3 % of 1 %");
         assert!(matches!(
