@@ -185,7 +185,7 @@ fn text(found: &TableLookup, table: &Table) -> String {
         let is_linear = |kind: &AxisKind| axes.outside(*kind) == Outside::Linear;
         let what = match AxisKind::ALL.iter().any(is_linear) {
             true => {
-                "held at its edge or continued straight, as its axes say; the errors are those within"
+                "the value at its edge or a straight continuation, as its axes state; the errors are those within"
             }
             false => "clipped to its nearest value, whose errors these are",
         };

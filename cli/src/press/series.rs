@@ -80,7 +80,11 @@ pub fn run(
     global.print(&rows, || summary::series(&rows, retained, &args.out))?;
     let mut short = rows.iter().filter_map(|row| row.error.as_deref());
     let done = rows.len() - short.clone().count();
-    ending([done, rows.len(), steps.len()], short.next_back(), &args.out)
+    ending(
+        [done, rows.len(), steps.len()],
+        short.next_back(),
+        &args.out,
+    )
 }
 
 /// Removes the steps of an earlier series that this one does not have.

@@ -1,4 +1,4 @@
-//! What the page's form asks for, and the case that it makes.
+//! The page's form, and the case that it states.
 
 use std::collections::BTreeMap;
 use std::mem::swap;
@@ -111,7 +111,7 @@ impl Form {
         RANGES.into_iter().map(named).collect()
     }
 
-    /// The case that the form asks for: `base` with the form's runner, track and load.
+    /// The case that the form states: `base` with the form's runner, track and load.
     ///
     /// # Errors
     /// A sentence where a number is outside its slider.

@@ -54,8 +54,9 @@ pub fn serve(listener: TcpListener, server: &Server) -> Result<(), Box<dyn Error
     let http = tiny_http::Server::from_listener(listener, None)?;
     std::thread::scope(|scope| {
         for request in http.incoming_requests() {
-            // A reader that has gone away needs no answer.
-            scope.spawn(|| respond(server, request).ok());
+            // A reader that has gone away needs no answer; without a thread tiny_http gives one.
+            let answer = || respond(server, request).ok();
+            let _ = std::thread::Builder::new().spawn_scoped(scope, answer);
         }
     });
     Ok(())
