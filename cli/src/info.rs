@@ -168,9 +168,12 @@ fn map(path: &Path) -> exr::error::Result<MapInfo> {
 }
 
 fn attribute(value: &AttributeValue) -> Datum {
-    let number = |value: f64| match value.is_finite() {
-        true => Datum::Number(value),
-        false => Datum::Text(value.to_string().to_lowercase()),
+    let number = |value: f64| {
+        if value.is_finite() {
+            Datum::Number(value)
+        } else {
+            Datum::Text(value.to_string().to_lowercase())
+        }
     };
     match value {
         AttributeValue::Text(text) => Datum::Text(text.to_string()),
@@ -246,9 +249,10 @@ fn range(key: &str, figure: &Datum, inner: &Data) -> Option<String> {
         let [value, low, high] = interval.map(|number| with_unit(key, number));
         let unit = high.split_once(' ').map_or("", |(_, unit)| unit);
         let low = low.trim_end_matches(unit).trim_end();
-        return Some(match interval[1] < interval[2] {
-            true => format!("{value} ({low} to {high})"),
-            false => value,
+        return Some(if interval[1] < interval[2] {
+            format!("{value} ({low} to {high})")
+        } else {
+            value
         });
     }
     let part = |(name, figure): (&str, &Datum)| {

@@ -65,9 +65,10 @@ impl Global {
     /// terminal; with `--verbose` a line for each step instead, terminal or not.
     pub fn progress(&self) -> Progress {
         let is_shown = !self.quiet && !self.verbose && std::io::stderr().is_terminal();
-        let bar = match is_shown {
-            true => ProgressBar::new_spinner(),
-            false => ProgressBar::hidden(),
+        let bar = if is_shown {
+            ProgressBar::new_spinner()
+        } else {
+            ProgressBar::hidden()
         };
         let style = ProgressStyle::with_template("{spinner} {elapsed_precise} {msg}");
         bar.set_style(style.expect("the template is one"));
@@ -120,9 +121,10 @@ impl Global {
         result: &impl Serialize,
         text: impl FnOnce() -> String,
     ) -> Result<(), Failure> {
-        match self.quiet && !self.json {
-            true => Ok(()),
-            false => self.answer(result, text),
+        if self.quiet && !self.json {
+            Ok(())
+        } else {
+            self.answer(result, text)
         }
     }
 

@@ -45,9 +45,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     let name = args.experiments.display().to_string();
     let experiments = read_experiments(&name, open(&args.experiments)?).map_err(failure)?;
-    let weighting = match args.unweighted {
-        true => Weighting::None,
-        false => Weighting::Both,
+    let weighting = if args.unweighted {
+        Weighting::None
+    } else {
+        Weighting::Both
     };
     let fit = fit_mu(&experiments, weighting, args.confidence)
         .map_err(|error| failure(error).within(&name))?;
@@ -82,9 +83,10 @@ fn summary(fit: &MuFit, args: &Args) -> String {
          b  {b:8.4} +- {b_sd:.4}\n  c  {c:8.3} +- {c_sd:.3}\n  d  {d:8.2} +- {d_sd:.2}\n"
     );
     if let Some(p) = fit.p_value {
-        let verdict = match p < 0.05 {
-            true => "a quadratic does not describe these data within their stated errors",
-            false => "a quadratic describes these data",
+        let verdict = if p < 0.05 {
+            "a quadratic does not describe these data within their stated errors"
+        } else {
+            "a quadratic describes these data"
         };
         let (chi2, freedom) = (fit.chi2, fit.freedom);
         text += &format!("chi2 {chi2:.2} on {freedom} degrees of freedom, p = {p:.3}: {verdict}\n");

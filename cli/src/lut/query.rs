@@ -171,23 +171,23 @@ fn text(found: &TableLookup, table: &Table) -> String {
     let with: Vec<&str> = with
         .map(|one| Description::of(one.quantity).label)
         .collect();
-    text += &match with.len() == found.values.len() {
-        true => "in brackets: interpolation and the solver's error\n".to_owned(),
-        false => format!(
+    text += &if with.len() == found.values.len() {
+        "in brackets: interpolation and the solver's error\n".to_owned()
+    } else {
+        format!(
             "in brackets: interpolation, and the solver's error too for the {}\n",
             with.join(", ")
-        ),
+        )
     };
     let axes = table.axes();
     let ends = |kind| range(axes, kind, found.fz_n).unwrap_or_default();
     if found.out_of_range {
         let ([low, high], [from, to]) = (ends(AxisKind::Fz), ends(AxisKind::Curvature));
         let is_linear = |kind: &AxisKind| axes.outside(*kind) == Outside::Linear;
-        let what = match AxisKind::ALL.iter().any(is_linear) {
-            true => {
-                "the value at its edge or a straight continuation, as its axes state; the errors are those within"
-            }
-            false => "clipped to its nearest value, whose errors these are",
+        let what = if AxisKind::ALL.iter().any(is_linear) {
+            "the value at its edge or a straight continuation, as its axes state; the errors are those within"
+        } else {
+            "clipped to its nearest value, whose errors these are"
         };
         text += &format!(
             "outside the table ({low} to {high} N; curvature {from:.4} to {to:.4} 1/m): {what}\n"

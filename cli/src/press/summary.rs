@@ -23,9 +23,10 @@ pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path, writing
     rows.push(("on this mesh", on_mesh(on_mesh_pa, p_max_map)));
     let in_field = in_field(on_mesh_pa, result.stress_max_pa.unwrap_or(on_mesh_pa));
     rows.extend(in_field.map(|text| ("in field.vtu", text)));
-    let of_area = match result.p_max.value >= bound {
-        true => within(result.area, result.accuracy_reached),
-        false => String::new(),
+    let of_area = if result.p_max.value >= bound {
+        within(result.area, result.accuracy_reached)
+    } else {
+        String::new()
     };
     let angle = |radians: f64| match radians {
         0.0 => "0 rad".into(),
@@ -107,9 +108,10 @@ fn peak(result: &ContactResult, bound: f64) -> Rows {
 
 /// A relative error, and whether it is what the case requests.
 fn within<Q: Quantity>(measured: Measured<Q>, reached: bool) -> String {
-    let short = match reached {
-        true => "",
-        false => ": the requested accuracy was not reached",
+    let short = if reached {
+        ""
+    } else {
+        ": the requested accuracy was not reached"
     };
     let error = percent(measured.error / measured.value);
     format!(" (estimated error {error}){short}")
@@ -118,11 +120,12 @@ fn within<Q: Quantity>(measured: Measured<Q>, reached: bool) -> String {
 /// The mesh's peak, and the maps' where their pixels miss it by more than a hundredth.
 fn on_mesh(p_max_mesh: f64, p_max_map: f64) -> String {
     let (mesh, map) = (1e-6 * p_max_mesh, 1e-6 * p_max_map);
-    match (p_max_map / p_max_mesh - 1.0).abs() < 0.01 {
-        true => format!("{mesh:.2} MPa, as in the maps"),
-        false => format!(
+    if (p_max_map / p_max_mesh - 1.0).abs() < 0.01 {
+        format!("{mesh:.2} MPa, as in the maps")
+    } else {
+        format!(
             "{mesh:.2} MPa; the maps' pixels are wider than this peak and show {map:.2} MPa at most"
-        ),
+        )
     }
 }
 
@@ -194,9 +197,10 @@ fn sliding(slid: &SolvedSliding) -> Rows {
     let (pressure, from) = (slid.hardness.value / 1e6, slid.hardness.from.in_words());
     let time = 1e3 * slid.hardness.contact_time.value;
     let [front, ahead] = [groove.front, groove.load_ahead].map(|m| with(m, 1e3, 2));
-    let back = match groove.back.value < 0.0 {
-        true => format!("{} mm behind it", with(groove.back, -1e3, 2)),
-        false => format!("{} mm ahead of it", with(groove.back, 1e3, 2)),
+    let back = if groove.back.value < 0.0 {
+        format!("{} mm behind it", with(groove.back, -1e3, 2))
+    } else {
+        format!("{} mm ahead of it", with(groove.back, 1e3, 2))
     };
     let (depth, area) = (with(groove.deepest, 1e6, 2), 1e6 * groove.profile.area());
     let thickest = film

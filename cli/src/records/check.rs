@@ -42,9 +42,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     });
     let (runs, curves): (Vec<_>, Vec<_>) = examined.map_err(failure)?.into_iter().unzip();
     let check = RunCheck::new(args.runs.display().to_string(), runs);
-    let viewer = match args.view {
-        true => write_view(&output, &all_runs(args.runs.clone()), global)?,
-        false => None,
+    let viewer = if args.view {
+        write_view(&output, &all_runs(args.runs.clone()), global)?
+    } else {
+        None
     };
     let page = record_page(&check, &curves, viewer);
     output.text("check.html", &page)?;

@@ -78,11 +78,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let is_campaign = args.data.extension().is_some_and(|ending| ending == "toml");
     let data = args.data.display();
     if is_campaign == args.model.is_some() {
-        return Err(Failure::Usage(match is_campaign {
-            true => "--model: a campaign.toml names its model itself".to_owned(),
-            false => format!(
+        return Err(Failure::Usage(if is_campaign {
+            "--model: a campaign.toml names its model itself".to_owned()
+        } else {
+            format!(
                 "--model is missing: expected the model that {data} is compared with (a campaign.toml names its own)"
-            ),
+            )
         }));
     }
     let mut inputs = run_inputs(&args.data);

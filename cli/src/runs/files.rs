@@ -14,9 +14,10 @@ use crate::output::OutputDir;
 
 /// The format that `--parquet` selects.
 pub fn run_format(parquet: bool) -> RunFormat {
-    match parquet {
-        true => RunFormat::Parquet,
-        false => RunFormat::Csv,
+    if parquet {
+        RunFormat::Parquet
+    } else {
+        RunFormat::Csv
     }
 }
 

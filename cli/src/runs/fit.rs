@@ -56,9 +56,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } = &fitted.loaded;
     output.text("model.fit.toml", written)?;
     let fitted = vehicle.with_lateral(fit.front.model, fit.rear.model);
-    let marked = match options.leave_out_contacts {
-        true => find_contacts(prepared, &fitted),
-        false => Vec::new(),
+    let marked = if options.leave_out_contacts {
+        find_contacts(prepared, &fitted)
+    } else {
+        Vec::new()
     };
     let ([front, rear], _) = lateral_samples(prepared, vehicle, &marked, &options);
     let pictures = [
@@ -89,16 +90,18 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 fn line(runner: &str, fit: &LateralFit, before: &MagicFormula) -> String {
     let (k, p, c) = (&fit.k_n_per_rad, &fit.mu_zeta_c, &fit.c);
-    let product = match fit.product_determined {
-        true => format!("{:.4} ({:.4} to {:.4})", p.value, p.low, p.high),
-        false => "not determined: the slips are too small for the curve to bend".to_owned(),
+    let product = if fit.product_determined {
+        format!("{:.4} ({:.4} to {:.4})", p.value, p.low, p.high)
+    } else {
+        "not determined: the slips are too small for the curve to bend".to_owned()
     };
-    let shape = match fit.c_held {
-        true => format!(
+    let shape = if fit.c_held {
+        format!(
             "fixed at the model's {:.4}: the data do not determine it",
             c.value
-        ),
-        false => format!("{:.4} ({:.4} to {:.4})", c.value, c.low, c.high),
+        )
+    } else {
+        format!("{:.4} ({:.4} to {:.4})", c.value, c.low, c.high)
     };
     let (k_before, product_before) = (before.k_n_per_rad, before.mu_zeta_c());
     let (residual, plain, noise) = (fit.residual_rms, 100.0 * fit.attenuation, fit.slip_sd);

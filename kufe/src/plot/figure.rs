@@ -329,9 +329,10 @@ impl ColourBar {
     /// no number.
     pub fn colour(&self, value: f64) -> Rgb {
         let share = (value - self.range[0]) / (self.range[1] - self.range[0]);
-        match share.is_nan() {
-            true => [128; 3],
-            false => self.colours[(share.clamp(0.0, 1.0) * 255.0).round() as usize],
+        if share.is_nan() {
+            [128; 3]
+        } else {
+            self.colours[(share.clamp(0.0, 1.0) * 255.0).round() as usize]
         }
     }
 }

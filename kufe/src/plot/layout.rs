@@ -363,9 +363,10 @@ impl Page {
         }
         for layer in &panel.layers {
             let shapes = self.layer(layer, [x, y], area);
-            match layer.hint.is_empty() {
-                true => self.shapes.extend(shapes),
-                false => self.shapes.push(Shape::Group(layer.hint.clone(), shapes)),
+            if layer.hint.is_empty() {
+                self.shapes.extend(shapes)
+            } else {
+                self.shapes.push(Shape::Group(layer.hint.clone(), shapes))
             }
         }
         let mut frame = rectangle(area);

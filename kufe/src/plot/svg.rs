@@ -37,9 +37,10 @@ pub fn svg(shapes: &[Shape], [width, height]: Place, letters: f64, label: &str) 
 /// The attributes of a colour.
 fn paint(attribute: &str, colour: Colour) -> String {
     let [red, green, blue] = colour.rgb;
-    let name = match colour.rgb == INK.rgb {
-        true => "currentColor".to_owned(),
-        false => format!("#{red:02x}{green:02x}{blue:02x}"),
+    let name = if colour.rgb == INK.rgb {
+        "currentColor".to_owned()
+    } else {
+        format!("#{red:02x}{green:02x}{blue:02x}")
     };
     match colour.alpha {
         1.0 => format!("{attribute}=\"{name}\""),
@@ -104,12 +105,11 @@ fn circle(at: Place, radius: f64, paint: &str) -> String {
 
 fn words([x, y]: Place, text: &str, style: &Style) -> String {
     let lower = BASELINE * style.size;
-    let ([x, y], turn) = match style.turned {
-        true => {
-            let [x, y] = [x + lower, y].map(tenth);
-            ([x, y], format!(" transform=\"rotate(-90 {x} {y})\""))
-        }
-        false => ([x, y + lower].map(tenth), String::new()),
+    let ([x, y], turn) = if style.turned {
+        let [x, y] = [x + lower, y].map(tenth);
+        ([x, y], format!(" transform=\"rotate(-90 {x} {y})\""))
+    } else {
+        ([x, y + lower].map(tenth), String::new())
     };
     let bold = if style.bold {
         " font-weight=\"bold\""

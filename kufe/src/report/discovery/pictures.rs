@@ -63,9 +63,10 @@ pub fn picture(plot: &Plot, is_one_of_a_pair: bool) -> String {
         Plot::Peaks(rows) => column(WHOLE, "peak pressure by row", 0.0, vec![peaks(rows)]),
         Plot::Maps(plot) => return format!("<div class=\"panels\">\n{}</div>\n", maps(plot)),
     };
-    match is_one_of_a_pair {
-        true => figure.svg(),
-        false => for_both(WHOLE, figure),
+    if is_one_of_a_pair {
+        figure.svg()
+    } else {
+        for_both(WHOLE, figure)
     }
 }
 
@@ -147,9 +148,10 @@ fn strip(plot: &Strip, after: bool) -> Panel {
     };
     let means = line((0..count).map(mean).collect(), 1.8, INK);
     layers.push(named(means, "mean of all runs"));
-    let (x, title) = match after {
-        true => ("distance along the track [m]", "after"),
-        false => ("", "before"),
+    let (x, title) = if after {
+        ("distance along the track [m]", "after")
+    } else {
+        ("", "before")
     };
     let y = Axis::new("").within([-1.05 * largest, 1.05 * largest]);
     Panel::new(Axis::new(x).within([plot.from_m, end]), y, layers).titled(title)
@@ -178,9 +180,12 @@ fn peaks(rows: &[Peak]) -> Panel {
             layers.push(layer.named(name).hinted(hint));
         }
     }
-    let names = rows.iter().map(|row| match row.not_seen {
-        true => format!("{}, not seen", row.name),
-        false => row.name.clone(),
+    let names = rows.iter().map(|row| {
+        if row.not_seen {
+            format!("{}, not seen", row.name)
+        } else {
+            row.name.clone()
+        }
     });
     let x = Axis::new("peak pressure [MPa]");
     Panel::new(x, Axis::names("", names).reversed(), layers)

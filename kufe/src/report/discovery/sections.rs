@@ -22,9 +22,10 @@ pub fn step(number: usize, step: &Step, report: &Report) -> String {
     } else {
         " by all steps together"
     };
-    let judged = match report.held_out.runs.is_empty() {
-        true => "",
-        false => " on data that the search had not seen",
+    let judged = if report.held_out.runs.is_empty() {
+        ""
+    } else {
+        " on data that the search had not seen"
     };
     let closed = &step.explainable_gap_closed;
     let [value, low, high] = [closed.value, closed.low, closed.high].map(|share| 100.0 * share);
@@ -63,11 +64,10 @@ fn fitted_gap(step: &Step, report: &Report) -> String {
         } else {
             ""
         };
-        match step.gap_after >= step.gap_before {
-            true => {
-                format!("the base model had taken its place: the gap was {before} and is {after}.")
-            }
-            false => format!("it takes the gap{base} from {before} to {after}."),
+        if step.gap_after >= step.gap_before {
+            format!("the base model had taken its place: the gap was {before} and is {after}.")
+        } else {
+            format!("it takes the gap{base} from {before} to {after}.")
         }
     };
     format!("On the data it was fitted to {text}")

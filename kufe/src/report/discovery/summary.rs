@@ -69,9 +69,10 @@ fn notes(report: &Report) -> Vec<(&'static str, String)> {
 }
 
 fn in_words(report: &Report) -> String {
-    let more = match report.adequate || report.steps.is_empty() {
-        true => "",
-        false => ", and more is missing",
+    let more = if report.adequate || report.steps.is_empty() {
+        ""
+    } else {
+        ", and more is missing"
     };
     let words = match report.verdict {
         Verdict::Named if report.steps.len() > 1 => "Effects are missing from the model",

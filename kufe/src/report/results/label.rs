@@ -113,9 +113,10 @@ pub fn name_of(key: &str) -> String {
 /// A key without the ending that is its unit, and that ending.
 fn stem(key: &str) -> (&str, &str) {
     let above = key.rfind("_per_").map_or(key, |at| &key[..at]);
-    let at = match crate::plot::unit_of(above).is_empty() {
-        true => above.len(),
-        false => above.rfind('_').unwrap_or(key.len()),
+    let at = if crate::plot::unit_of(above).is_empty() {
+        above.len()
+    } else {
+        above.rfind('_').unwrap_or(key.len())
     };
     key.split_at(at)
 }

@@ -57,9 +57,10 @@ fn top(figures: &Data) -> String {
     }
     if !rest.is_empty() {
         let is_alone = first.is_empty() && nested.is_empty();
-        out += &match is_alone || further.len() <= FEW {
-            true => rest,
-            false => fold("Further figures", &rest),
+        out += &if is_alone || further.len() <= FEW {
+            rest
+        } else {
+            fold("Further figures", &rest)
         };
     }
     for (key, value) in figures.iter().filter(|(key, _)| CASES.contains(key)) {
@@ -148,9 +149,10 @@ fn pairs(figures: &[Entry]) -> String {
         let ends = figures.iter().filter(|other| other.key == end);
         let length = ends.map(Entry::largest).fold(figure.largest(), f64::max);
         let scale = Scale::of(&figure.unit(), length);
-        let text = match figure.largest() < NOTHING * length {
-            true => format!("0 {}", escape(&scale.unit)),
-            false => figure.in_unit(&scale),
+        let text = if figure.largest() < NOTHING * length {
+            format!("0 {}", escape(&scale.unit))
+        } else {
+            figure.in_unit(&scale)
         };
         (false, [escape(&figure.name), text])
     };
