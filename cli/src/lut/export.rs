@@ -6,7 +6,7 @@ use kufe::jobs::{Failure, table::read_table};
 use kufe_lut::{Fmi, OCTAVE_FUNCTION, Table, binding_files, simulink_files};
 use serde::Serialize;
 
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, of_file};
 use crate::terminal::Global;
 
 /// Files that were written.
@@ -185,8 +185,7 @@ impl Forms {
         let mut written = Vec::new();
         for (form, path) in self.places(sibling) {
             let mut bytes = Vec::new();
-            let failure = |error| Failure::bad_input(error).within(&path.display().to_string());
-            write(form, &mut bytes).map_err(failure)?;
+            write(form, &mut bytes).map_err(of_file(&path))?;
             files.bytes(&path, &bytes)?;
             written.push(path);
         }

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::lut::export::Forms;
 use crate::lut::finish::finish;
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, of_file};
 use crate::terminal::{Global, say, warn};
 
 /// Arguments of `kufe lut plan`.
@@ -95,9 +95,7 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
     }
     let inputs = solver.inputs(&spec)?;
     let files = OutputFiles::begin("lut plan", &inputs, &outputs, global.force)?;
-    let name = args.table.display().to_string();
-    let table = args.table.canonicalize();
-    let table = table.map_err(|error| Failure::bad_input(error).within(&name))?;
+    let table = args.table.canonicalize().map_err(of_file(&args.table))?;
     let store = open_store(&args.out, "none", origin.clone())?;
     let progress = replay(&spec.plan, |point| store.get(point));
     let Progress::Batch { points, round, .. } = progress.map_err(Failure::bad_input)? else {

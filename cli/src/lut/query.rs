@@ -6,6 +6,7 @@ use kufe::jobs::{Failure, table::read_table};
 use kufe::results::{Description, TableLookup};
 use kufe_lut::{Axes, AxisKind, MIN_SPEED, Mode, Outside, Sample, Table, curvature_from_pitch};
 
+use crate::output::of_file;
 use crate::terminal::{Global, warn};
 
 /// Arguments of `kufe lut query`.
@@ -115,8 +116,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ice_c: args.ice_c.unwrap_or(f64::NAN),
     };
     let found = TableLookup::new(&table, at, mode, args.rocker_radius_m);
-    let name = args.table.display().to_string();
-    let found = found.map_err(|error| Failure::bad_input(error).within(&name))?;
+    let found = found.map_err(of_file(&args.table))?;
     global.answer(&found, || text(&found, &table))
 }
 

@@ -9,7 +9,7 @@ use kufe_lut::{Quantity, Sample};
 use kufe_sled::table_samples;
 use serde::Serialize;
 
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, of_file};
 use crate::terminal::Global;
 
 /// Arguments of `kufe lut show`.
@@ -96,9 +96,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         speed: args.v_mps,
         ice_c: args.ice_c,
     };
-    let name = args.table.display().to_string();
-    let picture = table_picture(&table, quantity, slice, &samples)
-        .map_err(|error| Failure::bad_input(error).within(&name))?;
+    let picture = table_picture(&table, quantity, slice, &samples);
+    let picture = picture.map_err(of_file(&args.table))?;
     let outside = picture.outside;
     files.bytes(&out, &picture.figure.png())?;
     files.commit()?;

@@ -23,6 +23,11 @@ fn unwritable(path: &Path, reason: &dyn std::fmt::Display) -> Failure {
     Failure::BadInput(format!("{}: cannot be written: {reason}", path.display()))
 }
 
+/// The failure that a file causes.
+pub fn of_file<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure {
+    move |error| Failure::bad_input(error).within(&path.display().to_string())
+}
+
 /// The names of what is in a folder.
 fn names_in(folder: &Path) -> std::io::Result<Vec<String>> {
     let entries = std::fs::read_dir(folder)?;

@@ -8,6 +8,7 @@ use kufe_telemetry::{TextOptions, guess_mapping, read_log};
 use serde::Serialize;
 
 use crate::about::schema::write_with_schema;
+use crate::output::of_file;
 use crate::terminal::Global;
 
 /// Arguments of `kufe runs init`.
@@ -69,6 +70,5 @@ fn from_mapping(sample: &Path, mapping: &Path) -> Result<PathBuf, Failure> {
     if let Ok(below) = sample.strip_prefix(folder) {
         return Ok(below.to_path_buf());
     }
-    std::path::absolute(sample)
-        .map_err(|error| Failure::BadInput(format!("{}: {error}", sample.display())))
+    std::path::absolute(sample).map_err(of_file(sample))
 }

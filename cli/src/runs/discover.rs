@@ -9,7 +9,7 @@ use kufe::report::discovery_page;
 use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
 use kufe_sled::read_index;
 
-use crate::output::OutputDir;
+use crate::output::{OutputDir, of_file};
 use crate::runs::{all_runs, write_view};
 use crate::terminal::{Global, warn, warn_if_cut};
 
@@ -132,10 +132,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 }
 
 fn rules(path: &Path) -> Result<Rules, Failure> {
-    let name = path.display().to_string();
-    let text = kufe_files::text_of_regular(path, 1 << 20);
-    let text = text.map_err(|error| Failure::bad_input(error).within(&name))?;
-    Rules::from_toml(&text).map_err(|error| Failure::bad_input(error).within(&name))
+    let text = kufe_files::text_of_regular(path, 1 << 20).map_err(of_file(path))?;
+    Rules::from_toml(&text).map_err(of_file(path))
 }
 
 fn text(report: &Report, output: &Path) -> String {
