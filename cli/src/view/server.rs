@@ -54,7 +54,8 @@ pub fn serve(listener: TcpListener, server: &Server) -> Result<(), Box<dyn Error
     let http = tiny_http::Server::from_listener(listener, None)?;
     std::thread::scope(|scope| {
         for request in http.incoming_requests() {
-            // A reader that has gone away needs no answer; without a thread tiny_http gives one.
+            // A reader that has gone away needs no answer. Where no thread can be started, tiny_http
+            // answers with an error.
             let answer = || respond(server, request).ok();
             let _ = std::thread::Builder::new().spawn_scoped(scope, answer);
         }
