@@ -59,8 +59,6 @@ pub enum Command {
     Report(report::Args),
     /// Show a contact in the browser and solve it again with sliders
     View(view::Args),
-    /// Print threads, memory and optional programs of this machine
-    Doctor(about::doctor::Args),
     /// Print a shell's completion script
     Completions(about::completions::Args),
     /// Write the manual pages

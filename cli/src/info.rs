@@ -1,5 +1,6 @@
 //! `kufe info FILE`: a hull, a lookup table, a pressure map or a result in figures.
 
+use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use kufe::plot::{number4, quantity, unit_of};
 use kufe::report::{LONGEST_TREE, read_json};
 use kufe::results::{Data, Datum, DocumentKind, TableInfo};
 use kufe_files::open_regular;
-use kufe_lut::read_fmu;
+use kufe_lut::{Table, read_fmu};
 use kufe_mesh::{HullOptions, load_hull};
 use serde::Serialize;
 
@@ -69,6 +70,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let path = &args.file;
     let failure = |reason: &dyn Display| Failure::BadInput(format!("{}: {reason}", path.display()));
     let unreadable = |error: std::io::Error| failure(&format!("cannot be read: {error}"));
+    let table = |table: &Table, platforms| {
+        let info = TableInfo::new(table, platforms).map_err(|error| failure(&error))?;
+        Ok::<_, Failure>(Datum::of(&info))
+    };
     let found = path.metadata().map_err(unreadable)?;
     if found.is_dir() {
         let reason = "is a folder: expected a file; kufe report shows folders";
@@ -77,15 +82,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     let contents = match ending.to_ascii_lowercase().as_str() {
         "obj" | "glb" | "gltf" | "stl" | "3mf" => Datum::of(&hull(path)?),
-        "lut" => {
-            let table = read_table(path)?;
-            Datum::of(&TableInfo::new(&table, None).map_err(|error| failure(&error))?)
-        }
+        "lut" => table(&read_table(path)?, None)?,
         "fmu" => {
             let file = open_regular(path).map_err(unreadable)?;
             let unit = read_fmu(BufReader::new(file)).map_err(|error| failure(&error))?;
-            let platforms = Some(unit.platforms.join(", "));
-            Datum::of(&TableInfo::new(&unit.table, platforms).map_err(|error| failure(&error))?)
+            table(&unit.table, Some(unit.platforms.join(", ")))?
         }
         "exr" => Datum::of(&map(path).map_err(|error| failure(&error))?),
         "json" => Datum::of(&result(path)?),
@@ -151,19 +152,18 @@ fn map(path: &Path) -> exr::error::Result<MapInfo> {
     let meta = MetaData::read_from_buffered(BufReader::new(open_regular(path)?), false)?;
     let header = meta.headers.first();
     let header = header.ok_or(exr::error::Error::Invalid("a map has a layer".into()))?;
-    let channels = header.channels.list.iter();
     let own = header.own_attributes.other.iter();
-    let mut attributes: Vec<(String, Datum)> = own
-        .chain(&header.shared_attributes.other)
-        .map(|(name, value)| (name.to_string(), attribute(value)))
-        .collect();
-    attributes.sort_by(|a, b| a.0.cmp(&b.0));
+    let attributes = own.chain(&header.shared_attributes.other);
+    let attributes = attributes.map(|(name, value)| (name.to_string(), attribute(value)));
+    // In the order of their names.
+    let attributes: BTreeMap<String, Datum> = attributes.collect();
+    let channels = header.channels.list.iter();
     Ok(MapInfo {
         kind: "map",
         width: header.layer_size.width(),
         height: header.layer_size.height(),
         channels: channels.map(|channel| channel.name.to_string()).collect(),
-        attributes: Data(attributes),
+        attributes: Data(attributes.into_iter().collect()),
     })
 }
 
@@ -200,16 +200,15 @@ fn text(figure: &Datum, depth: usize) -> String {
             None => format!("{indent}{key}:\n{}", text(figure, depth + 1)),
         },
         Datum::List(list) if list.iter().any(is_sentence) => {
-            let lines = list
-                .iter()
-                .map(|one| format!("{indent}  {}\n", single(key, one)));
-            format!("{indent}{key}:\n{}", lines.collect::<String>())
+            let line = |one| format!("{indent}  {}\n", single(key, one));
+            format!(
+                "{indent}{key}:\n{}",
+                list.iter().map(line).collect::<String>()
+            )
         }
         Datum::List(list) if figure.is_table() => {
-            let each = list.iter().enumerate();
-            let each =
-                each.map(|(k, one)| format!("{indent}{key} {}:\n{}", k + 1, text(one, depth + 1)));
-            each.collect()
+            let row = |(k, one)| format!("{indent}{key} {}:\n{}", k + 1, text(one, depth + 1));
+            list.iter().enumerate().map(row).collect()
         }
         other => format!("{indent}{key}: {}\n", single(key, other)),
     };
@@ -220,80 +219,58 @@ fn text(figure: &Datum, depth: usize) -> String {
 fn single(key: &str, figure: &Datum) -> String {
     match figure {
         Datum::List(list) if !list.is_empty() => {
-            let nested = list.iter().any(|one| !one.is_single());
+            let is_nested = list.iter().any(|one| !one.is_single());
             let each: Vec<String> = list.iter().map(|one| single(key, one)).collect();
-            each.join(if nested { "; " } else { ", " })
+            each.join(if is_nested { "; " } else { ", " })
         }
-        Datum::Flag(flag) => flag.to_string(),
-        other => match (other.number(), other.text().filter(|text| !text.is_empty())) {
-            (Some(number), _) => with_unit(key, number),
-            (None, Some(text)) => text.to_owned(),
-            (None, None) => "none".to_owned(),
+        other if other.is_empty() => "none".to_owned(),
+        other => match other.number() {
+            Some(number) => with_unit(key, number),
+            None => other.to_string(),
         },
     }
 }
 
 /// A number with the unit that its key ends in; whole ones without a unit in full.
 fn with_unit(key: &str, number: f64) -> String {
-    let whole = number.fract() == 0.0 && number.abs() < 1e15;
+    let is_whole = number.fract() == 0.0 && number.abs() < 1e15;
     match &*unit_of(key) {
-        "" if whole => number.to_string(),
+        "" if is_whole => number.to_string(),
         "" => number4(number),
         "bytes" => format!("{number} bytes"),
         unit => quantity(number, unit),
     }
 }
 
-/// "12 to 31 m/s, 3 points" of a range; "12 (11 to 13) N" of a value with its interval.
+/// "2 points, from 12 m/s, to 31 m/s" of a range; "12 N (11 N to 13 N)" of a value with its
+/// interval.
 fn range(key: &str, figure: &Datum, inner: &Data) -> Option<String> {
-    const KEYS: [&str; 8] = [
-        "points",
-        "from",
-        "to",
-        "missing",
-        "min",
-        "max",
-        "smooth_error",
-        "bilinear_error",
-    ];
-    let number = |key: &str| inner.get(key).and_then(Datum::number);
-    let between = |from: f64, to: f64| {
-        let [from, to] = [from, to].map(|value| with_unit(key, value));
-        // The unit once, where both have the same.
-        let unit = to.split_once(' ').map_or("", |(_, unit)| unit);
-        let start = from.strip_suffix(unit).unwrap_or(&from).trim_end();
-        if from == to {
-            to
-        } else {
-            format!("{start} to {to}")
-        }
-    };
-    if let Some([value, low, high]) = figure.interval() {
-        let value = with_unit(key, value);
-        return Some(if low < high {
-            format!("{value} ({})", between(low, high))
+    if let Some(interval) = figure.interval() {
+        let [value, low, high] = interval.map(|number| with_unit(key, number));
+        let unit = high.split_once(' ').map_or("", |(_, unit)| unit);
+        let low = low.trim_end_matches(unit).trim_end();
+        return Some(if interval[1] < interval[2] {
+            format!("{value} ({low} to {high})")
         } else {
             value
         });
     }
-    if inner.iter().any(|(key, _)| !KEYS.contains(&key)) {
-        return None;
-    }
-    let ends = [["from", "to"], ["min", "max"]];
-    let ends = ends
-        .into_iter()
-        .find_map(|[from, to]| Some((number(from)?, number(to)?)));
-    let mut parts: Vec<String> = ends
-        .map(|(from, to)| between(from, to))
-        .into_iter()
-        .collect();
-    for key in ["points", "missing"] {
-        parts.extend(inner.get(key).map(|count| format!("{count} {key}")));
-    }
-    for mode in ["smooth", "bilinear"] {
-        let error = number(&format!("{mode}_error"));
-        parts.extend(error.map(|error| format!("{mode} within {}", percent(error))));
-    }
+    let part = |(name, figure): (&str, &Datum)| {
+        let number = figure.number();
+        Some(match name {
+            _ if figure.is_empty() => String::new(),
+            "points" | "missing" => format!("{figure} {name}"),
+            "from" | "to" | "min" | "max" => format!("{name} {}", with_unit(key, number?)),
+            "smooth_error" | "bilinear_error" => {
+                let (mode, _) = name.split_once('_')?;
+                format!("{mode} within {}", percent(number?))
+            }
+            "outside" => format!("outside: {figure}"),
+            _ => return None,
+        })
+    };
+    let mut parts = inner.iter().map(part).collect::<Option<Vec<String>>>()?;
+    parts.retain(|part| !part.is_empty());
     Some(if parts.is_empty() {
         "none".to_owned()
     } else {

@@ -19,7 +19,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches};
 use kufe::jobs::Failure;
 
-use crate::about::{completions, doctor, examples, init, schema};
+use crate::about::{completions, examples, init, schema};
 use crate::bodies::{export, hull, mesh};
 use crate::cli::{Cli, Command};
 use crate::friction::icehouse;
@@ -56,7 +56,6 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Schema(args) => schema::run(&args, &global),
         Command::Report(args) => report::run(&args, &global),
         Command::View(args) => view::run(&args, &global),
-        Command::Doctor(args) => doctor::run(&args, &global),
         Command::Completions(args) => completions::run(&args, examples::added(Cli::command())),
         Command::Man(args) => completions::man(&args, &global, examples::added(Cli::command())),
     }

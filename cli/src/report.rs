@@ -7,7 +7,7 @@ use kufe::report::{PAGE, ResultPage, result_page};
 use kufe_files::same_file;
 use serde::Serialize;
 
-use crate::output::{FolderRecord, OutputFiles};
+use crate::output::{FolderRecord, write_file};
 use crate::terminal::Global;
 
 /// Arguments of `kufe report`.
@@ -41,10 +41,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } = result_page(&args.result, args.out.as_deref())?;
     // kufe discover writes its page itself.
     if kind != "discovery" || !same_file(&out, &args.result.join(PAGE)) {
-        let outputs = std::slice::from_ref(&out);
-        let files = OutputFiles::begin("report", &read(&args.result, &out), outputs, global.force)?;
-        files.write(&out, |writer| writer.write_all(html.as_bytes()))?;
-        files.commit()?;
+        let inputs = read(&args.result, &out);
+        write_file("report", &inputs, &out, html.as_bytes(), global)?;
     }
     let bytes = html.len();
     let written = Written {

@@ -1,6 +1,5 @@
 //! What every command shares at the terminal: its global options, progress, messages, and Ctrl-C.
 
-use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::sync::OnceLock;
@@ -65,16 +64,15 @@ impl Global {
     /// A progress line on the terminal, invisible with `--quiet` or where standard error is no
     /// terminal; with `--verbose` a line for each step instead, terminal or not.
     pub fn progress(&self) -> Progress {
-        let shown = !self.quiet && !self.verbose && std::io::stderr().is_terminal();
-        let bar = if shown {
+        let is_shown = !self.quiet && !self.verbose && std::io::stderr().is_terminal();
+        let bar = if is_shown {
             ProgressBar::new_spinner()
         } else {
             ProgressBar::hidden()
         };
-        if shown {
-            if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed_precise} {msg}") {
-                bar.set_style(style);
-            }
+        let style = ProgressStyle::with_template("{spinner} {elapsed_precise} {msg}");
+        bar.set_style(style.expect("the template is one"));
+        if is_shown {
             bar.enable_steady_tick(Duration::from_millis(100));
         }
         Progress {
@@ -85,7 +83,7 @@ impl Global {
     }
 
     /// Does `work` while the progress line shows `text`.
-    pub fn during<T>(&self, text: &'static str, work: impl FnOnce() -> T) -> T {
+    pub fn during<T>(&self, text: &str, work: impl FnOnce() -> T) -> T {
         let bar = self.progress();
         bar.set_message(text);
         let done = work();
@@ -105,7 +103,7 @@ impl Global {
         });
         let bar = self.progress();
         let done = work(&Watch {
-            progress: Some(&|text| bar.set_message(text.to_owned())),
+            progress: Some(&|text| bar.set_message(text)),
             warn: Some(&|text| bar.warn(text)),
             stop: Some(&INTERRUPTED),
         });
@@ -123,10 +121,11 @@ impl Global {
         result: &impl Serialize,
         text: impl FnOnce() -> String,
     ) -> Result<(), Failure> {
-        if self.json || !self.quiet {
-            self.answer(result, text)?;
+        if self.quiet && !self.json {
+            Ok(())
+        } else {
+            self.answer(result, text)
         }
-        Ok(())
     }
 
     /// Prints the answer to a question: as JSON with `--json`, else as text.
@@ -138,11 +137,7 @@ impl Global {
         result: &impl Serialize,
         text: impl FnOnce() -> String,
     ) -> Result<(), Failure> {
-        if self.json {
-            say(&pretty(result)?);
-        } else {
-            say(&text());
-        }
+        say(&if self.json { pretty(result)? } else { text() });
         Ok(())
     }
 }
@@ -157,13 +152,12 @@ pub struct Progress {
 
 impl Progress {
     /// Shows what is being done.
-    pub fn set_message(&self, text: impl Into<Cow<'static, str>>) {
-        let text = text.into();
+    pub fn set_message(&self, text: &str) {
         if self.lines {
             let seconds = self.begun.elapsed().as_secs_f64();
             note(&format!("{seconds:.2} s: {text}"));
         }
-        self.bar.set_message(text);
+        self.bar.set_message(text.to_owned());
     }
 
     /// Prints a warning above the line.
@@ -208,18 +202,18 @@ pub fn error_text(text: &str) {
 
 /// Warns of a table whose last line has no end: the file may be cut within its last number.
 pub fn warn_if_cut(path: &Path) {
-    let last_byte = || {
-        let mut file = kufe_files::open_regular(path).ok()?;
-        file.seek(SeekFrom::End(-1)).ok()?;
+    let last_byte = || -> std::io::Result<u8> {
+        let mut file = kufe_files::open_regular(path)?;
+        file.seek(SeekFrom::End(-1))?;
         let mut byte = [0];
-        file.read_exact(&mut byte).ok()?;
-        Some(byte[0])
+        file.read_exact(&mut byte)?;
+        Ok(byte[0])
     };
     let is_csv = path.extension().is_some_and(|ending| ending == "csv");
-    if is_csv && last_byte().is_some_and(|byte| !matches!(byte, b'\n' | b'\r')) {
+    if is_csv && last_byte().is_ok_and(|byte| !matches!(byte, b'\n' | b'\r')) {
+        let path = path.display();
         warn(&format!(
-            "{}: the last line has no line end; if the file was cut, its last value is wrong",
-            path.display()
+            "{path}: the last line has no line end; if the file was cut, its last value is wrong"
         ));
     }
 }

@@ -2,7 +2,8 @@
 //
 // Data: { index, rate_hz, model, channels: [{ key, label, unit, times }], runs: [{ run, track, driver, session, t0_s, rate_hz,
 // columns: { key: packed }, model: { key: packed }, stretches: [{ column, kind, from_s, to_s }], sections: [{ column, from_m, to_m, lost_s }],
-// contacts: [[from_s, to_s]], faults: [{ columns, proven, text }], notes }], left_out: [[run, reason]] }. The address may state what is
+// contacts: [[from_s, to_s]], faults: [{ columns, proven, looks_like, evidence }],
+// notes: [{ column, what }] }], left_out: [[run, reason]] }. The address may state what is
 // shown: #run=NAME&run=NAME&channel=KEY&over=time&from=10&to=20; track=NAME without a run shows the quickest runs of a track.
 
 const LEFT = 58, RIGHT = 10, TALL = 132, BAR = 62;
@@ -176,7 +177,7 @@ function runsPage(main, data) {
       const box = el("input", { type: "checkbox", checked: state.shown.has(run), "aria-label": `show ${run.run}`, onchange: (event) => { if (event.target.checked) state.shown.add(run); else state.shown.delete(run); redraw(true); } });
       const reference = el("input", { type: "radio", name: "reference", checked: run === state.reference, title: "the reference", "aria-label": `${run.run} as reference`, onchange: () => { state.reference = run; state.shown.add(run); redraw(true); } });
       const swatch = el("span", { class: "swatch", style: state.shown.has(run) ? `background:${colourOf(run)}` : null });
-      const faults = run.faults.length > 0 ? el("b", { class: "bad", title: run.faults.map((fault) => `${fault.columns.join(", ")}: ${fault.text}`).join("\n") }, "!") : null;
+      const faults = run.faults.length > 0 ? el("b", { class: "bad", title: run.faults.map((fault) => `${fault.columns.join(", ")}: ${fault.looks_like}: ${fault.evidence}`).join("\n") }, "!") : null;
       return el("div", { class: "run" }, el("label", {}, box, swatch, el("span", { class: "name" }, run.run), faults), el("span", { class: "soft" }, [run.driver, `${figure(run.seconds)} s`].filter(Boolean).join(", ")), reference);
     };
     const at = list.scrollTop;
@@ -425,7 +426,9 @@ function runsPage(main, data) {
   }
 
   function fillFindings() {
-    const rows = listed().flatMap((run) => [...run.faults.map((one) => [one.proven ? "wrong" : "doubt", one]), ...run.notes.map((one) => ["odd", one])].map(([kind, { columns, text }]) => [run.run, kind, columns.join(", "), text]));
+    const faults = (run) => run.faults.map((one) => [run.run, one.proven ? "wrong" : "doubt", one.columns.join(", "), `${one.looks_like}: ${one.evidence}`]);
+    const notes = (run) => run.notes.map((one) => [run.run, "odd", one.column, one.what]);
+    const rows = listed().flatMap((run) => [...faults(run), ...notes(run)]);
     const legend = Object.values(EVENTS).map(([name, colour]) => el("span", {}, el("span", { class: "swatch", style: `background:var(${colour})` }), name));
     findings.replaceChildren(el("h2", {}, "Findings of the shown runs"), rows.length > 0 ? table(["run", "", "channel", "what"], rows) : el("p", { class: "soft" }, "none"),
       el("p", { class: "legend soft" }, "events:", legend),

@@ -7,7 +7,7 @@ use clap_complete::Shell;
 use kufe::jobs::Failure;
 
 use crate::about::reference;
-use crate::output::{OutputDir, OutputFiles};
+use crate::output::{OutputDir, write_file};
 use crate::terminal::{Global, say};
 
 /// Arguments of `kufe completions`.
@@ -46,10 +46,7 @@ pub struct ManArgs {
 pub fn man(args: &ManArgs, global: &Global, mut command: Command) -> Result<(), Failure> {
     if let Some(path) = &args.markdown {
         let page = reference::page(&command);
-        let outputs = std::slice::from_ref(path);
-        let files = OutputFiles::begin("man", &[], outputs, global.force)?;
-        files.write(path, |writer| writer.write_all(page.as_bytes()))?;
-        return files.commit();
+        return write_file("man", &[], path, page.as_bytes(), global);
     }
     command = command.disable_help_subcommand(true);
     command.build();

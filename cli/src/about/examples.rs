@@ -15,12 +15,7 @@ pub fn added(mut command: Command) -> Command {
 
 fn at(command: Command, words: &[&str], examples: &str) -> Command {
     let Some((first, rest)) = words.split_first() else {
-        // What the command itself says after its help stays.
-        let more = match command.get_after_help() {
-            Some(own) => format!("{examples}\n\n{own}"),
-            None => examples.to_string(),
-        };
-        return command.after_help(more);
+        return command.after_help(examples.to_owned());
     };
     command.mut_subcommand(first, |inner| at(inner, rest, examples))
 }

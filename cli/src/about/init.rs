@@ -7,7 +7,7 @@ use kufe_sled::MODEL_EXAMPLE;
 use kufe_telemetry::MAPPING_EXAMPLE;
 use serde::Serialize;
 
-use crate::about::schema::{Kind, write_with_schema};
+use crate::about::schema::{kinds, write_with_schema};
 use crate::terminal::Global;
 
 /// Arguments of `kufe init`.
@@ -16,8 +16,8 @@ pub struct Args {
     /// The file to write [default: case.toml, table.toml, model.toml or mapping.toml]
     pub file: Option<PathBuf>,
     /// What to start
-    #[arg(long, value_enum, default_value_t = Kind::Case)]
-    pub kind: Kind,
+    #[arg(long, value_parser = kinds(), default_value = "case")]
+    pub kind: String,
 }
 
 /// The files that were written.
@@ -32,25 +32,23 @@ struct WrittenFiles<'a> {
 /// # Errors
 /// [`Failure::BadInput`] where the file exists or cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let kind = args.kind.name();
-    let file = match &args.file {
-        Some(file) => file.clone(),
-        None => PathBuf::from(format!("{kind}.toml")),
-    };
+    let kind = &*args.kind;
+    let file = args.file.clone();
+    let file = file.unwrap_or_else(|| format!("{kind}.toml").into());
     let path = file.display();
-    let (example, next) = match args.kind {
-        Kind::Case => (EXAMPLE, format!("solve it with: kufe press {path} -o out/")),
-        Kind::Table => (TABLE_EXAMPLE, format!("fill it with: kufe lut {path}")),
-        Kind::Model => (
+    let (example, next) = match kind {
+        "table" => (TABLE_EXAMPLE, format!("fill it with: kufe lut {path}")),
+        "model" => (
             MODEL_EXAMPLE,
             format!("use it with: kufe evaluate runs.csv --model {path} -o evaluation/"),
         ),
-        Kind::Mapping => (
+        "mapping" => (
             MAPPING_EXAMPLE,
             format!("import with it: kufe runs import {path} -o runs/"),
         ),
+        _ => (EXAMPLE, format!("solve it with: kufe press {path} -o out/")),
     };
-    let schema = write_with_schema("init", args.kind, &[], &file, example, global.force)?;
+    let schema = write_with_schema("init", kind, &[], &file, example, global.force)?;
     let written = WrittenFiles {
         file: &file,
         schema,

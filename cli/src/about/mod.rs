@@ -1,11 +1,9 @@
-//! What the command says of itself and of its files: examples to start from, schemas, manual pages,
-//! the machine.
+//! What the command says of itself and of its files: examples to start from, schemas, manual pages.
 
 pub mod completions;
-pub mod doctor;
 pub mod examples;
 pub mod init;
-#[cfg(test)]
-mod option_tests;
 mod reference;
 pub mod schema;
+#[cfg(test)]
+mod tests;

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use kufe::case::Case;
-use kufe::jobs::Failure;
+use kufe::jobs::{Failure, table};
 use kufe::results::finding::Report;
 use kufe::results::{
     Alignment, Comparison, ContactResult, Evaluation, FrictionOptimum, FrictionTable,
@@ -13,101 +14,76 @@ use kufe::results::{
 use kufe_sled::Model;
 use kufe_telemetry::Mapping;
 use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, write_file};
 use crate::terminal::{Global, say};
 
 /// Arguments of `kufe schema`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
     /// Which file's
-    pub document: Document,
+    #[arg(value_parser = names(&DOCUMENTS))]
+    pub document: String,
     /// Write it here instead of printing it
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
 
+/// A file that has a schema: its word on the command line, what it is, and the schema.
+type Document = (
+    &'static str,
+    &'static str,
+    fn(&mut SchemaGenerator) -> Schema,
+);
+
+/// The files that have a schema, those that a user writes first.
+#[rustfmt::skip]
+const DOCUMENTS: [Document; 21] = [
+    ("case", "case.toml: one contact problem", of::<Case>),
+    ("table", "table.toml: one lookup table", table::schema),
+    ("model", "model.toml: the sled and its friction", of::<Model>),
+    ("mapping", "mapping.toml: where runs are recorded, and how", of::<Mapping>),
+    ("result", "result.json: one solved contact", of::<ContactResult>),
+    ("comparison", "comparison.json: two solved contacts", of::<Comparison>),
+    ("series", "table.json: the contacts of a series", of::<Vec<SeriesRow>>),
+    ("mesh", "quality.json: the quality of a mesh", of::<MeshQuality>),
+    ("friction", "friction.json: friction over speed and temperature", of::<FrictionTable>),
+    ("optimum", "friction.json of a search: the runner with the least friction", of::<FrictionOptimum>),
+    ("pressure-fit", "fit.json of friction over pressure", of::<PressureFit>),
+    ("icehouse", "icehouse.json: gliding runs in an ice house", of::<IceHouseResult>),
+    ("lateral-fit", "fit.json of lateral friction", of::<LateralFitDocument>),
+    ("validation", "validation.json: model and measurement compared", of::<Validation>),
+    ("evaluation", "evaluation.json: losses of drivers", of::<Evaluation>),
+    ("simulation", "simulation.json: simulated runs", of::<Simulation>),
+    ("replay", "simulation.json of a replay", of::<ReplayResult>),
+    ("check", "check.json: examined runs", of::<RunCheck>),
+    ("alignment", "align.json: aligned runs", of::<Alignment>),
+    ("truth", "truth.json: sample runs", of::<SampleTruth>),
+    ("finding", "report.json: the effects found", of::<Report>),
+];
+
+fn of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
+    generator.root_schema_for::<T>()
+}
+
+fn names(documents: &[Document]) -> PossibleValuesParser {
+    let names = documents.iter().copied();
+    PossibleValuesParser::new(names.map(|(name, what, _)| PossibleValue::new(name).help(what)))
+}
+
 /// The files that a user writes.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// case.toml: one contact problem
-    Case,
-    /// table.toml: one lookup table
-    Table,
-    /// model.toml: the sled and its friction
-    Model,
-    /// mapping.toml: where runs are recorded, and how
-    Mapping,
+pub fn kinds() -> PossibleValuesParser {
+    names(&DOCUMENTS[..4])
 }
 
-/// The files that have a schema.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Document {
-    /// case.toml: one contact problem
-    Case,
-    /// table.toml: one lookup table
-    Table,
-    /// model.toml: the sled and its friction
-    Model,
-    /// mapping.toml: where runs are recorded, and how
-    Mapping,
-    /// result.json: one solved contact
-    Result,
-    /// comparison.json: two solved contacts
-    Comparison,
-    /// table.json: the contacts of a series
-    Series,
-    /// quality.json: the quality of a mesh
-    Mesh,
-    /// friction.json: friction over speed and temperature
-    Friction,
-    /// friction.json of a search: the runner with the least friction
-    Optimum,
-    /// fit.json of friction over pressure
-    PressureFit,
-    /// icehouse.json: gliding runs in an ice house
-    Icehouse,
-    /// fit.json of lateral friction
-    LateralFit,
-    /// validation.json: model and measurement compared
-    Validation,
-    /// evaluation.json: losses of drivers
-    Evaluation,
-    /// simulation.json: simulated runs
-    Simulation,
-    /// simulation.json of a replay
-    Replay,
-    /// check.json: examined runs
-    Check,
-    /// align.json: aligned runs
-    Alignment,
-    /// truth.json: sample runs
-    Truth,
-    /// report.json: the effects found
-    Finding,
-}
-
-impl From<Kind> for Document {
-    fn from(kind: Kind) -> Self {
-        match kind {
-            Kind::Case => Document::Case,
-            Kind::Table => Document::Table,
-            Kind::Model => Document::Model,
-            Kind::Mapping => Document::Mapping,
-        }
-    }
-}
-
-impl Kind {
-    /// The word on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::Case => "case",
-            Kind::Table => "table",
-            Kind::Model => "model",
-            Kind::Mapping => "mapping",
-        }
-    }
+/// The schema of a document, JSON Schema draft 7: what editors for TOML read.
+fn schema(document: &str) -> String {
+    let mut known = DOCUMENTS.iter();
+    let found = known.find(|(name, ..)| *name == document);
+    let (.., schema) = found.expect("the parser admits known documents alone");
+    let mut generator = SchemaSettings::draft07().into_generator();
+    format!("{:#}\n", schema(&mut generator).to_value())
 }
 
 /// Writes a file of a kind with its schema, which its first line names, into one folder; returns
@@ -117,59 +93,27 @@ impl Kind {
 /// [`Failure::BadInput`] where one of them exists or cannot be written.
 pub fn write_with_schema(
     command: &'static str,
-    kind: Kind,
+    kind: &str,
     inputs: &[PathBuf],
     file: &Path,
     text: &str,
     force: bool,
 ) -> Result<PathBuf, Failure> {
-    let name = format!("{}.schema.json", kind.name());
-    let schema = file.parent().unwrap_or(Path::new("")).join(&name);
-    let content = Document::from(kind).schema();
+    let name = format!("{kind}.schema.json");
+    let path = file.parent().unwrap_or(Path::new("")).join(&name);
+    let content = schema(kind);
     let mut outputs = vec![file.to_path_buf()];
     // Commands share it.
-    let found = kufe_files::read_regular(&schema, content.len() as u64);
-    if found.ok().as_deref() != Some(content.as_bytes()) {
-        outputs.push(schema.clone());
-    }
+    let found = kufe_files::read_regular(&path, content.len() as u64);
+    let is_missing = found.ok().as_deref() != Some(content.as_bytes());
+    outputs.extend(is_missing.then(|| path.clone()));
     let files = OutputFiles::begin(command, inputs, &outputs, force)?;
-    if outputs.contains(&schema) {
-        files.write(&schema, |writer| writer.write_all(content.as_bytes()))?;
+    if is_missing {
+        files.bytes(&path, content.as_bytes())?;
     }
-    files.write(file, |writer| write!(writer, "#:schema ./{name}\n{text}"))?;
+    files.bytes(file, format!("#:schema ./{name}\n{text}").as_bytes())?;
     files.commit()?;
-    Ok(schema)
-}
-
-impl Document {
-    /// The schema, JSON Schema draft 7: what editors for TOML read.
-    fn schema(self) -> String {
-        let mut generator = SchemaSettings::draft07().into_generator();
-        let schema = match self {
-            Document::Case => generator.root_schema_for::<Case>(),
-            Document::Table => kufe::jobs::table::schema(&mut generator),
-            Document::Model => generator.root_schema_for::<Model>(),
-            Document::Mapping => generator.root_schema_for::<Mapping>(),
-            Document::Result => generator.root_schema_for::<ContactResult>(),
-            Document::Comparison => generator.root_schema_for::<Comparison>(),
-            Document::Series => generator.root_schema_for::<Vec<SeriesRow>>(),
-            Document::Mesh => generator.root_schema_for::<MeshQuality>(),
-            Document::Friction => generator.root_schema_for::<FrictionTable>(),
-            Document::Optimum => generator.root_schema_for::<FrictionOptimum>(),
-            Document::PressureFit => generator.root_schema_for::<PressureFit>(),
-            Document::Icehouse => generator.root_schema_for::<IceHouseResult>(),
-            Document::LateralFit => generator.root_schema_for::<LateralFitDocument>(),
-            Document::Validation => generator.root_schema_for::<Validation>(),
-            Document::Evaluation => generator.root_schema_for::<Evaluation>(),
-            Document::Simulation => generator.root_schema_for::<Simulation>(),
-            Document::Replay => generator.root_schema_for::<ReplayResult>(),
-            Document::Check => generator.root_schema_for::<RunCheck>(),
-            Document::Alignment => generator.root_schema_for::<Alignment>(),
-            Document::Truth => generator.root_schema_for::<SampleTruth>(),
-            Document::Finding => generator.root_schema_for::<Report>(),
-        };
-        format!("{:#}\n", schema.to_value())
-    }
+    Ok(path)
 }
 
 /// Prints or writes a schema.
@@ -177,15 +121,12 @@ impl Document {
 /// # Errors
 /// [`Failure::BadInput`] where the file cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let text = args.document.schema();
+    let text = schema(&args.document);
     let Some(path) = &args.out else {
         say(&text);
         return Ok(());
     };
-    let outputs = std::slice::from_ref(path);
-    let files = OutputFiles::begin("schema", &[], outputs, global.force)?;
-    files.write(path, |writer| writer.write_all(text.as_bytes()))?;
-    files.commit()?;
+    write_file("schema", &[], path, text.as_bytes(), global)?;
     if !global.quiet {
         say(&format!("{} written\n", path.display()));
     }

@@ -49,14 +49,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         files.write(out, |file| deck.write(file))?;
         files.commit()?;
         let result = deck.result(out)?;
+        let (approach, fz, peak) = (1e6 * result.approach_m, result.fz_n, 1e-6 * result.p_max_pa);
         return global.print(&result, || {
+            let (deck, dofs) = (&result.deck, result.dofs);
             format!(
-                "{}: {} unknowns; pressed in by {:.4} µm they bear {:.3} N at a peak of {:.4} MPa here\n",
-                result.deck,
-                result.dofs,
-                1e6 * result.approach_m,
-                result.fz_n,
-                1e-6 * result.p_max_pa
+                "{deck}: {dofs} unknowns; pressed in by {approach:.4} µm they bear {fz:.3} N at a peak of {peak:.4} MPa here\n"
             )
         });
     }

@@ -11,7 +11,7 @@ use kufe_mesh::{
 use serde::Serialize;
 
 use crate::bodies::scan::{self, Check};
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, of_file};
 use crate::terminal::Global;
 
 /// Arguments of `kufe hull`.
@@ -119,8 +119,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } = out;
     let path = file.display();
     let refuse = |error: MeshError| Failure::BadInput(format!("kufe hull {name}: {error}"));
-    let format =
-        HullFormat::of(file).map_err(|error| Failure::BadInput(format!("{path}: {error}")))?;
+    let format = HullFormat::of(file).map_err(of_file(file))?;
     let swept = swept.map_err(refuse)?;
     let outputs = std::slice::from_ref(file);
     let files = OutputFiles::begin("hull", points.as_slice(), outputs, global.force)?;

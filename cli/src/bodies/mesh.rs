@@ -46,22 +46,14 @@ fn table(quality: &MeshQuality) -> String {
     let mut text = String::from(
         "mesh       nodes     cells  inverted  scaled Jacobian (min, mean)  aspect (max)\n",
     );
-    let meshes = [
-        ("ice", Some(&quality.ice)),
-        ("runner", quality.runner.as_ref()),
-    ];
-    for (name, mesh) in meshes {
-        text += &mesh.map_or(String::new(), |mesh| {
-            format!(
-                "{name:<7} {:>8}  {:>8}  {:>8}  {:>13.3} {:>13.3}  {:>12.0}\n",
-                mesh.nodes,
-                mesh.cells,
-                mesh.inverted,
-                mesh.min_scaled_jacobian,
-                mesh.mean_scaled_jacobian,
-                mesh.max_aspect
-            )
-        });
+    let runner = quality.runner.iter().map(|mesh| ("runner", mesh));
+    for (name, mesh) in std::iter::once(("ice", &quality.ice)).chain(runner) {
+        let (nodes, cells, inverted) = (mesh.nodes, mesh.cells, mesh.inverted);
+        let (least, mean) = (mesh.min_scaled_jacobian, mesh.mean_scaled_jacobian);
+        let aspect = mesh.max_aspect;
+        text += &format!(
+            "{name:<7} {nodes:>8}  {cells:>8}  {inverted:>8}  {least:>13.3} {mean:>13.3}  {aspect:>12.0}\n"
+        );
     }
     text
 }

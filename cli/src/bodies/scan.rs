@@ -1,6 +1,5 @@
 //! `kufe hull check`: whether a hull from a scanner can be pressed, and how it is to be read.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use kufe::jobs::{ExaminedHull, Failure, check_hull};
@@ -46,7 +45,7 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
     let mut found = check_hull(&check.file, &check.fz_n, check.p_max)?;
     if let Some(out) = &check.out {
         let text = found.case(out, &check.fz_n)?;
-        files.write(out, |writer| writer.write_all(text.as_bytes()))?;
+        files.bytes(out, text.as_bytes())?;
     }
     files.commit()?;
     found.result.written.clone_from(&check.out);
@@ -62,65 +61,53 @@ fn degrees(angle: Angle) -> String {
 
 fn text(examined: &ExaminedHull) -> String {
     let found = &examined.result;
-    let [length, width, height] = [found.length_m, found.width_m, found.height_m].map(|m| 1e3 * m);
-    let mut text = format!(
-        "{}: {} vertices, {} triangles\n\
-         \x20 scale {}, up {}, forward {} or {}: its shape does not tell\n\
-         \x20 {length:.1} x {width:.2} x {height:.2} mm; rocker radius {:.2} m, section radius {:.3} mm\n",
-        found.file.display(),
-        found.vertices,
-        found.triangles,
-        found.scale,
-        found.up,
-        found.forward,
-        examined.backward(),
-        found.rocker_radius_m,
-        1e3 * found.section_radius_m
-    );
-    let angles = [
-        ("yaw", found.yaw_rad),
-        ("pitch", found.pitch_rad),
-        ("roll", found.roll_rad),
+    let [length, width, height, section] = [
+        found.length_m,
+        found.width_m,
+        found.height_m,
+        found.section_radius_m,
+    ]
+    .map(|m| 1e3 * m);
+    let (file, vertices, triangles) = (found.file.display(), found.vertices, found.triangles);
+    let (scale, up, forward, backward) =
+        (found.scale, &found.up, &found.forward, examined.backward());
+    let rocker = found.rocker_radius_m;
+    let mut lines = vec![
+        format!("{file}: {vertices} vertices, {triangles} triangles"),
+        format!("scale {scale}, up {up}, forward {forward} or {backward}: its shape does not tell"),
+        format!(
+            "{length:.1} x {width:.2} x {height:.2} mm; rocker radius {rocker:.2} m, section radius {section:.3} mm"
+        ),
     ];
     if examined.oriented {
-        let angles = angles.map(|(name, angle)| {
-            let shown = angle.map_or("not shown by its shape".to_owned(), degrees);
-            format!("{name} {shown}")
-        });
-        let _ = writeln!(text, "  into runner axes by {}", angles.join(", "));
+        let shown = |angle: Option<Angle>| angle.map_or("not shown by its shape".into(), degrees);
+        let [yaw, pitch, roll] = [found.yaw_rad, found.pitch_rad, found.roll_rad].map(shown);
+        lines.push(format!(
+            "into runner axes by yaw {yaw}, pitch {pitch}, roll {roll}"
+        ));
     }
-    if let Some(length) = found.strips_m {
-        let _ = writeln!(text, "  {}", strips_warning(length));
-    }
-    let noise = match (found.noise_m, found.unseen_noise_m) {
+    lines.extend(found.strips_m.map(strips_warning));
+    let noise = match (1e6 * found.noise_m, 1e6 * found.unseen_noise_m) {
         (0.0, 0.0) => "none".to_owned(),
-        (0.0, unseen) => format!("none; less than {:.3} µm would not show", 1e6 * unseen),
-        (noise, _) => format!("{:.3} µm", 1e6 * noise),
+        (0.0, unseen) => format!("none; less than {unseen:.3} µm would not show"),
+        (noise, _) => format!("{noise:.3} µm"),
     };
     let spacing = 1e3 * found.spacing_m;
-    let _ = writeln!(
-        text,
-        "  near the keel: triangles of {spacing:.3} mm, noise {noise}"
-    );
+    lines.push(format!(
+        "near the keel: triangles of {spacing:.3} mm, noise {noise}"
+    ));
     if let (Some(_), [Some(x), Some(y)]) = (found.beyond_origin_m, examined.offset_m) {
-        let _ = writeln!(
-            text,
-            "  the file's origin lies outside the hull; its middle: load.offset_x_m = {x:.4}, load.offset_y_m = {y:.4}"
-        );
+        lines.push(format!(
+            "the file's origin lies outside the hull; its middle: load.offset_x_m = {x:.4}, load.offset_y_m = {y:.4}"
+        ));
     }
-    for warning in &found.warnings {
-        let _ = writeln!(text, "  {warning}");
-    }
-    if let Some(error) = &found.no_underside {
-        let _ = writeln!(text, "  no smooth underside could be fitted: {error}");
-    }
-    for load in found.loads.iter().flatten() {
-        let _ = writeln!(text, "  {}", verdict(load));
-    }
-    if let Some(out) = &found.written {
-        let _ = writeln!(text, "wrote {}", out.display());
-    }
-    text
+    lines.extend(found.warnings.iter().map(ToString::to_string));
+    let error = found.no_underside.as_ref();
+    lines.extend(error.map(|error| format!("no smooth underside could be fitted: {error}")));
+    lines.extend(found.loads.iter().flatten().map(verdict));
+    let written = found.written.as_ref();
+    let written = written.map_or(String::new(), |out| format!("wrote {}\n", out.display()));
+    lines.join("\n  ") + "\n" + &written
 }
 
 fn verdict(load: &ResolvedLoad) -> String {
@@ -138,9 +125,9 @@ fn verdict(load: &ResolvedLoad) -> String {
     };
     let enough = load.enough.as_ref();
     let enough = enough.map_or(String::new(), |enough| format!("; {} would do", by(enough)));
+    let halves = by(&load.halves);
     format!(
         "{fz} N: {verdict}: the peak is known to {known:.1} %, the surface to {error:.2} of {approach:.1} µm approach{enough}; half of \
-         that error with {}",
-        by(&load.halves)
+         that error with {halves}"
     )
 }

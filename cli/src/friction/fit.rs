@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use kufe::charts::mu_picture;
 use kufe::jobs::{Failure, runs::failure};
 use kufe::results::PressureFit;
 use kufe_sled::friction::{
@@ -58,10 +59,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let output = OutputDir::begin("friction fit", inputs, &args.out, global.force)?;
     let toml = model_form(&law).map_err(Failure::bad_input)?;
     output.text("friction.toml", &toml)?;
-    output.picture(
-        "mu.png",
-        &kufe::charts::mu_picture(&experiments, &fit, &law),
-    )?;
+    output.picture("mu.png", &mu_picture(&experiments, &fit, &law))?;
     output.json("fit.json", &result)?;
     output.commit()?;
     global.print(&result, || summary(&fit, args))
@@ -69,50 +67,37 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 /// `[friction.longitudinal]` as a model file has it.
 fn model_form(law: &PressureLaw) -> Result<String, toml::ser::Error> {
-    let keys = LongitudinalKeys::from(Longitudinal::Pressure(*law));
-    Ok(format!(
-        "[friction.longitudinal]\n{}",
-        toml::to_string(&keys)?
-    ))
+    let keys = toml::to_string(&LongitudinalKeys::from(Longitudinal::Pressure(*law)))?;
+    Ok(format!("[friction.longitudinal]\n{keys}"))
 }
 
 fn summary(fit: &MuFit, args: &Args) -> String {
-    let sd = |k: usize| fit.covariance[(k, k)].sqrt();
+    let [b_sd, c_sd, d_sd] = [0, 1, 2].map(|k| fit.covariance[(k, k)].sqrt());
+    let (b, c, d) = (fit.b, fit.c, fit.d);
+    let weighting = match fit.weighting {
+        Weighting::Both => "weighted by the errors of mu and p",
+        Weighting::None => "unweighted",
+    };
     let mut text = format!(
-        "mu = 1e-3 (b p^2 - c p + d), p in MPa, {}\n  b  {:8.4} +- {:.4}\n  c  {:8.3} +- {:.3}\n  d  {:8.2} +- {:.2}\n",
-        match fit.weighting {
-            Weighting::Both => "weighted by the errors of mu and p",
-            Weighting::None => "unweighted",
-        },
-        fit.b,
-        sd(0),
-        fit.c,
-        sd(1),
-        fit.d,
-        sd(2),
+        "mu = 1e-3 (b p^2 - c p + d), p in MPa, {weighting}\n  \
+         b  {b:8.4} +- {b_sd:.4}\n  c  {c:8.3} +- {c_sd:.3}\n  d  {d:8.2} +- {d_sd:.2}\n"
     );
-    if let Some(p_value) = fit.p_value {
-        text += &format!(
-            "chi2 {:.2} on {} degrees of freedom, p = {:.3}: {}\n",
-            fit.chi2,
-            fit.freedom,
-            p_value,
-            if p_value < 0.05 {
-                "a quadratic does not describe these data within their stated errors"
-            } else {
-                "a quadratic describes these data"
-            }
-        );
+    if let Some(p) = fit.p_value {
+        let verdict = if p < 0.05 {
+            "a quadratic does not describe these data within their stated errors"
+        } else {
+            "a quadratic describes these data"
+        };
+        let (chi2, freedom) = (fit.chi2, fit.freedom);
+        text += &format!("chi2 {chi2:.2} on {freedom} degrees of freedom, p = {p:.3}: {verdict}\n");
     }
     text += &match fit.least_friction() {
-        Some(least) => format!(
-            "least friction {:.2}e-3 at {:.2} MPa ({:.2} to {:.2})\n",
-            1e3 * least.mu.value,
-            1e-6 * least.p_pa.value,
-            1e-6 * least.p_pa.low,
-            1e-6 * least.p_pa.high,
-        ),
-        None => "the data show no minimum within their errors\n".to_string(),
+        Some(least) => {
+            let (mu, at) = (1e3 * least.mu.value, &least.p_pa);
+            let [p, low, high] = [at.value, at.low, at.high].map(|p| 1e-6 * p);
+            format!("least friction {mu:.2}e-3 at {p:.2} MPa ({low:.2} to {high:.2})\n")
+        }
+        None => "the data show no minimum within their errors\n".to_owned(),
     };
     let out = args.out.display();
     text + &format!("{out}: fit.json, friction.toml, mu.png\n")

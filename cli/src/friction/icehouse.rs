@@ -65,15 +65,13 @@ fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, 
 /// The picture's name: the run's number keeps names apart that differ only in signs a file cannot
 /// have.
 fn picture(number: usize, run: &str) -> String {
-    let plain = |c: char| {
-        if c.is_alphanumeric() || c == '-' {
-            c
-        } else {
-            '_'
-        }
-    };
-    let run: String = run.chars().take(60).map(plain).collect();
-    format!("energy_{:03}_{run}.png", number + 1)
+    let is_plain = |c: char| c.is_alphanumeric() || c == '-';
+    let run: String = run.chars().take(60).collect();
+    format!(
+        "energy_{:03}_{}.png",
+        number + 1,
+        run.replace(|c| !is_plain(c), "_")
+    )
 }
 
 /// Speed that no one reaches by pushing a sled in a hall [m/s]; km/h without a measured way cannot
@@ -81,59 +79,39 @@ fn picture(number: usize, run: &str) -> String {
 const MOST_SPEED: f64 = 15.0;
 
 fn summary(house: &IceHouse, out: &Path) -> String {
-    let width = house
-        .specimens
-        .iter()
-        .map(|s| s.specimen.chars().count())
-        .fold(8, usize::max);
+    let lengths = house.specimens.iter().map(|s| s.specimen.chars().count());
+    let width = lengths.fold(8, usize::max);
     let mut text = format!(
         "{:width$}  pairs  mu [1e-3]  std. error  95 % interval   v [m/s]\n",
         "specimen"
     );
     for s in &house.specimens {
+        let [mu, se, low, high] = [s.mu.value, s.mu_se, s.mu.low, s.mu.high].map(|mu| 1e3 * mu);
+        let (name, pairs, v) = (&s.specimen, s.pairs, s.v_mps);
         text += &format!(
-            "{:width$}  {:5}  {:9.3}  {:10.3}  {:.3} to {:.3}  {:7.2}\n",
-            s.specimen,
-            s.pairs,
-            1e3 * s.mu.value,
-            1e3 * s.mu_se,
-            1e3 * s.mu.low,
-            1e3 * s.mu.high,
-            s.v_mps,
+            "{name:width$}  {pairs:5}  {mu:9.3}  {se:10.3}  {low:.3} to {high:.3}  {v:7.2}\n"
         );
     }
+    let slope = &house.slope_rad;
+    let [slope, low, high] = [slope.value, slope.low, slope.high].map(f64::to_degrees);
+    let (uphill, central) = (&house.directions[0], 100.0 - 200.0 * SHARE_LEFT_OUT);
     text += &format!(
-        "rink: {:.4} degrees ({:.4} to {:.4}), positive where \"{}\" climbs\n",
-        house.slope_rad.value.to_degrees(),
-        house.slope_rad.low.to_degrees(),
-        house.slope_rad.high.to_degrees(),
-        house.directions[0],
-    );
-    text += &format!(
-        "section: from the greatest speed on, the central {:.0} % of the distance glided\n",
-        100.0 - 200.0 * SHARE_LEFT_OUT
+        "rink: {slope:.4} degrees ({low:.4} to {high:.4}), positive where \"{uphill}\" climbs\n\
+         section: from the greatest speed on, the central {central:.0} % of the distance glided\n"
     );
     if !house.unpaired.is_empty() {
-        text += &format!(
-            "not used, no run in the other direction: {}\n",
-            house.unpaired.join(", ")
-        );
+        let unpaired = house.unpaired.join(", ");
+        text += &format!("not used, no run in the other direction: {unpaired}\n");
     }
     for s in house.specimens.iter().filter(|s| s.v_mps > MOST_SPEED) {
+        let (name, speed, mu) = (&s.specimen, s.v_mps, 1e3 * s.mu.value / 3.6);
         text += &format!(
-            "{}: v_mps has a mean of {:.1} m/s, expected up to {MOST_SPEED} in a hall: km/h? (mu would be {:.3}e-3)\n",
-            s.specimen,
-            s.v_mps,
-            1e3 * s.mu.value / 3.6
+            "{name}: v_mps has a mean of {speed:.1} m/s, expected up to {MOST_SPEED} in a hall: km/h? (mu would be {mu:.3}e-3)\n"
         );
     }
-    let experiments = house.experiments();
-    if experiments.iter().any(|e| !e.p_max_pa.is_finite()) {
+    if house.experiments().iter().any(|e| !e.p_max_pa.is_finite()) {
         text += "experiments.csv: fill in p_max_pa and p_max_sd_pa (kufe press) before kufe friction fit\n";
     }
-    text + &format!(
-        "{}: icehouse.json, experiments.csv, {} pictures\n",
-        out.display(),
-        house.runs.len()
-    )
+    let (out, count) = (out.display(), house.runs.len());
+    text + &format!("{out}: icehouse.json, experiments.csv, {count} pictures\n")
 }

@@ -5,7 +5,6 @@ pub mod icehouse;
 mod optimum;
 mod optimum_picture;
 mod point;
-mod request;
 mod sliding;
 mod sliding_picture;
 
@@ -47,10 +46,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         return Err(Failure::Usage(text));
     }
     args.point.check_complete()?;
-    match args.point.sliding() {
-        Some(request) if request.optimise.is_empty() => sliding::run(&request, global),
-        Some(request) => optimum::run(&request, global),
-        None => point::run(&args.point, global),
+    match (args.point.groove, args.point.optimise.is_empty()) {
+        (true, true) => sliding::run(&args.point, global),
+        (true, false) => optimum::run(&args.point, global),
+        (false, _) => point::run(&args.point, global),
     }
 }
 

@@ -11,7 +11,7 @@ use kufe_contact::Options;
 use kufe_sled::friction::Span;
 
 use crate::friction::optimum_picture::optimum_picture;
-use crate::friction::request::Request;
+use crate::friction::point::Args;
 use crate::terminal::Global;
 
 /// Searches, prints and writes.
@@ -19,15 +19,15 @@ use crate::terminal::Global;
 /// # Errors
 /// [`Failure::Usage`] for a search over several cases, speeds or temperatures and for bounds that
 /// are none, else as [`optimise`].
-pub fn run(request: &Request, global: &Global) -> Result<(), Failure> {
-    let ([path], &[v_mps], &[ice_c]) = (request.cases, request.speeds, request.temperatures) else {
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let ([path], &[v_mps], &[ice_c]) = (&args.cases[..], &args.v_mps[..], &args.ice_c[..]) else {
         let text = "--optimise: expected one case, one --v-mps and one --ice-c";
         return Err(Failure::Usage(text.into()));
     };
-    let parameters = request.optimise.iter().map(|text| parameter(text));
+    let parameters = args.optimise.iter().map(|text| parameter(text));
     let parameters: Vec<Parameter> = parameters.collect::<Result<_, _>>()?;
     let loaded = LoadedCase::read(path)?;
-    let output = request.output(std::slice::from_ref(&loaded), global)?;
+    let output = args.output(std::slice::from_ref(&loaded), global)?;
     let options = Options::default();
     let found =
         global.watched(|watch| optimise(&loaded, [v_mps, ice_c], &parameters, watch, &options))?;
@@ -60,57 +60,51 @@ fn parameter(text: &str) -> Result<Parameter, Failure> {
 }
 
 fn write_csv(file: impl Write, found: &Optimum) -> io::Result<()> {
-    let mut csv = csv::Writer::from_writer(file);
-    let keys = found.parameters.iter().map(|p| p.key.as_str());
-    csv.write_record(keys.chain([
+    let figures = [
         "mu",
         "mu_error",
         "mu_ploughing",
         "mu_viscous",
         "mu_boundary",
-    ]))?;
+    ];
+    let keys = found.parameters.iter().map(|p| p.key.as_str());
+    let mut csv = csv::Writer::from_writer(file);
+    csv.write_record(keys.chain(figures))?;
     let best = (&found.values, &found.point);
     let solved = found.solved.iter().map(|(values, point)| (values, point));
     for (values, point) in solved.chain([best]) {
         let f = &point.friction;
-        let figures = [
-            f.mu.value,
-            f.mu.error,
-            f.ploughing.value,
-            f.viscous.value,
-            f.boundary.value,
-        ];
-        csv.write_record(values.iter().chain(&figures).map(f64::to_string))?;
+        let parts = [f.ploughing.value, f.viscous.value, f.boundary.value];
+        let figures = [f.mu.value, f.mu.error].into_iter().chain(parts);
+        let record = values.iter().copied().chain(figures);
+        csv.write_record(record.map(|number| number.to_string()))?;
     }
     csv.flush()
 }
 
 fn text(found: &Optimum) -> String {
-    let friction = &found.point.friction;
+    let (speed, ice, f) = (found.point.v_mps, found.point.ice_c, &found.point.friction);
+    let [mu, error, ploughing, viscous, boundary] = [
+        f.mu.value,
+        f.mu.error,
+        f.ploughing.value,
+        f.viscous.value,
+        f.boundary.value,
+    ]
+    .map(|mu| 1e3 * mu);
     let mut text = format!(
-        "least friction at {} m/s and {} C: mu {:.3} +- {:.3}e-3 (ploughing {:.3}, film {:.3}, boundary {:.3})\n",
-        found.point.v_mps,
-        found.point.ice_c,
-        1e3 * friction.mu.value,
-        1e3 * friction.mu.error,
-        1e3 * friction.ploughing.value,
-        1e3 * friction.viscous.value,
-        1e3 * friction.boundary.value,
+        "least friction at {speed} m/s and {ice} C: mu {mu:.3} +- {error:.3}e-3 (ploughing {ploughing:.3}, film {viscous:.3}, boundary {boundary:.3})\n"
     );
     for (k, (parameter, [from, to])) in found.parameters.iter().zip(found.flat()).enumerate() {
-        let bound = match found.on_bound(k) {
-            Some(_) => ", on its bound",
-            None => "",
-        };
+        let bound = found.on_bound(k).map_or("", |_| ", on its bound");
+        let (key, value) = (&parameter.key, found.values[k]);
         text += &format!(
-            "  {} = {:.4}{bound}; from {from:.4} to {to:.4} is as good within the errors\n",
-            parameter.key, found.values[k]
+            "  {key} = {value:.4}{bound}; from {from:.4} to {to:.4} is as good within the errors\n"
         );
     }
+    let (count, scatter) = (found.solved.len() + 1, 1e2 * found.response.misfit());
+    let miss = 1e2 * found.miss();
     text + &format!(
-        "  {} runners solved; they scatter by {:.2} % about a smooth surface, which misses the best by {:.2} %\n",
-        found.solved.len() + 1,
-        1e2 * found.response.misfit(),
-        1e2 * found.miss(),
+        "  {count} runners solved; they scatter by {scatter:.2} % about a smooth surface, which misses the best by {miss:.2} %\n"
     )
 }

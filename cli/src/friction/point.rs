@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use kufe::jobs::{DrivingConditions, Failure, FrictionLaw, case_file::LoadedCase};
 use kufe::results::FrictionByLaw;
 
-use crate::friction::request::Request;
+use crate::output::{OutputDir, case_inputs};
 use crate::terminal::Global;
 
 /// Options of a law over the pressure, and of no groove.
@@ -75,44 +75,47 @@ impl Args {
     /// # Errors
     /// [`Failure::Usage`] with what is missing, why, and what to give.
     pub fn check_complete(&self) -> Result<(), Failure> {
-        let tables = [
-            (
-                self.out.is_some(),
-                "-o writes friction over speed and temperature of the ice",
-            ),
-            (
-                !self.optimise.is_empty(),
-                "--optimise compares runners on ice of one temperature",
-            ),
-        ];
+        let table = match (self.out.is_some(), self.optimise.is_empty()) {
+            (true, _) => Some("-o writes friction over speed and temperature of the ice"),
+            (_, false) => Some("--optimise compares runners on ice of one temperature"),
+            _ => None,
+        };
         let mut missing = Vec::new();
         if self.v_mps.is_empty() {
             missing.push("--v-mps is missing: give the speed in m/s, as --v-mps 30".to_owned());
         }
-        let table = tables.iter().find(|(requested, _)| *requested);
-        if let (false, Some((_, why))) = (self.groove, table) {
+        if let Some(why) = table.filter(|_| !self.groove) {
             missing.push(format!("--groove is missing: {why}"));
         }
         if (self.groove || table.is_some()) && self.ice_c.is_empty() {
-            let how = "give the temperature of the ice in degrees Celsius, as --ice-c -5, or several as --ice-c -10,-5,-1";
-            missing.push(format!("--ice-c is missing: {how}"));
+            missing.push(
+                "--ice-c is missing: give the temperature of the ice in degrees Celsius, as --ice-c -5, or several as --ice-c -10,-5,-1"
+                    .to_owned(),
+            );
         }
         if missing.is_empty() {
-            Ok(())
-        } else {
-            Err(Failure::Usage(missing.join("\n")))
+            return Ok(());
         }
+        Err(Failure::Usage(missing.join("\n")))
     }
 
-    /// The table over speed and temperature, where one is requested.
-    pub fn sliding(&self) -> Option<Request<'_>> {
-        self.groove.then_some(Request {
-            cases: &self.cases,
-            speeds: &self.v_mps,
-            temperatures: &self.ice_c,
-            optimise: &self.optimise,
-            out: self.out.as_ref(),
-        })
+    /// The output folder, where one is requested, before anything is solved.
+    ///
+    /// # Errors
+    /// As [`OutputDir::begin`].
+    pub fn output(
+        &self,
+        cases: &[LoadedCase],
+        global: &Global,
+    ) -> Result<Option<OutputDir>, Failure> {
+        let Some(out) = &self.out else {
+            return Ok(None);
+        };
+        let mut inputs = Vec::new();
+        for (path, loaded) in self.cases.iter().zip(cases) {
+            inputs.extend(case_inputs(Some(path), loaded)?);
+        }
+        OutputDir::begin("friction", &inputs, out, global.force).map(Some)
     }
 }
 
@@ -145,31 +148,27 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 }
 
 fn text(result: &FrictionByLaw) -> String {
+    let (peak, error) = (1e-6 * result.p_max.value, 1e-6 * result.p_max.error);
+    let [mu, mu_error, mu_base] = [result.mu, result.mu_error, result.mu_base].map(|mu| 1e3 * mu);
+    let (fz, fx, lost) = (result.fz_n, result.fx_n, -result.power_w);
+    let (alpha, speed) = (result.alpha_rad, result.v_mps);
     let mut text = format!(
-        "peak pressure  {:.3} MPa +- {:.3}\nnormal force   {:.1} N\nmu             {:.3}e-3 +- {:.3}e-3 (by the pressure's error)\nforce          {:.3} N along the runner, at a slip angle of {} rad\npower          {:.1} W lost at {} m/s\n",
-        result.p_max.value * 1e-6,
-        result.p_max.error * 1e-6,
-        result.fz_n,
-        result.mu * 1e3,
-        result.mu_error * 1e3,
-        result.fx_n,
-        result.alpha_rad,
-        -result.power_w,
-        result.v_mps,
+        "peak pressure  {peak:.3} MPa +- {error:.3}\n\
+         normal force   {fz:.1} N\n\
+         mu             {mu:.3}e-3 +- {mu_error:.3}e-3 (by the pressure's error)\n\
+         force          {fx:.3} N along the runner, at a slip angle of {alpha} rad\n\
+         power          {lost:.1} W lost at {speed} m/s\n"
     );
     if result.capped {
         text += "the pressure is outside those of the fit of the law: this is its largest mu\n";
     }
-    let (applied, ignored) = (&result.effects, &result.effects_not_concerned);
+    let [applied, ignored] =
+        [&result.effects, &result.effects_not_concerned].map(|names| names.join(", "));
     if !applied.is_empty() {
-        text += &format!(
-            "effects        {} (mu before them {:.3}e-3)\n",
-            applied.join(", "),
-            result.mu_base * 1e3
-        );
+        text += &format!("effects        {applied} (mu before them {mu_base:.3}e-3)\n");
     }
     if !ignored.is_empty() {
-        text += &format!("not of the friction coefficient: {}\n", ignored.join(", "));
+        text += &format!("not of the friction coefficient: {ignored}\n");
     }
     text
 }

@@ -1,6 +1,7 @@
 //! `kufe friction CASES --groove --v-mps LIST --ice-c LIST`: the groove and the melt film's
 //! friction over speed and temperature, runners side by side.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use kufe::jobs::Failure;
@@ -9,9 +10,17 @@ use kufe::jobs::slide::{FrictionPoint, fastest, friction_table};
 use kufe::results::{CaseRecord, FastestRunners, FrictionRow, FrictionTable, write_csv};
 use kufe_contact::Options;
 
-use crate::friction::request::{Request, Runner};
+use crate::friction::point::Args;
 use crate::friction::sliding_picture::sliding_picture;
 use crate::terminal::Global;
+
+/// One runner with its points, temperature by temperature.
+pub struct Runner {
+    /// Its name.
+    pub name: String,
+    /// Its friction.
+    pub points: Vec<FrictionPoint>,
+}
 
 /// Most points of a table, so that a slip of the hand does not run for days.
 const MOST: usize = 10_000;
@@ -21,29 +30,22 @@ const MOST: usize = 10_000;
 /// # Errors
 /// [`Failure::Usage`] for too long lists, else as [`friction_table`]; [`Failure::BadInput`] for an
 /// output that cannot be written.
-pub fn run(request: &Request, global: &Global) -> Result<(), Failure> {
-    let counts = [request.speeds.len(), request.temperatures.len()];
-    let count = counts
-        .iter()
-        .fold(request.cases.len(), |n, &k| n.saturating_mul(k));
+pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
+    let (speeds, temperatures) = (&args.v_mps, &args.ice_c);
+    let counts = [args.cases.len(), speeds.len(), temperatures.len()];
+    let count = counts.into_iter().fold(1, usize::saturating_mul);
     if count > MOST {
         let text = format!("{count} points: expected at most {MOST}");
         return Err(Failure::Usage(text));
     }
-    let cases = request.cases.iter().map(|path| LoadedCase::read(path));
+    let cases = args.cases.iter().map(|path| LoadedCase::read(path));
     let cases: Vec<LoadedCase> = cases.collect::<Result<_, _>>()?;
-    let output = request.output(&cases, global)?;
+    let output = args.output(&cases, global)?;
     let options = Options::default();
-    let names = names(request.cases);
+    let names = names(&args.cases);
     let runners = global.watched(|watch| {
         let solved = cases.iter().zip(names).map(|(loaded, name)| {
-            let points = friction_table(
-                loaded,
-                request.speeds,
-                request.temperatures,
-                watch,
-                &options,
-            )?;
+            let points = friction_table(loaded, speeds, temperatures, watch, &options)?;
             Ok(Runner { name, points })
         });
         solved.collect::<Result<Vec<Runner>, Failure>>()
@@ -77,18 +79,20 @@ pub fn run(request: &Request, global: &Global) -> Result<(), Failure> {
 
 /// The files' names without folder and ending, or the whole paths where two have the same.
 fn names(cases: &[PathBuf]) -> Vec<String> {
-    let stem = |path: &PathBuf| {
-        let stem = path.file_stem().unwrap_or_default();
-        stem.to_string_lossy().into_owned()
-    };
-    let stems: Vec<String> = cases.iter().map(stem).collect();
-    let twice = |name: &String| stems.iter().filter(|other| *other == name).count() > 1;
-    if stems.iter().any(twice) {
-        let whole = cases.iter().map(|path| path.display().to_string());
-        whole.collect()
-    } else {
-        stems
+    let stems = cases
+        .iter()
+        .map(|path| path.file_stem().unwrap_or_default());
+    let stems: Vec<String> = stems
+        .map(|stem| stem.to_string_lossy().into_owned())
+        .collect();
+    let distinct: BTreeSet<&String> = stems.iter().collect();
+    if distinct.len() == stems.len() {
+        return stems;
     }
+    cases
+        .iter()
+        .map(|path| path.display().to_string())
+        .collect()
 }
 
 /// The runners with the least friction at each speed and temperature.
@@ -108,38 +112,28 @@ fn fastest_runners(runners: &[Runner]) -> Vec<FastestRunners> {
 
 fn text(result: &FrictionTable) -> String {
     let names = result.points.iter().map(|row| row.case.chars().count());
-    let wide = names.max().unwrap_or(0).max(6);
+    let wide = names.fold(6, usize::max);
     let mut text = format!(
         "{:wide$}  ice [C]  speed [m/s]  mu [1e-3]       ploughing  film   boundary  groove [µm]  film [µm]\n",
         "runner"
     );
     for row in &result.points {
+        let (case, ice, speed) = (&row.case, row.ice_c, row.v_mps);
+        let [mu, error, ploughing] =
+            [row.mu.value, row.mu.error, row.mu_ploughing.value].map(|mu| 1e3 * mu);
+        let [viscous, boundary] = [row.mu_viscous.value, row.mu_boundary.value].map(|mu| 1e3 * mu);
+        let (groove, film) = (1e6 * row.groove_depth.value, 1e6 * row.film_mean_m);
         text += &format!(
-            "{:wide$}  {:7.1}  {:11.1}  {:6.3} +- {:5.3}  {:9.3}  {:5.3}  {:8.3}  {:11.2}  {:9.3}\n",
-            row.case,
-            row.ice_c,
-            row.v_mps,
-            1e3 * row.mu.value,
-            1e3 * row.mu.error,
-            1e3 * row.mu_ploughing.value,
-            1e3 * row.mu_viscous.value,
-            1e3 * row.mu_boundary.value,
-            1e6 * row.groove_depth.value,
-            1e6 * row.film_mean_m,
+            "{case:wide$}  {ice:7.1}  {speed:11.1}  {mu:6.3} +- {error:5.3}  {ploughing:9.3}  {viscous:5.3}  {boundary:8.3}  {groove:11.2}  {film:9.3}\n"
         );
     }
     for fastest in &result.fastest {
-        let verdict = match &fastest.cases[..] {
-            [one] => format!("{one} has the least friction"),
-            several => format!(
-                "{} have the least friction, equal within their errors",
-                several.join(", ")
-            ),
+        let (speed, ice, cases) = (fastest.v_mps, fastest.ice_c, fastest.cases.join(", "));
+        let verdict = match fastest.cases.len() {
+            1 => "has the least friction",
+            _ => "have the least friction, equal within their errors",
         };
-        text += &format!(
-            "at {} m/s and {} C {verdict}\n",
-            fastest.v_mps, fastest.ice_c
-        );
+        text += &format!("at {speed} m/s and {ice} C {cases} {verdict}\n");
     }
     text
 }

@@ -3,7 +3,7 @@
 use kufe::jobs::slide::FrictionPoint;
 use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, extent};
 
-use crate::friction::request::Runner;
+use crate::friction::sliding::Runner;
 
 /// What the points of a line differ by.
 #[derive(Clone, Copy, PartialEq)]

@@ -6,7 +6,7 @@ use kufe::jobs::{Failure, table::read_table};
 use kufe_lut::{Fmi, OCTAVE_FUNCTION, Table, binding_files, simulink_files};
 use serde::Serialize;
 
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, of_file};
 use crate::terminal::Global;
 
 /// Files that were written.
@@ -82,7 +82,7 @@ pub struct Args {
 /// # Errors
 /// [`Failure::Usage`] where none is requested, [`Failure::BadInput`] for files.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    if args.forms.none() {
+    if args.forms.places(Path::new("")).is_empty() {
         return Err(Failure::Usage(
             "nothing to export: give --csv, --mat, --octave, --header, --ctypes, --csharp, --simulink, --fmu or --fmu2".into(),
         ));
@@ -94,18 +94,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let written = args.forms.write(&table, &args.table, &files)?;
     files.commit()?;
     global.print(&Exported { written: &written }, || {
-        let lines = written
-            .iter()
-            .map(|path| format!("wrote {}\n", path.display()));
-        lines.collect()
+        let line = |path: &PathBuf| format!("wrote {}\n", path.display());
+        written.iter().map(line).collect()
     })
 }
 
 impl Forms {
-    fn none(&self) -> bool {
-        self.places(Path::new("")).is_empty()
-    }
-
     /// The requested forms with their files: in the folder of the table where they name none.
     fn places(&self, sibling: &Path) -> Vec<(Form, PathBuf)> {
         let named = [
@@ -147,6 +141,22 @@ impl Forms {
         places.map(|(_, path)| path).collect()
     }
 
+    /// Writes the table itself and its requested forms, whose files are returned, to their places.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn commit(
+        &self,
+        table: &Table,
+        out: &Path,
+        files: OutputFiles,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        files.write(out, |writer| table.write(writer))?;
+        let written = self.write(table, out, &files)?;
+        files.commit()?;
+        Ok(written)
+    }
+
     /// Writes the requested forms; returns their files.
     ///
     /// # Errors
@@ -175,9 +185,8 @@ impl Forms {
         let mut written = Vec::new();
         for (form, path) in self.places(sibling) {
             let mut bytes = Vec::new();
-            write(form, &mut bytes)
-                .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;
-            files.write(&path, |writer| writer.write_all(&bytes))?;
+            write(form, &mut bytes).map_err(of_file(&path))?;
+            files.bytes(&path, &bytes)?;
             written.push(path);
         }
         Ok(written)
@@ -188,16 +197,4 @@ impl Forms {
 fn stem(table: &Path) -> String {
     let stem = table.file_stem();
     stem.map_or("table".into(), |stem| stem.to_string_lossy().into_owned())
-}
-
-/// Writes the table itself.
-///
-/// # Errors
-/// [`Failure::BadInput`] with the path.
-pub fn write_table(table: &Table, path: &Path, files: &OutputFiles) -> Result<(), Failure> {
-    let mut bytes = Vec::new();
-    table
-        .write(&mut bytes)
-        .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;
-    files.write(path, |writer| writer.write_all(&bytes))
 }

@@ -11,8 +11,8 @@ use kufe_files::resolved;
 
 use crate::cli::misspelt;
 use crate::lut::SUBCOMMANDS;
-use crate::lut::export::{Forms, write_table};
-use crate::lut::finish::{Spent, finish};
+use crate::lut::export::Forms;
+use crate::lut::finish::finish;
 use crate::output::OutputFiles;
 use crate::terminal::Global;
 
@@ -41,10 +41,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         return Err(Failure::Usage(text));
     }
     let spec = TableSpec::read(path)?;
-    let out = args
-        .out
-        .clone()
-        .unwrap_or_else(|| path.with_extension("lut"));
+    let out = args.out.clone();
+    let out = out.unwrap_or_else(|| path.with_extension("lut"));
     let started = Instant::now();
     let (solver, filled, files) = global.watched(|watch| {
         let solver = Solver::new(&spec, watch)?;
@@ -54,18 +52,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let filled = kufe::jobs::table::fill(&spec, &solver, &resolved(&out), watch)?;
         Ok::<_, Failure>((solver, filled, files))
     })?;
-    write_table(&filled.swept.table, &out, &files)?;
-    let written = args.forms.write(&filled.swept.table, &out, &files)?;
-    files.commit()?;
+    let written = args.forms.commit(&filled.swept.table, &out, files)?;
     filled.clear()?;
-    let seconds = started.elapsed().as_secs_f64();
-    let solves = filled.solves;
-    finish(
-        &filled.swept,
-        solver.tolerance(),
-        &out,
-        &written,
-        Spent { solves, seconds },
-        global,
-    )
+    let spent = (filled.solves, started.elapsed());
+    finish(&filled.swept, &solver, &out, &written, spent, global)
 }

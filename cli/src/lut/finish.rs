@@ -1,20 +1,13 @@
 //! The errors of a table once it is solved, and its further forms.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use kufe::jobs::{Failure, percent};
+use kufe::jobs::{Failure, percent, table::Solver};
 use kufe::results::TableSummary;
 use kufe_lut::{AxisKind, Mode, Point, Quantity, SweepResult, Table};
 
 use crate::terminal::Global;
-
-/// What a table cost.
-pub struct Spent {
-    /// Contacts solved.
-    pub solves: usize,
-    /// Wall time [s].
-    pub seconds: f64,
-}
 
 /// Reports the errors of a written table, and fails where one is larger than requested.
 ///
@@ -22,27 +15,23 @@ pub struct Spent {
 /// [`Failure::NotConverged`] where the interpolation or a solve stayed short of the request.
 pub fn finish(
     swept: &SweepResult,
-    solver_tolerance: f64,
+    solver: &Solver,
     out: &Path,
     written: &[PathBuf],
-    spent: Spent,
+    (solves, time): (usize, Duration),
     global: &Global,
 ) -> Result<(), Failure> {
     let table = &swept.table;
-    let summary = TableSummary::new(table, spent.solves, spent.seconds);
+    let summary = TableSummary::new(table, solves, time.as_secs_f64());
     let summary = summary.map_err(Failure::bad_input)?;
     global.print(&summary, || {
-        let mut text = format!("{}\n", out.display());
-        for path in written {
-            text += &format!("{}\n", path.display());
-        }
-        text + &in_words(&summary, table)
+        let files = std::iter::once(out).chain(written.iter().map(PathBuf::as_path));
+        let files: String = files.map(|path| format!("{}\n", path.display())).collect();
+        files + &in_words(&summary, table)
     })?;
     let interpolation = swept.shortfall.as_ref().map(ToString::to_string);
-    let reasons: Vec<String> = interpolation
-        .into_iter()
-        .chain(short_of(&swept.table, solver_tolerance))
-        .collect();
+    let solves = short_of(table, solver.tolerance());
+    let reasons: Vec<String> = interpolation.into_iter().chain(solves).collect();
     if reasons.is_empty() {
         return Ok(());
     }
@@ -56,25 +45,19 @@ pub fn finish(
 /// How many solves stayed short of the solver's tolerance, and the worst.
 fn short_of(table: &Table, tolerance: f64) -> Option<String> {
     // The film's own error adds to that of the groove, to which the tolerance applies.
-    let allowed = if table.is_sliding() {
-        2.0 * tolerance
-    } else {
-        tolerance
-    };
-    let short: Vec<(Point, f64)> = table
-        .solves()
-        .map(|solve| (solve.point, solve.figures.relative_error()))
-        .filter(|(_, error)| *error > allowed)
-        .collect();
-    let worst = short.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let times = if table.is_sliding() { 2.0 } else { 1.0 };
+    let allowed = times * tolerance;
+    let errors = table.solves();
+    let errors = errors.map(|solve| (solve.point, solve.figures.relative_error()));
+    let short: Vec<(Point, f64)> = errors.filter(|(_, error)| *error > allowed).collect();
+    let (place, worst) = short.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let plural = if short.len() == 1 { "" } else { "s" };
     Some(format!(
-        "{} solve{} stayed short of the {}'s tolerance of {}, the worst with an estimated error of {} at {}",
+        "{} solve{plural} stayed short of the {}'s tolerance of {}, the worst with an estimated error of {} at {place}",
         short.len(),
-        if short.len() == 1 { "" } else { "s" },
         in_a_sentence(table.judged()),
         percent(allowed),
-        percent(worst.1),
-        worst.0
+        percent(*worst),
     ))
 }
 
@@ -90,40 +73,35 @@ fn in_words(summary: &TableSummary, table: &Table) -> String {
         Some(error) => format!("{:.3} %", 100.0 * error),
         None => "not measured".into(),
     };
-    let (mut sizes, mut names) = (String::new(), String::from("force x curvature"));
-    for (size, name) in [
-        (summary.rocker_radius_values, "rocker radius"),
-        (summary.v_values, "speed"),
-        (summary.ice_values, "ice temperature"),
-    ] {
-        if let Some(n) = size {
-            sizes += &format!(" x {n}");
-            names += &format!(" x {name}");
-        }
+    let axes = table.axes();
+    let (mut ranges, mut sizes, mut names) = (String::new(), Vec::new(), Vec::new());
+    for kind in AxisKind::ALL {
+        let Some(values) = axes.get(kind) else {
+            continue;
+        };
+        let [low, high] = match kind {
+            AxisKind::Curvature => axes.curvature_range(axes.fz()[0]),
+            _ => [values[0], values[values.len() - 1]],
+        };
+        ranges += &format!("  {:<21} {low} to {high}\n", kind.key());
+        sizes.push(values.len().to_string());
+        names.push(kind.key());
     }
-    let ranges: String = AxisKind::ALL
-        .into_iter()
-        .filter_map(|kind| {
-            let values = table.axes().get(kind)?;
-            let [low, high] = match kind {
-                AxisKind::Curvature => table.axes().curvature_range(table.axes().fz()[0]),
-                _ => [values[0], values[values.len() - 1]],
-            };
-            Some(format!("  {:<21} {low} to {high}\n", kind.key()))
-        })
-        .collect();
-    let measured = table.interpolation_error(table.judged(), Mode::Smooth);
-    let worst = match measured {
+    let worst = match table.interpolation_error(table.judged(), Mode::Smooth) {
         Ok(Some(error)) => format!(" (smooth: largest at {})", error.max_at),
         _ => String::new(),
     };
+    let by_boundary_elements = match summary.by_boundary_elements {
+        0 => String::new(),
+        count => format!(", {count} of them by boundary elements"),
+    };
     format!(
-        "{ranges}  nodes                 {} x {}{sizes} ({names}), {} checks between them\n  \
+        "{ranges}  nodes                 {} ({}), {} checks between them\n  \
          solver error          {} of the {}, estimated\n  \
          interpolation error   {} smooth, {} bilinear, measured at the checks{worst}\n  \
-         time                  {:.1} s for {} solves{}\n",
-        summary.fz_values,
-        summary.curvature_values,
+         time                  {:.1} s for {} solves{by_boundary_elements}\n",
+        sizes.join(" x "),
+        names.join(" x "),
         summary.checks,
         percent(Some(table.solver_error())),
         in_a_sentence(table.judged()),
@@ -131,9 +109,5 @@ fn in_words(summary: &TableSummary, table: &Table) -> String {
         percent(summary.interpolation_bilinear),
         summary.seconds,
         summary.solves,
-        match summary.by_boundary_elements {
-            0 => String::new(),
-            count => format!(", {count} of them by boundary elements"),
-        }
     )
 }

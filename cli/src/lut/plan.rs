@@ -10,9 +10,9 @@ use kufe::jobs::{
 use kufe_lut::{Origin, Progress, replay};
 use serde::Serialize;
 
-use crate::lut::export::{Forms, write_table};
-use crate::lut::finish::{Spent, finish};
-use crate::output::OutputFiles;
+use crate::lut::export::Forms;
+use crate::lut::finish::finish;
+use crate::output::{OutputFiles, of_file};
 use crate::terminal::{Global, say, warn};
 
 /// Arguments of `kufe lut plan`.
@@ -89,34 +89,39 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
     let spec = TableSpec::read(&args.table)?;
     let solver = solver(&spec)?;
     let origin = solver.origin()?;
-    if args.out.join(PlanFile::NAMES[0]).exists() {
-        same_origin(&args.out, &PlanFile::read(&args.out)?.origin, &origin)?;
+    let outputs = plan_files(&args.out);
+    if outputs[0].exists() {
+        same_origin(&outputs[0], &PlanFile::read(&args.out)?.origin, &origin)?;
     }
-    let outputs = PlanFile::NAMES.map(|name| args.out.join(name));
     let inputs = solver.inputs(&spec)?;
     let files = OutputFiles::begin("lut plan", &inputs, &outputs, global.force)?;
-    let table = args
-        .table
-        .canonicalize()
-        .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
+    let table = args.table.canonicalize().map_err(of_file(&args.table))?;
     let store = open_store(&args.out, "none", origin.clone())?;
-    match replay(&spec.plan, |point| store.get(point)).map_err(Failure::bad_input)? {
-        Progress::Batch { points, round, .. } => {
-            let table = table.display().to_string();
-            let plan = PlanFile::new(origin, table, round, args.shards as usize, points);
-            write_plan(&args.out, &plan, files)?;
-            report(&args.out, &plan, global)?;
+    let progress = replay(&spec.plan, |point| store.get(point));
+    let Progress::Batch { points, round, .. } = progress.map_err(Failure::bad_input)? else {
+        let out = args.out.display();
+        if !global.quiet {
+            say(&format!("nothing to solve: {out} is complete, merge it\n"));
         }
-        Progress::Finished(_) => {
-            if !global.quiet {
-                say(&format!(
-                    "nothing to solve: {} is complete, merge it\n",
-                    args.out.display()
-                ));
-            }
-        }
-    }
-    Ok(())
+        return Ok(());
+    };
+    let (table, shards) = (table.display().to_string(), args.shards as usize);
+    let plan = PlanFile::new(origin, table, round, shards, points);
+    write_plan(&args.out, &plan, files)?;
+    let planned = Planned {
+        round,
+        points: plan.points.len(),
+        shards,
+    };
+    global.print(&planned, || {
+        let (folder, points) = (args.out.display(), planned.points);
+        format!(
+            "{folder}: round {round}, {points} points in {shards} shards\n  \
+             Slurm          sbatch --wait {folder}/slurm.sh\n  \
+             GNU parallel   sh {folder}/parallel.sh\n  \
+             then           kufe lut merge {folder} -o TABLE.lut\n"
+        )
+    })
 }
 
 /// Solves the points of one shard that have no result.
@@ -126,26 +131,24 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
 /// [`Solver::solve_missing`].
 pub fn run(args: &RunArgs, global: &Global) -> Result<(), Failure> {
     let (plan, solver, _) = open_plan(&args.plan)?;
-    let (index, count) = args.shard;
-    let points = plan.shard(index, count)?;
-    let name = format!("shard-{index}-of-{count}");
+    let (shard, of) = args.shard;
+    let points = plan.shard(shard, of)?;
+    let name = format!("shard-{shard}-of-{of}");
     let store = open_store(&args.plan, &name, plan.origin.clone())?;
     for damage in store.damaged() {
         warn(&format!("{damage}; its point is solved again"));
     }
-    let label = format!("round {}, shard {index}/{count}", plan.round);
+    let label = format!("round {}, shard {shard}/{of}", plan.round);
     let solved = global.watched(|watch| solver.solve_missing(&store, points, &label, watch))?;
-    let solved = ShardSolved {
-        shard: index,
-        of: count,
+    let retained = points.len() - solved;
+    let result = ShardSolved {
+        shard,
+        of,
         solved,
-        retained: points.len() - solved,
+        retained,
     };
-    global.print(&solved, || {
-        let ShardSolved {
-            solved, retained, ..
-        } = solved;
-        format!("shard {index}/{count}: {solved} points solved, {retained} were there\n")
+    global.print(&result, || {
+        format!("shard {shard}/{of}: {solved} points solved, {retained} were there\n")
     })
 }
 
@@ -160,25 +163,17 @@ pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
     let (plan, solver, spec) = open_plan(&args.plan)?;
     let store = open_store(&args.plan, "none", plan.origin.clone())?;
     let mut inputs = solver.inputs(&spec)?;
-    inputs.extend(PlanFile::NAMES.map(|name| args.plan.join(name)));
+    inputs.extend(plan_files(&args.plan));
     let mut outputs = args.forms.paths(&args.out);
     outputs.push(args.out.clone());
     let files = OutputFiles::begin("lut", &inputs, &outputs, global.force)?;
+    let folder = args.plan.display();
     match replay(&spec.plan, |point| store.get(point)).map_err(Failure::bad_input)? {
         Progress::Finished(swept) => {
             let swept = solver.finished(*swept)?;
-            write_table(&swept.table, &args.out, &files)?;
-            let written = args.forms.write(&swept.table, &args.out, &files)?;
-            files.commit()?;
-            let seconds = started.elapsed().as_secs_f64();
-            finish(
-                &swept,
-                solver.tolerance(),
-                &args.out,
-                &written,
-                Spent { solves: 0, seconds },
-                global,
-            )
+            let written = args.forms.commit(&swept.table, &args.out, files)?;
+            let spent = (0, started.elapsed());
+            finish(&swept, &solver, &args.out, &written, spent, global)
         }
         Progress::Batch {
             points,
@@ -186,39 +181,41 @@ pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
             first,
             round,
         } if round <= plan.round => {
+            let count = points.len();
             let text = format!(
-                "{missing} of {} points of {} have no result yet, the first at {first}",
-                points.len(),
-                args.plan.display()
+                "{missing} of {count} points of {folder} have no result yet, the first at {first}"
             );
             if store.damaged().is_empty() {
                 return Err(Failure::Partial(text));
             }
             let damaged = store.damaged().join("; ");
-            Err(Failure::BadInput(format!(
-                "{damaged}; {text}: run the shards again"
-            )))
+            let text = format!("{damaged}; {text}: run the shards again");
+            Err(Failure::BadInput(text))
         }
         Progress::Batch { points, round, .. } => {
             let next = PlanFile::new(plan.origin, plan.table, round, plan.shards, points);
-            let outputs = PlanFile::NAMES.map(|name| args.plan.join(name));
+            let outputs = plan_files(&args.plan);
             let files = OutputFiles::begin("lut plan", &[], &outputs, global.force)?;
             write_plan(&args.plan, &next, files)?;
+            let count = next.points.len();
             Err(Failure::Partial(format!(
-                "{}: round {round} is planned with {} points where the interpolation is not accurate enough yet; run the \
-                 shards again, then merge",
-                args.plan.display(),
-                next.points.len()
+                "{folder}: round {round} is planned with {count} points where the interpolation is not accurate \
+                 enough yet; run the shards again, then merge"
             )))
         }
     }
+}
+
+/// The files of a plan, plan.json first.
+fn plan_files(folder: &Path) -> [PathBuf; 3] {
+    PlanFile::NAMES.map(|name| folder.join(name))
 }
 
 fn open_plan(folder: &Path) -> Result<(PlanFile, Solver, TableSpec), Failure> {
     let plan = PlanFile::read(folder)?;
     let spec = TableSpec::read(Path::new(&plan.table))?;
     let solver = solver(&spec)?;
-    same_origin(folder, &plan.origin, &solver.origin()?)?;
+    same_origin(&plan_files(folder)[0], &plan.origin, &solver.origin()?)?;
     Ok((plan, solver, spec))
 }
 
@@ -230,8 +227,7 @@ fn solver(spec: &TableSpec) -> Result<Solver, Failure> {
     Solver::new(spec, &watch)
 }
 
-fn same_origin(folder: &Path, planned: &Origin, now: &Origin) -> Result<(), Failure> {
-    let file = folder.join(PlanFile::NAMES[0]);
+fn same_origin(file: &Path, planned: &Origin, now: &Origin) -> Result<(), Failure> {
     kufe::jobs::table::same_origin(&file.display().to_string(), planned, now)
 }
 
@@ -242,27 +238,7 @@ fn open_store(folder: &Path, name: &str, origin: Origin) -> Result<PointStore, F
 
 fn write_plan(folder: &Path, plan: &PlanFile, files: OutputFiles) -> Result<(), Failure> {
     for (name, text) in plan.files(folder)? {
-        files.write(&folder.join(name), |writer| {
-            writer.write_all(text.as_bytes())
-        })?;
+        files.bytes(&folder.join(name), text.as_bytes())?;
     }
     files.commit()
-}
-
-fn report(folder: &Path, plan: &PlanFile, global: &Global) -> Result<(), Failure> {
-    let planned = Planned {
-        round: plan.round,
-        points: plan.points.len(),
-        shards: plan.shards,
-    };
-    let folder = folder.display();
-    global.print(&planned, || {
-        format!(
-            "{folder}: round {}, {} points in {} shards\n  \
-             Slurm          sbatch --wait {folder}/slurm.sh\n  \
-             GNU parallel   sh {folder}/parallel.sh\n  \
-             then           kufe lut merge {folder} -o TABLE.lut\n",
-            planned.round, planned.points, planned.shards
-        )
-    })
 }

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use kufe::jobs::{Failure, table::read_table};
 use kufe::results::{Description, TableLookup};
-use kufe_lut::{AxisKind, MIN_SPEED, Mode, Outside, Sample, Table, curvature_from_pitch};
+use kufe_lut::{Axes, AxisKind, MIN_SPEED, Mode, Outside, Sample, Table, curvature_from_pitch};
 
+use crate::output::of_file;
 use crate::terminal::{Global, warn};
 
 /// Arguments of `kufe lut query`.
@@ -44,21 +45,13 @@ pub struct Args {
     /// Radius of the rocker [m], where the table has that axis
     #[arg(long, value_name = "METRES")]
     pub rocker_radius_m: Option<f64>,
-    /// How values between the nodes are found
-    #[arg(long, value_enum, default_value = "smooth")]
-    pub mode: ModeWord,
+    /// How values between the nodes are found: smooth, without overshoot, or bilinear, straight
+    /// between the nodes, as Simulink's n-D lookup table
+    #[arg(long, value_parser = ["smooth", "bilinear"], default_value = "smooth")]
+    pub mode: String,
     /// Refuse a place outside the table along any axis
     #[arg(long)]
     pub strict: bool,
-}
-
-/// A mode on the command line.
-#[derive(clap::ValueEnum, Clone, Copy, Debug)]
-pub enum ModeWord {
-    /// Smooth, without overshoot
-    Smooth,
-    /// Straight between the nodes, as Simulink's n-D lookup table
-    Bilinear,
 }
 
 /// Interpolates every quantity and prints it.
@@ -67,12 +60,9 @@ pub enum ModeWord {
 /// [`Failure::Usage`] where the track is not given, [`Failure::BadInput`] for the table, and for a
 /// force that presses nothing.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let curvature = match (
-        args.curvature_1pm,
-        args.radius_m,
-        args.pitch_rate_radps,
-        args.v_mps,
-    ) {
+    let usage = |text: &str| Err(Failure::Usage(text.into()));
+    let (fz, v) = (args.fz_n, args.v_mps);
+    let curvature = match (args.curvature_1pm, args.radius_m, args.pitch_rate_radps, v) {
         (Some(curvature), ..) => curvature,
         (_, Some(radius), ..) => 1.0 / radius,
         (_, _, Some(pitch_rate), Some(v)) => {
@@ -84,55 +74,49 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             curvature_from_pitch(v, pitch_rate)
         }
         _ => {
-            return Err(Failure::Usage(
-                "the track is missing: give --curvature-1pm, --radius-m, or --v-mps with --pitch-rate-radps"
-                    .into(),
-            ));
+            return usage(
+                "the track is missing: give --curvature-1pm, --radius-m, or --v-mps with --pitch-rate-radps",
+            );
         }
     };
-    for (name, value) in [("force", args.fz_n), ("curvature", curvature)] {
+    for (name, value) in [("force", fz), ("curvature", curvature)] {
         if !value.is_finite() {
-            return Err(Failure::BadInput(format!(
-                "{name} {value}: expected a finite number"
-            )));
+            let text = format!("{name} {value}: expected a finite number");
+            return Err(Failure::BadInput(text));
         }
     }
-    if args.fz_n <= 0.0 {
+    if fz <= 0.0 {
         return Err(Failure::BadInput(format!(
-            "--fz-n {}: expected a force above 0 N: without one there is no contact",
-            args.fz_n
+            "--fz-n {fz}: expected a force above 0 N: without one there is no contact"
         )));
     }
     let table = read_table(&args.table)?;
-    let mode = match args.mode {
-        ModeWord::Smooth => Mode::Smooth,
-        ModeWord::Bilinear => Mode::Bilinear,
-    };
-    let further = [
-        ("speed", "--v-mps", args.v_mps, table.axes().speed()),
-        (
-            "temperature of the ice",
-            "--ice-c",
-            args.ice_c,
-            table.axes().ice_c(),
-        ),
-    ];
-    for (name, option, value, axis) in further {
-        if axis.is_some() && value.is_none_or(f64::is_nan) {
-            return Err(Failure::Usage(format!(
-                "the {name} is missing: the table has that axis; give {option}"
-            )));
-        }
+    let axes = table.axes();
+    let is_missing =
+        |axis: Option<&[f64]>, value: Option<f64>| axis.is_some() && value.is_none_or(f64::is_nan);
+    if is_missing(axes.speed(), v) {
+        return usage("the speed is missing: the table has that axis; give --v-mps");
     }
-    within(args, &table, curvature)?;
+    if is_missing(axes.ice_c(), args.ice_c) {
+        return usage(
+            "the temperature of the ice is missing: the table has that axis; give --ice-c",
+        );
+    }
+    check_within(args, &table, curvature)?;
+    let is_smooth = args.mode == Mode::Smooth.name();
+    let mode = if is_smooth {
+        Mode::Smooth
+    } else {
+        Mode::Bilinear
+    };
     let at = Sample {
-        fz: args.fz_n,
+        fz,
         curvature,
-        speed: args.v_mps.unwrap_or(f64::NAN),
+        speed: v.unwrap_or(f64::NAN),
         ice_c: args.ice_c.unwrap_or(f64::NAN),
     };
-    let found = TableLookup::new(&table, at, mode, args.rocker_radius_m)
-        .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
+    let found = TableLookup::new(&table, at, mode, args.rocker_radius_m);
+    let found = found.map_err(of_file(&args.table))?;
     global.answer(&found, || text(&found, &table))
 }
 
@@ -140,19 +124,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the input, its value and the table's range.
-fn within(args: &Args, table: &Table, curvature: f64) -> Result<(), Failure> {
+fn check_within(args: &Args, table: &Table, curvature: f64) -> Result<(), Failure> {
     let axes = table.axes();
-    let ends = |axis: &[f64]| [axis[0], axis[axis.len() - 1]];
-    let [low, high] = ends(axes.fz());
-    let curvatures = axes.curvature_range(args.fz_n.clamp(low, high));
     let inputs = [
-        (AxisKind::Fz, Some(args.fz_n), Some([low, high])),
-        (AxisKind::Curvature, Some(curvature), Some(curvatures)),
-        (AxisKind::Speed, args.v_mps, axes.speed().map(ends)),
-        (AxisKind::IceTemperature, args.ice_c, axes.ice_c().map(ends)),
+        (AxisKind::Fz, Some(args.fz_n)),
+        (AxisKind::Curvature, Some(curvature)),
+        (AxisKind::Speed, args.v_mps),
+        (AxisKind::IceTemperature, args.ice_c),
     ];
-    for (kind, value, range) in inputs {
-        if let (Some(value), Some([low, high])) = (value, range)
+    for (kind, value) in inputs {
+        if let (Some(value), Some([low, high])) = (value, range(axes, kind, args.fz_n))
             && (args.strict || axes.outside(kind) == Outside::Error)
             && !(low..=high).contains(&value)
         {
@@ -166,41 +147,45 @@ fn within(args: &Args, table: &Table, curvature: f64) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The ends of an axis, where the table has it; those of the curvature at a force.
+fn range(axes: &Axes, kind: AxisKind, fz: f64) -> Option<[f64; 2]> {
+    let ends = |axis: &[f64]| [axis[0], axis[axis.len() - 1]];
+    let [low, high] = ends(axes.fz());
+    match kind {
+        AxisKind::Curvature => Some(axes.curvature_range(fz.clamp(low, high))),
+        _ => axes.get(kind).map(ends),
+    }
+}
+
 fn text(found: &TableLookup, table: &Table) -> String {
     let mut text = String::new();
-    let (mut with, mut without) = (Vec::new(), false);
     for one in &found.values {
         let shown = Description::of(one.quantity);
         let error = one
             .error
             .map(|error| format!(" (+- {})", shown.number(error)));
-        text += &format!(
-            "{:<28} {}{}\n",
-            shown.label,
-            shown.amount(one.value),
-            error.unwrap_or_default()
-        );
-        if one.includes_solver {
-            with.push(shown.label);
-        } else {
-            without = true;
-        }
+        let (amount, error) = (shown.amount(one.value), error.unwrap_or_default());
+        text += &format!("{:<28} {amount}{error}\n", shown.label);
     }
-    text += &if without {
+    let with = found.values.iter().filter(|one| one.includes_solver);
+    let with: Vec<&str> = with
+        .map(|one| Description::of(one.quantity).label)
+        .collect();
+    text += &if with.len() == found.values.len() {
+        "in brackets: interpolation and the solver's error\n".to_owned()
+    } else {
         format!(
             "in brackets: interpolation, and the solver's error too for the {}\n",
             with.join(", ")
         )
-    } else {
-        "in brackets: interpolation and the solver's error\n".to_owned()
     };
+    let axes = table.axes();
+    let ends = |kind| range(axes, kind, found.fz_n).unwrap_or_default();
     if found.out_of_range {
-        let axes = table.axes();
-        let [low, high] = [axes.fz()[0], axes.fz()[axes.fz().len() - 1]];
-        let [from, to] = axes.curvature_range(found.fz_n.clamp(low, high));
+        let ([low, high], [from, to]) = (ends(AxisKind::Fz), ends(AxisKind::Curvature));
         let is_linear = |kind: &AxisKind| axes.outside(*kind) == Outside::Linear;
         let what = if AxisKind::ALL.iter().any(is_linear) {
-            "held at its edge or continued straight, as its axes say; the errors are those within"
+            "the value at its edge or a straight continuation, as its axes state; the errors are those within"
         } else {
             "clipped to its nearest value, whose errors these are"
         };

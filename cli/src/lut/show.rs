@@ -9,7 +9,7 @@ use kufe_lut::{Quantity, Sample};
 use kufe_sled::table_samples;
 use serde::Serialize;
 
-use crate::output::OutputFiles;
+use crate::output::{OutputFiles, of_file};
 use crate::terminal::Global;
 
 /// Arguments of `kufe lut show`.
@@ -44,17 +44,8 @@ pub struct Args {
     #[arg(long, short, value_name = "MODEL.toml", requires = "runs")]
     pub model: Option<PathBuf>,
     /// With --runs: the runner that the table is of [default: both]
-    #[arg(long, value_enum, requires = "runs")]
-    pub runner: Option<Runner>,
-}
-
-/// A runner of the sled.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq)]
-pub enum Runner {
-    /// Those in front
-    Front,
-    /// Those at the rear
-    Rear,
+    #[arg(long, value_parser = ["front", "rear"], requires = "runs")]
+    pub runner: Option<String>,
 }
 
 impl Args {
@@ -66,9 +57,9 @@ impl Args {
         let selection = RunSelection::all(runs.clone(), model.clone());
         let loaded = global.watched(|watch| selection.load(watch, |_| true))?;
         let [front, rear] = table_samples(loaded.prepared.iter().flat_map(|run| &run.states));
-        Ok(match self.runner {
-            Some(Runner::Front) => front,
-            Some(Runner::Rear) => rear,
+        Ok(match self.runner.as_deref() {
+            Some("front") => front,
+            Some(_) => rear,
             None => [front, rear].concat(),
         })
     }
@@ -92,10 +83,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let named = args.quantity.as_deref().map(quantity).transpose()?;
     let table = read_table(&args.table)?;
     let quantity = named.unwrap_or(table.judged());
-    let out = args
-        .out
-        .clone()
-        .unwrap_or_else(|| args.table.with_extension("png"));
+    let out = args.out.clone();
+    let out = out.unwrap_or_else(|| args.table.with_extension("png"));
     let mut inputs = vec![args.table.clone()];
     inputs.extend(args.runs.iter().flat_map(|index| run_inputs(index)));
     inputs.extend(args.model.clone());
@@ -107,10 +96,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         speed: args.v_mps,
         ice_c: args.ice_c,
     };
-    let picture = table_picture(&table, quantity, slice, &samples)
-        .map_err(|error| Failure::BadInput(format!("{}: {error}", args.table.display())))?;
+    let picture = table_picture(&table, quantity, slice, &samples);
+    let picture = picture.map_err(of_file(&args.table))?;
     let outside = picture.outside;
-    files.write(&out, |writer| writer.write_all(&picture.figure.png()))?;
+    files.bytes(&out, &picture.figure.png())?;
     files.commit()?;
     let drawn = Drawn {
         written: [&out],
@@ -118,14 +107,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         outside,
     };
     global.print(&drawn, || {
-        let mut text = format!("wrote {}\n", out.display());
-        if drawn.samples > 0 {
-            text += &format!(
-                "{outside} of {} samples lie outside the table\n",
-                drawn.samples
-            );
-        }
-        text
+        let samples = match drawn.samples {
+            0 => String::new(),
+            count => format!("{outside} of {count} samples lie outside the table\n"),
+        };
+        format!("wrote {}\n{samples}", out.display())
     })
 }
 

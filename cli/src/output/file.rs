@@ -10,8 +10,9 @@ use kufe::jobs::Failure;
 use kufe_files::{outputs_apart, resolved};
 use tempfile::TempDir;
 
-use crate::output::folder::{hash, lock};
-use crate::output::{FolderRecord, NewFolders, Staging, remove_on_interrupt, unwritable};
+use crate::output::record::{FolderRecord, lock};
+use crate::output::{NewFolders, Staging, names_in, remove_on_interrupt, unwritable};
+use crate::terminal::Global;
 
 /// Files that a command writes at places of their own.
 ///
@@ -22,18 +23,12 @@ pub struct OutputFiles {
     command: &'static str,
     inputs: Vec<PathBuf>,
     force: bool,
-    outputs: Vec<Output>,
+    /// Each output as the user names it, and its place, without links.
+    outputs: Vec<(PathBuf, PathBuf)>,
     /// A hidden folder in each folder that receives files.
     hidden: BTreeMap<PathBuf, TempDir>,
     /// Dropped after the hidden folders in them.
     _made: Vec<NewFolders>,
-}
-
-struct Output {
-    /// As the user names it.
-    named: PathBuf,
-    /// Its place, without links.
-    place: PathBuf,
 }
 
 impl OutputFiles {
@@ -50,23 +45,19 @@ impl OutputFiles {
         outputs: &[PathBuf],
         force: bool,
     ) -> Result<OutputFiles, Failure> {
-        outputs_apart(inputs, outputs).map_err(Failure::bad_input)?;
-        let outputs = outputs.iter().map(|named| Output {
-            named: named.clone(),
-            place: resolved(named),
-        });
         let mut files = OutputFiles {
             command,
             inputs: inputs.to_vec(),
             force,
-            outputs: outputs.collect(),
+            outputs: outputs
+                .iter()
+                .map(|named| (named.clone(), resolved(named)))
+                .collect(),
             hidden: BTreeMap::new(),
             _made: Vec::new(),
         };
-        for output in &files.outputs {
-            files.check(output)?;
-        }
-        for Output { named, place } in &files.outputs {
+        files.check(|_| true)?;
+        for (named, place) in &files.outputs {
             let folder = folder_of(place);
             if !files.hidden.contains_key(folder) {
                 let staging = Staging::in_folder(folder);
@@ -80,10 +71,9 @@ impl OutputFiles {
         Ok(files)
     }
 
-    /// Where an output is written before it is moved.
-    fn new_file(&self, output: &Output) -> PathBuf {
-        let hidden = &self.hidden[folder_of(&output.place)];
-        hidden.path().join(name_of(&output.place))
+    /// Where an output is written before it is moved to its place.
+    fn new_file(&self, place: &Path) -> PathBuf {
+        self.hidden[folder_of(place)].path().join(name_of(place))
     }
 
     /// Writes one of the outputs with a function that takes a writer.
@@ -95,10 +85,11 @@ impl OutputFiles {
         path: &Path,
         write: impl FnOnce(&mut dyn Write) -> Result<(), E>,
     ) -> Result<(), Failure> {
-        let output = self.outputs.iter().find(|output| output.named == path);
-        let output = output.expect("an output that was stated at the beginning");
+        let mut outputs = self.outputs.iter();
+        let output = outputs.find(|(named, _)| named == path);
+        let (_, place) = output.expect("an output that was stated at the beginning");
         let failure = |error: &dyn Display| unwritable(path, error);
-        let file = File::create(self.new_file(output)).map_err(|error| failure(&error))?;
+        let file = File::create(self.new_file(place)).map_err(|error| failure(&error))?;
         let mut writer = std::io::BufWriter::new(&file);
         write(&mut writer).map_err(|error| failure(&error))?;
         writer.flush().map_err(|error| failure(&error))?;
@@ -106,51 +97,70 @@ impl OutputFiles {
         file.sync_all().map_err(|error| failure(&error))
     }
 
+    /// Writes one of the outputs.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn bytes(&self, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+        self.write(path, |writer| writer.write_all(bytes))
+    }
+
     /// Moves the files that were written to their places.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with a path that is not as it was at the beginning.
     pub fn commit(self) -> Result<(), Failure> {
-        let outputs = self.outputs.iter();
-        let written = outputs.map(|output| (output, self.new_file(output)));
-        let written: Vec<(&Output, PathBuf)> = written.filter(|(_, new)| new.exists()).collect();
         let _locks: Vec<_> = self.hidden.keys().map(|folder| lock(folder)).collect();
-        let named: Vec<&PathBuf> = written.iter().map(|(output, _)| &output.named).collect();
-        outputs_apart(&self.inputs, &named).map_err(Failure::bad_input)?;
-        for (output, _) in &written {
-            let Output { named, place } = output;
-            if resolved(named) != *place {
-                return Err(unwritable(named, &"it has become a link"));
-            }
-            self.check(output)?;
-        }
-        for folder in self.hidden.keys() {
-            let of_folder = written.iter();
-            let of_folder = of_folder.filter(|(output, _)| folder_of(&output.place) == folder);
-            let hashes = of_folder.filter_map(|(o, new)| Some((name_of(&o.place), hash(new)?)));
-            FolderRecord::add(folder, hashes, self.command);
-        }
-        for (output, new) in &written {
-            std::fs::rename(new, &output.place)
-                .map_err(|error| unwritable(&output.named, &error))?;
+        self.check(|place| self.new_file(place).exists())?;
+        for (folder, hidden) in &self.hidden {
+            let names = names_in(hidden.path()).map_err(|error| unwritable(folder, &error))?;
+            let record = FolderRecord::read(folder).unwrap_or_else(|| FolderRecord::new(None));
+            record.replace(folder, hidden.path(), names, &[], self.command)?;
         }
         Ok(())
     }
 
-    /// Checks that what is at the place of an output may be replaced.
-    fn check(&self, Output { named, place }: &Output) -> Result<(), Failure> {
-        if self.force || !place.exists() {
-            return Ok(());
-        }
-        let reason = match FolderRecord::writer_of(folder_of(place), &name_of(place)) {
-            Some(writer) if writer == self.command => return Ok(()),
-            Some(writer) => format!("kufe {writer} wrote it; --force replaces it"),
-            None => {
-                "it exists already, and kufe did not write it so; --force replaces it".to_owned()
+    /// Checks that what is at the places of outputs may be replaced.
+    fn check(&self, is_written: impl Fn(&Path) -> bool) -> Result<(), Failure> {
+        let outputs = self.outputs.iter();
+        let outputs: Vec<_> = outputs.filter(|(_, place)| is_written(place)).collect();
+        let named: Vec<&PathBuf> = outputs.iter().map(|(named, _)| named).collect();
+        outputs_apart(&self.inputs, &named).map_err(Failure::bad_input)?;
+        for (named, place) in outputs {
+            if resolved(named) != *place {
+                return Err(unwritable(named, &"it has become a link"));
             }
-        };
-        Err(unwritable(named, &reason))
+            if self.force || !place.exists() {
+                continue;
+            }
+            let reason = match FolderRecord::writer_of(folder_of(place), &name_of(place)) {
+                Some(writer) if writer == self.command => continue,
+                Some(writer) => format!("kufe {writer} wrote it; --force replaces it"),
+                None => {
+                    "it exists already, and kufe did not write it so; --force replaces it".into()
+                }
+            };
+            return Err(unwritable(named, &reason));
+        }
+        Ok(())
     }
+}
+
+/// Writes the only output of a command.
+///
+/// # Errors
+/// As [`OutputFiles`].
+pub fn write_file(
+    command: &'static str,
+    inputs: &[PathBuf],
+    path: &Path,
+    bytes: &[u8],
+    global: &Global,
+) -> Result<(), Failure> {
+    let outputs = [path.to_path_buf()];
+    let files = OutputFiles::begin(command, inputs, &outputs, global.force)?;
+    files.bytes(path, bytes)?;
+    files.commit()
 }
 
 fn folder_of(path: &Path) -> &Path {
@@ -175,7 +185,7 @@ mod tests {
         let outputs = std::slice::from_ref(&path);
         let write = || {
             let files = OutputFiles::begin("lut", &[folder.join("in")], outputs, force)?;
-            files.write(&path, |writer| writer.write_all(text.as_bytes()))?;
+            files.bytes(&path, text.as_bytes())?;
             files.commit()
         };
         write().map_err(|failure: Failure| failure.to_string())

@@ -1,119 +1,18 @@
 //! Output folders, which receive all files of a command or none.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
-use kufe::jobs::field::{NewFiles, is_plain};
+use kufe::jobs::field::NewFiles;
 use kufe::plot::Figure;
-use kufe_files::{outputs_apart, resolved, sha256_of_file};
-use serde::{Deserialize, Serialize};
+use kufe_files::{outputs_apart, resolved};
+use serde::Serialize;
 
-use crate::output::{Staging, TEMPORARY, remove_on_interrupt, unwritable};
-
-/// The file of an output folder that records which command wrote which files there.
-const RECORD: &str = ".kufe.json";
-/// The index of runs, which names other files of its folder.
-const INDEX: &str = "runs.csv";
-
-/// Which command wrote a folder, and which commands wrote which files in it.
-#[derive(Serialize, Deserialize, Clone, Debug)]
-pub struct FolderRecord {
-    version: String,
-    /// The command whose output the folder is; none where the folder is the user's, with single
-    /// files of commands in it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    command: Option<String>,
-    files: BTreeMap<String, FileRecord>,
-}
-
-/// One file of a folder.
-#[derive(Serialize, Deserialize, Clone, Debug)]
-struct FileRecord {
-    command: String,
-    /// SHA-256 of its bytes; that of the earlier file too while this one takes its place.
-    sha256: Vec<String>,
-}
-
-impl FileRecord {
-    /// Whether a file is as it was written.
-    fn describes(&self, path: &Path) -> bool {
-        hash(path).is_some_and(|found| self.sha256.contains(&found))
-    }
-}
-
-/// SHA-256 of a file; `None` for links and what is no file.
-pub(super) fn hash(path: &Path) -> Option<String> {
-    let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
-    let file = is_file.then(|| File::open(path).ok()).flatten()?;
-    sha256_of_file(&file).ok()
-}
-
-impl FolderRecord {
-    /// The record of a folder without files.
-    fn new(command: Option<&str>) -> FolderRecord {
-        FolderRecord {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            command: command.map(str::to_owned),
-            files: BTreeMap::new(),
-        }
-    }
-
-    /// The record of `folder`; `None` where kufe did not write that folder.
-    fn read(folder: &Path) -> Option<FolderRecord> {
-        let path = folder.join(RECORD);
-        if path.is_symlink() {
-            return None;
-        }
-        let text = kufe_files::text_of_regular(&path, 1 << 24).ok()?;
-        let mut record: FolderRecord = serde_json::from_str(&text).ok()?;
-        // A record from elsewhere may name files outside its folder.
-        record.files.retain(|name, _| is_plain(name));
-        Some(record)
-    }
-
-    fn write(&self, folder: &Path) -> std::io::Result<()> {
-        let file = tempfile::Builder::new()
-            .prefix(TEMPORARY)
-            .tempfile_in(folder)?;
-        serde_json::to_writer(&file, self)?;
-        file.persist(folder.join(RECORD))?;
-        Ok(())
-    }
-
-    /// The files that `command` wrote, and pages that show them; other commands may have added
-    /// theirs.
-    fn files_of(&self, command: &str) -> impl Iterator<Item = (&String, &FileRecord)> {
-        let files = self.files.iter();
-        files.filter(move |(_, file)| file.command == command || file.command == "report")
-    }
-
-    /// The command that wrote the file `name` of `folder`, where the file is as it was written.
-    pub fn writer_of(folder: &Path, name: &str) -> Option<String> {
-        let record = FolderRecord::read(folder)?;
-        let file = record.files.get(name)?;
-        file.describes(&folder.join(name))
-            .then(|| file.command.clone())
-    }
-
-    /// Adds files with their SHA-256, which `command` writes into `folder`, to the folder's record.
-    ///
-    /// Where the record cannot be written, the files are only replaced with `--force`.
-    pub fn add(folder: &Path, files: impl Iterator<Item = (String, String)>, command: &str) {
-        let record = FolderRecord::read(folder);
-        let mut record = record.unwrap_or_else(|| FolderRecord::new(None));
-        record.files.extend(files.map(|(name, hash)| {
-            let file = FileRecord {
-                command: command.to_owned(),
-                sha256: vec![hash],
-            };
-            (name, file)
-        }));
-        let _ = record.write(folder);
-    }
-}
+use crate::output::record::{FolderRecord, RECORD, lock};
+use crate::output::{Staging, TEMPORARY, names_in, remove_on_interrupt, unwritable};
 
 /// A temporary folder that collects files until [`OutputDir::commit`] moves them into the output.
 ///
@@ -194,10 +93,11 @@ impl OutputDir {
     /// Checks that the folder may receive files of these names; returns the record of those that
     /// an earlier run of the command wrote there.
     fn check(&self, names: &[String]) -> Result<FolderRecord, Failure> {
-        let own = match FolderRecord::read(&self.target) {
-            Some(record) if record.command.as_deref() == Some(self.command) => record,
-            found => {
-                let owner = found.and_then(|record| record.command);
+        let found = FolderRecord::read(&self.target);
+        let owner = found.as_ref().and_then(|record| record.command.clone());
+        let own = match found {
+            Some(record) if owner.as_deref() == Some(self.command) => record,
+            _ => {
                 if let Some(reason) = self.foreign(owner)?.filter(|_| !self.force) {
                     let place = self.named.display();
                     return Err(Failure::BadInput(format!(
@@ -215,10 +115,8 @@ impl OutputDir {
                 return failure(name, "this command reads it; expected another folder");
             }
             if !self.force && path.symlink_metadata().is_ok() && !file.describes(&path) {
-                return failure(
-                    name,
-                    "it was changed since kufe wrote it; --force replaces it",
-                );
+                let reason = "it was changed since kufe wrote it; --force replaces it";
+                return failure(name, reason);
             }
         }
         let paths: Vec<PathBuf> = names.iter().map(|name| self.named.join(name)).collect();
@@ -226,13 +124,10 @@ impl OutputDir {
             return failure(name, "a link is in the way; expected another folder");
         }
         outputs_apart(&self.inputs, &paths).map_err(Failure::bad_input)?;
-        for (name, path) in names.iter().zip(&paths) {
-            let is_own = own.files_of(self.command).any(|(one, _)| one == name);
-            if path.exists() && !self.force && !is_own {
-                return failure(
-                    name,
-                    "it exists and kufe did not write it; --force replaces it",
-                );
+        for (name, path) in names.iter().zip(&paths).filter(|_| !self.force) {
+            if path.exists() && own.files_of(self.command).all(|(one, _)| one != name) {
+                let reason = "it exists and kufe did not write it; --force replaces it";
+                return failure(name, reason);
             }
         }
         Ok(own)
@@ -246,18 +141,12 @@ impl OutputDir {
         if let Some(owner) = owner {
             return Ok(Some(format!("it contains results of kufe {owner}")));
         }
-        let failure = |error: std::io::Error| unwritable(&self.named, &error);
-        for entry in std::fs::read_dir(&self.target).map_err(failure)? {
-            let name = entry.map_err(failure)?.file_name();
-            let name = name.to_string_lossy();
-            if !name.starts_with(TEMPORARY) && name != RECORD {
-                return Ok(Some(format!(
-                    "it is not empty and kufe {} did not write it ({name})",
-                    self.command
-                )));
-            }
-        }
-        Ok(None)
+        let names = names_in(&self.target).map_err(|error| unwritable(&self.named, &error))?;
+        let mut names = names.iter();
+        let other = names.find(|name| !name.starts_with(TEMPORARY) && *name != RECORD);
+        let command = self.command;
+        Ok(other
+            .map(|name| format!("it is not empty and kufe {command} did not write it ({name})")))
     }
 
     /// Writes the file `name` with a function that takes the file.
@@ -294,9 +183,7 @@ impl OutputDir {
     /// # Errors
     /// As [`OutputDir::write`].
     pub fn text(&self, name: &str, text: &str) -> Result<(), Failure> {
-        self.write(name, |mut file| {
-            std::io::Write::write_all(&mut file, text.as_bytes())
-        })
+        self.files().bytes(name, text.as_bytes())
     }
 
     /// Writes a result as JSON.
@@ -309,86 +196,24 @@ impl OutputDir {
 
     /// Moves every file into the output folder and removes those of an earlier run of the command.
     ///
-    /// An index of runs is removed first and moved last: what it names is always complete.
-    ///
     /// # Errors
     /// [`Failure::BadInput`] with the path that could not be replaced.
     pub fn commit(self) -> Result<(), Failure> {
-        let failure = |error: std::io::Error| unwritable(&self.named, &error);
+        let hidden = self.staging.hidden.path();
         let _lock = lock(&self.target);
-        let mut names = Vec::new();
-        for entry in std::fs::read_dir(self.staging.hidden.path()).map_err(failure)? {
-            let name = entry.map_err(failure)?.file_name();
-            names.push(name.to_string_lossy().into_owned());
-        }
-        names.sort_by_key(|name| name == INDEX);
-        let mut record = self.check(&names)?;
+        let names = names_in(hidden).map_err(|error| unwritable(&self.named, &error))?;
+        let record = self.check(&names)?;
         let own = record.files_of(self.command).map(|(name, _)| name);
         let stale: Vec<String> = own.filter(|name| !names.contains(name)).cloned().collect();
-        // Both sets of files are kufe's until the last is moved.
-        for name in &names {
-            let new = hash(&self.staging.hidden.path().join(name));
-            let before = record.files.remove(name).map(|file| file.sha256);
-            let file = FileRecord {
-                command: self.command.to_owned(),
-                sha256: new
-                    .into_iter()
-                    .chain(before.into_iter().flatten())
-                    .collect(),
-            };
-            record.files.insert(name.clone(), file);
-        }
-        record.write(&self.target).map_err(failure)?;
-        let index = names.iter().filter(|name| *name == INDEX);
-        for name in index.chain(&stale) {
-            let path = self.target.join(name);
-            if path.symlink_metadata().is_ok() {
-                std::fs::remove_file(&path).map_err(|error| unwritable(&path, &error))?;
-            }
-        }
-        for name in &names {
-            let to = self.target.join(name);
-            std::fs::rename(self.staging.hidden.path().join(name), &to)
-                .map_err(|error| unwritable(&to, &error))?;
-        }
-        for name in &names {
-            let written = record.files.get_mut(name);
-            written.into_iter().for_each(|file| file.sha256.truncate(1));
-        }
-        record.files.retain(|name, _| !stale.contains(name));
-        record.write(&self.target).map_err(failure)
+        record.replace(&self.target, hidden, names, &stale, self.command)
     }
-}
-
-/// Removes the files that kufe wrote into `folder` and that nobody changed, and then the folder,
-/// if nothing else is in it.
-pub fn remove_outputs(folder: &Path) {
-    if folder.is_symlink() {
-        return;
-    }
-    let Some(record) = FolderRecord::read(folder) else {
-        return;
-    };
-    for (name, file) in &record.files {
-        if file.describes(&folder.join(name)) {
-            let _ = std::fs::remove_file(folder.join(name));
-        }
-    }
-    let _ = std::fs::remove_file(folder.join(RECORD));
-    let _ = std::fs::remove_dir(folder);
-}
-
-/// A lock on a folder, which other processes of kufe wait for; none where the system has no such.
-pub(super) fn lock(folder: &Path) -> Option<File> {
-    let file = File::open(folder).ok()?;
-    file.lock().ok()?;
-    Some(file)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::output::OutputFiles;
+    use crate::output::record::{INDEX, remove_outputs};
 
     type Outcome = Result<(), Box<dyn std::error::Error>>;
 

@@ -2,15 +2,18 @@
 
 mod file;
 mod folder;
+mod record;
 
+use std::fs::DirEntry;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe_files::TEMPORARY;
 use tempfile::TempDir;
 
-pub use file::OutputFiles;
-pub use folder::{FolderRecord, OutputDir, remove_outputs};
+pub use file::{OutputFiles, write_file};
+pub use folder::OutputDir;
+pub use record::{FolderRecord, remove_outputs};
 
 /// How often a folder is made that other processes remove.
 const ATTEMPTS: usize = 20;
@@ -18,6 +21,19 @@ const ATTEMPTS: usize = 20;
 /// The failure to write `path`.
 fn unwritable(path: &Path, reason: &dyn std::fmt::Display) -> Failure {
     Failure::BadInput(format!("{}: cannot be written: {reason}", path.display()))
+}
+
+/// The failure that a file causes.
+pub fn of_file<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure {
+    move |error| Failure::bad_input(error).within(&path.display().to_string())
+}
+
+/// The names of what is in a folder.
+fn names_in(folder: &Path) -> std::io::Result<Vec<String>> {
+    let entries = std::fs::read_dir(folder)?;
+    let name =
+        |entry: std::io::Result<DirEntry>| Ok(entry?.file_name().to_string_lossy().into_owned());
+    entries.map(name).collect()
 }
 
 /// The files that a command reads that solves a case: the case, and all that it names.
@@ -42,7 +58,7 @@ struct Staging {
 impl Staging {
     /// A hidden folder in `folder`, which is made where it is missing.
     fn in_folder(folder: &Path) -> std::io::Result<Staging> {
-        let attempt = || {
+        let attempt = |_| {
             let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
             let missing = folder.ancestors().take_while(missing);
             let made = NewFolders(missing.map(Path::to_path_buf).collect());
@@ -50,16 +66,11 @@ impl Staging {
             let hidden = tempfile::Builder::new()
                 .prefix(TEMPORARY)
                 .tempdir_in(folder)?;
-            Ok::<_, std::io::Error>(Staging { hidden, made })
+            Ok(Staging { hidden, made })
         };
-        let mut staging = attempt();
         // Other processes that give up may remove the folder meanwhile.
-        for _ in 0..ATTEMPTS {
-            if staging.is_err() {
-                staging = attempt();
-            }
-        }
-        staging
+        let mut failed = (1..ATTEMPTS).map(attempt).skip_while(Result::is_err);
+        failed.next().unwrap_or_else(|| attempt(0))
     }
 }
 

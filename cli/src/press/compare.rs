@@ -72,29 +72,25 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 /// The folder without a stroke at its end.
 fn name_of(folder: &Path) -> String {
     let name = folder.display().to_string();
-    let short = name.trim_end_matches('/');
-    if short.is_empty() {
-        name
-    } else {
-        short.to_owned()
+    match name.trim_end_matches('/') {
+        "" => name.clone(),
+        short => short.to_owned(),
     }
 }
 
 fn text(document: &Comparison) -> String {
-    let mut text = format!(
-        "{:38} {:>22} {:>22} {:>22}\n",
-        "", document.first, document.second, "difference"
-    );
-    for quantity in &document.quantities {
-        text += &row(quantity);
-    }
+    let (first, second) = (&document.first, &document.second);
+    let head = format!("{:38} {first:>22} {second:>22} {:>22}\n", "", "difference");
+    let rows: String = document.quantities.iter().map(row).collect();
     let map = &document.map;
-    text + &format!(
-        "the maps differ by up to {:.2} MPa, at x = {:.2} mm, y = {:.3} mm; {:.1} N act elsewhere\n",
+    let (most, x, y) = (
         map.largest_pa / 1e6,
         1e3 * map.largest_x_m,
         1e3 * map.largest_y_m,
-        map.moved_n
+    );
+    let moved = map.moved_n;
+    format!(
+        "{head}{rows}the maps differ by up to {most:.2} MPa, at x = {x:.2} mm, y = {y:.3} mm; {moved:.1} N act elsewhere\n"
     )
 }
 
@@ -110,15 +106,10 @@ fn row(quantity: &ComparedQuantity) -> String {
         "" => known.label.to_owned(),
         unit => format!("{} [{unit}]", known.label),
     });
-    let star = if quantity.exceeds_errors == Some(true) {
-        " *"
-    } else {
-        ""
-    };
-    format!(
-        "{name:38} {:>22} {:>22} {:>22}{star}\n",
-        shown(quantity.first, quantity.first_error),
-        shown(quantity.second, quantity.second_error),
-        shown(quantity.difference, quantity.difference_error)
-    )
+    let exceeds = quantity.exceeds_errors == Some(true);
+    let star = if exceeds { " *" } else { "" };
+    let first = shown(quantity.first, quantity.first_error);
+    let second = shown(quantity.second, quantity.second_error);
+    let difference = shown(quantity.difference, quantity.difference_error);
+    format!("{name:38} {first:>22} {second:>22} {difference:>22}{star}\n")
 }

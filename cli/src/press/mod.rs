@@ -57,9 +57,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let output = OutputDir::begin("press", &inputs, &args.out, global.force)?;
     let bar = global.progress();
     let shown = bar.clone();
-    let options = with_progress(options, &loaded.case, move |line| shown.set_message(line));
+    let options = with_progress(options, &loaded.case, move |line| shown.set_message(&line));
     let watch = Watch {
-        progress: Some(&|text| bar.set_message(text.to_owned())),
+        progress: Some(&|text| bar.set_message(text)),
         warn: Some(&|text| bar.warn(text)),
         ..Watch::default()
     };

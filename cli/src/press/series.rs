@@ -34,16 +34,6 @@ struct Series<'a> {
     options: &'a Options,
 }
 
-/// The steps that were tried.
-#[derive(Default)]
-struct Tried {
-    rows: Vec<SeriesRow>,
-    /// How many had a result before.
-    retained: usize,
-    /// Why the last one of insufficient accuracy is so.
-    short: Option<String>,
-}
-
 /// Solves every combination into a folder of its own; results that are in the output folder already
 /// stay.
 ///
@@ -76,28 +66,25 @@ pub fn run(
     let output = OutputDir::prepare("press (series)", &series.inputs, &args.out, global.force)?;
     output.record()?;
     let finished: Vec<_> = steps.iter().map(|step| series.finished(step)).collect();
-    for (step, _) in steps
-        .iter()
-        .zip(&finished)
-        .filter(|(_, found)| found.is_none())
-    {
-        // Refused before the first step is solved.
-        series.output_of(step)?;
-    }
+    // Refused before the first step is solved.
+    let missing = steps.iter().zip(&finished);
+    let mut missing = missing.filter(|(_, found)| found.is_none());
+    missing.try_for_each(|(step, _)| series.output_of(step).map(|_| ()))?;
     remove_other_steps(&args.out, &steps);
-    let mut tried = Tried::default();
-    let solved = global.watched(|watch| series.solve(&steps, &finished, watch, &mut tried));
-    write_overview(&output, &args.out, &tried.rows, &args.lists, steps.len())?;
+    let mut rows = Vec::new();
+    let solved = global.watched(|watch| series.solve(&steps, &finished, watch, &mut rows));
+    write_overview(&output, &args.out, &rows, &args.lists, steps.len())?;
     output.commit()?;
     solved?;
-    let Tried {
-        rows,
-        retained,
-        short,
-    } = tried;
+    let retained = finished.iter().flatten().count();
     global.print(&rows, || summary::series(&rows, retained, &args.out))?;
-    let done = rows.iter().filter(|row| row.error.is_none()).count();
-    ending([done, rows.len(), steps.len()], short, &args.out)
+    let mut short = rows.iter().filter_map(|row| row.error.as_deref());
+    let done = rows.len() - short.clone().count();
+    ending(
+        [done, rows.len(), steps.len()],
+        short.next_back(),
+        &args.out,
+    )
 }
 
 /// Removes the steps of an earlier series that this one does not have.
@@ -116,11 +103,11 @@ fn remove_other_steps(out: &Path, steps: &[Step]) {
 /// for insufficient accuracy.
 fn ending(
     [done, tried, steps]: [usize; 3],
-    short: Option<String>,
+    short: Option<&str>,
     out: &Path,
 ) -> Result<(), Failure> {
     match short {
-        Some(text) if done == 0 && tried == steps => Err(Failure::NotConverged(text)),
+        Some(text) if done == 0 && tried == steps => Err(Failure::NotConverged(text.to_owned())),
         _ if done == steps => Ok(()),
         _ => Err(Failure::Partial(format!(
             "{}: {done} of {steps} steps are solved and written; the same command resumes",
@@ -155,11 +142,8 @@ impl Series<'_> {
 
     /// The step's result that is in its folder already, with all requested files.
     fn finished(&self, step: &Step) -> Option<ContactResult> {
-        if self.args.lists.fresh {
-            return None;
-        }
         let folder = self.args.out.join(&step.folder);
-        if folder.is_symlink() {
+        if self.args.lists.fresh || folder.is_symlink() {
             return None;
         }
         let result: ContactResult = read_json(&folder.join("result.json"), LONGEST).ok()?;
@@ -176,7 +160,7 @@ impl Series<'_> {
         steps: &[Step],
         finished: &[Option<ContactResult>],
         watch: &Watch,
-        tried: &mut Tried,
+        rows: &mut Vec<SeriesRow>,
     ) -> Result<(), Failure> {
         let warned = Mutex::new(BTreeMap::new());
         let warn_once = |text: &str| {
@@ -195,8 +179,7 @@ impl Series<'_> {
         let mut took = Vec::new();
         for (k, (step, finished_step)) in steps.iter().zip(finished).enumerate() {
             if finished_step.is_some() {
-                tried.retained += 1;
-                tried.rows.push(step.row(finished_step.as_ref(), None));
+                rows.push(step.row(finished_step.as_ref(), None));
                 continue;
             }
             if watch.stopped() {
@@ -217,11 +200,8 @@ impl Series<'_> {
                 Err(other) => return Err(other.within(&step.folder)),
             };
             let short = short.map(|text| format!("{}: {text}", step.folder));
-            if let Some(text) = &short {
-                watch.warn(text);
-                tried.short = Some(text.clone());
-            }
-            tried.rows.push(step.row(result.as_ref(), short));
+            short.iter().for_each(|text| watch.warn(text));
+            rows.push(step.row(result.as_ref(), short));
             took.push(begun.elapsed().as_secs_f64());
         }
         let warned = warned.lock().unwrap_or_else(PoisonError::into_inner);
@@ -249,11 +229,10 @@ fn write_overview(
     output.write("table.csv", |mut file| write_csv(&mut file, rows))?;
     let times = lists.times(count);
     for (name, file) in [("series.pvd", "field.vtu"), ("runner.pvd", "runner.vtu")] {
-        let entries: Vec<(f64, String)> = rows
-            .iter()
-            .filter(|row| row.result.is_some() && out.join(&row.folder).join(file).exists())
-            .map(|row| (times[row.step - 1], format!("{}/{file}", row.folder)))
-            .collect();
+        let rows = rows.iter().filter(|row| row.result.is_some());
+        let rows = rows.filter(|row| out.join(&row.folder).join(file).exists());
+        let entries = rows.map(|row| (times[row.step - 1], format!("{}/{file}", row.folder)));
+        let entries: Vec<(f64, String)> = entries.collect();
         if !entries.is_empty() {
             let entries: Vec<(f64, &str)> = entries.iter().map(|(t, f)| (*t, f.as_str())).collect();
             output.write(name, |mut file| write_pvd(&entries, &mut file))?;
@@ -335,36 +314,31 @@ impl Lists {
             |keys, value| keys.fz_n = Some(value),
         ];
         let mut combinations = vec![VariedKeys::default()];
-        for (values, set) in self.all().into_iter().zip(set) {
-            if values.is_empty() {
-                continue;
-            }
-            let mut longer = Vec::new();
-            for keys in &combinations {
-                for &value in values {
+        for (values, set) in self
+            .all()
+            .into_iter()
+            .zip(set)
+            .filter(|(list, _)| !list.is_empty())
+        {
+            let longer = combinations.iter().flat_map(|keys| {
+                values.iter().map(|value| {
                     let mut keys = keys.clone();
-                    set(&mut keys, value);
-                    longer.push(keys);
-                }
-            }
-            combinations = longer;
+                    set(&mut keys, *value);
+                    keys
+                })
+            });
+            combinations = longer.collect();
         }
         combinations
     }
 
     /// Times for ParaView: the values themselves where one list rises, else 1, 2, 3 ...
     fn times(&self, count: usize) -> Vec<f64> {
-        let several: Vec<&[f64]> = self
-            .all()
-            .into_iter()
-            .filter(|list| list.len() > 1)
-            .collect();
+        let several = self.all().into_iter().filter(|list| list.len() > 1);
+        let several: Vec<&[f64]> = several.collect();
+        let rises = |list: &[f64]| list.is_sorted_by(|a, b| a < b && b.is_finite());
         match several[..] {
-            [only]
-                if only.windows(2).all(|w| w[0] < w[1]) && only.iter().all(|v| v.is_finite()) =>
-            {
-                only.to_vec()
-            }
+            [only] if rises(only) && only[0].is_finite() => only.to_vec(),
             _ => (1..=count).map(|k| k as f64).collect(),
         }
     }
@@ -376,9 +350,7 @@ mod tests {
 
     #[test]
     fn a_series_ends_with_4_only_where_all_of_it_was_tried() {
-        let ends = |counts, short: Option<&str>| {
-            ending(counts, short.map(str::to_owned), Path::new("out"))
-        };
+        let ends = |counts, short: Option<&str>| ending(counts, short, Path::new("out"));
         assert!(ends([3, 3, 3], None).is_ok());
         let short = Some("step-001: 3 % of 1 %");
         assert!(matches!(

@@ -9,80 +9,72 @@ use kufe::results::{
 };
 use kufe_contact::Measure;
 
+/// Lines of a name and what is said of it.
+type Rows = Vec<(&'static str, String)>;
+
 /// The readable summary: the peak with its whole error and the parts of that first, then all else.
 ///
 /// `writing` is how long the files took [s].
 pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path, writing: f64) -> String {
-    let mut rows = peak(result, pressed.solution.bound());
-    let p_max_map = result.p_max_map_pa.unwrap_or(result.p_max_mesh_pa);
-    rows.push(("on this mesh", on_mesh(result.p_max_mesh_pa, p_max_map)));
-    let stress_max = result.stress_max_pa.unwrap_or(result.p_max_mesh_pa);
-    let in_field = in_field(result.p_max_mesh_pa, stress_max);
+    let bound = pressed.solution.bound();
+    let mut rows = peak(result, bound);
+    let on_mesh_pa = result.p_max_mesh_pa;
+    let p_max_map = result.p_max_map_pa.unwrap_or(on_mesh_pa);
+    rows.push(("on this mesh", on_mesh(on_mesh_pa, p_max_map)));
+    let in_field = in_field(on_mesh_pa, result.stress_max_pa.unwrap_or(on_mesh_pa));
     rows.extend(in_field.map(|text| ("in field.vtu", text)));
-    let of_area = if result.p_max.value >= pressed.solution.bound() {
+    let of_area = if result.p_max.value >= bound {
         within(result.area, result.accuracy_reached)
     } else {
         String::new()
     };
-    rows.extend([
-        ("mean pressure", result.p_mean.to_string()),
-        ("contact length", result.length.to_string()),
-        ("contact width", result.width.to_string()),
-        ("contact area", format!("{}{of_area}", result.area)),
-        ("approach", result.approach.to_string()),
-        (
-            "pitch, roll",
-            format!(
-                "{} +- {}, {} +- {}",
-                angle(result.pitch.value),
-                angle(result.pitch.error),
-                angle(result.roll.value),
-                angle(result.roll.error)
-            ),
-        ),
-        ("normal force", newtons(result.fz_n)),
-    ]);
-    if let Some(fit) = &result.hull_fit {
-        let said = format!(
-            "{:.4} µm from the hull's vertices ({:.2} % of the approach)",
-            1e6 * fit.residual_rms_m,
-            1e2 * fit.residual_over_approach
-        );
-        rows.push(("hull's fit", said));
-    }
+    let angle = |radians: f64| match radians {
+        0.0 => "0 rad".into(),
+        _ => format!("{radians:.3e} rad"),
+    };
+    let angles = [
+        (result.pitch.value, result.pitch.error),
+        (result.roll.value, result.roll.error),
+    ];
+    let angles = angles.map(|(value, error)| format!("{} +- {}", angle(value), angle(error)));
+    rows.push(("mean pressure", result.p_mean.to_string()));
+    rows.push(("contact length", result.length.to_string()));
+    rows.push(("contact width", result.width.to_string()));
+    rows.push(("contact area", format!("{}{of_area}", result.area)));
+    rows.push(("approach", result.approach.to_string()));
+    rows.push(("pitch, roll", angles.join(", ")));
+    rows.push(("normal force", newtons(result.fz_n)));
+    rows.extend(result.hull_fit.as_ref().map(|fit| {
+        let (rms, share) = (1e6 * fit.residual_rms_m, 1e2 * fit.residual_over_approach);
+        let text = format!("{rms:.4} µm from the hull's vertices ({share:.2} % of the approach)");
+        ("hull's fit", text)
+    }));
     let shear = result
         .subsurface
         .as_ref()
         .and_then(|line| line.shear.as_ref());
-    rows.extend(shear.map(|found| {
-        let said = format!("{} at {}", found.shear, found.depth);
-        ("largest shear", said)
-    }));
+    let shear = shear.map(|found| format!("{} at {}", found.shear, found.depth));
+    rows.extend(shear.map(|text| ("largest shear", text)));
     rows.extend(result.runner.iter().flat_map(steel));
     rows.extend(pressed.sliding.iter().flat_map(sliding));
-    rows.push((
-        "solved in",
-        format!(
-            "{:.3} s, {} unknowns, {} iterations",
-            result.seconds, result.dofs, result.iterations
-        ),
-    ));
-    let hull = pressed.hull.as_ref().map(|hull| hull.seconds);
-    rows.extend(hull.map(|[reading, fitting]| {
-        let said = format!("{reading:.3} s, its surface fitted in {fitting:.3} s");
-        ("hull read in", said)
+    let (seconds, dofs, iterations) = (result.seconds, result.dofs, result.iterations);
+    let solved = format!("{seconds:.3} s, {dofs} unknowns, {iterations} iterations");
+    rows.push(("solved in", solved));
+    rows.extend(pressed.hull.as_ref().map(|hull| {
+        let [reading, fitting] = hull.seconds;
+        let text = format!("{reading:.3} s, its surface fitted in {fitting:.3} s");
+        ("hull read in", text)
     }));
     rows.push(("written to", format!("{} in {writing:.3} s", out.display())));
-    let mut text = format!("{}\n", pressed.loaded.name);
-    for (name, value) in rows {
-        text.push_str(&format!("  {name:<18} {value}\n"));
-    }
-    text
+    let rows = rows
+        .iter()
+        .map(|(name, text)| format!("  {name:<18} {text}\n"));
+    format!("{}\n{}", pressed.loaded.name, rows.collect::<String>())
 }
 
 /// The peak with its whole error, the parts of that, and the second answer; where the ice yields at
 /// `bound` [Pa] its hardness is the peak.
-fn peak(result: &ContactResult, bound: f64) -> Vec<(&'static str, String)> {
+fn peak(result: &ContactResult, bound: f64) -> Rows {
     let total = result.peak();
     if total.value >= bound {
         return vec![("peak pressure", format!("{total}, all that the ice bears"))];
@@ -96,21 +88,21 @@ fn peak(result: &ContactResult, bound: f64) -> Vec<(&'static str, String)> {
             "scan noise" => "  scan noise",
             _ => "  hull's fit",
         };
-        (
-            name,
-            format!("+- {}", PeakPressure::DESCRIPTION.amount(part.error)),
-        )
+        let error = PeakPressure::DESCRIPTION.amount(part.error);
+        (name, format!("+- {error}"))
     }));
-    if let Some(check) = &result.check {
+    let check = result.check.as_ref().map(|check| {
         let time = 1e3 * check.check_seconds;
-        let said = format!("{} by boundary elements, {time:.1} ms", check.p_max);
-        rows.push(("second answer", said));
-    }
+        format!("{} by boundary elements, {time:.1} ms", check.p_max)
+    });
     let absent = result.check_absent.as_ref();
-    rows.extend(absent.map(|reason| {
-        let said = format!("none by boundary elements: {reason}");
-        ("second answer", said)
-    }));
+    let absent = absent.map(|reason| format!("none by boundary elements: {reason}"));
+    rows.extend(
+        check
+            .into_iter()
+            .chain(absent)
+            .map(|text| ("second answer", text)),
+    );
     rows
 }
 
@@ -121,148 +113,119 @@ fn within<Q: Quantity>(measured: Measured<Q>, reached: bool) -> String {
     } else {
         ": the requested accuracy was not reached"
     };
-    format!(
-        " (estimated error {}){short}",
-        percent(measured.error / measured.value)
-    )
+    let error = percent(measured.error / measured.value);
+    format!(" (estimated error {error}){short}")
 }
 
 /// The mesh's peak, and the maps' where their pixels miss it by more than a hundredth.
 fn on_mesh(p_max_mesh: f64, p_max_map: f64) -> String {
-    let mesh = format!("{:.2} MPa", p_max_mesh / 1e6);
-    match (p_max_map / p_max_mesh - 1.0).abs() < 0.01 {
-        true => format!("{mesh}, as in the maps"),
-        false => format!(
-            "{mesh}; the maps' pixels are wider than this peak and show {:.2} MPa at most",
-            p_max_map / 1e6
-        ),
+    let (mesh, map) = (1e-6 * p_max_mesh, 1e-6 * p_max_map);
+    if (p_max_map / p_max_mesh - 1.0).abs() < 0.01 {
+        format!("{mesh:.2} MPa, as in the maps")
+    } else {
+        format!(
+            "{mesh:.2} MPa; the maps' pixels are wider than this peak and show {map:.2} MPa at most"
+        )
     }
 }
 
 /// The largest stress of the field where it is more than the largest pressure.
 fn in_field(p_max_mesh: f64, stress_max: f64) -> Option<String> {
-    let more = stress_max / p_max_mesh - 1.0;
-    (more > 0.005).then(|| {
+    let (more, stress) = (1e2 * (stress_max / p_max_mesh - 1.0), 1e-6 * stress_max);
+    (more > 0.5).then(|| {
         format!(
-            "stresses up to {:.2} MPa, {:.0} % over the pressure, as they are carried on from within the cells: for the pressure take contact_pressure_pa",
-            stress_max / 1e6,
-            1e2 * more
+            "stresses up to {stress:.2} MPa, {more:.0} % over the pressure, as they are carried on from within the cells: for the pressure take contact_pressure_pa"
         )
     })
 }
 
 /// What an elastic runner adds.
-fn steel(runner: &RunnerResult) -> Vec<(&'static str, String)> {
+fn steel(runner: &RunnerResult) -> Rows {
     let at =
         |[x, y, z]: [f64; 3]| format!("x {:.1}, y {:.2}, z {:.2} mm", 1e3 * x, 1e3 * y, 1e3 * z);
-    let stress = format!(
-        "{:.1} MPa (von Mises) at most, at {}",
+    let (stress, place) = (
         1e-6 * runner.runner_von_mises_max_pa,
-        at(runner.runner_von_mises_at_m)
+        at(runner.runner_von_mises_at_m),
     );
-    let mut rows = vec![("runner's stress", stress)];
-    for mount in &runner.mounts {
+    let stress = format!("{stress:.1} MPa (von Mises) at most, at {place}");
+    let mounts = runner.mounts.iter().map(|mount| {
         // A rounding error below 0 is 0.
-        let shown = |value: f64, digits: i32| {
-            let scale = 10_f64.powi(digits);
-            (value * scale).round() / scale + 0.0
-        };
-        let [fx, fy, fz] = mount.force_n.map(|force| shown(force, 1));
-        let [mx, my, mz] = mount.moment_nm.map(|moment| shown(moment, 2));
-        let said = format!(
-            "{fz:.1} N upwards, {fx:.1} and {fy:.1} along x and y, moments {mx:.2}, {my:.2}, {mz:.2} N m, at {}",
-            at(mount.at_m)
+        let shown = |value: f64, scale: f64| (value * scale).round() / scale + 0.0;
+        let [fx, fy, fz] = mount.force_n.map(|force| shown(force, 1e1));
+        let [mx, my, mz] = mount.moment_nm.map(|moment| shown(moment, 1e2));
+        let place = at(mount.at_m);
+        let text = format!(
+            "{fz:.1} N upwards, {fx:.1} and {fy:.1} along x and y, moments {mx:.2}, {my:.2}, {mz:.2} N m, at {place}"
         );
-        rows.push(("mount bears", said));
-    }
-    rows
+        ("mount bears", text)
+    });
+    std::iter::once(("runner's stress", stress))
+        .chain(mounts)
+        .collect()
 }
 
 /// What sliding adds.
-fn sliding(slid: &SolvedSliding) -> [(&'static str, String); 7] {
+fn sliding(slid: &SolvedSliding) -> Rows {
     let with = |m: Measure, factor: f64, digits: usize| {
-        format!(
-            "{:.digits$} +- {:.digits$}",
-            factor * m.value,
-            factor.abs() * m.error
-        )
+        let (value, error) = (factor * m.value, factor.abs() * m.error);
+        format!("{value:.digits$} +- {error:.digits$}")
     };
+    let (friction, groove) = (&slid.friction, &slid.groove);
     let film = &slid.film.film;
-    let thickest = film.thickest().map_or(0.0, |station| station.thickness);
-    let rough = slid.sensitivity.boundary.map_or(String::new(), |by| {
+    let [mu, ploughing, viscous, boundary] = [
+        friction.mu,
+        friction.ploughing,
+        friction.viscous,
+        friction.boundary,
+    ]
+    .map(|part| with(part, 1e3, 3));
+    let share = 1e2 * film.totals.boundary_share;
+    let boundary = match friction.boundary.value {
+        0.0 => String::new(),
+        _ => format!(", boundary {boundary} on {share:.1} % of the patch"),
+    };
+    let by = &slid.sensitivity;
+    let rough = by.boundary.map_or(String::new(), |by| {
         let [roughness, shear] = by.map(|measure| measure.value);
         format!(", {roughness:+.2} % for roughness, {shear:+.2} % for boundary shear")
     });
-    let boundary = match slid.friction.boundary {
-        none if none.value == 0.0 => String::new(),
-        boundary => format!(
-            ", boundary {} on {:.1} % of the patch",
-            with(boundary, 1e3, 3),
-            1e2 * film.totals.boundary_share
-        ),
+    let [speed, hardness, viscosity] = [by.speed, by.hardness, by.viscosity].map(|m| m.value);
+    let warmer = 1e2 * by.temperature.value;
+    let changes = format!(
+        "by {speed:+.2} % for 1 % more speed, {hardness:+.2} % for hardness, {viscosity:+.2} % for viscosity{rough}; {warmer:+.1} % on ice 1 K warmer"
+    );
+    let (pressure, from) = (slid.hardness.value / 1e6, slid.hardness.from.in_words());
+    let time = 1e3 * slid.hardness.contact_time.value;
+    let [front, ahead] = [groove.front, groove.load_ahead].map(|m| with(m, 1e3, 2));
+    let back = if groove.back.value < 0.0 {
+        format!("{} mm behind it", with(groove.back, -1e3, 2))
+    } else {
+        format!("{} mm ahead of it", with(groove.back, 1e3, 2))
     };
-    [
+    let (depth, area) = (with(groove.deepest, 1e6, 2), 1e6 * groove.profile.area());
+    let thickest = film
+        .thickest()
+        .map_or(0.0, |station| 1e6 * station.thickness);
+    let mean = 1e6 * film.totals.mean_thickness;
+    vec![
         (
             "friction",
-            format!(
-                "mu {}e-3: ploughing {}, film {}{boundary}",
-                with(slid.friction.mu, 1e3, 3),
-                with(slid.friction.ploughing, 1e3, 3),
-                with(slid.friction.viscous, 1e3, 3),
-            ),
+            format!("mu {mu}e-3: ploughing {ploughing}, film {viscous}{boundary}"),
         ),
-        (
-            "mu changes",
-            format!(
-                "by {:+.2} % for 1 % more speed, {:+.2} % for hardness, {:+.2} % for viscosity{rough}; {:+.1} % on ice 1 K warmer",
-                slid.sensitivity.speed.value,
-                slid.sensitivity.hardness.value,
-                slid.sensitivity.viscosity.value,
-                1e2 * slid.sensitivity.temperature.value,
-            ),
-        ),
+        ("mu changes", changes),
         (
             "hardness",
-            format!(
-                "{:.2} MPa ({}), of ice {:.2} ms under the runner",
-                slid.hardness.value / 1e6,
-                slid.hardness.from.in_words(),
-                1e3 * slid.hardness.contact_time.value
-            ),
+            format!("{pressure:.2} MPa ({from}), of ice {time:.2} ms under the runner"),
         ),
-        (
-            "groove",
-            format!(
-                "{} µm deep, {:.4} mm2",
-                with(slid.groove.deepest, 1e6, 2),
-                slid.groove.profile.area() * 1e6
-            ),
-        ),
+        ("groove", format!("{depth} µm deep, {area:.4} mm2")),
         (
             "patch",
-            format!(
-                "from {} mm ahead of the lowest point to {}",
-                with(slid.groove.front, 1e3, 2),
-                match slid.groove.back.value < 0.0 {
-                    true => format!("{} mm behind it", with(slid.groove.back, -1e3, 2)),
-                    false => format!("{} mm ahead of it", with(slid.groove.back, 1e3, 2)),
-                }
-            ),
+            format!("from {front} mm ahead of the lowest point to {back}"),
         ),
-        (
-            "load acts",
-            format!(
-                "{} mm ahead of the lowest point",
-                with(slid.groove.load_ahead, 1e3, 2)
-            ),
-        ),
+        ("load acts", format!("{ahead} mm ahead of the lowest point")),
         (
             "film",
-            format!(
-                "{:.3} µm on average, at most {:.3} µm",
-                1e6 * film.totals.mean_thickness,
-                1e6 * thickest
-            ),
+            format!("{mean:.3} µm on average, at most {thickest:.3} µm"),
         ),
     ]
 }
@@ -275,45 +238,28 @@ pub fn series(rows: &[SeriesRow], retained: usize, out: &Path) -> String {
         let varied: Vec<String> = varied
             .map(|(key, value)| format!("{key} = {value}"))
             .collect();
-        let said = match &row.result {
-            Some(found) => format!(
-                "p_max {}, contact {} x {}{}",
-                PeakPressure::DESCRIPTION.amount(found.p_max.value),
-                length(found.length.value),
-                length(found.width.value),
-                row.error
-                    .as_ref()
-                    .map_or("", |_| ", requested accuracy not reached")
-            ),
-            None => "requested accuracy not reached".to_owned(),
-        };
-        text.push_str(&format!(
-            "  {}  {}: {said}\n",
-            row.folder,
-            varied.join(", ")
-        ));
+        let mut parts = Vec::new();
+        if let Some(found) = &row.result {
+            let peak = PeakPressure::DESCRIPTION.amount(found.p_max.value);
+            let [length, width] =
+                [found.length.value, found.width.value].map(|m| Length::DESCRIPTION.amount(m));
+            parts.push(format!("p_max {peak}, contact {length} x {width}"));
+        }
+        if row.error.is_some() {
+            parts.push("requested accuracy not reached".to_owned());
+        }
+        let (folder, varied, parts) = (&row.folder, varied.join(", "), parts.join(", "));
+        text += &format!("  {folder}  {varied}: {parts}\n");
     }
     let before = match retained {
         0 => String::new(),
         retained => format!(", {retained} of them there already"),
     };
-    text.push_str(&format!(
+    text + &format!(
         "  {} steps{before}; table.csv, table.json and series.pvd in {}\n",
         rows.len(),
         out.display()
-    ));
-    text
-}
-
-fn angle(radians: f64) -> String {
-    match radians {
-        0.0 => "0 rad".into(),
-        _ => format!("{radians:.3e} rad"),
-    }
-}
-
-fn length(metres: f64) -> String {
-    Length::DESCRIPTION.amount(metres)
+    )
 }
 
 #[cfg(test)]

@@ -13,17 +13,8 @@ use crate::output::OutputDir;
 use crate::runs::run_format;
 use crate::terminal::{Global, warn};
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe runs align runs.csv --model model.toml -o aligned/              along track_NAME.csv in the folder of runs.csv, where it exists
-  kufe runs align runs.csv --model model.toml --estimate -o aligned/   along one another, whatever track files there are
-
-Writes runs.csv and one file a run with s_m along the track, track_NAME.csv (the survey, or what the runs measured, with its
-standard errors) and align.json. The model states the places of the sensors.";
-
 /// Arguments of `kufe runs align`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Index of the runs
     pub runs: PathBuf,
@@ -78,13 +69,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         warn(&gaps_line(&document.gaps));
     }
     global.print(document, || {
-        summary(document)
-            + &format!(
-                "{}: runs.csv, {} runs, {} tracks, align.json\n",
-                args.out.display(),
-                aligned.runs.len(),
-                document.tracks.len()
-            )
+        let (out, runs, tracks) = (
+            args.out.display(),
+            aligned.runs.len(),
+            document.tracks.len(),
+        );
+        summary(document) + &format!("{out}: runs.csv, {runs} runs, {tracks} tracks, align.json\n")
     })
 }
 
@@ -96,15 +86,14 @@ fn summary(document: &Alignment) -> String {
         } else {
             "one another"
         };
+        let name = &track.track;
         text += &format!(
-            "{} along {with}\nrun               starts at [m]   stretch   drift [m]   within [m]\n",
-            track.track
+            "{name} along {with}\nrun               starts at [m]   stretch   drift [m]   within [m]\n"
         );
         for run in &track.runs {
-            text += &format!(
-                "{:16} {:14.2} {:9.4} {:11.2} {:12.2}\n",
-                run.run, run.start_m, run.stretch, run.drift_m, run.sd_m
-            );
+            let (name, start, stretch) = (&run.run, run.start_m, run.stretch);
+            let (drift, sd) = (run.drift_m, run.sd_m);
+            text += &format!("{name:16} {start:14.2} {stretch:9.4} {drift:11.2} {sd:12.2}\n");
         }
     }
     text

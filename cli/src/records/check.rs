@@ -14,16 +14,8 @@ use crate::output::OutputDir;
 use crate::runs::{all_runs, write_view};
 use crate::terminal::Global;
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe runs check runs/runs.csv -o check/          what is wrong, and what is odd
-  kufe runs check runs/runs.csv --view -o check/   with a page that shows the runs
-
-Writes check.json and check.html. Ends with 3 where something is provably wrong with a run, else with 0.";
-
 /// Arguments of `kufe runs check`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Index of the runs
     pub runs: PathBuf,
@@ -80,46 +72,37 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 fn summary(runs: &[Examination]) -> String {
     const MOST_NAMES: usize = 6;
     let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
-    let mut add = |line: String, run| match lines.iter_mut().find(|(known, _)| *known == line) {
-        Some((_, names)) => names.push(run),
-        None => lines.push((line, vec![run])),
-    };
     for run in runs {
-        if let Some(reason) = &run.refused {
-            add(format!("wrong  {reason}"), &run.run);
-        }
-        for fault in &run.faults {
-            let columns = fault.columns.join(", ");
+        let refused = run.refused.iter().map(|reason| format!("wrong  {reason}"));
+        let faults = run.faults.iter().map(|fault| {
             let certain = if fault.proven { "wrong" } else { "doubt" };
-            let mend = format!(
-                "{certain}  {columns}: {}; in a mapping: {}",
-                fault.looks_like, fault.mend
-            );
-            add(mend, &run.run);
-        }
-        for note in run.notes.iter().filter(|note| note.weight >= 0.05) {
-            let column = if note.column.is_empty() {
-                "rows"
-            } else {
-                &note.column
-            };
-            add(format!("odd    {column}: {}", note.what), &run.run);
+            let (columns, like, mend) = (fault.columns.join(", "), &fault.looks_like, &fault.mend);
+            format!("{certain}  {columns}: {like}; in a mapping: {mend}")
+        });
+        let notes = run.notes.iter().filter(|note| note.weight >= 0.05);
+        let notes = notes.map(|note| match &*note.column {
+            "" => format!("odd    rows: {}", note.what),
+            column => format!("odd    {column}: {}", note.what),
+        });
+        for line in refused.chain(faults).chain(notes) {
+            match lines.iter_mut().find(|(known, _)| *known == line) {
+                Some((_, names)) => names.push(&run.run),
+                None => lines.push((line, vec![&run.run])),
+            }
         }
     }
     let mut text = String::new();
     for (line, names) in lines {
-        let more = names.len().saturating_sub(MOST_NAMES);
-        let shown = names[..names.len() - more].join(", ");
-        let more = if more > 0 {
-            format!(" and {more} more")
-        } else {
-            String::new()
+        let shown = names[..names.len().min(MOST_NAMES)].join(", ");
+        let more = match names.len().saturating_sub(MOST_NAMES) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
         };
         text += &format!("{line}  ({shown}{more})\n");
     }
-    let good = runs.iter().filter(|run| !run.is_wrong()).count();
-    text + &format!(
-        "{good} of {} runs show nothing that is provably wrong\n",
-        runs.len()
-    )
+    let (good, count) = (
+        runs.iter().filter(|run| !run.is_wrong()).count(),
+        runs.len(),
+    );
+    text + &format!("{good} of {count} runs show nothing that is provably wrong\n")
 }

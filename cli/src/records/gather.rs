@@ -13,19 +13,8 @@ use serde::Serialize;
 use crate::output::OutputFiles;
 use crate::terminal::{Global, warn};
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe runs gather monday/ tuesday/ wednesday/ -o runs.csv               three days' indices in one
-  kufe runs gather raw/ -o runs.csv --track igls --session-from-folder   files without an index
-  kufe runs gather monday/runs.csv extra/late.csv -o all/runs.csv --copy into a folder of their own
-
-Of a folder its runs.csv is taken, or, without one, its files that are runs. The index names them by relative paths; runs whose
-names occur in several folders get the folder's before them. Tables of tracks (track_NAME.csv) are written into the folder of
-the index, where commands expect them. Options fill in what is not stated and change nothing that is.";
-
 /// Arguments of `kufe runs gather`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Folders, indices and files of runs
     #[arg(required = true, value_name = "FOLDER")]
@@ -76,8 +65,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let text = format!("-o {}: expected a file", args.out.display());
         return Err(Failure::Usage(text));
     }
-    let folder = args.out.parent();
-    let folder = folder.filter(|folder| !folder.as_os_str().is_empty());
+    let folder = args.out.parent().filter(|folder| *folder != Path::new(""));
     let folder = folder.unwrap_or(Path::new("."));
     let mut gathered = gather(&args.from)?;
     let entries = &mut gathered.entries;
@@ -98,7 +86,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     paths.push(args.out.clone());
     let output = OutputFiles::begin("runs gather", &inputs, &paths, global.force)?;
     for (name, bytes) in &tracks {
-        output.write(&folder.join(name), |to| to.write_all(bytes))?;
+        output.bytes(&folder.join(name), bytes)?;
     }
     for (entry, copy) in entries.iter_mut().zip(&copies) {
         if args.copy {
@@ -166,55 +154,39 @@ fn copied_as(entry: &Entry) -> String {
     }
 }
 
-/// A name that an index states of a run.
-type Name = fn(&Entry) -> &str;
-
 fn report(args: &Args, global: &Global, gathered: &Gathered) -> Result<(), Failure> {
     let entries = &gathered.entries;
-    let stated = |of: Name| -> BTreeSet<&str> {
-        entries
-            .iter()
-            .map(of)
-            .filter(|name| *name != UNNAMED)
-            .collect()
-    };
-    let fields: [(&str, Name); 3] = [
-        ("session", |entry| &entry.session),
-        ("driver", |entry| &entry.driver),
-        ("track", |entry| &entry.track),
-    ];
-    for (name, of) in fields.iter().filter(|_| !global.quiet) {
+    let count = entries.len();
+    let stated = |name: &str, of: fn(&Entry) -> &str| -> BTreeSet<&str> {
         let without = entries.iter().filter(|entry| of(entry) == UNNAMED).count();
-        if without > 0 {
+        if without > 0 && !global.quiet {
             warn(&format!(
-                "{without} of {} runs state no {name}: --{name} NAME does for them",
-                entries.len()
+                "{without} of {count} runs state no {name}: --{name} NAME does for them"
             ));
         }
-    }
-    let [sessions, drivers, tracks] = fields.map(|(_, of)| stated(of));
+        let names = entries.iter().map(of);
+        names.filter(|name| *name != UNNAMED).collect()
+    };
     let written = WrittenIndex {
         written: &args.out,
-        runs: entries.len(),
+        runs: count,
         renamed: &gathered.renamed,
         passed_over: &gathered.passed_over,
-        sessions,
-        drivers,
-        tracks,
+        sessions: stated("session", |entry| &entry.session),
+        drivers: stated("driver", |entry| &entry.driver),
+        tracks: stated("track", |entry| &entry.track),
     };
     global.print(&written, || text(&written))
 }
 
 fn text(written: &WrittenIndex) -> String {
-    let mut text = String::new();
-    for passed in written.passed_over {
-        text += &format!("passed over: {passed}\n");
-    }
+    let passed = written.passed_over.iter();
+    let mut text: String = passed
+        .map(|passed| format!("passed over: {passed}\n"))
+        .collect();
     if !written.renamed.is_empty() {
-        text += &format!(
-            "named by their folders, for others have their names: {}\n",
-            written.renamed.join(", ")
-        );
+        let renamed = written.renamed.join(", ");
+        text += &format!("named by their folders, for others have their names: {renamed}\n");
     }
     let counts = [
         ("session", written.sessions.len()),
@@ -225,10 +197,6 @@ fn text(written: &WrittenIndex) -> String {
         let plural = if count == 1 { "" } else { "s" };
         format!("{count} {name}{plural}")
     });
-    text + &format!(
-        "{}: {} runs, {}\n",
-        written.written.display(),
-        written.runs,
-        counts.join(", ")
-    )
+    let (out, runs, counts) = (written.written.display(), written.runs, counts.join(", "));
+    text + &format!("{out}: {runs} runs, {counts}\n")
 }

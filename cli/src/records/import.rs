@@ -10,29 +10,8 @@ use kufe_telemetry::Note;
 use crate::output::OutputDir;
 use crate::terminal::{Global, note};
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe runs init raw/monday_01.csv -o mapping.toml     guess a mapping; answer its questions
-  kufe runs import mapping.toml -o runs/               runs.csv and one file a run
-
-A mapping names the files of each logger and what each column is made of:
-  rate_hz = 100
-  [logger.box]
-  files = \"raw/*.csv\"                # the * is the run's name
-  time = \"Time\"
-  [channels]
-  v_mps = { from = \"GPS Speed\", unit = \"km/h\" }
-  ay_mps2 = { from = \"Lateral Acc\", unit = \"g\", sign = -1 }
-  [index]
-  track = \"igls\"                     # and driver, driver_class, session, ice_c, air_c, air_pa
-
-Faster channels go through a low pass at 0.4 of the rate, slower ones are interpolated, gaps stay gaps. Several loggers are
-brought to one clock by what their channels share. RUN.import.json describes how each run was made. A run that cannot be
-imported is excluded with its reason, and the command ends with 5.";
-
 /// Arguments of `kufe runs import`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// The mapping: the files of the runs, and the names of their channels
     pub mapping: PathBuf,
@@ -61,52 +40,50 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 fn report(args: &Args, global: &Global, imported: &ImportedRuns) -> Result<(), Failure> {
     let ImportedRuns { list, notes } = imported;
-    for remark in notes
-        .iter()
-        .flat_map(|note| &note.remarks)
-        .filter(|_| !global.quiet)
-    {
+    let remarks = notes.iter().flat_map(|note| &note.remarks);
+    for remark in remarks.filter(|_| !global.quiet) {
         note(&format!("note: {remark}"));
     }
     for run in &list.excluded {
         note(&format!("run {} is not imported: {}", run.run, run.reason));
     }
     global.print(list, || {
-        let files = list.files.len() - 1;
-        text(list, notes) + &format!("{}: runs.csv and {files} more files\n", args.out.display())
+        let (out, files) = (args.out.display(), list.files.len() - 1);
+        text(list, notes) + &format!("{out}: runs.csv and {files} more files\n")
     })
 }
 
 fn text(list: &ImportList, notes: &[Note]) -> String {
     let seconds: f64 = list.runs.iter().map(|run| run.seconds).sum();
-    let columns = notes.first().map_or(0, |note| note.channels.len());
-    let rate = notes.first().map_or(0.0, |note| note.rate_hz);
-    let mut text = format!(
-        "{} runs, {seconds:.0} s at {rate} Hz, {columns} columns\n",
-        notes.len()
-    );
+    let first = notes.first();
+    let (columns, rate) = first.map_or((0, 0.0), |note| (note.channels.len(), note.rate_hz));
+    let runs = notes.len();
+    let mut text = format!("{runs} runs, {seconds:.0} s at {rate} Hz, {columns} columns\n");
     let counts = || list.runs.iter().flat_map(|run| run.samples.values());
-    let (expected, read) = counts().fold((0, 0), |(expected, read), count| {
-        (expected + count.expected, read + count.read)
-    });
+    let expected: usize = counts().map(|count| count.expected).sum();
+    let read: usize = counts().map(|count| count.read).sum();
     if read < expected {
         text += &format!("{read} of {expected} samples have a value\n");
     }
     let missing = |run: &ImportedRun| run.missing_rows.values().sum::<usize>();
-    let runs = list.runs.iter().filter(|run| missing(run) > 0).count();
-    if runs > 0 {
-        let values: usize = list.runs.iter().map(missing).sum();
+    let missing: Vec<usize> = list
+        .runs
+        .iter()
+        .map(missing)
+        .filter(|count| *count > 0)
+        .collect();
+    if !missing.is_empty() {
+        let (values, runs) = (missing.iter().sum::<usize>(), missing.len());
         text += &format!(
             "{values} values are missing, in {runs} runs: their places are in RUN.import.json\n"
         );
     }
     let loggers = notes.iter().flat_map(|note| &note.loggers);
     for (name, logger) in loggers.filter(|(_, l)| l.clock.source == "found").take(12) {
+        let (file, delay) = (&logger.file, logger.clock.delay_s);
+        let sd = logger.clock.delay_sd_s.unwrap_or(0.0);
         text += &format!(
-            "{}: the clock of {name} is {:+.4} s late, within {:.4} s, the lag of its sensors included\n",
-            logger.file,
-            logger.clock.delay_s,
-            logger.clock.delay_sd_s.unwrap_or(0.0)
+            "{file}: the clock of {name} is {delay:+.4} s late, within {sd:.4} s, the lag of its sensors included\n"
         );
     }
     text

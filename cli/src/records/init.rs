@@ -7,20 +7,12 @@ use kufe_sled::MOST_NUMBERS;
 use kufe_telemetry::{TextOptions, guess_mapping, read_log};
 use serde::Serialize;
 
-use crate::about::schema::{Kind, write_with_schema};
+use crate::about::schema::write_with_schema;
+use crate::output::of_file;
 use crate::terminal::Global;
-
-const EXAMPLES: &str = "\
-Examples:
-  kufe runs init raw/monday_01.csv                          one logger: mapping.toml
-  kufe runs init raw/imu_01.csv raw/gps_01.csv -o m.toml    two loggers of one run
-
-Channels are identified by names, units in the file and values; a comment states how certain that is. What is not identified
-is a line that begins with \"# ?\": answer the line below it.";
 
 /// Arguments of `kufe runs init`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Files of one run, one a logger
     #[arg(required = true)]
@@ -53,8 +45,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         logs.push((from_mapping(sample, &args.out)?, log));
     }
     let text = guess_mapping(&logs);
-    let (kind, inputs) = (Kind::Mapping, &args.samples);
-    let schema = write_with_schema("runs init", kind, inputs, &args.out, &text, global.force)?;
+    let (inputs, out) = (&args.samples, &args.out);
+    let schema = write_with_schema("runs init", "mapping", inputs, out, &text, global.force)?;
     let written = WrittenMapping {
         file: &args.out,
         schema,
@@ -78,6 +70,5 @@ fn from_mapping(sample: &Path, mapping: &Path) -> Result<PathBuf, Failure> {
     if let Ok(below) = sample.strip_prefix(folder) {
         return Ok(below.to_path_buf());
     }
-    std::path::absolute(sample)
-        .map_err(|error| Failure::BadInput(format!("{}: {error}", sample.display())))
+    std::path::absolute(sample).map_err(of_file(sample))
 }

@@ -11,18 +11,8 @@ use kufe::jobs::Failure;
 
 use crate::terminal::Global;
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe runs init raw/monday_01.csv -o mapping.toml     guess the channels
-  kufe runs import mapping.toml -o runs/               bring them into kufe's form
-  kufe runs gather monday/ tuesday/ -o runs.csv        bring the runs of several folders into one index
-  kufe runs check runs/runs.csv -o check/              examine them
-  kufe runs align runs/runs.csv --model model.toml -o aligned/   bring them to one distance along the track
-  kufe runs view runs/runs.csv -o view.html            show them over distance and time";
-
 /// Arguments of `kufe runs`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     #[command(subcommand)]
     command: Command,

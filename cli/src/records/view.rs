@@ -11,19 +11,8 @@ use crate::output::OutputFiles;
 use crate::runs::{all_runs, viewer_page};
 use crate::terminal::Global;
 
-const EXAMPLES: &str = "\
-Examples:
-  kufe runs view runs.csv -o view.html                      every run of an index
-  kufe runs view runs.csv --model model.toml -o view.html   with the model driven as in each run
-  kufe runs view runs.csv --run A1-01,B1-02 -o view.html    two runs
-
-The page is one file that needs no network. It shows channels over distance or time, runs over one another, their time
-and every channel against a reference run or the model, and marks gaps and faults. Channels are low-passed at 0.4 of the
-page's rate: 100 Hz, or less where the page would exceed 15 MB.";
-
 /// Arguments of `kufe runs view`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Index of the runs
     pub runs: PathBuf,
@@ -72,7 +61,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let html = viewer_page(viewed);
     written.bytes = html.len();
-    files.write(&args.out, |writer| writer.write_all(html.as_bytes()))?;
+    files.bytes(&args.out, html.as_bytes())?;
     files.commit()?;
     global.print(&written, || {
         let (out, megabytes) = (args.out.display(), written.bytes as f64 / 1e6);

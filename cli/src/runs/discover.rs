@@ -9,7 +9,7 @@ use kufe::report::discovery_page;
 use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
 use kufe_sled::read_index;
 
-use crate::output::OutputDir;
+use crate::output::{OutputDir, of_file};
 use crate::runs::{all_runs, write_view};
 use crate::terminal::{Global, warn, warn_if_cut};
 
@@ -55,47 +55,49 @@ pub struct Args {
 /// # Errors
 /// [`Failure::Usage`] for too few twins, [`Failure::BadInput`] for data and model.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    if !(10..=1000).contains(&args.twins) {
+    let twins = args.twins;
+    if !(10..=1000).contains(&twins) {
         return Err(Failure::Usage(format!(
-            "--twins {}: expected 10 to 1000",
-            args.twins
+            "--twins {twins}: expected 10 to 1000"
         )));
     }
-    let rules = match &args.rules {
-        Some(path) => rules(path)?,
-        None => Rules::default(),
-    };
+    let rules = args
+        .rules
+        .as_deref()
+        .map(rules)
+        .transpose()?
+        .unwrap_or_default();
     let options = Options {
         seed: args.seed,
-        twins: args.twins,
+        twins,
         strict: args.strict,
         only: args.only.clone(),
         rules,
         ..Options::default()
     };
-    let campaign = args.data.extension().is_some_and(|ending| ending == "toml");
-    if campaign == args.model.is_some() {
-        return Err(Failure::Usage(if campaign {
+    let is_campaign = args.data.extension().is_some_and(|ending| ending == "toml");
+    let data = args.data.display();
+    if is_campaign == args.model.is_some() {
+        return Err(Failure::Usage(if is_campaign {
             "--model: a campaign.toml names its model itself".to_owned()
         } else {
             format!(
-                "--model is missing: expected the model that {} is compared with (a campaign.toml names its own)",
-                args.data.display()
+                "--model is missing: expected the model that {data} is compared with (a campaign.toml names its own)"
             )
         }));
     }
     let mut inputs = run_inputs(&args.data);
     inputs.extend([&args.model, &args.rules].into_iter().flatten().cloned());
-    let mut recorded = (args.view && read_index(&args.data).is_ok()).then(|| args.data.clone());
-    let mut model = args.model.clone();
-    if campaign {
+    let (recorded, model) = if is_campaign {
         let file = CampaignFile::read(&args.data).map_err(failure)?;
         inputs.extend(file.inputs());
-        (recorded, model) = (file.runs, file.model);
-    }
+        (file.runs, file.model)
+    } else {
+        let recorded = args.view && read_index(&args.data).is_ok();
+        (recorded.then(|| args.data.clone()), args.model.clone())
+    };
     let recorded = recorded.filter(|_| args.view);
     if args.view && recorded.is_none() {
-        let data = args.data.display();
         return Err(Failure::Usage(format!(
             "--view: {data} has no recorded runs"
         )));
@@ -111,16 +113,14 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if !report.gaps.is_empty() {
         warn(&kufe_sled::gaps_line(&report.gaps));
     }
-    let viewer = match recorded {
-        Some(runs) => {
-            let options = ViewOptions {
-                model,
-                ..all_runs(runs)
-            };
-            write_view(&output, &options, global)?
-        }
-        None => None,
-    };
+    let viewer = recorded.map(|runs| {
+        let options = ViewOptions {
+            model,
+            ..all_runs(runs)
+        };
+        write_view(&output, &options, global)
+    });
+    let viewer = viewer.transpose()?.flatten();
     output.text("report.html", &discovery_page(report, viewer))?;
     output.text("model.next.toml", &found.next_model)?;
     if let Some(case) = &found.next_case {
@@ -132,18 +132,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 }
 
 fn rules(path: &Path) -> Result<Rules, Failure> {
-    let wrong = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
-    let text =
-        kufe_files::text_of_regular(path, 1 << 20).map_err(|error| wrong(error.to_string()))?;
-    Rules::from_toml(&text).map_err(|error| wrong(error.to_string()))
+    let text = kufe_files::text_of_regular(path, 1 << 20).map_err(of_file(path))?;
+    Rules::from_toml(&text).map_err(of_file(path))
 }
 
 fn text(report: &Report, output: &Path) -> String {
-    let mut text = format!("{}\n", report.sentence);
-    if !report.explained.is_empty() {
-        text += &format!("{}\n", report.explained);
-    }
-    text + &format!("written: {}\n", output.join("report.html").display())
+    let page = output.join("report.html");
+    let texts = [&report.sentence, &report.explained];
+    let texts = texts.into_iter().filter(|text| !text.is_empty());
+    let texts: String = texts.map(|text| format!("{text}\n")).collect();
+    texts + &format!("written: {}\n", page.display())
 }
 
 fn failure(error: Error) -> Failure {

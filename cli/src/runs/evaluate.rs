@@ -3,7 +3,6 @@
 use kufe::charts::{angle_picture, energy_picture, force_picture, losses_picture};
 use kufe::jobs::Failure;
 use kufe::jobs::view_runs::ViewOptions;
-use kufe::plot::Figure;
 use kufe::results::{Evaluation, RunsUsed, write_evaluation_csv};
 use kufe_sled::{
     DriverLosses, Group, RunEvaluation, distinct, evaluate, file_stem, groups, losses_by_driver,
@@ -13,7 +12,7 @@ use kufe_sled::{
 use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
 use crate::runs::files::draw_tables;
-use crate::runs::{all_runs, write_view};
+use crate::runs::{all_runs, named_run, write_view};
 use crate::terminal::Global;
 
 /// Arguments of `kufe evaluate`.
@@ -54,15 +53,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let runs = &document.runs;
     let drawn = match &args.run {
         None => &runs[0],
-        Some(name) => runs.iter().find(|run| run.run == *name).ok_or_else(|| {
-            let names: Vec<&str> = runs.iter().map(|run| run.run.as_str()).collect();
-            Failure::BadInput(format!("--run {name}: the runs are {}", names.join(", ")))
-        })?,
+        Some(name) => named_run(runs, name, |run| &run.run)?,
     };
     output.write("evaluation.csv", |file| write_evaluation_csv(file, runs))?;
     let mut written = draw(&output, runs, &document.drivers, drawn)?;
-    let states = loaded.prepared.iter().flat_map(|run| &run.states);
-    let samples = table_samples(states);
+    let samples = table_samples(loaded.prepared.iter().flat_map(|run| &run.states));
     written.extend(draw_tables(&output, &loaded.vehicle, &samples)?);
     if args.view {
         let options = ViewOptions {
@@ -76,13 +71,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     output.json("evaluation.json", &document)?;
     output.commit()?;
     global.print(&document, || {
+        let (out, written) = (args.runs.out.display(), written.join(", "));
         summary(&document.groups)
             + &places(&document.drivers)
-            + &format!(
-                "{}: evaluation.json, evaluation.csv, {}\n",
-                args.runs.out.display(),
-                written.join(", ")
-            )
+            + &format!("{out}: evaluation.json, evaluation.csv, {written}\n")
     })
 }
 
@@ -94,59 +86,47 @@ fn draw(
     drivers: &[DriverLosses],
     drawn: &RunEvaluation,
 ) -> Result<Vec<String>, Failure> {
-    let mut files = Vec::new();
-    let mut picture = |name: String, figure: &Figure| -> Result<(), Failure> {
-        output.picture(&name, figure)?;
-        files.push(name);
-        Ok(())
-    };
+    let mut pictures = Vec::new();
     let tracks = distinct(runs, |run| &run.track);
     for track in &tracks {
         let here = runs.iter().filter(|run| run.track == *track);
         let here: Vec<RunEvaluation> = here.cloned().collect();
-        let title = format!("Drivers on {track}");
-        picture(
-            format!("energy_{}.png", file_stem(track)),
-            &energy_picture(&title, &here, |run| &run.driver),
-        )?;
         let drivers = drivers.iter().filter(|one| one.track == *track);
-        picture(
-            format!("losses_{}.png", file_stem(track)),
-            &losses_picture(track, &drivers.collect::<Vec<_>>()),
-        )?;
+        let drivers: Vec<&DriverLosses> = drivers.collect();
+        let (stem, title) = (file_stem(track), format!("Drivers on {track}"));
+        let energy = energy_picture(&title, &here, |run| &run.driver);
+        pictures.push((format!("energy_{stem}.png"), energy));
+        pictures.push((
+            format!("losses_{stem}.png"),
+            losses_picture(track, &drivers),
+        ));
     }
     if tracks.len() > 1 {
-        picture(
-            "energy_tracks.png".to_owned(),
-            &energy_picture("Tracks, every driver", runs, |run| &run.track),
-        )?;
+        let energy = energy_picture("Tracks, every driver", runs, |run| &run.track);
+        pictures.push(("energy_tracks.png".to_owned(), energy));
     }
-    picture("angles.png".to_owned(), &angle_picture(runs))?;
+    pictures.push(("angles.png".to_owned(), angle_picture(runs)));
     let forces = format!("forces_{}.png", file_stem(&drawn.run));
-    picture(forces, &force_picture(drawn))?;
-    Ok(files)
+    pictures.push((forces, force_picture(drawn)));
+    for (name, figure) in &pictures {
+        output.picture(name, figure)?;
+    }
+    Ok(pictures.into_iter().map(|(name, _)| name).collect())
 }
 
 /// Where each driver loses most, by the time that it costs.
 fn places(drivers: &[DriverLosses]) -> String {
     const MOST: usize = 3;
     let mut text = String::from("time lost over a straight glide, mean of runs\n");
-    for driver in drivers {
-        let mut worst: Vec<_> = driver.stretches.iter().collect();
+    for one in drivers {
+        let mut worst: Vec<_> = one.stretches.iter().collect();
         worst.sort_by(|a, b| b.lost_s.total_cmp(&a.lost_s));
-        let worst = worst.iter().take(MOST).map(|one| {
-            format!(
-                "{:.3} s at {:.0} to {:.0} m",
-                one.lost_s, one.from_m, one.to_m
-            )
-        });
-        text += &format!(
-            "{:9} {:9} {:7.3} s, of them {}\n",
-            driver.driver,
-            driver.track,
-            driver.lost_s,
-            worst.collect::<Vec<_>>().join(", ")
-        );
+        let worst = worst.iter().take(MOST);
+        let worst =
+            worst.map(|at| format!("{:.3} s at {:.0} to {:.0} m", at.lost_s, at.from_m, at.to_m));
+        let worst = worst.collect::<Vec<_>>().join(", ");
+        let (driver, track, lost) = (&one.driver, &one.track, one.lost_s);
+        text += &format!("{driver:9} {track:9} {lost:7.3} s, of them {worst}\n");
     }
     text
 }
@@ -157,23 +137,24 @@ fn summary(groups: &[Group]) -> String {
          by      name      track     runs   front   rear    air   total                  steering > 2°  > 4°\n",
     );
     for group in groups {
-        let interval = match (group.increase_total.low, group.increase_total.high) {
+        let total = &group.increase_total;
+        let interval = match (total.low, total.high) {
             (Some(low), Some(high)) => format!("({:.2} to {:.2})", 100.0 * low, 100.0 * high),
-            _ => "(one run)".to_string(),
+            _ => "(one run)".to_owned(),
         };
+        let Group { by, name, runs, .. } = group;
+        let track = group.track.as_deref().unwrap_or("all");
+        let [front, rear, air, total, above_2, above_4] = [
+            &group.increase_front,
+            &group.increase_rear,
+            &group.increase_aero,
+            total,
+            &group.steering_above_2deg,
+            &group.steering_above_4deg,
+        ]
+        .map(|share| 100.0 * share.mean);
         text += &format!(
-            "{:7} {:9} {:9} {:4}  {:6.2} {:6.2} {:6.2}  {:6.2} {:16}  {:10.2} {:8.2}\n",
-            group.by,
-            group.name,
-            group.track.as_deref().unwrap_or("all"),
-            group.runs,
-            100.0 * group.increase_front.mean,
-            100.0 * group.increase_rear.mean,
-            100.0 * group.increase_aero.mean,
-            100.0 * group.increase_total.mean,
-            interval,
-            100.0 * group.steering_above_2deg.mean,
-            100.0 * group.steering_above_4deg.mean,
+            "{by:7} {name:9} {track:9} {runs:4}  {front:6.2} {rear:6.2} {air:6.2}  {total:6.2} {interval:16}  {above_2:10.2} {above_4:8.2}\n"
         );
     }
     text

@@ -10,7 +10,7 @@ use kufe_lut::{MatValue, Sample};
 use kufe_sled::{RunFormat, Vehicle};
 use serde::Serialize;
 
-use crate::output::OutputDir;
+use crate::output::{OutputDir, of_file};
 
 /// The format that `--parquet` selects.
 pub fn run_format(parquet: bool) -> RunFormat {
@@ -51,8 +51,8 @@ pub fn draw_tables(
             continue;
         };
         let table = read_table(&file)?;
-        let picture = table_picture(&table, table.judged(), Slice::default(), requested)
-            .map_err(|error| Failure::BadInput(format!("{}: {error}", file.display())))?;
+        let picture = table_picture(&table, table.judged(), Slice::default(), requested);
+        let picture = picture.map_err(of_file(&file))?;
         output.picture(name, &picture.figure)?;
         drawn.push((*name).to_owned());
     }

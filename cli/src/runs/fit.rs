@@ -1,7 +1,7 @@
 //! `kufe fit`: friction from recorded runs.
 
 use kufe::charts::fit_picture;
-use kufe::jobs::lateral::{FittedRuns, fit_lateral};
+use kufe::jobs::lateral::fit_lateral;
 use kufe::jobs::{Failure, runs::Loaded};
 use kufe_sled::friction::{LateralFit, MagicFormula};
 use kufe_sled::{FitOptions, find_contacts, lateral_samples};
@@ -47,79 +47,67 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let output = OutputDir::begin("fit lateral", &inputs, &args.runs.out, global.force)?;
     let selection = args.runs.selection();
     let fitted = global.watched(|watch| fit_lateral(&selection, &options, watch))?;
-    let FittedRuns {
-        loaded,
-        fit,
-        document,
-        model: written,
-    } = fitted;
+    let (fit, document, written) = (&fitted.fit, &fitted.document, &fitted.model);
     let Loaded {
         model,
         vehicle,
         prepared,
         ..
-    } = loaded;
-    output.text("model.fit.toml", &written)?;
+    } = &fitted.loaded;
+    output.text("model.fit.toml", written)?;
+    let fitted = vehicle.with_lateral(fit.front.model, fit.rear.model);
     let marked = if options.leave_out_contacts {
-        find_contacts(
-            &prepared,
-            &vehicle.with_lateral(fit.front.model, fit.rear.model),
-        )
+        find_contacts(prepared, &fitted)
     } else {
         Vec::new()
     };
-    let ([front, rear], _) = lateral_samples(&prepared, &vehicle, &marked, &options);
-    for (name, runner, samples, law) in [
-        ("fit_front.png", "front", &front, &fit.front.model),
-        ("fit_rear.png", "rear", &rear, &fit.rear.model),
-    ] {
-        output.picture(name, &fit_picture(runner, samples, law))?;
+    let ([front, rear], _) = lateral_samples(prepared, vehicle, &marked, &options);
+    let pictures = [
+        ("front", &front, &fit.front.model),
+        ("rear", &rear, &fit.rear.model),
+    ];
+    for (runner, samples, law) in pictures {
+        let name = format!("fit_{runner}.png");
+        output.picture(&name, &fit_picture(runner, samples, law))?;
     }
-    output.json("fit.json", &document)?;
+    output.json("fit.json", document)?;
     output.commit()?;
-    global.print(&document, || {
-        let mut text = format!(
-            "{} runs, {} samples, {} excluded for roll acceleration, {} for an external force\n",
-            fit.runs.len(),
-            fit.total,
-            fit.excluded,
-            fit.contacts
-        );
-        text += &line("front", &fit.front, &model.friction.front);
-        text += &line("rear", &fit.rear, &model.friction.rear);
-        text += "mu_y and zeta_y act only as their product mu_zeta; at the slips driven, mu_zeta and c almost only as mu_zeta c\n";
-        text + &format!(
-            "{}: fit.json, model.fit.toml, fit_front.png, fit_rear.png\n",
-            args.runs.out.display()
+    global.print(document, || {
+        let [front, rear] = [
+            line("front", &fit.front, &model.friction.front),
+            line("rear", &fit.rear, &model.friction.rear),
+        ];
+        let (runs, total, out) = (fit.runs.len(), fit.total, args.runs.out.display());
+        let (excluded, contacts) = (fit.excluded, fit.contacts);
+        format!(
+            "{runs} runs, {total} samples, {excluded} excluded for roll acceleration, {contacts} for an external force\n\
+             {front}{rear}\
+             mu_y and zeta_y act only as their product mu_zeta; at the slips driven, mu_zeta and c almost only as mu_zeta c\n\
+             {out}: fit.json, model.fit.toml, fit_front.png, fit_rear.png\n"
         )
     })
 }
 
 fn line(runner: &str, fit: &LateralFit, before: &MagicFormula) -> String {
-    let k = &fit.k_n_per_rad;
-    let p = &fit.mu_zeta_c;
+    let (k, p, c) = (&fit.k_n_per_rad, &fit.mu_zeta_c, &fit.c);
     let product = if fit.product_determined {
         format!("{:.4} ({:.4} to {:.4})", p.value, p.low, p.high)
     } else {
-        "not determined: the slips are too small for the curve to bend".to_string()
+        "not determined: the slips are too small for the curve to bend".to_owned()
     };
+    let shape = if fit.c_held {
+        format!(
+            "fixed at the model's {:.4}: the data do not determine it",
+            c.value
+        )
+    } else {
+        format!("{:.4} ({:.4} to {:.4})", c.value, c.low, c.high)
+    };
+    let (k_before, product_before) = (before.k_n_per_rad, before.mu_zeta_c());
+    let (residual, plain, noise) = (fit.residual_rms, 100.0 * fit.attenuation, fit.slip_sd);
+    let (k, low, high) = (k.value, k.low, k.high);
     format!(
-        "{runner:5}  K {:.0} N/rad ({:.0} to {:.0}; model {:.0})   mu_zeta c {product} (model {:.4})   residual {:.0} N\n       c {}; plain least squares gives {:.2} % of K (slip noise {:.2e} rad)\n",
-        k.value,
-        k.low,
-        k.high,
-        before.k_n_per_rad,
-        before.mu_zeta_c(),
-        fit.residual_rms,
-        if fit.c_held {
-            format!(
-                "fixed at the model's {:.4}: the data do not determine it",
-                fit.c.value
-            )
-        } else {
-            format!("{:.4} ({:.4} to {:.4})", fit.c.value, fit.c.low, fit.c.high)
-        },
-        100.0 * fit.attenuation,
-        fit.slip_sd,
+        "{runner:5}  K {k:.0} N/rad ({low:.0} to {high:.0}; model {k_before:.0})   mu_zeta c {product} (model {product_before:.4})   residual {residual:.0} N\n       \
+         c {shape}; plain least squares gives {plain:.2} % of K (slip noise {noise:.2e} rad)\n"
     )
 }

@@ -9,7 +9,7 @@ use kufe::results::Validation;
 use kufe_sled::RunValidation;
 
 use crate::output::OutputDir;
-use crate::runs::arguments::RunArgs;
+use crate::runs::arguments::{RunArgs, named_run};
 use crate::runs::files::write_mat;
 use crate::terminal::Global;
 
@@ -43,18 +43,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let (runs, tracks) = (&document.runs, &document.tracks);
     let mut drawn: Vec<&RunValidation> = Vec::new();
     for track in tracks {
-        let worst = runs
-            .iter()
-            .filter(|run| run.track == track.track)
-            .max_by(|a, b| a.rmse_n.total_cmp(&b.rmse_n));
-        drawn.extend(worst);
+        let own = runs.iter().filter(|run| run.track == track.track);
+        drawn.extend(own.max_by(|a, b| a.rmse_n.total_cmp(&b.rmse_n)));
     }
     for name in &args.run {
-        let run = runs.iter().find(|run| run.run == *name).ok_or_else(|| {
-            let names: Vec<&str> = runs.iter().map(|run| run.run.as_str()).collect();
-            let names = names.join(", ");
-            Failure::BadInput(format!("--run {name}: the runs compared are {names}"))
-        })?;
+        let run = named_run(runs, name, |run| &run.run)?;
         if !drawn.iter().any(|drawn| drawn.run == run.run) {
             drawn.push(run);
         }
@@ -74,34 +67,25 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 fn text(args: &Args, document: &Validation, drawn: &[&RunValidation]) -> String {
     let mut text = String::from("track          runs  RMSE [N]  Braghin [N]\n");
-    for track in &document.tracks {
-        text += &format!(
-            "{:14} {:4}  {:8.1}  {:11.1}\n",
-            track.track, track.runs, track.rmse_n, track.rmse_braghin_n
-        );
+    for one in &document.tracks {
+        let (track, runs, rmse, braghin) = (&one.track, one.runs, one.rmse_n, one.rmse_braghin_n);
+        text += &format!("{track:14} {runs:4}  {rmse:8.1}  {braghin:11.1}\n");
     }
     for run in drawn.iter().filter(|run| !run.largest.is_empty()) {
         let places = run.largest.iter();
-        let places: Vec<String> = places
-            .map(|d| format!("{:.0} m ({:.0} N)", d.s_m, d.rms_n))
-            .collect();
+        let places = places.map(|d| format!("{:.0} m ({:.0} N)", d.s_m, d.rms_n));
+        let (name, places) = (&run.run, places.collect::<Vec<_>>().join(", "));
         text += &format!(
-            "{}: largest disagreements, root mean square over half a second, at {}\n",
-            run.run,
-            places.join(", ")
+            "{name}: largest disagreements, root mean square over half a second, at {places}\n"
         );
     }
     text += &match &args.fit {
-        Some(path) => format!(
-            "laws of {}; the {} runs of the fit are excluded\n",
-            path.display(),
-            document.left_out_as_fitted.len()
-        ),
-        None => "laws of the model; give --fit to exclude the runs of a fit\n".to_string(),
+        Some(path) => {
+            let (path, count) = (path.display(), document.left_out_as_fitted.len());
+            format!("laws of {path}; the {count} runs of the fit are excluded\n")
+        }
+        None => "laws of the model; give --fit to exclude the runs of a fit\n".to_owned(),
     };
-    text + &format!(
-        "{}: validation.json, rmse.png, {} force pictures\n",
-        args.runs.out.display(),
-        drawn.len()
-    )
+    let (out, count) = (args.runs.out.display(), drawn.len());
+    text + &format!("{out}: validation.json, rmse.png, {count} force pictures\n")
 }

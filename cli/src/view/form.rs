@@ -1,6 +1,7 @@
-//! What the page's form asks for, and the case that it makes.
+//! The page's form, and the case that it states.
 
 use std::collections::BTreeMap;
+use std::mem::swap;
 
 use kufe::case::{Case, Hardness, Shape, TiltWord};
 use kufe_mesh::{BobRunner, LugeSteel};
@@ -60,12 +61,14 @@ impl Form {
     /// The form that shows a case.
     pub fn of(case: &Case) -> Form {
         let (bob, luge) = (BobRunner::default(), LugeSteel::default());
+        let is_luge = matches!(case.runner.shape, Some(Shape::Luge { .. }));
+        let is_rolled = !is_luge && case.load.tilt == TiltWord::Fixed;
         let mut form = Form {
             shape: Runner::None,
             rocker_radius_m: bob.rocker_radius,
             section_radius_m: bob.section_radius,
             edge_radius_m: luge.edge_radius,
-            tilt_rad: 0.0,
+            tilt_rad: case.load.roll_rad.filter(|_| is_rolled).unwrap_or(0.0),
             fz_n: case.load.fz_n,
             curvature_1pm: case.track.curvature(),
             offset_x_m: case.load.offset_x_m,
@@ -74,35 +77,32 @@ impl Form {
                 _ => ELASTIC_PA,
             },
         };
-        if !matches!(case.runner.shape, Some(Shape::Luge { .. }))
-            && case.load.tilt == TiltWord::Fixed
-        {
-            form.tilt_rad = case.load.roll_rad.unwrap_or(0.0);
-        }
-        match case.runner.shape {
-            Some(Shape::Bob {
-                rocker_radius_m,
-                section_radius_m,
-                ..
-            }) => {
-                form.shape = Runner::Bob;
-                form.rocker_radius_m = rocker_radius_m;
-                form.section_radius_m = section_radius_m;
-            }
-            Some(Shape::Luge {
-                rocker_radius_m,
-                edge_radius_m,
-                tilt_rad,
-                ..
-            }) => {
-                form.shape = Runner::Luge;
-                form.rocker_radius_m = rocker_radius_m;
-                form.edge_radius_m = edge_radius_m;
-                form.tilt_rad = tilt_rad;
-            }
+        match case.runner.shape.clone() {
+            Some(mut shape @ Shape::Bob { .. }) => form.exchange(Runner::Bob, &mut shape),
+            Some(mut shape @ Shape::Luge { .. }) => form.exchange(Runner::Luge, &mut shape),
             _ => {}
         }
         form
+    }
+
+    /// Exchanges the form's radii, and a luge steel's tilt, with those of a shape.
+    fn exchange(&mut self, runner: Runner, shape: &mut Shape) {
+        self.shape = runner;
+        swap(&mut self.rocker_radius_m, shape.rocker_radius_m());
+        match shape {
+            Shape::Bob {
+                section_radius_m, ..
+            } => swap(&mut self.section_radius_m, section_radius_m),
+            Shape::Luge {
+                edge_radius_m,
+                tilt_rad,
+                ..
+            } => {
+                swap(&mut self.edge_radius_m, edge_radius_m);
+                swap(&mut self.tilt_rad, tilt_rad);
+            }
+            Shape::Paraboloid { .. } => {}
+        }
     }
 
     /// The sliders' ends by name.
@@ -111,7 +111,7 @@ impl Form {
         RANGES.into_iter().map(named).collect()
     }
 
-    /// The case that the form asks for: `base` with the form's runner, track and load.
+    /// The case that the form states: `base` with the form's runner, track and load.
     ///
     /// # Errors
     /// A sentence where a number is outside its slider.
@@ -152,54 +152,33 @@ impl Form {
                 case.load.roll_rad = Some(0.0);
             }
         }
-        match self.shape {
-            Runner::None => return Ok(case),
-            Runner::Bob => {
-                let (length_m, width_m, height_m) = match base.runner.shape {
-                    Some(Shape::Bob {
-                        length_m,
-                        width_m,
-                        height_m,
-                        ..
-                    }) => (length_m, width_m, height_m),
-                    _ => {
-                        let bob = BobRunner::default();
-                        (bob.length, bob.width, bob.height)
-                    }
-                };
-                case.runner.shape = Some(Shape::Bob {
-                    length_m,
-                    rocker_radius_m: self.rocker_radius_m,
-                    section_radius_m: self.section_radius_m,
-                    // A section no wider than its diameter keeps the blade's sides less than
-                    // upright.
-                    width_m: width_m.min(2.0 * self.section_radius_m),
-                    height_m,
-                });
-            }
-            Runner::Luge => {
-                let (length_m, width_m, height_m) = match base.runner.shape {
-                    Some(Shape::Luge {
-                        length_m,
-                        width_m,
-                        height_m,
-                        ..
-                    }) => (length_m, width_m, height_m),
-                    _ => {
-                        let luge = LugeSteel::default();
-                        (luge.length, luge.width, luge.height)
-                    }
-                };
-                case.runner.shape = Some(Shape::Luge {
-                    length_m,
-                    rocker_radius_m: self.rocker_radius_m,
-                    edge_radius_m: self.edge_radius_m,
-                    tilt_rad: self.tilt_rad,
-                    width_m,
-                    height_m,
-                });
-            }
+        let (bob, luge) = (BobRunner::default(), LugeSteel::default());
+        let mut shape = match (self.shape, base.runner.shape.clone()) {
+            (Runner::None, _) => return Ok(case),
+            (Runner::Bob, Some(shape @ Shape::Bob { .. })) => shape,
+            (Runner::Luge, Some(shape @ Shape::Luge { .. })) => shape,
+            (Runner::Bob, _) => Shape::Bob {
+                length_m: bob.length,
+                rocker_radius_m: bob.rocker_radius,
+                section_radius_m: bob.section_radius,
+                width_m: bob.width,
+                height_m: bob.height,
+            },
+            (Runner::Luge, _) => Shape::Luge {
+                length_m: luge.length,
+                rocker_radius_m: luge.rocker_radius,
+                edge_radius_m: luge.edge_radius,
+                tilt_rad: luge.tilt,
+                width_m: luge.width,
+                height_m: luge.height,
+            },
+        };
+        self.clone().exchange(self.shape, &mut shape);
+        if let Shape::Bob { width_m, .. } = &mut shape {
+            // A section no wider than its diameter keeps the blade's sides less than upright.
+            *width_m = width_m.min(2.0 * self.section_radius_m);
         }
+        case.runner.shape = Some(shape);
         case.runner.hull = None;
         Ok(case)
     }

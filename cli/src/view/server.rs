@@ -1,25 +1,24 @@
-//! The page and the solves that its form requests, a thread a connection.
+//! The page and the solves that its form requests, a thread a request.
 
-use std::net::{TcpListener, TcpStream};
+use std::error::Error;
+use std::net::TcpListener;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use kufe::jobs::field::placed_hull;
 use kufe::jobs::{Contact, Failure, case_file::LoadedCase};
-use kufe::report::ContactPage;
+use kufe::report::{ContactPage, Kind};
 use kufe_contact::{Options, pressure_maps};
 use serde::Serialize;
+use tiny_http::{Header, Request, Response};
 
 use crate::view::form::Form;
-use crate::view::request::{Refusal, Request};
 use crate::view::turn::Turn;
 
 /// Points along and across of the map that a page is sent.
 const POINTS: [usize; 2] = [240, 150];
 /// Largest mesh: a larger one takes longer than a user waits for a slider.
 const MOST_DOFS: usize = 1_500_000;
-/// Connections at once: a browser opens several and leaves some of them idle.
-const MOST_CONNECTIONS: usize = 200;
 /// Longest body of a request [bytes].
 const LONGEST_BODY: usize = 4 << 10;
 /// Headers of every answer in addition to its type and the page's content security policy.
@@ -31,6 +30,9 @@ const HEADERS: [(&str, &str); 6] = [
     ("Cross-Origin-Opener-Policy", "same-origin"),
     ("Referrer-Policy", "no-referrer"),
 ];
+
+/// An HTTP status that is no success, and the reason.
+type Refusal = (u16, String);
 
 /// What all requests share.
 pub struct Server {
@@ -45,34 +47,23 @@ pub struct Server {
 }
 
 /// Answers requests until the process ends.
-pub fn serve(listener: &TcpListener, server: &Server) {
-    let open = AtomicUsize::new(0);
+///
+/// # Errors
+/// The system's for a listener that cannot be used.
+pub fn serve(listener: TcpListener, server: &Server) -> Result<(), Box<dyn Error + Send + Sync>> {
+    let http = tiny_http::Server::from_listener(listener, None)?;
     std::thread::scope(|scope| {
-        for stream in listener.incoming().flatten() {
-            // One too many is closed.
-            if open.fetch_add(1, Ordering::Relaxed) < MOST_CONNECTIONS {
-                let open = &open;
-                let answer = move || {
-                    // A reader that has gone away needs no answer.
-                    let _ = converse(server, stream);
-                    open.fetch_sub(1, Ordering::Relaxed);
-                };
-                // The system may permit no further thread now.
-                if std::thread::Builder::new()
-                    .spawn_scoped(scope, answer)
-                    .is_ok()
-                {
-                    continue;
-                }
-            }
-            open.fetch_sub(1, Ordering::Relaxed);
+        for request in http.incoming_requests() {
+            // A reader that has gone away needs no answer. Where no thread can be started, tiny_http
+            // answers with an error.
+            let answer = || respond(server, request).ok();
+            let _ = std::thread::Builder::new().spawn_scoped(scope, answer);
         }
     });
+    Ok(())
 }
 
-/// Reads one request and answers it.
-fn converse(server: &Server, stream: TcpStream) -> std::io::Result<()> {
-    let mut request = Request::read(stream)?;
+fn respond(server: &Server, mut request: Request) -> std::io::Result<()> {
     let (status, kind, body) = match answer(server, &mut request) {
         Ok((kind, body)) => (200, kind, body),
         Err((status, error)) => {
@@ -80,22 +71,49 @@ fn converse(server: &Server, stream: TcpStream) -> std::io::Result<()> {
             (status, "application/json", body)
         }
     };
-    let policy = kufe::report::Kind::View.policy() + "; frame-ancestors 'none'";
+    let policy = Kind::View.policy() + "; frame-ancestors 'none'";
     let own = [("Content-Type", kind), ("Content-Security-Policy", &policy)];
-    request.answer(status, &[&own[..], &HEADERS].concat(), body.as_bytes())
+    let headers = own.into_iter().chain(HEADERS);
+    let headers = headers.filter_map(|(name, value)| Header::from_bytes(name, value).ok());
+    let plain = Response::from_data(body).with_status_code(status);
+    request.respond(headers.fold(plain, Response::with_header))
 }
 
 /// The media type and the body of the answer.
 fn answer(server: &Server, request: &mut Request) -> Result<(&'static str, String), Refusal> {
-    check_origin(&request.method, server.port, |name| request.header(name))?;
-    match (&*request.method, &*request.target) {
+    let method = request.method().to_string();
+    // The only header of a name.
+    let header = |name: &str| {
+        let mut found = request.headers().iter();
+        let mut found = found
+            .by_ref()
+            .filter(|header| header.field.as_str().as_str().eq_ignore_ascii_case(name));
+        let first = found.next()?;
+        found.next().is_none().then(|| first.value.as_str())
+    };
+    check_origin(&method, server.port, header)?;
+    match (&*method, request.url()) {
         ("GET", "/") => Ok(("text/html; charset=utf-8", server.first.clone())),
-        ("POST", "/solve") => {
-            let body = request.body(LONGEST_BODY)?;
-            Ok(("application/json", solve_again(server, &body)?))
-        }
+        ("POST", "/solve") => Ok(("application/json", solve_again(server, &body(request)?)?)),
         (_, "/" | "/solve") => Err((405, "expected GET / or POST /solve".into())),
         _ => Err((404, "there is only / and /solve".into())),
+    }
+}
+
+/// The body of a request, of a stated length.
+fn body(request: &mut Request) -> Result<Vec<u8>, Refusal> {
+    match request.body_length() {
+        None => Err((411, "expected a content-length".into())),
+        Some(length) if length > LONGEST_BODY => Err((
+            413,
+            format!("expected a body of at most {LONGEST_BODY} bytes"),
+        )),
+        Some(length) => {
+            let mut body = vec![0; length];
+            let read = request.as_reader().read_exact(&mut body);
+            read.map(|()| body)
+                .map_err(|error| (408, error.to_string()))
+        }
     }
 }
 

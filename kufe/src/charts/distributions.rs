@@ -54,24 +54,20 @@ fn one_box(middle: f64, category: &Category) -> Vec<Layer> {
     let [q5, q25, q50, q75, q95] =
         [0.05, 0.25, 0.5, 0.75, 0.95].map(|share| quantile(&sorted, share));
     let across = |half: f64, y: f64| -> [Point; 2] { [(middle - half, y), (middle + half, y)] };
-    let upright = |from: f64, to: f64| -> [Point; 2] { [(middle, from), (middle, to)] };
-    let sides = [-0.24, 0.24].map(|off| [(middle + off, q25), (middle + off, q75)]);
+    let upright = |off: f64, from: f64, to: f64| [(middle + off, from), (middle + off, to)];
     let thin = [
         across(0.24, q25),
         across(0.24, q75),
-        sides[0],
-        sides[1],
-        upright(q75, q95),
-        upright(q25, q5),
+        upright(-0.24, q25, q75),
+        upright(0.24, q25, q75),
+        upright(0.0, q75, q95),
+        upright(0.0, q25, q5),
         across(0.1, q95),
         across(0.1, q5),
     ];
+    let sides = [middle - 0.24, middle + 0.24];
     let mut layers = vec![
-        Layer::rectangle(
-            [middle - 0.24, middle + 0.24],
-            [q25, q75],
-            colour.alpha(0.35),
-        ),
+        Layer::rectangle(sides, [q25, q75], colour.alpha(0.35)),
         Layer::segments(1.0, thin, colour),
         Layer::segments(3.0, [across(0.24, q50)], colour),
     ];
@@ -88,17 +84,15 @@ fn grouped(
     values: &dyn Fn(&RunEvaluation) -> Vec<f64>,
 ) -> Vec<Category> {
     let groups = distinct(runs, by).into_iter().enumerate();
-    groups
-        .map(|(k, group)| Category {
-            name: group.to_string(),
+    let category = |(k, group): (usize, &str)| {
+        let own = runs.iter().filter(|run| by(run) == group);
+        Category {
+            name: group.to_owned(),
             colour: k % 6,
-            values: runs
-                .iter()
-                .filter(|run| by(run) == group)
-                .flat_map(values)
-                .collect(),
-        })
-        .collect()
+            values: own.flat_map(values).collect(),
+        }
+    };
+    groups.map(category).collect()
 }
 
 /// Relative loss increases (front, rear, air, total), a box for each name that `by` gives: a driver
@@ -133,10 +127,12 @@ pub fn angle_picture(runs: &[RunEvaluation]) -> Figure {
         ("rear slip", |f| f.alpha_r_rad, |run| &run.slip_rear),
         ("chassis slip", |f| f.beta_rad, |run| &run.chassis_slip),
     ];
-    let driver: fn(&RunEvaluation) -> &String = |run| &run.driver;
-    let shares_above = |degrees: usize, share: fn(&Angles) -> f64| {
+    type Row = [(String, &'static str, Vec<Category>); 4];
+    let grouped =
+        |values: &dyn Fn(&RunEvaluation) -> Vec<f64>| grouped(runs, |run| &run.driver, values);
+    let shares_above = |degrees: usize, share: fn(&Angles) -> f64| -> Row {
         angles.map(|(name, _, of)| {
-            let categories = grouped(runs, driver, &|run| vec![100.0 * share(of(run))]);
+            let categories = grouped(&|run| vec![100.0 * share(of(run))]);
             (
                 format!("{name} above {degrees}°"),
                 "share of time [%]",
@@ -144,22 +140,17 @@ pub fn angle_picture(runs: &[RunEvaluation]) -> Figure {
             )
         })
     };
+    let distributions: Row = angles.map(|(name, angle, _)| {
+        let categories = grouped(&|run| run.series.iter().map(|f| angle(f).to_degrees()).collect());
+        (name.to_owned(), "angle [degrees]", categories)
+    });
     let rows = [
-        angles.map(|(name, angle, _)| {
-            let degrees =
-                |run: &RunEvaluation| run.series.iter().map(|f| angle(f).to_degrees()).collect();
-            (
-                name.to_owned(),
-                "angle [degrees]",
-                grouped(runs, driver, &degrees),
-            )
-        }),
+        distributions,
         shares_above(2, |shares| shares.share_above_2deg),
         shares_above(4, |shares| shares.share_above_4deg),
     ];
-    let rows = rows
-        .into_iter()
-        .filter(|row| row.iter().any(|panel| has_values(&panel.2)));
+    let rows = rows.into_iter();
+    let rows = rows.filter(|row| row.iter().any(|panel| has_values(&panel.2)));
     let figure = Figure::new(1600.0, format!("Angles by driver ({MEANING})"));
     rows.fold(figure, |figure, row| {
         let panels = row.map(|(title, unit, categories)| boxes(title, unit, &categories));
@@ -176,16 +167,11 @@ pub fn rmse_picture(runs: &[RunValidation]) -> Figure {
     ];
     let mut categories = Vec::new();
     for track in by_track(runs) {
-        categories.extend(laws.map(|(_, colour, error)| {
-            Category {
-                name: track.track.clone(),
-                colour,
-                values: runs
-                    .iter()
-                    .filter(|run| run.track == track.track)
-                    .map(error)
-                    .collect(),
-            }
+        let own: Vec<_> = runs.iter().filter(|run| run.track == track.track).collect();
+        categories.extend(laws.map(|(_, colour, error)| Category {
+            name: track.track.clone(),
+            colour,
+            values: own.iter().map(|run| error(run)).collect(),
         }));
     }
     let mut panel = boxes("", "RMSE by run [N]", &categories);

@@ -21,33 +21,27 @@ pub fn glide_picture(house: &IceHouse, run: &GlideRun) -> Figure {
     let sum: Vec<f64> = parts
         .map(|((kinetic, potential), air)| kinetic + potential + air)
         .collect();
-    let weight = run.entry.conditions.mass_kg * GRAVITY;
+    let entry = &run.entry;
     let climb = potential.last().copied().unwrap_or(0.0) / run.s.last().copied().unwrap_or(1.0);
     let friction = -(run.line.slope + climb);
-    let mu = friction / (weight * house.slope_rad.value.cos());
-    let entry = &run.entry;
-    let title = format!(
-        "{}, run {} ({}): friction {friction:.2} N, mu {:.2}e-3",
-        entry.specimen,
-        entry.run,
-        entry.direction,
-        1e3 * mu,
-    );
+    let weight = entry.conditions.mass_kg * GRAVITY * house.slope_rad.value.cos();
+    let mu = 1e3 * friction / weight;
+    let (specimen, name, direction) = (&entry.specimen, &entry.run, &entry.direction);
+    let title =
+        format!("{specimen}, run {name} ({direction}): friction {friction:.2} N, mu {mu:.2}e-3");
     let section = [run.s[run.section.start], run.s[run.section.end - 1]];
     let shaded = Layer::stretch(section, INK.alpha(0.09));
+    let parts = [
+        ("kinetic", &kinetic, 2),
+        ("potential", &potential, 3),
+        ("given to the air", &run.aero, 4),
+        ("sum of the three", &sum, 0),
+    ];
     let mut layers = vec![shaded.named("section that it is fitted to")];
-    layers.extend(
-        [
-            ("kinetic", &kinetic, 2),
-            ("potential", &potential, 3),
-            ("given to the air", &run.aero, 4),
-            ("sum of the three", &sum, 0),
-        ]
-        .map(|(name, values, colour)| {
-            let points = run.s.iter().copied().zip(values.iter().copied());
-            Layer::line(1.0, points, PALETTE[colour]).named(name)
-        }),
-    );
+    layers.extend(parts.map(|(name, values, colour)| {
+        let points = run.s.iter().copied().zip(values.iter().copied());
+        Layer::line(1.0, points, PALETTE[colour]).named(name)
+    }));
     let fitted = section.map(|s| (s, run.line.at(s) - start + climb * s));
     layers.push(Layer::line(2.0, fitted, PALETTE[1]).named("line fitted to the sum"));
     let length = run.s.iter().copied().fold(0.0, f64::max);
@@ -81,21 +75,18 @@ pub fn mu_picture(experiments: &[Experiment], fit: &MuFit, law: &PressureLaw) ->
         fit.b, fit.c, fit.d
     );
     let curve = (0..=200).map(|k| (place(k), 1e3 * law.mu(1e6 * place(k))));
-    let lower = (0..=200).map(|k| (place(k), 1e3 * fit.band(1e6 * place(k)).low));
-    let upper = (0..=200)
-        .rev()
-        .map(|k| (place(k), 1e3 * fit.band(1e6 * place(k)).high));
-    let band = format!("{:.0} % band of the fit", 100.0 * fit.confidence);
+    let band = |k: i32| fit.band(1e6 * place(k));
+    let lower = (0..=200).map(|k| (place(k), 1e3 * band(k).low));
+    let upper = (0..=200).rev().map(|k| (place(k), 1e3 * band(k).high));
+    let name = format!("{:.0} % band of the fit", 100.0 * fit.confidence);
     let bars = experiments.iter().flat_map(|e| {
         let ((p, mu), [p_sd, mu_sd]) = (at(e), sd(e));
-        [
-            [(p - p_sd, mu), (p + p_sd, mu)],
-            [(p, mu - mu_sd), (p, mu + mu_sd)],
-        ]
+        let along = [(p - p_sd, mu), (p + p_sd, mu)];
+        [along, [(p, mu - mu_sd), (p, mu + mu_sd)]]
     });
     let specimens = Layer::dots(4.0, experiments.iter().map(at), red);
     let mut layers = vec![
-        Layer::area(lower.chain(upper), blue.alpha(0.15)).named(band),
+        Layer::area(lower.chain(upper), blue.alpha(0.15)).named(name),
         Layer::line(2.0, curve, blue).named(formula),
         Layer::line(1.0, [low, high].map(|p| (p, 1e3 * law.mu_cap)), grey).named("cap"),
         Layer::segments(1.0, bars, red),
@@ -138,18 +129,15 @@ pub fn fit_picture(runner: &str, samples: &[LateralSample], law: &MagicFormula) 
         let here: Vec<&LateralSample> = samples.iter().filter(|s| inside(s.fz)).collect();
         let mean = here.iter().map(|sample| sample.fz).sum::<f64>() / here.len().max(1) as f64;
         let force = |degrees: f64| (degrees, law.force(degrees.to_radians(), mean));
-        let points = || {
-            let points = here
-                .iter()
-                .map(|sample| (sample.alpha.to_degrees(), sample.fy));
-            points.filter(|(degrees, _)| degrees.abs() <= reach)
-        };
-        let most = points()
-            .map(|(_, fy)| fy.abs())
-            .fold(force(reach).1, f64::max);
+        let points = here
+            .iter()
+            .map(|sample| (sample.alpha.to_degrees(), sample.fy));
+        let points = points.filter(|(degrees, _)| degrees.abs() <= reach);
+        let sizes = points.clone().map(|(_, fy)| fy.abs());
+        let most = sizes.fold(force(reach).1, f64::max);
         let every = here.len().div_ceil(MOST_POINTS).max(1);
         let curve = (-200..=200).map(|k| force(reach * f64::from(k) / 200.0));
-        let measured = Layer::dots(1.0, points().step_by(every), PALETTE[5].alpha(0.5));
+        let measured = Layer::dots(1.0, points.step_by(every), PALETTE[5].alpha(0.5));
         let fitted = Layer::line(3.0, curve, PALETTE[1]);
         let layers = vec![
             measured.named("measured"),

@@ -2,7 +2,7 @@
 
 use kufe_sled::{Column, Examination, Run};
 
-use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, unit_of};
+use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, extent, unit_of};
 
 /// Most points of a curve.
 const MOST_POINTS: usize = 600;
@@ -25,38 +25,30 @@ pub struct OddCurve {
 /// The curves of a run: each channel around the longest of its odd stretches, and the channels of
 /// faults without one over the whole run.
 pub fn odd_curves(examination: &Examination, run: &Run) -> Vec<OddCurve> {
-    let mut curves: Vec<OddCurve> = Vec::new();
-    for (name, column) in &run.columns {
+    let curve = |(name, column): (&String, &Vec<f64>)| {
         let own = examination
             .stretches
             .iter()
             .filter(|one| one.column == *name);
         let longest = own.max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)));
         let marked = longest.map(|one| [one.from_s, one.to_s]);
-        let is_faulty = examination
-            .faults
-            .iter()
-            .any(|fault| fault.columns.contains(name));
-        if marked.is_none() && !is_faulty {
-            continue;
-        }
+        let mut faults = examination.faults.iter();
+        let is_faulty = faults.any(|fault| fault.columns.contains(name));
         let [from, to] = marked.map_or([f64::NEG_INFINITY, f64::INFINITY], |[from, to]| {
             let around = AROUND_S.max(to - from);
             [from - around, to + around]
         });
-        let points = column
-            .iter()
-            .enumerate()
-            .map(|(i, value)| (run.t0_s + i as f64 * run.dt_s, *value));
-        let points: Vec<Point> = points.filter(|(t, _)| (from..=to).contains(t)).collect();
-        curves.push(OddCurve {
+        let points = column.iter().enumerate();
+        let points = points.map(|(i, value)| (run.t0_s + i as f64 * run.dt_s, *value));
+        let points = points.filter(|(t, _)| (from..=to).contains(t));
+        (is_faulty || marked.is_some()).then(|| OddCurve {
             column: name.clone(),
             t0_s: run.t0_s,
-            points: thinned(points),
+            points: thinned(points.collect()),
             marked,
-        });
-    }
-    curves
+        })
+    };
+    run.columns.iter().filter_map(curve).collect()
 }
 
 /// The least and the largest value of as many points after one another as leave at most
@@ -67,18 +59,13 @@ fn thinned(points: Vec<Point>) -> Vec<Point> {
         return points;
     }
     let ends = points.chunks(together).flat_map(|chunk| {
-        let finite = || {
-            chunk
-                .iter()
-                .enumerate()
-                .filter(|(_, point)| point.1.is_finite())
-        };
-        let low = finite().min_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
-        let high = finite().max_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));
+        let finite = chunk.iter().filter(|point| point.1.is_finite());
+        let low = finite.clone().min_by(|a, b| a.1.total_cmp(&b.1));
+        let high = finite.max_by(|a, b| a.1.total_cmp(&b.1));
         match low.zip(high) {
             None => vec![(chunk[0].0, f64::NAN)],
-            Some(((i, low), (j, high))) if i <= j => vec![*low, *high],
-            Some(((_, low), (_, high))) => vec![*high, *low],
+            Some((low, high)) if low.0 <= high.0 => vec![*low, *high],
+            Some((low, high)) => vec![*high, *low],
         }
     });
     ends.collect()
@@ -87,15 +74,13 @@ fn thinned(points: Vec<Point>) -> Vec<Point> {
 impl OddCurve {
     /// The curve as an SVG element; the odd stretch is shaded.
     pub fn svg(&self, run: &str) -> String {
-        let known = Column::named(&self.column);
-        let label = known.map_or(self.column.as_str(), |column| column.label());
-        let marked = self.marked.map(|[from, to]| {
-            // A single sample is seen too.
-            let least = 0.002
-                * (self.points.last().map_or(0.0, |p| p.0)
-                    - self.points.first().map_or(0.0, |p| p.0));
-            Layer::stretch([from - least, to + least], PALETTE[4].alpha(0.35))
-        });
+        let label = Column::named(&self.column).map_or(&*self.column, |column| column.label());
+        let [first, last] = extent(self.points.iter().map(|point| point.0));
+        // A single sample is seen too.
+        let least = 0.002 * (last - first);
+        let marked = self
+            .marked
+            .map(|[from, to]| Layer::stretch([from - least, to + least], PALETTE[4].alpha(0.35)));
         let line = Layer::line(1.0, self.points.iter().copied(), PALETTE[0]);
         let layers = marked.into_iter().chain([line]).collect();
         let y = Axis::new(format!("[{}]", unit_of(&self.column)));

@@ -59,14 +59,15 @@ impl Slice {
     }
 
     fn in_words(&self) -> String {
-        [
+        let parts = [
             (", rocker radius", self.rocker_radius, "m"),
             (",", self.speed, "m/s"),
             (", ice of", self.ice_c, "°C"),
-        ]
-        .into_iter()
-        .filter_map(|(words, value, unit)| Some(format!("{words} {} {unit}", value?)))
-        .collect()
+        ];
+        let parts = parts.into_iter();
+        parts
+            .filter_map(|(words, value, unit)| Some(format!("{words} {} {unit}", value?)))
+            .collect()
     }
 }
 
@@ -93,21 +94,15 @@ pub fn table_picture(
     let slice = slice.of(table);
     let interpolator = Interpolator::new(table, quantity, Mode::Smooth, slice.rocker_radius)?;
     let shown = Description::of(quantity);
-    let fz = table.axes().fz();
-    let (least, most) = (fz[0], fz[fz.len() - 1]);
-    let fz = wider([least, most], 0.1 * least);
-    let curvature = wider(table.axes().curvature_range(fz[0]), 1e-3);
-    let place = |(column, row): Point| -> Point {
-        let share = row / CELLS as f64;
-        let force = fz[0] * (fz[1] / fz[0]).powf(share);
-        (
-            curvature[0] + (curvature[1] - curvature[0]) * column / CELLS as f64,
-            force,
-        )
-    };
-    let nodes: Vec<f64> = (0..=CELLS)
-        .flat_map(|row| (0..=CELLS).map(move |column| (column as f64, row as f64)))
-        .map(|node| shown.times * interpolator.at(slice.sample(place(node))).value)
+    let axes = table.axes();
+    let forces = axes.fz();
+    let fz = wider([forces[0], forces[forces.len() - 1]], 0.1 * forces[0]);
+    let curvature = wider(axes.curvature_range(fz[0]), 1e-3);
+    let place = |(column, row): Point| at([column, row].map(|k| k / CELLS as f64), curvature, fz);
+    let nodes = (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| (column, row)));
+    let nodes = nodes.map(|(column, row)| place((column as f64, row as f64)));
+    let nodes: Vec<f64> = nodes
+        .map(|node| shown.times * interpolator.at(slice.sample(node)).value)
         .collect();
     let value = |column: usize, row: usize| nodes[row * (CELLS + 1) + column];
     let [low, high] = extent(nodes.iter().copied());
@@ -121,37 +116,31 @@ pub fn table_picture(
     });
     let mut layers = vec![Layer::map([curvature, fz], cells)];
     for level in axis_ticks(range[0], range[1], 8) {
-        let segments = contour([CELLS + 1; 2], value, level);
-        let segments: Vec<[Point; 2]> = segments.into_iter().map(|ends| ends.map(place)).collect();
+        let segments = contour([CELLS + 1; 2], value, level).into_iter();
+        let segments: Vec<[Point; 2]> = segments.map(|ends| ends.map(place)).collect();
         let middle = segments.get(segments.len() / 2).map(|ends| ends[0]);
         layers.push(Layer::segments(1.0, segments, WHITE.alpha(0.8)));
         layers.extend(middle.map(|at| Layer::text(at, short(level), [0.0, 0.6], WHITE)));
     }
-    let checks = table
-        .checks()
-        .iter()
-        .map(|check| (check.point.curvature, check.point.fz));
-    layers.push(Layer::symbols(Symbol::Cross, 4.0, checks, WHITE));
-    let mut errors: Vec<(f64, Point)> = table
-        .check_errors(quantity, Mode::Smooth)?
-        .into_iter()
-        .zip(table.checks())
-        .filter_map(|(error, check)| Some((error?, (check.point.curvature, check.point.fz))))
+    let checks = table.checks().iter();
+    let checks: Vec<Point> = checks
+        .map(|check| (check.point.curvature, check.point.fz))
         .collect();
+    let errors = table.check_errors(quantity, Mode::Smooth)?.into_iter();
+    let errors = errors.zip(&checks);
+    let mut errors: Vec<(f64, Point)> = errors.filter_map(|(e, at)| Some((e?, *at))).collect();
     errors.sort_by(|a, b| b.0.total_cmp(&a.0));
-    for &(error, at) in errors.iter().take(LABELS) {
+    layers.push(Layer::symbols(Symbol::Cross, 4.0, checks, WHITE));
+    layers.extend(errors.into_iter().take(LABELS).map(|(error, at)| {
         let text = format!("{} %", short(100.0 * error));
-        layers.push(Layer::text(at, text, [0.0, 1.6], WHITE));
-    }
+        Layer::text(at, text, [0.0, 1.6], WHITE)
+    }));
     let placed = Samples::new(samples, &interpolator, fz, curvature);
     layers.push(Layer::dots(1.0, placed.inside, INSIDE));
     layers.push(Layer::dots(2.0, placed.outside, OUTSIDE));
-    let points = table.axes().points().into_iter();
-    layers.push(Layer::dots(
-        2.0,
-        points.map(|node| (node.curvature, node.fz)),
-        INK,
-    ));
+    let nodes = axes.points().into_iter();
+    let nodes = nodes.map(|node| (node.curvature, node.fz));
+    layers.push(Layer::dots(2.0, nodes, INK));
     if curvature[0] < 0.0 && curvature[1] > 0.0 {
         layers.push(Layer::upright(0.0, WHITE.alpha(0.9)));
     }
@@ -159,15 +148,15 @@ pub fn table_picture(
     let y = Axis::with("normal force [N]", Ticks::Logarithmic);
     let (x, y) = (x.within(placed.curvature), y.within(placed.fz));
     let outside = placed.count_outside;
-    let panel = Panel::new(x, y, layers).titled(match placed.count {
+    let panel = Panel::new(x, y, layers).titled(match samples.len() {
         0 => String::new(),
         count => format!("{count} samples (pink), {outside} of them outside the table (red)"),
     });
     let title = format!(
         "{name}{}: {} x {} nodes (dots), {} checks (crosses)",
         slice.in_words(),
-        table.axes().fz().len(),
-        table.axes().curvature().len(),
+        forces.len(),
+        axes.curvature().len(),
         table.checks().len()
     );
     Ok(TablePicture {
@@ -176,12 +165,16 @@ pub fn table_picture(
     })
 }
 
+/// Curvature and force at these shares of their ranges, of which that of the force is logarithmic.
+fn at([x, y]: [f64; 2], curvature: [f64; 2], fz: [f64; 2]) -> Point {
+    let along = curvature[0] + (curvature[1] - curvature[0]) * x;
+    (along, fz[0] * (fz[1] / fz[0]).powf(y))
+}
+
 /// A range, with room on both sides where it is a single value, which has no extent.
 fn wider([low, high]: [f64; 2], room: f64) -> [f64; 2] {
-    match low < high {
-        true => [low, high],
-        false => [low - room, high + room],
-    }
+    let room = if low < high { 0.0 } else { room };
+    [low - room, high + room]
 }
 
 /// Samples of runs as a picture shows them, place by place.
@@ -195,8 +188,7 @@ struct Samples {
     /// The same of those outside of it, also by speed or temperature; what is farther out is at the
     /// border.
     outside: Vec<Point>,
-    /// Samples, and how many of them are outside.
-    count: usize,
+    /// Samples outside.
     count_outside: usize,
 }
 
@@ -224,18 +216,13 @@ impl Samples {
                 places[usize::from(outside)].insert((place(x), place(y)));
             }
         }
-        let at = |(x, y): (u32, u32)| {
-            let [x, y] = [x, y].map(|k| f64::from(k) / PLACES);
-            let along = curvature[0] + (curvature[1] - curvature[0]) * x;
-            (along, fz[0] * (fz[1] / fz[0]).powf(y))
-        };
+        let at = |(x, y): (u32, u32)| at([x, y].map(|k| f64::from(k) / PLACES), curvature, fz);
         let [inside, outside] = places.map(|places| places.into_iter().map(at).collect());
         Samples {
             fz,
             curvature,
             inside,
             outside,
-            count: samples.len(),
             count_outside,
         }
     }
@@ -243,11 +230,10 @@ impl Samples {
 
 /// A range that also contains these values, up to the bounds `most`.
 fn extended(range: [f64; 2], most: [f64; 2], values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values
-        .filter(|v| v.is_finite())
-        .fold(range, |[low, high], v| {
-            [low.min(v.max(most[0])), high.max(v.min(most[1]))]
-        })
+    let values = values.filter(|v| v.is_finite());
+    values.fold(range, |[low, high], v| {
+        [low.min(v.max(most[0])), high.max(v.min(most[1]))]
+    })
 }
 
 #[cfg(test)]
@@ -276,7 +262,7 @@ mod tests {
             at(f64::NAN, 0.01),
         ];
         let found = Samples::new(&samples, &lookup, [500.0, 4000.0], [0.0, 0.02]);
-        assert_eq!((found.count, found.count_outside), (5, 3));
+        assert_eq!(found.count_outside, 3);
         assert_eq!((found.inside.len(), found.outside.len()), (1, 2));
         assert_eq!(found.fz, [125.0, 6000.0]);
         assert_eq!(found.curvature, [0.0, 0.03]);

@@ -92,10 +92,9 @@ impl Axis {
 
     /// An axis with any ticks.
     pub fn with(label: impl Into<String>, ticks: Ticks) -> Self {
-        let (label, range) = (label.into(), None);
         Axis {
-            label,
-            range,
+            label: label.into(),
+            range: None,
             ticks,
         }
     }
@@ -103,9 +102,8 @@ impl Axis {
     /// Names at 0.5, 1.5 and so on; see [`reversed`](Self::reversed).
     pub fn names(label: &str, names: impl IntoIterator<Item = impl Into<String>>) -> Self {
         let names = names.into_iter().enumerate();
-        let names: Vec<_> = names
-            .map(|(k, name)| (k as f64 + 0.5, name.into()))
-            .collect();
+        let names = names.map(|(k, name)| (k as f64 + 0.5, name.into()));
+        let names: Vec<(f64, String)> = names.collect();
         let range = [0.0, names.len() as f64];
         Axis::with(label, Ticks::Names(names)).within(range)
     }
@@ -131,12 +129,11 @@ impl Axis {
 impl Panel {
     /// A panel without title.
     pub fn new(x: Axis, y: Axis, layers: Vec<Layer>) -> Self {
-        let (title, scales) = (String::new(), Scales::Independent);
         Panel {
-            title,
+            title: String::new(),
             axes: [x, y],
             layers,
-            scales,
+            scales: Scales::Independent,
         }
     }
 
@@ -198,10 +195,9 @@ pub enum Symbol {
 impl Layer {
     /// A layer without a name.
     pub fn new(mark: Mark, colour: Colour) -> Self {
-        let (name, hint) = (String::new(), String::new());
         Layer {
-            name,
-            hint,
+            name: String::new(),
+            hint: String::new(),
             colour,
             mark,
         }
@@ -235,10 +231,8 @@ impl Layer {
         points: impl IntoIterator<Item = Point>,
         colour: Colour,
     ) -> Self {
-        Layer::new(
-            Mark::Dots(points.into_iter().collect(), radius, symbol),
-            colour,
-        )
+        let points = points.into_iter().collect();
+        Layer::new(Mark::Dots(points, radius, symbol), colour)
     }
 
     /// A filled polygon.
@@ -319,12 +313,10 @@ pub struct ColourBar {
 impl ColourBar {
     /// A bar of a colour map over the share of the range.
     pub fn new(label: impl Into<String>, range: [f64; 2], map: impl Fn(f64) -> Rgb) -> Self {
-        let colours = (0..256).map(|k| map(f64::from(k) / 255.0)).collect();
-        let label = label.into();
         ColourBar {
-            label,
+            label: label.into(),
             range,
-            colours,
+            colours: (0..256).map(|k| map(f64::from(k) / 255.0)).collect(),
         }
     }
 
@@ -337,9 +329,10 @@ impl ColourBar {
     /// no number.
     pub fn colour(&self, value: f64) -> Rgb {
         let share = (value - self.range[0]) / (self.range[1] - self.range[0]);
-        match share.is_nan() {
-            true => [128; 3],
-            false => self.colours[(share.clamp(0.0, 1.0) * 255.0).round() as usize],
+        if share.is_nan() {
+            [128; 3]
+        } else {
+            self.colours[(share.clamp(0.0, 1.0) * 255.0).round() as usize]
         }
     }
 }
@@ -358,10 +351,9 @@ impl Figure {
 
     /// The picture with a further row, whose plotting areas have this height \[pixels\].
     pub fn row(mut self, height: f64, panels: impl IntoIterator<Item = Panel>) -> Self {
-        let panels = panels.into_iter().collect();
         self.rows.push(Row {
             height,
-            panels,
+            panels: panels.into_iter().collect(),
             bar: None,
         });
         self
@@ -384,10 +376,9 @@ impl Figure {
     /// An SVG element for a page, in the colour of the page's text.
     pub fn svg(&self) -> String {
         let (shapes, height) = laid_out(self);
-        let label = if self.label.is_empty() {
-            &self.title
-        } else {
-            &self.label
+        let label = match &*self.label {
+            "" => &self.title,
+            label => label,
         };
         svg(&shapes, [self.width, height], self.letters, label)
     }

@@ -1,5 +1,7 @@
 //! Where the parts of a figure are on the picture.
 
+use std::collections::BTreeSet;
+
 use crate::plot::colour::{Colour, INK};
 use crate::plot::figure::{
     Axis, ColourBar, Figure, Layer, Mark, Panel, Point, Row, Scales, Symbol, Ticks,
@@ -37,8 +39,10 @@ const GRID: Colour = INK.alpha(0.1);
 /// The shapes of a figure, and its height.
 pub fn laid_out(figure: &Figure) -> (Vec<Shape>, f64) {
     let size = figure.letters;
-    let shapes = Vec::new();
-    let mut page = Page { shapes, size };
+    let mut page = Page {
+        shapes: Vec::new(),
+        size,
+    };
     let mut top = 0.4 * size;
     if !figure.title.is_empty() {
         top = page.title(&figure.title, 1.25 * size, [0.0, figure.width], top) + 0.3 * size;
@@ -51,31 +55,21 @@ pub fn laid_out(figure: &Figure) -> (Vec<Shape>, f64) {
             .rows
             .iter()
             .filter(|other| other.panels.len() == count);
-        let panels = alike.flat_map(|row| row.panels.iter().map(|panel| (panel, row.height)));
-        let left = largest(panels.map(|(panel, height)| page.left(panel, share, height)));
-        let wide = share - left - RIGHT * size;
-        let head = largest(row.panels.iter().map(|panel| page.head(panel, wide)));
-        let tall = |panel| page.height(panel, share, row.height);
-        let height = largest(row.panels.iter().map(tall));
-        let foot = largest(row.panels.iter().map(|panel| page.foot(panel)));
-        for (k, panel) in row.panels.iter().enumerate() {
+        let alike = alike.flat_map(|row| row.panels.iter().map(|panel| (panel, row.height)));
+        let left = largest(alike.map(|(panel, height)| page.left(panel, share, height)));
+        let wide = (share - left - RIGHT * size).round();
+        let panels = || row.panels.iter();
+        let head = largest(panels().map(|panel| page.head(panel, wide)));
+        let height = largest(panels().map(|panel| page.height(panel, share, row.height)));
+        let foot = largest(panels().map(|panel| page.foot(panel)));
+        let y = [top + head, top + head + height].map(snapped);
+        for (k, panel) in panels().enumerate() {
             let from = k as f64 * share;
-            let x = [from + left, from + left + wide].map(snapped);
-            let y = [top + head, top + head + height].map(snapped);
-            page.panel(
-                panel,
-                &Area {
-                    from,
-                    share,
-                    wide,
-                    x,
-                    y,
-                },
-            );
+            let x = snapped(from + left);
+            page.panel(panel, [from, share], [[x, x + wide], y]);
         }
         if let Some(bar) = &row.bar {
-            let sides = [top + head, top + head + height].map(snapped);
-            page.bar(bar, figure.width - BAR * size, sides);
+            page.bar(bar, figure.width - BAR * size, y);
         }
         top += head + height + foot;
     }
@@ -97,17 +91,8 @@ fn snapped(at: f64) -> f64 {
     at.floor() + 0.5
 }
 
-/// The part of the picture that a panel has, and its plotting area.
-struct Area {
-    from: f64,
-    share: f64,
-    /// Width of the plotting area.
-    wide: f64,
-    /// Its left and right side.
-    x: [f64; 2],
-    /// Its upper and lower side.
-    y: [f64; 2],
-}
+/// The plotting area of a panel: its left and right side, and its upper and lower side.
+type Area = [[f64; 2]; 2];
 
 /// From values of an axis to pixels.
 #[derive(Clone, Copy)]
@@ -164,13 +149,13 @@ fn range(panel: &Panel, axis: usize) -> [f64; 2] {
     [low - margin, high + margin]
 }
 
-fn scales(panel: &Panel, area: &Area) -> [Scale; 2] {
+fn scales(panel: &Panel, [x, [top, bottom]]: Area) -> [Scale; 2] {
     let scale = |axis: usize, ends: [f64; 2]| Scale {
         range: range(panel, axis),
         ends,
         logarithmic: panel.axes[axis].ticks == Ticks::Logarithmic,
     };
-    let (mut x, mut y) = (scale(0, area.x), scale(1, [area.y[1], area.y[0]]));
+    let (mut x, mut y) = (scale(0, x), scale(1, [bottom, top]));
     if panel.scales == Scales::Equal {
         x.extend(y.per_pixel());
         y.extend(x.per_pixel());
@@ -220,20 +205,9 @@ struct Page {
 }
 
 impl Page {
-    fn style(&self, anchor: f64, colour: Colour) -> Style {
-        let (size, turned, bold) = (self.size, false, false);
-        Style {
-            size,
-            anchor,
-            turned,
-            bold,
-            colour,
-        }
-    }
-
     fn text(&mut self, at: Place, text: &str, anchor: f64) {
         if !text.is_empty() {
-            let style = self.style(anchor, INK);
+            let style = Style::new(self.size, anchor, INK);
             self.shapes.push(Shape::Text(at, text.to_owned(), style));
         }
     }
@@ -244,15 +218,12 @@ impl Page {
 
     /// Writes a title between two places; returns where it ends.
     fn title(&mut self, text: &str, size: f64, [from, to]: [f64; 2], top: f64) -> f64 {
-        let style = Style {
-            size,
-            bold: true,
-            ..self.style(0.5, INK)
-        };
+        let mut style = Style::new(size, 0.5, INK);
+        style.bold = true;
         let mut middle = top + 0.5 * LINE * size;
         for line in wrapped(text, BOLD * size, to - from) {
-            self.shapes
-                .push(Shape::Text([0.5 * (from + to), middle], line, style));
+            let at = [0.5 * (from + to), middle];
+            self.shapes.push(Shape::Text(at, line, style));
             middle += LINE * size;
         }
         middle - 0.5 * LINE * size
@@ -260,10 +231,8 @@ impl Page {
 
     /// Writes a label that reads upwards, with its middle at a place.
     fn upwards(&mut self, at: Place, label: String) {
-        let style = Style {
-            turned: true,
-            ..self.style(0.5, INK)
-        };
+        let mut style = Style::new(self.size, 0.5, INK);
+        style.turned = true;
         self.shapes.push(Shape::Text(at, label, style));
     }
 
@@ -274,20 +243,15 @@ impl Page {
         }
         let texts = ticks(&panel.axes[1], range(panel, 1), height / (2.6 * self.size));
         let widest = largest(texts.iter().map(|(_, text)| width(text, self.size)));
-        let label = if panel.axes[1].label.is_empty() {
-            0.3
-        } else {
-            LINE
-        };
+        let has_label = !panel.axes[1].label.is_empty();
+        let label = if has_label { LINE } else { 0.3 };
         widest + (label + 2.0 * TICK) * self.size
     }
 
     /// Height of what is above the plotting area: title, legend, texts.
     fn head(&self, panel: &Panel, wide: f64) -> f64 {
-        let title = match panel.title.is_empty() {
-            true => 0,
-            false => wrapped(&panel.title, BOLD * 1.1 * self.size, wide).len(),
-        };
+        let title = wrapped(&panel.title, BOLD * 1.1 * self.size, wide).len();
+        let title = if panel.title.is_empty() { 0 } else { title };
         let rows = self.legend(panel, wide).len();
         let is_above = |layer: &Layer| matches!(layer.mark, Mark::Text((_, f64::INFINITY), ..));
         let above = panel.layers.iter().any(is_above);
@@ -307,11 +271,8 @@ impl Page {
     fn foot(&self, panel: &Panel) -> f64 {
         let blank = panel.axes[0].ticks == Ticks::Names(Vec::new());
         let numbers = if blank { 0.4 } else { LINE + TICK };
-        let label = if panel.axes[0].label.is_empty() {
-            0.0
-        } else {
-            LINE
-        };
+        let has_label = !panel.axes[0].label.is_empty();
+        let label = if has_label { LINE } else { 0.0 };
         (numbers + label) * self.size
     }
 
@@ -323,12 +284,11 @@ impl Page {
     /// The rows of the legend: each name once, one that is too long for a row on several.
     fn legend<'a>(&self, panel: &'a Panel, wide: f64) -> Vec<Vec<Key<'a>>> {
         let mut rows: Vec<Vec<Key>> = Vec::new();
-        let mut names: Vec<&str> = Vec::new();
-        for layer in panel.layers.iter().filter(|layer| !layer.name.is_empty()) {
-            if names.contains(&&*layer.name) {
+        let mut names = BTreeSet::new();
+        for layer in &panel.layers {
+            if layer.name.is_empty() || !names.insert(&layer.name) {
                 continue;
             }
-            names.push(&layer.name);
             let lines = wrapped(&layer.name, self.size, wide - SYMBOL * self.size);
             let whole = lines.len() == 1;
             for (k, text) in lines.into_iter().enumerate() {
@@ -352,11 +312,11 @@ impl Page {
         keys + KEYS * self.size * (row.len() as f64 - 1.0)
     }
 
-    fn draw_legend(&mut self, panel: &Panel, area: &Area, top: f64) {
+    fn draw_legend(&mut self, panel: &Panel, [from, to]: [f64; 2], top: f64) {
         let size = self.size;
-        for (k, row) in self.legend(panel, area.wide).iter().enumerate() {
+        for (k, row) in self.legend(panel, to - from).iter().enumerate() {
             let y = snapped(top + LINE * size * (k as f64 + 0.5));
-            let mut left = area.x[0] + 0.5 * (area.wide - self.length(row)).max(0.0);
+            let mut left = from + 0.5 * (to - from - self.length(row)).max(0.0);
             for Key { layer, text } in row {
                 let right = left + 1.7 * size;
                 self.shapes.extend(layer.map(|layer| match &layer.mark {
@@ -369,9 +329,8 @@ impl Page {
                         symbol_shape(*symbol, middle, radius.max(3.0), layer.colour)
                     }
                     _ => {
-                        let half = 0.45 * size;
-                        let sides = ([left, right], [y - half, y + half]);
-                        Shape::Polygon(rectangle(sides.0, sides.1), layer.colour)
+                        let sides = [y - 0.45 * size, y + 0.45 * size];
+                        Shape::Polygon(rectangle([[left, right], sides]), layer.colour)
                     }
                 }));
                 self.text([left + SYMBOL * size, y], text, 0.0);
@@ -380,15 +339,15 @@ impl Page {
         }
     }
 
-    fn panel(&mut self, panel: &Panel, area: &Area) {
+    /// Draws a panel, which has a share of the width from a place on, into its area.
+    fn panel(&mut self, panel: &Panel, [from, share]: [f64; 2], area: Area) {
         let size = self.size;
-        let ([left, right], [top, bottom]) = (area.x, area.y);
-        let mut head = top - self.head(panel, area.wide);
+        let [[left, right], [top, bottom]] = area;
+        let mut head = top - self.head(panel, right - left);
         if !panel.title.is_empty() {
-            let sides = [left, left + area.wide];
-            head = self.title(&panel.title, 1.1 * size, sides, head);
+            head = self.title(&panel.title, 1.1 * size, area[0], head);
         }
-        self.draw_legend(panel, area, head);
+        self.draw_legend(panel, area[0], head);
         let [x, y] = scales(panel, area);
         let [across, up] = &panel.axes;
         let columns = ticks(across, x.range, (right - left) / (6.0 * size));
@@ -404,12 +363,13 @@ impl Page {
         }
         for layer in &panel.layers {
             let shapes = self.layer(layer, [x, y], area);
-            match layer.hint.is_empty() {
-                true => self.shapes.extend(shapes),
-                false => self.shapes.push(Shape::Group(layer.hint.clone(), shapes)),
+            if layer.hint.is_empty() {
+                self.shapes.extend(shapes)
+            } else {
+                self.shapes.push(Shape::Group(layer.hint.clone(), shapes))
             }
         }
-        let mut frame = rectangle(area.x, area.y);
+        let mut frame = rectangle(area);
         frame.push(frame[0]);
         self.shapes.push(Shape::Line(frame, 1.0, FRAME));
         let mut end = f64::NEG_INFINITY;
@@ -421,7 +381,7 @@ impl Page {
                 end = at + half;
             }
         }
-        let above = names(panel, area.share, size).is_some_and(|(_, above)| above);
+        let above = names(panel, share, size).is_some_and(|(_, above)| above);
         for (value, text) in &rows {
             let at = snapped(y.at(*value));
             if above {
@@ -433,43 +393,37 @@ impl Page {
         }
         let below = bottom + self.foot(panel) - 0.6 * size;
         self.text([0.5 * (left + right), below], &across.label, 0.5);
-        let label = match panel.scales {
-            Scales::Independent => up.label.clone(),
-            _ => up.label.clone() + &stretch_text(x.per_pixel() / y.per_pixel()),
+        let stretch = match panel.scales {
+            Scales::Independent => String::new(),
+            _ => stretch_text(x.per_pixel() / y.per_pixel()),
         };
-        self.upwards([area.from + 0.8 * size, 0.5 * (top + bottom)], label);
+        let label = format!("{}{stretch}", up.label);
+        self.upwards([from + 0.8 * size, 0.5 * (top + bottom)], label);
     }
 
     /// The shapes of a layer.
-    fn layer(&self, layer: &Layer, [x, y]: [Scale; 2], area: &Area) -> Vec<Shape> {
+    fn layer(&self, layer: &Layer, [x, y]: [Scale; 2], area: Area) -> Vec<Shape> {
         let place = |(a, b): &Point| [x.at(*a), y.at(*b)];
-        let ([left, right], [top, bottom]) = (area.x, area.y);
+        let [[left, right], [top, bottom]] = area;
+        let inside = |[a, b]: Place| [a.max(left).min(right), b.max(top).min(bottom)];
         let colour = layer.colour;
-        match &layer.mark {
+        vec![match &layer.mark {
             Mark::Line(points, width) => {
                 let points: Vec<Place> = points.iter().map(place).collect();
-                vec![Shape::Line(clipped(&points, area), *width, colour)]
+                Shape::Line(clipped(&points, area), *width, colour)
             }
             Mark::Dots(points, radius, symbol) => {
-                let inside =
-                    |[a, b]: &Place| (left..=right).contains(a) && (top..=bottom).contains(b);
-                let places = points.iter().map(place).filter(inside);
-                places
-                    .map(|at| symbol_shape(*symbol, at, *radius, colour))
-                    .collect()
+                let places = points.iter().map(place).filter(|at| inside(*at) == *at);
+                let dot = |at| symbol_shape(*symbol, at, *radius, colour);
+                return places.map(dot).collect();
             }
             Mark::Area(corners) => {
-                let corners = corners.iter().map(place);
-                let corners =
-                    corners.map(|[a, b]| [a.max(left).min(right), b.max(top).min(bottom)]);
-                vec![Shape::Polygon(corners.collect(), colour)]
+                let corners = corners.iter().map(place).map(inside);
+                Shape::Polygon(corners.collect(), colour)
             }
             Mark::Map([across, up], cells) => {
                 let corners = [(across[0], up[1]), (across[1], up[0])];
-                vec![Shape::Image(
-                    corners.map(|corner| place(&corner)),
-                    cells.clone(),
-                )]
+                Shape::Image(corners.map(|corner| place(&corner)), cells.clone())
             }
             Mark::Text(at, text, shift) => {
                 let [a, b] = place(at);
@@ -479,13 +433,12 @@ impl Page {
                 };
                 // Within the panel, as far as there is room.
                 let before = anchor * width(text, self.size);
-                let a = (a + shift[0] * self.size)
-                    .min(right - before)
-                    .max(left + before);
-                let at = [a, b - shift[1] * self.size];
-                vec![Shape::Text(at, text.clone(), self.style(anchor, colour))]
+                let a = a + shift[0] * self.size;
+                let a = a.min(right - before).max(left + before);
+                let style = Style::new(self.size, anchor, colour);
+                Shape::Text([a, b - shift[1] * self.size], text.clone(), style)
             }
-        }
+        }]
     }
 
     /// Draws a colour bar, its numbers and its label between two heights.
@@ -495,11 +448,11 @@ impl Page {
         let cells = Cells::new([1, bar.colours.len()], |_, row| Some(bar.colours[row]));
         self.shapes
             .push(Shape::Image([[left, top], [right, bottom]], cells));
-        let (range, ends, logarithmic) = (bar.range, [bottom, top], false);
+        let range = bar.range;
         let scale = Scale {
             range,
-            ends,
-            logarithmic,
+            ends: [bottom, top],
+            logarithmic: false,
         };
         let numbers = ticks(&Axis::default(), range, (bottom - top) / (2.6 * size));
         for (value, text) in &numbers {
@@ -513,7 +466,7 @@ impl Page {
     }
 }
 
-fn rectangle([left, right]: [f64; 2], [top, bottom]: [f64; 2]) -> Vec<Place> {
+fn rectangle([[left, right], [top, bottom]]: Area) -> Vec<Place> {
     vec![[left, top], [right, top], [right, bottom], [left, bottom]]
 }
 
@@ -571,28 +524,27 @@ fn wrapped(text: &str, size: f64, wide: f64) -> Vec<String> {
     }
     if lines.len() > MOST_LINES {
         lines.truncate(MOST_LINES);
-        if let Some(line) = lines.last_mut() {
-            line.pop();
-            line.push('…');
-        }
+        let last = &mut lines[MOST_LINES - 1];
+        last.pop();
+        last.push('…');
     }
     lines
 }
 
 /// The parts of a line within a panel, with a break between them (Liang and Barsky, 1984).
-fn clipped(points: &[Place], area: &Area) -> Vec<Place> {
-    let bounds = [area.x, area.y];
+fn clipped(points: &[Place], area: Area) -> Vec<Place> {
     let mut parts: Vec<Place> = Vec::new();
     for pair in points.windows(2) {
         let [from, to] = [pair[0], pair[1]];
         let along = [to[0] - from[0], to[1] - from[1]];
         let (mut first, mut last) = (0.0f64, 1.0f64);
         for axis in 0..2 {
-            let ends = bounds[axis].map(|bound| (bound - from[axis]) / along[axis]);
+            let [low, high] = area[axis];
+            let ends = [low, high].map(|bound| (bound - from[axis]) / along[axis]);
             if along[axis] != 0.0 {
                 first = first.max(ends[0].min(ends[1]));
                 last = last.min(ends[0].max(ends[1]));
-            } else if from[axis] < bounds[axis][0] || from[axis] > bounds[axis][1] {
+            } else if !(low..=high).contains(&from[axis]) {
                 last = -1.0;
             }
         }
@@ -625,17 +577,6 @@ mod tests {
     fn panel(layers: Vec<Layer>) -> Panel {
         let axis = |label: &str| Axis::new(label).within([0.0, 10.0]);
         Panel::new(axis("x [m]"), axis("y [m]"), layers)
-    }
-
-    fn area(x: [f64; 2], y: [f64; 2]) -> Area {
-        let wide = x[1] - x[0];
-        Area {
-            from: 0.0,
-            share: wide,
-            wide,
-            x,
-            y,
-        }
     }
 
     #[test]
@@ -693,12 +634,12 @@ mod tests {
 
     #[test]
     fn a_line_is_cut_where_it_leaves_the_panel_and_comes_back() {
-        let area = area([0.0, 10.0], [0.0, 10.0]);
-        let parts = clipped(&[[5.0, 5.0], [15.0, 5.0], [15.0, 9.0], [5.0, 9.0]], &area);
+        let area = [[0.0, 10.0]; 2];
+        let parts = clipped(&[[5.0, 5.0], [15.0, 5.0], [15.0, 9.0], [5.0, 9.0]], area);
         let known: Vec<Place> = parts.iter().filter(|p| p[0].is_finite()).copied().collect();
         assert_eq!(known, [[5.0, 5.0], [10.0, 5.0], [10.0, 9.0], [5.0, 9.0]]);
         assert_eq!(parts.len(), 5);
-        assert!(clipped(&[[-5.0, 11.0], [15.0, 12.0]], &area).is_empty());
+        assert!(clipped(&[[-5.0, 11.0], [15.0, 12.0]], area).is_empty());
     }
 
     #[test]
@@ -734,7 +675,7 @@ mod tests {
     #[test]
     fn equal_scales_have_square_pixels() {
         let square = panel(Vec::new()).scaled(Scales::Equal);
-        let [x, y] = scales(&square, &area([0.0, 300.0], [0.0, 100.0]));
+        let [x, y] = scales(&square, [[0.0, 300.0], [0.0, 100.0]]);
         assert!((x.per_pixel() / y.per_pixel() - 1.0).abs() < 1e-12);
         assert_eq!((x.range, y.range), ([-10.0, 20.0], [0.0, 10.0]));
     }

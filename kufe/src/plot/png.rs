@@ -83,15 +83,17 @@ impl Bitmap {
     fn text(&mut self, [x, y]: Place, text: &str, style: &Style) {
         let before = style.anchor * font::width(text, style.size);
         let lower = BASELINE * style.size;
-        let start = match style.turned {
-            true => [x + lower, y + before],
-            false => [x - before, y + lower],
+        let start = if style.turned {
+            [x + lower, y + before]
+        } else {
+            [x - before, y + lower]
         };
         let [x, y] = start.map(|at| at.round() as i64);
         font::rasterise(text, style.size, |right, down, share| {
-            let at = match style.turned {
-                true => [x + down, y - right],
-                false => [x + right, y + down],
+            let at = if style.turned {
+                [x + down, y - right]
+            } else {
+                [x + right, y + down]
             };
             self.blend(at, style.colour, share);
         });

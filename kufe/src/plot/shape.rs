@@ -39,6 +39,19 @@ pub struct Style {
     pub colour: Colour,
 }
 
+impl Style {
+    /// An upright style of a size and a colour.
+    pub fn new(size: f64, anchor: f64, colour: Colour) -> Style {
+        Style {
+            size,
+            anchor,
+            turned: false,
+            bold: false,
+            colour,
+        }
+    }
+}
+
 /// Coloured cells, row by row from the upper left; a cell without a colour is transparent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {

@@ -50,9 +50,10 @@ pub fn tick_text(value: f64, span: f64) -> String {
         _ => format!("{value:.1e}"),
     };
     let mantissa = text.trim_start_matches('-').split('e').next();
-    match mantissa.is_some_and(|m| m.chars().all(|c| c == '0' || c == '.')) {
-        true => "0".to_owned(),
-        false => text,
+    if mantissa.is_some_and(|m| m.chars().all(|c| c == '0' || c == '.')) {
+        "0".to_owned()
+    } else {
+        text
     }
 }
 
@@ -60,9 +61,10 @@ pub fn tick_text(value: f64, span: f64) -> String {
 /// decades the powers alone; the ends themselves where none lies between.
 pub fn decades([low, high]: [f64; 2]) -> Vec<f64> {
     let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;
-    let times: &[f64] = match high / low > 1e3 {
-        true => &[1.0],
-        false => &[1.0, 2.0, 5.0],
+    let times: &[f64] = if high / low > 1e3 {
+        &[1.0]
+    } else {
+        &[1.0, 2.0, 5.0]
     };
     let all = powers.flat_map(|power| times.iter().map(move |times| times * 10f64.powi(power)));
     let between: Vec<f64> = all.filter(|at| (low..=high).contains(at)).collect();
@@ -81,9 +83,12 @@ pub fn decades([low, high]: [f64; 2]) -> Vec<f64> {
 /// ```
 pub fn short(value: f64) -> String {
     let exponent = value.abs().log10().floor();
-    let trimmed = |text: &str| match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text.to_owned(),
+    let trimmed = |text: &str| {
+        if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text.to_owned()
+        }
     };
     if value == 0.0 {
         "0".to_owned()

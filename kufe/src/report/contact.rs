@@ -50,22 +50,17 @@ impl ContactPage {
         name: String,
     ) -> Self {
         result.case = std::mem::take(&mut result.case).effective();
+        let (peak, load) = (1e-6 * result.p_max.value, result.fz_n);
         let share = (maps.len() as f64).sqrt();
         let most = points.map(|count| (count as f64 / share) as usize);
+        let packed = maps.iter().map(|map| PackedGrid::thinned(map, most));
         ContactPage {
-            title: format!(
-                "{:.1} MPa under {:.0} N",
-                1e-6 * result.p_max.value,
-                result.fz_n
-            ),
+            title: format!("{peak:.1} MPa under {load:.0} N"),
             name,
             peak_error_pa: result.peak().error,
             peak_error_parts: result.peak_error_parts(),
             result,
-            maps: maps
-                .iter()
-                .map(|map| PackedGrid::thinned(map, most))
-                .collect(),
+            maps: packed.collect(),
             hull: hull.map(PackedHull::from),
         }
     }

@@ -108,20 +108,19 @@ pub fn result_page(result: &Path, out: Option<&Path>) -> Result<ResultPage, Fail
         return Err(wrong("cannot be read: there is no such file or folder"));
     }
     if !result.is_dir() {
-        if result.extension().is_some_and(|ending| ending == "lut") {
-            return Ok(ResultPage {
-                kind: "table",
-                file: file(result.with_extension("html")),
-                html: table(result)?,
-            });
+        if result.extension().is_none_or(|ending| ending != "lut") {
+            return Err(wrong(
+                "expected a folder that a command of kufe has written, or a .lut file",
+            ));
         }
-        return Err(wrong(
-            "expected a folder that a command of kufe has written, or a .lut file",
-        ));
+        return Ok(ResultPage {
+            kind: "table",
+            file: file(result.with_extension("html")),
+            html: table(result)?,
+        });
     }
-    let entries = std::fs::read_dir(result).into_iter().flatten().flatten();
-    let mut files = entries.map(|entry| entry.path());
-    if let Some(link) = files.find(|path| path.is_file() && leads_out(result, path)) {
+    let files = files_of(result);
+    if let Some(link) = files.iter().find(|path| leads_out(result, path)) {
         return Err(Failure::BadInput(format!(
             "{}: a link that leads out of the folder; expected a file in it",
             link.display()
@@ -138,61 +137,68 @@ pub fn result_page(result: &Path, out: Option<&Path>) -> Result<ResultPage, Fail
     let (kind, html) = if has("result.json") {
         ("press", contact(result)?)
     } else if has("comparison.json") {
-        let page = result.join("comparison.html");
-        ("comparison", written(&page, viewer)?)
+        ("comparison", written(result, "comparison.html", viewer)?)
     } else if has("table.json") {
         ("series", series(result)?)
     } else if has("evaluation.json") {
         ("evaluation", evaluation(result, viewer)?)
     } else if has("report.json") {
-        ("discovery", written(&result.join(PAGE), viewer)?)
+        ("discovery", written(result, PAGE, viewer)?)
     } else if has("check.json") {
-        ("check", written(&result.join("check.html"), viewer)?)
+        ("check", written(result, "check.html", viewer)?)
     } else if DOCUMENTS.into_iter().any(has) {
-        ("results", documents(result, viewer)?)
+        ("results", documents(result, &files, viewer)?)
     } else if has(INDEX) {
         ("runs", index(result)?)
     } else {
-        return Err(wrong(&without_page(result).unwrap_or_else(|| {
-            "no results: expected what a command of kufe has written, as result.json or table.json (kufe press), \
-             evaluation.json (kufe evaluate) or report.json (kufe discover)"
-                .into()
-        })));
+        return Err(wrong(&without_page(result, &files)));
     };
     Ok(ResultPage { kind, file, html })
 }
 
-/// The contents of a folder without figures, and the command that shows them.
-fn without_page(folder: &Path) -> Option<String> {
-    let shown = |name: &str| folder.join(name).display().to_string();
-    if folder.join("plan.json").is_file() {
-        return Some(format!(
-            "the plan of a table: solve its shards, then kufe lut merge {} -o table.lut makes the table, which kufe report shows",
-            folder.display()
-        ));
-    }
-    if folder.join("glides.csv").is_file() {
-        return Some(format!(
-            "glides without figures: kufe icehouse {} makes them",
-            shown("glides.csv")
-        ));
-    }
-    let entries = std::fs::read_dir(folder).ok()?;
-    let mut tables: Vec<PathBuf> = entries
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.extension().is_some_and(|ending| ending == "lut"))
-        .collect();
-    tables.sort();
-    let first = tables.first()?;
-    Some(format!(
-        "lookup tables, which have a page each: kufe report {}",
-        first.display()
-    ))
+/// The files of a folder, sorted.
+fn files_of(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let paths = entries.map(|entry| entry.path());
+    let mut files: Vec<PathBuf> = paths.filter(|path| path.is_file()).collect();
+    files.sort();
+    files
 }
 
-/// The page that a command has written itself, with its links to the viewer's address.
-fn written(path: &Path, viewer: Option<&str>) -> Result<String, Failure> {
-    let page = text_of_regular(path, LONGEST_PAGE).map_err(|error| unreadable(path, &error))?;
+fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|found| found == ending)
+}
+
+/// The contents of a folder without figures, and the command that shows them.
+fn without_page(folder: &Path, files: &[PathBuf]) -> String {
+    let shown = folder.display();
+    let table = files.iter().find(|path| ends_in(path, "lut"));
+    if folder.join("plan.json").is_file() {
+        format!(
+            "the plan of a table: solve its shards, then kufe lut merge {shown} -o table.lut makes the table, which kufe report shows"
+        )
+    } else if folder.join("glides.csv").is_file() {
+        let glides = folder.join("glides.csv");
+        format!(
+            "glides without figures: kufe icehouse {} makes them",
+            glides.display()
+        )
+    } else if let Some(table) = table {
+        format!(
+            "lookup tables, which have a page each: kufe report {}",
+            table.display()
+        )
+    } else {
+        "no results: expected what a command of kufe has written, as result.json or table.json (kufe press), \
+         evaluation.json (kufe evaluate) or report.json (kufe discover)"
+            .to_owned()
+    }
+}
+
+/// The page `name` that a command has written itself, with its links to the viewer's address.
+fn written(folder: &Path, name: &str, viewer: Option<&str>) -> Result<String, Failure> {
+    let path = folder.join(name);
+    let page = text_of_regular(&path, LONGEST_PAGE).map_err(|error| unreadable(&path, &error))?;
     Ok(viewer.map_or_else(|| page.clone(), |viewer| linked_to(&page, viewer)))
 }
 
@@ -201,12 +207,12 @@ fn contact(folder: &Path) -> Result<String, Failure> {
     let result: ContactResult = read_json(&folder.join("result.json"), LONGEST)?;
     let maps = parted(read_map(&folder.join("pressure.exr"))?);
     let glb = folder.join("hull.glb");
-    let hull = if glb.is_file() {
-        let (hull, _) = load_hull(&glb, &HullOptions::default()).map_err(Failure::bad_input)?;
-        Some(hull).filter(|hull| hull.triangles.len() <= MOST_TRIANGLES)
-    } else {
-        None
-    };
+    let hull = glb
+        .is_file()
+        .then(|| load_hull(&glb, &HullOptions::default()));
+    let hull = hull.transpose().map_err(Failure::bad_input)?;
+    let hull = hull.map(|(hull, _)| hull);
+    let hull = hull.filter(|hull| hull.triangles.len() <= MOST_TRIANGLES);
     let data = ContactPage::new(result, &maps, hull.as_ref(), POINTS, folder_name(folder));
     Ok(page(Kind::Press, &data.title, &data))
 }
@@ -215,12 +221,9 @@ fn contact(folder: &Path) -> Result<String, Failure> {
 fn series(folder: &Path) -> Result<String, Failure> {
     let path = folder.join("table.json");
     let rows: Vec<SeriesRow> = read_json(&path, LONGEST)?;
-    if rows.is_empty() || rows.len() > MOST_CONTACTS {
-        let count = rows.len();
-        return Err(wrong(
-            &path,
-            &format!("{count} steps: expected 1 to {MOST_CONTACTS}"),
-        ));
+    if !(1..=MOST_CONTACTS).contains(&rows.len()) {
+        let reason = format!("{} steps: expected 1 to {MOST_CONTACTS}", rows.len());
+        return Err(wrong(&path, &reason));
     }
     let name = folder_name(folder);
     let title = format!("{name}, series");
@@ -263,12 +266,7 @@ fn evaluation(folder: &Path, viewer: Option<&str>) -> Result<String, Failure> {
     }
     let mut tables = Vec::new();
     for (name, runner) in TABLE_PICTURES.iter().zip(["front runner", "rear runner"]) {
-        let path = folder.join(name);
-        let png = if path.is_file() {
-            picture(&path)?
-        } else {
-            None
-        };
+        let png = picture(&folder.join(name))?;
         tables.extend(png.map(|png| TablePicture {
             runner,
             picture: picture_url(&png),
@@ -288,14 +286,17 @@ fn index(folder: &Path) -> Result<String, Failure> {
     index_page(&folder_name(folder), folder, &entries).map_err(Failure::bad_input)
 }
 
-/// The picture in a file; nothing where its first bytes are not those of a PNG.
+/// The picture in a file; nothing without a file, and where its first bytes are not those of a PNG.
 fn picture(path: &Path) -> Result<Option<Vec<u8>>, Failure> {
+    if !path.is_file() {
+        return Ok(None);
+    }
     let bytes = read_regular(path, LONGEST_PICTURE).map_err(|error| unreadable(path, &error))?;
     Ok(Some(bytes).filter(|bytes| bytes.starts_with(b"\x89PNG\r\n\x1a\n")))
 }
 
 /// The page of a folder with [`DOCUMENTS`].
-fn documents(folder: &Path, viewer: Option<&str>) -> Result<String, Failure> {
+fn documents(folder: &Path, files: &[PathBuf], viewer: Option<&str>) -> Result<String, Failure> {
     let mut documents = Vec::new();
     for name in DOCUMENTS {
         let path = folder.join(name);
@@ -305,29 +306,27 @@ fn documents(folder: &Path, viewer: Option<&str>) -> Result<String, Failure> {
             documents.push((kind.to_owned(), document.effective()));
         }
     }
-    let mut paths = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(|error| unreadable(folder, &error))? {
-        let path = entry.map_err(|error| unreadable(folder, &error))?.path();
-        if path.extension().is_some_and(|ending| ending == "png") {
-            paths.push(path);
-        }
-    }
-    paths.sort();
     let mut pictures = Vec::new();
-    for path in paths.into_iter().take(MOST_PICTURES) {
-        let name = path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
-        pictures.extend(picture(&path)?.map(|png| Picture { name, png }));
+    for path in files
+        .iter()
+        .filter(|path| ends_in(path, "png"))
+        .take(MOST_PICTURES)
+    {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = name.into_owned();
+        pictures.extend(picture(path)?.map(|png| Picture { name, png }));
     }
-    let links = match viewer.filter(|_| folder.join(SIMULATION).is_file()) {
-        Some(viewer) => replay_links(&folder.join(SIMULATION), viewer)?,
+    let simulation = folder.join(SIMULATION);
+    let links = match viewer.filter(|_| simulation.is_file()) {
+        Some(viewer) => replay_links(&simulation, viewer)?,
         None => Vec::new(),
     };
-    let title = folder_name(folder);
-    Ok(results_page(&title, &pictures, &links, &documents))
+    Ok(results_page(
+        &folder_name(folder),
+        &pictures,
+        &links,
+        &documents,
+    ))
 }
 
 /// What a `simulation.json` says of a replay.
@@ -348,10 +347,8 @@ fn replay_links(path: &Path, viewer: &str) -> Result<Vec<String>, Failure> {
     let Some(ReplayedRun { run, sections }) = record.replay else {
         return Ok(Vec::new());
     };
-    let part = ViewedPart {
-        runs: &[&run],
-        ..ViewedPart::default()
-    };
+    let runs = [&*run];
+    let part = ViewedPart::of_runs(&runs);
     let whole = part.link(viewer, "the whole run");
     let sections = sections.iter().map(|section| {
         let (column, from, to) = (&section.column, section.from_m, section.to_m);

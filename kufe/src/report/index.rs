@@ -6,6 +6,7 @@ use kufe_sled::Entry;
 use serde::Serialize;
 
 use crate::jobs::gather::UNNAMED;
+use crate::report::distinct;
 use crate::report::results::results_page;
 use crate::results::{Data, Datum};
 
@@ -54,45 +55,30 @@ impl<'a> IndexRow<'a> {
 /// # Errors
 /// Those of a number that JSON cannot state.
 pub fn index_page(name: &str, folder: &Path, entries: &[Entry]) -> serde_json::Result<String> {
-    let count = entries.len();
-    let plural = if count == 1 { "" } else { "s" };
-    let rows: Vec<IndexRow> = entries
-        .iter()
-        .map(|entry| IndexRow::new(entry, folder))
-        .collect();
+    let rows = entries.iter().map(|entry| IndexRow::new(entry, folder));
+    let counts = |key, of| counts(entries, key, of);
     let documents = [
-        (
-            "sessions",
-            counts(entries, "session", |entry| &entry.session),
-        ),
-        ("tracks", counts(entries, "track", |entry| &entry.track)),
-        ("drivers", counts(entries, "driver", |entry| &entry.driver)),
-        ("every run", Datum::of(&rows)?),
+        ("sessions", counts("session", |entry| &entry.session)),
+        ("tracks", counts("track", |entry| &entry.track)),
+        ("drivers", counts("driver", |entry| &entry.driver)),
+        ("every run", Datum::of(&rows.collect::<Vec<_>>())?),
     ];
     let documents = documents.map(|(name, figures)| (name.to_owned(), figures));
-    Ok(results_page(
-        &format!("{name}: {count} run{plural}"),
-        &[],
-        &[],
-        &documents,
-    ))
+    let count = entries.len();
+    let plural = if count == 1 { "" } else { "s" };
+    let title = format!("{name}: {count} run{plural}");
+    Ok(results_page(&title, &[], &[], &documents))
 }
 
 /// Names in the order in which they come, each with its number of runs.
 fn counts(entries: &[Entry], key: &str, of: fn(&Entry) -> &String) -> Datum {
-    let mut counts: Vec<(&str, i64)> = Vec::new();
-    for entry in entries {
-        let name = of(entry).as_str();
-        match counts.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, count)) => *count += 1,
-            None => counts.push((name, 1)),
-        }
-    }
-    let row = |(name, count): (&str, i64)| {
+    let row = |name: &String| {
+        let count = entries.iter().filter(|entry| of(entry) == name).count();
         Datum::Group(Data(vec![
-            (key.to_owned(), Datum::Text(name.to_owned())),
-            ("runs".to_owned(), Datum::Whole(count)),
+            (key.to_owned(), Datum::Text(name.clone())),
+            ("runs".to_owned(), Datum::Whole(count as i64)),
         ]))
     };
-    Datum::List(counts.into_iter().map(row).collect())
+    let names = distinct(entries.iter().map(of));
+    Datum::List(names.into_iter().map(row).collect())
 }

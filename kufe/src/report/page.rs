@@ -6,7 +6,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
-pub use crate::plot::escape;
+use crate::plot::escape;
 
 /// What a page shows; each kind has its script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,13 +25,8 @@ pub enum Kind {
     View,
 }
 
-/// What a page without scripts may do: show what is in it.
-const PLAIN_POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; \
-    base-uri 'none'; form-action 'none'";
-
 const TEMPLATE: &str = include_str!("../../assets/page.html");
 const STYLE: &str = include_str!("../../assets/page.css");
-const PLAIN: &str = include_str!("../../assets/plain.css");
 const PICTURE: &str = include_str!("../../assets/picture.css");
 const THREE: &str = include_str!("../../assets/three/three.min.js");
 const BASE: &str = include_str!("../../assets/base.js");
@@ -58,9 +53,7 @@ impl Kind {
             Kind::Runs => &[BASE, RUNS],
         }
     }
-}
 
-impl Kind {
     /// The text of the page's only script element.
     fn script(self) -> String {
         format!("\n{}", self.scripts().concat())
@@ -73,8 +66,8 @@ impl Kind {
     pub fn policy(self) -> String {
         static DIGESTS: [OnceLock<String>; 6] = [const { OnceLock::new() }; 6];
         let digest = DIGESTS[self as usize].get_or_init(|| {
-            let hexadecimal = kufe_files::sha256(self.script().as_bytes());
-            let byte = |k: usize| u8::from_str_radix(&hexadecimal[2 * k..2 * k + 2], 16);
+            let digits = kufe_files::sha256(self.script().as_bytes());
+            let byte = |k: usize| u8::from_str_radix(&digits[2 * k..2 * k + 2], 16);
             let bytes: Vec<u8> = (0..32).filter_map(|k| byte(k).ok()).collect();
             STANDARD.encode(bytes)
         });
@@ -118,15 +111,6 @@ pub fn page(kind: Kind, title: &str, data: &impl Serialize) -> String {
         rest = &rest[slot.len()..];
     }
     html + rest
-}
-
-/// A page of text, tables and pictures without scripts; `body` is HTML.
-pub fn plain_page(title: &str, body: &str) -> String {
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta http-equiv=\"Content-Security-Policy\" content=\"{PLAIN_POLICY}\"><meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
-<meta name=\"generator\" content=\"{VERSION}\"><title>{}</title><style>{PLAIN}{PICTURE}</style></head><body>\n{body}</body></html>\n",
-        escape(title)
-    )
 }
 
 /// JSON within a script element: no text in it ends the element or begins another.

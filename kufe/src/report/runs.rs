@@ -2,11 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use kufe_sled::{COLUMNS, OddStretch, Section};
+use kufe_sled::{COLUMNS, Fault, Note, OddStretch, Section};
 use serde::Serialize;
 
 use crate::jobs::gather::UNNAMED;
 use crate::jobs::view_runs::{BEHIND, ViewedRun, ViewedRuns};
+use crate::report::distinct;
 use crate::report::pack::{Packed, pack};
 use crate::report::results::label::{name_of, unit_of};
 use crate::report::sign::sign;
@@ -51,16 +52,8 @@ struct PackedRun {
     stretches: Vec<OddStretch>,
     sections: Vec<Section>,
     contacts: Vec<[f64; 2]>,
-    faults: Vec<Finding>,
-    notes: Vec<Finding>,
-}
-
-/// A fault or a note: the channels, and what it is.
-#[derive(Serialize)]
-struct Finding {
-    columns: Vec<String>,
-    proven: bool,
-    text: String,
+    faults: Vec<Fault>,
+    notes: Vec<Note>,
 }
 
 /// Channels that come first: what a driver reads.
@@ -79,27 +72,17 @@ impl RunsPage {
 
     /// Of the runs with these channels.
     pub fn new(viewed: ViewedRuns) -> RunsPage {
-        let columns = |run: &ViewedRun| -> Vec<String> {
-            run.columns
-                .keys()
-                .chain(run.model.keys())
-                .cloned()
-                .collect()
-        };
-        let there: BTreeSet<String> = viewed.runs.iter().flat_map(columns).collect();
+        let runs = viewed.runs.iter();
+        let keys = runs.flat_map(|run| run.columns.keys().chain(run.model.keys()));
+        let there: BTreeSet<&str> = keys.map(String::as_str).collect();
         let known = FIRST.into_iter().chain(COLUMNS).chain([BEHIND]);
-        let known = known.filter(|key| there.contains(*key)).map(str::to_owned);
-        let mut keys: Vec<String> = Vec::new();
-        for key in known.chain(there.iter().cloned()) {
-            if !keys.contains(&key) {
-                keys.push(key);
-            }
-        }
+        let known = known.filter(|key| there.contains(key));
+        let keys = distinct(known.chain(there.iter().copied()));
         RunsPage {
+            channels: keys.into_iter().map(channel).collect(),
             index: viewed.index,
             rate_hz: viewed.rate_hz,
             model: viewed.model,
-            channels: keys.into_iter().map(channel).collect(),
             runs: viewed.runs.into_iter().map(packed).collect(),
             left_out: viewed.left_out,
         }
@@ -107,19 +90,21 @@ impl RunsPage {
 }
 
 /// Label and unit; angles in degrees, as charts show them.
-fn channel(key: String) -> Channel {
-    let label = match key.as_str() {
-        BEHIND => "run behind model".to_owned(),
-        key => name_of(key),
-    };
-    let (unit, times) = match &*unit_of(&key) {
-        "rad" => ("°".to_owned(), f64::to_degrees(1.0)),
-        "rad/s" => ("°/s".to_owned(), f64::to_degrees(1.0)),
+fn channel(key: &str) -> Channel {
+    let degrees = f64::to_degrees(1.0);
+    let (unit, times) = match &*unit_of(key) {
+        "rad" => ("°".to_owned(), degrees),
+        "rad/s" => ("°/s".to_owned(), degrees),
         unit => (sign(unit), 1.0),
     };
+    let is_behind = key == BEHIND;
     Channel {
-        key,
-        label,
+        key: key.to_owned(),
+        label: if is_behind {
+            "run behind model".to_owned()
+        } else {
+            name_of(key)
+        },
         unit,
         times,
     }
@@ -128,25 +113,9 @@ fn channel(key: String) -> Channel {
 fn packed(run: ViewedRun) -> PackedRun {
     let stated = |name: String| (name != UNNAMED).then_some(name);
     let pack_all = |columns: BTreeMap<String, Vec<f64>>| {
-        let packed = columns
-            .into_iter()
-            .map(|(name, values)| (name, pack(values)));
-        packed.collect()
+        let columns = columns.into_iter();
+        columns.map(|(name, values)| (name, pack(values))).collect()
     };
-    let examination = run.examination;
-    let faults = examination.faults.into_iter().map(|fault| Finding {
-        text: format!("{}: {}", fault.looks_like, fault.evidence),
-        columns: fault.columns,
-        proven: fault.proven,
-    });
-    let notes = examination.notes.into_iter().map(|note| Finding {
-        columns: Some(note.column)
-            .filter(|name| !name.is_empty())
-            .into_iter()
-            .collect(),
-        proven: false,
-        text: note.what,
-    });
     PackedRun {
         run: run.entry.run,
         track: stated(run.entry.track),
@@ -156,10 +125,10 @@ fn packed(run: ViewedRun) -> PackedRun {
         rate_hz: run.rate_hz,
         columns: pack_all(run.columns),
         model: pack_all(run.model),
-        stretches: examination.stretches,
+        stretches: run.examination.stretches,
         sections: run.sections,
         contacts: run.contacts,
-        faults: faults.collect(),
-        notes: notes.collect(),
+        faults: run.examination.faults,
+        notes: run.examination.notes,
     }
 }

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use kufe_lut::{Axes, CurvatureScaling, Error, Method, Mode, Point, Table};
+use kufe_lut::{Axes, CurvatureScaling, Error, Method, Mode, Point, Quantity, Table};
 use serde::Serialize;
 
 use crate::results::{AxisRange, CaseRecord};
@@ -88,47 +88,43 @@ impl<'a> TablePage<'a> {
         ];
         let pick = |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect();
         let (layered, layers) = layers(axes, &taken[2]).unzip();
-        let mut quantities = Vec::new();
         let judged = table.check_errors(table.judged(), Mode::Smooth)?;
         let mut worst: Vec<usize> = (0..judged.len()).collect();
         worst.sort_by(|&a, &b| judged[b].partial_cmp(&judged[a]).unwrap_or(Ordering::Equal));
         worst.truncate(MOST_CHECKS);
         let checks = worst.iter().map(|&k| {
-            let point = table.checks()[k].point;
+            let point = &table.checks()[k].point;
+            let (fz, curvature, layer) = (point.fz, point.curvature, layer_name(point));
             CheckPlace {
-                fz: point.fz,
-                curvature: point.curvature,
-                layer: layer_name(&point),
+                fz,
+                curvature,
+                layer,
             }
         });
-        let checks = checks.collect();
-        for &quantity in table.quantities() {
-            let mut errors = BTreeMap::new();
+        let quantity = |&quantity: &Quantity| {
             let at_checks = table.check_errors(quantity, Mode::Smooth)?;
+            let mut errors = BTreeMap::new();
             for mode in Mode::ALL {
                 let measured = table.interpolation_error(quantity, mode)?;
                 errors.insert(mode.name(), measured.map(|m| m.max));
             }
-            quantities.push(QuantityData {
+            let values = table.values(quantity).unwrap_or_default();
+            let solver = table.errors(quantity);
+            Ok(QuantityData {
                 name: quantity.name(),
                 unit: quantity.unit(),
                 errors,
-                values: cube(axes, &taken, |node| {
-                    table
-                        .values(quantity)
-                        .map_or(f64::NAN, |values| values[node])
-                }),
-                solver: table.errors(quantity).map(|errors| {
-                    let values = table.values(quantity).unwrap_or_default();
-                    cube(axes, &taken, |node| (errors[node] / values[node]).abs())
-                }),
+                values: cube(axes, &taken, |node| values[node]),
+                solver: solver
+                    .map(|errors| cube(axes, &taken, |node| (errors[node] / values[node]).abs())),
                 check_errors: worst.iter().map(|&k| at_checks[k]).collect(),
-            });
-        }
+            })
+        };
         let case: CaseRecord = serde_json::from_str(&table.case).unwrap_or_default();
+        let ranges = AxisRange::of(axes);
         Ok(TablePage {
             name,
-            axes: AxisRange::of(axes)
+            axes: ranges
                 .map(|(name, range)| AxisData { name, range })
                 .collect(),
             fz: pick(axes.fz(), &taken[0]),
@@ -136,12 +132,16 @@ impl<'a> TablePage<'a> {
             flush: axes.flush().map(CurvatureScaling::numbers),
             layers,
             layered,
-            thinned: table.axes().node_count() > taken.iter().map(Vec::len).product(),
-            nodes: table.axes().node_count(),
+            thinned: axes.node_count() > taken.iter().map(Vec::len).product(),
+            nodes: axes.node_count(),
             check_count: table.checks().len(),
-            checks,
+            checks: checks.collect(),
             by_boundary_elements: table.solved_by(Method::BoundaryElements),
-            quantities,
+            quantities: table
+                .quantities()
+                .iter()
+                .map(quantity)
+                .collect::<Result<_, Error>>()?,
             solver_error: table.solver_error(),
             judged: table.judged().name(),
             interpolation_requested: table.interpolation_requested,
@@ -154,30 +154,24 @@ impl<'a> TablePage<'a> {
 
 /// Names of the axes besides force and curvature, and of each of their combinations that is taken.
 fn layers(axes: &Axes, taken: &[usize]) -> Option<(String, Vec<String>)> {
-    let named = [
-        ("rocker radius", "m", axes.rocker_radius()),
-        ("speed", "m/s", axes.speed()),
-        ("ice", "C", axes.ice_c()),
+    let titles = [
+        ("rocker radius", axes.rocker_radius()),
+        ("speed", axes.speed()),
+        ("ice", axes.ice_c()),
     ];
-    let present = named.into_iter().filter(|(_, _, axis)| axis.is_some());
-    let titles: Vec<&str> = present.map(|(title, _, _)| title).collect();
-    let first = axes.points();
-    let name = |&k: &usize| layer_name(&first[k]);
-    let names = taken.iter().map(name).collect();
+    let titles = titles.into_iter().filter(|(_, axis)| axis.is_some());
+    let titles: Vec<&str> = titles.map(|(title, _)| title).collect();
+    let points = axes.points();
+    let names = taken.iter().map(|&k| layer_name(&points[k])).collect();
     (!titles.is_empty()).then(|| (titles.join(", "), names))
 }
 
 /// The coordinates of a point along the axes of layers, to four digits.
 fn layer_name(point: &Point) -> String {
     let rounded = |x: f64| format!("{x:.3e}").parse().unwrap_or(x);
-    let values = [
-        (point.rocker_radius, "m"),
-        (point.speed, "m/s"),
-        (point.ice_c, "C"),
-    ];
-    let texts = values
-        .into_iter()
-        .filter_map(|(value, unit)| Some(format!("{} {unit}", rounded(value?))));
+    let [radius, speed, ice] = [point.rocker_radius, point.speed, point.ice_c];
+    let values = [(radius, "m"), (speed, "m/s"), (ice, "C")].into_iter();
+    let texts = values.filter_map(|(value, unit)| Some(format!("{} {unit}", rounded(value?))));
     texts.collect::<Vec<_>>().join(", ")
 }
 

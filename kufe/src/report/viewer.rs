@@ -4,9 +4,9 @@ use std::path::Path;
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_encode};
 
-use crate::report::page::escape;
+use crate::plot::escape;
 
-/// The page of recorded runs beside the pages that link to it.
+/// The page of recorded runs, in the folder of the pages that link to it.
 pub const VIEWER: &str = "view.html";
 
 /// Characters that an address states by their bytes: it then has none that HTML would read.
@@ -43,7 +43,15 @@ impl Stretch {
     }
 }
 
-impl ViewedPart<'_> {
+impl<'a> ViewedPart<'a> {
+    /// Whole runs.
+    pub fn of_runs(runs: &'a [&'a str]) -> Self {
+        ViewedPart {
+            runs,
+            ..ViewedPart::default()
+        }
+    }
+
     /// A link to this part of the page at the address `viewer`, as HTML.
     pub fn link(&self, viewer: &str, text: &str) -> String {
         let mut parts = Vec::new();
@@ -85,7 +93,7 @@ pub fn viewer_links(links: &[String]) -> String {
     }
 }
 
-/// A page whose links into [`VIEWER`] beside it lead to the address `viewer` instead.
+/// A page whose links into the [`VIEWER`] of its folder lead to the address `viewer` instead.
 pub fn linked_to(page: &str, viewer: &str) -> String {
     // Text of users has no quotes here: they are escaped.
     let link = |viewer: &str| format!("<a href=\"{viewer}#");

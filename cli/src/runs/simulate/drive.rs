@@ -62,18 +62,17 @@ pub fn run(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(
             } else {
                 ", finish not reached"
             };
+            let (name, time, error) = (&run.run, run.time_s, run.energy_balance_relative_error);
             text += &format!(
-                "{}  {:.2} s{finish}  relative error of the energy balance {:.1e}\n",
-                run.run, run.time_s, run.energy_balance_relative_error,
+                "{name}  {time:.2} s{finish}  relative error of the energy balance {error:.1e}\n"
             );
         }
-        let plural = if runs.len() == 1 { "" } else { "s" };
+        let (out, count) = (args.out.display(), runs.len());
+        let plural = if count == 1 { "" } else { "s" };
+        let track = kufe_sled::track_file(&track.name);
         let pictures: String = pictures.iter().map(|name| format!(", {name}")).collect();
         text + &format!(
-            "{}: runs.csv, {} run{plural}, {}, simulation.json{pictures}\n",
-            args.out.display(),
-            runs.len(),
-            kufe_sled::track_file(&track.name),
+            "{out}: runs.csv, {count} run{plural}, {track}, simulation.json{pictures}\n"
         )
     })
 }

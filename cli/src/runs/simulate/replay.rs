@@ -9,15 +9,14 @@ use kufe::jobs::{Failure, channel_series};
 use kufe::plot::unit_of;
 use kufe::results::ReplayResult;
 use kufe_sled::{
-    Difference, Entry, Inputs, Model, Replay, SimulateOptions, Track, TrackShape, Vehicle,
-    beside_measured, gaps_line, outside_tables, read_for_replay, read_index, record, replay,
-    table_samples,
+    Entry, Inputs, Model, Replay, SimulateOptions, Track, TrackShape, Vehicle, beside_measured,
+    gaps_line, outside_tables, read_for_replay, read_index, record, replay, table_samples,
 };
 
 use crate::output::OutputDir;
 use crate::runs::files::{draw_tables, run_format, write_mat};
 use crate::runs::simulate::Args;
-use crate::runs::{all_runs, write_view};
+use crate::runs::{all_runs, named_run, write_view};
 use crate::terminal::{Global, warn};
 
 /// Drives the run again and writes it with the measurement.
@@ -100,14 +99,11 @@ pub fn run(
         warn(&format!("{}: {reason}; compared up to there", done.run));
     }
     global.print(&document, || {
+        let (out, run) = (args.out.display(), driven.entry.file.display());
+        let track = kufe_sled::track_file(&track.name);
         let pictures: String = pictures.iter().map(|name| format!(", {name}")).collect();
         summary(&done)
-            + &format!(
-                "{}: runs.csv, {}, {}, simulation.json, replay.png{pictures}\n",
-                args.out.display(),
-                driven.entry.file.display(),
-                kufe_sled::track_file(&track.name),
-            )
+            + &format!("{out}: runs.csv, {run}, {track}, simulation.json, replay.png{pictures}\n")
     })
 }
 
@@ -115,11 +111,9 @@ pub fn run(
 fn entry(args: &Args, track: &Track) -> Result<Entry, Failure> {
     let file = args.replay.clone().unwrap_or_default();
     let Some(name) = &args.run else {
-        let stem = file
-            .file_stem()
-            .map(|stem| stem.to_string_lossy().into_owned());
+        let stem = file.file_stem().unwrap_or_default();
         return Ok(Entry {
-            run: stem.unwrap_or_default(),
+            run: stem.to_string_lossy().into_owned(),
             file,
             track: track.name.clone(),
             driver: "measured".to_owned(),
@@ -130,51 +124,33 @@ fn entry(args: &Args, track: &Track) -> Result<Entry, Failure> {
         });
     };
     let entries = read_index(&file).map_err(failure)?;
-    let known: Vec<&str> = entries.iter().map(|entry| entry.run.as_str()).collect();
-    let Some(entry) = entries.iter().find(|entry| entry.run == *name) else {
-        return Err(Failure::BadInput(format!(
-            "--run {name}: expected a run of {}: {}",
-            file.display(),
-            known.join(", ")
-        )));
-    };
+    let within = |failure: Failure| failure.within(&file.display().to_string());
+    let entry = named_run(&entries, name, |entry| &entry.run).map_err(within)?;
     if entry.track != track.name {
-        return Err(Failure::BadInput(format!(
-            "{}: run {name} is on track {}: expected a run on {}",
-            file.display(),
-            entry.track,
-            track.name
-        )));
+        return Err(within(Failure::BadInput(format!(
+            "run {name} is on track {}: expected a run on {}",
+            entry.track, track.name
+        ))));
     }
     Ok(entry.clone())
 }
 
 fn summary(done: &Replay) -> String {
+    let (run, track, from, to) = (&done.run, &done.track, done.from_m.round() + 0.0, done.to_m);
     let mut text = format!(
-        "{} on {}, {:.0} to {:.0} m, measured minus model\n\
-         column              root mean square        at the end           largest\n",
-        done.run,
-        done.track,
-        done.from_m.round() + 0.0,
-        done.to_m
+        "{run} on {track}, {from:.0} to {to:.0} m, measured minus model\n\
+         column              root mean square        at the end           largest\n"
     );
     for difference in &done.differences {
-        let Difference {
-            column,
-            rms,
-            end,
-            largest,
-            largest_at_m,
-        } = difference;
-        text +=
-            &format!("{column:18} {rms:17.4} {end:17.4} {largest:17.4} at {largest_at_m:.0} m\n");
+        let (column, rms, end) = (&difference.column, difference.rms, difference.end);
+        let (most, at) = (difference.largest, difference.largest_at_m);
+        text += &format!("{column:18} {rms:17.4} {end:17.4} {most:17.4} at {at:.0} m\n");
     }
-    text += &format!(
-        "mean force along the sled missing from the model: {:.1} N\n",
-        done.mean_force_n
-    );
+    let missing = done.mean_force_n;
+    text += &format!("mean force along the sled missing from the model: {missing:.1} N\n");
     for section in &done.sections {
-        let unit = match section.column.as_str() {
+        let (column, from, to) = (&section.column, section.from_m, section.to_m);
+        let unit = match column.as_str() {
             "v_mps" => "N".into(),
             column => unit_of(column),
         };
@@ -183,9 +159,9 @@ fn summary(done: &Replay) -> String {
             lost if lost <= -5e-4 => format!("; the run gains {:.3} s there", -lost),
             _ => String::new(),
         };
+        let (size, times) = (section.size, section.times_rms);
         text += &format!(
-            "{} differs from {:.0} to {:.0} m, by {:.3} {unit} or {:.1} times its root mean square{time}\n",
-            section.column, section.from_m, section.to_m, section.size, section.times_rms,
+            "{column} differs from {from:.0} to {to:.0} m, by {size:.3} {unit} or {times:.1} times its root mean square{time}\n"
         );
     }
     text

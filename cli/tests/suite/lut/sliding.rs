@@ -30,7 +30,7 @@ fn a_node_is_what_press_says_of_that_load_track_speed_and_ice() {
     let bench = bench("[sliding]\nv_mps = 11.0\nice_c = -2.0\n", axes);
     let said = bench.succeeds(&["lut", "table.toml", "-o", "front.lut", "--csv"]);
     assert!(
-        said.contains("2 x 1 x 2 x 2 (force x curvature x speed x ice temperature)"),
+        said.contains("2 x 1 x 2 x 2 (fz_n x curvature_1pm x v_mps x ice_c)"),
         "{said}"
     );
     bench.write(

@@ -1,39 +1,34 @@
 //! The page: what to act on first, then each effect, then tables folded.
 
-use std::fmt::Write as _;
-
 use crate::plot::escape;
-use crate::report::discovery::parts::{amount, fold, list};
+use crate::report::discovery::parts::{amount, list};
 use crate::report::discovery::pictures::{gaps, models, picture};
 use crate::report::discovery::sections::{bins, detectable, next_runs, parameters, runs, step};
 use crate::report::discovery::summary::summary;
-use crate::report::page::plain_page;
+use crate::report::html::{fold, plain_page, small};
 use crate::report::viewer::{Stretch, ViewedPart, viewer_links};
 use crate::results::finding::{Picture, Plot, Report, Strip};
 
 /// The page of a search for missing effects: one HTML file without scripts. `viewer` is the address
 /// of the page that shows the runs, where there is one.
 pub fn discovery_page(report: &Report, viewer: Option<&str>) -> String {
-    let mut out = String::new();
-    summary(&mut out, report);
-    along_tracks(&mut out, report, viewer);
-    figures(&mut out, &report.pictures);
-    for (k, one) in report.steps.iter().enumerate() {
-        step(&mut out, k + 1, one, report);
-    }
-    details(&mut out, report, viewer);
-    let _ = writeln!(
-        out,
-        "<p><small>kufe {}, seed {}, data: {}</small></p>",
-        escape(&report.version),
-        report.seed,
-        escape(&report.data)
-    );
-    plain_page("What the model does not explain", &out)
+    let steps = report.steps.iter().enumerate();
+    let parts = [
+        summary(report),
+        along_tracks(report, viewer),
+        figures(&report.pictures),
+        steps.map(|(k, one)| step(k + 1, one, report)).collect(),
+        details(report, viewer),
+        small(&format!(
+            "kufe {}, seed {}, data: {}",
+            report.version, report.seed, report.data
+        )),
+    ];
+    plain_page("What the model does not explain", &parts.concat())
 }
 
 /// Residuals along the track with most effects; along the others, folded.
-fn along_tracks(out: &mut String, report: &Report, viewer: Option<&str>) {
+fn along_tracks(report: &Report, viewer: Option<&str>) -> String {
     let strips = report
         .pictures
         .iter()
@@ -43,20 +38,15 @@ fn along_tracks(out: &mut String, report: &Report, viewer: Option<&str>) {
         });
     let mut strips: Vec<(&Strip, &Plot)> = strips.collect();
     strips.sort_by_key(|(strip, _)| std::cmp::Reverse(strip.places.len()));
-    for (k, (strip, plot)) in strips.into_iter().enumerate() {
+    let drawn = strips.into_iter().enumerate().map(|(k, (strip, plot))| {
         let links = viewer.map_or_else(Vec::new, |viewer| strip_links(strip, report, viewer));
         let drawn = picture(plot, false) + &viewer_links(&links);
         match k {
-            0 => out.push_str(&drawn),
-            _ => fold(
-                out,
-                &format!("The same along track {}", strip.track),
-                |out| {
-                    out.push_str(&drawn);
-                },
-            ),
+            0 => drawn,
+            _ => fold(&format!("The same along track {}", strip.track), &drawn),
         }
-    }
+    });
+    drawn.collect()
 }
 
 /// Links to a track, to the places of effects on it, and to runs that met each place.
@@ -91,89 +81,95 @@ fn strip_links(strip: &Strip, report: &Report, viewer: &str) -> Vec<String> {
 }
 
 /// Diagrams side by side, maps one below the other.
-fn figures(out: &mut String, pictures: &[Picture]) {
+fn figures(pictures: &[Picture]) -> String {
     let pictures = pictures
         .iter()
         .filter(|p| !matches!(p.plot, Plot::Strip(_)));
     let is_diagram = |picture: &Picture| matches!(picture.plot, Plot::Scatter(_));
     // Diagrams are in pairs; with an odd number of them the first is as wide as the page.
     let mut is_single = pictures.clone().filter(|p| is_diagram(p)).count() % 2 == 1;
-    let mut drawn = String::new();
-    for one in pictures {
-        let is_one_of_a_pair = is_diagram(one) && !std::mem::take(&mut is_single);
-        let class = if is_one_of_a_pair {
-            ""
-        } else {
-            " class=\"whole\""
-        };
-        let title = escape(&one.title);
-        let svg = picture(&one.plot, is_one_of_a_pair);
-        let _ = writeln!(drawn, "<div{class}><h2>{title}</h2>\n{svg}");
-        if !one.caption.is_empty() {
-            let caption = escape(&one.caption);
-            let _ = writeln!(drawn, "<p><small>{caption}</small></p>");
-        }
-        drawn.push_str("</div>\n");
+    let drawn: String = pictures
+        .map(|one| {
+            let is_one_of_a_pair = is_diagram(one) && !std::mem::take(&mut is_single);
+            let class = if is_one_of_a_pair {
+                ""
+            } else {
+                " class=\"whole\""
+            };
+            let (title, svg) = (escape(&one.title), picture(&one.plot, is_one_of_a_pair));
+            let caption = match &*one.caption {
+                "" => String::new(),
+                caption => small(caption),
+            };
+            format!("<div{class}><h2>{title}</h2>\n{svg}\n{caption}</div>\n")
+        })
+        .collect();
+    if drawn.is_empty() {
+        return drawn;
     }
-    if !drawn.is_empty() {
-        let _ = writeln!(out, "<div class=\"figures\">\n{drawn}</div>");
-    }
+    format!("<div class=\"figures\">\n{drawn}</div>\n")
 }
 
-/// Tables of numbers, folded.
-fn details(out: &mut String, report: &Report, viewer: Option<&str>) {
-    out.push_str("<h2>In numbers</h2>\n");
+/// Tables of numbers, folded; those without numbers are omitted.
+fn details(report: &Report, viewer: Option<&str>) -> String {
+    let held_out = &report.held_out;
+    let seen = "On the data it was fitted to";
+    let mut before_and_after = gaps(seen, &report.training);
+    if !held_out.channels.is_empty() {
+        before_and_after += &gaps("On data that the search had not seen", &held_out.channels);
+        before_and_after += &small(&format!(
+            "Not seen: {}. Root mean squares; no effect can close the noise.",
+            held_out.runs.join(", ")
+        ));
+    }
+    let by_run = report.by_run.iter().any(|channel| channel.runs.len() >= 2);
+    let folds = [
+        (
+            true,
+            "The gap before and after, channel by channel",
+            before_and_after,
+        ),
+        (true, "Where it disagrees", bins(&report.bins)),
+        (
+            !report.steps.is_empty(),
+            "What remains afterwards",
+            bins(&report.bins_after),
+        ),
+        (
+            !report.next_runs.is_empty(),
+            "Which runs to drive next",
+            next_runs(&report.next_runs),
+        ),
+        (
+            by_run,
+            "By run and by session",
+            runs(&report.by_run, viewer),
+        ),
+        (
+            !report.base.is_empty(),
+            "Base parameters, refitted",
+            parameters(&report.base),
+        ),
+    ];
+    let folds = folds.into_iter().filter(|(is_shown, ..)| *is_shown);
+    let mut out = String::from("<h2>In numbers</h2>\n");
     if !report.baselines.is_empty() {
         let title = "Three models on data that the search had not seen";
-        out.push_str(&models(title, &report.baselines));
+        out += &models(title, &report.baselines);
     }
-    fold(out, "The gap before and after, channel by channel", |out| {
-        out.push_str(&gaps("On the data it was fitted to", &report.training));
-        let held_out = &report.held_out;
-        if !held_out.channels.is_empty() {
-            let title = "On data that the search had not seen";
-            out.push_str(&gaps(title, &held_out.channels));
-            let _ = writeln!(
-                out,
-                "<p><small>Not seen: {}. Root mean squares; no effect can close the noise.</small></p>",
-                escape(&held_out.runs.join(", "))
-            );
-        }
-    });
-    fold(out, "Where it disagrees", |out| bins(out, &report.bins));
-    if !report.steps.is_empty() {
-        fold(out, "What remains afterwards", |out| {
-            bins(out, &report.bins_after)
-        });
-    }
-    if !report.next_runs.is_empty() {
-        fold(out, "Which runs to drive next", |out| {
-            next_runs(out, &report.next_runs)
-        });
-    }
-    if report.by_run.iter().any(|channel| channel.runs.len() >= 2) {
-        fold(out, "By run and by session", |out| {
-            runs(out, &report.by_run, viewer);
-        });
-    }
-    if !report.base.is_empty() {
-        fold(out, "Base parameters, refitted", |out| {
-            parameters(out, &report.base)
-        });
-    }
+    out.extend(folds.map(|(_, title, inner)| fold(title, &inner)));
     let tolerated = report.within_tolerance.iter();
     let tolerated =
         tolerated.map(|part| format!("{}: {}", part.what, amount(part.size, &part.unit)));
-    list(out, "Within the tolerance of the installation", tolerated);
+    out += &list("Within the tolerance of the installation", tolerated);
     if !report.minimum_detectable.is_empty() {
-        fold(out, "What these data could distinguish", |out| {
-            detectable(out, &report.minimum_detectable);
-        });
+        let title = "What these data could distinguish";
+        out += &fold(title, &detectable(&report.minimum_detectable));
     }
     let untestable = report.untestable.iter();
     let untestable = untestable.map(|(effect, reason)| format!("{effect}: {reason}"));
-    list(out, "Not testable with these data", untestable);
-    list(out, "Remarks", report.remarks.iter().cloned());
+    out += &list("Not testable with these data", untestable);
+    out + &list("Remarks", report.remarks.iter().cloned())
 }
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
 //! Parts of the page that all sections use.
 
-use std::fmt::Write as _;
-
 use crate::plot::{escape, number4, unit_of, usual};
+use crate::report::html::{self, fold};
 use crate::report::sign::sign;
 use crate::results::finding::{Bin, Fitted};
 
@@ -48,14 +47,12 @@ pub fn size(parameter: &Fitted) -> String {
         "{} = {value} (95 % interval {low} to {high})",
         parameter.name
     );
-    match &**unit {
-        // The hardness of ice is known, its inverse is not.
-        "1/Pa" => format!(
-            "{text}, the inverse of {}",
-            amount(1.0 / parameter.value, "Pa")
-        ),
-        _ => text,
+    if unit != "1/Pa" {
+        return text;
     }
+    // The hardness of ice is known, its inverse is not.
+    let inverse = amount(1.0 / parameter.value, "Pa");
+    format!("{text}, the inverse of {inverse}")
 }
 
 /// What a parameter is, where its name does not say so.
@@ -71,72 +68,43 @@ pub fn meaning(effect: &str, parameter: &str) -> Option<&'static str> {
     }
 }
 
-/// A section that opens when it is clicked.
-pub fn fold(out: &mut String, title: &str, fill: impl FnOnce(&mut String)) {
-    let _ = writeln!(out, "<details><summary>{}</summary>", escape(title));
-    fill(out);
-    out.push_str("</details>\n");
-}
-
-/// A folded list; nothing where it is empty.
-pub fn list(out: &mut String, title: &str, items: impl Iterator<Item = String>) {
-    let items: Vec<String> = items
+/// A folded list of texts; nothing where it is empty.
+pub fn list(title: &str, items: impl Iterator<Item = String>) -> String {
+    let items: String = items
         .map(|text| format!("<li>{}</li>\n", escape(&text)))
         .collect();
-    if !items.is_empty() {
-        fold(out, title, |out| {
-            let _ = write!(out, "<ul>\n{}</ul>\n", items.concat());
-        });
+    if items.is_empty() {
+        return items;
     }
+    fold(title, &format!("<ul>\n{items}</ul>\n"))
 }
 
-/// A table of the columns `NAME|NAME|..`, of which those with a `#` are numbers; rows are shaded
-/// where their flag is set.
+/// A table of texts with the columns `NAME|NAME|..`, of which those with a `#` are numbers; rows
+/// are shaded where their flag is set.
 pub fn table<const N: usize>(
-    out: &mut String,
-    columns: &str,
+    names: &str,
     rows: impl IntoIterator<Item = (bool, [String; N])>,
-) {
-    let columns: Vec<&str> = columns.split('|').collect();
-    let class = |k: usize| {
-        if columns[k].starts_with('#') {
-            " class=n"
-        } else {
-            ""
-        }
-    };
-    out.push_str("<div class=\"wide\"><table><tr>");
-    for (k, column) in columns.iter().enumerate() {
-        let column = escape(column.trim_start_matches('#'));
-        let _ = write!(out, "<th{}>{column}", class(k));
-    }
-    out.push_str("</tr>\n");
-    for (shaded, cells) in rows {
-        out.push_str(if shaded { "<tr class=in>" } else { "<tr>" });
-        for (k, cell) in cells.iter().enumerate() {
-            let _ = write!(out, "<td{}>{}", class(k), escape(cell));
-        }
-        out.push_str("</tr>\n");
-    }
-    out.push_str("</table></div>\n");
+) -> String {
+    let rows = rows.into_iter();
+    let rows = rows.map(|(shaded, cells)| (shaded, cells.map(|text| escape(&text))));
+    html::table(&html::columns(names), rows)
 }
 
 /// A p-value as `= 0.012` or `< 1e-6`.
 pub fn p_is(p: f64) -> String {
-    match p_value(p) {
-        text if text.starts_with('<') => text,
-        text => format!("= {text}"),
-    }
+    let sign = if p < LEAST_P { "" } else { "= " };
+    format!("{sign}{}", p_value(p))
 }
 
-/// A p-value; tails below a millionth are not known any better.
+/// Tails below it are not known any better.
+const LEAST_P: f64 = 1e-6;
+
+/// A p-value.
 pub fn p_value(p: f64) -> String {
-    if p < 1e-6 {
-        "< 1e-6".to_owned()
-    } else if p < 1e-3 {
-        format!("{p:.0e}")
-    } else {
-        format!("{p:.3}")
+    match p {
+        ..LEAST_P => "< 1e-6".to_owned(),
+        ..1e-3 => format!("{p:.0e}"),
+        _ => format!("{p:.3}"),
     }
 }
 
@@ -162,15 +130,9 @@ mod tests {
     }
 
     #[test]
-    fn cells_of_a_table_are_text_and_numbers_are_aligned() {
-        let mut out = String::new();
-        table(
-            &mut out,
-            "name|#p",
-            [(true, ["<a>".to_owned(), p_value(1e-9)])],
-        );
-        assert!(out.contains("<th>name<th class=n>p</tr>"), "{out}");
-        let row = "<tr class=in><td>&lt;a&gt;<td class=n>&lt; 1e-6</tr>";
+    fn cells_of_a_table_are_text() {
+        let out = table("name|#p", [(true, ["<a>".to_owned(), p_value(1e-9)])]);
+        let row = "<tr class=in><td>&lt;a&gt;<td class=n>&lt; 1e-6\n";
         assert!(out.contains(row), "{out}");
     }
 }

@@ -5,6 +5,7 @@ use crate::plot::{
     diverging, extent, number4, unit_of, usual,
 };
 use crate::report::discovery::parts::{channel_label, range, shown};
+use crate::report::distinct;
 use crate::report::sign::sign;
 use crate::results::finding::{
     Baseline, Bin, ByRun, ChannelGap, Maps, Peak, Plot, Scatter, Strip, StripRun,
@@ -26,48 +27,46 @@ const PLACES: Colour = Colour::new(224, 168, 0).alpha(0.3);
 const MOST_BINS: usize = 12;
 const MOST_SESSIONS: usize = 10;
 
-/// A figure of panels one below the other.
-fn column(width: f64, title: &str, label: &str, height: f64, panels: Vec<Panel>) -> Figure {
-    let (letters, label) = (13.0, label.to_owned());
-    let figure = Figure::new(width, title);
-    Figure {
-        letters,
-        label,
-        ..figure
-    }
-    .column(height, panels)
+/// A figure of panels one below the other, without a title; `label` is read to those who do not
+/// see it.
+fn column(width: f64, label: &str, height: f64, panels: Vec<Panel>) -> Figure {
+    let mut figure = Figure::new(width, "").column(height, panels);
+    figure.letters = 13.0;
+    figure.label = label.to_owned();
+    figure
 }
 
 /// A picture for a page and for a phone: the page shows the one that fits.
-fn for_both(page: f64, drawn: impl Fn(f64) -> Figure) -> String {
-    let [page, phone] = [page, PHONE].map(|width| drawn(width).svg());
+fn for_both(page: f64, figure: Figure) -> String {
+    let [page, phone] = [page, PHONE].map(|width| {
+        Figure {
+            width,
+            ..figure.clone()
+        }
+        .svg()
+    });
     format!("<div class=\"page\">{page}</div><div class=\"phone\">{phone}</div>\n")
 }
 
 /// The picture of a plot; a diagram has half the width of the page where it is one of a pair.
 pub fn picture(plot: &Plot, is_one_of_a_pair: bool) -> String {
-    match plot {
-        Plot::Scatter(plot) => {
-            let drawn = |width| column(width, "", &plot.label, 230.0, vec![diagram(plot)]);
-            match is_one_of_a_pair {
-                true => drawn(HALF).svg(),
-                false => for_both(WHOLE, drawn),
-            }
-        }
+    let figure = match plot {
+        Plot::Scatter(plot) => column(HALF, &plot.label, 230.0, vec![diagram(plot)]),
         Plot::Strip(plot) => {
             let channel = format!("{} [{}]", plot.channel, sign(&plot.unit));
             let along = format!("along track {}, by session", plot.track);
-            let title = format!("measured less simulated, {channel}, {along}");
-            let panels = || [false, true].map(|after| strip(plot, after)).to_vec();
-            for_both(WHOLE, |width| column(width, &title, "", 120.0, panels()))
+            let panels = [false, true].map(|after| strip(plot, after));
+            let mut figure = column(WHOLE, "", 120.0, panels.to_vec());
+            figure.title = format!("measured less simulated, {channel}, {along}");
+            figure
         }
-        Plot::Peaks(rows) => {
-            let label = "peak pressure by row";
-            for_both(WHOLE, |width| {
-                column(width, "", label, 0.0, vec![peaks(rows)])
-            })
-        }
-        Plot::Maps(plot) => format!("<div class=\"panels\">\n{}</div>\n", maps(plot)),
+        Plot::Peaks(rows) => column(WHOLE, "peak pressure by row", 0.0, vec![peaks(rows)]),
+        Plot::Maps(plot) => return format!("<div class=\"panels\">\n{}</div>\n", maps(plot)),
+    };
+    if is_one_of_a_pair {
+        figure.svg()
+    } else {
+        for_both(WHOLE, figure)
     }
 }
 
@@ -96,25 +95,25 @@ fn diagram(plot: &Scatter) -> Panel {
 
 /// Every run along a track in its session's colour, the mean of all, and the places of effects.
 fn strip(plot: &Strip, after: bool) -> Panel {
-    fn values(run: &StripRun, after: bool) -> &[f64] {
-        if after { &run.after } else { &run.before }
-    }
-    let count = plot
-        .runs
-        .iter()
-        .map(|run| run.before.len())
-        .max()
-        .unwrap_or(0);
-    let end = plot.from_m + plot.step_m * count as f64;
+    let values = |run: &StripRun| {
+        if after {
+            run.after.clone()
+        } else {
+            run.before.clone()
+        }
+    };
     let both = plot
         .runs
         .iter()
         .flat_map(|run| run.before.iter().chain(&run.after));
     let [_, largest] = extent(both.map(|value| value.abs()).chain([1e-300]));
-    let line = |values: &[f64], width: f64, colour: Colour| {
+    let lengths = plot.runs.iter().map(|run| run.before.len());
+    let count = lengths.max().unwrap_or(0);
+    let end = plot.from_m + plot.step_m * count as f64;
+    let line = |values: Vec<f64>, width: f64, colour: Colour| {
         let at = |k: usize| plot.from_m + plot.step_m * (k as f64 + 0.5);
-        let points = values.iter().enumerate();
-        Layer::line(width, points.map(|(k, value)| (at(k), *value)), colour)
+        let points = values.into_iter().enumerate();
+        Layer::line(width, points.map(|(k, value)| (at(k), value)), colour)
     };
     let mut layers = Vec::new();
     for place in &plot.places {
@@ -127,48 +126,35 @@ fn strip(plot: &Strip, after: bool) -> Panel {
             layers.push(Layer::above(0.5 * (place.from + place.to), &*place.effect));
         }
     }
-    let mut sessions: Vec<&str> = Vec::new();
-    for run in &plot.runs {
-        if !sessions.contains(&&*run.session) {
-            sessions.push(&run.session);
-        }
-    }
+    let sessions = distinct(plot.runs.iter().map(|run| &run.session));
     let named = |layer: Layer, name: &str| if after { layer } else { layer.named(name) };
     for run in &plot.runs {
-        let session = sessions.iter().position(|session| *session == run.session);
+        let session = sessions.iter().position(|session| **session == run.session);
         let session = session.unwrap_or(0);
         let colour = Colour::hue(session, sessions.len()).alpha(0.6);
-        let layer = line(values(run, after), 0.9, colour).hinted(&*run.run);
-        let name = if session < MOST_SESSIONS {
-            &*run.session
-        } else {
-            ""
-        };
-        layers.push(named(layer, name));
+        let layer = line(values(run), 0.9, colour).hinted(&*run.run);
+        let is_named = session < MOST_SESSIONS;
+        layers.push(named(layer, if is_named { &run.session } else { "" }));
     }
     if sessions.len() > MOST_SESSIONS {
         let more = format!("and {} sessions", sessions.len() - MOST_SESSIONS);
-        layers.push(named(line(&[], 1.0, INK.alpha(0.0)), &more));
+        layers.push(named(line(Vec::new(), 1.0, INK.alpha(0.0)), &more));
     }
+    let runs: Vec<Vec<f64>> = plot.runs.iter().map(values).collect();
     let mean = |k: usize| {
-        let at = plot
-            .runs
-            .iter()
-            .filter_map(|run| values(run, after).get(k).copied());
+        let at = runs.iter().filter_map(|values| values.get(k).copied());
         let at: Vec<f64> = at.filter(|value| value.is_finite()).collect();
         at.iter().sum::<f64>() / at.len() as f64
     };
-    let means: Vec<f64> = (0..count).map(mean).collect();
-    let means = line(&means, 1.8, INK);
+    let means = line((0..count).map(mean).collect(), 1.8, INK);
     layers.push(named(means, "mean of all runs"));
-    let x = Axis::new(if after {
-        "distance along the track [m]"
+    let (x, title) = if after {
+        ("distance along the track [m]", "after")
     } else {
-        ""
-    });
+        ("", "before")
+    };
     let y = Axis::new("").within([-1.05 * largest, 1.05 * largest]);
-    let panel = Panel::new(x.within([plot.from_m, end]), y, layers);
-    panel.titled(if after { "after" } else { "before" })
+    Panel::new(Axis::new(x).within([plot.from_m, end]), y, layers).titled(title)
 }
 
 /// Peak pressures, measured (a stroke with two standard deviations) and simulated before (a ring)
@@ -194,9 +180,12 @@ fn peaks(rows: &[Peak]) -> Panel {
             layers.push(layer.named(name).hinted(hint));
         }
     }
-    let names = rows.iter().map(|row| match row.not_seen {
-        true => format!("{}, not seen", row.name),
-        false => row.name.clone(),
+    let names = rows.iter().map(|row| {
+        if row.not_seen {
+            format!("{}, not seen", row.name)
+        } else {
+            row.name.clone()
+        }
     });
     let x = Axis::new("peak pressure [MPa]");
     Panel::new(x, Axis::names("", names).reversed(), layers)
@@ -204,10 +193,11 @@ fn peaks(rows: &[Peak]) -> Panel {
 
 /// Measured pressure, and measured less simulated before and, where that is another one, after.
 fn maps(plot: &Maps) -> String {
-    let mega = |values: &[f64], less: Option<&[f64]>| -> Vec<f64> {
-        let less = |k: usize| less.map_or(0.0, |less| less[k]);
-        let values = values.iter().enumerate();
-        values.map(|(k, pa)| 1e-6 * (pa - less(k))).collect()
+    let less = |simulated: &[f64]| -> Vec<f64> {
+        let pairs = plot.measured.iter().zip(simulated);
+        pairs
+            .map(|(pa, simulated)| 1e-6 * (pa - simulated))
+            .collect()
     };
     let largest = |values: &[f64]| values.iter().fold(1e-6_f64, |m, v| m.max(v.abs()));
     let span = |from: f64, step: f64, count: usize| {
@@ -221,75 +211,76 @@ fn maps(plot: &Maps) -> String {
         let cells = Cells::new([plot.nx, plot.ny], |column, row| {
             Some(bar.colour(values[row * plot.nx + column]))
         });
-        let x = Axis::new("x [mm]").within(window[0]);
-        let y = Axis::new("y [mm]").within(window[1]);
+        let [x, y] = ["x [mm]", "y [mm]"].map(Axis::new);
+        let (x, y) = (x.within(window[0]), y.within(window[1]));
         let panel = Panel::new(x, y, vec![Layer::map(window, cells)]).titled(title);
-        let figure = column(MAP, "", title, 150.0, vec![panel]).bar(bar);
-        Figure {
-            letters: 12.0,
-            ..figure
-        }
-        .svg()
+        let mut figure = column(MAP, title, 150.0, vec![panel]).bar(bar);
+        figure.letters = 12.0;
+        figure.svg()
     };
-    let pressure = mega(&plot.measured, None);
+    let pressure = less(&vec![0.0; plot.measured.len()]);
     let bar = ColourBar::viridis("p [MPa]", [0.0, largest(&pressure)]);
     let mut out = map("measured", pressure, bar);
-    let before = mega(&plot.measured, Some(&plot.before));
+    let before = less(&plot.before);
     let off = largest(&before);
     let bar = || ColourBar::new("p [MPa]", [-off, off], |share| diverging(2.0 * share - 1.0));
     out += &map("measured less simulated, before", before, bar());
     if !plot.after.is_empty() {
-        let after = mega(&plot.measured, Some(&plot.after));
-        out += &map("measured less simulated, after", after, bar());
+        out += &map("measured less simulated, after", less(&plot.after), bar());
     }
     out
 }
 
-/// Bars of one quantity in its own scale, each with its value.
-fn bars(title: String, unit: &str, values: &[(&str, f64, Colour)]) -> Panel {
-    let largest = values
-        .iter()
-        .fold(1e-300_f64, |m, (_, value, _)| m.max(*value));
-    let layers = values
-        .iter()
-        .enumerate()
-        .flat_map(|(k, (_, value, colour))| {
+/// A panel of bars for each quantity in its own scale, each bar with its value.
+fn bars<'a>(
+    title: &str,
+    quantities: impl Iterator<Item = (&'a str, &'a str, Vec<(&'a str, f64, Colour)>)>,
+) -> String {
+    let panels = quantities.map(|(name, unit, values)| {
+        let largest = values
+            .iter()
+            .map(|(_, value, _)| *value)
+            .fold(1e-300, f64::max);
+        let bars = values.iter().enumerate();
+        let layers = bars.flat_map(|(k, (_, value, colour))| {
             let (y, end) = (k as f64, value / largest);
             [
                 Layer::rectangle([0.0, end], [y + 0.15, y + 0.85], *colour),
                 Layer::text((end, y + 0.5), shown(*value, unit), [0.4, 0.0], INK),
             ]
         });
-    let names = Axis::names("", values.iter().map(|(name, ..)| *name));
-    let x = Axis::blank([0.0, 1.25]);
-    Panel::new(x, names.reversed(), layers.collect()).titled(title)
+        let names = Axis::names("", values.iter().map(|(name, ..)| *name));
+        let x = Axis::blank([0.0, 1.25]);
+        Panel::new(x, names.reversed(), layers.collect()).titled(channel_label(name, unit))
+    });
+    let mut figure = column(ALONE, "", 0.0, panels.collect());
+    figure.title = title.to_owned();
+    for_both(ALONE, figure)
 }
 
 /// The gap of each channel before and after, and what the sensors' noise alone would give.
 pub fn gaps(title: &str, channels: &[ChannelGap]) -> String {
-    let panel = |c: &ChannelGap| {
-        let values = [
+    let values = channels.iter().map(|c| {
+        let values = vec![
             ("before", c.before, BEFORE),
             ("after", c.after, AFTER),
             ("sensor noise", c.noise, NEUTRAL),
         ];
-        bars(channel_label(&c.channel, &c.unit), &c.unit, &values)
-    };
-    let panels: Vec<Panel> = channels.iter().map(panel).collect();
-    for_both(ALONE, |width| column(width, title, "", 0.0, panels.clone()))
+        (&*c.channel, &*c.unit, values)
+    });
+    bars(title, values)
 }
 
 /// The gap of each quantity by three models; a model that cannot be simulated has no bar.
 pub fn models(title: &str, baselines: &[Baseline]) -> String {
-    let panel = |b: &Baseline| {
+    let values = baselines.iter().map(|b| {
         let refitted = b.refitted.map(|gap| ("base refitted", gap, NEUTRAL));
         let with_effect = b.with_effect.map(|gap| ("with the effect", gap, AFTER));
-        let mut values = vec![("as given", b.as_given, BEFORE)];
-        values.extend(refitted.into_iter().chain(with_effect));
-        bars(channel_label(&b.quantity, &b.unit), &b.unit, &values)
-    };
-    let panels: Vec<Panel> = baselines.iter().map(panel).collect();
-    for_both(ALONE, |width| column(width, title, "", 0.0, panels.clone()))
+        let given = [("as given", b.as_given, BEFORE)].into_iter();
+        let values = given.chain(refitted).chain(with_effect);
+        (&*b.quantity, &*b.unit, values.collect())
+    });
+    bars(title, values)
 }
 
 /// Mean residuals with two standard errors, relative to the largest of their channel, most
@@ -308,16 +299,13 @@ pub fn bins(bins: &[Bin]) -> String {
     let names = bins
         .iter()
         .map(|bin| format!("{}: {}", bin.channel, range(bin)));
-    let (x, y) = (
-        Axis::blank([-1.05, 1.05]),
-        Axis::names("", names).reversed(),
-    );
+    let names = Axis::names("", names).reversed();
     let title = "mean residual with two standard errors, relative to the largest of its channel";
-    let panel = Panel::new(x, y, layers).titled(title);
-    let label = "mean residual by bin";
-    for_both(ALONE, |width| {
-        column(width, "", label, 0.0, vec![panel.clone()])
-    })
+    let panel = Panel::new(Axis::blank([-1.05, 1.05]), names, layers).titled(title);
+    for_both(
+        ALONE,
+        column(ALONE, "mean residual by bin", 0.0, vec![panel]),
+    )
 }
 
 /// A channel's mean residual run by run, every second session shaded.
@@ -345,9 +333,7 @@ pub fn runs(of: &ByRun) -> String {
     let x = Axis::with("session", Ticks::Names(names)).within([0.0, from.max(1) as f64]);
     let label = format!("{title} by run");
     let panel = Panel::new(x, Axis::new(""), layers).titled(title);
-    for_both(ALONE, |width| {
-        column(width, "", &label, 120.0, vec![panel.clone()])
-    })
+    for_both(ALONE, column(ALONE, &label, 120.0, vec![panel]))
 }
 
 #[cfg(test)]

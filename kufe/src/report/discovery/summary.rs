@@ -1,43 +1,46 @@
 //! The first screen: what is missing, how large, where, how certain, what remains, what to measure
 //! next.
 
-use std::fmt::Write as _;
-
 use crate::plot::escape;
 use crate::report::discovery::parts::{amount, meaning, p_is, shown, size};
+use crate::report::html::tiles;
 use crate::results::finding::{ChannelGap, HeldOut, ModelKind, Report, Step, Verdict};
 
 /// The verdict as a heading, the effects one a line, figures to act on, and what to do next.
-pub fn summary(out: &mut String, report: &Report) {
-    let _ = writeln!(out, "<h1>{}</h1>", in_words(report));
+pub fn summary(report: &Report) -> String {
+    let mut out = format!("<h1>{}</h1>\n", in_words(report));
     if !report.explained.is_empty() {
-        let _ = writeln!(out, "<p>{}</p>", escape(&report.explained));
+        out += &format!("<p>{}</p>\n", escape(&report.explained));
     }
-    if report.steps.is_empty() {
-        let sentence = escape(&report.sentence);
-        let _ = writeln!(out, "<p class=\"verdict\">{sentence}</p>");
+    out += &if report.steps.is_empty() {
+        format!("<p class=\"verdict\">{}</p>\n", escape(&report.sentence))
     } else {
-        out.push_str("<ol class=\"verdict\">\n");
-        for step in &report.steps {
-            let _ = writeln!(out, "<li>{}</li>", effect(step));
-        }
-        out.push_str("</ol>\n");
-    }
-    out.push_str("<div class=\"tiles\">\n");
-    gap_tile(out, report);
+        let effects = report.steps.iter();
+        let effects = effects.map(|step| format!("<li>{}</li>\n", effect(step)));
+        format!(
+            "<ol class=\"verdict\">\n{}</ol>\n",
+            effects.collect::<String>()
+        )
+    };
+    let mut figures = Vec::from_iter(gap(report));
     if let Some(step) = report.steps.first() {
-        step_tiles(out, step, report);
-        remaining_tile(out, report);
+        figures.extend(explained(step, report));
+        let why = "probability that noise alone resembles the first";
+        figures.push((format!("p {}", p_is(step.p_value)), why.to_owned()));
+        figures.push(remaining(report));
     }
-    out.push_str("</div>\n");
-    notes(out, report);
+    // A moment's unit is not broken in two.
+    let whole = |text: String| text.replace(" N m", "\u{a0}N\u{a0}m");
+    let figures = figures.into_iter();
+    out += &tiles(figures.map(|(figure, why)| (whole(figure), whole(why))));
+    let notes = notes(report).into_iter();
+    out.extend(notes.map(|(head, text)| format!("<p><b>{head}:</b> {}</p>\n", escape(&text))));
+    out
 }
 
 /// What is not written, what is implausible, and what to measure next.
-fn notes(out: &mut String, report: &Report) {
-    let mut note = |head: &str, text: &str| {
-        let _ = writeln!(out, "<p><b>{head}:</b> {}</p>", escape(text));
-    };
+fn notes(report: &Report) -> Vec<(&'static str, String)> {
+    let mut notes = Vec::new();
     for withheld in &report.withheld {
         let which = match withheld.model {
             ModelKind::WithEffect => format!("The model with {}", withheld.effects.join(", ")),
@@ -47,27 +50,29 @@ fn notes(out: &mut String, report: &Report) {
             "{which} is worse than the model as given on data that the search had not seen: {}.",
             withheld.reason
         );
-        note("Not written", &text);
+        notes.push(("Not written", text));
     }
     if let (Some(friction), true) = (report.base.first(), report.written != ModelKind::AsGiven) {
-        note("Base in the next model", &size(friction));
+        notes.push(("Base in the next model", size(friction)));
     }
     for parameter in &report.implausible {
         let text = format!(
             "{} is far from the given value: a sensor, the data or the model is wrong rather than this parameter.",
             size(parameter)
         );
-        note("Implausible", &text);
+        notes.push(("Implausible", text));
     }
     if !report.next_experiment.is_empty() {
-        note("What to measure next", &report.next_experiment);
+        notes.push(("What to measure next", report.next_experiment.clone()));
     }
+    notes
 }
 
 fn in_words(report: &Report) -> String {
-    let more = match report.adequate || report.steps.is_empty() {
-        true => "",
-        false => ", and more is missing",
+    let more = if report.adequate || report.steps.is_empty() {
+        ""
+    } else {
+        ", and more is missing"
     };
     let words = match report.verdict {
         Verdict::Named if report.steps.len() > 1 => "Effects are missing from the model",
@@ -87,26 +92,26 @@ fn in_words(report: &Report) -> String {
 fn effect(step: &Step) -> String {
     let mut text = format!("<b>{}</b>", escape(&step.effect));
     if step.class.len() > 1 {
-        let _ = write!(text, " or {}", escape(&step.class[1..].join(" or ")));
+        text += &format!(" or {}", escape(&step.class[1..].join(" or ")));
     }
     if !step.summary.is_empty() {
-        let _ = write!(text, ": {}", escape(&step.summary));
+        text += &format!(": {}", escape(&step.summary));
     }
     let sizes: Vec<String> = step.parameters.iter().map(size).collect();
     if !sizes.is_empty() {
-        let _ = write!(text, "<br>{}", escape(&sizes.join("; ")));
+        text += &format!("<br>{}", escape(&sizes.join("; ")));
     }
     for parameter in &step.parameters {
         if let Some(meaning) = meaning(&step.effect, &parameter.name) {
-            let _ = write!(text, "<br><small>{}: {meaning}</small>", parameter.name);
+            text += &format!("<br><small>{}: {meaning}</small>", parameter.name);
         }
     }
     if let Some(contacts) = contacts(step) {
-        let _ = write!(text, "<br>{}", escape(&contacts));
+        text += &format!("<br>{}", escape(&contacts));
     }
     if !step.place.is_empty() {
         let places = escape(&places(&step.place));
-        let _ = write!(text, "<br><small>where: {places}</small>");
+        text += &format!("<br><small>where: {places}</small>");
     }
     text
 }
@@ -117,20 +122,19 @@ fn places(text: &str) -> String {
     let mut parts: Vec<(&str, Vec<&str>)> = Vec::new();
     for part in text.split("; ") {
         let place = part.strip_prefix("s ");
-        match place.and_then(|place| place.split_once(" m on track ")) {
-            None => parts.push((part, Vec::new())),
-            Some((place, track)) => match parts
-                .iter_mut()
-                .find(|(name, at)| *name == track && !at.is_empty())
-            {
-                Some((_, at)) => at.push(place),
-                None => parts.push((track, vec![place])),
-            },
+        let Some((place, track)) = place.and_then(|place| place.split_once(" m on track ")) else {
+            parts.push((part, Vec::new()));
+            continue;
+        };
+        let mut known = parts.iter_mut();
+        match known.find(|(name, at)| *name == track && !at.is_empty()) {
+            Some((_, at)) => at.push(place),
+            None => parts.push((track, vec![place])),
         }
     }
-    let texts = parts.iter().map(|(name, at)| match at.is_empty() {
-        true => (*name).to_owned(),
-        false => format!("track {name} at {} m", at.join(", ")),
+    let texts = parts.iter().map(|(name, at)| match at[..] {
+        [] => (*name).to_owned(),
+        _ => format!("track {name} at {} m", at.join(", ")),
     });
     texts.collect::<Vec<_>>().join("; ")
 }
@@ -148,19 +152,21 @@ fn contacts(step: &Step) -> Option<String> {
     ))
 }
 
+/// A figure, and what it is.
+type Tile = (String, String);
+
 /// The gap before and after, on data that the search had not seen where there are any.
-fn gap_tile(out: &mut String, report: &Report) {
+fn gap(report: &Report) -> Option<Tile> {
     let held_out = &report.held_out;
+    // A value and its unit are not broken in two.
+    let arrow = |before: &[f64], after: f64, unit: &str| {
+        let before: String = before.iter().map(|gap| shown(*gap, unit) + " → ").collect();
+        before + &amount(after, unit).replace(' ', "\u{a0}")
+    };
     if held_out.runs.is_empty() {
-        if let Some(gap) = report.training.first() {
-            let figure = format!(
-                "{} → {}",
-                shown(gap.before, &gap.unit),
-                amount(gap.after, &gap.unit)
-            );
-            tile(out, &figure, "gap between measured and simulated");
-        }
-        return;
+        let gap = report.training.first()?;
+        let figure = arrow(&[gap.before], gap.after, &gap.unit);
+        return Some((figure, "gap between measured and simulated".to_owned()));
     }
     let runs = match held_out.runs.len() {
         1 => format!("one {}", held_out.what),
@@ -169,136 +175,79 @@ fn gap_tile(out: &mut String, report: &Report) {
     let mut why = format!("gap on {runs} that the search had not seen");
     let channel = judged(held_out);
     if let Some(channel) = channel {
-        let noise = amount(channel.noise, &held_out.unit);
-        let _ = write!(
-            why,
-            " ({}); the sensors’ noise alone makes {noise}",
-            channel.channel
-        );
+        let (name, noise) = (&channel.channel, amount(channel.noise, &held_out.unit));
+        why += &format!(" ({name}); the sensors’ noise alone makes {noise}");
     }
     let mut baselines = report.baselines.iter();
     let baseline = baselines.find(|b| channel.is_some_and(|c| c.channel == b.quantity));
     let models = baseline.and_then(|b| Some((b, b.refitted?, b.with_effect?)));
-    let figure = match models {
-        Some((one, refitted, with_effect)) => {
-            why += ": as given, with the base refitted, with the effect";
-            let [given, refitted] = [one.as_given, refitted].map(|gap| shown(gap, &one.unit));
-            format!(
-                "{given} → {refitted} → {}",
-                unbroken(with_effect, &one.unit)
-            )
-        }
-        None => {
-            let before = shown(held_out.gap_before, &held_out.unit);
-            format!(
-                "{before} → {}",
-                unbroken(held_out.gap_after, &held_out.unit)
-            )
-        }
+    let Some((one, refitted, with_effect)) = models else {
+        let figure = arrow(&[held_out.gap_before], held_out.gap_after, &held_out.unit);
+        return Some((figure, why));
     };
-    tile(out, &figure, &why);
-}
-
-/// A value and its unit without a break between them.
-fn unbroken(value: f64, unit: &str) -> String {
-    amount(value, unit).replace(' ', "\u{a0}")
+    why += ": as given, with the base refitted, with the effect";
+    Some((
+        arrow(&[one.as_given, refitted], with_effect, &one.unit),
+        why,
+    ))
 }
 
 /// The channel whose gap the report states.
 fn judged(held_out: &HeldOut) -> Option<&ChannelGap> {
-    held_out
-        .channels
-        .iter()
-        .find(|c| c.before == held_out.gap_before)
+    let mut channels = held_out.channels.iter();
+    channels.find(|c| c.before == held_out.gap_before)
 }
 
 /// Whether what remains is noise.
-fn remaining_tile(out: &mut String, report: &Report) {
-    let (figure, why) = match (report.clean, report.bins_after.len()) {
-        (true, _) => (
-            "clean",
-            match scatter(&report.held_out) {
-                None => "nothing more is significant".to_owned(),
-                Some(scatter) => {
-                    let what = &report.held_out.what;
-                    format!(
-                        "nothing more is significant; {scatter} in excess of the sensors’ noise differ from {what} to {what}"
-                    )
-                }
-            },
-        ),
-        (false, 0) => (
-            "not clean",
-            format!(
-                "{} remain, more than the noise: something else may be missing",
-                remaining(report)
-            ),
-        ),
-        (false, 1) => (
-            "not clean",
-            "one bin is still significant: something else is missing, too".to_owned(),
-        ),
-        (false, bins) => (
-            "not clean",
-            format!("{bins} bins are still significant: something else is missing, too"),
-        ),
-    };
-    tile(out, figure, &why);
-}
-
-/// The gap that remains.
-fn remaining(report: &Report) -> String {
+fn remaining(report: &Report) -> Tile {
     let held_out = &report.held_out;
-    match report.training.first() {
+    let gap = match report.training.first() {
         Some(gap) if held_out.runs.is_empty() => amount(gap.after, &gap.unit),
         _ => amount(held_out.gap_after, &held_out.unit),
-    }
+    };
+    let why = match (report.clean, report.bins_after.len()) {
+        (true, _) => match scatter(held_out) {
+            None => "nothing more is significant".to_owned(),
+            Some(scatter) => format!(
+                "nothing more is significant; {scatter} in excess of the sensors’ noise differ from {0} to {0}",
+                held_out.what
+            ),
+        },
+        (false, 0) => format!("{gap} remain, more than the noise: something else may be missing"),
+        (false, 1) => "one bin is still significant: something else is missing, too".to_owned(),
+        (false, bins) => {
+            format!("{bins} bins are still significant: something else is missing, too")
+        }
+    };
+    let figure = if report.clean { "clean" } else { "not clean" };
+    (figure.to_owned(), why)
 }
 
 /// What remains in excess of the sensors' noise, where that is more than the noise.
 fn scatter(held_out: &HeldOut) -> Option<String> {
     let noise = judged(held_out)?.noise;
-    let excess = (held_out.gap_after * held_out.gap_after - noise * noise)
-        .max(0.0)
-        .sqrt();
+    let square = held_out.gap_after * held_out.gap_after - noise * noise;
+    let excess = square.max(0.0).sqrt();
     (excess > noise).then(|| amount(excess, &held_out.unit))
 }
 
-fn step_tiles(out: &mut String, step: &Step, report: &Report) {
+/// The share of the explainable gap that is explained, where it is known.
+fn explained(step: &Step, report: &Report) -> Option<Tile> {
     let closed = &step.explainable_gap_closed;
     let [value, low, high] = [closed.value, closed.low, closed.high].map(|share| 100.0 * share);
-    if value.is_finite() {
-        let by = match report.steps.len() {
-            1 => "by it",
-            _ => "by all of them together",
-        };
-        let known = match (low > -100.0 || high < 100.0, low < 0.0) {
-            (true, false) => format!(" ({low:.0} to {high:.0} %)"),
-            (true, true) => {
-                format!(" ({low:.0} to {high:.0} %: too few data to decide whether any)")
-            }
-            (false, _) => ": too few data to decide".to_owned(),
-        };
-        let judged = match report.held_out.runs.is_empty() {
-            true => "",
-            false => " on data not seen",
-        };
-        let why = format!("of what effects could explain{judged} is explained {by}{known}");
-        tile(out, &format!("{value:.0} %"), &why);
-    }
-    let p = format!("p {}", p_is(step.p_value));
-    tile(out, &p, "probability that noise alone resembles the first");
-}
-
-fn tile(out: &mut String, figure: &str, why: &str) {
-    // A moment's unit is not broken in two.
-    let whole = |text: &str| escape(text).replace(" N m", "\u{a0}N\u{a0}m");
-    let _ = writeln!(
-        out,
-        "<div><b>{}</b><span>{}</span></div>",
-        whole(figure),
-        whole(why)
-    );
+    let by = match report.steps.len() {
+        1 => "by it",
+        _ => "by all of them together",
+    };
+    let known = match (low > -100.0 || high < 100.0, low < 0.0) {
+        (true, false) => format!(" ({low:.0} to {high:.0} %)"),
+        (true, true) => format!(" ({low:.0} to {high:.0} %: too few data to decide whether any)"),
+        (false, _) => ": too few data to decide".to_owned(),
+    };
+    let has_unseen = !report.held_out.runs.is_empty();
+    let judged = if has_unseen { " on data not seen" } else { "" };
+    let why = format!("of what effects could explain{judged} is explained {by}{known}");
+    value.is_finite().then(|| (format!("{value:.0} %"), why))
 }
 
 #[cfg(test)]
@@ -320,11 +269,7 @@ mod tests {
             }],
             ..Report::default()
         };
-        let page = |report: &Report| {
-            let mut out = String::new();
-            summary(&mut out, report);
-            out
-        };
+        let page = summary;
         assert!(
             page(&report).contains("3.000 MPa remain"),
             "{}",

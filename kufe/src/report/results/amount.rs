@@ -1,63 +1,51 @@
 //! Numbers in the unit that suits their size.
 
-use std::borrow::Cow;
-
 use crate::plot::number4;
-
 use crate::report::sign::sign;
 
-/// A unit as files have it, and the units in which it is shown, the largest first: the least size,
-/// the factor, and the symbol.
-type Ladder = (&'static str, &'static [(f64, f64, &'static str)]);
+/// A unit as files have it; the least size, the factor and the symbol of a unit in which it is
+/// shown, the largest first.
+type Step = (&'static str, f64, f64, &'static str);
 
-const LADDERS: [Ladder; 14] = [
-    (
-        "Pa",
-        &[
-            (1e9, 1e-9, "GPa"),
-            (1e5, 1e-6, "MPa"),
-            (1e3, 1e-3, "kPa"),
-            (0.0, 1.0, "Pa"),
-        ],
-    ),
-    (
-        "m",
-        &[
-            (1.0, 1.0, "m"),
-            (1e-3, 1e3, "mm"),
-            (1e-7, 1e6, "µm"),
-            (0.0, 1e9, "nm"),
-        ],
-    ),
-    ("m2", &[(0.1, 1.0, "m²"), (0.0, 1e6, "mm²")]),
-    (
-        "m3",
-        &[(1e-2, 1.0, "m³"), (1e-7, 1e6, "cm³"), (0.0, 1e9, "mm³")],
-    ),
-    (
-        "rad",
-        &[(1.0, 1.0, "rad"), (1e-4, 1e3, "mrad"), (0.0, 1e6, "µrad")],
-    ),
-    ("rad/s", &[(0.1, 1.0, "rad/s"), (0.0, 1e3, "mrad/s")]),
-    ("N", &[(1e4, 1e-3, "kN"), (0.1, 1.0, "N"), (0.0, 1e3, "mN")]),
-    ("N m", &[(1.0, 1.0, "N m"), (0.0, 1e3, "mN m")]),
-    ("N/rad", &[(1e3, 1e-3, "kN/rad"), (0.0, 1.0, "N/rad")]),
-    (
-        "J",
-        &[
-            (1e6, 1e-6, "MJ"),
-            (1e3, 1e-3, "kJ"),
-            (0.1, 1.0, "J"),
-            (0.0, 1e3, "mJ"),
-        ],
-    ),
-    ("s", &[(0.5, 1.0, "s"), (1e-4, 1e3, "ms"), (0.0, 1e6, "µs")]),
-    ("m/s", &[(0.1, 1.0, "m/s"), (0.0, 1e3, "mm/s")]),
-    (
-        "bytes",
-        &[(1e6, 1e-6, "MB"), (1e3, 1e-3, "kB"), (0.0, 1.0, "bytes")],
-    ),
-    ("1e-3", &[(0.0, 1e3, "10⁻³")]),
+const STEPS: [Step; 38] = [
+    ("Pa", 1e9, 1e-9, "GPa"),
+    ("Pa", 1e5, 1e-6, "MPa"),
+    ("Pa", 1e3, 1e-3, "kPa"),
+    ("Pa", 0.0, 1.0, "Pa"),
+    ("m", 1.0, 1.0, "m"),
+    ("m", 1e-3, 1e3, "mm"),
+    ("m", 1e-7, 1e6, "µm"),
+    ("m", 0.0, 1e9, "nm"),
+    ("m2", 0.1, 1.0, "m²"),
+    ("m2", 0.0, 1e6, "mm²"),
+    ("m3", 1e-2, 1.0, "m³"),
+    ("m3", 1e-7, 1e6, "cm³"),
+    ("m3", 0.0, 1e9, "mm³"),
+    ("rad", 1.0, 1.0, "rad"),
+    ("rad", 1e-4, 1e3, "mrad"),
+    ("rad", 0.0, 1e6, "µrad"),
+    ("rad/s", 0.1, 1.0, "rad/s"),
+    ("rad/s", 0.0, 1e3, "mrad/s"),
+    ("N", 1e4, 1e-3, "kN"),
+    ("N", 0.1, 1.0, "N"),
+    ("N", 0.0, 1e3, "mN"),
+    ("N m", 1.0, 1.0, "N m"),
+    ("N m", 0.0, 1e3, "mN m"),
+    ("N/rad", 1e3, 1e-3, "kN/rad"),
+    ("N/rad", 0.0, 1.0, "N/rad"),
+    ("J", 1e6, 1e-6, "MJ"),
+    ("J", 1e3, 1e-3, "kJ"),
+    ("J", 0.1, 1.0, "J"),
+    ("J", 0.0, 1e3, "mJ"),
+    ("s", 0.5, 1.0, "s"),
+    ("s", 1e-4, 1e3, "ms"),
+    ("s", 0.0, 1e6, "µs"),
+    ("m/s", 0.1, 1.0, "m/s"),
+    ("m/s", 0.0, 1e3, "mm/s"),
+    ("bytes", 1e6, 1e-6, "MB"),
+    ("bytes", 1e3, 1e-3, "kB"),
+    ("bytes", 0.0, 1.0, "bytes"),
+    ("1e-3", 0.0, 1e3, "10⁻³"),
 ];
 
 /// What numbers are shown in.
@@ -66,32 +54,24 @@ pub struct Scale {
     /// How many of the unit make one of the file's.
     pub times: f64,
     /// The unit's sign, empty for pure numbers.
-    pub unit: Cow<'static, str>,
+    pub unit: String,
 }
 
 impl Scale {
-    /// The one that suits numbers of which the largest has this size.
-    pub fn of(unit: Cow<'static, str>, largest: f64) -> Scale {
-        let steps = LADDERS.iter().find(|(known, _)| *known == unit);
-        // Zero is shown in the usual unit.
-        let fits = |(least, ..): &&(f64, f64, &str)| largest >= *least;
-        if let Some((_, steps)) = steps {
-            let usual = steps.iter().find(|(_, times, _)| *times == 1.0);
-            let step = if largest > 0.0 {
-                steps.iter().find(fits)
-            } else {
-                usual
-            };
-            if let Some((_, times, unit)) = step.or(steps.last()) {
-                return Scale {
-                    times: *times,
-                    unit: Cow::Borrowed(unit),
-                };
-            }
-        }
+    /// The one that suits numbers of which the largest has this size; zero has the usual unit.
+    pub fn of(unit: &str, largest: f64) -> Scale {
+        let known = || STEPS.iter().filter(|step| step.0 == unit);
+        let usual = known().find(|step| step.2 == 1.0 && largest == 0.0);
+        let fitting = || known().find(|step| largest >= step.1);
+        let plain = sign(unit);
+        let (.., times, symbol) = usual.or_else(fitting).unwrap_or(&("", 0.0, 1.0, ""));
         Scale {
-            times: 1.0,
-            unit: Cow::Owned(sign(&unit)),
+            times: *times,
+            unit: if symbol.is_empty() {
+                plain
+            } else {
+                (*symbol).to_owned()
+            },
         }
     }
 
@@ -139,10 +119,10 @@ mod tests {
             (1.2, "kg/m3", "1.200 kg/m³"),
             (-0.02, "1/K", "-0.02000 1/K"),
         ] {
-            let scale = Scale::of(unit.into(), value.abs());
+            let scale = Scale::of(unit, value.abs());
             assert_eq!(format!("{} {}", scale.number(value), scale.unit), shown);
         }
-        assert_eq!(Scale::of("m".into(), 1e-5).error(1.6e-7), "0.16");
-        assert_eq!(Scale::of("Pa".into(), 1e8).error(1.07e6), "1.1");
+        assert_eq!(Scale::of("m", 1e-5).error(1.6e-7), "0.16");
+        assert_eq!(Scale::of("Pa", 1e8).error(1.07e6), "1.1");
     }
 }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::report::page::escape;
+use crate::plot::escape;
 use crate::report::results::amount::Scale;
 use crate::report::results::label::{error_keys, name_of, unit_of};
 use crate::results::{Data, Datum};
@@ -86,18 +86,24 @@ impl Entry<'_> {
         unit_of(self.key)
     }
 
+    /// The figure in the unit that suits it, as HTML.
+    pub fn shown(&self) -> String {
+        self.in_unit(&Scale::of(&self.unit(), self.largest()))
+    }
+
     /// The figure with the unit of this scale, as HTML.
     pub fn in_unit(&self, scale: &Scale) -> String {
-        let numbers = self.is_number() || self.value.list().iter().any(is_number);
         let number = self.number(scale);
-        match (numbers, &*scale.unit) {
-            (false, _) | (_, "") => number,
-            // A power of ten is a factor.
-            (_, power) if power.starts_with("10") && number.contains(' ') => {
-                format!("({number}) · {}", escape(power))
-            }
-            (_, power) if power.starts_with("10") => format!("{number} · {}", escape(power)),
-            (_, unit) => format!("{number} {}", escape(unit)),
+        let has_numbers = self.is_number() || self.value.list().iter().any(is_number);
+        if !has_numbers || scale.unit.is_empty() {
+            return number;
+        }
+        let unit = escape(&scale.unit);
+        // A power of ten is a factor.
+        match (unit.starts_with("10"), number.contains(' ')) {
+            (false, _) => format!("{number} {unit}"),
+            (true, false) => format!("{number} · {unit}"),
+            (true, true) => format!("({number}) · {unit}"),
         }
     }
 
@@ -111,34 +117,33 @@ impl Entry<'_> {
                 format!("{value} ({low} to {high})")
             };
         }
-        let error = self.error.map(|error| format!(" ± {}", scale.error(error)));
         let single = |value: &Datum| match value {
             Datum::Flag(true) => "yes".to_owned(),
             Datum::Flag(false) => "no".to_owned(),
-            // Counts and seeds that are longer than a number's digits are shown in full.
-            Datum::Whole(_) | Datum::Large(_)
-                if scale.times == 1.0 && value.number().is_some_and(|x| x.abs() >= 1e7) =>
-            {
-                value.to_string()
-            }
             // A text of such a column is itself the name of a column or key.
             Datum::Text(text) if ["column", "key"].contains(&self.key) => escape(&name_of(text)),
             other => match other.number() {
-                Some(number) => scale.number(number),
-                None => escape(&other.to_string()),
+                // Counts and seeds that are longer than a number's digits are shown in full.
+                Some(number)
+                    if matches!(other, Datum::Number(_))
+                        || number.abs() < 1e7
+                        || scale.times != 1.0 =>
+                {
+                    scale.number(number)
+                }
+                _ => escape(&other.to_string()),
             },
         };
-        match self.value {
-            Datum::List(values) => {
-                let all = values.iter().map(single).collect::<Vec<_>>().join(", ");
-                match values.len() {
-                    ..=MOST_VALUES => all,
-                    count => format!(
-                        "<details class=\"values\"><summary>{count} values</summary>{all}</details>"
-                    ),
-                }
-            }
-            value => single(value) + &error.unwrap_or_default(),
+        let Datum::List(values) = self.value else {
+            let error = self.error.map(|error| format!(" ± {}", scale.error(error)));
+            return single(self.value) + &error.unwrap_or_default();
+        };
+        let all = values.iter().map(single).collect::<Vec<_>>().join(", ");
+        match values.len() {
+            ..=MOST_VALUES => all,
+            count => format!(
+                "<details class=\"values\"><summary>{count} values</summary>{all}</details>"
+            ),
         }
     }
 }

@@ -20,12 +20,11 @@ const COUNTED: [&str; 6] = [
 ];
 
 /// The most important keys with their proper names, besides those of [`QUANTITIES`] and [`Column`].
-const NAMES: [(&str, &str); 46] = [
+const NAMES: [(&str, &str); 34] = [
     ("v_mean_mps", "mean speed"),
     ("start_speed_mps", "speed at the start"),
     ("mu_se_lines", "friction, standard error of the lines"),
     ("mu_se_scatter", "friction, standard error by scatter"),
-    ("hardness_pa", "hardness"),
     ("mu_zeta", "largest grip, mu zeta"),
     ("c", "shape factor C"),
     ("e", "curvature factor E"),
@@ -35,39 +34,32 @@ const NAMES: [(&str, &str); 46] = [
     ("residual_rms_n", "residual of the lateral force, r.m.s."),
     ("rmse_n", "error of the lateral force, r.m.s."),
     ("rmse_braghin_n", "the same of Braghin's law"),
-    ("along_n", "along"),
     ("side_n", "sideways"),
-    ("yaw_nm", "yaw"),
     ("balances_left_rms", "residuals of the balances, r.m.s."),
     ("left_rms", "residual, r.m.s."),
     ("times_rmse", "times the r.m.s."),
     ("times_rms", "times the usual"),
-    ("run", "run"),
-    ("track", "track"),
-    ("driver", "driver"),
     ("driver_class", "class"),
-    ("class", "class"),
-    ("session", "session"),
     ("measured", "measured run"),
     ("time_s", "run time"),
     ("seconds", "length"),
     ("finished", "came to the finish"),
-    ("stopped", "stopped"),
     ("gravity_j", "gained from gravity"),
     ("ice_j", "lost to the ice"),
     ("air_j", "lost to the air"),
     ("mean_force_n", "missing force, mean"),
-    ("specimen", "specimen"),
     ("index", "index of the runs"),
-    ("replay", "replay"),
     ("from_m", "from"),
     ("to_m", "to"),
     ("column", "what"),
     ("key", "what"),
-    ("file", "file"),
     ("air_density_kgpm3", "density of the air"),
     ("line_gain_rad_per_m", "gain on the line"),
 ];
+
+/// Keys that say as much, and whose words are their names.
+const PLAIN: &str =
+    "hardness_pa along_n yaw_nm run track driver class session stopped specimen replay file";
 
 /// Words of keys that are no words.
 const WORDS: [(&str, &str); 5] = [
@@ -79,25 +71,23 @@ const WORDS: [(&str, &str); 5] = [
 ];
 
 fn named(key: &str) -> Option<&'static str> {
-    let quantity = QUANTITIES.iter().find(|quantity| quantity.key == key);
-    let known = NAMES.iter().find(|(known, _)| *known == key);
-    quantity
-        .map(|quantity| quantity.label)
-        .or(known.map(|(_, name)| *name))
-        .or(Column::named(key).map(Column::label))
+    let quantities = QUANTITIES.iter().map(|one| (one.key, one.label));
+    let mut known = quantities.chain(NAMES);
+    let name = known.find(|(known, _)| *known == key).map(|(_, name)| name);
+    name.or(Column::named(key).map(Column::label))
 }
 
 /// Whether a key is one of those that say most.
 pub fn is_named(key: &str) -> bool {
-    named(key).is_some()
+    named(key).is_some() || PLAIN.split(' ').any(|plain| plain == key)
 }
 
 /// The unit of a key's numbers, as its ending says; empty for pure numbers.
 pub fn unit_of(key: &str) -> Cow<'static, str> {
-    match COUNTED.contains(&key) {
-        true => Cow::Borrowed(THOUSANDTHS),
-        false => crate::plot::unit_of(key),
+    if COUNTED.contains(&key) {
+        return Cow::Borrowed(THOUSANDTHS);
     }
+    crate::plot::unit_of(key)
 }
 
 /// A key as people call it: its proper name, or its words without the unit.
@@ -115,9 +105,10 @@ pub fn name_of(key: &str) -> String {
 /// A key without the ending that is its unit, and that ending.
 fn stem(key: &str) -> (&str, &str) {
     let above = key.rfind("_per_").map_or(key, |at| &key[..at]);
-    let at = match crate::plot::unit_of(above).is_empty() {
-        true => above.len(),
-        false => above.rfind('_').unwrap_or(key.len()),
+    let at = if crate::plot::unit_of(above).is_empty() {
+        above.len()
+    } else {
+        above.rfind('_').unwrap_or(key.len())
     };
     key.split_at(at)
 }

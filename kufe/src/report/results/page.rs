@@ -1,11 +1,10 @@
 //! The page of any document: its pictures and its figures.
 
-use std::fmt::Write as _;
-
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::report::page::{escape, plain_page};
+use crate::plot::escape;
+use crate::report::html::{fold, plain_page, small};
 use crate::report::results::sections::{capital, document};
 use crate::report::viewer::viewer_links;
 use crate::results::Datum;
@@ -33,40 +32,30 @@ pub fn results_page(
     links: &[String],
     documents: &[(String, Datum)],
 ) -> String {
-    let mut out = format!("<h1>{}</h1>\n", escape(title));
-    out.push_str(&viewer_links(links));
     let (first, further) = pictures.split_at(pictures.len().min(FIRST_PICTURES));
-    first.iter().for_each(|picture| shown(&mut out, picture));
+    let shown = |pictures: &[Picture]| pictures.iter().map(shown).collect::<String>();
+    let mut out = format!("<h1>{}</h1>\n", escape(title));
+    out += &viewer_links(links);
+    out += &shown(first);
     for (kind, value) in documents {
-        let _ = writeln!(out, "<h2>{}</h2>", escape(&capital(kind)));
-        document(&mut out, value);
+        out += &format!("<h2>{}</h2>\n{}", escape(&capital(kind)), document(value));
     }
     if !further.is_empty() {
-        let _ = writeln!(
-            out,
-            "<details><summary>{} more pictures</summary>",
-            further.len()
-        );
-        further.iter().for_each(|picture| shown(&mut out, picture));
-        out.push_str("</details>\n");
+        out += &fold(&format!("{} more pictures", further.len()), &shown(further));
     }
-    let version = documents
-        .iter()
-        .find_map(|(_, document)| document.group()?.get("version")?.text());
-    if let Some(version) = version {
-        let _ = writeln!(out, "<p><small>kufe {}</small></p>", escape(version));
-    }
+    let mut versions = documents.iter();
+    let version = versions.find_map(|(_, document)| document.group()?.get("version")?.text());
+    out += &version.map_or(String::new(), |version| small(&format!("kufe {version}")));
     plain_page(title, &out)
 }
 
 /// A picture in its frame; a box that a click ticks shows it at its own size, without a script.
-fn shown(out: &mut String, Picture { name, png }: &Picture) {
-    let _ = writeln!(
-        out,
-        "<label class=\"picture\" title=\"a click shows it at full size\"><input type=\"checkbox\"><img alt=\"{}\" src=\"{}\"></label>",
-        escape(name),
-        picture_url(png)
-    );
+fn shown(Picture { name, png }: &Picture) -> String {
+    let (name, url) = (escape(name), picture_url(png));
+    format!(
+        "<label class=\"picture\" title=\"a click shows it at full size\"><input type=\"checkbox\">\
+         <img alt=\"{name}\" src=\"{url}\"></label>\n"
+    )
 }
 
 #[cfg(test)]

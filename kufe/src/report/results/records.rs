@@ -1,9 +1,9 @@
 //! Records as rows of one table, whose columns are all their figures.
 
 use std::borrow::Cow;
-use std::fmt::Write as _;
 
-use crate::report::page::escape;
+use crate::report::distinct;
+use crate::report::html::{small, table};
 use crate::report::results::amount::Scale;
 use crate::report::results::entry::{Entry, entries};
 use crate::report::results::label::unit_of;
@@ -28,74 +28,47 @@ fn own_unit(row: &Data, entry: &Entry) -> Cow<'static, str> {
 }
 
 /// The table; tables within rows are those of [`within`].
-pub fn records(out: &mut String, rows: &[Datum]) {
+pub fn records(rows: &[Datum]) -> String {
     let rows: Vec<&Data> = rows.iter().filter_map(Datum::group).collect();
     let shown = &rows[..rows.len().min(MOST_ROWS)];
     let cells: Vec<Vec<Entry>> = shown.iter().map(|row| entries(row)).collect();
-    let mut names: Vec<&str> = Vec::new();
-    for entry in cells.iter().flatten() {
-        if !names.contains(&entry.name.as_str()) {
-            names.push(&entry.name);
-        }
-    }
-    let column = |name: &str| -> Vec<Option<&Entry>> {
-        let found = |row: &Vec<Entry<'_>>| row.iter().position(|entry| entry.name == name);
-        cells.iter().map(|row| Some(&row[found(row)?])).collect()
-    };
-    let mut columns = Vec::new();
-    let mut head = String::new();
-    for name in names {
-        let column = column(name);
+    let mut heads = Vec::new();
+    let mut texts = vec![Vec::new(); shown.len()];
+    for name in distinct(cells.iter().flatten().map(|entry| &entry.name)) {
+        let column = cells.iter();
+        let column = column.map(|row| row.iter().find(|entry| entry.name == *name));
+        let column: Vec<Option<&Entry>> = column.collect();
         let present = || column.iter().flatten();
-        let unit = present()
-            .next()
-            .map_or(Cow::Borrowed(""), |entry| entry.unit());
-        let scale = Scale::of(
-            unit.clone(),
-            present().map(|entry| entry.largest()).fold(0.0, f64::max),
-        );
+        let unit = present().next().map_or("".into(), |entry| entry.unit());
+        let largest = present().map(|entry| entry.largest()).fold(0.0, f64::max);
+        let scale = Scale::of(&unit, largest);
         // Rows that name a column or key have units of their own.
-        let own = unit.is_empty()
-            && shown
-                .iter()
-                .any(|row| row.get("column").or(row.get("key")).is_some());
-        let numbers = present().all(|entry| entry.is_number());
-        let class = if numbers { " class=n" } else { "" };
-        let unit = if scale.unit.is_empty() {
-            String::new()
-        } else {
-            format!(" [{}]", escape(&scale.unit))
-        };
-        let _ = write!(head, "<th{class}>{}{unit}", escape(name));
-        let texts: Vec<String> = column
-            .iter()
-            .zip(shown)
-            .map(|(entry, row)| match entry {
-                Some(entry) if own => {
-                    entry.in_unit(&Scale::of(own_unit(row, entry), entry.largest()))
+        let names_key = |row: &&Data| row.get("column").or(row.get("key")).is_some();
+        let is_own = unit.is_empty() && shown.iter().any(names_key);
+        for ((entry, row), texts) in column.iter().zip(shown).zip(&mut texts) {
+            texts.push(match entry {
+                Some(entry) if is_own => {
+                    entry.in_unit(&Scale::of(&own_unit(row, entry), entry.largest()))
                 }
                 Some(entry) => entry.number(&scale),
                 None => String::new(),
-            })
-            .collect();
-        columns.push((class, texts));
-    }
-    let _ = writeln!(out, "<div class=\"wide\"><table><tr>{head}");
-    for k in 0..shown.len() {
-        out.push_str("<tr>");
-        for (class, texts) in &columns {
-            let _ = write!(out, "<td{class}>{}", texts[k]);
+            });
         }
-        out.push('\n');
+        let unit = match &*scale.unit {
+            "" => String::new(),
+            unit => format!(" [{unit}]"),
+        };
+        heads.push((
+            format!("{name}{unit}"),
+            present().all(|entry| entry.is_number()),
+        ));
     }
-    out.push_str("</table></div>\n");
+    let heads: Vec<(&str, bool)> = heads.iter().map(|(name, n)| (&**name, *n)).collect();
+    let mut out = table(&heads, texts.into_iter().map(|texts| (false, texts)));
     if rows.len() > MOST_ROWS {
-        let _ = writeln!(
-            out,
-            "<p><small>The first {MOST_ROWS} of {}.</small></p>",
-            rows.len()
-        );
+        out += &small(&format!("The first {MOST_ROWS} of {}.", rows.len()));
     }
+    out
 }
 
 /// The tables within rows, those of one key as one table: each of their rows begins with the first

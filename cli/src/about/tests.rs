@@ -100,15 +100,13 @@ fn a_name_has_one_letter_and_one_meaning() {
     for (command, option) in options() {
         let name = name(&option);
         let said = help(&option);
-        let meaning = match OWN.contains(&name) {
-            true => String::new(),
-            false => said
-                .split([',', ';', ':', '.', '[', '('])
-                .next()
-                .unwrap_or_default()
-                .trim()
-                .to_owned(),
+        let meaning = if OWN.contains(&name) {
+            ""
+        } else {
+            let first = said.split([',', ';', ':', '.', '[', '(']).next();
+            first.unwrap_or_default().trim()
         };
+        let meaning = meaning.to_owned();
         let own = (command, option.get_short(), meaning);
         let first = known.entry(name.to_owned()).or_insert_with(|| own.clone());
         assert_eq!(

@@ -1,0 +1,170 @@
+//! What commands wrote into a folder, as the folder itself records it.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::Path;
+
+use kufe::jobs::Failure;
+use kufe::jobs::field::is_plain;
+use kufe_files::sha256_of_file;
+use serde::{Deserialize, Serialize};
+
+use crate::output::{TEMPORARY, unwritable};
+
+/// The file of an output folder that records which command wrote which files there.
+pub const RECORD: &str = ".kufe.json";
+/// The index of runs, which names other files of its folder.
+pub const INDEX: &str = "runs.csv";
+
+/// Which command wrote a folder, and which commands wrote which files in it.
+#[derive(Serialize, Deserialize, Clone, Debug)]
+pub struct FolderRecord {
+    version: String,
+    /// The command whose output the folder is; none where the folder is the user's, with single
+    /// files of commands in it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub command: Option<String>,
+    files: BTreeMap<String, FileRecord>,
+}
+
+/// One file of a folder.
+#[derive(Serialize, Deserialize, Clone, Debug)]
+pub struct FileRecord {
+    command: String,
+    /// SHA-256 of its bytes; that of the earlier file too while this one takes its place.
+    sha256: Vec<String>,
+}
+
+impl FileRecord {
+    /// Whether a file is as it was written.
+    pub fn describes(&self, path: &Path) -> bool {
+        hash(path).is_some_and(|found| self.sha256.contains(&found))
+    }
+}
+
+/// SHA-256 of a file; `None` for links and what is no file.
+fn hash(path: &Path) -> Option<String> {
+    let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
+    let file = is_file.then(|| File::open(path).ok()).flatten()?;
+    sha256_of_file(&file).ok()
+}
+
+impl FolderRecord {
+    /// The record of a folder without files.
+    pub fn new(command: Option<&str>) -> FolderRecord {
+        FolderRecord {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            command: command.map(str::to_owned),
+            files: BTreeMap::new(),
+        }
+    }
+
+    /// The record of `folder`; `None` where kufe did not write that folder.
+    pub fn read(folder: &Path) -> Option<FolderRecord> {
+        let path = folder.join(RECORD);
+        if path.is_symlink() {
+            return None;
+        }
+        let text = kufe_files::text_of_regular(&path, 1 << 24).ok()?;
+        let mut record: FolderRecord = serde_json::from_str(&text).ok()?;
+        // A record from elsewhere may name files outside its folder.
+        record.files.retain(|name, _| is_plain(name));
+        Some(record)
+    }
+
+    /// Writes the record into its folder.
+    ///
+    /// # Errors
+    /// The system's where it cannot be written.
+    pub fn write(&self, folder: &Path) -> std::io::Result<()> {
+        let file = tempfile::Builder::new()
+            .prefix(TEMPORARY)
+            .tempfile_in(folder)?;
+        serde_json::to_writer(&file, self)?;
+        file.persist(folder.join(RECORD))?;
+        Ok(())
+    }
+
+    /// The files that `command` wrote, and pages that show them; other commands may have added
+    /// theirs.
+    pub fn files_of(&self, command: &str) -> impl Iterator<Item = (&String, &FileRecord)> {
+        let files = self.files.iter();
+        files.filter(move |(_, file)| file.command == command || file.command == "report")
+    }
+
+    /// The command that wrote the file `name` of `folder`, where the file is as it was written.
+    pub fn writer_of(folder: &Path, name: &str) -> Option<String> {
+        let record = FolderRecord::read(folder)?;
+        let file = record.files.get(name)?;
+        file.describes(&folder.join(name))
+            .then(|| file.command.clone())
+    }
+
+    /// Moves the files of `hidden` of these names into `folder`, whose record this is, and removes
+    /// `stale` ones of an earlier run.
+    ///
+    /// An index of runs is removed first and moved last: what it names is always complete.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with the path that could not be replaced.
+    pub fn replace(
+        mut self,
+        folder: &Path,
+        hidden: &Path,
+        mut names: Vec<String>,
+        stale: &[String],
+        command: &str,
+    ) -> Result<(), Failure> {
+        names.sort_by_key(|name| name == INDEX);
+        // Both sets of files are kufe's until the last is moved.
+        for name in &names {
+            let before = self.files.remove(name).map(|file| file.sha256);
+            let hashes = hash(&hidden.join(name)).into_iter();
+            let file = FileRecord {
+                command: command.to_owned(),
+                sha256: hashes.chain(before.into_iter().flatten()).collect(),
+            };
+            self.files.insert(name.clone(), file);
+        }
+        let failure = |error: std::io::Error| unwritable(folder, &error);
+        self.write(folder).map_err(failure)?;
+        let index = names.iter().filter(|name| *name == INDEX);
+        for path in index.chain(stale).map(|name| folder.join(name)) {
+            if path.symlink_metadata().is_ok() {
+                std::fs::remove_file(&path).map_err(|error| unwritable(&path, &error))?;
+            }
+        }
+        for name in &names {
+            let to = folder.join(name);
+            let moved = std::fs::rename(hidden.join(name), &to);
+            moved.map_err(|error| unwritable(&to, &error))?;
+            let written = self.files.get_mut(name);
+            written.into_iter().for_each(|file| file.sha256.truncate(1));
+        }
+        self.files.retain(|name, _| !stale.contains(name));
+        self.write(folder).map_err(failure)
+    }
+}
+
+/// Removes the files that kufe wrote into `folder` and that nobody changed, and then the folder,
+/// if nothing else is in it.
+pub fn remove_outputs(folder: &Path) {
+    let record = FolderRecord::read(folder).filter(|_| !folder.is_symlink());
+    let Some(record) = record else {
+        return;
+    };
+    for (name, file) in &record.files {
+        if file.describes(&folder.join(name)) {
+            let _ = std::fs::remove_file(folder.join(name));
+        }
+    }
+    let _ = std::fs::remove_file(folder.join(RECORD));
+    let _ = std::fs::remove_dir(folder);
+}
+
+/// A lock on a folder, which other processes of kufe wait for; none where the system has no such.
+pub fn lock(folder: &Path) -> Option<File> {
+    let file = File::open(folder).ok()?;
+    file.lock().ok()?;
+    Some(file)
+}

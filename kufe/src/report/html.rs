@@ -1,0 +1,105 @@
+//! Parts of HTML that pages are composed of.
+
+use crate::plot::escape;
+
+/// Small print, a paragraph of text.
+pub fn small(text: &str) -> String {
+    format!("<p><small>{}</small></p>\n", escape(text))
+}
+
+/// A section that opens when it is clicked; `inner` is HTML.
+pub fn fold(title: &str, inner: &str) -> String {
+    fold_with("", title, inner)
+}
+
+/// As [`fold`], with attributes of the element.
+pub fn fold_with(attributes: &str, title: &str, inner: &str) -> String {
+    let title = escape(title);
+    format!("<details{attributes}><summary>{title}</summary>\n{inner}</details>\n")
+}
+
+/// Figures side by side, each with what it is.
+pub fn tiles<T: AsRef<str>>(figures: impl IntoIterator<Item = (T, T)>) -> String {
+    let tile = |(figure, what): (T, T)| {
+        let [figure, what] = [figure, what].map(|text| escape(text.as_ref()));
+        format!("<div><b>{figure}</b><span>{what}</span></div>\n")
+    };
+    let tiles: String = figures.into_iter().map(tile).collect();
+    format!("<div class=\"tiles\">\n{tiles}</div>\n")
+}
+
+/// Columns of a table, `NAME|#NAME|..`: each name, and whether its `#` marks a column of numbers.
+pub fn columns(names: &str) -> Vec<(&str, bool)> {
+    let names = names.split('|');
+    names
+        .map(|name| (name.trim_start_matches('#'), name.starts_with('#')))
+        .collect()
+}
+
+/// A table of cells in HTML. Rows are shaded where their flag is set; there is no head without
+/// `columns`.
+pub fn table(
+    columns: &[(&str, bool)],
+    rows: impl IntoIterator<Item = (bool, impl AsRef<[String]>)>,
+) -> String {
+    let class = |k: usize| match columns.get(k) {
+        Some((_, true)) => " class=n",
+        _ => "",
+    };
+    let mut out = String::from("<div class=\"wide\"><table>");
+    for (k, (name, _)) in columns.iter().enumerate() {
+        let row = if k == 0 { "<tr>" } else { "" };
+        out += &format!("{row}<th{}>{}", class(k), escape(name));
+    }
+    for (is_shaded, cells) in rows {
+        out += if is_shaded {
+            "\n<tr class=in>"
+        } else {
+            "\n<tr>"
+        };
+        for (k, cell) in cells.as_ref().iter().enumerate() {
+            out += &format!("<td{}>{cell}", class(k));
+        }
+    }
+    out + "\n</table></div>\n"
+}
+
+/// A page of text, tables and pictures without scripts; `body` is HTML.
+///
+/// Its content security policy permits what is in it.
+pub fn plain_page(title: &str, body: &str) -> String {
+    const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; \
+        base-uri 'none'; form-action 'none'";
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+    const PLAIN: &str = include_str!("../../assets/plain.css");
+    const PICTURE: &str = include_str!("../../assets/picture.css");
+    let title = escape(title);
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\
+         <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
+         <meta name=\"generator\" content=\"kufe {VERSION}\"><title>{title}</title>\
+         <style>{PLAIN}{PICTURE}</style></head><body>\n{body}</body></html>\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_a_table_are_aligned_and_names_are_text() {
+        let row = (true, ["a".to_owned(), "1".to_owned()]);
+        let html = table(&columns("<name>|#p"), [row]);
+        assert!(
+            html.contains("<tr><th>&lt;name&gt;<th class=n>p\n"),
+            "{html}"
+        );
+        assert!(html.contains("<tr class=in><td>a<td class=n>1\n"), "{html}");
+        let html = table(&[], [(false, ["a".to_owned()])]);
+        assert_eq!(
+            html,
+            "<div class=\"wide\"><table>\n<tr><td>a\n</table></div>\n"
+        );
+    }
+}
