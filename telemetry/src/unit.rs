@@ -229,7 +229,7 @@ fn product(unit: &str) -> Option<(f64, Dimension)> {
         return Some((1.0, TIME));
     }
     let mut text = unit.replace('/', " per ");
-    for (exponent, plain) in [("²", "2"), ("³", "3"), ("⁻¹", "-1"), ("⁻²", "-2")] {
+    for (exponent, plain) in [("¹", "1"), ("²", "2"), ("³", "3"), ("⁻", "-")] {
         text = text.replace(exponent, plain);
     }
     let (mut size, mut dimension) = (1.0, NONE);
