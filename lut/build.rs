@@ -4,23 +4,14 @@
 //! Without a usable compiler the crate still builds; only writing an FMU is refused then, with the
 //! reason.
 
-use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
 /// A platform that a library is compiled for: its names in FMI 2.0 and 3.0, and the ending of its
 /// libraries.
-struct Platform {
-    fmi2: &'static str,
-    fmi3: &'static str,
-    ending: &'static str,
-}
+type Platform = (&'static str, &'static str, &'static str);
 
-const WINDOWS: Platform = Platform {
-    fmi2: "win64",
-    fmi3: "x86_64-windows",
-    ending: "dll",
-};
+const WINDOWS: Platform = ("win64", "x86_64-windows", "dll");
 
 /// The cross-compiler for Windows, as Debian, Fedora, Arch and Homebrew name it.
 const MINGW: &str = "x86_64-w64-mingw32-gcc";
@@ -33,20 +24,18 @@ fn main() {
     let variable = |name: &str| std::env::var(name).unwrap_or_default();
     let folder = variable("OUT_DIR");
     let folder = Path::new(&folder);
-    let platform = |fmi2, fmi3, ending| Platform { fmi2, fmi3, ending };
-    let native = match (
-        variable("CARGO_CFG_TARGET_ARCH").as_str(),
-        variable("CARGO_CFG_TARGET_OS").as_str(),
-    ) {
-        ("x86_64", "linux") => Some(platform("linux64", "x86_64-linux", "so")),
-        ("aarch64", "linux") => Some(platform("aarch64-linux", "aarch64-linux", "so")),
-        ("x86_64", "macos") => Some(platform("darwin64", "x86_64-darwin", "dylib")),
-        ("aarch64", "macos") => Some(platform("aarch64-darwin", "aarch64-darwin", "dylib")),
+    let [architecture, system] =
+        ["ARCH", "OS"].map(|of| variable(&format!("CARGO_CFG_TARGET_{of}")));
+    let native: Option<Platform> = match (architecture.as_str(), system.as_str()) {
+        ("x86_64", "linux") => Some(("linux64", "x86_64-linux", "so")),
+        ("aarch64", "linux") => Some(("aarch64-linux", "aarch64-linux", "so")),
+        ("x86_64", "macos") => Some(("darwin64", "x86_64-darwin", "dylib")),
+        ("aarch64", "macos") => Some(("aarch64-darwin", "aarch64-darwin", "dylib")),
         _ => None,
     };
     let mut libraries = String::from("[");
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    let compiled = match &native {
+    let compiled = match native {
         None => Err("FMUs are made on Linux and macOS, x86-64 and ARM64".into()),
         Some(_) if machine(&variable("HOST")) != machine(&variable("TARGET")) => {
             Err("it was cross-compiled".into())
@@ -57,7 +46,7 @@ fn main() {
     if !reason.is_empty() {
         println!("cargo::warning=kufe-lut: no FMU for this machine: {reason}");
     }
-    let on_windows = compile(MINGW, &["-static-libgcc", "-s"], &WINDOWS, folder);
+    let on_windows = compile(MINGW, &["-static-libgcc", "-s"], WINDOWS, folder);
     for entry in [compiled, on_windows].into_iter().flatten() {
         libraries += &entry;
     }
@@ -83,10 +72,9 @@ fn machine(triple: &str) -> (Option<&str>, Option<&str>) {
 fn compile(
     compiler: &str,
     flags: &[&str],
-    platform: &Platform,
+    (fmi2, fmi3, ending): Platform,
     folder: &Path,
 ) -> Result<String, String> {
-    let Platform { fmi2, fmi3, ending } = platform;
     let library = folder.join(format!("{fmi3}.bin"));
     let output = Command::new(compiler)
         .args(["-std=c99", "-O2", "-shared", "-fvisibility=hidden"])
@@ -100,12 +88,8 @@ fn compile(
         let messages = String::from_utf8_lossy(&output.stderr);
         return Err(format!("{compiler} failed: {}", messages.trim()));
     }
-    let mut entry = String::new();
-    // Writing to a String cannot fail.
-    let _ = write!(
-        entry,
-        "Library {{ fmi2: {fmi2:?}, fmi3: {fmi3:?}, ending: {ending:?}, \
+    Ok(format!(
+        "Library {{ platform: [{fmi2:?}, {fmi3:?}], ending: {ending:?}, \
          bytes: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{fmi3}.bin\")) }},"
-    );
-    Ok(entry)
+    ))
 }

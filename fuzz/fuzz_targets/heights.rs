@@ -4,5 +4,5 @@
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = kufe_mesh::HeightMap::from_csv(bytes, kufe_mesh::Interpolation::default());
+    let _ = kufe_mesh::HeightMap::from_csv(bytes);
 });

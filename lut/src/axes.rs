@@ -52,6 +52,16 @@ impl AxisKind {
         !matches!(self, AxisKind::Curvature | AxisKind::IceTemperature)
     }
 
+    /// A value as it is interpolated smoothly: its logarithm, or itself.
+    #[inline]
+    pub(crate) fn scaled(self, value: f64) -> f64 {
+        if self.is_logarithmic() {
+            value.ln()
+        } else {
+            value
+        }
+    }
+
     /// Whether only a runner that slides has it.
     pub(crate) fn is_sliding(self) -> bool {
         matches!(self, AxisKind::Speed | AxisKind::IceTemperature)
@@ -156,7 +166,7 @@ impl std::fmt::Display for Point {
 /// assert_eq!(axes.points()[1].speed, Some(15.0));
 /// # Ok::<(), kufe_lut::Error>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axes {
     /// Breakpoints by kind.
     values: [Option<Vec<f64>>; KINDS],
@@ -172,13 +182,8 @@ impl Axes {
     /// # Errors
     /// As [`with`](Self::with).
     pub fn new(fz: Vec<f64>, curvature: Vec<f64>) -> Result<Self, Error> {
-        Axes {
-            values: Default::default(),
-            outside: Default::default(),
-            flush: None,
-        }
-        .with(AxisKind::Fz, fz)?
-        .with(AxisKind::Curvature, curvature)
+        let axes = Axes::default().with(AxisKind::Fz, fz)?;
+        axes.with(AxisKind::Curvature, curvature)
     }
 
     /// Axes of forces [N] and reduced curvatures between 0 and 1.
@@ -191,20 +196,23 @@ impl Axes {
         reduced: Vec<f64>,
         flush: CurvatureScaling,
     ) -> Result<Self, Error> {
+        let axes = Axes::default().with(AxisKind::Fz, fz)?;
+        axes.with_reduced(reduced, flush)
+    }
+
+    /// With reduced curvatures as the second axis.
+    pub(crate) fn with_reduced(
+        self,
+        reduced: Vec<f64>,
+        flush: CurvatureScaling,
+    ) -> Result<Self, Error> {
         if let Some(index) = reduced.iter().position(|t| !(0.0..=1.0).contains(t)) {
-            let expected = "a number between 0 and 1";
-            return Err(Error::axis_value(
-                "reduced_curvature",
-                index,
-                reduced[index],
-                expected,
-            ));
+            let (axis, expected) = ("reduced_curvature", "a number between 0 and 1");
+            return Err(Error::axis_value(axis, index, reduced[index], expected));
         }
-        let axes = Axes::new(fz, reduced)?;
-        Ok(Axes {
-            flush: Some(flush),
-            ..axes
-        })
+        let mut axes = self.with(AxisKind::Curvature, reduced)?;
+        axes.flush = Some(flush);
+        Ok(axes)
     }
 
     /// With breakpoints along an axis.
@@ -301,12 +309,9 @@ impl Axes {
 
     /// Name, unit and breakpoints of every axis, in the order of the nodes.
     pub fn named(&self) -> Vec<(&'static str, &'static str, &[f64])> {
-        let named = self.present().map(|(kind, values)| {
-            if kind == AxisKind::Curvature && self.flush.is_some() {
-                ("reduced_curvature", "1", values)
-            } else {
-                (kind.key(), kind.unit(), values)
-            }
+        let named = self.present().map(|(kind, values)| match kind {
+            AxisKind::Curvature if self.flush.is_some() => ("reduced_curvature", "1", values),
+            _ => (kind.key(), kind.unit(), values),
         });
         named.collect()
     }
@@ -345,9 +350,8 @@ impl Axes {
 
     /// The points of all nodes in their order.
     pub fn points(&self) -> Vec<Point> {
-        (0..self.node_count())
-            .map(|node| self.point(node))
-            .collect()
+        let nodes = 0..self.node_count();
+        nodes.map(|node| self.point(node)).collect()
     }
 
     /// The corners of the cell that holds a point; a corner may occur more than once.
@@ -372,10 +376,8 @@ impl Axes {
 fn check(kind: AxisKind, values: &[f64]) -> Result<(), Error> {
     let axis = kind.key();
     if values.is_empty() || values.len() > MAX_AXIS {
-        return Err(Error::Axis {
-            axis,
-            problem: format!(" has {} values: expected 1 to {MAX_AXIS}", values.len()),
-        });
+        let problem = format!(" has {} values: expected 1 to {MAX_AXIS}", values.len());
+        return Err(Error::Axis { axis, problem });
     }
     for (index, &value) in values.iter().enumerate() {
         let expected = if !value.is_finite() {

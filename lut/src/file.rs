@@ -130,10 +130,8 @@ impl Table {
             let start = if n == 0 { "{" } else { "," };
             write!(writer, "{start}\n\"{key}\": {value}")?;
         }
-        let kinds = self.axes().present().map(|(kind, _)| kind);
-        let axes = kinds.zip(self.axes().named());
-        let axes =
-            axes.map(|(kind, (name, unit, values))| json(&self.axis(kind, name, unit, values)));
+        let axes = self.axes().present().zip(self.axes().named());
+        let axes = axes.map(|((kind, _), named)| json(&self.axis(kind, named)));
         write_lines(writer, "axes", ['[', ']'], axes)?;
         let shape = self.axes().shape();
         let columns = self.columns().iter().map(|(quantity, column)| {
@@ -154,7 +152,7 @@ impl Table {
         Ok(())
     }
 
-    fn axis(&self, kind: AxisKind, name: &str, unit: &str, values: &[f64]) -> AxisFile {
+    fn axis(&self, kind: AxisKind, (name, unit, values): (&str, &str, &[f64])) -> AxisFile {
         let flush = self.axes().flush().filter(|_| name == "reduced_curvature");
         let curvatures = flush.map(|_| {
             let points = self.axes().points();
@@ -172,15 +170,13 @@ impl Table {
     }
 
     fn accuracy(&self) -> Result<Accuracy, Error> {
-        let mut interpolation = BTreeMap::new();
+        let mut interpolation: BTreeMap<Mode, BTreeMap<_, _>> = BTreeMap::new();
         for mode in Mode::ALL {
-            let mut of_mode = BTreeMap::new();
+            let of_mode = interpolation.entry(mode).or_default();
             for &quantity in self.quantities() {
-                if let Some(error) = self.interpolation_error(quantity, mode)? {
-                    of_mode.insert(quantity, error);
-                }
+                let error = self.interpolation_error(quantity, mode)?;
+                of_mode.extend(error.map(|error| (quantity, error)));
             }
-            interpolation.insert(mode, of_mode);
         }
         Ok(Accuracy {
             quantity: self.judged(),
@@ -217,12 +213,8 @@ fn from_file(file: TableFile) -> Result<Table, Error> {
         return Err(Error::format("format", &file.format, FORMAT));
     }
     if file.format_version != FORMAT_VERSION {
-        let found = file.format_version.to_string();
-        return Err(Error::format(
-            "format_version",
-            &found,
-            FORMAT_VERSION.to_string(),
-        ));
+        let [found, expected] = [file.format_version, FORMAT_VERSION].map(|n| n.to_string());
+        return Err(Error::format("format_version", &found, expected));
     }
     let origin = Origin::new(file.version, file.case_sha256)?;
     let axes = from_axes(file.axes)?;
@@ -230,15 +222,13 @@ fn from_file(file: TableFile) -> Result<Table, Error> {
     let sliding = axes.is_sliding() || file.quantities.contains_key(&Quantity::Mu);
     let expected = Quantity::of(sliding);
     if !file.quantities.keys().eq(expected) {
-        let names = |list: &mut dyn Iterator<Item = &Quantity>| {
-            list.map(|q| q.name()).collect::<Vec<_>>().join(", ")
+        let names = |list: Vec<&Quantity>| -> String {
+            let names: Vec<&str> = list.iter().map(|quantity| quantity.name()).collect();
+            names.join(", ")
         };
-        let found = names(&mut file.quantities.keys());
-        return Err(Error::format(
-            "quantities",
-            &found,
-            names(&mut expected.iter()),
-        ));
+        let found = names(file.quantities.keys().collect());
+        let expected = names(expected.iter().collect());
+        return Err(Error::format("quantities", &found, expected));
     }
     let mut columns = BTreeMap::new();
     for (quantity, column) in file.quantities {
@@ -267,68 +257,53 @@ fn from_file(file: TableFile) -> Result<Table, Error> {
 }
 
 fn from_axes(files: Vec<AxisFile>) -> Result<Axes, Error> {
-    let mut read: Vec<(AxisKind, Vec<f64>)> = Vec::new();
-    let (mut flush, mut outside) = (None, Vec::new());
+    if files.len() < 2 {
+        let expected = "fz_n and curvature_1pm";
+        return Err(Error::format("axes", "fewer than two axes", expected));
+    }
+    let mut axes = Axes::default();
+    let mut last = None;
     for (n, axis) in files.into_iter().enumerate() {
-        let key = format!("axes[{n}]");
+        let wrong = |key: &str, found: &str, expected: &str| {
+            Err(Error::format(&format!("axes[{n}].{key}"), found, expected))
+        };
         let allowed: Vec<AxisKind> = match n {
-            0 => vec![AxisKind::Fz],
-            1 => vec![AxisKind::Curvature],
+            0 | 1 => vec![AxisKind::ALL[n]],
             _ => AxisKind::ALL
                 .into_iter()
-                .filter(|k| *k > read[n - 1].0)
+                .filter(|kind| Some(*kind) > last)
                 .collect(),
         };
         let reduced = n == 1 && axis.name == "reduced_curvature";
-        let kind = allowed
-            .iter()
-            .find(|kind| reduced || kind.key() == axis.name);
-        let Some(&kind) = kind else {
+        let mut named = allowed.iter();
+        let Some(&kind) = named.find(|kind| reduced || kind.key() == axis.name) else {
             let names: Vec<&str> = allowed.iter().map(|kind| kind.key()).collect();
-            return Err(Error::format(
-                &format!("{key}.name"),
-                &axis.name,
-                names.join(" or "),
-            ));
+            return wrong("name", &axis.name, &names.join(" or "));
         };
         let unit = if reduced { "1" } else { kind.unit() };
         if axis.unit != unit {
-            return Err(Error::format(&format!("{key}.unit"), &axis.unit, unit));
+            return wrong("unit", &axis.unit, unit);
         }
         if axis.flush.is_some() != reduced {
             let expected = "flush with the axis reduced_curvature, and only there";
-            return Err(Error::format(&format!("{key}.flush"), &axis.name, expected));
+            return wrong("flush", &axis.name, expected);
         }
         if kind == AxisKind::RockerRadius && !axis.outside.is_hold() {
             let expected = "no such key: a rocker radius outside is refused in any case";
-            let found = axis.outside.name();
-            return Err(Error::format(&format!("{key}.outside"), found, expected));
+            return wrong("outside", axis.outside.name(), expected);
         }
-        outside.push((kind, axis.outside));
-        flush = flush.or(axis.flush);
         let length = [axis.values.flat.len()];
-        read.push((
-            kind,
-            axis.values.of_shape(&format!("{key}.values"), &length)?,
-        ));
+        let values = axis
+            .values
+            .of_shape(&format!("axes[{n}].values"), &length)?;
+        axes = match axis.flush {
+            Some(flush) => axes.with_reduced(values, flush)?,
+            None => axes.with(kind, values)?,
+        };
+        axes = axes.with_outside(kind, axis.outside);
+        last = Some(kind);
     }
-    let mut read = read.into_iter();
-    let (Some((_, fz)), Some((_, curvature))) = (read.next(), read.next()) else {
-        return Err(Error::format(
-            "axes",
-            "fewer than two axes",
-            "fz_n and curvature_1pm",
-        ));
-    };
-    let axes = match flush {
-        None => Axes::new(fz, curvature),
-        Some(flush) => Axes::reduced(fz, curvature, flush),
-    }?;
-    let axes = read.try_fold(axes, |axes, (kind, values)| axes.with(kind, values))?;
-    let with_rules = outside
-        .into_iter()
-        .fold(axes, |axes, (kind, rule)| axes.with_outside(kind, rule));
-    Ok(with_rules)
+    Ok(axes)
 }
 
 fn from_column(quantity: Quantity, file: ColumnFile, shape: &[usize]) -> Result<Column, Error> {
@@ -337,20 +312,19 @@ fn from_column(quantity: Quantity, file: ColumnFile, shape: &[usize]) -> Result<
         return Err(Error::format(&key("unit"), &file.unit, quantity.unit()));
     }
     let values = file.values.of_shape(&key("values"), shape)?;
+    let errors = file.errors.map(|list| list.of_shape(&key("errors"), shape));
+    let errors = errors.transpose()?;
+    let place = |list: &str, n: usize| format!("{}, number {}", key(list), n + 1);
     for (n, &value) in values.iter().enumerate() {
         if let Some(expected) = quantity.expectation(value) {
-            let key = format!("{}, number {}", key("values"), n + 1);
-            return Err(Error::format(&key, &value.to_string(), expected));
+            let found = value.to_string();
+            return Err(Error::format(&place("values", n), &found, expected));
         }
     }
-    let errors = file
-        .errors
-        .map(|errors| errors.of_shape(&key("errors"), shape));
-    let errors = errors.transpose()?;
     for (n, &error) in errors.iter().flatten().enumerate() {
         if let Some(expected) = Quantity::error_expectation(error) {
-            let key = format!("{}, number {}", key("errors"), n + 1);
-            return Err(Error::format(&key, &error.to_string(), expected));
+            let found = error.to_string();
+            return Err(Error::format(&place("errors", n), &found, expected));
         }
     }
     Ok(Column { values, errors })
@@ -359,24 +333,22 @@ fn from_column(quantity: Quantity, file: ColumnFile, shape: &[usize]) -> Result<
 /// A check has a coordinate along each further axis, within it, and along no other.
 fn check_place(key: &str, point: &Point, axes: &Axes) -> Result<(), Error> {
     for kind in AxisKind::ALL.into_iter().skip(2) {
-        let key = format!("{key}.{}", kind.key());
-        match (axes.get(kind), point.get(kind)) {
-            (None, None) => {}
-            (None, Some(value)) => {
-                return Err(Error::format(
-                    &key,
-                    &value.to_string(),
-                    "no such coordinate",
-                ));
+        let given = point.get(kind);
+        let expected = match (axes.get(kind), given) {
+            (None, None) => continue,
+            (None, Some(_)) => "no such coordinate",
+            (Some(_), None) => "a coordinate",
+            (Some(axis), Some(value)) if (axis[0]..=axis[axis.len() - 1]).contains(&value) => {
+                continue;
             }
-            (Some(_), None) => return Err(Error::format(&key, "nothing", "a coordinate")),
-            (Some(axis), Some(value)) => {
-                if !(axis[0]..=axis[axis.len() - 1]).contains(&value) {
-                    let expected = "a value within the axis";
-                    return Err(Error::format(&key, &value.to_string(), expected));
-                }
-            }
-        }
+            (Some(_), Some(_)) => "a value within the axis",
+        };
+        let found = given.map_or("nothing".into(), |value| value.to_string());
+        return Err(Error::format(
+            &format!("{key}.{}", kind.key()),
+            &found,
+            expected,
+        ));
     }
     Ok(())
 }
@@ -456,39 +428,49 @@ impl<T: Serialize> Serialize for Rows<'_, T> {
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Nested<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut lengths = Lengths {
-            known: [None; KINDS],
+        let mut lists = Lists {
+            depth: 0,
+            lengths: [None; KINDS],
             leaves: None,
             flat: Vec::new(),
         };
-        let level = Level {
-            lengths: &mut lengths,
-            depth: 0,
-        };
-        level.deserialize(deserializer)?;
-        let depth = lengths.leaves.unwrap_or(1).max(1);
-        let shape = lengths.known[..depth].iter().map(|n| n.unwrap_or(0));
+        lists.deserialize(deserializer)?;
+        let depth = lists.leaves.unwrap_or(1).max(1);
+        let shape = lists.lengths[..depth].iter().map(|n| n.unwrap_or(0));
         Ok(Nested {
             shape: shape.collect(),
-            flat: lengths.flat,
+            flat: lists.flat,
         })
     }
 }
 
-/// Lengths of the lists so far by depth, the depth of the entries, and these.
-struct Lengths<T> {
-    known: [Option<usize>; KINDS],
+/// What is read of lists within lists.
+struct Lists<T> {
+    /// How many lists are open.
+    depth: usize,
+    /// Lengths of the lists by depth.
+    lengths: [Option<usize>; KINDS],
+    /// The depth of the entries.
     leaves: Option<usize>,
     flat: Vec<T>,
 }
 
-/// A list or an entry at a depth.
-struct Level<'a, T> {
-    lengths: &'a mut Lengths<T>,
-    depth: usize,
+impl<T> Lists<T> {
+    fn push<E: serde::de::Error>(&mut self, entry: Result<T, E>) -> Result<(), E> {
+        let depth = *self.leaves.get_or_insert(self.depth);
+        if depth == 0 || depth != self.depth {
+            return Err(E::custom("expected lists of one depth"));
+        }
+        if self.flat.len() == MAX_NODES {
+            return Err(E::custom(format!("expected at most {MAX_NODES} entries")));
+        }
+        self.flat.push(entry?);
+        Ok(())
+    }
 }
 
-impl<'de, T: Deserialize<'de>> DeserializeSeed<'de> for Level<'_, T> {
+/// Reads a list or an entry.
+impl<'de, T: Deserialize<'de>> DeserializeSeed<'de> for &mut Lists<T> {
     type Value = ();
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
@@ -496,21 +478,7 @@ impl<'de, T: Deserialize<'de>> DeserializeSeed<'de> for Level<'_, T> {
     }
 }
 
-impl<T> Level<'_, T> {
-    fn push<E: serde::de::Error>(self, entry: Result<T, E>) -> Result<(), E> {
-        let depth = *self.lengths.leaves.get_or_insert(self.depth);
-        if depth == 0 || depth != self.depth {
-            return Err(E::custom("expected lists of one depth"));
-        }
-        if self.lengths.flat.len() == MAX_NODES {
-            return Err(E::custom(format!("expected at most {MAX_NODES} entries")));
-        }
-        self.lengths.flat.push(entry?);
-        Ok(())
-    }
-}
-
-impl<'de, T: Deserialize<'de>> Visitor<'de> for Level<'_, T> {
+impl<'de, T: Deserialize<'de>> Visitor<'de> for &mut Lists<T> {
     type Value = ();
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -534,28 +502,21 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for Level<'_, T> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
-        let depth = self.depth;
-        if depth == KINDS {
+        if self.depth == KINDS {
             let text = format!("expected lists of at most {KINDS} levels");
             return Err(A::Error::custom(text));
         }
+        self.depth += 1;
         let mut length = 0;
-        loop {
-            let inner = Level {
-                lengths: &mut *self.lengths,
-                depth: depth + 1,
-            };
-            if seq.next_element_seed(inner)?.is_none() {
-                break;
-            }
+        while seq.next_element_seed(&mut *self)?.is_some() {
             length += 1;
             if length > MAX_AXIS {
-                return Err(A::Error::custom(format!(
-                    "expected at most {MAX_AXIS} entries"
-                )));
+                let text = format!("expected at most {MAX_AXIS} entries");
+                return Err(A::Error::custom(text));
             }
         }
-        let known = *self.lengths.known[depth].get_or_insert(length);
+        self.depth -= 1;
+        let known = *self.lengths[self.depth].get_or_insert(length);
         if known != length {
             let text = format!("found a list of {length} entries, expected {known}");
             return Err(A::Error::custom(text));

@@ -38,10 +38,7 @@ impl Mode {
 
     /// Name in files and on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Mode::Bilinear => "bilinear",
-            Mode::Smooth => "smooth",
-        }
+        ["bilinear", "smooth"][self as usize]
     }
 }
 
@@ -137,13 +134,14 @@ pub struct Interpolator {
     curvature: Breakpoints,
     /// Parameters of the reduced curvatures on the second axis, where it holds such.
     flush: Option<CurvatureScaling>,
-    /// The further axes, the last one fastest.
-    stack: Vec<LayerAxis>,
+    /// The further axes, along which layers lie, the last one fastest.
+    stack: Vec<Breakpoints>,
     /// Plain values: layer by layer, rows of constant force.
-    values: Vec<f64>,
+    pub(crate) values: Vec<f64>,
     /// Smooth mode only: jets of the scaled values over the scaled axes.
     jets: Vec<Jet>,
-    logarithmic: bool,
+    /// Whether the jets are of logarithms.
+    pub(crate) logarithmic: bool,
 }
 
 /// Largest number of axes along which layers lie.
@@ -173,16 +171,13 @@ impl Interpolator {
         })?;
         let logarithmic = mode == Mode::Smooth && all.iter().all(|&value| value > 0.0);
         let nodes = at_rocker(table, all, mode, logarithmic, rocker_radius)?;
-        let [fz, curvature] = [AxisKind::Fz, AxisKind::Curvature].map(|kind| {
-            let values = axes.get(kind).unwrap_or_default();
-            Breakpoints::new(axes, kind, values)
-        });
-        let stack = axes.present().filter(|(kind, _)| kind.is_sliding());
-        let stack: Vec<LayerAxis> = stack
-            .map(|(kind, values)| LayerAxis::new(Breakpoints::new(axes, kind, values)))
-            .collect();
+        let breakpoints = |kind| Breakpoints::new(axes, kind);
+        let [fz, curvature] = [AxisKind::Fz, AxisKind::Curvature].map(breakpoints);
+        let stack = axes.present().map(|(kind, _)| kind);
+        let stack = stack.filter(|kind| kind.is_sliding()).map(breakpoints);
+        let stack: Vec<Breakpoints> = stack.collect();
         assert!(stack.len() <= MAX_STACK, "{} axes of layers", stack.len());
-        let layers: usize = stack.iter().map(|axis| axis.points.plain.len()).product();
+        let layers: usize = stack.iter().map(|axis| axis.plain.len()).product();
         let by_layer = (0..layers).flat_map(|n| nodes.iter().skip(n).step_by(layers).copied());
         let values: Vec<f64> = by_layer.collect();
         let mut all_jets = Vec::new();
@@ -207,19 +202,19 @@ impl Interpolator {
 
     /// The quantity at a sample.
     ///
-    /// Inputs outside the table are flagged, and become what the rules of their axes say
+    /// Inputs outside the table are flagged, and replaced by the rules of their axes
     /// ([`Outside`]); NaN gives NaN and the flag. Needs no allocation and at most `log2` of the
     /// axes' lengths in comparisons.
     #[inline]
     pub fn at(&self, sample: Sample) -> Interpolated {
-        let missing = |axis: &LayerAxis| sample.get(axis.points.kind).is_nan();
+        let missing = |axis: &Breakpoints| sample.get(axis.kind).is_nan();
         if sample.fz.is_nan() || sample.curvature.is_nan() || self.stack.iter().any(missing) {
             return Interpolated::NONE;
         }
         let x = self.fz.place(sample.fz);
         let y = self.curvature.place(match &self.flush {
             None => sample.curvature,
-            Some(flush) => flush.reduced(self.fz.held(sample.fz), sample.curvature),
+            Some(flush) => flush.reduced(self.fz.clamped(sample.fz), sample.curvature),
         });
         if self.stack.is_empty() {
             let outside = x.outside || y.outside;
@@ -237,7 +232,7 @@ impl Interpolator {
         }
         let mut places = [x, y, Place::default(), Place::default()];
         for (place, axis) in places[2..].iter_mut().zip(&self.stack) {
-            *place = axis.points.place(sample.get(axis.points.kind));
+            *place = axis.place(sample.get(axis.kind));
         }
         let outside = places.iter().any(|place| place.outside);
         if outside && self.refuses(&places) {
@@ -252,9 +247,7 @@ impl Interpolator {
     /// Whether an input is outside an axis whose rule is an error.
     #[cold]
     fn refuses(&self, places: &[Place]) -> bool {
-        let stack = self.stack.iter().map(|axis| &axis.points);
-        let axes = [&self.fz, &self.curvature].into_iter().chain(stack);
-        let mut pairs = axes.zip(places);
+        let mut pairs = self.axes().zip(places);
         pairs.any(|(axis, place)| place.outside && axis.outside == Outside::Error)
     }
 
@@ -306,16 +299,11 @@ impl Interpolator {
         let values = &self.values[layer * self.fz.plain.len() * columns..];
         let tx = fraction(&self.fz.plain, x, x.at);
         let ty = fraction(&self.curvature.plain, y, y.at);
-        let (v00, v10) = (
-            values[x.low * columns + y.low],
-            values[x.high * columns + y.low],
-        );
-        let (v01, v11) = (
-            values[x.low * columns + y.high],
-            values[x.high * columns + y.high],
-        );
-        let left = v00 + (v10 - v00) * tx;
-        let right = v01 + (v11 - v01) * tx;
+        let along = |column: usize| {
+            let [a, b] = [x.low, x.high].map(|row| values[row * columns + column]);
+            a + (b - a) * tx
+        };
+        let (left, right) = (along(y.low), along(y.high));
         left + (right - left) * ty
     }
 
@@ -339,12 +327,16 @@ impl Interpolator {
 
     /// Whether the quantity depends on the coordinate along an axis.
     pub fn has(&self, kind: AxisKind) -> bool {
-        kind <= AxisKind::Curvature || self.stack.iter().any(|axis| axis.points.kind == kind)
+        self.axis(kind).is_some()
     }
 
-    /// Plain values of all layers.
-    pub(crate) fn values(&self) -> &[f64] {
-        &self.values
+    fn axes(&self) -> impl Iterator<Item = &Breakpoints> {
+        [&self.fz, &self.curvature].into_iter().chain(&self.stack)
+    }
+
+    /// The axis of a kind, where the quantity depends on it.
+    pub(crate) fn axis(&self, kind: AxisKind) -> Option<&Breakpoints> {
+        self.axes().find(|axis| axis.kind == kind)
     }
 
     /// Jets of all layers, four numbers a node.
@@ -352,22 +344,6 @@ impl Interpolator {
         let jets = self.jets.iter();
         jets.flat_map(|jet| [jet.f, jet.fx, jet.fy, jet.fxy])
             .collect()
-    }
-
-    /// Whether the jets are of logarithms.
-    pub(crate) fn is_logarithmic(&self) -> bool {
-        self.logarithmic
-    }
-
-    /// The breakpoints of force or curvature.
-    pub(crate) fn breakpoints(&self, kind: AxisKind) -> Option<&Breakpoints> {
-        let axes = [&self.fz, &self.curvature].into_iter();
-        axes.into_iter().find(|axis| axis.kind == kind)
-    }
-
-    /// The axis of layers of a kind.
-    pub(crate) fn layer_axis(&self, kind: AxisKind) -> Option<&LayerAxis> {
-        self.stack.iter().find(|axis| axis.points.kind == kind)
     }
 }
 
@@ -430,6 +406,8 @@ pub(crate) struct Breakpoints {
     pub plain: Vec<f64>,
     /// The breakpoints over which the smooth mode interpolates: their logarithms, or themselves.
     pub scaled: Vec<f64>,
+    /// Along layers, of every cell: weights of the layers of its window in the slopes at both ends.
+    pub slopes: Vec<[[f64; WINDOW]; 2]>,
 }
 
 /// Where an input lies on an axis: the breakpoint at or below it and the next one.
@@ -443,48 +421,42 @@ struct Place {
 }
 
 impl Breakpoints {
-    fn new(axes: &Axes, kind: AxisKind, values: &[f64]) -> Self {
-        let scale = |&value: &f64| {
-            if kind.is_logarithmic() {
-                value.ln()
-            } else {
-                value
-            }
+    fn new(axes: &Axes, kind: AxisKind) -> Self {
+        let values = axes.get(kind).unwrap_or_default();
+        let scaled: Vec<f64> = values.iter().map(|&value| kind.scaled(value)).collect();
+        let slopes = |low: usize| {
+            let start = window(low, scaled.len()).start;
+            [low, low + 1].map(|node| slope(&scaled, node, start))
         };
+        let cells = 0..values.len().saturating_sub(1);
         Breakpoints {
             kind,
             outside: axes.outside(kind),
             plain: values.to_vec(),
-            scaled: values.iter().map(scale).collect(),
+            slopes: cells.filter(|_| kind.is_sliding()).map(slopes).collect(),
+            scaled,
         }
     }
 
     /// The input, or the end of the axis that it is past.
     #[inline]
-    fn held(&self, value: f64) -> f64 {
+    fn clamped(&self, value: f64) -> f64 {
         value.clamp(self.plain[0], self.plain[self.plain.len() - 1])
     }
 
     #[inline]
     fn place(&self, value: f64) -> Place {
         let last = self.plain.len() - 1;
-        if value >= self.plain[last] {
-            let outside = value > self.plain[last];
+        let above = value >= self.plain[last];
+        if above || value <= self.plain[0] {
+            let end = self.plain[if above { last } else { 0 }];
+            let outside = value != end;
             let continued = outside && self.outside == Outside::Linear;
+            let inner = last.saturating_sub(usize::from(continued));
             return Place {
-                low: last.saturating_sub(usize::from(continued)),
-                high: last,
-                at: if continued { value } else { self.plain[last] },
-                outside,
-            };
-        }
-        if value <= self.plain[0] {
-            let outside = value < self.plain[0];
-            let continued = outside && self.outside == Outside::Linear;
-            return Place {
-                low: 0,
-                high: 1.min(last),
-                at: if continued { value } else { self.plain[0] },
+                low: if above { inner } else { 0 },
+                high: if above { last } else { 1.min(last) },
+                at: if continued { value } else { end },
                 outside,
             };
         }
@@ -510,11 +482,7 @@ impl Breakpoints {
         if place.outside {
             return self.straight(place);
         }
-        let scaled = match self.kind.is_logarithmic() {
-            false => place.at,
-            true => place.at.ln(),
-        };
-        let t = fraction(&self.scaled, place, scaled);
+        let t = fraction(&self.scaled, place, self.kind.scaled(place.at));
         hermite(t, self.scaled[place.high] - self.scaled[place.low])
     }
 
@@ -522,16 +490,17 @@ impl Breakpoints {
     #[cold]
     fn straight(&self, place: &Place) -> [f64; 3] {
         let (first, at) = (self.plain[0], place.at);
-        let scaled = match self.kind.is_logarithmic() {
-            false => at,
-            true if at >= first => at.ln(),
-            true => self.scaled[0] + (at - first) / first,
+        let scaled = if at < first && self.kind.is_logarithmic() {
+            self.scaled[0] + (at - first) / first
+        } else {
+            self.kind.scaled(at)
         };
         let t = fraction(&self.scaled, place, scaled);
         let h = self.scaled[place.high] - self.scaled[place.low];
-        match t >= 0.5 {
-            true => [1.0, 0.0, h * (t - 1.0)],
-            false => [0.0, h * t, 0.0],
+        if t >= 0.5 {
+            [1.0, 0.0, h * (t - 1.0)]
+        } else {
+            [0.0, h * t, 0.0]
         }
     }
 }
@@ -555,50 +524,27 @@ fn hermite(t: f64, h: f64) -> [f64; 3] {
 /// Largest number of layers that the cubic of a cell depends on.
 pub(crate) const WINDOW: usize = 4;
 
-/// An axis along which layers lie.
-#[derive(Clone, Debug)]
-pub(crate) struct LayerAxis {
-    pub points: Breakpoints,
-    /// Of every cell: weights of the layers of its window in the slopes at both ends.
-    pub slopes: Vec<[[f64; WINDOW]; 2]>,
-}
-
-impl LayerAxis {
-    fn new(points: Breakpoints) -> Self {
-        let x = &points.scaled;
-        let slopes = (0..x.len().saturating_sub(1)).map(|low| {
-            let start = window(low, x.len()).start;
-            [low, low + 1].map(|node| slope(x, node, start))
-        });
-        LayerAxis {
-            slopes: slopes.collect(),
-            points,
-        }
-    }
-
+impl Breakpoints {
     /// Weights of the layers at a place.
     fn weights(&self, place: &Place, mode: Mode) -> Weights {
-        let layers = self.points.plain.len();
+        let layers = self.plain.len();
         let mut weights = Weights {
             layers,
             first: place.low,
-            count: 1,
             of: [1.0, 0.0, 0.0, 0.0],
         };
         if place.low == place.high {
             return weights;
         }
         if mode == Mode::Bilinear {
-            let t = fraction(&self.points.plain, place, place.at);
-            weights.count = 2;
+            let t = fraction(&self.plain, place, place.at);
             weights.of = [1.0 - t, t, 0.0, 0.0];
             return weights;
         }
-        let [x0, x1, x2] = self.points.hermite(place);
+        let [x0, x1, x2] = self.hermite(place);
         let window = window(place.low, layers);
         let [at_low, at_high] = &self.slopes[place.low];
         weights.first = window.start;
-        weights.count = window.len();
         weights.of = std::array::from_fn(|n| at_low[n] * x1 + at_high[n] * x2);
         weights.of[place.low - window.start] += 1.0 - x0;
         weights.of[place.high - window.start] += x0;
@@ -638,7 +584,7 @@ struct Weights {
     /// Layers along the axis.
     layers: usize,
     first: usize,
-    count: usize,
+    /// 0 behind the last layer.
     of: [f64; WINDOW],
 }
 
@@ -647,7 +593,7 @@ fn weighted_sum(weights: &[Weights], from: usize, value: &impl Fn(usize) -> f64)
     let Some((own, inner)) = weights.split_first() else {
         return value(from);
     };
-    let terms = own.of[..own.count].iter().enumerate();
+    let terms = own.of.iter().enumerate();
     // A layer of no weight need not be evaluated.
     let counted = terms.filter(|(_, weight)| **weight != 0.0);
     let from = from * own.layers + own.first;

@@ -30,13 +30,11 @@ pub(crate) struct Jet {
 pub(crate) fn jets(x: &[f64], y: &[f64], f: &[f64]) -> Vec<Jet> {
     let (nx, ny) = (x.len(), y.len());
     assert_eq!(f.len(), nx * ny, "values do not fit the grid");
-    let mut jets: Vec<Jet> = f
-        .iter()
-        .map(|&f| Jet {
-            f,
-            ..Jet::default()
-        })
-        .collect();
+    let level = |&f: &f64| Jet {
+        f,
+        ..Jet::default()
+    };
+    let mut jets: Vec<Jet> = f.iter().map(level).collect();
     let mut line = Vec::new();
     for j in 0..ny {
         line.clear();
@@ -66,11 +64,8 @@ fn slopes_of(x: &[f64], f: &[f64]) -> Vec<f64> {
         return vec![0.0; n];
     }
     let h: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
-    let s: Vec<f64> = f
-        .windows(2)
-        .zip(&h)
-        .map(|(w, h)| (w[1] - w[0]) / h)
-        .collect();
+    let s = f.windows(2).zip(&h).map(|(w, h)| (w[1] - w[0]) / h);
+    let s: Vec<f64> = s.collect();
     if n == 2 {
         return vec![s[0]; 2];
     }
@@ -90,14 +85,10 @@ fn limited_slopes(x: &[f64], f: &[f64]) -> Vec<f64> {
     let mut d = slopes_of(x, f);
     let secant = |i: usize| (f[i + 1] - f[i]) / (x[i + 1] - x[i]);
     for (i, slope) in d.iter_mut().enumerate() {
-        let before = (i > 0).then(|| secant(i - 1));
-        let after = (i + 1 < n).then(|| secant(i));
-        let (a, b) = match (before, after) {
-            (Some(a), Some(b)) => (a, b),
-            (Some(a), None) => (a, a),
-            (None, Some(b)) => (b, b),
-            (None, None) => (0.0, 0.0),
-        };
+        if n < 2 {
+            break;
+        }
+        let (a, b) = (secant(i.max(1) - 1), secant(i.min(n - 2)));
         let bound = if a * b <= 0.0 {
             0.0
         } else {
@@ -122,9 +113,9 @@ fn reduce(x: &[f64], y: &[f64], jets: &mut [Jet]) {
         let mut changed = false;
         for along_x in [true, false] {
             let direction = Direction { x, y, along_x };
-            let (n_along, n_across) = direction.lengths();
-            for along in 0..n_along.saturating_sub(1) {
-                for across in 0..n_across {
+            let (line, side) = direction.axes();
+            for along in 0..line.len().saturating_sub(1) {
+                for across in 0..side.len() {
                     changed |= direction.reduce_cell(jets, along, across, pass >= PASSES);
                 }
             }
@@ -153,11 +144,12 @@ struct Row {
 }
 
 impl Direction<'_> {
-    fn lengths(&self) -> (usize, usize) {
+    /// The axis along the direction, and the one across it.
+    fn axes(&self) -> (&[f64], &[f64]) {
         if self.along_x {
-            (self.x.len(), self.y.len())
+            (self.x, self.y)
         } else {
-            (self.y.len(), self.x.len())
+            (self.y, self.x)
         }
     }
 
@@ -170,11 +162,7 @@ impl Direction<'_> {
     }
 
     fn reduce_cell(&self, jets: &mut [Jet], along: usize, across: usize, to_zero: bool) -> bool {
-        let (line, side) = if self.along_x {
-            (self.x, self.y)
-        } else {
-            (self.y, self.x)
-        };
+        let (line, side) = self.axes();
         let row = |across: usize, carried: f64, sign: f64| Row {
             a: self.node(along, across),
             b: self.node(along + 1, across),
@@ -189,15 +177,15 @@ impl Direction<'_> {
         // On a level edge the limited slopes are 0 already.
         if r0 != 0.0 {
             let sign = r0.signum();
-            changed |= self.hold(jets, Row { sign, ..edge }, to_zero);
+            changed |= self.enforce(jets, Row { sign, ..edge }, to_zero);
         }
         if across + 1 < side.len() {
             let r1 = rise(jets, row(across + 1, 0.0, 1.0));
             let third = (side[across + 1] - side[across]) / 3.0;
             for sign in [1.0, -1.0] {
                 if sign * r0 >= 0.0 && sign * r1 >= 0.0 {
-                    changed |= self.hold(jets, row(across, third, sign), to_zero);
-                    changed |= self.hold(jets, row(across + 1, -third, sign), to_zero);
+                    changed |= self.enforce(jets, row(across, third, sign), to_zero);
+                    changed |= self.enforce(jets, row(across + 1, -third, sign), to_zero);
                 }
             }
         }
@@ -205,33 +193,26 @@ impl Direction<'_> {
     }
 
     /// Makes the three differences of a row have its sign.
-    fn hold(&self, jets: &mut [Jet], row: Row, to_zero: bool) -> bool {
-        let Row {
-            a,
-            b,
-            h,
-            carried,
-            sign,
-        } = row;
-        let third = h / 3.0;
+    fn enforce(&self, jets: &mut [Jet], row: Row, to_zero: bool) -> bool {
+        let (carried, sign) = (row.carried, row.sign);
+        let third = row.h / 3.0;
         let slope = |jet: &Jet| if self.along_x { jet.fx } else { jet.fy };
         let across = |jet: &Jet| if self.along_x { jet.fy } else { jet.fx };
         let mut changed = false;
-        for node in [a, b] {
+        for node in [row.a, row.b] {
             let slopes = sign * third * slope(&jets[node]);
             let twists = sign * third * carried * jets[node].fxy;
             if slopes + twists < 0.0 {
                 // The limited slopes have the data's sign: the twist is at fault.
-                let keep = if to_zero {
+                jets[node].fxy *= if to_zero {
                     0.0
                 } else {
                     PAST * slopes / -twists
                 };
-                jets[node].fxy *= keep;
                 changed = true;
             }
         }
-        let (ja, jb) = (jets[a], jets[b]);
+        let (ja, jb) = (jets[row.a], jets[row.b]);
         let values = sign * (jb.f - ja.f);
         let slopes =
             sign * (carried * (across(&jb) - across(&ja)) - third * (slope(&ja) + slope(&jb)));
@@ -246,15 +227,13 @@ impl Direction<'_> {
         } else {
             (PAST * values / -slopes, 0.0)
         };
-        for node in [a, b] {
+        for node in [row.a, row.b] {
             let jet = &mut jets[node];
             jet.fxy *= of_twists;
-            if carried == 0.0 && self.along_x {
+            if carried != 0.0 || self.along_x {
                 jet.fx *= of_slopes;
-            } else if carried == 0.0 {
-                jet.fy *= of_slopes;
-            } else {
-                jet.fx *= of_slopes;
+            }
+            if carried != 0.0 || !self.along_x {
                 jet.fy *= of_slopes;
             }
         }

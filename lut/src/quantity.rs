@@ -102,6 +102,13 @@ impl Quantity {
         Quantity::ALL.into_iter().find(|q| q.name() == name)
     }
 
+    /// The quantity of a [`key`](Self::key), or of an [`error_key`](Self::error_key) with `true`.
+    pub(crate) fn from_key(key: &str) -> Option<(Quantity, bool)> {
+        let found = |q: &Quantity| q.key() == key || q.error_key() == key;
+        let quantity = Quantity::ALL.into_iter().find(found)?;
+        Some((quantity, quantity.error_key() == key))
+    }
+
     /// What a value must be, where this one is not: pressures, sizes and friction are positive;
     /// ploughing and groove are 0 on ice that does not yield, boundary friction where the film
     /// separates steel and ice. A subnormal number is what an underflow left of another.
@@ -179,8 +186,8 @@ impl Figures {
             method: Method::default(),
         };
         let pairs = Quantity::of(false).iter().zip(values);
-        pairs.fold(empty, |figures, (&quantity, value)| {
-            figures.with(quantity, value)
+        pairs.fold(empty, |figures, (quantity, value)| {
+            figures.with(*quantity, value)
         })
     }
 

@@ -58,8 +58,8 @@ impl<'de> Deserialize<'de> for Solve {
 
 impl<'de> Deserialize<'de> for Point {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let solve = deserializer.deserialize_map(SolveVisitor { figures: false })?;
-        Ok(solve.point)
+        let read = deserializer.deserialize_map(SolveVisitor { figures: false });
+        read.map(|solve| solve.point)
     }
 }
 
@@ -77,73 +77,44 @@ impl<'de> Visitor<'de> for SolveVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Solve, A::Error> {
-        let mut coordinates = Coordinates::default();
+        let refused = |text: String| Err(A::Error::custom(text));
+        let mut coordinates: [Option<f64>; AxisKind::ALL.len()] = Default::default();
         let mut figures = Figures::at_rest([f64::NAN; 6]);
         while let Some(key) = map.next_key::<String>()? {
-            let is = |known: &str| key == known;
-            if coordinates.read(&key, &mut map)? {
-                continue;
-            }
-            if !self.figures {
-                return Err(A::Error::custom(format!("unknown key {key}")));
-            }
-            if let Some(quantity) = Quantity::ALL.into_iter().find(|q| is(q.key())) {
-                let value = map.next_value()?;
-                if let Some(expected) = quantity.expectation(value) {
-                    let text = format!("{key} = {value}: expected {expected}");
-                    return Err(A::Error::custom(text));
-                }
-                figures = figures.with(quantity, value);
-            } else if let Some(quantity) = Quantity::ALL.into_iter().find(|q| is(q.error_key())) {
-                let error: f64 = map.next_value()?;
-                if let Some(expected) = Quantity::error_expectation(error) {
-                    let text = format!("{key} = {error}: expected {expected}");
-                    return Err(A::Error::custom(text));
-                }
-                figures = figures.with_error(quantity, error);
-            } else if is("method") {
+            let mut kinds = AxisKind::ALL.into_iter();
+            if let Some(kind) = kinds.find(|kind| kind.key() == key) {
+                coordinates[kind as usize] = Some(map.next_value()?);
+            } else if !self.figures {
+                return refused(format!("unknown key {key}"));
+            } else if key == "method" {
                 figures.method = map.next_value()?;
+            } else if let Some((quantity, is_error)) = Quantity::from_key(&key) {
+                let value = map.next_value()?;
+                let expected = if is_error {
+                    figures = figures.with_error(quantity, value);
+                    Quantity::error_expectation(value)
+                } else {
+                    figures = figures.with(quantity, value);
+                    quantity.expectation(value)
+                };
+                if let Some(expected) = expected {
+                    return refused(format!("{key} = {value}: expected {expected}"));
+                }
             } else {
-                return Err(A::Error::custom(format!("unknown key {key}")));
+                return refused(format!("unknown key {key}"));
             }
         }
-        let solve = Solve {
-            point: coordinates.point()?,
-            figures,
-        };
+        let mut point = Point::default();
+        for (kind, value) in AxisKind::ALL.into_iter().zip(coordinates) {
+            match value {
+                Some(value) => point = point.with(kind, value),
+                None if kind > AxisKind::Curvature => {}
+                None => return refused(format!("missing key {}", kind.key())),
+            }
+        }
         match figures.not_finite() {
-            Some((key, _)) if self.figures => Err(A::Error::custom(format!("missing key {key}"))),
-            _ => Ok(solve),
+            Some((key, _)) if self.figures => refused(format!("missing key {key}")),
+            _ => Ok(Solve { point, figures }),
         }
-    }
-}
-
-/// Coordinates read so far, by kind of axis.
-#[derive(Default)]
-struct Coordinates([Option<f64>; AxisKind::ALL.len()]);
-
-impl Coordinates {
-    /// Reads the value of a key where this is a coordinate's.
-    fn read<'de, A: MapAccess<'de>>(&mut self, key: &str, map: &mut A) -> Result<bool, A::Error> {
-        let kind = AxisKind::ALL.into_iter().find(|kind| kind.key() == key);
-        if let Some(kind) = kind {
-            self.0[kind as usize] = Some(map.next_value()?);
-        }
-        Ok(kind.is_some())
-    }
-
-    fn point<E: serde::de::Error>(&self) -> Result<Point, E> {
-        for kind in [AxisKind::Fz, AxisKind::Curvature] {
-            if self.0[kind as usize].is_none() {
-                return Err(E::custom(format!("missing key {}", kind.key())));
-            }
-        }
-        let given = AxisKind::ALL.into_iter().zip(self.0);
-        Ok(
-            given.fold(Point::default(), |point, (kind, value)| match value {
-                Some(value) => point.with(kind, value),
-                None => point,
-            }),
-        )
     }
 }

@@ -268,18 +268,16 @@ impl Table {
     /// # Errors
     /// As [`Interpolator::new`].
     pub fn check_errors(&self, quantity: Quantity, mode: Mode) -> Result<Vec<Option<f64>>, Error> {
-        let mut interpolator: Option<(Option<f64>, Interpolator)> = None;
-        let mut errors = Vec::with_capacity(self.checks.len());
-        for check in &self.checks {
+        let mut ready: Option<(Option<f64>, Interpolator)> = None;
+        let error = |check: &Solve| {
             let radius = check.point.rocker_radius;
-            let ready = interpolator.take().filter(|(of, _)| *of == radius);
-            let (_, ready) = interpolator.insert(match ready {
-                Some(ready) => ready,
-                None => (radius, Interpolator::new(self, quantity, mode, radius)?),
-            });
-            errors.push(relative_error(ready, check, quantity));
-        }
-        Ok(errors)
+            if ready.as_ref().is_none_or(|(of, _)| *of != radius) {
+                ready = Some((radius, Interpolator::new(self, quantity, mode, radius)?));
+            }
+            let interpolator = ready.as_ref().map(|(_, interpolator)| interpolator);
+            Ok(interpolator.and_then(|own| relative_error(own, check, quantity)))
+        };
+        self.checks.iter().map(error).collect()
     }
 
     /// Interpolation error measured at the checks; `None` where there are none.
@@ -291,26 +289,16 @@ impl Table {
         quantity: Quantity,
         mode: Mode,
     ) -> Result<Option<InterpolationError>, Error> {
-        let mut worst: Option<InterpolationError> = None;
-        let mut squares = 0.0;
         let errors = self.check_errors(quantity, mode)?;
-        for (check, error) in self.checks.iter().zip(errors) {
-            let Some(error) = error else {
-                continue;
-            };
-            squares += error * error;
-            if worst.is_none_or(|worst| error > worst.max) {
-                worst = Some(InterpolationError {
-                    max: error,
-                    rms: 0.0,
-                    max_at: check.point,
-                });
-            }
-        }
-        Ok(worst.map(|worst| InterpolationError {
-            rms: (squares / self.checks.len() as f64).sqrt(),
-            ..worst
-        }))
+        let known = self.checks.iter().zip(errors);
+        let known = known.filter_map(|(check, error)| Some((error?, check.point)));
+        let known: Vec<(f64, Point)> = known.collect();
+        let square = known.iter().map(|(error, _)| error * error).sum::<f64>();
+        let rms = (square / self.checks.len() as f64).sqrt();
+        let larger =
+            |worst: (f64, Point), own: (f64, Point)| if own.0 > worst.0 { own } else { worst };
+        let worst = known.into_iter().reduce(larger);
+        Ok(worst.map(|(max, max_at)| InterpolationError { max, rms, max_at }))
     }
 }
 

@@ -1,5 +1,6 @@
-//! Files as bytes.
+//! Files as bytes, and tables of numbers.
 
+use std::io::Read;
 use std::path::Path;
 
 use kufe_files::read_regular;
@@ -18,4 +19,48 @@ pub(crate) fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, MeshError> {
 pub(crate) fn ending(path: &Path) -> String {
     let ending = path.extension().unwrap_or_default();
     ending.to_string_lossy().to_lowercase()
+}
+
+/// The columns of these names of a CSV table, row by row [m]; further columns are ignored.
+///
+/// # Errors
+/// [`MeshError::Value`] with the line of the table and the column.
+pub(crate) fn read_columns<const N: usize>(
+    table: impl Read,
+    names: [&str; N],
+) -> Result<Vec<[f64; N]>, MeshError> {
+    let mut table = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .from_reader(table);
+    let wrong = |row: usize, column: &str, found: String| {
+        let place = format!("row {row}, column {column}");
+        MeshError::value(place, found, "a number in [m]")
+    };
+    let headers = table
+        .headers()
+        .map_err(|error| wrong(1, "header", error.to_string()))?
+        .clone();
+    let mut columns = [0; N];
+    for (column, name) in columns.iter_mut().zip(names) {
+        let missing = || {
+            let found: Vec<&str> = headers.iter().collect();
+            wrong(1, name, format!("the columns {}", found.join(",")))
+        };
+        *column = headers.iter().position(|h| h == name).ok_or_else(missing)?;
+        if headers.iter().filter(|h| *h == name).count() > 1 {
+            return Err(wrong(1, name, "the column twice".into()));
+        }
+    }
+    let mut rows = Vec::new();
+    for (i, record) in table.records().enumerate() {
+        let record = record.map_err(|error| wrong(i + 2, "row", error.to_string()))?;
+        let mut row = [0.0; N];
+        for ((value, column), name) in row.iter_mut().zip(columns).zip(names) {
+            let text = record.get(column).unwrap_or_default();
+            let number = text.parse().ok().filter(|v: &f64| v.is_finite());
+            *value = number.ok_or_else(|| wrong(i + 2, name, format!("{text:?}")))?;
+        }
+        rows.push(row);
+    }
+    Ok(rows)
 }

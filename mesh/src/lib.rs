@@ -31,7 +31,7 @@ mod scan;
 mod shapes;
 
 pub use error::MeshError;
-pub use fit::{Coarse, FitQuality, FittedUnderside, Scans, smaller_by};
+pub use fit::{FitQuality, FittedUnderside, Scans, smaller_by};
 pub use hexahedra::{
     Filled, HexMesh, Quality, TensorGrid, VtuField, graded_levels, limit_slope, mapped_runner_mesh,
     mesh_over_heights, read_gmsh, read_vtu, write_pvd, write_vtp, write_vtu,
@@ -40,7 +40,7 @@ pub use hull::{
     Axis, Hull, HullFormat, HullOptions, HullReport, check_hull, hull_files, load_hull, read_3mf,
     read_gltf, read_obj, read_stl, size_warnings, tessellate, tessellate_turning, write_obj,
 };
-pub use ice::{ExrImage, HeightMap, IceSurface, Interpolation, Waviness, load_height_map};
+pub use ice::{ExrImage, HeightMap, IceSurface, Waviness, load_height_map};
 pub use scan::{
     Estimate, Noise, Orientation, ScanFrame, keel_spacing, noise_of_faces, noise_of_hull,
     strips_of_hull, strips_warning, unlike_runner,

@@ -43,7 +43,7 @@ pub struct LoggerClock {
 pub(crate) fn align(
     mapping: &Mapping,
     planned: &PlannedRun,
-    series: &[LoggerSeries],
+    series: &[&LoggerSeries],
 ) -> Result<(BTreeMap<String, LoggerClock>, Vec<String>), Error> {
     let (mut clocks, mut remarks) = (BTreeMap::new(), Vec::new());
     let mut open: Vec<&str> = Vec::new();
@@ -68,18 +68,18 @@ pub(crate) fn align(
     if open.is_empty() {
         return Ok((clocks, remarks));
     }
-    let series: Vec<LoggerSeries> = series.iter().map(without_saturation).collect();
+    let series: Vec<LoggerSeries> = series.iter().map(|own| without_saturation(own)).collect();
     let place = |column: &str| {
         let [x, ..] = mapping.channels.get(column)?.place_m?;
         Some(x)
     };
     let mut known: Vec<LoggerSeries> = Vec::new();
     let add = |name: &str, delay_s: f64, known: &mut Vec<LoggerSeries>| {
-        for own in series.iter().filter(|own| own.logger == name) {
-            let mut own = own.clone();
+        let own = series.iter().filter(|own| own.logger == name);
+        known.extend(own.cloned().map(|mut own| {
             own.series.time.iter_mut().for_each(|t| *t -= delay_s);
-            known.push(own);
-        }
+            own
+        }));
     };
     for (name, clock) in &clocks {
         add(name, clock.delay_s, &mut known);
@@ -92,17 +92,10 @@ pub(crate) fn align(
         for name in open {
             let late: Vec<&LoggerSeries> = series.iter().filter(|own| own.logger == name).collect();
             match delay(&late, &known, &place, mapping.logger[name].largest_delay_s) {
-                Ok(found) => {
-                    add(name, found.delay_s, &mut known);
-                    let remark = |text| format!("run {}: logger {name}: {text}", planned.name);
-                    remarks.extend(found.remark.map(remark));
-                    let clock = LoggerClock {
-                        source: "found",
-                        delay_s: found.delay_s,
-                        delay_sd_s: Some(found.sd_s),
-                        delay_includes: Some("the lag of the sensors that it was found from"),
-                        relations: found.relations,
-                    };
+                Ok((clock, remark)) => {
+                    add(name, clock.delay_s, &mut known);
+                    let named = |text| format!("run {}: logger {name}: {text}", planned.name);
+                    remarks.extend(remark.map(named));
                     clocks.insert(name.to_string(), clock);
                 }
                 Err(reason) => {
@@ -146,10 +139,8 @@ fn without_saturation(series: &LoggerSeries) -> LoggerSeries {
         };
         let mut begin = 0;
         while begin < values.len() {
-            let length = values[begin..]
-                .iter()
-                .take_while(|x| **x == stop.at)
-                .count();
+            let rest = values[begin..].iter();
+            let length = rest.take_while(|x| **x == stop.at).count();
             if length >= SATURATED {
                 let end = (begin + length + 1).min(values.len());
                 values[begin.saturating_sub(1)..end].fill(f64::NAN);
@@ -163,40 +154,29 @@ fn without_saturation(series: &LoggerSeries) -> LoggerSeries {
 /// Samples at one end of the range that are saturation.
 const SATURATED: usize = 4;
 
-/// A delay, and what it is from.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Delay {
-    pub delay_s: f64,
-    pub sd_s: f64,
-    pub relations: Vec<Relation>,
-    pub remark: Option<String>,
-}
-
-/// Finds the delay of a logger: each relation's own within the best common fit, then their mean by
-/// their errors.
+/// Finds the clock of a logger, with a remark: each relation's own delay within the best common fit,
+/// then their mean by their errors.
 ///
 /// # Errors
 /// Why none is found, in words.
-pub(crate) fn delay(
+fn delay(
     late: &[&LoggerSeries],
     known: &[LoggerSeries],
     place: &Place,
     within: Option<f64>,
-) -> Result<Delay, String> {
+) -> Result<(LoggerClock, Option<String>), String> {
     let pairs = pairs(late, known, place);
     if pairs.is_empty() {
         return Err("no channels of it are related to those of the others".to_string());
     }
     // Each relation's band is that of its slower side.
-    let corners: Vec<f64> = pairs
-        .iter()
-        .map(|pair| {
-            pair.rate_hz()
-                .map_or(0.0, |rate| (0.4 * rate).min(CORNER_HZ))
-        })
-        .collect();
+    let corner = |pair: &Pair| {
+        let rate = pair.rate_hz();
+        rate.map_or(0.0, |rate| (0.4 * rate).min(CORNER_HZ))
+    };
+    let corners: Vec<f64> = pairs.iter().map(corner).collect();
     let (guess, first) = guess(&pairs, &corners, within)?;
-    let mut found: Vec<(&Pair, Refined)> = Vec::new();
+    let mut found: Vec<(&Pair, DelayEstimate)> = Vec::new();
     let mut best = (0.0, "");
     for (pair, corner) in pairs.iter().zip(&corners) {
         let Some(refined) = sharpened(pair, guess, first, *corner) else {
@@ -221,13 +201,13 @@ pub(crate) fn delay(
 /// One relation's delay, the band of its sides doubled from that of the first search up to their
 /// own; of these the one with the least error: a wide band is sharper where the sides are clean, a
 /// narrow one where they are noisy.
-fn sharpened(pair: &Pair, guess: f64, first_hz: f64, corner_hz: f64) -> Option<Refined> {
+fn sharpened(pair: &Pair, guess: f64, first_hz: f64, corner_hz: f64) -> Option<DelayEstimate> {
     let mut corner = first_hz.min(corner_hz);
-    let mut best: Option<Refined> = None;
+    let mut best: Option<DelayEstimate> = None;
     loop {
         let from = best.map_or(guess, |best| best.delay_s);
         let refined = refine(&pair.sides(corner)?, from, SAMPLES * corner, 1.0 / corner);
-        let better = |refined: &Refined| best.is_none_or(|best| refined.sd_s < best.sd_s);
+        let better = |refined: &DelayEstimate| best.is_none_or(|best| refined.sd_s < best.sd_s);
         best = refined.filter(better).or(best);
         if best.is_none() || corner >= corner_hz {
             return best;
@@ -239,71 +219,58 @@ fn sharpened(pair: &Pair, guess: f64, first_hz: f64, corner_hz: f64) -> Option<R
 /// A first delay by all relations together, and the corner of that search [Hz].
 fn guess(pairs: &[Pair], corners: &[f64], within: Option<f64>) -> Result<(f64, f64), String> {
     let corner = corners.iter().copied().fold(0.0, f64::max);
-    let spans = pairs
-        .iter()
-        .zip(corners)
-        .filter_map(|(pair, corner)| Some(pair.sides(*corner)?.spans()));
+    let both = || pairs.iter().zip(corners);
+    let spans = both().filter_map(|(pair, corner)| Some(pair.sides(*corner)?.spans()));
     let longest = spans.max_by(|a, b| length(a).total_cmp(&length(b)));
     let Some(longest) = longest.filter(|_| corner > 0.0) else {
         return Err("its channels are too short".to_string());
     };
-    let rate = first_rate(longest, 0.5 * SAMPLES * corner);
-    let sides: Vec<Sides> = pairs
-        .iter()
-        .zip(corners)
-        .filter_map(|(pair, corner)| pair.sides(corner.min(0.4 * rate)))
-        .collect();
-    match search(&sides, rate, within) {
-        Found::Delay(delay) => Ok((delay, 0.4 * rate)),
-        Found::Ambiguous(first, second) => Err(format!("{first:.2} s and {second:.2} s fit alike")),
-        Found::Nothing => {
-            Err("its channels do not move as those of the others do, at any delay".to_string())
-        }
-    }
+    // Sides are compared first at a rate at which that takes not too long.
+    let rate = (0.5 * SAMPLES * corner).min(MOST / length(&longest).max(1e-3));
+    let sides = both().filter_map(|(pair, corner)| pair.sides(corner.min(0.4 * rate)));
+    let delay = search(&sides.collect::<Vec<Sides>>(), rate, within)?;
+    Ok((delay, 0.4 * rate))
 }
 
 fn length(spans: &[[f64; 2]; 2]) -> f64 {
-    spans
-        .iter()
-        .map(|span| span[1] - span[0])
-        .fold(0.0, f64::max)
+    let lengths = spans.map(|span| span[1] - span[0]);
+    lengths.into_iter().fold(0.0, f64::max)
 }
 
 /// The mean weighted by errors, which include the doubt of each relation.
-fn mean(found: &[(&Pair, Refined)]) -> Delay {
-    let sd = |(pair, refined): &(&Pair, Refined)| f64::hypot(refined.sd_s, pair.doubt_s).max(1e-9);
+fn mean(found: &[(&Pair, DelayEstimate)]) -> (LoggerClock, Option<String>) {
+    let sd =
+        |(pair, refined): &(&Pair, DelayEstimate)| f64::hypot(refined.sd_s, pair.doubt_s).max(1e-9);
     let weight: f64 = found.iter().map(|one| sd(one).powi(-2)).sum();
-    let delay_s = found
-        .iter()
-        .map(|one| one.1.delay_s * sd(one).powi(-2))
-        .sum::<f64>()
-        / weight;
+    let weighted = found.iter().map(|one| one.1.delay_s * sd(one).powi(-2));
+    let delay_s = weighted.sum::<f64>() / weight;
     let sd_s = weight.sqrt().recip();
-    let apart = found
+    let relations: Vec<Relation> = found
         .iter()
-        .filter(|one| (one.1.delay_s - delay_s).abs() > 4.0 * f64::hypot(sd(one), sd_s));
-    let apart: Vec<String> = apart
-        .map(|one| format!("\"{}\" {:+.4} s", one.0.name, one.1.delay_s))
+        .map(|one| Relation {
+            relation: one.0.name.clone(),
+            delay_s: one.1.delay_s,
+            delay_sd_s: sd(one),
+            correlation: one.1.correlation,
+        })
         .collect();
-    Delay {
+    let far =
+        |one: &&Relation| (one.delay_s - delay_s).abs() > 4.0 * f64::hypot(one.delay_sd_s, sd_s);
+    let apart = relations.iter().filter(far);
+    let apart = apart.map(|one| format!("\"{}\" {:+.4} s", one.relation, one.delay_s));
+    let apart: Vec<String> = apart.collect();
+    let remark = format!(
+        "its delay of {delay_s:+.4} s is not that of {}",
+        apart.join(", ")
+    );
+    let clock = LoggerClock {
+        source: "found",
         delay_s,
-        sd_s,
-        remark: (!apart.is_empty()).then(|| {
-            format!(
-                "its delay of {delay_s:+.4} s is not that of {}",
-                apart.join(", ")
-            )
-        }),
-        relations: found
-            .iter()
-            .map(|one| Relation {
-                relation: one.0.name.clone(),
-                delay_s: one.1.delay_s,
-                delay_sd_s: sd(one),
-                correlation: one.1.correlation,
-            })
-            .collect(),
-    }
+        delay_sd_s: Some(sd_s),
+        delay_includes: Some("the lag of the sensors that it was found from"),
+        relations,
+    };
+    (clock, Some(remark).filter(|_| !apart.is_empty()))
 }
 
 /// Most samples of a side in the first search: its cost grows with their square.
@@ -318,83 +285,57 @@ const LEAST_SHARE: f64 = 0.3;
 /// A second best fit of more than this share of the best makes the delay ambiguous.
 const AMBIGUOUS: f64 = 0.8;
 
-/// What a search found.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Found {
-    /// The delay [s], within a step of the search.
-    Delay(f64),
-    /// Two delays fit alike [s].
-    Ambiguous(f64, f64),
-    /// Nothing overlaps long enough.
-    Nothing,
-}
-
-/// Rate at which sides are compared first [Hz], not above `most_hz`.
-pub(crate) fn first_rate(spans: [[f64; 2]; 2], most_hz: f64) -> f64 {
-    let longest = spans
-        .iter()
-        .map(|span| span[1] - span[0])
-        .fold(1e-3, f64::max);
-    most_hz.min(MOST / longest)
-}
-
 /// The delay at which all sides together fit best: the largest sum of `-n ln(1 - rho^2)` over
 /// relations with a positive correlation rho of n samples. Channels with the right sign correlate
 /// positively.
 ///
-/// `within` bounds the delay [s].
-pub(crate) fn search(sides: &[Sides], rate_hz: f64, within: Option<f64>) -> Found {
+/// `within` bounds the delay [s]. The delay is right within a step of the search.
+///
+/// # Errors
+/// Why none is found, in words.
+fn search(sides: &[Sides], rate_hz: f64, within: Option<f64>) -> Result<f64, String> {
+    let nothing = "its channels do not move as those of the others do, at any delay";
     let step = 1.0 / rate_hz;
     // Delays by which any two sides overlap.
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
     for side in sides {
-        let [lhs, rhs] = side.spans();
-        let (late, known) = if side.ahead(1.0) > 0.0 {
-            (lhs, rhs)
-        } else {
-            (rhs, lhs)
-        };
-        range = [
-            range[0].min(late[0] - known[1]),
-            range[1].max(late[1] - known[0]),
-        ];
+        let [mut late, mut known] = side.spans();
+        if side.ahead(1.0) < 0.0 {
+            std::mem::swap(&mut late, &mut known);
+        }
+        let [first, last] = [late[0] - known[1], late[1] - known[0]];
+        range = [range[0].min(first), range[1].max(last)];
     }
     if let Some(most) = within {
         range = [range[0].max(-most), range[1].min(most)];
     }
     let lags = ((range[1] - range[0]) / step).floor();
     if !(0.0..1e6).contains(&lags) {
-        return Found::Nothing;
-    }
-    let tables: Vec<Sampled> = sides.iter().map(|side| Sampled::of(side, step)).collect();
-    let scores: Vec<f64> = (0..=lags as usize)
-        .map(|lag| {
-            let delay = range[0] + lag as f64 * step;
-            let fits = sides
-                .iter()
-                .zip(&tables)
-                .filter_map(|(side, table)| table.fit(side.ahead(delay)));
-            fits.map(|(pairs, rho)| -pairs * (1.0 - rho.clamp(0.0, 0.999_999).powi(2)).ln())
-                .sum()
-        })
-        .collect();
-    let Some(best) = (0..scores.len()).max_by(|a, b| scores[*a].total_cmp(&scores[*b])) else {
-        return Found::Nothing;
-    };
-    if scores[best] <= 0.0 {
-        return Found::Nothing;
+        return Err(nothing.to_string());
     }
     let delay = |lag: usize| range[0] + lag as f64 * step;
+    let tables: Vec<Sampled> = sides.iter().map(|side| Sampled::of(side, step)).collect();
+    let score = |lag: usize| -> f64 {
+        let both = sides.iter().zip(&tables);
+        let fits = both.filter_map(|(side, table)| table.fit(side.ahead(delay(lag))));
+        fits.map(|(pairs, rho)| -pairs * (1.0 - rho.clamp(0.0, 0.999_999).powi(2)).ln())
+            .sum()
+    };
+    let scores: Vec<f64> = (0..=lags as usize).map(score).collect();
+    let by_score = |a: &usize, b: &usize| scores[*a].total_cmp(&scores[*b]);
+    let best = (0..scores.len()).max_by(by_score);
+    let best = best.filter(|best| scores[*best] > 0.0).ok_or(nothing)?;
     // The best fit's own hill: down to half of it, or to where it rises again.
     let below = |lag: &usize| scores[*lag] < 0.5 * scores[best];
     let from = (0..best).rev().find(below).unwrap_or(0);
     let to = (best..scores.len()).find(below).unwrap_or(scores.len());
     let others = (0..from).chain(to..scores.len());
-    match others.max_by(|a, b| scores[*a].total_cmp(&scores[*b])) {
+    match others.max_by(by_score) {
         Some(second) if scores[second] > AMBIGUOUS * scores[best] => {
-            Found::Ambiguous(delay(best), delay(second))
+            let (first, second) = (delay(best), delay(second));
+            Err(format!("{first:.2} s and {second:.2} s fit alike"))
         }
-        _ => Found::Delay(delay(best)),
+        _ => Ok(delay(best)),
     }
 }
 
@@ -410,21 +351,18 @@ struct Sampled {
 impl Sampled {
     fn of(side: &Sides, step: f64) -> Sampled {
         let [lhs, rhs] = side.spans();
-        let count = |span: [f64; 2]| ((span[1] - span[0]) / step) as usize + 1;
-        let at = |span: [f64; 2], i: usize| span[0] + i as f64 * step;
+        let apart = lhs[0] - rhs[0];
+        let sampled = |span: [f64; 2], value: &dyn Fn(f64) -> Option<[f64; 2]>| {
+            let count = ((span[1] - span[0]) / step) as usize + 1;
+            let values = (0..count).map(|i| value(span[0] + i as f64 * step));
+            values.map(|x| x.map_or(f64::NAN, |[x, _]| x)).collect()
+        };
         Sampled {
-            lhs: (0..count(lhs))
-                .map(|i| side.lhs(at(lhs, i)).map_or(f64::NAN, |l| l[0]))
-                .collect(),
+            lhs: sampled(lhs, &|t| side.lhs(t)),
             // The speed of the other clock varies slowly; it is brought into place when the delay
             // is refined.
-            rhs: (0..count(rhs))
-                .map(|i| {
-                    side.rhs(at(rhs, i), lhs[0] - rhs[0])
-                        .map_or(f64::NAN, |r| r[0])
-                })
-                .collect(),
-            apart: lhs[0] - rhs[0],
+            rhs: sampled(rhs, &|t| side.rhs(t, apart)),
+            apart,
             step,
         }
     }
@@ -466,11 +404,11 @@ const STEPS: usize = 30;
 const MEMORY_S: f64 = 2.0;
 
 /// A delay by one relation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Refined {
-    pub delay_s: f64,
-    pub sd_s: f64,
-    pub correlation: f64,
+#[derive(Clone, Copy)]
+struct DelayEstimate {
+    delay_s: f64,
+    sd_s: f64,
+    correlation: f64,
 }
 
 /// Fits `lhs(t) = a + b rhs(t - ahead)` over a, b and the delay from a first guess.
@@ -478,39 +416,27 @@ pub(crate) struct Refined {
 /// Standard error by the residuals' own covariance (Newey and West 1987, Bartlett's weights over 2
 /// s), since they are no white noise. `None` where the fit departs from the guess by more than
 /// `reach_s` or too few samples overlap.
-pub(crate) fn refine(sides: &Sides, guess_s: f64, rate_hz: f64, reach_s: f64) -> Option<Refined> {
+fn refine(sides: &Sides, guess_s: f64, rate_hz: f64, reach_s: f64) -> Option<DelayEstimate> {
     let mut delay = guess_s;
     let mut last = None;
     for _ in 0..STEPS {
-        let fit = linear(sides, delay, rate_hz)?;
-        delay += fit.change;
-        if (delay - guess_s).abs() > reach_s {
+        let next = linear(sides, delay, rate_hz)?;
+        if (next.delay_s - guess_s).abs() > reach_s {
             return None;
         }
-        last = Some(fit);
-        if fit.change.abs() < 1e-9 {
+        last = Some(next);
+        if (next.delay_s - delay).abs() < 1e-9 {
             break;
         }
+        delay = next.delay_s;
     }
-    let fit = last?;
-    Some(Refined {
-        delay_s: delay,
-        sd_s: fit.sd,
-        correlation: fit.correlation,
-    })
-}
-
-#[derive(Clone, Copy)]
-struct Linear {
-    change: f64,
-    sd: f64,
-    correlation: f64,
+    last
 }
 
 /// One step of Newton's method: with `e = lhs - a - b rhs` and the derivative of `rhs` orthogonal
 /// to `rhs`, the delay is where their product sums to zero. Its change with the delay is, by parts,
 /// the product of both sides' derivatives: independent noise of the sides adds nothing to that.
-fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Linear> {
+fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<DelayEstimate> {
     let ahead = sides.ahead(delay);
     let [lhs, rhs] = sides.spans();
     let from = lhs[0].max(rhs[0] + ahead);
@@ -537,10 +463,8 @@ fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Linear> {
     let dot = |j: usize, k: usize| rows.iter().map(|row| row[j] * row[k]).sum::<f64>();
     let (aa, ab, bb) = (dot(0, 0), dot(0, 2), dot(2, 2));
     let (b, slope) = (ab / bb, dot(2, 3) / bb);
-    let scores: Vec<f64> = rows
-        .iter()
-        .map(|[a, _, rhs, d]| (a - b * rhs) * (d - slope * rhs))
-        .collect();
+    let score = |[a, _, rhs, d]: &[f64; 4]| (a - b * rhs) * (d - slope * rhs);
+    let scores: Vec<f64> = rows.iter().map(score).collect();
     let change = dot(1, 3);
     if !(b > 0.0 && change > 0.0) {
         return None;
@@ -550,21 +474,13 @@ fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Linear> {
     for lag in 0..=memory.min(scores.len() - 1) {
         let product: f64 = scores.iter().zip(&scores[lag..]).map(|(x, y)| x * y).sum();
         let bartlett = 1.0 - lag as f64 / (memory + 1) as f64;
-        variance += if lag == 0 {
-            product
-        } else {
-            2.0 * bartlett * product
-        };
+        variance += if lag == 0 { 1.0 } else { 2.0 * bartlett } * product;
     }
     let shift = -scores.iter().sum::<f64>() / change;
-    Some(Linear {
+    Some(DelayEstimate {
         // The shift moves `rhs`, which is early where the clock of `lhs` is late.
-        change: if sides.ahead(1.0) > 0.0 {
-            shift
-        } else {
-            -shift
-        },
-        sd: variance.max(0.0).sqrt() / change,
+        delay_s: delay + sides.ahead(shift),
+        sd_s: variance.max(0.0).sqrt() / change,
         correlation: ab / (aa * bb).sqrt(),
     })
 }

@@ -72,6 +72,16 @@ pub enum Error {
 }
 
 impl Error {
+    /// An error of a channel's values.
+    pub(crate) fn channel(file: &str, channel: &str, found: String, expected: String) -> Self {
+        Error::Channel {
+            file: file.to_string(),
+            channel: channel.to_string(),
+            found,
+            expected,
+        }
+    }
+
     /// An error of the system or of a format's reader, with its file.
     pub(crate) fn file(file: &str, reason: impl std::fmt::Display) -> Self {
         Error::File {

@@ -2,7 +2,6 @@
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use kufe_sled::{COLUMNS, Sensor, correlation};
@@ -21,18 +20,17 @@ struct Logger {
 /// A commented `mapping.toml` for recordings like these: files of one run, one a logger, with their
 /// paths from the mapping.
 ///
-/// Every line says how sure it is and why. An open question is a comment that begins with `# ?`,
+/// Every line states how sure it is and why. An open question is a comment that begins with `# ?`,
 /// above the line that answers it, to be completed and freed of its `#`.
 pub fn guess_mapping(files: &[(PathBuf, Log)]) -> String {
     let (names, run) = split_names(files);
-    let logger = |((path, log), (name, last)): (&(PathBuf, Log), _)| Logger {
-        name,
-        pattern: path
-            .with_file_name::<String>(last)
-            .display()
-            .to_string()
-            .replace('\\', "/"),
-        sample: Sample::of(log),
+    let logger = |((path, log), (name, last)): (&(PathBuf, Log), (String, String))| {
+        let pattern = path.with_file_name(last).display().to_string();
+        Logger {
+            name,
+            pattern: pattern.replace('\\', "/"),
+            sample: Sample::of(log),
+        }
     };
     let loggers: Vec<Logger> = files.iter().zip(names).map(logger).collect();
     let mut text = String::from(
@@ -40,43 +38,29 @@ pub fn guess_mapping(files: &[(PathBuf, Log)]) -> String {
          # take its # away. Then: kufe runs import THIS -o runs/\n\nrate_hz = 100.0          # of the runs\n",
     );
     let several = loggers.len() > 1;
-    let lead = loggers
+    let mut lateral = loggers
         .iter()
-        .find(|l| l.sample.columns.contains_key("ay_mps2"))
-        .unwrap_or(&loggers[0]);
+        .filter(|l| l.sample.columns.contains_key("ay_mps2"));
+    let lead = lateral.next().unwrap_or(&loggers[0]);
+    let mut of_lead = String::new();
     if several {
-        let _ = writeln!(
-            text,
-            "clock = {:?}          # the logger whose clock the runs keep",
-            lead.name
-        );
+        let name = &lead.name;
+        text += &format!("clock = {name:?}          # the logger whose clock the runs keep\n");
+        of_lead = format!("logger = {name:?}, ");
     }
     let mut channels = String::new();
     for column in COLUMNS.iter().chain(&["s_m"]) {
-        match best(&loggers, column) {
-            Some(logger) => {
-                channels += &line(
-                    column,
-                    &logger.sample.columns[*column],
-                    several.then_some(&logger.name),
-                );
-            }
-            None if *column == "s_m" => {}
-            None => {
-                let logger = if several {
-                    format!("logger = {:?}, ", lead.name)
-                } else {
-                    String::new()
-                };
-                let _ = writeln!(
-                    channels,
-                    "# ? {column}: no channel of that name\n# {column} = {{ {logger}from = \"?\", unit = \"?\" }}"
-                );
-            }
+        if let Some(logger) = best(&loggers, column) {
+            let guess = &logger.sample.columns[*column];
+            channels += &line(column, guess, several.then_some(&logger.name));
+        } else if *column != "s_m" {
+            channels += &format!(
+                "# ? {column}: no channel of that name\n# {column} = {{ {of_lead}from = \"?\", unit = \"?\" }}\n"
+            );
         }
     }
     for logger in &loggers {
-        head(&mut text, logger, &run);
+        text += &head(logger, &run);
         if several
             && logger.name != lead.name
             && logger.sample.clocked | logger.sample.time.is_some()
@@ -102,12 +86,9 @@ pub fn guess_mapping(files: &[(PathBuf, Log)]) -> String {
     text += &channels;
     let others: Vec<&String> = loggers.iter().flat_map(|l| &l.sample.others).collect();
     if !others.is_empty() {
-        let names: Vec<String> = others
-            .iter()
-            .take(60)
-            .map(|name| format!("{name:?}"))
-            .collect();
-        let _ = writeln!(text, "# Not used: {}", names.join(", "));
+        let names = others.iter().take(60).map(|name| format!("{name:?}"));
+        let names: Vec<String> = names.collect();
+        text += &format!("# Not used: {}\n", names.join(", "));
     }
     text += &index_help();
     text
@@ -126,28 +107,23 @@ fn quoted(text: &str) -> String {
     toml::Value::from(text).to_string()
 }
 
-fn head(text: &mut String, logger: &Logger, run: &str) {
-    let _ = writeln!(
-        text,
-        "\n[logger.{}]\nfiles = {}      # the * is the run's name, here {run:?}",
+/// A logger's table, without the columns that it also records.
+fn head(logger: &Logger, run: &str) -> String {
+    let mut text = format!(
+        "\n[logger.{}]\nfiles = {}      # the * is the run's name, here {run:?}\n",
         logger.name,
         quoted(&logger.pattern)
     );
     if logger.sample.upside_down {
-        text.push_str(
-            "rotation = [3.141592653589793, 0.0, 0.0]      # likely: az points down, as in a box that is upside down\n",
-        );
+        text += "rotation = [3.141592653589793, 0.0, 0.0]      # likely: az points down, as in a box that is upside down\n";
     }
-    match &logger.sample.time {
-        Some((name, unit, why)) => {
-            let _ = writeln!(text, "time = {}          # {why}", quoted(name));
-            if let Some(unit) = unit {
-                let _ = writeln!(text, "time_unit = {unit:?}");
-            }
-        }
-        None if logger.sample.clocked => {}
-        None => text.push_str("# ? no channel seems to be a time: name it, or state the rate of the samples\n# rate_hz = 100.0\n"),
+    if let Some((name, unit, why)) = &logger.sample.time {
+        text += &format!("time = {}          # {why}\n", quoted(name));
+        text.extend(unit.map(|unit| format!("time_unit = {unit:?}\n")));
+    } else if !logger.sample.clocked {
+        text += "# ? no channel seems to be a time: name it, or state the rate of the samples\n# rate_hz = 100.0\n";
     }
+    text
 }
 
 /// One column's line, or the question about it.
@@ -157,23 +133,13 @@ fn line(column: &str, guess: &Guess, logger: Option<&String>) -> String {
     keys.push(format!("from = {}", quoted(&guess.from)));
     keys.extend(guess.unit.map(|unit| format!("unit = {unit:?}")));
     keys.extend(guess.negative.then(|| "sign = -1".to_string()));
-    match guess.open {
-        None => format!(
-            "{column} = {{ {} }}      # {}\n",
-            keys.join(", "),
-            guess.why
-        ),
-        Some(units) => {
-            keys.push("unit = \"?\"".to_string());
-            format!(
-                "# ? {column}: is {:?} in {}? {}\n# {column} = {{ {} }}\n",
-                guess.from,
-                units.join(" or "),
-                guess.why,
-                keys.join(", ")
-            )
-        }
-    }
+    keys.extend(guess.open.map(|_| "unit = \"?\"".to_string()));
+    let (keys, from, why) = (keys.join(", "), &guess.from, &guess.why);
+    let Some(units) = guess.open else {
+        return format!("{column} = {{ {keys} }}      # {why}\n");
+    };
+    let units = units.join(" or ");
+    format!("# ? {column}: is {from:?} in {units}? {why}\n# {column} = {{ {keys} }}\n")
 }
 
 /// A name for each file's logger with the pattern of its last part, and the run's name: the part
@@ -189,28 +155,22 @@ fn split_names(files: &[(PathBuf, Log)]) -> (Vec<(String, String)>, String) {
         ending => format!(".{ending}"),
     };
     if files.len() == 1 {
-        return (
-            vec![("box".to_string(), format!("*{}", ending(0)))],
-            stems[0].clone(),
-        );
+        let only = ("box".to_string(), format!("*{}", ending(0)));
+        return (vec![only], stems[0].clone());
     }
     // One run's files in a folder for each logger.
     if stems.iter().all(|stem| *stem == stems[0]) {
         let names = files.iter().enumerate().map(|(i, (path, _))| {
-            let folder = path
-                .parent()
-                .map_or(String::new(), |folder| part(folder, Path::file_name));
+            let folder = part(path.parent().unwrap_or(Path::new("")), Path::file_name);
             (logger_name(&folder, i), format!("*{}", ending(i)))
         });
         return (distinct(names.collect()), stems[0].clone());
     }
     let first: Vec<char> = stems[0].chars().collect();
     let shared = |of: fn(&str, &str) -> bool, part: &dyn Fn(usize) -> String| {
-        let parts = (1..first.len()).map(part);
-        parts
-            .filter(|p| stems.iter().all(|s| of(s, p) && s.len() > p.len()))
-            .max_by_key(String::len)
-            .unwrap_or_default()
+        let in_all = |p: &String| stems.iter().all(|s| of(s, p) && s.len() > p.len());
+        let parts = (1..first.len()).map(part).filter(in_all);
+        parts.max_by_key(String::len).unwrap_or_default()
     };
     let prefix = shared(|s, p| s.starts_with(p), &|n| first[..n].iter().collect());
     let suffix = shared(|s, p| s.ends_with(p), &|n| first[n..].iter().collect());
@@ -218,16 +178,15 @@ fn split_names(files: &[(PathBuf, Log)]) -> (Vec<(String, String)>, String) {
     let by_suffix = bare(&suffix).len() >= bare(&prefix).len();
     let run = bare(if by_suffix { &suffix } else { &prefix });
     let names = stems.iter().enumerate().map(|(i, stem)| {
-        let (own, pattern) = if run.is_empty() {
-            (stem.clone(), format!("{stem}{}", ending(i)))
+        let [own, before, after] = if run.is_empty() {
+            [stem, stem, ""]
         } else if by_suffix {
-            let own = stem[..stem.len() - run.len()].to_string();
-            (own.clone(), format!("{own}*{}", ending(i)))
+            let own = &stem[..stem.len() - run.len()];
+            [own, &format!("{own}*"), ""]
         } else {
-            let own = stem[run.len()..].to_string();
-            (own.clone(), format!("*{own}{}", ending(i)))
+            [&stem[run.len()..], "*", &stem[run.len()..]]
         };
-        (logger_name(&own, i), pattern)
+        (logger_name(own, i), format!("{before}{after}{}", ending(i)))
     });
     (distinct(names.collect()), run.clone())
 }
@@ -261,7 +220,7 @@ pub(crate) struct Guess {
     pub unit: Option<&'static str>,
     /// Whether the values have the other sign.
     pub negative: bool,
-    /// Weight of the name.
+    /// Length of the words of the name that speak for it; longer is surer.
     pub weight: usize,
     /// Samples with a value.
     pub samples: usize,
@@ -326,16 +285,13 @@ impl Sample {
         };
         let mut times: Vec<(usize, &Channel, Option<&'static str>, String)> = Vec::new();
         for channel in &log.channels {
-            if let (Some(rank), Some(said)) = (time_rank(&channel.name), time_unit(&channel.values))
+            if let (Some(rank), Some(guess)) =
+                (time_rank(&channel.name), time_unit(&channel.values))
             {
-                let stated = channel
-                    .unit
-                    .as_deref()
-                    .filter(|unit| conversion(unit, "s").is_ok());
-                let (unit, why) = match (stated, said) {
+                let (unit, why) = match (stated_unit(channel, "s"), guess.units) {
                     (Some(unit), _) => (None, format!("the file says {unit}")),
-                    (None, Said::Unit(unit, why)) => (Some(unit), why),
-                    (None, Said::Open(_, why)) => (Some("s"), format!("? s, ms or us: {why}")),
+                    (None, [unit]) => (Some(*unit), guess.why),
+                    (None, _) => (Some("s"), format!("? s, ms or us: {}", guess.why)),
                 };
                 times.push((rank, channel, unit, why));
                 continue;
@@ -345,36 +301,30 @@ impl Sample {
                 let unit = channel.unit.as_deref().filter(|unit| has_dimension(unit));
                 unit.is_none_or(|unit| conversion(unit, column_unit(named.column)).is_ok())
             };
-            match by_name(&channel.name).filter(converts) {
-                None => found.others.push(channel.name.clone()),
-                Some(named) => {
-                    let guess = guess(channel, named.column, named.weight, named.own);
-                    let better = found
-                        .columns
-                        .get(named.column)
-                        .is_none_or(|known| known.compare(&guess).is_lt());
-                    let loser = if better {
-                        found.columns.insert(named.column, guess)
-                    } else {
-                        Some(guess)
-                    };
-                    found.others.extend(loser.map(|loser| loser.from));
-                }
-            }
+            let Some(named) = by_name(&channel.name).filter(converts) else {
+                found.others.push(channel.name.clone());
+                continue;
+            };
+            let own = guess(channel, named);
+            let known = found.columns.get(named.column);
+            let worse = if known.is_none_or(|known| known.compare(&own).is_lt()) {
+                found.columns.insert(named.column, own)
+            } else {
+                Some(own)
+            };
+            found.others.extend(worse.map(|worse| worse.from));
         }
         if let Some((_, channel, unit, why)) = times.into_iter().min_by_key(|time| time.0) {
             found.time = Some((channel.name.clone(), unit, why));
         }
-        share_unit(&mut found.columns, &["az_mps2", "ax_mps2", "ay_mps2"]);
-        share_unit(
-            &mut found.columns,
-            &["yaw_rate_radps", "roll_rate_radps", "pitch_rate_radps"],
-        );
+        let rates = ["yaw_rate_radps", "roll_rate_radps", "pitch_rate_radps"];
+        share_unit(&mut found.columns, ["az_mps2", "ax_mps2", "ay_mps2"]);
+        share_unit(&mut found.columns, rates);
         found.turn_over(log);
         found
     }
 
-    /// A vertical axis that points down is that of the whole box where the pitch rate says so: a sled
+    /// A vertical axis that points down is that of the whole box where the pitch rate shows it: a sled
     /// that pitches up is pressed down in any box, but not where one axis has the other sign.
     fn turn_over(&mut self, log: &Log) {
         let guess = |axis: Sensor| self.columns.get(axis.name());
@@ -397,7 +347,7 @@ impl Sample {
 
 /// The axes of one accelerometer, and of one gyroscope, have one unit: that of the first whose
 /// values decide.
-fn share_unit(columns: &mut BTreeMap<&'static str, Guess>, axes: &[&'static str]) {
+fn share_unit(columns: &mut BTreeMap<&'static str, Guess>, axes: [&'static str; 3]) {
     let decided = axes.iter().find_map(|axis| {
         let guess = columns.get(axis).filter(|guess| guess.open.is_none())?;
         Some((guess.unit?, guess.from.clone()))
@@ -412,21 +362,25 @@ fn share_unit(columns: &mut BTreeMap<&'static str, Guess>, axes: &[&'static str]
     }
 }
 
-fn guess(channel: &Channel, column: &'static str, weight: usize, own: bool) -> Guess {
-    let stated = channel
-        .unit
-        .as_deref()
-        .filter(|unit| conversion(unit, column_unit(column)).is_ok());
-    let name = if own {
-        "sure: the name is kufe's own"
-    } else {
-        "likely: by its name"
+/// The unit that the file states, where it converts to another.
+fn stated_unit<'a>(channel: &'a Channel, target: &str) -> Option<&'a str> {
+    let unit = channel.unit.as_deref();
+    unit.filter(|unit| conversion(unit, target).is_ok())
+}
+
+fn guess(channel: &Channel, Named { column, weight }: Named) -> Guess {
+    let name = match weight {
+        OWN => "sure: the name is kufe's own",
+        _ => "likely: by its name",
     };
-    let (unit, open, mut why) = match (stated, unit_by_values(column, &channel.values)) {
+    let found = unit_by_values(column, &channel.values);
+    let (unit, open, mut why) = match (stated_unit(channel, column_unit(column)), found) {
         (Some(unit), _) => (None, None, format!("{name}; the file says {unit}")),
-        (None, Some(Said::Unit(unit, why))) => (Some(unit), None, format!("{name}; {why}")),
-        (None, Some(Said::Open(units, why))) => (None, Some(units), why),
         (None, None) => (None, Some(&["?"][..]), "it holds no values".to_string()),
+        (None, Some(UnitGuess { units, why })) => match units {
+            [unit] => (Some(*unit), None, format!("{name}; {why}")),
+            _ => (None, Some(units), why),
+        },
     };
     let median = extent(&channel.values).map_or(0.0, |[median, _]| median);
     let negative = column == "az_mps2" && median < 0.0 && open.is_none();
@@ -445,157 +399,107 @@ fn guess(channel: &Channel, column: &'static str, weight: usize, own: bool) -> G
     }
 }
 
+fn finite(values: &[f64]) -> Vec<f64> {
+    values.iter().copied().filter(|x| x.is_finite()).collect()
+}
+
+/// The middle one of some values.
+fn median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
 /// Sum of the slope's changes from sample to sample, as a share of the sum of the slopes.
 fn roughness(values: &[f64]) -> f64 {
-    let finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
+    let finite = finite(values);
     let slopes = finite.windows(2).map(|w| (w[1] - w[0]).abs()).sum::<f64>();
     let changes = finite.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs());
     changes.sum::<f64>() / slopes.max(f64::MIN_POSITIVE)
 }
 
-/// The unit of values.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Said {
-    /// A unit, and why.
-    Unit(&'static str, String),
-    /// Units that it may have, and why that is open.
-    Open(&'static [&'static str], String),
+/// The unit of values, or those that it may be, and why.
+pub(crate) struct UnitGuess {
+    pub units: &'static [&'static str],
+    pub why: String,
 }
 
 /// Middle and largest magnitude of the finite values; `None` where there are none.
 pub(crate) fn extent(values: &[f64]) -> Option<[f64; 2]> {
-    let mut finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
-    if finite.is_empty() {
-        return None;
-    }
-    let middle = finite.len() / 2;
-    let median = *finite.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let mut finite = finite(values);
+    let median = median(&mut finite)?;
     let largest = finite.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     Some([median, largest])
 }
 
-/// The unit of a column's values by their size: a body at rest has a specific force of 9.81 m/s2,
-/// no sled or car exceeds 70 m/s or turns by 12 rad/s.
-pub(crate) fn unit_by_values(column: &str, values: &[f64]) -> Option<Said> {
+const RATES: &[&str] = &["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"];
+const ANGLES: &[&str] = &["alpha_rad", "delta_rad", "gamma_rad"];
+
+/// Columns, the largest magnitude above which their values have a unit, or those that it may be, and
+/// why: no sled or car exceeds 70 m/s or turns by 12 rad/s.
+const BY_LARGEST: [(&[&str], f64, &[&str], &str); 9] = [
+    (&["ax_mps2", "ay_mps2"], 8.0, &["m/s^2"], ""),
+    (&["ax_mps2", "ay_mps2"], -1.0, &["g", "m/s^2"], ""),
+    (&["v_mps"], 70.0, &["km/h"], ", too fast for m/s"),
+    (&["v_mps"], -1.0, &["m/s", "km/h", "mph", "knots"], ""),
+    (RATES, 12.0, &["deg/s"], ", too fast for rad/s"),
+    (RATES, 3.0, &["deg/s", "rad/s"], ""),
+    (RATES, -1.0, &["rad/s"], ", too slow for deg/s in a curve"),
+    (ANGLES, 0.6, &["deg"], ", too large for rad"),
+    (ANGLES, -1.0, &["rad", "deg"], ""),
+];
+
+/// The unit of a column's values by their size; a body at rest has a specific force of 9.81 m/s2.
+pub(crate) fn unit_by_values(column: &str, values: &[f64]) -> Option<UnitGuess> {
     let [median, largest] = extent(values)?;
-    let by_largest = format!("largest magnitude {largest:.4}");
-    Some(match column {
-        "az_mps2" => match median.abs() {
-            m if (0.7..1.4).contains(&m) => {
-                Said::Unit("g", format!("median {median:.3}, that of gravity in g"))
-            }
-            m if (7.0..14.0).contains(&m) => Said::Unit(
-                "m/s^2",
-                format!("median {median:.3}, that of gravity in m/s2"),
-            ),
-            _ => Said::Open(
-                &["g", "m/s^2"],
-                format!("median {median:.3} is gravity's in no unit"),
-            ),
-        },
-        "ax_mps2" | "ay_mps2" if largest > 8.0 => Said::Unit("m/s^2", by_largest),
-        "ax_mps2" | "ay_mps2" => Said::Open(&["g", "m/s^2"], by_largest),
-        "v_mps" if largest > 70.0 => Said::Unit("km/h", format!("{by_largest}, too fast for m/s")),
-        "v_mps" => Said::Open(&["m/s", "km/h", "mph", "knots"], by_largest),
-        "roll_rate_radps" | "pitch_rate_radps" | "yaw_rate_radps" => match largest {
-            l if l > 12.0 => Said::Unit("deg/s", format!("{by_largest}, too fast for rad/s")),
-            l if l < 3.0 => Said::Unit(
-                "rad/s",
-                format!("{by_largest}, too slow for deg/s in a curve"),
-            ),
-            _ => Said::Open(&["deg/s", "rad/s"], by_largest),
-        },
-        "alpha_rad" | "delta_rad" | "gamma_rad" => match largest {
-            l if l > 0.6 => Said::Unit("deg", format!("{by_largest}, too large for rad")),
-            _ => Said::Open(&["rad", "deg"], by_largest),
-        },
-        _ => Said::Open(&["m", "km"], by_largest),
-    })
+    if column == "az_mps2" {
+        let (units, why): (&[&str], &str) = match median.abs() {
+            m if (0.7..1.4).contains(&m) => (&["g"], ", that of gravity in g"),
+            m if (7.0..14.0).contains(&m) => (&["m/s^2"], ", that of gravity in m/s2"),
+            _ => (&["g", "m/s^2"], " is gravity's in no unit"),
+        };
+        let why = format!("median {median:.3}{why}");
+        return Some(UnitGuess { units, why });
+    }
+    let mut rows = BY_LARGEST.iter();
+    let row = rows.find(|(columns, above, ..)| columns.contains(&column) && largest > *above);
+    let (units, why) = row.map_or((&["m", "km"][..], ""), |(_, _, units, why)| (units, why));
+    let why = format!("largest magnitude {largest:.4}{why}");
+    Some(UnitGuess { units, why })
 }
 
 /// The unit of a time by its usual step, if it is a time: it never falls.
-pub(crate) fn time_unit(values: &[f64]) -> Option<Said> {
-    let finite: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
+pub(crate) fn time_unit(values: &[f64]) -> Option<UnitGuess> {
+    let finite = finite(values);
     let mut steps: Vec<f64> = finite.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if steps.is_empty() || steps.iter().any(|step| *step < 0.0) {
+    if steps.iter().any(|step| *step < 0.0) {
         return None;
     }
     steps.retain(|step| *step > 0.0);
-    if steps.is_empty() {
-        return None;
+    let step = median(&mut steps)?;
+    let (units, per_second): (&[&str], f64) = match step {
+        _ if step < 0.6 => (&["s"], 1.0),
+        _ if (1000.0..1e6).contains(&step) => (&["us"], 1e6),
+        _ if step.fract() == 0.0 && step < 1000.0 => (&["ms"], 1e3),
+        _ => (&["s", "ms", "us"], 0.0),
+    };
+    let mut why = format!("usual step {step}");
+    if per_second > 0.0 {
+        why += &format!(": {:.0} Hz", per_second / step);
     }
-    let middle = steps.len() / 2;
-    let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let step_text = format!("usual step {median}");
-    Some(match median {
-        m if m < 0.6 => Said::Unit("s", format!("{step_text}: {:.0} Hz", 1.0 / m)),
-        m if (1000.0..1e6).contains(&m) => {
-            Said::Unit("us", format!("{step_text}: {:.0} Hz", 1e6 / m))
-        }
-        m if m.fract() == 0.0 && m < 1000.0 => {
-            Said::Unit("ms", format!("{step_text}: {:.0} Hz", 1e3 / m))
-        }
-        _ => Said::Open(&["s", "ms", "us"], step_text),
-    })
+    Some(UnitGuess { units, why })
 }
 
 /// Columns, the words in names of their channels, and words that exclude a channel; words are
 /// separated by commas, and longer ones are surer.
-const NAMES: [(&str, &str, &str); 11] = [
-    (
-        "ax_mps2",
-        "long acc,longitudinal,inline acc,g long,force long,acc x,accel x,langsbeschl,\
-         laengsbeschl,ax,x acc,longacc",
-        "angular,gyro",
-    ),
-    (
-        "ay_mps2",
-        "lateral acc,lateral,lat acc,g lat,force lat,acc y,accel y,querbeschl,ay,y acc,latacc",
-        "angular,gyro,velocity,slip",
-    ),
-    (
-        "az_mps2",
-        "vertical acc,vert acc,g vert,force vert,acc z,accel z,hochbeschl,vertikalbeschl,az,z acc,\
-         vertacc",
-        "angular,gyro,velocity",
-    ),
-    (
-        "roll_rate_radps",
-        "roll rate,rollrate,gyro roll,gyro x,wankrate,rollgeschw,wx,x rate",
-        "split",
-    ),
-    (
-        "pitch_rate_radps",
-        "pitch rate,pitchrate,gyro pitch,gyro y,nickrate,nickgeschw,wy,y rate",
-        "",
-    ),
-    (
-        "yaw_rate_radps",
-        "yaw rate,yawrate,gyro yaw,gyro z,gierrate,giergeschw,gierwinkelgeschw,wz,z rate",
-        "",
-    ),
-    (
-        "v_mps",
-        "gps speed,ground speed,speed,velocity,geschwindigkeit,geschw,v,tempo,vel",
-        "engine,accuracy,wind,vertical,motor,lateral,winkel",
-    ),
-    (
-        "alpha_rad",
-        "slip angle,sideslip,slip,schwimmwinkel,schraglauf,schraeglauf,alpha",
-        "ratio,schlupf",
-    ),
-    (
-        "delta_rad",
-        "steering angle,steering,steer,lenkwinkel,lenkung,lenk,delta",
-        "torque,moment,time",
-    ),
-    (
-        "gamma_rad",
-        "roll split,rollsplit,knickwinkel,knick,verdrehung,verdrehwinkel,twist,gamma",
-        "rate",
-    ),
-    ("s_m", "distance,strecke,weg,odometer,s", "wheel"),
-];
+const NAMES: &str = include_str!("../assets/names.csv");
+
+fn names() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+    NAMES.lines().filter_map(|line| {
+        let (column, words) = line.split_once(';')?;
+        let (words, against) = words.split_once(';')?;
+        Some((column, words, against))
+    })
+}
 
 /// Words in names of times, surer ones first.
 const TIMES: &str =
@@ -605,10 +509,8 @@ const TIMES: &str =
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Named {
     pub column: &'static str,
-    /// Length of the words that speak for it; longer is surer.
+    /// Length of the words that speak for it, longer is surer; [`OWN`] for the column's own name.
     pub weight: usize,
-    /// Whether the name is the column's own.
-    pub own: bool,
 }
 
 /// The column that a name speaks for.
@@ -618,12 +520,9 @@ pub(crate) fn by_name(name: &str) -> Option<Named> {
         let words: Vec<&str> = plain.split(' ').collect();
         plain = words[..words.len().saturating_sub(unit_words(name))].join(" ");
     }
-    if let Some((column, ..)) = NAMES.iter().find(|(column, ..)| *column == name) {
-        return Some(Named {
-            column,
-            weight: OWN,
-            own: true,
-        });
+    if let Some((column, ..)) = names().find(|(column, ..)| *column == name) {
+        let weight = OWN;
+        return Some(Named { column, weight });
     }
     let holds = |words: &&str| {
         // One or two letters must be the whole name; longer words may be part of a German one.
@@ -633,13 +532,9 @@ pub(crate) fn by_name(name: &str) -> Option<Named> {
     };
     // Geschwindigkeit contains a wind and means none.
     let begins = |word: &str| !word.is_empty() && format!(" {plain}").contains(&format!(" {word}"));
-    let fits = NAMES.iter().filter_map(|(column, words, against)| {
+    let fits = names().filter_map(|(column, words, against)| {
         let weight = words.split(',').filter(holds).map(str::len).max()?;
-        (!against.split(',').any(begins)).then_some(Named {
-            column,
-            weight,
-            own: false,
-        })
+        (!against.split(',').any(begins)).then_some(Named { column, weight })
     });
     fits.max_by_key(|named| named.weight)
 }

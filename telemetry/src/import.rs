@@ -34,11 +34,12 @@ pub struct Imported {
     pub note: Note,
 }
 
-/// A channel of a run before it is resampled.
+/// A channel before it is resampled.
 struct Read {
-    logger: String,
+    own: LoggerSeries,
     recipe: Recipe,
-    series: Series,
+    /// Whether the run has it as a column, rather than its logger's clock only.
+    written: bool,
 }
 
 impl Importer {
@@ -70,8 +71,7 @@ impl Importer {
     pub fn run(&self, planned: &PlannedRun) -> Result<Imported, Error> {
         let mut remarks = Vec::new();
         let mut files: BTreeMap<&str, (String, String)> = BTreeMap::new();
-        let mut read: BTreeMap<String, Read> = BTreeMap::new();
-        let mut also: Vec<LoggerSeries> = Vec::new();
+        let mut read: Vec<Read> = Vec::new();
         let mut room = MOST_NUMBERS;
         for (name, path) in &planned.files {
             let file = path.display().to_string();
@@ -81,35 +81,29 @@ impl Importer {
             let log = self.log(name, path, room)?;
             room -= log.numbers();
             remarks.extend(log.remarks.iter().cloned());
-            let rotation = self.mapping.logger[name].rotation;
             files.insert(name, (file.clone(), sha256));
-            for (column, source) in self.channels_of(name) {
+            let also = self.mapping.logger[name].also.iter();
+            let written = self.channels_of(name).map(|own| (own, true));
+            for ((column, source), written) in written.chain(also.map(|own| (own, false))) {
                 let (recipe, series, remark) = self.series(column, source, name, &log, &file)?;
-                remarks.extend(remark.filter(|text| !remarks.contains(text)));
-                read.insert(
-                    column.clone(),
-                    Read {
-                        logger: name.clone(),
-                        recipe,
-                        series,
-                    },
-                );
-            }
-            for (column, source) in &self.mapping.logger[name].also {
-                let (_, series, _) = self.series(column, source, name, &log, &file)?;
-                also.push(LoggerSeries {
+                remarks.extend(remark.filter(|text| written && !remarks.contains(text)));
+                let own = LoggerSeries {
                     logger: name.clone(),
                     column: column.clone(),
                     series,
+                };
+                read.push(Read {
+                    own,
+                    recipe,
+                    written,
                 });
             }
-            if let Some(rotation) = rotation {
-                let channels = read.iter_mut().filter(|(_, read)| read.logger == *name);
-                let mut own: BTreeMap<&str, &mut Series> = channels
-                    .map(|(column, read)| (column.as_str(), &mut read.series))
+            if let Some(rotation) = self.mapping.logger[name].rotation {
+                let own = read.iter_mut().map(|read| &mut read.own);
+                let own = own.filter(|own| own.logger == *name);
+                let own = own
+                    .map(|own| (own.column.as_str(), &mut own.series))
                     .collect();
-                let others = also.iter_mut().filter(|also| also.logger == *name);
-                own.extend(others.map(|also| (also.column.as_str(), &mut also.series)));
                 rotate(own, rotation).map_err(|(found, expected)| Error::Key {
                     file: self.file.clone(),
                     key: format!("logger.{name}.rotation"),
@@ -118,19 +112,20 @@ impl Importer {
                 })?;
             }
         }
-        let (clocks, odd) = self.clocks(planned, &read, also)?;
+        let series: Vec<&LoggerSeries> = read.iter().map(|read| &read.own).collect();
+        let (clocks, odd) = align(&self.mapping, planned, &series)?;
         remarks.extend(odd);
-        for channel in read.values_mut() {
-            let delay = clocks[&channel.logger].delay_s;
-            channel.series.time.iter_mut().for_each(|t| *t -= delay);
+        read.retain(|read| read.written);
+        for own in read.iter_mut().map(|read| &mut read.own) {
+            let delay = clocks[&own.logger].delay_s;
+            own.series.time.iter_mut().for_each(|t| *t -= delay);
         }
         let base = self.base(planned, &read)?;
-        let mut columns = Columns::new();
-        let mut channels = BTreeMap::new();
-        for (column, channel) in read {
-            let (file, _) = &files[channel.logger.as_str()];
-            let source = &self.mapping.channels[&column];
-            let note = self.resampled(&column, source, channel, &base, &mut columns, file)?;
+        let (mut columns, mut channels) = (Columns::new(), BTreeMap::new());
+        for channel in read {
+            let (file, _) = &files[channel.own.logger.as_str()];
+            let column = channel.own.column.clone();
+            let note = self.resampled(channel, &base, &mut columns, file)?;
             channels.insert(column, note);
         }
         let logger = |(name, (file, sha256)): (&str, (String, String))| {
@@ -173,23 +168,19 @@ impl Importer {
         &'a self,
         logger: &'a str,
     ) -> impl Iterator<Item = (&'a String, &'a ChannelSource)> {
-        self.mapping
-            .channels
-            .iter()
-            .filter(move |(_, source)| self.mapping.logger_of(source) == logger)
+        let channels = self.mapping.channels.iter();
+        channels.filter(move |(_, source)| self.mapping.logger_of(source) == logger)
     }
 
     /// A logger's recording, with the channels that the mapping names, of at most so many numbers.
     fn log(&self, logger: &str, path: &std::path::Path, most: u64) -> Result<Log, Error> {
         let files = &self.mapping.logger[logger];
-        let sources = || {
-            self.channels_of(logger)
-                .map(|(_, s)| s)
-                .chain(files.also.values())
-        };
-        let mut wanted: Vec<&str> = sources().map(|source| source.from.as_str()).collect();
-        wanted.extend(files.time.as_deref());
-        wanted.extend(sources().filter_map(|source| source.time.as_deref()));
+        let mut wanted: Vec<&str> = files.time.as_deref().into_iter().collect();
+        let own = self.channels_of(logger).map(|(_, source)| source);
+        for source in own.chain(files.also.values()) {
+            wanted.push(&source.from);
+            wanted.extend(source.time.as_deref());
+        }
         let options = TextOptions {
             delimiter: files.delimiter.map(|c| c as u8),
             decimal_comma: files.decimal.map(|c| c == ','),
@@ -212,70 +203,35 @@ impl Importer {
         time.iter_mut().for_each(|t| *t -= delay);
         let channel = &log.channels[log.find(&source.from, file)?];
         let recipe = recipe(column, source, channel, file)?;
-        let values: Vec<f64> = channel
-            .values
-            .iter()
-            .map(|x| recipe.factor * x + recipe.offset)
-            .collect();
+        let value = |x: &f64| recipe.factor * x + recipe.offset;
+        let values: Vec<f64> = channel.values.iter().map(value).collect();
         let mut both = values.iter().zip(&channel.values);
         let beyond = |value: f64| !value.is_finite() || value.abs() > LARGEST_VALUE;
         if let Some(row) = both.position(|(value, x)| x.is_finite() && beyond(*value)) {
-            return Err(Error::Channel {
-                file: file.to_string(),
-                channel: source.from.clone(),
-                found: format!(
-                    "{:e} {} in row {}",
-                    channel.values[row],
-                    recipe.unit,
-                    row as u64 + log.first_row.max(1)
-                ),
-                expected: format!("at most {LARGEST_VALUE:e} {}", column_unit(column)),
-            });
+            let (found, line) = (channel.values[row], row as u64 + log.first_row.max(1));
+            let found = format!("{found:e} {} in row {line}", recipe.unit);
+            let expected = format!("at most {LARGEST_VALUE:e} {}", column_unit(column));
+            return Err(Error::channel(file, &source.from, found, expected));
         }
         Ok((recipe, Series { time, values }, remark))
     }
 
-    fn clocks(
-        &self,
-        planned: &PlannedRun,
-        read: &BTreeMap<String, Read>,
-        also: Vec<LoggerSeries>,
-    ) -> Result<(BTreeMap<String, LoggerClock>, Vec<String>), Error> {
-        let several = self.mapping.logger.len() > 1;
-        let mut series: Vec<LoggerSeries> = Vec::new();
-        // Series need no copy where there is one clock only.
-        for (column, channel) in read.iter().filter(|_| several) {
-            series.push(LoggerSeries {
-                logger: channel.logger.clone(),
-                column: column.clone(),
-                series: channel.series.clone(),
-            });
-        }
-        series.extend(also);
-        align(&self.mapping, planned, &series)
-    }
-
     /// The rows of the run: from the last logger's first sample to the first logger's last one.
-    fn base(&self, planned: &PlannedRun, read: &BTreeMap<String, Read>) -> Result<Base, Error> {
+    fn base(&self, planned: &PlannedRun, read: &[Read]) -> Result<Base, Error> {
         let mut spans: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
-        for (column, channel) in read {
+        for own in read.iter().map(|read| &read.own) {
             // A channel that is late does not move the logger's first sample.
-            let late = self.mapping.channels[column].delay_s.unwrap_or(0.0);
-            let span = spans
-                .entry(&channel.logger)
-                .or_insert([f64::INFINITY, f64::NEG_INFINITY]);
-            for t in channel.series.time.iter().filter(|t| t.is_finite()) {
+            let late = self.mapping.channels[&own.column].delay_s.unwrap_or(0.0);
+            let none = [f64::INFINITY, f64::NEG_INFINITY];
+            let span = spans.entry(&own.logger).or_insert(none);
+            for t in own.series.time.iter().filter(|t| t.is_finite()) {
                 *span = [span[0].min(*t + late), span[1].max(*t + late)];
             }
         }
-        let start = spans
-            .values()
-            .map(|span| span[0])
-            .fold(f64::NEG_INFINITY, f64::max);
-        let end = spans
-            .values()
-            .map(|span| span[1])
-            .fold(f64::INFINITY, f64::min);
+        let all = [f64::NEG_INFINITY, f64::INFINITY];
+        let shared =
+            |[start, end]: [f64; 2], span: &[f64; 2]| [start.max(span[0]), end.min(span[1])];
+        let [start, end] = spans.values().fold(all, shared);
         let rate = self.mapping.rate_hz;
         // Rows are at samples of the lead, so that they need no interpolation where rates are
         // multiples.
@@ -284,10 +240,9 @@ impl Importer {
         let rows = ((end - start) * rate + 1e-6).floor() + 1.0;
         let most = MOST_NUMBERS / (read.len() as u64).max(1);
         if !(2.0..=most as f64).contains(&rows) {
-            let parts: Vec<String> = spans
-                .iter()
-                .map(|(name, span)| format!("{name} {:.3} to {:.3} s", span[0], span[1]))
-                .collect();
+            let part =
+                |(name, [from, to]): (&&str, &[f64; 2])| format!("{name} {from:.3} to {to:.3} s");
+            let parts: Vec<String> = spans.iter().map(part).collect();
             return Err(Error::Clock {
                 run: planned.name.clone(),
                 logger: self.mapping.lead().to_string(),
@@ -306,38 +261,32 @@ impl Importer {
 
     fn resampled(
         &self,
-        column: &str,
-        source: &ChannelSource,
-        channel: Read,
+        Read { own, recipe, .. }: Read,
         base: &Base,
         columns: &mut Columns,
         file: &str,
     ) -> Result<ChannelNote, Error> {
-        let times = || channel.series.time.iter().filter(|t| t.is_finite());
+        let source = &self.mapping.channels[&own.column];
+        let times = || own.series.time.iter().filter(|t| t.is_finite());
         let span = match (times().next(), times().next_back()) {
             (Some(first), Some(last)) => last - first,
             _ => 0.0,
         };
-        let both = channel.series.time.iter().zip(&channel.series.values);
+        let both = own.series.time.iter().zip(&own.series.values);
         let samples = both.filter(|(t, x)| t.is_finite() && x.is_finite()).count();
+        let found = resample(&own.series.time, &own.series.values, base);
+        let few = "fewer than two samples".to_string();
         let found =
-            resample(&channel.series.time, &channel.series.values, base).ok_or_else(|| {
-                Error::Channel {
-                    file: file.to_string(),
-                    channel: source.from.clone(),
-                    found: "fewer than two samples".to_string(),
-                    expected: "samples".to_string(),
-                }
-            })?;
+            found.ok_or_else(|| Error::channel(file, &source.from, few, "samples".into()))?;
         let seconds = |row: usize| (row as f64 / base.rate_hz * 1e9).round() / 1e9;
         let gaps = found.gaps.iter().take(LISTED_GAPS);
         let note = ChannelNote {
-            logger: channel.logger,
+            logger: own.logger,
             from: source.from.clone(),
-            unit: channel.recipe.unit,
-            unit_from: channel.recipe.unit_from,
-            factor: channel.recipe.factor,
-            offset: channel.recipe.offset,
+            unit: recipe.unit,
+            unit_from: recipe.unit_from,
+            factor: recipe.factor,
+            offset: recipe.offset,
             sign: source.sign.unwrap_or(1.0),
             delay_s: source.delay_s.unwrap_or(0.0),
             place_m: source.place_m,
@@ -353,7 +302,7 @@ impl Importer {
                 .map(|gap| [seconds(gap.row), seconds(gap.row + gap.rows - 1)])
                 .collect(),
         };
-        columns.insert(column.to_string(), found.values);
+        columns.insert(own.column, found.values);
         Ok(note)
     }
 }
@@ -436,21 +385,19 @@ pub(crate) fn recipe(
         // A pure number needs no unit.
         (None, None) if target == "1" => (String::new(), "mapping"),
         (None, None) => {
-            return Err(Error::Channel {
-                file: file.to_string(),
-                channel: source.from.clone(),
-                found: "no unit".to_string(),
-                expected: format!(
-                    "channels.{column}.unit in the mapping, a unit that converts to {target}"
-                ),
-            });
+            let expected =
+                format!("channels.{column}.unit in the mapping, a unit that converts to {target}");
+            return Err(Error::channel(
+                file,
+                &source.from,
+                "no unit".into(),
+                expected,
+            ));
         }
     };
-    let unit_of = conversion(&unit, target).map_err(|reason| Error::Channel {
-        file: file.to_string(),
-        channel: source.from.clone(),
-        found: format!("unit {unit:?}"),
-        expected: format!("a unit that converts to {target} ({reason}); channels.{column}.unit in the mapping takes precedence"),
+    let unit_of = conversion(&unit, target).map_err(|reason| {
+        let expected = format!("a unit that converts to {target} ({reason}); channels.{column}.unit in the mapping takes precedence");
+        Error::channel(file, &source.from, format!("unit {unit:?}"), expected)
     })?;
     let sign = source.sign.unwrap_or(1.0);
     let scale = source.scale.unwrap_or(1.0);
@@ -485,41 +432,25 @@ pub(crate) fn times(
     file: &str,
 ) -> Result<(Vec<f64>, Option<String>), Error> {
     let channel = &log.channels[log.find(&source.from, file)?];
-    let wrong = |name: &str, found: String, expected: String| Error::Channel {
-        file: file.to_string(),
-        channel: name.to_string(),
-        found,
-        expected,
-    };
+    let wrong = |name: &str, found, expected| Error::channel(file, name, found, expected);
     let stated = source.time.as_ref().or(files.time.as_ref());
-    let (name, mut time) = match (stated, channel.clock, files.rate_hz) {
+    let name = stated.unwrap_or(&channel.name);
+    let mut time: Vec<f64> = match (stated, channel.clock, files.rate_hz) {
         (Some(name), _, _) => {
             let time = &log.channels[log.find(name, file)?];
-            let unit = files
-                .time_unit
-                .as_deref()
-                .or(time.unit.as_deref())
-                .unwrap_or("s");
+            let unit = files.time_unit.as_ref().or(time.unit.as_ref());
+            let unit = unit.map_or("s", String::as_str);
             let second = conversion(unit, "s").map_err(|reason| {
                 let expected =
                     format!("a unit of time ({reason}); logger.{logger}.time_unit states it");
                 wrong(name, format!("unit {unit:?}"), expected)
             })?;
-            (
-                name.as_str(),
-                time.values
-                    .iter()
-                    .map(|t| second.factor * t)
-                    .collect::<Vec<f64>>(),
-            )
+            time.values.iter().map(|t| second.factor * t).collect()
         }
-        (None, Some(clock), _) => (channel.name.as_str(), log.clocks[clock].clone()),
+        (None, Some(clock), _) => log.clocks[clock].clone(),
         (None, None, Some(rate)) => {
-            let count = channel.values.len();
-            (
-                channel.name.as_str(),
-                (0..count).map(|i| i as f64 / rate).collect(),
-            )
+            let rows = 0..channel.values.len();
+            rows.map(|i| i as f64 / rate).collect()
         }
         (None, None, None) => {
             let expected = format!(
@@ -530,22 +461,17 @@ pub(crate) fn times(
     };
     if time.len() != channel.values.len() {
         let found = format!("{} values", channel.values.len());
-        return Err(wrong(
-            &channel.name,
-            found,
-            format!("{}, one for each of {name}", time.len()),
-        ));
+        let expected = format!("{}, one for each of {name}", time.len());
+        return Err(wrong(&channel.name, found, expected));
     }
     let mut last = f64::NEG_INFINITY;
     let mut repeated = 0;
     for (row, t) in time.iter_mut().enumerate() {
         if *t < last {
             let line = row as u64 + log.first_row.max(1);
-            return Err(wrong(
-                name,
-                format!("{t} s after {last} s in row {line}"),
-                "times that do not run backwards".to_string(),
-            ));
+            let found = format!("{t} s after {last} s in row {line}");
+            let expected = "times that do not run backwards".to_string();
+            return Err(wrong(name, found, expected));
         }
         if *t == last {
             repeated += 1;
@@ -555,10 +481,8 @@ pub(crate) fn times(
         }
     }
     if repeated as f64 > REPEATED * time.len() as f64 {
-        let found = format!(
-            "{repeated} of {} samples at the time of the one before",
-            time.len()
-        );
+        let count = time.len();
+        let found = format!("{repeated} of {count} samples at the time of the one before");
         let expected = format!("a time that distinguishes samples, or logger.{logger}.rate_hz");
         return Err(wrong(name, found, expected));
     }
@@ -668,26 +592,18 @@ pub struct ChannelNote {
 /// # Errors
 /// [`Error::Key`] where the axes of the accelerometer are stated in different places.
 pub fn model_fragment(mapping: &Mapping, file: &str) -> Result<Option<String>, Error> {
-    let place = |column: &str| {
-        mapping
-            .channels
-            .get(column)
-            .and_then(|channel| channel.place_m)
-    };
-    let mut accelerometer: Option<(&str, [f64; 3])> = None;
-    for column in ["ax_mps2", "ay_mps2", "az_mps2"] {
-        let Some(own) = place(column) else { continue };
-        match accelerometer {
-            Some((first, other)) if other != own => {
-                return Err(Error::Key {
-                    file: file.to_string(),
-                    key: format!("channels.{column}.place_m"),
-                    found: format!("{own:?}"),
-                    expected: format!("{other:?}, as for {first}: the model has one accelerometer"),
-                });
-            }
-            _ => accelerometer = Some((column, own)),
-        }
+    let place = |column: &str| mapping.channels.get(column)?.place_m;
+    let axes = ["ax_mps2", "ay_mps2", "az_mps2"];
+    let mut places = axes.iter().filter_map(|axis| Some((axis, place(axis)?)));
+    let accelerometer = places.next();
+    let differs = |(_, own): &(_, _)| accelerometer.is_some_and(|(_, first)| first != *own);
+    if let (Some((first, place)), Some((column, own))) = (accelerometer, places.find(differs)) {
+        return Err(Error::Key {
+            file: file.to_string(),
+            key: format!("channels.{column}.place_m"),
+            found: format!("{own:?}"),
+            expected: format!("{place:?}, as for {first}: the model has one accelerometer"),
+        });
     }
     let slip = place("alpha_rad");
     if accelerometer.is_none() && slip.is_none() {

@@ -14,7 +14,7 @@ pub struct Channel {
     pub name: String,
     /// The unit that the file states.
     pub unit: Option<String>,
-    /// Which of [`Log::clocks`] it was sampled by, where the file says so.
+    /// Which of [`Log::clocks`] it was sampled by, where the file states it.
     pub clock: Option<usize>,
     /// Its values in that unit; NaN where there is none. Empty where it was not read.
     pub values: Vec<f64>,
@@ -41,10 +41,9 @@ pub(crate) fn alike(a: &str, b: &str) -> bool {
 impl Log {
     /// How many numbers it holds, those of its clocks included.
     pub fn numbers(&self) -> u64 {
-        let channels = self.channels.iter().map(|channel| channel.values.len());
-        channels
-            .chain(self.clocks.iter().map(Vec::len))
-            .sum::<usize>() as u64
+        let channels = self.channels.iter().map(|channel| &channel.values);
+        let lengths = channels.chain(&self.clocks).map(|list| list.len() as u64);
+        lengths.sum()
     }
 
     /// Place of the channel of this name; capitals and spaces at its ends do not count where only
@@ -85,10 +84,8 @@ impl Log {
             for place in places {
                 self.channels[*place].name = format!("{name} ({})", label(*place));
             }
-            let names: Vec<String> = places
-                .iter()
-                .map(|place| format!("{:?}", self.channels[*place].name))
-                .collect();
+            let quoted = |place: &usize| format!("{:?}", self.channels[*place].name);
+            let names: Vec<String> = places.iter().map(quoted).collect();
             self.remarks.push(format!(
                 "{} channels are called {name:?}; here they are {}",
                 places.len(),
@@ -105,10 +102,8 @@ impl Log {
         if self.channels.is_empty() {
             let remarks = self.remarks.iter().map(|remark| format!("; {remark}"));
             let remarks: String = remarks.collect();
-            return Err(Error::file(
-                file,
-                format!("no channel of numbers: {reason}{remarks}"),
-            ));
+            let reason = format!("no channel of numbers: {reason}{remarks}");
+            return Err(Error::file(file, reason));
         }
         Ok(self)
     }

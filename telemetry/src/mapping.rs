@@ -179,18 +179,20 @@ pub struct RunTable {
 impl Mapping {
     /// The logger of a channel.
     pub fn logger_of<'a>(&'a self, channel: &'a ChannelSource) -> &'a str {
-        let only = || self.logger.keys().next().map_or("", String::as_str);
-        channel.logger.as_deref().unwrap_or_else(only)
+        self.or_only(&channel.logger)
     }
 
     /// The logger whose clock the runs keep.
     pub fn lead(&self) -> &str {
-        let only = || self.logger.keys().next().map_or("", String::as_str);
-        self.clock.as_deref().unwrap_or_else(only)
+        self.or_only(&self.clock)
     }
-}
 
-impl Mapping {
+    /// A logger by its name; where none is named, the only one.
+    fn or_only<'a>(&'a self, name: &'a Option<String>) -> &'a str {
+        let name = name.as_ref().or_else(|| self.logger.keys().next());
+        name.map_or("", String::as_str)
+    }
+
     /// Reads a mapping and checks everything that does not need its files.
     ///
     /// # Errors
@@ -299,18 +301,17 @@ impl Check<'_> {
     fn unit(&self, key: String, unit: Option<&String>, target: &str) -> Result<(), Error> {
         let Some(unit) = unit else { return Ok(()) };
         let reason = conversion(unit, target).err();
-        let expected = reason
-            .as_ref()
-            .map(|reason| format!("a unit that converts to {target} ({reason})"));
-        self.require(reason.is_none(), key, unit, &expected.unwrap_or_default())
+        let expected = reason.as_deref().unwrap_or_default();
+        let expected = format!("a unit that converts to {target} ({expected})");
+        self.require(reason.is_none(), key, unit, &expected)
     }
 
     fn logger_table(&self, name: &str, logger: &LoggerFiles) -> Result<(), Error> {
         let key = |of: &str| format!("logger.{name}.{of}");
         self.name("logger", name)?;
         self.within(key("rate_hz"), logger.rate_hz, 0.01, 1e6)?;
-        let most = LARGEST_DELAY_S;
-        self.within(key("delay_s"), logger.delay_s, -most, most)?;
+        let delay_s = logger.delay_s;
+        self.within(key("delay_s"), delay_s, -LARGEST_DELAY_S, LARGEST_DELAY_S)?;
         self.within(key("largest_delay_s"), logger.largest_delay_s, 0.0, 1e5)?;
         for angle in logger.rotation.into_iter().flatten() {
             let most = std::f64::consts::TAU;
@@ -372,24 +373,18 @@ impl Check<'_> {
     }
 
     fn run(&self, run: &RunTable) -> Result<(), Error> {
-        let same = self
-            .mapping
-            .run
-            .iter()
-            .filter(|other| other.name == run.name);
-        let (found, once) = (format!("{} twice", run.name), same.count() == 1);
-        self.require(once, "run.name".into(), found, "each run once")?;
+        let runs = self.mapping.run.iter();
+        let same = runs.filter(|other| other.name == run.name).count();
+        let found = format!("{} twice", run.name);
+        self.require(same == 1, "run.name".into(), found, "each run once")?;
         self.name("run.name", &run.name)?;
         self.index(&format!("run {}: index", run.name), &run.index)?;
         for name in run.files.keys().chain(run.delay_s.keys()) {
             self.logger(format!("run {}: files or delay_s", run.name), Some(name))?;
         }
         for (logger, delay) in &run.delay_s {
-            let (key, most) = (
-                format!("run {}: delay_s.{logger}", run.name),
-                LARGEST_DELAY_S,
-            );
-            self.within(key, Some(*delay), -most, most)?;
+            let key = format!("run {}: delay_s.{logger}", run.name);
+            self.within(key, Some(*delay), -LARGEST_DELAY_S, LARGEST_DELAY_S)?;
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! The runs of a mapping: their files, and their lines of `runs.csv`.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use kufe_sled::{
@@ -69,73 +70,54 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error>
         let found = matching(folder, pattern)
             .map_err(|expected| wrong(key.clone(), pattern.clone(), expected))?;
         for (run, path) in found {
-            plain_name(&run).ok_or_else(|| {
+            if plain_name(&run).is_none() {
                 let expected =
                     "a file whose name can name a run: letters, digits, '-', '_' and '.'";
-                wrong(
-                    key.clone(),
-                    path.display().to_string(),
-                    expected.to_string(),
-                )
-            })?;
+                return Err(wrong(key, path.display().to_string(), expected.to_string()));
+            }
             files.entry(run).or_default().insert(name.clone(), path);
         }
     }
     for run in &mapping.run {
-        let own = files.entry(run.name.clone()).or_default();
-        own.extend(
-            run.files
-                .iter()
-                .map(|(logger, path)| (logger.clone(), folder.join(path))),
-        );
+        let own = run.files.iter();
+        let own = own.map(|(logger, path)| (logger.clone(), folder.join(path)));
+        files.entry(run.name.clone()).or_default().extend(own);
     }
     let table = match &mapping.index.table {
         None => Vec::new(),
         Some(path) => {
             let path = folder.join(path);
             let file = path.display().to_string();
-            let bytes = kufe_files::read_regular(&path, LONGEST_TABLE)
-                .map_err(|error| Error::file(&file, error))?;
-            read_table(&bytes, &file)?
+            let bytes = kufe_files::read_regular(&path, LONGEST_TABLE);
+            read_table(&bytes.map_err(|error| Error::file(&file, error))?, &file)?
         }
     };
     if files.is_empty() {
-        return Err(wrong(
-            "run".into(),
-            "no run".into(),
-            "logger.NAME.files or a table [[run]]".into(),
-        ));
+        let expected = "logger.NAME.files or a table [[run]]";
+        return Err(wrong("run".into(), "no run".into(), expected.into()));
     }
     for (name, _) in &table {
         if !files.contains_key(name) {
             let known: Vec<&str> = files.keys().map(String::as_str).take(60).collect();
+            let (found, known) = (format!("a row of run {name:?}"), known.join(", "));
             return Err(wrong(
                 "index.table".into(),
-                format!("a row of run {name:?}"),
-                format!("one of: {}", known.join(", ")),
+                found,
+                format!("one of: {known}"),
             ));
         }
     }
     let mut plan = Plan::default();
     let mut first = None;
     for (name, files) in files {
-        let missing = mapping
-            .logger
-            .keys()
-            .find(|logger| !files.contains_key(*logger));
-        if let Some(logger) = missing {
-            let there: Vec<String> = files
-                .values()
-                .map(|path| path.display().to_string())
-                .collect();
-            let error = wrong(
-                format!("logger.{logger}.files"),
-                format!("no file of run {name}"),
-                format!(
-                    "one in addition to {}, or files.{logger} in a table [[run]]",
-                    there.join(", ")
-                ),
-            );
+        let mut loggers = mapping.logger.keys();
+        if let Some(logger) = loggers.find(|logger| !files.contains_key(*logger)) {
+            let there = files.values().map(|path| path.display().to_string());
+            let there = there.collect::<Vec<_>>().join(", ");
+            let found = format!("no file of run {name}");
+            let expected =
+                format!("one in addition to {there}, or files.{logger} in a table [[run]]");
+            let error = wrong(format!("logger.{logger}.files"), found, expected);
             plan.excluded.push(ExcludedRun {
                 run: name,
                 reason: error.to_string(),
@@ -144,14 +126,12 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error>
             continue;
         }
         let own = mapping.run.iter().find(|run| run.name == name);
+        let own = own.cloned().unwrap_or_default();
         let row = table.iter().find(|(run, _)| *run == name);
-        let unstated = IndexValues::default();
-        let index = mapping
-            .index
-            .below(row.map_or(&unstated, |(_, values)| values));
+        let row = row.map_or(IndexValues::default(), |(_, values)| values.clone());
         plan.runs.push(PlannedRun {
-            index: index.below(own.map_or(&unstated, |run| &run.index)),
-            delay_s: own.map(|run| run.delay_s.clone()).unwrap_or_default(),
+            index: mapping.index.below(&row).below(&own.index),
+            delay_s: own.delay_s,
             name,
             files,
         });
@@ -169,34 +149,24 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error>
 /// What was expected.
 fn matching(folder: &Path, pattern: &str) -> Result<Vec<(String, PathBuf)>, String> {
     let whole = folder.join(pattern);
-    let last = whole
-        .file_name()
-        .map(|name| name.to_string_lossy().to_string())
-        .unwrap_or_default();
+    let text = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().to_string();
+    let last = text(whole.file_name());
     let parent = whole.parent().unwrap_or(Path::new("")).to_path_buf();
     let Some((before, after)) = last.split_once('*') else {
-        let stem = whole
-            .file_stem()
-            .map(|stem| stem.to_string_lossy().to_string())
-            .unwrap_or_default();
-        return Ok(vec![(stem, whole)]);
+        return Ok(vec![(text(whole.file_stem()), whole)]);
     };
     if after.contains('*') || parent.to_string_lossy().contains('*') {
         return Err("one '*', in the last part of the path".to_string());
     }
-    let shown = if parent.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        &parent
-    };
+    let here = parent.as_os_str().is_empty();
+    let shown = if here { Path::new(".") } else { &parent };
     let entries = std::fs::read_dir(shown)
         .map_err(|error| format!("a folder {}: {error}", shown.display()))?;
     let mut found = Vec::new();
     for entry in entries.flatten() {
         let name = entry.file_name().to_string_lossy().to_string();
-        let run = name
-            .strip_prefix(before)
-            .and_then(|rest| rest.strip_suffix(after));
+        let rest = name.strip_prefix(before);
+        let run = rest.and_then(|rest| rest.strip_suffix(after));
         if let Some(run) = run.filter(|run| !run.is_empty() && !name.starts_with('.')) {
             found.push((run.to_string(), parent.join(&name)));
         }
@@ -321,11 +291,9 @@ impl PlannedRun {
 /// [`Error::Cell`] and [`Error::File`] with row and column.
 pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexValues)>, Error> {
     let failure = |error: csv::Error| Error::file(file, error);
-    let head = bytes
-        .split(|byte| *byte == b'\n')
-        .next()
-        .unwrap_or_default();
-    let delimiter = if head.contains(&b';') { b';' } else { b',' };
+    let head = bytes.split(|byte| *byte == b'\n').next();
+    let semicolons = head.is_some_and(|head| head.contains(&b';'));
+    let delimiter = if semicolons { b';' } else { b',' };
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter)
         .trim(csv::Trim::All)
@@ -334,10 +302,8 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
     let known = || INDEX_COLUMNS.iter().chain(&MORE_INDEX_COLUMNS);
     for (i, name) in header.iter().enumerate() {
         if header.iter().take(i).any(|known| known == name) {
-            return Err(Error::file(
-                file,
-                format!("column {name:?} is given twice, expected once"),
-            ));
+            let twice = format!("column {name:?} is given twice, expected once");
+            return Err(Error::file(file, twice));
         }
         let place = name.strip_prefix(ICE_AT);
         let own = name.strip_prefix(COVARIATE);
@@ -348,13 +314,11 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
         }
         if name == "file" || !known().any(|known| *known == name) {
             let names: Vec<&str> = known().copied().filter(|name| *name != "file").collect();
-            return Err(Error::file(
-                file,
-                format!(
-                    "column {name:?} is unknown, expected some of: {}, {ICE_AT}350 (at 350 m), {COVARIATE}NAME (your own)",
-                    names.join(", ")
-                ),
-            ));
+            let names = names.join(", ");
+            let unknown = format!(
+                "column {name:?} is unknown, expected some of: {names}, {ICE_AT}350 (at 350 m), {COVARIATE}NAME (your own)"
+            );
+            return Err(Error::file(file, unknown));
         }
     }
     let Some(run) = header.iter().position(|name| name == "run") else {
@@ -366,10 +330,8 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
         let row = record.position().map_or(0, csv::Position::line);
         let name = record.get(run).unwrap_or("").to_string();
         if rows.iter().any(|(known, _)| *known == name) {
-            return Err(Error::file(
-                file,
-                format!("row {row}: run {name:?} is given twice, expected once"),
-            ));
+            let twice = format!("row {row}: run {name:?} is given twice, expected once");
+            return Err(Error::file(file, twice));
         }
         let mut values = IndexValues::default();
         for (column, cell) in header.iter().zip(&record) {

@@ -49,7 +49,8 @@ pub fn read_log(
         }
         "mat" if is_matlab73(open()?) => read_matlab73(open()?, wanted, &file)?,
         "mat" => {
-            let bytes = kufe_files::read_regular(path, LONGEST_MATLAB).map_err(|error| {
+            let bytes = kufe_files::read_regular(path, LONGEST_MATLAB);
+            let bytes = bytes.map_err(|error| {
                 Error::file(
                     &file,
                     format!("{error}; save fewer variables, or with -v7.3"),
@@ -78,13 +79,11 @@ pub fn read_recording(path: &Path, options: TextOptions) -> Result<Log, Error> {
 
 /// The refusal of recordings with more than [`MOST_NUMBERS`].
 pub(crate) fn too_many(file: &str) -> Error {
-    Error::file(
-        file,
-        format!(
-            "the recordings of this run hold more than {MOST_NUMBERS} numbers in the channels that are read, expected \
-             fewer; split them, or name fewer channels"
-        ),
-    )
+    let reason = format!(
+        "the recordings of this run hold more than {MOST_NUMBERS} numbers in the channels that are read, expected \
+         fewer; split them, or name fewer channels"
+    );
+    Error::file(file, reason)
 }
 
 /// An error of the readers that runs share.
@@ -145,14 +144,15 @@ pub fn read_mdf4(
 ) -> Result<Log, Error> {
     let mdf = Mdf4::open(reader, file).map_err(of_sled(file))?;
     let of = mdf.channels();
-    let mut log = Log::default();
-    for channel in &of {
-        log.channels.push(Channel {
-            name: channel.name.clone(),
-            unit: Some(channel.unit.clone()).filter(|unit| !unit.trim().is_empty()),
-            ..Channel::default()
-        });
-    }
+    let channels = of.iter().map(|channel| Channel {
+        name: channel.name.clone(),
+        unit: Some(channel.unit.clone()).filter(|unit| !unit.trim().is_empty()),
+        ..Channel::default()
+    });
+    let mut log = Log {
+        channels: channels.collect(),
+        ..Log::default()
+    };
     let group = |place: usize| (of[place].data_group_index, of[place].channel_group_index);
     log.distinguish(|place| {
         let (data, channels) = group(place);
@@ -216,26 +216,22 @@ pub fn read_matlab73(
     file: &str,
 ) -> Result<Log, Error> {
     let failure = |error: hdf5_pure::Error| Error::file(file, error);
+    let unread = |error: std::io::Error| Error::file(file, error);
     let mut room = MOST_NUMBERS;
-    let length = reader.seek(SeekFrom::End(0));
-    let hdf = if length.map_err(|error| Error::file(file, error))? <= LONGEST_MATLAB {
+    let hdf = if reader.seek(SeekFrom::End(0)).map_err(unread)? <= LONGEST_MATLAB {
         let mut bytes = Vec::new();
-        let read = reader
-            .rewind()
-            .and_then(|()| reader.read_to_end(&mut bytes));
-        read.map_err(|error| Error::file(file, error))?;
+        reader.rewind().map_err(unread)?;
+        reader.read_to_end(&mut bytes).map_err(unread)?;
         Hdf5::from_bytes(bytes)
     } else {
-        let source = ReadSeekSource::new(reader).map_err(|error| Error::file(file, error))?;
-        Hdf5::from_source(source)
+        let source = ReadSeekSource::new(reader);
+        Hdf5::from_source(source.map_err(|error| Error::file(file, error))?)
     };
     let hdf = hdf.map_err(failure)?;
-    let mut found = Found::default();
+    let mut found = Variables::default();
     found.collect(&hdf.root(), "", DEPTH).map_err(failure)?;
-    let names = found
-        .vectors
-        .iter()
-        .map(|(name, _)| (name.clone(), Vec::new()));
+    let names = found.vectors.iter();
+    let names = names.map(|(name, _)| (name.clone(), Vec::new()));
     let mut log = of_vectors(names, found.remarks);
     for place in places(&log, wanted, file)? {
         let (_, data) = &found.vectors[place];
@@ -255,12 +251,12 @@ pub fn read_matlab73(
 
 /// Vectors of an HDF5 file by their names, and what its other variables are.
 #[derive(Default)]
-struct Found {
+struct Variables {
     vectors: Vec<(String, Dataset)>,
     remarks: Vec<String>,
 }
 
-impl Found {
+impl Variables {
     fn collect(
         &mut self,
         group: &Group,
@@ -314,19 +310,19 @@ impl Found {
 }
 
 fn numbers(data: &Dataset) -> Result<Vec<f64>, hdf5_pure::Error> {
-    fn floats<T>(values: Vec<T>, number: impl Fn(T) -> f64) -> Vec<f64> {
-        values.into_iter().map(number).collect()
+    fn floats<T: Into<f64>>(values: Vec<T>) -> Vec<f64> {
+        values.into_iter().map(T::into).collect()
     }
     Ok(match data.dtype()? {
-        DType::F32 => floats(data.read_f32()?, f64::from),
-        DType::I8 => floats(data.read_i8()?, f64::from),
-        DType::I16 => floats(data.read_i16()?, f64::from),
-        DType::I32 => floats(data.read_i32()?, f64::from),
-        DType::I64 => floats(data.read_i64()?, |v| v as f64),
-        DType::U8 => floats(data.read_u8()?, f64::from),
-        DType::U16 => floats(data.read_u16()?, f64::from),
-        DType::U32 => floats(data.read_u32()?, f64::from),
-        DType::U64 => floats(data.read_u64()?, |v| v as f64),
+        DType::F32 => floats(data.read_f32()?),
+        DType::I8 => floats(data.read_i8()?),
+        DType::I16 => floats(data.read_i16()?),
+        DType::I32 => floats(data.read_i32()?),
+        DType::I64 => data.read_i64()?.into_iter().map(|n| n as f64).collect(),
+        DType::U8 => floats(data.read_u8()?),
+        DType::U16 => floats(data.read_u16()?),
+        DType::U32 => floats(data.read_u32()?),
+        DType::U64 => data.read_u64()?.into_iter().map(|n| n as f64).collect(),
         _ => data.read_f64()?,
     })
 }

@@ -4,7 +4,7 @@
 use kufe_sled::{Spline, low_pass};
 use serde::Serialize;
 
-use crate::resample::stretches;
+use crate::resample::{Stretch, stretches};
 
 /// Values at times.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -53,18 +53,14 @@ impl Signal {
     /// A series through a zero-phase low pass; `None` where no stretch is long enough.
     pub fn of(series: &Series, corner_hz: f64) -> Option<Signal> {
         let cut = stretches(&series.time, &series.values)?;
-        let parts = cut
-            .parts
-            .iter()
-            .filter(|part| part.values.len() >= LEAST)
-            .map(|part| {
-                let smooth = low_pass(&part.values, 1.0 / part.step_s, corner_hz);
-                let knots: Vec<f64> = (0..smooth.len())
-                    .map(|i| part.start_s + i as f64 * part.step_s)
-                    .collect();
-                (part.start_s, part.end_s(), Spline::natural(&knots, &smooth))
-            });
-        let parts: Vec<_> = parts.collect();
+        let long = cut.parts.iter().filter(|part| part.values.len() >= LEAST);
+        let spline = |part: &Stretch| {
+            let smooth = low_pass(&part.values, 1.0 / part.step_s, corner_hz);
+            let at = |i: usize| part.start_s + i as f64 * part.step_s;
+            let knots: Vec<f64> = (0..smooth.len()).map(at).collect();
+            (part.start_s, part.end_s(), Spline::natural(&knots, &smooth))
+        };
+        let parts: Vec<_> = long.map(spline).collect();
         (!parts.is_empty()).then_some(Signal {
             parts,
             rate_hz: 1.0 / cut.step_s,
@@ -122,15 +118,13 @@ pub(crate) struct Pair<'a> {
     pub doubt_s: f64,
 }
 
-/// What a pair's sides are at a corner of the low pass.
-pub(crate) struct Sides {
+/// A pair's sides at a corner of the low pass.
+pub(crate) struct Sides<'a> {
+    pair: &'a Pair<'a>,
     lhs: Signal,
     main: Signal,
-    speed: Option<(Signal, bool)>,
+    speed: Option<Signal>,
     slip: Option<Signal>,
-    kind: Kind,
-    ahead_m: f64,
-    lhs_late: bool,
 }
 
 /// A place of a column along the sled, where it is stated.
@@ -153,57 +147,43 @@ pub(crate) fn pairs<'a>(
         }
     }
     for lhs_late in [false, true] {
-        let lhs = |column: &str| {
-            if lhs_late {
+        let side = |column: &str, late: bool| {
+            if late {
                 in_late(column)
             } else {
                 in_known(column)
             }
         };
-        let rhs = |column: &str| {
-            if lhs_late {
-                in_known(column)
-            } else {
-                in_late(column)
-            }
-        };
+        let lhs = |column: &str| side(column, lhs_late);
+        let rhs = |column: &str| side(column, !lhs_late);
         if let (Some(ax), Some(v)) = (lhs("ax_mps2"), rhs("v_mps")) {
             let name = "ax = dv/dt".to_string();
             pairs.push(Pair::new(Kind::Longitudinal, name, ax, v, lhs_late));
         }
-        for (kind, name, acceleration, rate) in [
-            (
-                Kind::Lateral,
-                "ay = yaw rate * v",
-                "ay_mps2",
-                "yaw_rate_radps",
-            ),
-            (
-                Kind::Vertical,
-                "az = g - pitch rate * v",
-                "az_mps2",
-                "pitch_rate_radps",
-            ),
+        for (kind, name) in [
+            (Kind::Lateral, "ay = yaw rate * v"),
+            (Kind::Vertical, "az = g - pitch rate * v"),
         ] {
-            let (Some(a), Some(w)) = (lhs(acceleration), rhs(rate)) else {
+            let is_lateral = kind == Kind::Lateral;
+            let acceleration = if is_lateral { "ay_mps2" } else { "az_mps2" };
+            let rate = if is_lateral {
+                "yaw_rate_radps"
+            } else {
+                "pitch_rate_radps"
+            };
+            let speed = rhs("v_mps").map(|v| (v, false));
+            let speed = speed.or(lhs("v_mps").map(|v| (v, true)));
+            let (Some(a), Some(w), Some(speed)) = (lhs(acceleration), rhs(rate), speed) else {
                 continue;
             };
-            let speed = rhs("v_mps")
-                .map(|v| (v, false))
-                .or(lhs("v_mps").map(|v| (v, true)));
-            let Some(speed) = speed else { continue };
-            let slip = rhs("alpha_rad").filter(|_| kind == Kind::Lateral);
+            let slip = rhs("alpha_rad").filter(|_| is_lateral);
             let mean = mean(speed.0).abs().max(1.0);
-            let sensor = place(acceleration);
             // The slip sensor's velocity is that of its own place.
-            let at = if slip.is_some() {
-                place("alpha_rad")
-            } else {
-                Some(0.0)
-            };
+            let at = slip.map_or(Some(0.0), |_| place("alpha_rad"));
+            let sensor = place(acceleration);
             let ahead = sensor.zip(at).map(|(sensor, at)| sensor - at);
             let unknown_place = if ahead.is_some() { 0.0 } else { PLACE / mean };
-            let unknown_slip = if slip.is_none() && kind == Kind::Lateral {
+            let unknown_slip = if slip.is_none() && is_lateral {
                 SLIP
             } else {
                 0.0
@@ -248,20 +228,16 @@ impl<'a> Pair<'a> {
     }
 
     /// Both sides through a low pass; `None` where a series is too short.
-    pub fn sides(&self, corner_hz: f64) -> Option<Sides> {
+    pub fn sides(&self, corner_hz: f64) -> Option<Sides<'_>> {
         let of = |series: &Series| Signal::of(series, corner_hz);
-        let speed = match self.speed {
-            Some((series, with_lhs)) => Some((of(series)?, with_lhs)),
-            None => None,
-        };
+        // A speed that is too short is not that of a relation without one.
+        let speed = self.speed.map(|(series, _)| of(series));
         Some(Sides {
+            pair: self,
             lhs: of(self.lhs)?,
             main: of(self.main)?,
-            speed,
+            speed: speed.map_or(Some(None), |speed| speed.map(Some))?,
             slip: self.slip.and_then(of),
-            kind: self.kind,
-            ahead_m: self.ahead_m,
-            lhs_late: self.lhs_late,
         })
     }
 
@@ -272,7 +248,7 @@ impl<'a> Pair<'a> {
     }
 }
 
-impl Sides {
+impl Sides<'_> {
     /// `lhs` and its derivative at a time of its own clock.
     pub fn lhs(&self, t: f64) -> Option<[f64; 2]> {
         self.lhs.at(t).map(|[value, slope, _]| [value, slope])
@@ -282,20 +258,16 @@ impl Sides {
     /// of `lhs`.
     pub fn rhs(&self, t: f64, ahead: f64) -> Option<[f64; 2]> {
         let [w, dw, ddw] = self.main.at(t)?;
-        let (v, dv) = match &self.speed {
-            None => (1.0, 0.0),
-            Some((speed, with_lhs)) => {
-                let [v, dv, _] = speed.at(if *with_lhs { t + ahead } else { t })?;
-                (v, dv)
-            }
+        let with_lhs = self.pair.speed.is_some_and(|(_, with_lhs)| with_lhs);
+        let [v, dv, _] = match &self.speed {
+            None => [1.0, 0.0, 0.0],
+            Some(speed) => speed.at(if with_lhs { t + ahead } else { t })?,
         };
-        Some(match self.kind {
+        let x = self.pair.ahead_m;
+        Some(match self.pair.kind {
             Kind::Same => [w, dw],
             Kind::Longitudinal => [dw, ddw],
-            Kind::Vertical => [
-                -w * v - self.ahead_m * dw,
-                -dw * v - w * dv - self.ahead_m * ddw,
-            ],
+            Kind::Vertical => [-w * v - x * dw, -dw * v - w * dv - x * ddw],
             Kind::Lateral => {
                 let [slip, dslip, ddslip] = match &self.slip {
                     Some(slip) => slip.at(t)?,
@@ -305,10 +277,8 @@ impl Sides {
                 // slip's.
                 let sideways = -(dslip * v + slip * dv);
                 let further = -(ddslip * v + 2.0 * dslip * dv);
-                [
-                    w * v + sideways + self.ahead_m * dw,
-                    dw * v + w * dv + further + self.ahead_m * ddw,
-                ]
+                let slope = dw * v + w * dv + further + x * ddw;
+                [w * v + sideways + x * dw, slope]
             }
         })
     }
@@ -320,6 +290,6 @@ impl Sides {
 
     /// From the clock of `rhs` to that of `lhs`, by the delay of the logger whose delay is sought.
     pub fn ahead(&self, delay: f64) -> f64 {
-        if self.lhs_late { delay } else { -delay }
+        if self.pair.lhs_late { delay } else { -delay }
     }
 }

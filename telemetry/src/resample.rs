@@ -99,10 +99,8 @@ pub fn resample(time: &[f64], values: &[f64], base: &Base) -> Option<Resampled> 
     }
     let mut row = 0;
     while row < base.count {
-        let rows = found.values[row..]
-            .iter()
-            .take_while(|x| x.is_nan())
-            .count();
+        let rest = found.values[row..].iter();
+        let rows = rest.take_while(|x| x.is_nan()).count();
         if rows > 0 {
             found.gaps.push(Gap { row, rows });
         }
@@ -168,7 +166,7 @@ impl Stretch {
     }
 }
 
-/// Stretches of a series, and by how much its times stray from uniform ones.
+/// Stretches of a series, and by how much its times deviate from uniform ones.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Stretches {
     /// The stretches in time, each of two samples at least.
@@ -185,12 +183,9 @@ pub(crate) struct Stretches {
 /// samples gives those of a stretch whose times are irregular; where the times are uniform within
 /// what they are rounded to, they are taken as that. `None` with fewer than two samples.
 pub(crate) fn stretches(time: &[f64], values: &[f64]) -> Option<Stretches> {
-    let present: Vec<(f64, f64)> = time
-        .iter()
-        .zip(values)
-        .filter(|(t, x)| t.is_finite() && x.is_finite())
-        .map(|(t, x)| (*t, *x))
-        .collect();
+    let both = time.iter().copied().zip(values.iter().copied());
+    let present = both.filter(|(t, x)| t.is_finite() && x.is_finite());
+    let present: Vec<(f64, f64)> = present.collect();
     let usual = usual_step(&present)?;
     let resolution = resolution(&present);
     let mut parts = Vec::new();
@@ -207,21 +202,17 @@ pub(crate) fn stretches(time: &[f64], values: &[f64]) -> Option<Stretches> {
         }
         let (first, last) = (part[0].0, part[part.len() - 1].0);
         let step = (last - first) / (part.len() - 1) as f64;
-        let stray = part
-            .iter()
-            .enumerate()
-            .map(|(i, (t, _))| (t - first - i as f64 * step).abs());
-        let stray = stray.fold(0.0, f64::max);
-        let regular = stray <= (UNIFORM * step).max(1.01 * resolution);
-        jitter = jitter.max(if regular { 0.0 } else { stray / step });
+        let deviation = |(i, (t, _)): (usize, &(f64, f64))| (t - first - i as f64 * step).abs();
+        let deviation = part.iter().enumerate().map(deviation).fold(0.0, f64::max);
+        let regular = deviation <= (UNIFORM * step).max(1.01 * resolution);
+        jitter = jitter.max(if regular { 0.0 } else { deviation / step });
         let values = if regular {
             part.iter().map(|(_, x)| *x).collect()
         } else {
             let (knots, heights): (Vec<f64>, Vec<f64>) = part.iter().copied().unzip();
             let spline = Spline::natural(&knots, &heights);
-            (0..part.len())
-                .map(|i| spline.at((first + i as f64 * step).min(last))[0])
-                .collect()
+            let value = |i| spline.at((first + i as f64 * step).min(last))[0];
+            (0..part.len()).map(value).collect()
         };
         parts.push(Stretch {
             start_s: first,
@@ -238,32 +229,27 @@ pub(crate) fn stretches(time: &[f64], values: &[f64]) -> Option<Stretches> {
 
 /// The mean of all steps but those that are gaps, whatever they are rounded to.
 fn usual_step(present: &[(f64, f64)]) -> Option<f64> {
-    let mut steps: Vec<f64> = present
-        .windows(2)
-        .map(|pair| pair[1].0 - pair[0].0)
-        .collect();
+    let steps = present.windows(2).map(|pair| pair[1].0 - pair[0].0);
+    let mut steps: Vec<f64> = steps.collect();
     if steps.is_empty() {
         return None;
     }
     let middle = steps.len() / 2;
     let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let usual = steps.iter().filter(|step| **step < OUTLIER * median);
-    let (sum, count) = usual.fold((0.0, 0), |(sum, count), step| (sum + step, count + 1));
-    Some(sum / f64::from(count))
+    steps.retain(|step| *step < OUTLIER * median);
+    let sum = steps.iter().fold(0.0, |sum, step| sum + step);
+    Some(sum / steps.len() as f64)
 }
 
 /// The decimal that all times are multiples of [s]; 0 where there is none.
 fn resolution(present: &[(f64, f64)]) -> f64 {
-    [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6]
-        .into_iter()
-        .find(|per_s| {
-            present.iter().all(|(t, _)| {
-                let scaled = t * per_s;
-                // Conversions of milliseconds leave rounding in the last digits.
-                (scaled - scaled.round()).abs() < 1e-4_f64.max(4.0 * f64::EPSILON * scaled.abs())
-            })
-        })
-        .map_or(0.0, |per_s| 1.0 / per_s)
+    let multiple = |scaled: f64| {
+        // Conversions of milliseconds leave rounding in the last digits.
+        (scaled - scaled.round()).abs() < 1e-4_f64.max(4.0 * f64::EPSILON * scaled.abs())
+    };
+    let rates = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6].into_iter();
+    let mut rates = rates.filter(|per_s| present.iter().all(|(t, _)| multiple(t * per_s)));
+    rates.next().map_or(0.0, |per_s| 1.0 / per_s)
 }
 
 #[cfg(test)]
@@ -393,7 +379,7 @@ mod tests {
 
     #[test]
     fn jitter_is_taken_out_by_a_spline() {
-        // Times that stray by up to 5 % of a step with ends that do so too, not rounded; the sine's
+        // Times that deviate by up to 5 % of a step with ends that do so too, not rounded; the sine's
         // own cubic spline errs by (2 pi f h)^4 / 384.
         let t: Vec<f64> = (0..2000)
             .map(|i| 0.01 * (f64::from(i) + 0.05 * (f64::from(i) * 1.7).sin()) + 1e-9 * 0.123)

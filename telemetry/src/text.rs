@@ -156,13 +156,11 @@ impl Cell {
     fn of(cell: &str, decimal_comma: bool) -> Cell {
         let cell = cell.trim();
         if let Ok(value) = cell.parse::<f64>() {
-            // `inf` says that there is no value; a number too large for its type is none.
-            let overflows = value.is_infinite() && cell.contains(|c: char| c.is_ascii_digit());
-            return if overflows {
-                Cell::Text
-            } else {
-                Cell::Number(if value.is_finite() { value } else { f64::NAN })
-            };
+            // `inf` marks a missing value; a number too large for its type is none.
+            if value.is_infinite() && cell.contains(|c: char| c.is_ascii_digit()) {
+                return Cell::Text;
+            }
+            return Cell::Number(if value.is_finite() { value } else { f64::NAN });
         }
         let small = cell.to_lowercase();
         let missing = MISSING.split(' ').any(|word| word == small);
@@ -302,32 +300,28 @@ impl<'a> Iterator for Rows<'a> {
             let (at, line) = (self.at, self.line);
             let mut cells = Vec::new();
             loop {
-                let from = self.at;
-                let skipped = bytes[from..]
-                    .iter()
-                    .take_while(|b| **b == b' ' || **b == b'\t' && self.delimiter == b' ')
-                    .count();
-                let start = from + skipped;
-                let closed = (bytes.get(start) == Some(&b'"'))
-                    .then(|| self.closing_quote(start + 1))
-                    .flatten();
-                let ends = |b: &u8| *b == self.delimiter || *b == b'\n';
+                let (from, blanks) = (self.at, self.delimiter == b' ');
+                let blank = |b: &&u8| **b == b' ' || **b == b'\t' && blanks;
+                let start = from + bytes[from..].iter().take_while(blank).count();
+                let quoted = bytes.get(start) == Some(&b'"');
+                let closed = quoted.then(|| self.closing_quote(start + 1)).flatten();
+                let ends = |b: &u8| {
+                    [self.delimiter, b'\n'].contains(b) || blanks && [b'\t', b'\r'].contains(b)
+                };
                 let search = closed.unwrap_or(start);
-                let length = bytes[search..].iter().position(|b| {
-                    ends(b) || self.delimiter == b' ' && (*b == b'\t' || *b == b'\r')
-                });
+                let length = bytes[search..].iter().position(ends);
                 self.at = length.map_or(bytes.len(), |length| search + length);
                 let cell = match closed {
                     Some(end) => &self.text[start + 1..end - 1],
                     None => &self.text[from..self.at],
                 };
                 self.line += cell.bytes().filter(|b| *b == b'\n').count() as u64;
-                if self.delimiter == b' ' && bytes.get(self.at) == Some(&b'\r') {
+                if blanks && bytes.get(self.at) == Some(&b'\r') {
                     self.at += 1;
                 }
                 let ended = bytes.get(self.at).is_none_or(|b| *b == b'\n');
                 let cell = cell.trim();
-                if !(self.delimiter == b' ' && ended && cell.is_empty()) {
+                if !(blanks && ended && cell.is_empty()) {
                     cells.push(cell);
                 }
                 self.at += 1;
@@ -352,10 +346,8 @@ impl Rows<'_> {
         while at < bytes.len().min(from + LONGEST_CELL) {
             if bytes[at] == b'"' {
                 if bytes.get(at + 1) != Some(&b'"') {
-                    let mut after = bytes[at + 1..].iter().skip_while(|b| **b == b' ');
-                    let ends = after
-                        .next()
-                        .is_none_or(|b| [self.delimiter, b'\n', b'\r'].contains(b));
+                    let next = bytes[at + 1..].iter().find(|b| **b != b' ');
+                    let ends = next.is_none_or(|b| [self.delimiter, b'\n', b'\r'].contains(b));
                     return (ends || self.delimiter == b' ').then_some(at + 1);
                 }
                 at += 1;
@@ -370,8 +362,8 @@ impl Rows<'_> {
 struct Layout {
     delimiter: u8,
     decimal_comma: bool,
-    names: Vec<String>,
-    units: Vec<Option<String>>,
+    /// The columns' names and units.
+    channels: Vec<Channel>,
     /// Labels that distinguish columns of one name.
     sources: Vec<String>,
     /// Rows of names and units, which some programs repeat.
@@ -414,25 +406,17 @@ fn layout_of(text: &str, options: TextOptions, file: &str) -> Result<Layout, Err
         Some(delimiter) => vec![delimiter],
         None => vec![b';', b'\t', b',', b' '],
     };
-    let mut best: Option<Layout> = None;
-    for delimiter in tried {
-        let found = with_delimiter(text, delimiter);
-        let better = |layout: &Layout| best.as_ref().is_none_or(|best| layout.score > best.score);
-        if let Some(layout) = found.filter(better) {
-            best = Some(layout);
-        }
-    }
+    // Of equally many rows of numbers the first separator.
+    let layouts = tried.into_iter().rev();
+    let layouts = layouts.filter_map(|delimiter| with_delimiter(text, delimiter));
+    let best = layouts.max_by_key(|layout| layout.score);
     let mut layout = best.ok_or_else(|| {
-        Error::file(
-            file,
-            format!(
-                "found no row of names with rows of numbers below it in the first {WINDOW} rows; expected columns separated by commas, semicolons, tabs or blanks"
-            ),
-        )
+        let reason = format!(
+            "found no row of names with rows of numbers below it in the first {WINDOW} rows; expected columns separated by commas, semicolons, tabs or blanks"
+        );
+        Error::file(file, reason)
     })?;
-    if let Some(comma) = options.decimal_comma {
-        layout.decimal_comma = comma;
-    }
+    layout.decimal_comma = options.decimal_comma.unwrap_or(layout.decimal_comma);
     Ok(layout)
 }
 
@@ -459,8 +443,8 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout> {
     let is_names = |i: usize| of[i].0 == 0 && of[i].1 >= 2 && 2 * of[i].1 >= width(i);
     // Rows of numbers up to the next names.
     let score = |i: usize| {
-        (i..rows.len())
-            .take_while(|j| !is_names(*j))
+        let below = (i..rows.len()).take_while(|j| !is_names(*j));
+        below
             .filter(|j| is_data(*j) && width(*j) == width(i))
             .count()
     };
@@ -468,22 +452,17 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout> {
         // Most numbers have a name above them; sources of channels may be fewer.
         let named = |data: usize, head: usize| {
             let filled = |i: usize, k: usize| rows[i].cells.get(k).is_some_and(|c| !c.is_empty());
-            let numbers = (0..width(data)).filter(|k| filled(data, *k));
-            let (with, all) = numbers.fold((0, 0), |(with, all), k| {
-                (with + usize::from(filled(head, k)), all + 1)
-            });
-            2 * with >= all
+            let numbers = || (0..width(data)).filter(|k| filled(data, *k));
+            2 * numbers().filter(|k| filled(head, *k)).count() >= numbers().count()
         };
         let below_units = i >= 3 && is_head(i - 3) && is_units(&rows[i - 2].cells);
         is_data(i) && fits(i, i - 1) && (is_head(i - 1) && named(i, i - 1) || below_units)
     });
     let first = starts.rev().max_by_key(|&i| score(i))?;
     // Rows of words above the numbers, the nearest first.
-    let head: Vec<usize> = (0..first)
-        .rev()
-        .take(4)
-        .take_while(|&i| fits(first, i) && of[i].1 > of[i].0)
-        .collect();
+    let above = (0..first).rev().take(4);
+    let head = above.take_while(|&i| fits(first, i) && of[i].1 > of[i].0);
+    let head: Vec<usize> = head.collect();
     let share = |i: usize| unit_share(&rows[i].cells);
     let units_at = head.windows(2).position(|pair| {
         let (below, names) = (share(pair[0]), share(pair[1]));
@@ -494,24 +473,23 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout> {
     // Trailing empty names are none.
     let width = width(first).min(names_row.len());
     let cell = |place: usize, i: usize| rows[head[place]].cells.get(i).copied().unwrap_or("");
-    let split: Vec<(String, Option<String>)> = names_row[..width]
-        .iter()
-        .enumerate()
-        .map(|(i, name)| match i {
-            0 => name_and_unit(name.trim_start_matches(['#', '%', '/', ' '])),
-            _ => name_and_unit(name),
-        })
-        .collect();
-    let units = (0..width).map(|i| {
+    let marks: &[char] = &['#', '%', '/', ' '];
+    let bare = |(i, name)| match i {
+        0 => str::trim_start_matches(name, marks),
+        _ => name,
+    };
+    let named = names_row[..width].iter().copied().enumerate().map(bare);
+    let mut channels: Vec<Channel> = named.map(channel).collect();
+    for (i, channel) in channels.iter_mut().enumerate() {
         let below = units_at.map(|place| cell(place, i).trim_matches(['[', ']', '(', ')', ' ']));
         let below = below.filter(|unit| !unit.is_empty()).map(str::to_string);
-        below.or_else(|| split[i].1.clone())
-    });
-    let units = units.collect();
+        channel.unit = below.or(channel.unit.take());
+    }
     let source = |i: usize| match units_at {
         Some(place) if place > 0 => cell(0, i).to_string(),
         _ => String::new(),
     };
+    let row = |i: &usize| rows[*i].cells.iter().map(ToString::to_string).collect();
     let (mut comma, mut point) = (false, false);
     for cell in rows[first..].iter().flat_map(|row| &row.cells) {
         point |= cell.contains('.') && cell.parse::<f64>().is_ok();
@@ -520,13 +498,9 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout> {
     Some(Layout {
         delimiter,
         decimal_comma: comma && (!point || delimiter != b','),
-        units,
-        names: split.iter().map(|(name, _)| name.clone()).collect(),
+        channels,
         sources: (0..width).map(source).collect(),
-        head: head[..=names_at]
-            .iter()
-            .map(|i| rows[*i].cells.iter().map(ToString::to_string).collect())
-            .collect(),
+        head: head[..=names_at].iter().map(row).collect(),
         start: rows[first].at,
         first_row: rows[first].line,
         score: score(first),
@@ -534,14 +508,19 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout> {
     })
 }
 
+/// Units of columns that every file of Race Logic has.
+const VBOX_UNITS: [(&[&str], &str); 3] = [
+    (&["time"], "s"),
+    (&["lat", "latitude", "long", "longitude", "heading"], "deg"),
+    (&["height"], "m"),
+];
+
 /// The layout of a file in sections, `[header]`, `[column names]` and `[data]`, as programs of Race
 /// Logic write it (`.vbo`).
 fn sections(text: &str) -> Option<Layout> {
     let mut at = 0;
     let mut section = String::new();
-    let mut titles: Vec<&str> = Vec::new();
-    let mut units: Vec<&str> = Vec::new();
-    let mut names: Vec<&str> = Vec::new();
+    let [mut titles, mut units, mut names]: [Vec<&str>; 3] = Default::default();
     for (number, line) in text.split_inclusive('\n').enumerate().take(10_000) {
         let bare = line.trim();
         at += line.len();
@@ -554,45 +533,33 @@ fn sections(text: &str) -> Option<Layout> {
             if !(2..=MOST_COLUMNS).contains(&width) {
                 return None;
             }
-            let of = |i: usize, name: &str| -> Option<String> {
-                match name.to_lowercase().as_str() {
-                    "time" => return Some("s".to_string()),
-                    "lat" | "latitude" | "long" | "longitude" | "heading" => {
-                        return Some("deg".to_string());
-                    }
-                    "height" => return Some("m".to_string()),
-                    _ => {}
+            let unit_of = |i: usize, name: &str| -> Option<String> {
+                let known = VBOX_UNITS.iter();
+                let mut known = known.filter(|(names, _)| names.contains(&&*name.to_lowercase()));
+                if let Some((_, unit)) = known.next() {
+                    return Some(unit.to_string());
                 }
                 // Units of the last channels, which the user added, or the last word of a title.
-                let added = (i + units.len())
-                    .checked_sub(width)
-                    .map(|place| units[place]);
+                let added = (i + units.len()).checked_sub(width);
+                let added = added.map(|place| units[place].to_string());
                 let title = titles.get(i).filter(|_| titles.len() == width);
                 let title = title.copied().unwrap_or_default();
                 let last = || Some(title.rsplit_once(' ')?.1.to_string());
-                let last = name_and_unit(title).1.or_else(last);
-                let last = last.filter(|unit| is_unit(unit));
-                added
-                    .filter(|unit| is_unit(unit))
-                    .map(str::to_string)
-                    .or(last)
+                let last = channel(title).unit.or_else(last);
+                let unit = |unit: &String| is_unit(unit);
+                added.filter(unit).or(last.filter(unit))
             };
-            let units = names
-                .iter()
-                .enumerate()
-                .map(|(i, name)| of(i, name))
-                .collect();
-            let names: Vec<String> = names.iter().map(ToString::to_string).collect();
-            let comma = text[at..]
-                .lines()
-                .take(WINDOW)
-                .any(|line| line.contains(','));
+            let of = |(i, name): (usize, &&str)| Channel {
+                name: name.to_string(),
+                unit: unit_of(i, name),
+                ..Channel::default()
+            };
+            let mut first_rows = text[at..].lines().take(WINDOW);
             return Some(Layout {
                 delimiter: b' ',
-                decimal_comma: comma,
-                units,
-                sources: vec![String::new(); names.len()],
-                names,
+                decimal_comma: first_rows.any(|line| line.contains(',')),
+                channels: names.iter().enumerate().map(of).collect(),
+                sources: vec![String::new(); width],
                 head: Vec::new(),
                 start: at,
                 first_row: number as u64 + 2,
@@ -612,17 +579,23 @@ fn sections(text: &str) -> Option<Layout> {
 }
 
 /// `Speed [km/h]` is Speed in km/h; without brackets a name has the unit that it ends in.
-fn name_and_unit(cell: &str) -> (String, Option<String>) {
-    for (open, close) in [('[', ']'), ('(', ')')] {
+fn channel(cell: &str) -> Channel {
+    let mut channel = Channel {
+        name: cell.to_string(),
+        unit: name_unit(cell),
+        ..Channel::default()
+    };
+    for (open, close) in [('(', ')'), ('[', ']')] {
         if let Some((name, rest)) = cell.rsplit_once(open)
             && let Some(unit) = rest.trim_end().strip_suffix(close)
             && !name.trim().is_empty()
             && (open == '[' || is_unit(unit))
         {
-            return (name.trim().to_string(), Some(unit.trim().to_string()));
+            channel.name = name.trim().to_string();
+            channel.unit = Some(unit.trim().to_string());
         }
     }
-    (cell.to_string(), name_unit(cell))
+    channel
 }
 
 /// Share of the cells with something in them that are units; most single letters are names as well.
@@ -664,83 +637,54 @@ pub fn read_text(
     while !source.ended && source.text.len() < LONGEST_WINDOW {
         source.read_more().map_err(failure)?;
     }
-    let window = match source.ended {
-        true => source.text.len(),
-        false => source.whole_lines(),
+    let window = if source.ended {
+        source.text.len()
+    } else {
+        source.whole_lines()
     };
     let layout = layout_of(&source.text[..window], options, file)?;
-    let channels = layout.names.iter().zip(&layout.units);
-    let channels = channels.map(|(name, unit)| Channel {
-        name: name.clone(),
-        unit: unit.clone(),
-        ..Channel::default()
-    });
-    let mut log = Log {
-        channels: channels.collect(),
-        first_row: layout.first_row,
-        ..Log::default()
-    };
-    log.distinguish(|i| match layout.sources[i].as_str() {
-        "" => format!("column {}", i + 1),
-        source => source.to_string(),
-    });
-    log.distinguish(|i| format!("column {}", i + 1));
-    let mut read = vec![wanted.is_none(); log.channels.len()];
-    for name in wanted.unwrap_or_default() {
-        read[log.find(name, file)?] = true;
-    }
-    let width = log.channels.len();
-    let mut numbers = Numbers {
-        columns: vec![Vec::new(); width],
-        clocks: vec![false; width],
-        read,
-        refused: None,
-        room: most,
-    };
     source.text.drain(..layout.start);
-    let mut line = layout.first_row;
+    let (delimiter, mut line) = (layout.delimiter, layout.first_row);
+    let mut columns = Columns::new(layout, wanted, most, file)?;
     loop {
-        let end = match source.ended {
-            // A last line without its end may be cut within its last cell, which is a number all
-            // the same.
-            true => source.whole_lines(),
-            false => source.text.len(),
+        // A last line without its end may be cut within its last cell, which is a number all the
+        // same.
+        let end = if source.ended {
+            source.whole_lines()
+        } else {
+            source.text.len()
         };
         let mut rows = Rows {
             text: &source.text[..end],
             at: 0,
             line,
-            delimiter: layout.delimiter,
+            delimiter,
         };
         let mut used = 0;
-        let mut full = None;
         while let Some(row) = rows.next() {
             // Where the row and its quotes end is only known with what follows.
             if !source.ended && rows.at + LONGEST_CELL > end {
                 break;
             }
-            if !numbers.take(&row, &layout, wanted.is_none(), &log, file)? {
-                full = Some(row.line);
-                break;
+            if !columns.take(&row)? {
+                let only = format!(
+                    "only the rows before row {} are read, {most} numbers",
+                    row.line
+                );
+                columns.log.remarks.push(format!("{file}: {only}"));
+                return columns.log();
             }
             (used, line) = (rows.at.min(end), rows.line);
         }
-        if let Some(line) = full {
-            log.remarks.push(format!(
-                "{file}: only the rows before row {line} are read, {most} numbers"
-            ));
-            break;
-        }
         if source.ended {
-            let cut = &source.text[end..];
             let nothing = ['\0', '\u{1a}', ' ', '\t', '\r'];
-            if !cut.trim_matches(nothing).is_empty() {
+            if !source.text[end..].trim_matches(nothing).is_empty() {
                 line += source.text[used..end].matches('\n').count() as u64;
-                log.remarks.push(format!(
+                columns.log.remarks.push(format!(
                     "{file}: row {line}, the last, has no line end and is not read: it may be cut short"
                 ));
             }
-            break;
+            return columns.log();
         }
         if used == 0 && source.text.len() > LONGEST_ROW {
             let reason =
@@ -750,124 +694,146 @@ pub fn read_text(
         source.text.drain(..used);
         source.read_more().map_err(failure)?;
     }
-    let Numbers {
-        columns,
-        clocks,
-        read,
-        refused,
-        ..
-    } = numbers;
-    for (channel, mut values) in log.channels.iter_mut().zip(columns) {
-        values.shrink_to_fit();
-        channel.values = values;
-    }
-    for (channel, clock) in log.channels.iter_mut().zip(clocks) {
-        let name = channel.name.to_lowercase();
-        let packed = name == "time" && layout.vbox
-            || (name.contains("time") || name.contains("utc")) && is_packed(&channel.values);
-        if packed {
-            channel.values.iter_mut().for_each(|t| *t = unpacked(*t));
-        }
-        if clock || packed {
-            channel.unit = Some("s".to_string());
-            continue_days(&mut channel.values);
-        }
-        let to_degrees = match name.as_str() {
-            "lat" | "latitude" if layout.vbox => 1.0 / 60.0,
-            "long" | "longitude" if layout.vbox => -1.0 / 60.0,
-            _ => continue,
-        };
-        channel.values.iter_mut().for_each(|x| *x *= to_degrees);
-    }
-    if wanted.is_none() {
-        let mut read = read.iter();
-        log.channels.retain(|_| *read.next().unwrap_or(&false));
-        log.channels.retain(|channel| !channel.name.is_empty());
-    }
-    let refused = refused.unwrap_or_else(|| "no column has a name".to_string());
-    log.with_channels(file, &refused)
 }
 
-/// The numbers of a file's columns, as far as they are read.
-struct Numbers {
-    columns: Vec<Vec<f64>>,
-    /// Which columns are times of the day.
-    clocks: Vec<bool>,
+/// The columns of a file, as far as they are read.
+struct Columns<'a> {
+    file: &'a str,
+    layout: Layout,
+    log: Log,
+    /// Whether any column is read that holds numbers, rather than some by their names.
+    any: bool,
     /// Which columns are read.
     read: Vec<bool>,
+    /// Which columns are times of the day.
+    clocks: Vec<bool>,
     /// The first text in a column that may hold some.
     refused: Option<String>,
     /// How many more numbers may be read.
     room: u64,
 }
 
-impl Numbers {
-    /// Adds a row; `false` where `partly` and there is no room for it.
+impl<'a> Columns<'a> {
+    fn new(
+        mut layout: Layout,
+        wanted: Option<&[&str]>,
+        most: u64,
+        file: &'a str,
+    ) -> Result<Self, Error> {
+        let mut log = Log {
+            channels: std::mem::take(&mut layout.channels),
+            first_row: layout.first_row,
+            ..Log::default()
+        };
+        let column = |i: usize| format!("column {}", i + 1);
+        log.distinguish(|i| match layout.sources[i].as_str() {
+            "" => column(i),
+            source => source.to_string(),
+        });
+        log.distinguish(column);
+        let mut read = vec![wanted.is_none(); log.channels.len()];
+        for name in wanted.unwrap_or_default() {
+            read[log.find(name, file)?] = true;
+        }
+        Ok(Self {
+            file,
+            layout,
+            any: wanted.is_none(),
+            clocks: vec![false; read.len()],
+            read,
+            log,
+            refused: None,
+            room: most,
+        })
+    }
+
+    /// Adds a row; `false` where any column is read and there is no room for it.
     ///
-    /// A column of text is not read where `any` column may be such.
+    /// A column of text is not read where any column may be such.
     ///
     /// # Errors
     /// As [`read_text`].
-    fn take(
-        &mut self,
-        Row { line, cells, .. }: &Row,
-        layout: &Layout,
-        any: bool,
-        log: &Log,
-        file: &str,
-    ) -> Result<bool, Error> {
-        let width = self.columns.len();
+    fn take(&mut self, Row { line, cells, .. }: &Row) -> Result<bool, Error> {
+        let width = self.read.len();
         let repeated =
             |head: &Vec<String>| head.iter().map(String::as_str).eq(cells.iter().copied());
-        if layout.head.iter().any(repeated) || cells.len() != width && cells[0].starts_with('#') {
+        let comment = cells.len() != width && cells[0].starts_with('#');
+        if self.layout.head.iter().any(repeated) || comment {
             return Ok(true);
         }
         if cells.len() < width || cells[width..].iter().any(|cell| !cell.is_empty()) {
-            return Err(wrong_width(file, *line, cells.len(), width));
+            let found = cells.len();
+            let wrong =
+                format!("row {line}: found {found} cells, expected {width}, one below each name");
+            return Err(Error::file(self.file, wrong));
         }
         let count = self.read.iter().filter(|read| **read).count() as u64;
-        let Some(room) = self.room.checked_sub(count) else {
-            return match any {
-                true => Ok(false),
-                false => Err(too_many(file)),
-            };
+        self.room = match self.room.checked_sub(count) {
+            Some(room) => room,
+            None if self.any => return Ok(false),
+            None => return Err(too_many(self.file)),
         };
-        self.room = room;
         for (i, cell) in cells[..width].iter().enumerate() {
             if !self.read[i] {
                 continue;
             }
-            let number = Cell::of(cell, layout.decimal_comma);
+            let number = Cell::of(cell, self.layout.decimal_comma);
             self.clocks[i] |= matches!(number, Cell::Clock(_));
-            let name = &log.channels[i].name;
-            match number.value() {
-                Some(value) => self.columns[i].push(value),
-                None if any => {
-                    let reason = || format!("column {name:?} has {cell:?} in row {line}");
-                    self.refused.get_or_insert_with(reason);
-                    self.read[i] = false;
-                    self.columns[i] = Vec::new();
-                }
-                None => {
-                    return Err(Error::Cell {
-                        file: file.to_string(),
-                        row: *line,
-                        channel: name.clone(),
-                        found: cell.to_string(),
-                        expected: "a number",
-                    });
-                }
+            let channel = &mut self.log.channels[i];
+            if let Some(value) = number.value() {
+                channel.values.push(value);
+            } else if self.any {
+                let name = &channel.name;
+                let reason = || format!("column {name:?} has {cell:?} in row {line}");
+                self.refused.get_or_insert_with(reason);
+                channel.values = Vec::new();
+                self.read[i] = false;
+            } else {
+                return Err(Error::Cell {
+                    file: self.file.to_string(),
+                    row: *line,
+                    channel: channel.name.clone(),
+                    found: cell.to_string(),
+                    expected: "a number",
+                });
             }
         }
         Ok(true)
     }
-}
 
-fn wrong_width(file: &str, row: u64, cells: usize, names: usize) -> Error {
-    Error::file(
-        file,
-        format!("row {row}: found {cells} cells, expected {names}, one below each name"),
-    )
+    /// The recording, with times in seconds and places in degrees.
+    ///
+    /// # Errors
+    /// As [`read_text`].
+    fn log(self) -> Result<Log, Error> {
+        let (mut log, vbox) = (self.log, self.layout.vbox);
+        for (channel, clock) in log.channels.iter_mut().zip(self.clocks) {
+            channel.values.shrink_to_fit();
+            let name = channel.name.to_lowercase();
+            let packed = name == "time" && vbox
+                || (name.contains("time") || name.contains("utc")) && is_packed(&channel.values);
+            if packed {
+                channel.values.iter_mut().for_each(|t| *t = unpacked(*t));
+            }
+            if clock || packed {
+                channel.unit = Some("s".to_string());
+                continue_days(&mut channel.values);
+            }
+            let to_degrees = match name.as_str() {
+                "lat" | "latitude" if vbox => 1.0 / 60.0,
+                "long" | "longitude" if vbox => -1.0 / 60.0,
+                _ => continue,
+            };
+            channel.values.iter_mut().for_each(|x| *x *= to_degrees);
+        }
+        if self.any {
+            let mut read = self.read.into_iter();
+            log.channels.retain(|_| read.next().unwrap_or(false));
+            log.channels.retain(|channel| !channel.name.is_empty());
+        }
+        let refused = self.refused.as_deref().unwrap_or("no column has a name");
+        log.with_channels(self.file, refused)
+    }
 }
 
 /// Whether times are written as `hhmmss.ss`: no minute and no second reaches 60, and they pass from
@@ -881,12 +847,10 @@ fn is_packed(values: &[f64]) -> bool {
         return false;
     }
     let times: Vec<f64> = finite().copied().collect();
-    let mut crossings = times
-        .windows(2)
-        .filter(|pair| pair[0] % 100.0 > 50.0 && pair[1] % 100.0 < 10.0 && pair[1] > pair[0]);
-    crossings
-        .next()
-        .is_some_and(|pair| unpacked(pair[1]) - unpacked(pair[0]) < 20.0)
+    let crosses =
+        |pair: &&[f64]| pair[0] % 100.0 > 50.0 && pair[1] % 100.0 < 10.0 && pair[1] > pair[0];
+    let crossing = times.windows(2).find(crosses);
+    crossing.is_some_and(|pair| unpacked(pair[1]) - unpacked(pair[0]) < 20.0)
 }
 
 /// Seconds of `hhmmss.ss`.
@@ -922,7 +886,10 @@ mod tests {
 
     fn names(text: &str) -> Vec<(String, Option<String>)> {
         let layout = layout_of(text, TextOptions::default(), "a.csv").unwrap();
-        layout.names.into_iter().zip(layout.units).collect()
+        let channels = layout.channels.into_iter();
+        channels
+            .map(|channel| (channel.name, channel.unit))
+            .collect()
     }
 
     #[test]

@@ -113,10 +113,8 @@ const SUFFIXES: [(&str, &str); 14] = [
 /// assert_eq!(column_unit("gear"), "1");
 /// ```
 pub fn column_unit(column: &str) -> &'static str {
-    SUFFIXES
-        .iter()
-        .find(|(suffix, _)| column.ends_with(suffix))
-        .map_or("1", |(_, unit)| unit)
+    let suffix = SUFFIXES.iter().find(|(suffix, _)| column.ends_with(suffix));
+    suffix.map_or("1", |(_, unit)| unit)
 }
 
 /// The unit in which another program's name ends: `acc_x_gs`, `yaw_rate_deg_per_s`, `speed_kmh`.
@@ -180,39 +178,30 @@ pub fn conversion(unit: &str, target: &str) -> Result<Conversion, String> {
     if none && target != "1" {
         return Err(format!("a unit of {target} is expected"));
     }
-    if none || unit == target {
-        return Ok(Conversion {
-            factor: 1.0,
-            offset: 0.0,
-        });
-    }
-    let unknown = || format!("{unit:?} is no unit that converts to {target}");
-    if target == "°C" {
-        let (factor, offset) = temperature(unit).ok_or_else(unknown)?;
-        return Ok(Conversion { factor, offset });
-    }
-    let known = match target {
-        "1" => (1.0, NONE),
-        _ => product(target).ok_or_else(unknown)?,
+    let by_size = || {
+        let (one, dimension) = if target == "1" {
+            (1.0, NONE)
+        } else {
+            product(target)?
+        };
+        let (size, _) = product(unit).filter(|(_, own)| *own == dimension)?;
+        Some((size / one, 0.0))
     };
-    match product(unit) {
-        Some((size, dimension)) if dimension == known.1 => Ok(Conversion {
-            factor: size / known.0,
-            offset: 0.0,
-        }),
-        _ => Err(unknown()),
-    }
+    let found = match target {
+        _ if none || unit == target => Some((1.0, 0.0)),
+        "°C" => temperature(unit),
+        _ => by_size(),
+    };
+    let (factor, offset) =
+        found.ok_or_else(|| format!("{unit:?} is no unit that converts to {target}"))?;
+    Ok(Conversion { factor, offset })
 }
 
 /// Whether this is a unit of whatever quantity.
 pub(crate) fn is_unit(text: &str) -> bool {
     let unit = bare(text);
-    let other = OTHERS.split_whitespace();
-    unit.is_empty()
-        || other
-            .into_iter()
-            .any(|word| unit.eq_ignore_ascii_case(word))
-        || has_dimension(unit)
+    let mut others = OTHERS.split_whitespace();
+    unit.is_empty() || others.any(|word| unit.eq_ignore_ascii_case(word)) || has_dimension(unit)
 }
 
 /// Whether this is a unit of a physical quantity.
@@ -226,91 +215,54 @@ fn bare(unit: &str) -> &str {
 }
 
 fn temperature(unit: &str) -> Option<(f64, f64)> {
-    let unit = unit
-        .to_lowercase()
-        .replace('º', "°")
-        .replace([' ', '.'], "");
+    let small = unit.to_lowercase().replace('º', "°");
+    let unit = small.replace([' ', '.'], "");
     let known = |words: &str| words.split(' ').any(|word| word == unit);
     let found = TEMPERATURES.iter().find(|(words, ..)| known(words))?;
     Some((found.1, found.2))
 }
 
-/// Size and dimension of a product of powers: `km/h`, `m/s2`, `m·s^-2`, `deg per s`, `kg*m^2`.
+/// Size and dimension of a product of powers: `km/h`, `m/s2`, `m·s^-2`, `deg per s`, `kg*m^2`. What
+/// follows a stroke divides.
 fn product(unit: &str) -> Option<(f64, Dimension)> {
     if unit.eq_ignore_ascii_case("unix time") {
         return Some((1.0, TIME));
     }
+    let mut text = unit.replace('/', " per ");
+    for (exponent, plain) in [("¹", "1"), ("²", "2"), ("³", "3"), ("⁻", "-")] {
+        text = text.replace(exponent, plain);
+    }
     let (mut size, mut dimension) = (1.0, NONE);
-    // Signs of the exponents: of the next word, and of a group in brackets.
-    let (mut sign, mut group) = (1, 1);
-    let mut words = 0;
-    let mut rest = unit;
-    while let Some(c) = rest.chars().next() {
-        let word: &str = &rest[..rest
-            .find(|c: char| !(c.is_alphabetic() || "°º%".contains(c)))
-            .unwrap_or(rest.len())];
-        if word.is_empty() {
-            match c {
-                ' ' | '*' | '·' | '×' | '_' => {}
-                '/' => sign = -1,
-                '(' => (group, sign) = (sign, 1),
-                ')' => group = 1,
-                '1' if words == 0 => {}
-                _ => return None,
-            }
-            rest = &rest[c.len_utf8()..];
-            continue;
-        }
-        rest = &rest[word.len()..];
-        if word.eq_ignore_ascii_case("per") {
+    let (mut sign, mut count) = (1, 0);
+    for factor in text.split([' ', '*', '·', '×', '_', '(', ')']) {
+        if factor.eq_ignore_ascii_case("per") {
             sign = -1;
-            continue;
-        }
-        // mps2 is one word.
-        let (one, of) = match rest
-            .strip_prefix('2')
-            .and_then(|after| Some((after, find(&format!("{word}2"))?)))
-        {
-            Some((after, known)) => {
-                rest = after;
-                known
+        } else if !(factor.is_empty() || factor == "1" && count == 0) {
+            let ((one, of), exponent) = power(factor)?;
+            size *= one.powi(sign * exponent);
+            for (sum, own) in dimension.iter_mut().zip(of) {
+                *sum += sign * exponent * own;
             }
-            None => find(word)?,
-        };
-        let (exponent, after) = power(rest)?;
-        rest = after;
-        let exponent = exponent * sign * group;
-        size *= one.powi(exponent);
-        for (sum, own) in dimension.iter_mut().zip(of) {
-            *sum += exponent * own;
-        }
-        sign = 1;
-        words += 1;
-        if words > 6 {
-            return None;
+            count += 1;
         }
     }
-    (words > 0).then_some((size, dimension))
+    (1..=6).contains(&count).then_some((size, dimension))
 }
 
-/// The exponent that text begins with, 1 without one, and what follows it.
-fn power(text: &str) -> Option<(i32, &str)> {
-    for (sign, exponent) in [("²", 2), ("³", 3), ("⁻¹", -1), ("⁻²", -2)] {
-        if let Some(rest) = text.strip_prefix(sign) {
-            return Some((exponent, rest));
-        }
+/// A unit and its exponent: `s`, `s2`, `s^-2`.
+fn power(factor: &str) -> Option<((f64, Dimension), i32)> {
+    // mps2 is one word.
+    if let Some(unit) = find(factor) {
+        return Some((unit, 1));
     }
-    let marked = text.strip_prefix('^');
-    let digits = marked.unwrap_or(text);
-    let (sign, digits) = match digits.strip_prefix('-') {
-        Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => (-1, rest),
-        _ => (1, digits),
-    };
-    match digits.chars().next().and_then(|c| c.to_digit(10)) {
-        Some(digit) if (1..=4).contains(&digit) => Some((sign * digit as i32, &digits[1..])),
-        None if marked.is_none() => Some((1, text)),
-        _ => None,
-    }
+    let (word, exponent) = factor.split_at(factor.find(|c: char| !is_letter(c))?);
+    let exponent = exponent.trim_start_matches('^').parse().ok();
+    let exponent = exponent.filter(|e: &i32| (1..=4).contains(&e.abs()))?;
+    Some((find(word)?, exponent))
+}
+
+fn is_letter(c: char) -> bool {
+    c.is_alphabetic() || "°º%".contains(c)
 }
 
 /// A unit by its spelling, then by its spelling in small letters: loggers write KM/H, DEG/S, BAR.

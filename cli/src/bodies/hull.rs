@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Subcommand;
 use kufe::jobs::Failure;
 use kufe_mesh::{
-    BobRunner, HullFormat, LugeSteel, MeshError, Rocker, Swept, load_points, tessellate,
+    BobRunner, HullFormat, LugeSteel, MeshError, Rocker, Section, Swept, load_points, tessellate,
     tessellate_turning,
 };
 use serde::Serialize;
@@ -155,7 +155,8 @@ impl Bob {
             return bob.swept();
         };
         let points = load_points(path, ["x_m", "z_m"])?;
-        bob.swept_along(Rocker::points(&points)?)
+        let section = Section::arc(bob.section_radius, bob.width)?;
+        bob.swept_with(Rocker::points(&points)?, section)
     }
 }
 

@@ -224,18 +224,19 @@ impl LoadedCase {
     ) -> Result<(), Failure> {
         let Some(hull) = hull else { return Ok(()) };
         let share = self.case.accuracy.p_max.max(0.05);
-        let Some(coarse) = hull.underside.coarse_within(depth, share, patch) else {
+        let (error, allowed) = (hull.underside.error_within(patch), share * depth);
+        if error <= allowed {
             return Ok(());
-        };
+        }
         Err(Failure::BadInput(format!(
             "{}: {}: too coarse for its load: the surface through its vertices is uncertain by {:.3} µm, \
              the ice is pressed in by {:.3} µm; expected at most {:.3} µm: {}",
             self.name,
             self.hull_key(),
-            1e6 * coarse.error,
+            1e6 * error,
             1e6 * depth,
-            1e6 * coarse.allowed,
-            finer(hull, coarse.error / coarse.allowed)
+            1e6 * allowed,
+            finer(hull, error / allowed)
         )))
     }
 

@@ -25,8 +25,8 @@ impl Table {
     pub fn write_ctypes(&self, name: &str, writer: &mut dyn Write) -> Result<(), Error> {
         let symbols = self.symbols(name);
         let name = &symbols.name;
-        let listed = |names: &mut dyn Iterator<Item = &str>| {
-            let quoted: Vec<String> = names.map(|name| format!("\"{name}\"")).collect();
+        let listed = |names: Vec<&str>| {
+            let quoted: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
             quoted.join(", ")
         };
         let slots = [
@@ -35,8 +35,8 @@ impl Table {
             ("flags", FLAGS),
             ("arguments", &symbols.arguments.join(", ")),
             ("derivatives", DERIVATIVES),
-            ("fields", &listed(&mut FIELDS.iter().copied())),
-            ("functions", &listed(&mut symbols.own_names())),
+            ("fields", &listed(FIELDS.to_vec())),
+            ("functions", &listed(symbols.own_names().collect())),
             ("count", &symbols.arguments.len().to_string()),
         ];
         let text = filled(include_str!("bindings.py.txt"), &slots);
@@ -51,22 +51,16 @@ impl Table {
     pub fn write_csharp(&self, name: &str, writer: &mut dyn Write) -> Result<(), Error> {
         let symbols = self.symbols(name);
         let name = &symbols.name;
-        let declared: Vec<String> = symbols
-            .arguments
-            .iter()
-            .map(|argument| format!("double {argument}"))
-            .collect();
-        let declared = declared.join(", ");
-        let functions: String = symbols
-            .own_names()
-            .flat_map(|own| [("", "Interpolated"), (DERIVATIVES, "Derivatives")].map(|pair| (own, pair)))
-            .map(|(own, (ending, kind))| {
-                format!(
+        let declared = symbols.declared();
+        let mut functions = String::new();
+        for own in symbols.own_names() {
+            for (ending, kind) in [("", "Interpolated"), (DERIVATIVES, "Derivatives")] {
+                functions += &format!(
                     "    [DllImport(\"{name}\", EntryPoint = \"{name}_{own}{ending}\", CallingConvention = CallingConvention.Cdecl)]\n    \
                      public static extern {kind} {own}{ending}({declared});\n"
-                )
-            })
-            .collect();
+                );
+            }
+        }
         let slots = [
             ("name", &**name),
             ("version", &comment(self.origin.version())),

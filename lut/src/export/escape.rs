@@ -7,6 +7,11 @@ use std::path::Path;
 
 use crate::error::Error;
 
+/// Whether a character ends a line in any of the languages, or moves the cursor.
+fn ends_line(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{2028}' | '\u{2029}')
+}
+
 /// Text within a comment of C or MATLAB: one line that neither ends nor begins a comment.
 ///
 /// Characters that end a line in any of the languages become spaces, and so do slashes and stars
@@ -14,28 +19,17 @@ use crate::error::Error;
 pub(super) fn comment(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {
-        let ends_line = c.is_control() || matches!(c, '\u{2028}' | '\u{2029}');
         let joins = matches!(
             (safe.chars().next_back(), c),
             (Some('*'), '/') | (Some('/'), '*')
         );
-        if ends_line || c == '\\' || c == '?' {
+        let excluded = ends_line(c) || c == '\\' || c == '?';
+        if excluded || joins {
             safe.push(' ');
-        } else {
-            if joins {
-                safe.push(' ');
-            }
-            safe.push(c);
         }
+        safe.extend(Some(c).filter(|_| !excluded));
     }
     safe
-}
-
-/// Text within single quotes of MATLAB.
-pub(super) fn matlab_string(text: &str) -> String {
-    let ends_line = |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}');
-    let line = text.chars().map(|c| if ends_line(c) { ' ' } else { c });
-    line.collect::<String>().replace('\'', "''")
 }
 
 /// Text within XML, as content or in double quotes; characters that XML excludes are omitted.
@@ -71,8 +65,7 @@ pub(super) fn identifier(name: &str) -> String {
 /// [`Error::Invalid`] where it is no Unicode or has characters that end a line or move the
 /// cursor.
 pub(super) fn script_path(path: &Path) -> Result<&str, Error> {
-    let plain = |c: char| !c.is_control() && !matches!(c, '\u{2028}' | '\u{2029}');
-    let text = path.to_str().filter(|text| text.chars().all(plain));
+    let text = path.to_str().filter(|text| !text.contains(ends_line));
     text.ok_or_else(|| {
         Error::Invalid(format!(
             "{}: expected a path of printable characters, which a script can name",
@@ -135,8 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn strings_of_matlab_and_xml_stay_within_their_quotes() {
-        assert_eq!(matlab_string("it's\r\u{2028}x"), "it''s  x");
+    fn strings_of_xml_stay_within_their_quotes() {
         assert_eq!(
             xml("<a b=\"c\">&'\n\u{ffff}"),
             "&lt;a b=&quot;c&quot;&gt;&amp;&apos;"

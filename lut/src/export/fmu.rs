@@ -4,6 +4,7 @@
 //! this crate and read the table from the unit's resources. So an FMU is written without a
 //! compiler.
 
+use std::collections::BTreeSet;
 use std::io::{Cursor, Read, Seek, SeekFrom, Write};
 
 use zip::write::SimpleFileOptions;
@@ -18,10 +19,9 @@ use crate::interpolator::{Interpolator, Mode};
 use crate::quantity::Quantity;
 use crate::table::Table;
 
-/// A compiled library, its platform as each version of FMI names it.
+/// A compiled library, its platform as FMI 2.0 and 3.0 name it.
 struct Library {
-    fmi2: &'static str,
-    fmi3: &'static str,
+    platform: [&'static str; 2],
     ending: &'static str,
     bytes: &'static [u8],
 }
@@ -71,18 +71,14 @@ pub fn read_fmu(mut reader: impl Read + Seek) -> Result<Fmu, Error> {
     }
     reader.rewind()?;
     let mut archive = ZipArchive::new(reader)?;
-    let platform = |name: &str| {
-        Some(
-            name.strip_prefix("binaries/")?
-                .split_once('/')?
-                .0
-                .to_owned(),
-        )
-    };
-    let names: Result<Vec<_>, _> = archive.file_names().collect();
-    let mut platforms: Vec<String> = names?.iter().filter_map(|name| platform(name)).collect();
-    platforms.sort();
-    platforms.dedup();
+    let mut platforms = BTreeSet::new();
+    for name in archive.file_names() {
+        let name = name?;
+        let binary = name.strip_prefix("binaries/");
+        let platform = binary.and_then(|path| path.split_once('/'));
+        platforms.extend(platform.map(|(platform, _)| platform.to_owned()));
+    }
+    let platforms = platforms.into_iter().collect();
     let table = Table::read(&mut archive.by_name("resources/table.lut")?)?;
     Ok(Fmu { table, platforms })
 }
@@ -131,29 +127,24 @@ impl Table {
             ("sources/unit.h".into(), UNIT.as_bytes()),
             ("sources/kufe_lut.h".into(), EVALUATION.as_bytes()),
         ];
-        let sources = SOURCES[usize::from(fmi == Fmi::V3)];
-        files.extend(sources.map(|(file, text)| (format!("sources/{file}"), text.as_bytes())));
+        files.extend(
+            SOURCES[fmi as usize].map(|(file, text)| (format!("sources/{file}"), text.as_bytes())),
+        );
         if fmi == Fmi::V3 {
             let build = "sources/buildDescription.xml".into();
             files.push((build, BUILD_DESCRIPTION.as_bytes()));
         }
         files.extend(LIBRARIES.iter().map(|library| {
-            let platform = match fmi {
-                Fmi::V2 => library.fmi2,
-                Fmi::V3 => library.fmi3,
-            };
+            let platform = library.platform[fmi as usize];
             let path = format!("binaries/{platform}/kufe_lut.{}", library.ending);
             (path, library.bytes)
         }));
         let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
         let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
         for (path, bytes) in files {
-            let mode = if path.starts_with("binaries/") {
-                0o755
-            } else {
-                0o644
-            };
-            zip.start_file(path, options.unix_permissions(mode))?;
+            let is_library = path.starts_with("binaries/");
+            let permissions = if is_library { 0o755 } else { 0o644 };
+            zip.start_file(path, options.unix_permissions(permissions))?;
             zip.write_all(bytes)?;
         }
         writer.write_all(&zip.finish()?.into_inner())?;
@@ -174,47 +165,30 @@ impl Table {
         for (k, &quantity) in quantities.iter().enumerate() {
             let smooth = Interpolator::new(self, quantity, Mode::Smooth, rocker_radius)?;
             if k == 0 {
-                let stack = LAYER_AXES
-                    .iter()
-                    .filter_map(|(kind, _)| smooth.layer_axis(*kind));
-                for axis in stack {
-                    numbers.extend(&axis.points.plain);
-                    numbers.extend(&axis.points.scaled);
+                for axis in LAYER_AXES.iter().flat_map(|(kind, _)| smooth.axis(*kind)) {
+                    numbers.extend(&axis.plain);
+                    numbers.extend(&axis.scaled);
                     numbers.extend(axis.slopes.concat().concat());
                 }
             }
-            logarithmic |= u32::from(smooth.is_logarithmic()) << k;
+            logarithmic |= u32::from(smooth.logarithmic) << k;
             // The plain values do not depend on the mode but at a rocker radius between
             // breakpoints, which exports refuse.
-            numbers.extend(smooth.values());
+            numbers.extend(&smooth.values);
             numbers.extend(smooth.flat_jets());
         }
-        let length = |kind| axes.get(kind).map_or(0, <[f64]>::len) as u32;
-        let kinds = [
-            AxisKind::Fz,
-            AxisKind::Curvature,
-            AxisKind::Speed,
-            AxisKind::IceTemperature,
-        ];
-        let rules = kinds.iter().enumerate();
-        let outside = rules.fold(0, |bits, (k, &kind)| {
-            bits | (axes.outside(kind) as u32) << (2 * k)
-        });
-        let mut bytes = Vec::new();
-        for count in [
-            length(kinds[0]),
-            length(kinds[1]),
-            length(kinds[2]),
-            length(kinds[3]),
-            quantities.len() as u32,
-            logarithmic,
-            u32::from(axes.flush().is_some()),
-            outside,
-        ] {
-            bytes.extend(count.to_le_bytes());
+        let kinds = AxisKind::ALL.into_iter();
+        let kinds = kinds.filter(|kind| *kind != AxisKind::RockerRadius);
+        let (mut counts, mut outside) = (Vec::new(), 0);
+        for (k, kind) in kinds.enumerate() {
+            counts.push(axes.get(kind).map_or(0, <[f64]>::len) as u32);
+            outside |= (axes.outside(kind) as u32) << (2 * k);
         }
-        bytes.extend(numbers.iter().flat_map(|v| v.to_le_bytes()));
-        Ok(bytes)
+        let reduced = u32::from(axes.flush().is_some());
+        counts.extend([quantities.len() as u32, logarithmic, reduced, outside]);
+        let counts = counts.iter().flat_map(|count| count.to_le_bytes());
+        let numbers = numbers.iter().flat_map(|number| number.to_le_bytes());
+        Ok(counts.chain(numbers).collect())
     }
 
     /// The peak pressure, and the further quantities of a runner that slides.
@@ -226,91 +200,50 @@ impl Table {
 
     /// The variables, whose value references are their places.
     fn fmu_variables(&self) -> Vec<Variable> {
-        let axes = self.axes();
-        let first = |axis: Option<&[f64]>| axis.map_or(0.0, |axis| axis[0]);
-        let real = |causality, name, unit, description| Variable {
-            name,
-            causality,
-            unit,
-            description,
-            start: None,
+        let of_table = |line: &&str| self.is_sliding() || !line.contains(";ice_c;");
+        let variable = |line: &'static str| {
+            let mut cells = line.splitn(5, ';');
+            let [causality, name, unit, start, description] =
+                [(); 5].map(|()| cells.next().unwrap_or_default());
+            let axis = AxisKind::ALL.into_iter().find(|kind| kind.key() == start);
+            let first = axis.map(|kind| self.axes().get(kind).map_or(0.0, |axis| axis[0]));
+            Variable {
+                causality,
+                name,
+                unit,
+                start: first.map_or(start.to_string(), |first| first.to_string()),
+                description,
+            }
         };
-        let input = |name, unit, start: f64, description| Variable {
-            start: Some(start.to_string()),
-            ..real("input", name, unit, description)
-        };
-        let boolean = |name, start: bool, description| Variable {
-            start: Some(start.to_string()),
-            ..real("parameter", name, BOOLEAN, description)
-        };
-        let mut variables = vec![
-            real("independent", "time", "s", "Time"),
-            input("fz", "N", axes.fz()[0], "Normal force on the runner"),
-            input("v", "m/s", first(axes.speed()), "Speed, forward positive"),
-            input("pitch_rate", "rad/s", 0.0, "Pitch rate, nose down positive"),
-            input(
-                "curvature",
-                "1/m",
-                0.0,
-                "Track curvature, valley positive; used where use_curvature is true",
-            ),
-            real("output", "pressure", "Pa", "Peak contact pressure"),
-            real(
-                "output",
-                "out_of_range",
-                BOOLEAN,
-                "An input is outside the table, or is NaN",
-            ),
-            boolean(
-                "use_curvature",
-                false,
-                "Take the input curvature instead of -pitch_rate / v",
-            ),
-            boolean("smooth", true, "C1 interpolation instead of bilinear"),
-        ];
-        if self.is_sliding() {
-            let start = first(axes.ice_c());
-            variables.push(input("ice_c", "degC", start, "Temperature of the ice"));
-        }
         let further = self.fmu_quantities().into_iter().skip(1);
-        variables.extend(further.map(|quantity| {
-            let unit = quantity.unit();
-            real("output", quantity.name(), unit, quantity.title())
-        }));
-        variables
+        let further = further.map(|quantity| Variable {
+            causality: "output",
+            name: quantity.name(),
+            unit: quantity.unit(),
+            start: String::new(),
+            description: quantity.title(),
+        });
+        let variables = VARIABLES.lines().filter(of_table).map(variable);
+        variables.chain(further).collect()
     }
 
     /// modelDescription.xml.
     fn model_description(&self, name: &str, token: &str, fmi: Fmi) -> String {
         let variables = self.fmu_variables();
-        let places = |causality: &'static str| {
-            let pairs = variables.iter().enumerate();
-            pairs.filter(move |(_, v)| v.causality == causality)
-        };
         // FMI 2.0 counts variables from 1, FMI 3.0 names their references, which begin at 0.
-        let place = |k: usize| match fmi {
-            Fmi::V2 => k + 1,
-            Fmi::V3 => k,
+        let first = [1, 0][fmi as usize];
+        let places = |causality: &'static str| {
+            let pairs = variables.iter().zip(first..);
+            let own = pairs.filter(move |(v, _)| v.causality == causality);
+            own.map(|(_, place): (_, usize)| place.to_string())
         };
-        let list = |causality| {
-            let places: Vec<String> = places(causality)
-                .map(|(k, _)| place(k).to_string())
-                .collect();
-            places.join(" ")
-        };
+        let list = |causality| places(causality).collect::<Vec<String>>().join(" ");
         let (inputs, parameters) = (list("input"), list("parameter"));
         let unknowns = |element: &str, dependencies: &str| -> String {
-            let key = match fmi {
-                Fmi::V2 => "index",
-                Fmi::V3 => "valueReference",
-            };
-            let lines = places("output").map(|(k, _)| {
-                format!(
-                    "    <{element} {key}=\"{}\" dependencies=\"{dependencies}\"/>\n",
-                    place(k)
-                )
-            });
-            lines.collect()
+            let key = ["index", "valueReference"][fmi as usize];
+            let line =
+                |k| format!("    <{element} {key}=\"{k}\" dependencies=\"{dependencies}\"/>\n");
+            places("output").map(line).collect()
         };
         let with_parameters = format!("{inputs} {parameters}");
         let structure = match fmi {
@@ -321,33 +254,30 @@ impl Table {
             ),
             Fmi::V3 => unknowns("Output", &inputs) + &unknowns("InitialUnknown", &with_parameters),
         };
-        let variables: String = variables
-            .iter()
-            .enumerate()
+        let elements = variables.iter().enumerate();
+        let elements: String = elements
             .map(|(k, variable)| variable.element(k, fmi))
             .collect();
-        let units: String = UNITS
-            .iter()
-            .map(|(name, base)| format!("    <Unit name=\"{name}\">{base}</Unit>\n"))
-            .collect();
-        let (version, token_key, kinds) = match fmi {
+        let unit = |(name, base)| format!("    <Unit name=\"{name}\">{base}</Unit>\n");
+        let units: String = UNITS.map(unit).concat();
+        let version = ["2.0", "3.0"][fmi as usize];
+        let token_key = ["guid", "instantiationToken"][fmi as usize];
+        let kinds = match fmi {
             Fmi::V2 => {
                 let kind = "modelIdentifier=\"kufe_lut\" canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"";
                 let [(source, _), _] = SOURCES[0];
                 let sources = format!("<SourceFiles><File name=\"{source}\"/></SourceFiles>");
-                let kinds = format!(
+                format!(
                     "  <ModelExchange {kind}>{sources}</ModelExchange>\n  \
                      <CoSimulation {kind} canHandleVariableCommunicationStepSize=\"true\">{sources}</CoSimulation>\n"
-                );
-                ("2.0", "guid", kinds)
+                )
             }
             Fmi::V3 => {
                 let kind = "modelIdentifier=\"kufe_lut\" canGetAndSetFMUState=\"true\" canSerializeFMUState=\"true\"";
-                let kinds = format!(
+                format!(
                     "  <ModelExchange {kind} needsCompletedIntegratorStep=\"true\"/>\n  \
                      <CoSimulation {kind} canHandleVariableCommunicationStepSize=\"true\"/>\n"
-                );
-                ("3.0", "instantiationToken", kinds)
+                )
             }
         };
         format!(
@@ -357,7 +287,7 @@ impl Table {
              version=\"{by}\" generationTool=\"kufe {by}\" variableNamingConvention=\"flat\">\n\
              {kinds}  <UnitDefinitions>\n{units}  </UnitDefinitions>\n  \
              <DefaultExperiment startTime=\"0\" stopTime=\"1\" stepSize=\"0.01\"/>\n  \
-             <ModelVariables>\n{variables}  </ModelVariables>\n  \
+             <ModelVariables>\n{elements}  </ModelVariables>\n  \
              <ModelStructure>\n{structure}  </ModelStructure>\n</fmiModelDescription>\n",
             name = xml(name),
             by = xml(self.origin.version()),
@@ -372,12 +302,17 @@ struct Variable {
     causality: &'static str,
     /// The unit of a real number, or [`BOOLEAN`].
     unit: &'static str,
-    start: Option<String>,
+    /// The value that it starts with; empty where it has none.
+    start: String,
     description: &'static str,
 }
 
 /// In the place of a unit: the variable is a Boolean.
 const BOOLEAN: &str = "";
+
+/// Causality, name, unit, start and description of the variables but further quantities; a start may
+/// be the key of an axis, for its first breakpoint.
+const VARIABLES: &str = include_str!("variables.csv");
 
 /// Units of variables, but 1, with what they are made of.
 const UNITS: [(&str, &str); 8] = [
@@ -413,18 +348,14 @@ impl Variable {
         if !is_boolean && self.unit != "1" {
             own += &format!(" unit=\"{}\"", self.unit);
         }
-        if let Some(start) = &self.start {
-            own += &format!(" start=\"{start}\"");
+        if !self.start.is_empty() {
+            own += &format!(" start=\"{}\"", self.start);
         }
-        match (fmi, is_boolean) {
-            (Fmi::V2, true) => {
-                format!("    <ScalarVariable {common}><Boolean{own}/></ScalarVariable>\n")
-            }
-            (Fmi::V2, false) => {
-                format!("    <ScalarVariable {common}><Real{own}/></ScalarVariable>\n")
-            }
-            (Fmi::V3, true) => format!("    <Boolean {common}{own}/>\n"),
-            (Fmi::V3, false) => format!("    <Float64 {common}{own}/>\n"),
+        let real = ["Real", "Float64"][fmi as usize];
+        let kind = if is_boolean { "Boolean" } else { real };
+        match fmi {
+            Fmi::V2 => format!("    <ScalarVariable {common}><{kind}{own}/></ScalarVariable>\n"),
+            Fmi::V3 => format!("    <{kind} {common}{own}/>\n"),
         }
     }
 }

@@ -28,6 +28,13 @@ pub(crate) struct Symbols {
 }
 
 impl Symbols {
+    /// The arguments with their type.
+    pub(crate) fn declared(&self) -> String {
+        let declared = self.arguments.iter();
+        let declared: Vec<String> = declared.map(|name| format!("double {name}")).collect();
+        declared.join(", ")
+    }
+
     /// The functions' names without that of the table.
     pub(crate) fn own_names(&self) -> impl Iterator<Item = &str> {
         let start = self.name.len() + 1;
@@ -91,16 +98,9 @@ impl Table {
         text += &format!("#ifndef {guard}\n#define {guard}\n\n{EVALUATION}\n");
         text += &self.ranges(name);
         let smooth = Interpolator::new(self, self.judged(), Mode::Smooth, rocker_radius)?;
-        for (kind, axis) in [(AxisKind::Fz, "fz"), (AxisKind::Curvature, "curvature")] {
-            text += &axis_of(smooth.breakpoints(kind), &[], &format!("{name}_{axis}"));
-        }
-        for (kind, axis) in LAYER_AXES {
-            let (points, slopes) = smooth
-                .layer_axis(kind)
-                .map(|axis| (&axis.points, axis.slopes.concat().concat()))
-                .unzip();
-            let slopes = slopes.unwrap_or_default();
-            text += &axis_of(points, &slopes, &format!("{name}_{axis}"));
+        let surface = [(AxisKind::Fz, "fz"), (AxisKind::Curvature, "curvature")];
+        for (kind, axis) in surface.into_iter().chain(LAYER_AXES) {
+            text += &axis_of(smooth.axis(kind), &format!("{name}_{axis}"));
         }
         let flush = match self.axes().flush() {
             None => "0".to_string(),
@@ -110,12 +110,7 @@ impl Table {
             }
         };
         let mut functions = symbols.functions.iter();
-        let declared: Vec<String> = symbols
-            .arguments
-            .iter()
-            .map(|argument| format!("double {argument}"))
-            .collect();
-        let declared = declared.join(", ");
+        let declared = symbols.declared();
         let given = match symbols.arguments.len() {
             2 => "fz, curvature, 0.0, 0.0",
             _ => "fz, curvature, v, ice_c",
@@ -124,23 +119,23 @@ impl Table {
             let own = format!("{name}_{}", quantity.name());
             let smooth = Interpolator::new(self, quantity, Mode::Smooth, rocker_radius)?;
             text += &format!("/* {} [{}] */\n", quantity.key(), quantity.unit());
-            array(&mut text, &format!("{own}_values"), smooth.values());
+            array(&mut text, &format!("{own}_values"), &smooth.values);
             array(&mut text, &format!("{own}_jets"), &smooth.flat_jets());
             let mut errors = vec![self.solver_error_of(quantity)];
             for mode in [Mode::Smooth, Mode::Bilinear] {
                 let measured = self.interpolation_error(quantity, mode)?;
                 errors.push(measured.map(|measured| measured.max));
             }
-            let errors: Vec<String> = errors
-                .iter()
-                .map(|error| error.map_or("(double)NAN".into(), |error| format!("{error:e}")))
-                .collect();
+            let number = |error: f64| format!("{error:e}");
+            let errors = errors.into_iter();
+            let errors = errors.map(|error| error.map_or("(double)NAN".into(), number));
+            let errors: Vec<String> = errors.collect();
             text += &format!(
                 "static KUFE_LUT_UNUSED const kufe_lut_errors {own}_errors = {{ {} }};\n\
                  static KUFE_LUT_UNUSED const kufe_lut_table {own} = {{ &{name}_fz, &{name}_curvature, &{name}_v, \
                  &{name}_ice_c, {flush}, {own}_values, {own}_jets, {} }};\n",
                 errors.join(", "),
-                u8::from(smooth.is_logarithmic())
+                u8::from(smooth.logarithmic)
             );
             for (mode, function) in Mode::ALL.into_iter().zip(&mut functions) {
                 let smooth = u8::from(mode == Mode::Smooth);
@@ -162,33 +157,30 @@ impl Table {
     fn ranges(&self, name: &str) -> String {
         let name = name.to_uppercase();
         let axes = self.axes();
-        let kinds = AxisKind::ALL.into_iter();
-        let kinds = kinds.filter(|kind| *kind != AxisKind::RockerRadius);
-        let ranges = kinds.filter_map(|kind| {
-            let values = axes.get(kind)?;
+        let present = axes.present();
+        let present = present.filter(|(kind, _)| *kind != AxisKind::RockerRadius);
+        let ranges = present.map(|(kind, values)| {
             let [low, high] = match kind {
                 AxisKind::Curvature => axes.curvature_range(axes.fz()[0]),
                 _ => [values[0], values[values.len() - 1]],
             };
             let key = kind.key().to_uppercase();
             let rule = axes.outside(kind).name().to_uppercase();
-            Some(format!(
+            format!(
                 "#define {name}_{key}_MIN {low:e}\n#define {name}_{key}_MAX {high:e}\n\
                  #define {name}_{key}_OUTSIDE KUFE_LUT_{rule}\n"
-            ))
+            )
         });
         ranges.collect()
     }
 
     fn header_comment(&self, name: &str, rocker_radius: Option<f64>) -> Result<String, Error> {
+        let sliding = ", speed v [m/s] and ice_c [C]";
+        let sliding = Some(sliding).filter(|_| self.axes().is_sliding());
         let mut text = format!(
             "/* Lookup table {name}: contact figures over normal force [N] and track curvature [1/m]{}.\n   \
              kufe {}, case sha256 {}.\n   {}: estimated solver error {:.2e} (relative)",
-            if self.axes().is_sliding() {
-                ", speed v [m/s] and ice_c [C]"
-            } else {
-                ""
-            },
+            sliding.unwrap_or_default(),
             comment(self.origin.version()),
             comment(self.origin.case_sha256()),
             self.judged().title(),
@@ -207,7 +199,7 @@ impl Table {
 }
 
 /// An axis with its arrays; one without breakpoints where there is none.
-fn axis_of(points: Option<&Breakpoints>, slopes: &[f64], name: &str) -> String {
+fn axis_of(points: Option<&Breakpoints>, name: &str) -> String {
     let mut text = String::new();
     let definition = match points {
         None => "{ 0, 0, 0, 0, 0, 0 }".to_string(),
@@ -219,9 +211,9 @@ fn axis_of(points: Option<&Breakpoints>, slopes: &[f64], name: &str) -> String {
                 array(&mut text, &names[0], &points.scaled);
             }
             // One breakpoint has no cell, and C no empty array.
-            if !slopes.is_empty() {
+            if !points.slopes.is_empty() {
                 names[1] = format!("{name}_slopes");
-                array(&mut text, &names[1], slopes);
+                array(&mut text, &names[1], &points.slopes.concat().concat());
             }
             let [scaled, slopes] = names;
             format!(

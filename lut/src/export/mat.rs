@@ -56,15 +56,19 @@ impl MatValue {
 
     fn element(&self, name: &str) -> Vec<u8> {
         match self {
-            MatValue::Numbers(shape, values) => doubles(name, shape, values),
-            MatValue::Text(text) => characters(name, text),
+            MatValue::Numbers(shape, values) => {
+                let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+                matrix(MX_DOUBLE, name, shape, &part(MI_DOUBLE, &data))
+            }
+            MatValue::Text(text) => {
+                let units: Vec<u16> = text.encode_utf16().collect();
+                let data: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();
+                matrix(MX_CHAR, name, &[1, units.len()], &part(MI_UINT16, &data))
+            }
             MatValue::Structures(names, rows) => {
                 // In one word with its tag, as MATLAB does: Octave takes the length of names in no
                 // other form.
-                let mut data = [MI_INT32 | 4 << 16, LONGEST as u32 + 1]
-                    .iter()
-                    .flat_map(|word| word.to_le_bytes())
-                    .collect::<Vec<u8>>();
+                let mut data = words(&[MI_INT32 | 4 << 16, LONGEST as u32 + 1]);
                 let mut table = vec![0; names.len() * (LONGEST + 1)];
                 for (to, name) in table.chunks_exact_mut(LONGEST + 1).zip(names) {
                     let name = variable_name(name);
@@ -114,9 +118,8 @@ fn units(variables: &[(String, MatValue)]) -> MatValue {
     for (name, value) in variables {
         names_in(name, value, &mut names);
     }
-    let units = names
-        .iter()
-        .filter_map(|name| Some((name.to_string(), MatValue::Text(unit(name)?))));
+    let units = names.into_iter();
+    let units = units.filter_map(|name| Some((name.into(), MatValue::Text(unit(name)?))));
     MatValue::structure(units.collect())
 }
 
@@ -149,46 +152,29 @@ fn variable_name(name: &str) -> String {
 fn header(version: &str) -> [u8; 128] {
     let text = format!("MATLAB 5.0 MAT-file, written by kufe {version}");
     let mut head = [b' '; 128];
-    for (to, from) in head[..116].iter_mut().zip(text.bytes()) {
+    for (to, from) in head.iter_mut().zip(text.bytes().take(116)) {
         *to = from;
     }
-    head[116..124].fill(0);
-    head[124..].copy_from_slice(&[0x00, 0x01, b'I', b'M']);
+    head[116..].copy_from_slice(b"\0\0\0\0\0\0\0\0\0\x01IM");
     head
 }
 
-/// An array of numbers, the first dimension fastest.
-fn doubles(name: &str, shape: &[usize], values: &[f64]) -> Vec<u8> {
-    let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-    matrix(MX_DOUBLE, name, shape, &part(MI_DOUBLE, &data))
-}
-
-/// A row of characters.
-fn characters(name: &str, text: &str) -> Vec<u8> {
-    let units: Vec<u16> = text.encode_utf16().collect();
-    let data: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();
-    let shape = [1, units.len()];
-    matrix(MX_CHAR, name, &shape, &part(MI_UINT16, &data))
-}
-
 fn matrix(class: u32, name: &str, shape: &[usize], data: &[u8]) -> Vec<u8> {
-    let flags: Vec<u8> = [class, 0].iter().flat_map(|v| v.to_le_bytes()).collect();
-    let sizes: Vec<u8> = shape
-        .iter()
-        .flat_map(|&length| (length as i32).to_le_bytes())
-        .collect();
-    let mut body = part(MI_UINT32, &flags);
-    body.extend(part(MI_INT32, &sizes));
+    let sizes: Vec<u32> = shape.iter().map(|&length| length as u32).collect();
+    let mut body = part(MI_UINT32, &words(&[class, 0]));
+    body.extend(part(MI_INT32, &words(&sizes)));
     body.extend(part(MI_INT8, name.as_bytes()));
     body.extend(data);
     part(MI_MATRIX, &body)
 }
 
+fn words(words: &[u32]) -> Vec<u8> {
+    words.iter().flat_map(|word| word.to_le_bytes()).collect()
+}
+
 /// A tag, its bytes, and zeros up to a multiple of 8.
 fn part(kind: u32, bytes: &[u8]) -> Vec<u8> {
-    let mut part = Vec::with_capacity(bytes.len() + 16);
-    part.extend(kind.to_le_bytes());
-    part.extend((bytes.len() as u32).to_le_bytes());
+    let mut part = words(&[kind, bytes.len() as u32]);
     part.extend(bytes);
     part.resize(part.len().next_multiple_of(8), 0);
     part
@@ -233,13 +219,12 @@ impl Table {
         let axes = self.axes();
         let named = axes.named();
         let shape = axes.shape();
-        let rows = named
-            .iter()
-            .map(|(name, _, values)| (name.to_string(), MatValue::row(values.to_vec())));
+        let row = |values: &[f64]| MatValue::row(values.to_vec());
+        let rows = named.iter();
+        let rows = rows.map(|(name, _, values)| (name.to_string(), row(values)));
         let mut variables: Vec<(String, MatValue)> = rows.collect();
-        let over_nodes = |value: &dyn Fn(usize) -> f64| {
-            MatValue::Numbers(shape.clone(), self.column_major(&shape, value))
-        };
+        let over_nodes =
+            |values: &[f64]| MatValue::Numbers(shape.clone(), column_major(&shape, values));
         let rules = axes.present().zip(&named).map(|((kind, _), (name, ..))| {
             // A rocker radius outside is refused.
             let rule = match kind {
@@ -250,19 +235,13 @@ impl Table {
         });
         variables.push(("outside".into(), MatValue::structure(rules.collect())));
         if let Some(flush) = axes.flush() {
-            variables.push(("flush".into(), MatValue::row(flush.numbers().to_vec())));
+            variables.push(("flush".into(), row(&flush.numbers())));
             let points = axes.points();
-            let curvatures = over_nodes(&|node| points[node].curvature);
-            variables.push(("curvature_1pm".into(), curvatures));
+            let curvatures: Vec<f64> = points.iter().map(|point| point.curvature).collect();
+            variables.push(("curvature_1pm".into(), over_nodes(&curvatures)));
         }
-        for (&quantity, column) in self.columns() {
-            let values = over_nodes(&|node| column.values[node]);
-            variables.push((quantity.key().into(), values));
-            if let Some(errors) = &column.errors {
-                let errors = over_nodes(&|node| errors[node]);
-                variables.push((quantity.error_key().into(), errors));
-            }
-        }
+        let figures = self.figures().into_iter();
+        variables.extend(figures.map(|(key, values)| (key.into(), over_nodes(values))));
         for (name, text) in [
             ("case_json", self.case.as_str()),
             ("case_sha256", self.origin.case_sha256()),
@@ -272,19 +251,18 @@ impl Table {
         }
         Ok(write_mat_file(writer, self.origin.version(), variables)?)
     }
+}
 
-    /// A value of every node, force fastest.
-    fn column_major(&self, shape: &[usize], value: &dyn Fn(usize) -> f64) -> Vec<f64> {
-        let count = self.axes().node_count();
-        let node = |n: usize| {
-            // Breakpoints from the first axis on, numbered with the last axis fastest.
-            let (node, _) = shape.iter().fold((0, n), |(node, rest), &length| {
-                (node * length + rest % length, rest / length)
-            });
-            node
-        };
-        (0..count).map(|n| value(node(n))).collect()
-    }
+/// The values of all nodes, force fastest.
+fn column_major(shape: &[usize], values: &[f64]) -> Vec<f64> {
+    let node = |n: usize| {
+        // Breakpoints from the first axis on, numbered with the last axis fastest.
+        let (node, _) = shape.iter().fold((0, n), |(node, rest), &length| {
+            (node * length + rest % length, rest / length)
+        });
+        node
+    };
+    (0..values.len()).map(|n| values[node(n)]).collect()
 }
 
 #[cfg(test)]

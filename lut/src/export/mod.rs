@@ -18,7 +18,6 @@ pub use simulink::simulink_files;
 use std::io::Write;
 
 use crate::error::Error;
-use crate::quantity::{Figures, Quantity};
 use crate::table::Table;
 
 /// A template with its slots `$NAME$` filled.
@@ -34,17 +33,13 @@ fn filled(template: &str, slots: &[(&str, &str)]) -> String {
     text.collect()
 }
 
-/// Reads one figure of a node.
-type Figure = fn(&Figures, Quantity) -> Option<f64>;
-
 impl Table {
-    /// Keys of the figures of every node, each with what reads it: values, and errors where there
-    /// are such.
-    fn figures(&self) -> Vec<(&'static str, Quantity, Figure)> {
-        let figures = self.columns().iter().flat_map(|(&quantity, column)| {
-            let value = (quantity.key(), quantity, Figures::get as Figure);
-            let error = (quantity.error_key(), quantity, Figures::error as Figure);
-            std::iter::once(value).chain(column.errors.as_ref().map(|_| error))
+    /// The figures by their keys: values at the nodes, and errors where there are such.
+    fn figures(&self) -> Vec<(&'static str, &[f64])> {
+        let figures = self.columns().iter().flat_map(|(quantity, column)| {
+            let errors = column.errors.as_deref();
+            let errors = errors.map(|errors| (quantity.error_key(), errors));
+            std::iter::once((quantity.key(), &*column.values)).chain(errors)
         });
         figures.collect()
     }
@@ -58,9 +53,9 @@ impl Table {
         let points = self.axes().points();
         let figures = self.figures();
         let axes = points[0].named().map(|(key, _)| key);
-        csv.write_record(axes.chain(figures.iter().map(|(key, ..)| *key)))?;
-        for (point, node) in points.iter().zip(self.nodes()) {
-            let values = figures.iter().filter_map(|(_, q, read)| read(&node, *q));
+        csv.write_record(axes.chain(figures.iter().map(|(key, _)| *key)))?;
+        for (node, point) in points.iter().enumerate() {
+            let values = figures.iter().map(|(_, values)| values[node]);
             let row = point.named().map(|(_, value)| value).chain(values);
             // `{}` of an f64 is the shortest text that reads back as the same bits.
             csv.write_record(row.map(|value| value.to_string()))?;

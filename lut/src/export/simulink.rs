@@ -4,7 +4,7 @@
 use std::io::Write;
 
 use crate::error::Error;
-use crate::export::escape::{comment, identifier, matlab_string};
+use crate::export::escape::{comment, identifier};
 use crate::export::filled;
 use crate::export::header::rocker_on_axis;
 use crate::interpolator::Mode;
@@ -12,14 +12,10 @@ use crate::quantity::Quantity;
 use crate::table::Table;
 
 /// An input or output of the block: its name with the unit, and that unit as Simulink writes it.
-struct Port {
-    name: &'static str,
-    unit: &'static str,
-}
+type Port = (&'static str, &'static str);
 
-const fn port(name: &'static str, unit: &'static str) -> Port {
-    Port { name, unit }
-}
+/// The description in the block's mask; text within single quotes of MATLAB.
+const DESCRIBED: &str = "Figures of a contact over normal force and track curvature; out_of_range is 1 where an input was outside";
 
 /// The files of the block for a table of this name: header, S-function, script.
 pub fn simulink_files(name: &str) -> [String; 3] {
@@ -51,9 +47,8 @@ impl Table {
         rocker_on_axis(self, rocker_radius)?;
         let name = identifier(name);
         let (inputs, outputs) = self.ports();
-        let given: Vec<String> = (0..inputs.len())
-            .map(|k| format!("*ssGetInputPortRealSignal(S, {k})"))
-            .collect();
+        let given = (0..inputs.len()).map(|k| format!("*ssGetInputPortRealSignal(S, {k})"));
+        let given: Vec<String> = given.collect();
         let mut outputs_text = String::new();
         for (k, quantity) in self.quantities().iter().enumerate() {
             let own = format!("{name}_{}", quantity.name());
@@ -65,7 +60,7 @@ impl Table {
             );
         }
         let listed = |ports: &[Port]| {
-            let names: Vec<&str> = ports.iter().map(|port| port.name).collect();
+            let names: Vec<&str> = ports.iter().map(|(name, _)| *name).collect();
             names.join(", ")
         };
         let [inputs_count, outputs_count] = [inputs.len(), outputs.len()].map(|n| n.to_string());
@@ -94,28 +89,18 @@ impl Table {
         let name = identifier(name);
         let (inputs, outputs) = self.ports();
         let list = |ports: &[Port]| {
-            let rows: Vec<String> = ports
+            let rows = ports
                 .iter()
-                .map(|port| {
-                    format!(
-                        "'{}', '{}'",
-                        matlab_string(port.name),
-                        matlab_string(port.unit)
-                    )
-                })
-                .collect();
-            rows.join("; ")
+                .map(|(name, unit)| format!("'{name}', '{unit}'"));
+            rows.collect::<Vec<String>>().join("; ")
         };
-        let described = matlab_string(
-            "Figures of a contact over normal force and track curvature; out_of_range is 1 where an input was outside",
-        );
         let slots = [
             ("name", &*name),
             ("version", &comment(self.origin.version())),
             ("bottom", &(60 + 40 * outputs.len()).to_string()),
             ("ins", &list(&inputs)),
             ("outs", &list(&outputs)),
-            ("described", &described),
+            ("described", DESCRIBED),
         ];
         let text = filled(include_str!("simulink.m.txt"), &slots);
         writer.write_all(text.as_bytes())?;
@@ -124,16 +109,16 @@ impl Table {
 
     /// What goes in and what comes out, with units; 1 for pure numbers.
     fn ports(&self) -> (Vec<Port>, Vec<Port>) {
-        let mut inputs = vec![port("fz_n", "N"), port("curvature_1pm", "1/m")];
+        let mut inputs = vec![("fz_n", "N"), ("curvature_1pm", "1/m")];
         if self.axes().is_sliding() {
-            inputs.extend([port("v_mps", "m/s"), port("ice_c", "degC")]);
+            inputs.extend([("v_mps", "m/s"), ("ice_c", "degC")]);
         }
         let of = |quantity: &Quantity| match quantity.unit() {
-            "m2" => port(quantity.key(), "m^2"),
-            unit => port(quantity.key(), unit),
+            "m2" => (quantity.key(), "m^2"),
+            unit => (quantity.key(), unit),
         };
         let mut outputs: Vec<Port> = self.quantities().iter().map(of).collect();
-        outputs.push(port("out_of_range", "1"));
+        outputs.push(("out_of_range", "1"));
         (inputs, outputs)
     }
 }

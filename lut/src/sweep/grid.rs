@@ -9,6 +9,12 @@ use crate::sweep::plan::{Plan, Spacing};
 /// is ignored.
 pub(crate) type Place = [f64; KINDS];
 
+/// A place with another coordinate along an axis.
+fn with(mut place: Place, axis: usize, value: f64) -> Place {
+    place[axis] = value;
+    place
+}
+
 /// The places on each axis.
 pub(crate) struct Grid {
     /// Breakpoints by kind of axis, one that is ignored without the axis.
@@ -95,31 +101,27 @@ impl Grid {
 
     /// The nodes, in the order of [`Axes::points`].
     pub fn nodes(&self) -> Vec<Place> {
-        let all: [Vec<usize>; KINDS] =
-            std::array::from_fn(|axis| (0..self.values[axis].len()).collect());
-        self.product(&all)
+        let all = self.values.each_ref();
+        self.product(&all.map(|values| (0..values.len()).collect()))
     }
 
     /// The places at these breakpoints of each axis, the last axis fastest.
     pub fn product(&self, breakpoints: &[Vec<usize>; KINDS]) -> Vec<Place> {
         let mut places: Vec<Place> = vec![[0.0; KINDS]];
         for (axis, indices) in breakpoints.iter().enumerate() {
-            let wider = places.iter().flat_map(|&place| {
-                indices.iter().map(move |&i| {
-                    let mut at = place;
-                    at[axis] = self.values[axis][i];
-                    at
-                })
-            });
-            places = wider.collect();
+            let wider = |place: Place| {
+                let values = indices.iter().map(move |&i| self.values[axis][i]);
+                values.map(move |value| with(place, axis, value))
+            };
+            places = places.into_iter().flat_map(wider).collect();
         }
         places
     }
 
     /// Middles of the intervals of every refined axis, on every other grid line.
     pub fn middles(&self) -> Vec<Place> {
-        let sparse: [Vec<usize>; KINDS] = std::array::from_fn(|axis| {
-            let last = self.values[axis].len() - 1;
+        let sparse: [Vec<usize>; KINDS] = self.values.each_ref().map(|values| {
+            let last = values.len() - 1;
             let sparse = |i: &usize| i.is_multiple_of(2) || *i == last;
             (0..=last).filter(sparse).collect()
         });
@@ -130,11 +132,7 @@ impl Grid {
             let lines = self.product(&across);
             for pair in self.values[axis].windows(2) {
                 let centre = middle(axis, pair[0], pair[1]);
-                places.extend(lines.iter().map(|&line| {
-                    let mut at = line;
-                    at[axis] = centre;
-                    at
-                }));
+                places.extend(lines.iter().map(|line| with(*line, axis, centre)));
             }
         }
         places
@@ -157,22 +155,14 @@ impl Grid {
     /// The interval of an axis that holds a value.
     pub fn interval(&self, axis: usize, value: f64) -> usize {
         let values = &self.values[axis];
-        values
-            .partition_point(|&v| v <= value)
-            .clamp(1, values.len() - 1)
-            - 1
+        let after = values.partition_point(|&v| v <= value);
+        after.clamp(1, values.len() - 1) - 1
     }
 
     /// Whether halves of interval `k` are no smaller than `smallest`, a part of the axis.
     pub fn divisible(&self, axis: usize, k: usize, smallest: f64) -> bool {
         let values = &self.values[axis];
-        let at = |i: usize| {
-            if AxisKind::ALL[axis].is_logarithmic() {
-                values[i].ln()
-            } else {
-                values[i]
-            }
-        };
+        let at = |i: usize| AxisKind::ALL[axis].scaled(values[i]);
         let part = (at(k + 1) - at(k)) / (at(values.len() - 1) - at(0));
         part > 1.5 * smallest
     }
@@ -219,25 +209,19 @@ pub(crate) fn spread(values: &[Vec<f64>; KINDS], count: usize) -> Vec<Place> {
         0.603_168_740_685_728_2,
         0.531_555_397_715_791_3,
     ];
-    let steps = if values[3].len().max(values[4].len()) > 1 {
-        FIVE
-    } else {
-        THREE
+    let further = values[3].len().max(values[4].len()) > 1;
+    let steps = if further { FIVE } else { THREE };
+    let coordinate = |n: usize, axis: usize| {
+        let (first, last) = (values[axis][0], values[axis][values[axis].len() - 1]);
+        let t = (0.5 + n as f64 * steps[axis]).fract();
+        if first == last {
+            first
+        } else if AxisKind::ALL[axis].is_logarithmic() {
+            first * (last / first).powf(t)
+        } else {
+            first + t * (last - first)
+        }
     };
-    (1..=count)
-        .map(|n| {
-            std::array::from_fn(|axis| {
-                let (first, last) = (values[axis][0], values[axis][values[axis].len() - 1]);
-                if first == last {
-                    return first;
-                }
-                let t = (0.5 + n as f64 * steps[axis]).fract();
-                if AxisKind::ALL[axis].is_logarithmic() {
-                    first * (last / first).powf(t)
-                } else {
-                    first + t * (last - first)
-                }
-            })
-        })
-        .collect()
+    let place = |n| std::array::from_fn(|axis| coordinate(n, axis));
+    (1..=count).map(place).collect()
 }

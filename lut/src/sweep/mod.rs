@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::quantity::Figures;
 use crate::solve::Solve;
 use crate::sweep::grid::{Grid, spread};
-use crate::sweep::refine::{Refinement, refine};
+use crate::sweep::refine::refine;
 use crate::table::{Table, check_finite};
 
 /// A failed sweep.
@@ -74,11 +74,10 @@ where
     E: std::error::Error + Send + 'static,
 {
     sweep_batches(plan, |points| {
-        let solved: Vec<Result<Figures, E>> = each(points, &solve);
-        let pairs = points.iter().zip(solved);
-        pairs
-            .map(|(&point, solved)| solved.map_err(|source| SweepError::Solve { point, source }))
-            .collect()
+        let solved = each(points, |&point| {
+            solve(&point).map_err(|source| SweepError::Solve { point, source })
+        });
+        solved.into_iter().collect()
     })
 }
 
@@ -105,13 +104,11 @@ pub enum Progress {
 /// # Errors
 /// The plan's own errors.
 pub fn replay(plan: &Plan, stored: impl Fn(&Point) -> Option<Figures>) -> Result<Progress, Error> {
-    enum Stop {
-        Missing(Progress),
-        Failed(Error),
-    }
+    /// An incomplete batch, or the plan's error.
+    struct Stop(Result<Progress, Error>);
     impl From<Error> for Stop {
         fn from(error: Error) -> Self {
-            Stop::Failed(error)
+            Stop(Err(error))
         }
     }
     let mut round = 0;
@@ -126,18 +123,17 @@ pub fn replay(plan: &Plan, stored: impl Fn(&Point) -> Option<Figures>) -> Result
         }
         match missing.first() {
             None => Ok(solved),
-            Some(&first) => Err(Stop::Missing(Progress::Batch {
+            Some(&first) => Err(Stop(Ok(Progress::Batch {
                 points: points.to_vec(),
                 round,
                 missing: missing.len(),
                 first,
-            })),
+            }))),
         }
     });
     match swept {
         Ok(swept) => Ok(Progress::Finished(Box::new(swept))),
-        Err(Stop::Missing(batch)) => Ok(batch),
-        Err(Stop::Failed(error)) => Err(error),
+        Err(Stop(stopped)) => stopped,
     }
 }
 
@@ -153,11 +149,9 @@ pub fn sweep_batches<E: From<Error>>(
     mut solve: impl FnMut(&[Point]) -> Result<Vec<Figures>, E>,
 ) -> Result<SweepResult, E> {
     if !(1e-6..=0.5).contains(&plan.interpolation) {
-        let text = format!(
-            "interpolation = {}: expected a relative error between 1e-6 and 0.5",
-            plan.interpolation
-        );
-        return Err(Error::Invalid(text).into());
+        let found = plan.interpolation;
+        let expected = "expected a relative error between 1e-6 and 0.5";
+        return Err(Error::Invalid(format!("interpolation = {found}: {expected}")).into());
     }
     let mut checked = |points: &[Point]| {
         let solved = solve(points)?;
@@ -177,15 +171,7 @@ pub fn sweep_batches<E: From<Error>>(
             shortfall: None,
         });
     }
-    let Refinement {
-        axes,
-        nodes,
-        checks,
-        shortfall,
-    } = refine(plan, &mut checked)?;
-    let mut table = Table::new(axes, &nodes, checks)?;
-    table.interpolation_requested = Some(plan.interpolation);
-    Ok(SweepResult { table, shortfall })
+    refine(plan, &mut checked)
 }
 
 /// Nodes of given axes and checks between them, in one batch.

@@ -117,11 +117,12 @@ impl Plan {
     /// As [`check`](Self::check).
     pub fn anchors(&self) -> Result<Vec<Point>, Error> {
         let grid = Grid::start(self)?;
-        let ends = std::array::from_fn(|axis| match grid.values[axis].len() {
+        let counts = grid.values.each_ref().map(Vec::len);
+        let ends = counts.map(|count| match count {
             1 => vec![0],
             count => vec![0, count - 1],
         });
-        let middle = std::array::from_fn(|axis| vec![grid.values[axis].len() / 2]);
+        let middle = counts.map(|count| vec![count / 2]);
         let mut anchors: Vec<Point> = Vec::new();
         for place in [ends, middle].iter().flat_map(|at| grid.product(at)) {
             let point = grid.point(place);

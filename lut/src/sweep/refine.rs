@@ -6,37 +6,32 @@
 //! (Roberts' R2 sequence) are solved and measured: a miss halves the interval around it, unless the
 //! solver's own error is as large as the miss. The sweep ends when every solve that is no node is
 //! met within the request. Axes given by their values stay as they are, and what the interpolation
-//! misses between those values is measured but not mended.
+//! misses between those values is measured but not reduced.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use crate::axes::{Axes, KINDS, MAX_AXIS, Point};
 use crate::error::Error;
 use crate::interpolator::{Interpolator, Mode};
 use crate::quantity::{Figures, Quantity};
 use crate::solve::Solve;
-use crate::sweep::SolveBatch;
 use crate::sweep::grid::{Grid, Place, middle};
 use crate::sweep::plan::Plan;
+use crate::sweep::{SolveBatch, SweepResult};
 use crate::table::{Table, relative_error};
 
 /// Part of the requested error that an interval's middle may have: between the checks it may be
 /// larger.
 const MARGIN: f64 = 0.8;
 
-pub(crate) struct Refinement {
-    pub axes: Axes,
-    pub nodes: Vec<Figures>,
-    pub checks: Vec<Solve>,
-    pub shortfall: Option<Error>,
-}
-
+/// The table of a plan whose axes are refined.
 pub(crate) fn refine<E: From<Error>>(
     plan: &Plan,
     solve: &mut SolveBatch<E>,
-) -> Result<Refinement, E> {
+) -> Result<SweepResult, E> {
     let mut grid = Grid::start(plan)?;
-    let mut known: Known = Known::default();
+    let mut solved = Solved::default();
     let mut spread = false;
     loop {
         let axes = grid.axes()?;
@@ -45,41 +40,30 @@ pub(crate) fn refine<E: From<Error>>(
         if spread {
             places.extend(grid.spread(plan.checks));
         }
-        known.solve(&grid, &places, solve)?;
-        let (nodes, checked) = known.split(&grid);
+        solved.solve(&grid, &places, solve)?;
+        let (nodes, checked) = solved.split(&grid);
         let checks: Vec<Solve> = checked.iter().map(|(_, check)| *check).collect();
-        let misses = measure(&axes, &nodes, &checked, plan)?;
-        let mendable = misses.iter().filter(|miss| miss.mendable(&grid));
-        let worst = mendable.map(|miss| miss.error).fold(0.0, f64::max);
+        let misses = measure(&grid, &axes, &nodes, &checked, plan)?;
         let limit = if spread { 1.0 } else { MARGIN };
         let halved = halve(&mut grid, &misses, limit * plan.interpolation, plan);
-        let shortfall = |reason| Error::ToleranceNotReached {
-            quantity: Quantity::judged(nodes[0].is_sliding()).name(),
-            measured: worst,
-            requested: plan.interpolation,
-            nodes: axes.node_count(),
-            reason,
-        };
-        let ended = match halved {
-            Halved::Some => None,
-            Halved::Nothing | Halved::Noise if !spread => {
+        match halved {
+            Ok(true) => continue,
+            Ok(false) | Err(NOISE) if !spread => {
                 spread = true;
                 continue;
             }
-            Halved::Nothing => Some(None),
-            Halved::Noise => Some(Some(shortfall(
-                "where the interpolation misses, the solver's own error is as large: request more of the solver (accuracy.p_max)",
-            ))),
-            Halved::Limit(reason) => Some(Some(shortfall(reason))),
-        };
-        if let Some(shortfall) = ended {
-            return Ok(Refinement {
-                axes,
-                nodes,
-                checks,
-                shortfall,
-            });
+            _ => {}
         }
+        let shortfall = halved.err().map(|reason| Error::ToleranceNotReached {
+            quantity: Quantity::judged(nodes[0].is_sliding()).name(),
+            measured: misses.iter().map(|miss| miss.error).fold(0.0, f64::max),
+            requested: plan.interpolation,
+            nodes: axes.node_count(),
+            reason,
+        });
+        let mut table = Table::new(axes, &nodes, checks)?;
+        table.interpolation_requested = Some(plan.interpolation);
+        return Ok(SweepResult { table, shortfall });
     }
 }
 
@@ -87,12 +71,12 @@ type Key = [u64; KINDS];
 
 /// Every solve so far, in the order of the requests.
 #[derive(Default)]
-struct Known {
+struct Solved {
     solved: HashMap<Key, Figures>,
     order: Vec<Place>,
 }
 
-impl Known {
+impl Solved {
     pub fn solve<E>(
         &mut self,
         grid: &Grid,
@@ -117,22 +101,16 @@ impl Known {
     /// The grid's nodes, and everything else as checks with their places.
     pub fn split(&self, grid: &Grid) -> (Vec<Figures>, Vec<(Place, Solve)>) {
         let places = grid.nodes();
-        let nodes = places
-            .iter()
-            .map(|place| self.solved[&key(place)])
-            .collect();
+        let figures = |place: &Place| self.solved[&key(place)];
+        let nodes = places.iter().map(figures).collect();
         let taken: HashSet<Key> = places.iter().map(key).collect();
-        let others = self
-            .order
-            .iter()
-            .filter(|place| !taken.contains(&key(place)));
-        let checks = others
-            .map(|&place| {
-                let (point, figures) = (grid.point(place), self.solved[&key(&place)]);
-                (place, Solve { point, figures })
-            })
-            .collect();
-        (nodes, checks)
+        let others = self.order.iter();
+        let others = others.filter(|place| !taken.contains(&key(place)));
+        let checks = others.map(|place| {
+            let (point, figures) = (grid.point(*place), figures(place));
+            (*place, Solve { point, figures })
+        });
+        (nodes, checks.collect())
     }
 }
 
@@ -149,15 +127,10 @@ struct Miss {
     pub noise: f64,
 }
 
-impl Miss {
-    /// Whether refinement can mend it: not between given values.
-    pub fn mendable(&self, grid: &Grid) -> bool {
-        (0..KINDS).all(|axis| grid.refined[axis] || grid.values[axis].contains(&self.place[axis]))
-    }
-}
-
-/// The misses at the checks of a table with these nodes.
+/// The misses at the checks of a table with these nodes, but for those between given values, which
+/// refinement cannot reduce.
 fn measure(
+    grid: &Grid,
     axes: &Axes,
     nodes: &[Figures],
     checks: &[(Place, Solve)],
@@ -167,7 +140,10 @@ fn measure(
     let mut interpolators: HashMap<(u64, Mode), Interpolator> = HashMap::new();
     let mut misses = Vec::with_capacity(checks.len());
     let judged = table.judged();
-    for (place, check) in checks {
+    let reducible = |place: &Place| {
+        (0..KINDS).all(|axis| grid.refined[axis] || grid.values[axis].contains(&place[axis]))
+    };
+    for (place, check) in checks.iter().filter(|(place, _)| reducible(place)) {
         let around = axes.around(&check.point);
         let at_nodes = around.into_iter().map(|node| nodes[node].relative_error());
         let noise = check.figures.relative_error() + at_nodes.fold(0.0, f64::max);
@@ -175,7 +151,7 @@ fn measure(
         let mut error = 0.0f64;
         for &mode in &plan.modes {
             let name = (radius.unwrap_or(0.0).to_bits(), mode);
-            if let std::collections::hash_map::Entry::Vacant(entry) = interpolators.entry(name) {
+            if let Entry::Vacant(entry) = interpolators.entry(name) {
                 entry.insert(Interpolator::new(&table, judged, mode, radius)?);
             }
             let missed = relative_error(&interpolators[&name], check, judged);
@@ -190,17 +166,15 @@ fn measure(
     Ok(misses)
 }
 
-/// The outcome of halving.
-enum Halved {
-    Some,
-    Nothing,
-    Noise,
-    Limit(&'static str),
-}
+const NOISE: &str = "where the interpolation misses, the solver's own error is as large: request more of the solver (accuracy.p_max)";
+const SMALLEST: &str = "where the interpolation misses, the intervals are as small as they may be";
 
 /// Halves the interval around every miss above `limit`, along the axis whose middles are missed
-/// most.
-fn halve(grid: &mut Grid, misses: &[Miss], limit: f64, plan: &Plan) -> Halved {
+/// most; whether there is one.
+///
+/// # Errors
+/// Why no interval can be halved.
+fn halve(grid: &mut Grid, misses: &[Miss], limit: f64, plan: &Plan) -> Result<bool, &'static str> {
     // Largest error at the middle of each interval of each axis.
     let mut at_middle: [Vec<f64>; KINDS] =
         std::array::from_fn(|axis| vec![0.0; grid.values[axis].len().saturating_sub(1)]);
@@ -208,16 +182,15 @@ fn halve(grid: &mut Grid, misses: &[Miss], limit: f64, plan: &Plan) -> Halved {
         for axis in (0..KINDS).filter(|&axis| grid.refined[axis]) {
             let k = grid.interval(axis, miss.place[axis]);
             let pair = &grid.values[axis][k..k + 2];
-            if miss.place[axis] == middle(axis, pair[0], pair[1]) && miss.mendable(grid) {
+            if miss.place[axis] == middle(axis, pair[0], pair[1]) {
                 at_middle[axis][k] = f64::max(at_middle[axis][k], miss.error);
             }
         }
     }
-    let mut marked: [Vec<usize>; KINDS] = Default::default();
-    let mut too_small = false;
-    let mut too_noisy = false;
+    let mut marked: [BTreeSet<usize>; KINDS] = Default::default();
+    let (mut too_small, mut too_noisy) = (false, false);
     for miss in misses {
-        if miss.error <= limit || !miss.mendable(grid) {
+        if miss.error <= limit {
             continue;
         }
         // Halving because of the solver's error would never end.
@@ -237,35 +210,26 @@ fn halve(grid: &mut Grid, misses: &[Miss], limit: f64, plan: &Plan) -> Halved {
             }
         }
         match best {
-            Some((_, axis, k)) => marked[axis].push(k),
+            Some((_, axis, k)) => _ = marked[axis].insert(k),
             None => too_small = true,
         }
     }
     let mut grown = grid.values.clone();
     for axis in 0..KINDS {
-        marked[axis].sort_unstable();
-        marked[axis].dedup();
         for &k in &marked[axis] {
             let pair = &grid.values[axis][k..k + 2];
             grown[axis].push(middle(axis, pair[0], pair[1]));
         }
         grown[axis].sort_by(f64::total_cmp);
     }
-    if marked.iter().all(Vec::is_empty) {
-        return if too_noisy {
-            Halved::Noise
-        } else if too_small {
-            Halved::Limit(
-                "where the interpolation misses, the intervals are as small as they may be",
-            )
-        } else {
-            Halved::Nothing
-        };
+    if marked.iter().all(BTreeSet::is_empty) {
+        let small = if too_small { Err(SMALLEST) } else { Ok(false) };
+        return if too_noisy { Err(NOISE) } else { small };
     }
     let nodes: usize = grown.iter().map(Vec::len).product();
     if nodes > plan.max_nodes || grown.iter().any(|axis| axis.len() > MAX_AXIS) {
-        return Halved::Limit("more nodes than the table may have");
+        return Err("more nodes than the table may have");
     }
     grid.values = grown;
-    Halved::Some
+    Ok(true)
 }

@@ -1,8 +1,11 @@
 //! The part of a hull that faces the ice.
 
+use nalgebra::Vector3;
+
 use crate::error::MeshError;
+use crate::fit::spline::Sample;
 use crate::hull::triangles::Hull;
-use crate::parameter::linspace;
+use crate::parameter::{linspace, range};
 use crate::shapes::profile::Profile;
 
 /// Facets whose normal is closer to level than this are flanks (cosine to straight down).
@@ -13,6 +16,7 @@ pub(crate) const STEEPEST: f64 = 0.1;
 const STATIONS: usize = 1024;
 
 /// The downward-facing facets connected with the lowest vertex.
+#[derive(Default)]
 pub(crate) struct Downward {
     /// Vertices (x, y, z) [m].
     pub points: Vec<[f64; 3]>,
@@ -31,19 +35,15 @@ impl Downward {
     /// [`MeshError::Invalid`] where no facet does, or where the hull's lowest vertex is none of
     /// theirs.
     pub fn of(hull: &Hull) -> Result<Self, MeshError> {
-        let downward: Vec<(&[u32; 3], [f64; 3])> = hull
-            .triangles
-            .iter()
-            .map(|t| (t, hull.normal(t)))
-            .filter(|(_, n)| -n[2] > FLANK * (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt())
-            .collect();
-        let height = |t: &[u32; 3]| {
-            t.map(|i| hull.positions[i as usize][2])
-                .into_iter()
-                .fold(f64::INFINITY, f64::min)
+        let facets = hull.triangles.iter();
+        let facets = facets.map(|t| (t, Vector3::from(hull.normal(t))));
+        let downward: Vec<(&[u32; 3], Vector3<f64>)> =
+            facets.filter(|(_, n)| -n.z > FLANK * n.norm()).collect();
+        let height = |facet: &usize| {
+            let corners = downward[*facet].0.map(|i| hull.positions[i as usize][2]);
+            corners.into_iter().fold(f64::INFINITY, f64::min)
         };
-        let by_height =
-            |a: &usize, b: &usize| height(downward[*a].0).total_cmp(&height(downward[*b].0));
+        let by_height = |a: &usize, b: &usize| height(a).total_cmp(&height(b));
         let lowest = (0..downward.len()).min_by(by_height).ok_or_else(|| {
             let problem = "no triangle of the hull faces down; check `up`, and that the \
                                triangles face outwards";
@@ -74,37 +74,24 @@ impl Downward {
             }
         }
 
-        let mut part = Self {
-            points: Vec::new(),
-            vertices: Vec::new(),
-            cosines: Vec::new(),
-            facets: Vec::new(),
-        };
+        let mut part = Self::default();
         let mut number = vec![None; hull.positions.len()];
-        let mut normals: Vec<[f64; 3]> = Vec::new();
-        for ((corners, normal), _) in downward
-            .iter()
-            .zip(&reached)
-            .filter(|(_, reached)| **reached)
-        {
+        let mut normals: Vec<Vector3<f64>> = Vec::new();
+        let facets = downward.iter().zip(reached);
+        for ((corners, normal), _) in facets.filter(|(_, reached)| *reached) {
             let facet = corners.map(|c| {
                 *number[c as usize].get_or_insert_with(|| {
                     part.points.push(hull.positions[c as usize]);
                     part.vertices.push(c);
-                    normals.push([0.0; 3]);
+                    normals.push(Vector3::zeros());
                     normals.len() - 1
                 })
             });
-            for i in facet {
-                (0..3).for_each(|k| normals[i][k] += normal[k]);
-            }
+            facet.iter().for_each(|&i| normals[i] += normal);
             part.facets.push(facet);
         }
         part.refuse_stray_vertex(hull)?;
-        part.cosines = normals
-            .iter()
-            .map(|n| -n[2] / (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt())
-            .collect();
+        part.cosines = normals.iter().map(|n| -n.z / n.norm()).collect();
         Ok(part)
     }
 
@@ -129,13 +116,22 @@ impl Downward {
         (0..self.points.len()).filter(|&n| self.cosines[n] > STEEPEST)
     }
 
+    /// Their heights over x and the arc length across, weighted by their cosines.
+    pub fn samples(&self, arc_length: &Profile) -> Vec<Sample> {
+        let sample = |n: usize| {
+            let [x, y, height] = self.points[n];
+            Sample {
+                at: [x, arc_length.value(y)],
+                height,
+                weight: self.cosines[n],
+            }
+        };
+        self.gentle().map(sample).collect()
+    }
+
     /// Smallest and largest value of coordinate `axis` [m].
     pub fn range(&self, axis: usize) -> [f64; 2] {
-        let values = || self.points.iter().map(|p| p[axis]);
-        [
-            values().fold(f64::INFINITY, f64::min),
-            values().fold(f64::NEG_INFINITY, f64::max),
-        ]
+        range(self.points.iter().map(|p| p[axis]))
     }
 
     /// The part's sides along x.
@@ -145,28 +141,23 @@ impl Downward {
         let step = (to - from) / STATIONS as f64;
         for facet in &self.facets {
             let corners = facet.map(|i| self.points[i]);
-            let xs = corners.map(|p| p[0]);
-            let low = xs.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = xs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let [low, high] = range(corners.map(|p| p[0]));
             // A station at a vertex must not fall between two facets by rounding.
             let first = ((low - from) / step - 1e-6).ceil().max(0.0) as usize;
             let last = (((high - from) / step + 1e-6).floor() as usize).min(STATIONS);
+            let [a, b, c] = corners;
             for (i, side) in sides.iter_mut().enumerate().take(last + 1).skip(first) {
                 let x = if i == STATIONS {
                     to
                 } else {
                     from + step * i as f64
                 };
-                for (p, q) in [(0, 1), (1, 2), (2, 0)].map(|(a, b)| (corners[a], corners[b])) {
+                for (p, q) in [(a, b), (b, c), (c, a)] {
                     if (p[0] - x) * (q[0] - x) <= 0.0 {
-                        let ends = if p[0] == q[0] {
-                            [p[1], q[1]]
-                        } else {
-                            let y = p[1] + (q[1] - p[1]) * (x - p[0]) / (q[0] - p[0]);
-                            [y, y]
-                        };
-                        side[0] = side[0].min(ends[0]).min(ends[1]);
-                        side[1] = side[1].max(ends[0]).max(ends[1]);
+                        let y = p[1] + (q[1] - p[1]) * (x - p[0]) / (q[0] - p[0]);
+                        let ends = if p[0] == q[0] { [p[1], q[1]] } else { [y, y] };
+                        let [low, high] = range(ends);
+                        *side = [side[0].min(low), side[1].max(high)];
                     }
                 }
             }
@@ -210,30 +201,23 @@ impl Outline {
                 best = Some(([x0, x1, low, high], area));
             }
         };
-        let narrower = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
-        let all = [f64::NEG_INFINITY, f64::INFINITY];
-        if even {
-            let mut within = self.sides[STATIONS / 2];
-            for out in 1..=STATIONS / 2 {
-                let (first, last) = (STATIONS / 2 - out, STATIONS / 2 + out);
-                within = narrower(narrower(within, self.sides[first]), self.sides[last]);
+        // Rectangles grow from each station on, or from the middle to both sides.
+        let middle = STATIONS / 2;
+        for start in if even {
+            middle..middle + 1
+        } else {
+            0..STATIONS
+        } {
+            let mut within = self.sides[start];
+            for last in start + 1..=STATIONS {
+                let first = if even { 2 * start - last } else { start };
+                for side in [first, last].map(|i| self.sides[i]) {
+                    within = [within[0].max(side[0]), within[1].min(side[1])];
+                }
                 if within[0] >= within[1] {
                     break;
                 }
                 consider(first, last, within);
-            }
-        } else {
-            for first in 0..STATIONS {
-                let mut within = all;
-                for last in first..=STATIONS {
-                    within = narrower(within, self.sides[last]);
-                    if within[0] >= within[1] {
-                        break;
-                    }
-                    if last > first {
-                        consider(first, last, within);
-                    }
-                }
             }
         }
         best.map(|(rectangle, _)| rectangle)
@@ -254,14 +238,13 @@ impl Outline {
         type Pick = fn(f64, f64) -> f64;
         let picked = |values: &[f64], pick: Pick| -> Vec<f64> {
             let windows = values.windows(2 * half + 1);
-            let picked = windows.filter_map(|window| window.iter().copied().reduce(pick));
-            picked.collect()
+            windows
+                .filter_map(|window| window.iter().copied().reduce(pick))
+                .collect()
         };
-        let of_sides: [(f64, [Pick; 2]); 2] = [
-            (f64::INFINITY, [f64::min, f64::max]),
-            (f64::NEG_INFINITY, [f64::max, f64::min]),
-        ];
-        for (k, (none, [most, least])) in of_sides.into_iter().enumerate() {
+        let [min, max]: [Pick; 2] = [f64::min, f64::max];
+        let of_sides = [(f64::INFINITY, min, max), (f64::NEG_INFINITY, max, min)];
+        for (k, (none, most, least)) in of_sides.into_iter().enumerate() {
             // The ends count as empty.
             let padding = || std::iter::repeat_n(none, 2 * half);
             let side = self.sides.iter().map(|side| side[k]);
@@ -321,13 +304,8 @@ pub(crate) fn arc_length(part: &Downward, [y0, y1]: [f64; 2], mirrored: bool) ->
         half.sort_by(f64::total_cmp);
         half.dedup_by(|b, a| *b - *a < 1e-3 * y1);
         half.retain(|&y| y > 1e-3 * y1 && y < y1 * (1.0 - 1e-3));
-        columns = half
-            .iter()
-            .rev()
-            .map(|y| -y)
-            .chain([0.0])
-            .chain(half.iter().copied())
-            .collect();
+        let below = half.iter().rev().map(|y| -y);
+        columns = below.chain([0.0]).chain(half.iter().copied()).collect();
     } else {
         columns.retain(|&y| y > y0 + 1e-3 * (y1 - y0) && y < y1 - 1e-3 * (y1 - y0));
     }
@@ -336,46 +314,31 @@ pub(crate) fn arc_length(part: &Downward, [y0, y1]: [f64; 2], mirrored: bool) ->
     // Mean slope of each strip, weighted by the facets' plan areas.
     let mut strips = vec![(0.0, 0.0); columns.len() - 1];
     for facet in &part.facets {
-        let [a, b, c] = facet.map(|i| part.points[i]);
-        let (u, v) = (
-            [b[0] - a[0], b[1] - a[1], b[2] - a[2]],
-            [c[0] - a[0], c[1] - a[1], c[2] - a[2]],
-        );
-        let area = u[0] * v[1] - u[1] * v[0];
-        let slope = (u[0] * v[2] - u[2] * v[0]) / area;
-        let middle = (a[1] + b[1] + c[1]) / 3.0;
-        let i = columns
-            .partition_point(|&y| y <= middle)
-            .clamp(1, strips.len())
-            - 1;
+        let [a, b, c] = facet.map(|i| Vector3::from(part.points[i]));
+        let (u, v) = (b - a, c - a);
+        let area = u.x * v.y - u.y * v.x;
+        let slope = (u.x * v.z - u.z * v.x) / area;
+        let middle = (a.y + b.y + c.y) / 3.0;
+        let after = columns.partition_point(|&y| y <= middle);
+        let i = after.clamp(1, strips.len()) - 1;
         strips[i].0 += area.abs();
         strips[i].1 += slope.clamp(-10.0, 10.0) * area.abs();
     }
-    let mut stretch: Vec<f64> = strips
-        .iter()
-        .map(|(area, sum)| (sum / area.max(f64::MIN_POSITIVE)).hypot(1.0))
-        .collect();
-    if mirrored {
-        let reversed: Vec<f64> = stretch.iter().rev().copied().collect();
-        stretch
-            .iter_mut()
-            .zip(&reversed)
-            .for_each(|(s, r)| *s = 0.5 * (*s + r));
-    }
+    let mean_slope = |(area, sum): &(f64, f64)| sum / area.max(f64::MIN_POSITIVE);
+    let stretch = |i: usize| mean_slope(&strips[i]).hypot(1.0);
     let mut lengths = vec![0.0];
-    for (pair, stretch) in columns.windows(2).zip(&stretch) {
-        lengths.push(lengths[lengths.len() - 1] + stretch * (pair[1] - pair[0]));
+    for (i, pair) in columns.windows(2).enumerate() {
+        let opposite = if mirrored { strips.len() - 1 - i } else { i };
+        let stretch = 0.5 * (stretch(i) + stretch(opposite));
+        lengths.push(lengths[i] + stretch * (pair[1] - pair[0]));
     }
     let shift = if mirrored {
-        0.5 * lengths[lengths.len() - 1]
+        0.5 * lengths[strips.len()]
     } else {
         0.0
     };
-    let points: Vec<[f64; 2]> = columns
-        .iter()
-        .zip(&lengths)
-        .map(|(&y, &t)| [y, t - shift])
-        .collect();
+    let points = columns.iter().zip(&lengths);
+    let points: Vec<[f64; 2]> = points.map(|(&y, &t)| [y, t - shift]).collect();
     let plain = || Profile::new("section", &[[y0, y0], [y1, y1]]).expect("two finite points");
     match Profile::new("section", &points) {
         Ok(map) if linspace(y0, y1, 2000).all(|y| map.evaluate(y)[1] > 0.3) => map,

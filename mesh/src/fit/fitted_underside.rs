@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::error::MeshError;
 use crate::fit::downward::{Downward, Outline, STEEPEST, arc_length};
-use crate::fit::judgement::{Coarse, FitQuality, Judgement, STATIONS};
+use crate::fit::judgement::{FitQuality, Judgement, STATIONS};
 use crate::fit::knots::{balanced_sides, break_places, refined_fit};
 use crate::fit::scans::{Scans, moves, projected_height};
 use crate::fit::spline::{Bicubic, Sample, fit};
@@ -18,7 +18,7 @@ use crate::shapes::underside::{Underside, lows};
 /// A bicubic spline `z = s(x, t(y))` is fitted to the vertices by least squares of their distance
 /// along the normal. t(y) is the arc length along the mean section, so that flanks up to upright
 /// are resolved; knots are refined, at most to the vertices' own spacing, until the residuals are
-/// noise. Facets only say where the hull is.
+/// noise. Facets only define where the hull is.
 #[derive(Clone, Debug)]
 pub struct FittedUnderside {
     surface: Surface,
@@ -39,14 +39,11 @@ impl FittedUnderside {
     pub fn new(hull: &Hull, noise: f64) -> Result<Self, MeshError> {
         let (mut surface, samples) = Surface::fit(&Downward::of(hull)?, noise, true)?;
         let halved = |odd: usize| {
-            [0, 1].map(|axis| {
-                let breaks = surface.spline.axes[axis].breaks();
-                let last = breaks.len() - 1;
+            surface.spline.axes.each_ref().map(|axis| {
+                let (breaks, last) = (axis.breaks(), axis.breaks().len() - 1);
                 let included = |i: &usize| i % 2 == odd || *i == 0 || *i == last;
-                (0..=last)
-                    .filter(included)
-                    .map(|i| breaks[i])
-                    .collect::<Vec<_>>()
+                let places = (0..=last).filter(included).map(|i| breaks[i]);
+                places.collect::<Vec<_>>()
             })
         };
         let [Some(coarser), Some(others)] = [0, 1].map(|odd| fit(&samples, &halved(odd))) else {
@@ -71,9 +68,7 @@ impl FittedUnderside {
     /// what the vertices' distances leave of it, where the fit follows vertices without noise. One
     /// alone may agree with it by chance.
     pub fn with_half_the_knots(&self) -> [Arc<dyn Underside>; 2] {
-        self.coarser
-            .clone()
-            .map(|surface| surface as Arc<dyn Underside>)
+        self.coarser.clone().map(|surface| surface as _)
     }
 
     /// `hull`, scanned once more: its vertices put on this surface, and moved by fresh noise of
@@ -131,12 +126,6 @@ impl FittedUnderside {
         self.judgement.quality
     }
 
-    /// Whether the hull is too coarse, or too noisy, to be pressed in by `approach` [m]: the fit's
-    /// estimated error on a contact patch `[x_min, x_max, y_min, y_max]` [m] exceeds `share` of it.
-    pub fn coarse_within(&self, approach: f64, share: f64, patch: [f64; 4]) -> Option<Coarse> {
-        Coarse::over(self.error_within(patch), share * approach)
-    }
-
     /// The fit's estimated error [m] where the height over the lowest point is at most twice the
     /// `approach` [m].
     pub fn error_for(&self, approach: f64) -> f64 {
@@ -190,32 +179,23 @@ fn symmetrise(
     mirrored: [bool; 2],
     noise: f64,
 ) -> [bool; 2] {
-    let mut symmetric = [false; 2];
-    let distance =
-        |surface: &Bicubic, s: &Sample| s.weight * (surface.value(s.at) - s.height).abs();
-    let worst = samples
-        .iter()
-        .map(|s| distance(surface, s))
-        .fold(0.0, f64::max);
-    for axis in 0..2 {
-        let mirror = |s: &Sample| {
-            if axis == 0 {
-                [-s.at[0], s.at[1]]
-            } else {
-                [s.at[0], -s.at[1]]
-            }
+    let distance = |s: &Sample| s.weight * (surface.value(s.at) - s.height).abs();
+    let worst = samples.iter().map(distance).fold(0.0, f64::max);
+    let tolerance = 3.0 * worst.max(noise);
+    [0, 1].map(|axis| {
+        let lopsided = |s: &Sample| {
+            let mut image = s.at;
+            image[axis] = -image[axis];
+            s.weight * (surface.value(s.at) - surface.value(image)).abs()
         };
-        let lopsided =
-            |s: &Sample| s.weight * (surface.value(s.at) - surface.value(mirror(s))).abs();
-        let tolerance = 3.0 * worst.max(noise);
         // The steepest vertices are supported from one side only.
-        let gentle = samples.iter().filter(|s| s.weight > 3.0 * STEEPEST);
-        symmetric[axis] = mirrored[axis] && gentle.into_iter().all(|s| lopsided(s) <= tolerance);
-        if symmetric[axis] {
+        let mut gentle = samples.iter().filter(|s| s.weight > 3.0 * STEEPEST);
+        let symmetric = mirrored[axis] && gentle.all(|s| lopsided(s) <= tolerance);
+        if symmetric {
             surface.symmetrise(axis);
         }
-    }
-    symmetric
+        symmetric
+    })
 }
 
 /// The heights z = s(x, t(y)) - level within an outline.
@@ -268,24 +248,18 @@ impl Surface {
         expect(usual, "noise_m", noise, "0 or a positive number")?;
         let usable = part.gentle().count();
         if usable < 16 {
-            let found = format!("{usable} vertices");
-            return Err(MeshError::value(
-                "the hull's underside",
-                found,
-                "at least 16",
-            ));
+            let (place, found) = ("the hull's underside", format!("{usable} vertices"));
+            return Err(MeshError::value(place, found, "at least 16"));
         }
         let [[x0, x1], [y0, y1], [z0, z1]] = [0, 1, 2].map(|axis| part.range(axis));
         if !(x1 > x0 && y1 > y0) {
             return Err(MeshError::no_fit());
         }
         let centred = |from: f64, to: f64| (from + to).abs() <= 1e-4 * (to - from) + 6.0 * noise;
-        let alike = |axis: usize| {
-            let gentle = part.gentle().map(|n| part.points[n][axis]);
-            balanced_sides(gentle.collect())
-        };
-        let mirrored = [(0, x0, x1), (1, y0, y1)]
-            .map(|(axis, from, to)| may_be_even && centred(from, to) && alike(axis));
+        let mirrored = [(0, x0, x1), (1, y0, y1)].map(|(axis, from, to)| {
+            let places = part.gentle().map(|n| part.points[n][axis]);
+            may_be_even && centred(from, to) && balanced_sides(places.collect())
+        });
         let widest = |from: f64, to: f64, mirrored: bool| {
             let half = to.max(-from);
             if mirrored { [-half, half] } else { [from, to] }
@@ -293,14 +267,7 @@ impl Surface {
         let ([x0, x1], [y0, y1]) = (widest(x0, x1, mirrored[0]), widest(y0, y1, mirrored[1]));
         let arc_length = arc_length(part, [y0, y1], mirrored[1]);
         let at = |p: &[f64; 3]| [p[0], arc_length.value(p[1])];
-        let samples: Vec<Sample> = part
-            .gentle()
-            .map(|n| Sample {
-                at: at(&part.points[n]),
-                height: part.points[n][2],
-                weight: part.cosines[n],
-            })
-            .collect();
+        let samples = part.samples(&arc_length);
         let ends = [[x0, x1], [arc_length.value(y0), arc_length.value(y1)]];
         let candidates = break_places(part, &samples, ends, mirrored, at);
         let floor = rounding(z1 - z0);
@@ -328,19 +295,18 @@ impl Surface {
 
     /// Local minima on the spline's breaks.
     pub fn lows(&self) -> Vec<[f64; 2]> {
-        let xs = self.spline.axes[0].breaks();
-        let ys: Vec<f64> = self.spline.axes[1]
-            .breaks()
+        let [xs, lengths] = self.spline.axes.each_ref().map(|axis| axis.breaks());
+        let ys: Vec<f64> = lengths
             .iter()
-            .map(|&length| self.across(length))
+            .map(|&length| self.across(length, 60))
             .collect();
         lows([xs, &ys], |i, j| self.height(xs[i], ys[j]))
     }
 
-    /// y of an arc length, which rises with it [m].
-    fn across(&self, length: f64) -> f64 {
+    /// y of an arc length, which rises with it, by this number of bisections [m].
+    pub fn across(&self, length: f64, bisections: usize) -> f64 {
         let [_, _, mut low, mut high] = self.extent;
-        for _ in 0..60 {
+        for _ in 0..bisections {
             let middle = 0.5 * (low + high);
             if self.arc_length.value(middle) < length {
                 low = middle;

@@ -26,22 +26,6 @@ pub struct FitQuality {
     pub intervals: [usize; 2],
 }
 
-/// A hull too coarse for its load.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coarse {
-    /// Estimated error of the fitted height where the hull touches [m].
-    pub error: f64,
-    /// Largest error allowed [m].
-    pub allowed: f64,
-}
-
-impl Coarse {
-    /// That `error` is more than `allowed` [m].
-    pub(crate) fn over(error: f64, allowed: f64) -> Option<Self> {
-        (error > allowed).then_some(Self { error, allowed })
-    }
-}
-
 /// By how much noise times spacing, or without noise the spacing, is to shrink for a fit's error to
 /// shrink by `factor`.
 ///
@@ -76,82 +60,58 @@ impl Judgement {
     pub fn of(surface: &mut Surface, samples: &[Sample], coarser: &Bicubic, noise: f64) -> Self {
         let [x0, x1, y0, y1] = surface.extent;
         let mut checks = Vec::new();
-        let mut quality = FitQuality {
-            residual_rms: 0.0,
-            residual_max: 0.0,
-            vertices: 0,
-            resolution_error: 0.0,
-            intervals: [0, 1].map(|axis| surface.spline.axes[axis].breaks().len() - 1),
-        };
-        let mut ys: Vec<f64> = linspace(y0, y1, STATIONS).collect();
         // Four places in each interval across as well; intervals may be short.
-        let breaks = surface.spline.axes[1].breaks().to_vec();
-        ys.extend(
-            breaks
-                .windows(2)
-                .flat_map(|b| [0.0, 0.25, 0.5, 0.75].map(|p| b[0] + p * (b[1] - b[0])))
-                .map(|t| {
-                    let (mut low, mut high) = (y0, y1);
-                    for _ in 0..50 {
-                        let middle = 0.5 * (low + high);
-                        if surface.arc_length.value(middle) < t {
-                            low = middle
-                        } else {
-                            high = middle
-                        }
-                    }
-                    0.5 * (low + high)
-                }),
-        );
+        let pairs = surface.spline.axes[1].breaks().windows(2);
+        let quarters = pairs.flat_map(|b| [0.0, 0.25, 0.5, 0.75].map(|p| b[0] + p * (b[1] - b[0])));
+        let between = quarters.map(|length| surface.across(length, 50));
+        let mut ys: Vec<f64> = linspace(y0, y1, STATIONS).chain(between).collect();
         ys.sort_by(f64::total_cmp);
-        let mut keel = vec![f64::INFINITY; STATIONS + 1];
         let stations: Vec<f64> = linspace(x0, x1, STATIONS).collect();
-        for (&x, keel) in stations.iter().zip(&mut keel) {
-            *keel = ys
-                .iter()
-                .map(|&y| surface.height(x, y))
-                .fold(f64::INFINITY, f64::min);
-        }
+        let lowest = |&x: &f64| {
+            let heights = ys.iter().map(|&y| surface.height(x, y));
+            heights.fold(f64::INFINITY, f64::min)
+        };
+        let keel: Vec<f64> = stations.iter().map(lowest).collect();
         surface.level = keel.iter().copied().fold(f64::INFINITY, f64::min);
         for (&x, keel) in stations.iter().zip(&keel) {
             for &y in &ys {
                 let height = surface.height(x, y);
                 if height.is_finite() && height + surface.level <= keel + JUDGED_HEIGHT {
-                    let change = surface.spline_height(x, y)
-                        - coarser.value([x, surface.arc_length.value(y)]);
+                    let changed = coarser.value([x, surface.arc_length.value(y)]);
+                    let error = (surface.spline_height(x, y) - changed).abs();
                     checks.push(Check {
                         x,
                         y,
                         height,
-                        error: change.abs(),
+                        error,
                     });
                 }
             }
         }
-        quality.resolution_error = checks.iter().map(|c| c.error).fold(0.0, f64::max);
-        let (mut sum, mut count) = (0.0, 0usize);
-        for sample in samples {
+        let near = |sample: &&Sample| {
             let place = (sample.at[0] - x0) / (x1 - x0) * STATIONS as f64;
-            let i = (place.round() as usize).min(STATIONS);
-            if sample.height <= keel[i] + JUDGED_HEIGHT + 3.0 * noise {
-                let residual = sample.weight * (surface.spline.value(sample.at) - sample.height);
-                sum += residual * residual;
-                count += 1;
-                quality.residual_max = quality.residual_max.max(residual.abs());
-            }
-        }
-        quality.vertices = count;
-        quality.residual_rms = (sum / count.max(1) as f64).sqrt();
+            let station = (place.round() as usize).min(STATIONS);
+            sample.height <= keel[station] + JUDGED_HEIGHT + 3.0 * noise
+        };
+        let residual = |s: &Sample| s.weight * (surface.spline.value(s.at) - s.height);
+        let residuals: Vec<f64> = samples.iter().filter(near).map(residual).collect();
+        let square = residuals.iter().fold(0.0, |sum, r| sum + r * r);
+        let axes = surface.spline.axes.each_ref();
+        let quality = FitQuality {
+            residual_rms: (square / residuals.len().max(1) as f64).sqrt(),
+            residual_max: residuals.iter().fold(0.0, |most, r| r.abs().max(most)),
+            vertices: residuals.len(),
+            resolution_error: checks.iter().map(|c| c.error).fold(0.0, f64::max),
+            intervals: axes.map(|axis| axis.breaks().len() - 1),
+        };
         // Noise leaves its standard error in the fit; what exceeds the stated noise is misfit.
         let unknowns = surface.spline.coefficients.len() as f64;
         let standard_error = noise * (unknowns / samples.len() as f64).min(1.0).sqrt();
-        let misfit = (quality.residual_rms.powi(2) - noise * noise)
-            .max(0.0)
-            .sqrt();
-        let scatter = standard_error.hypot(misfit);
-        checks
-            .iter_mut()
-            .for_each(|c| c.error = c.error.hypot(scatter));
+        let square = quality.residual_rms.powi(2) - noise * noise;
+        let scatter = standard_error.hypot(square.max(0.0).sqrt());
+        for check in &mut checks {
+            check.error = check.error.hypot(scatter);
+        }
         Self { quality, checks }
     }
 

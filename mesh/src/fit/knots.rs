@@ -19,11 +19,12 @@ pub(crate) fn break_places(
             (0..2).for_each(|k| edge[k] += (p[k] - q[k]).abs());
         }
     }
-    let sorted = [0, 1].map(|axis| {
-        let mut values: Vec<f64> = samples.iter().map(|s| s.at[axis]).collect();
+    let sorted_places = |axis: usize, place: fn(f64) -> f64| {
+        let mut values: Vec<f64> = samples.iter().map(|s| place(s.at[axis])).collect();
         values.sort_by(f64::total_cmp);
         values
-    });
+    };
+    let sorted = [0, 1].map(|axis| sorted_places(axis, |place| place));
     let columns = [0, 1].map(|axis| {
         let mut values = sorted[axis].clone();
         values.dedup_by(|b, a| *b - *a < 1e-6 * spans[axis]);
@@ -38,26 +39,15 @@ pub(crate) fn break_places(
         let mut values = if in_columns {
             columns[axis].clone()
         } else if mirrored[axis] {
-            let mut half: Vec<f64> = samples.iter().map(|s| s.at[axis].abs()).collect();
-            half.sort_by(f64::total_cmp);
+            let half = sorted_places(axis, f64::abs);
             let count = ((0.5 * spans[axis] / sizes[axis]) as usize).clamp(2, samples.len());
-            let place = |i: usize| {
-                if i == 0 {
-                    0.0
-                } else {
-                    half[i * (samples.len() - 1) / count]
-                }
-            };
-            (1..=count)
-                .rev()
-                .map(|i| -place(i))
-                .chain((0..=count).map(place))
-                .collect()
+            let places = (1..=count).map(|i| half[i * (samples.len() - 1) / count]);
+            let below = places.clone().rev().map(|place| -place);
+            below.chain([0.0]).chain(places).collect()
         } else {
             let count = ((spans[axis] / sizes[axis]) as usize).clamp(4, samples.len());
-            (0..=count)
-                .map(|i| sorted[axis][i * (samples.len() - 1) / count])
-                .collect()
+            let place = |i: usize| sorted[axis][i * (samples.len() - 1) / count];
+            (0..=count).map(place).collect()
         };
         let [from, to] = ends[axis];
         let gap = 1e-6 * spans[axis];
@@ -83,28 +73,19 @@ const FEWEST: usize = 64;
 /// below 0 as above it.
 pub(crate) fn balanced_sides(mut places: Vec<f64>) -> bool {
     places.sort_by(f64::total_cmp);
-    let span = places
-        .last()
-        .zip(places.first())
-        .map_or(0.0, |(b, a)| b - a);
+    let span = places.last().unwrap_or(&0.0) - places.first().unwrap_or(&0.0);
     places.dedup_by(|b, a| *b - *a < 1e-6 * span);
     places.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
     let size = places.len().div_ceil(PARTS).max(FEWEST);
+    let balanced = |part: &[f64]| {
+        // The middle is of both sides.
+        let below = part.iter().filter(|&&place| place <= 0.0).count() as f64;
+        let above = part.iter().filter(|&&place| place >= 0.0).count() as f64;
+        below.max(above) <= MOST_RATIO * below.min(above)
+    };
     places
         .chunks(size)
-        .filter(|part| part.len() >= FEWEST)
-        .all(|part| {
-            // The middle is of both sides.
-            let middle = part.iter().filter(|&&place| place == 0.0).count() as f64;
-            let below = part.iter().filter(|&&place| place < 0.0).count() as f64;
-            let [few, many] = [below, part.len() as f64 - middle - below]
-                .map(|side| side + middle)
-                .into_iter()
-                .fold([f64::INFINITY, 0.0], |[few, many], side| {
-                    [few.min(side), f64::max(many, side)]
-                });
-            many <= MOST_RATIO * few
-        })
+        .all(|part| part.len() < FEWEST || balanced(part))
 }
 
 /// Most unknowns times band width squared: a bound on the work of one factorisation, a second or
@@ -133,10 +114,8 @@ pub(crate) fn refined_fit(
     let mut breaks = [0, 1].map(|axis| thinned(&candidates[axis], [9, 5][axis], mirrored[axis]));
     let mut surface = fit(samples, &breaks)?;
     for _ in 0..ROUNDS {
-        let residuals: Vec<f64> = samples
-            .iter()
-            .map(|s| s.weight * (surface.value(s.at) - s.height))
-            .collect();
+        let residual = |s: &Sample| s.weight * (surface.value(s.at) - s.height);
+        let residuals: Vec<f64> = samples.iter().map(residual).collect();
         let misfits = [0, 1].map(|axis| misfits(samples, &residuals, &breaks, axis, noise));
         let splits_over = |least: f64| {
             [0, 1].map(|axis| {
@@ -222,21 +201,19 @@ fn misfits(
         let i = own.partition_point(|&b| b <= place).clamp(1, intervals) - 1;
         let quarter = ((place - own[i]) / (own[i + 1] - own[i]) * QUARTERS as f64) as usize;
         let third = ((sample.at[1 - axis] - low) / span * THIRDS as f64) as usize;
-        let bin =
-            &mut bins[(i * QUARTERS + quarter.min(QUARTERS - 1)) * THIRDS + third.min(THIRDS - 1)];
+        let part = quarter.min(QUARTERS - 1) * THIRDS + third.min(THIRDS - 1);
+        let bin = &mut bins[i * QUARTERS * THIRDS + part];
         bin.0 += 1.0;
         bin.1 += residual;
     }
-    bins.chunks(QUARTERS * THIRDS)
-        .map(|bins| {
-            let filled = bins.iter().filter(|(n, _)| *n > 0.0);
-            let (count, sum) = filled.fold((0.0, 0.0), |(count, sum), (n, r)| {
-                (count + 1.0, sum + r * r / n)
-            });
-            // Without any vertex there is nothing to follow.
-            sum / (noise * noise) / (count + 4.0 * f64::sqrt(2.0 * count)).max(1.0)
-        })
-        .collect()
+    let misfit = |bins: &[(f64, f64)]| {
+        let filled = || bins.iter().filter(|(n, _)| *n > 0.0);
+        let sum = filled().fold(0.0, |sum, (n, r)| sum + r * r / n);
+        let count = filled().count() as f64;
+        // Without any vertex there is nothing to follow.
+        sum / (noise * noise) / (count + 4.0 * f64::sqrt(2.0 * count)).max(1.0)
+    };
+    bins.chunks(QUARTERS * THIRDS).map(misfit).collect()
 }
 
 fn with_splits(breaks: &[f64], split: &[bool], candidates: &[f64], mirrored: bool) -> Vec<f64> {
@@ -249,13 +226,9 @@ fn with_splits(breaks: &[f64], split: &[bool], candidates: &[f64], mirrored: boo
         if split[i] && from < to {
             // The candidate nearest to the middle, so that wide gaps are halved.
             let middle = 0.5 * (pair[0] + pair[1]);
-            let inside = &candidates[from..to];
-            next.extend(
-                inside
-                    .iter()
-                    .copied()
-                    .min_by(|a, b| (a - middle).abs().total_cmp(&(b - middle).abs())),
-            );
+            let off = |place: &&f64| (**place - middle).abs();
+            let inside = candidates[from..to].iter();
+            next.extend(inside.min_by(|a, b| off(a).total_cmp(&off(b))));
         }
         next.push(pair[1]);
     }

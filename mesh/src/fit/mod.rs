@@ -8,5 +8,5 @@ pub(crate) mod scans;
 pub(crate) mod spline;
 
 pub use fitted_underside::FittedUnderside;
-pub use judgement::{Coarse, FitQuality, smaller_by};
+pub use judgement::{FitQuality, smaller_by};
 pub use scans::Scans;

@@ -32,15 +32,10 @@ pub struct Scans<'a> {
 impl<'a> Scans<'a> {
     pub(crate) fn new(surface: &'a Surface, hull: &Hull, noise: f64) -> Result<Self, MeshError> {
         let part = Downward::of(hull)?;
-        let sample = |n: usize| {
-            let [x, y, z] = part.points[n];
-            Sample {
-                at: [x, surface.arc_length.value(y)],
-                height: projected_height(surface, [x, y, z], noise),
-                weight: part.cosines[n],
-            }
-        };
-        let samples: Vec<Sample> = part.gentle().map(sample).collect();
+        let mut samples = part.samples(&surface.arc_length);
+        for (sample, n) in samples.iter_mut().zip(part.gentle()) {
+            sample.height = projected_height(surface, part.points[n], noise);
+        }
         let vertices = part.gentle().map(|n| part.vertices[n]).collect();
         let axes = surface.spline.axes.clone();
         Ok(Scans {
@@ -65,11 +60,8 @@ impl<'a> Scans<'a> {
             ..*sample
         });
         let mut spline = self.factored.fit(moved).ok_or_else(MeshError::no_fit)?;
-        for axis in 0..2 {
-            if self.surface.symmetric[axis] {
-                spline.symmetrise(axis);
-            }
-        }
+        let even = (0..2).filter(|&axis| self.surface.symmetric[axis]);
+        even.for_each(|axis| spline.symmetrise(axis));
         Ok(Arc::new(Surface {
             spline,
             ..self.surface.clone()

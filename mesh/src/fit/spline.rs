@@ -21,9 +21,7 @@ impl BSpline {
     pub fn new(breaks: &[f64]) -> Self {
         assert!(breaks.len() >= 2, "{} breaks", breaks.len());
         let (first, last) = (breaks[0], breaks[breaks.len() - 1]);
-        let mut knots = vec![first; 3];
-        knots.extend(breaks);
-        knots.extend([last; 3]);
+        let knots = [&[first; 3], breaks, &[last; 3]].concat();
         Self { knots }
     }
 
@@ -40,45 +38,24 @@ impl BSpline {
     /// First spline that is not zero at `x`, and the four values there. `x` is clamped to the
     /// breaks' range.
     pub fn values(&self, x: f64) -> (usize, [f64; 4]) {
-        let (first, x) = self.interval(x);
-        let mut values = [1.0, 0.0, 0.0, 0.0];
-        for degree in 1..=3 {
-            self.raise(first, x, degree, &mut values);
-        }
-        (first, values)
+        self.derivatives(x, 0)
     }
 
-    /// First spline that is not zero at `x`, and the four second derivatives there.
-    pub fn second_derivatives(&self, x: f64) -> (usize, [f64; 4]) {
-        let (first, x) = self.interval(x);
-        let mut values = [1.0, 0.0, 0.0, 0.0];
-        self.raise(first, x, 1, &mut values);
-        for degree in 2..=3 {
-            values = self.derived(first, degree, values);
-        }
-        (first, values)
-    }
-
-    /// First spline that is not zero at `x`, and the four first derivatives there.
-    pub fn first_derivatives(&self, x: f64) -> (usize, [f64; 4]) {
-        let (first, x) = self.interval(x);
-        let mut values = [1.0, 0.0, 0.0, 0.0];
-        for degree in 1..=2 {
-            self.raise(first, x, degree, &mut values);
-        }
-        (first, self.derived(first, 3, values))
-    }
-
-    fn interval(&self, x: f64) -> (usize, f64) {
+    /// First spline that is not zero at `x`, and the derivatives of this order of the four there.
+    pub fn derivatives(&self, x: f64, order: usize) -> (usize, [f64; 4]) {
         let breaks = self.breaks();
         let x = x.clamp(breaks[0], breaks[breaks.len() - 1]);
-        (
-            breaks
-                .partition_point(|&b| b <= x)
-                .clamp(1, breaks.len() - 1)
-                - 1,
-            x,
-        )
+        let after = breaks.partition_point(|&b| b <= x);
+        let first = after.clamp(1, breaks.len() - 1) - 1;
+        let mut values = [1.0, 0.0, 0.0, 0.0];
+        for degree in 1..=3 {
+            if degree + order <= 3 {
+                self.raise(first, x, degree, &mut values);
+            } else {
+                values = self.derived(first, degree, values);
+            }
+        }
+        (first, values)
     }
 
     /// From the values of degree - 1 to those of `degree` (Cox and de Boor).
@@ -137,11 +114,8 @@ impl Bicubic {
         let mut sum = 0.0;
         for (k, a) in along.iter().enumerate() {
             let row = &self.coefficients[(i + k) * count + j..][..4];
-            sum += a
-                * (row[0] * across[0]
-                    + row[1] * across[1]
-                    + row[2] * across[2]
-                    + row[3] * across[3]);
+            let [b, c, d, e] = [0, 1, 2, 3].map(|l| row[l] * across[l]);
+            sum += a * (b + c + d + e);
         }
         sum
     }
@@ -150,15 +124,13 @@ impl Bicubic {
     pub fn symmetrise(&mut self, axis: usize) {
         let [rows, columns] = [self.axes[0].count(), self.axes[1].count()];
         let old = self.coefficients.clone();
-        for i in 0..rows {
-            for j in 0..columns {
-                let mirror = if axis == 0 {
-                    (rows - 1 - i) * columns + j
-                } else {
-                    i * columns + columns - 1 - j
-                };
-                self.coefficients[i * columns + j] = 0.5 * (old[i * columns + j] + old[mirror]);
-            }
+        for (k, own) in self.coefficients.iter_mut().enumerate() {
+            let (i, j) = (k / columns, k % columns);
+            let mirror = match axis {
+                0 => (rows - 1 - i) * columns + j,
+                _ => i * columns + columns - 1 - j,
+            };
+            *own = 0.5 * (old[k] + old[mirror]);
         }
     }
 }
@@ -238,7 +210,7 @@ impl NormalEquations {
     }
 
     /// Factorises the matrix; none where it determines no coefficients.
-    pub fn factored(self) -> Option<Factored> {
+    fn factored(&self) -> Option<Factored> {
         let size = self.right.len();
         let lower =
             SymbolicSparseColMatRef::new_checked(size, size, &self.starts, None, &self.rows);
@@ -263,56 +235,24 @@ impl NormalEquations {
                 Default::default(),
             )
             .ok()?;
-        Some(Factored {
-            columns: self.columns,
-            symbolic,
-            factor,
-            right: self.right,
-        })
+        Some(Factored { symbolic, factor })
     }
 
     /// The coefficients; none where they are not determined.
-    pub fn solve(self) -> Option<Vec<f64>> {
-        let mut factored = self.factored()?;
-        let right = std::mem::take(&mut factored.right);
-        factored.solve(right)
+    fn solve(self) -> Option<Vec<f64>> {
+        self.factored()?.solve(self.right)
     }
 }
 
-/// Equations whose matrix is factorised: they are solved again for other heights at the same
-/// places.
-pub(crate) struct Factored {
-    columns: usize,
+/// The factorised matrix of equations.
+struct Factored {
     symbolic: SymbolicCholesky<u32>,
     factor: Vec<f64>,
-    /// The right-hand side that they came with.
-    right: Vec<f64>,
 }
 
 impl Factored {
-    /// Number of coefficients.
-    pub fn size(&self) -> usize {
-        self.right.len()
-    }
-
-    /// Adds to a right-hand side what [`NormalEquations::add`] adds to its own.
-    pub fn add_right(
-        &self,
-        right: &mut [f64],
-        [i, j]: [usize; 2],
-        [along, across]: [&[f64; 4]; 2],
-        weighted: f64,
-    ) {
-        for (k, a) in along.iter().enumerate() {
-            let row = &mut right[(i + k) * self.columns + j..][..4];
-            for (entry, b) in row.iter_mut().zip(across) {
-                *entry += weighted * a * b;
-            }
-        }
-    }
-
     /// The coefficients of a right-hand side; none where they are not determined.
-    pub fn solve(&self, mut right: Vec<f64>) -> Option<Vec<f64>> {
+    fn solve(&self, mut right: Vec<f64>) -> Option<Vec<f64>> {
         let size = right.len();
         let request = self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
         LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
@@ -328,6 +268,8 @@ impl Factored {
 
 /// Weight of the bending energy, as a length in units of a cell's.
 const STIFFNESS: f64 = 0.03;
+/// Orders of derivatives in the bending energy.
+const ORDERS: [usize; 3] = [0, 1, 2];
 
 /// Least squares with a trace of bending energy on fixed breaks:
 /// `sum_i (w_i (s(x_i) - z_i))^2 + density * int (c hx)^4 s_xx^2 + 2 (c^2 hx hy)^2 s_xy^2 + (c
@@ -357,13 +299,18 @@ impl FactoredFit {
 
     /// The fit of these samples, which differ from the first ones in their heights alone.
     pub fn fit(&self, samples: impl Iterator<Item = Sample>) -> Option<Bicubic> {
-        let mut right = vec![0.0; self.factored.size()];
+        let [rows, columns] = self.axes.each_ref().map(BSpline::count);
+        let mut right = vec![0.0; rows * columns];
         for sample in samples {
-            let (i, a) = self.axes[0].values(sample.at[0]);
-            let (j, b) = self.axes[1].values(sample.at[1]);
+            let (i, along) = self.axes[0].values(sample.at[0]);
+            let (j, across) = self.axes[1].values(sample.at[1]);
             let weighted = sample.weight * sample.weight * sample.height;
-            self.factored
-                .add_right(&mut right, [i, j], [&a, &b], weighted);
+            for (k, a) in along.iter().enumerate() {
+                let row = &mut right[(i + k) * columns + j..][..4];
+                for (entry, b) in row.iter_mut().zip(across) {
+                    *entry += weighted * a * b;
+                }
+            }
         }
         Some(Bicubic {
             coefficients: self.factored.solve(right)?,
@@ -390,20 +337,11 @@ fn equations(samples: &[Sample], axes: &[BSpline; 2]) -> NormalEquations {
             let (hx, hy) = (x[1] - x[0], y[1] - y[0]);
             let weight = density * 0.25 * hx * hy;
             let (cx, cy) = ((STIFFNESS * hx).powi(2), (STIFFNESS * hy).powi(2));
-            for (sx, sy) in [
-                (-gauss, -gauss),
-                (-gauss, gauss),
-                (gauss, -gauss),
-                (gauss, gauss),
-            ] {
-                let (px, py) = (0.5 * (x[0] + x[1]) + sx * hx, 0.5 * (y[0] + y[1]) + sy * hy);
-                let ((i, a0), (j, b0)) = (axes[0].values(px), axes[1].values(py));
-                let ((_, a1), (_, b1)) =
-                    (axes[0].first_derivatives(px), axes[1].first_derivatives(py));
-                let ((_, a2), (_, b2)) = (
-                    axes[0].second_derivatives(px),
-                    axes[1].second_derivatives(py),
-                );
+            for (sx, sy) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
+                let px = 0.5 * (x[0] + x[1]) + sx * gauss * hx;
+                let py = 0.5 * (y[0] + y[1]) + sy * gauss * hy;
+                let [(i, a0), (_, a1), (_, a2)] = ORDERS.map(|k| axes[0].derivatives(px, k));
+                let [(j, b0), (_, b1), (_, b2)] = ORDERS.map(|k| axes[1].derivatives(py, k));
                 equations.add([i, j], [&a2, &b0], weight * cx * cx, 0.0);
                 equations.add([i, j], [&a1, &b1], weight * 2.0 * cx * cy, 0.0);
                 equations.add([i, j], [&a0, &b2], weight * cy * cy, 0.0);
@@ -431,8 +369,8 @@ mod tests {
             if low != high {
                 continue;
             }
-            let (_, slopes) = splines.first_derivatives(x);
-            let (_, bends) = splines.second_derivatives(x);
+            let (_, slopes) = splines.derivatives(x, 1);
+            let (_, bends) = splines.derivatives(x, 2);
             for k in 0..4 {
                 assert!(
                     ((after[k] - before[k]) / (2.0 * h) - slopes[k]).abs() < 1e-5,

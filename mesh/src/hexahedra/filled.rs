@@ -3,8 +3,7 @@
 use crate::error::MeshError;
 use crate::fit::FittedUnderside;
 use crate::hexahedra::hex_mesh::limit_slope;
-use crate::hull::triangles::Hull;
-use crate::hull::triangles::HullReport;
+use crate::hull::triangles::{Hull, HullReport};
 use crate::shapes::underside::Underside;
 
 /// Columns along and across in which the space over an underside is measured.
@@ -57,19 +56,14 @@ impl Filled {
             }
         };
         let [x0, x1, y0, y1] = underside.extent();
-        let middles = [(x0, x1), (y0, y1)].map(|(from, to)| (to - from, from));
-        let middles = [0, 1].map(|axis| {
-            let (length, from) = middles[axis];
-            let count = COLUMNS[axis];
-            let at = |k: usize| from + length * (k as f64 + 0.5) / count as f64;
+        let [nx, ny] = COLUMNS;
+        let middles = [(x0, x1, nx), (y0, y1, ny)].map(|(from, to, count)| {
+            let at = |k: usize| from + (to - from) * (k as f64 + 0.5) / count as f64;
             (0..count).map(at).collect::<Vec<f64>>()
         });
         let [xs, ys] = &middles;
-        let heights = ys.iter().flat_map(|&y| {
-            let height = move |&x: &f64| underside.height(x, y);
-            xs.iter().map(height)
-        });
-        let heights: Vec<f64> = heights.collect();
+        let row = |&y: &f64| xs.iter().map(move |&x| underside.height(x, y));
+        let heights: Vec<f64> = ys.iter().flat_map(row).collect();
         let outside = heights.iter().filter(|z| z.is_infinite()).count();
         let filled = Filled {
             top,
@@ -90,14 +84,15 @@ impl Filled {
         let outline = outside as f64 / filled.heights.len() as f64;
         let steel = steel_below(hull, underside.level() + top);
         let space = filled.volume();
-        let parted = if steel < space {
+        let difference = if steel < space {
             "of that space is not steel: undercuts, holes, or a top that is not flat"
         } else {
             "more steel lies below that top: the hull is wider above than below"
         };
         let closed = report.open_edges == 0;
-        let refused = misfit("of the rectangle around its outline is empty", outline)
-            .or_else(|| misfit(parted, steel / space - 1.0).filter(|_| closed));
+        let refused = misfit("of the rectangle around its outline is empty", outline);
+        let refused =
+            refused.or_else(|| misfit(difference, steel / space - 1.0).filter(|_| closed));
         refused.map_or(Ok(filled), Err)
     }
 

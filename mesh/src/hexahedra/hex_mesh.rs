@@ -16,6 +16,18 @@ pub struct HexMesh {
     pub cells: Vec<[usize; 8]>,
 }
 
+/// Steps along x, y and z to the corners of a cell, in VTK's order.
+const CORNERS: [[usize; 3]; 8] = [
+    [0, 0, 0],
+    [1, 0, 0],
+    [1, 1, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+    [1, 0, 1],
+    [1, 1, 1],
+    [0, 1, 1],
+];
+
 /// Graded coordinates along the three axes, each strictly increasing [m].
 #[derive(Clone, Debug, PartialEq)]
 pub struct TensorGrid {
@@ -56,18 +68,8 @@ impl TensorGrid {
         for k in 0..nz - 1 {
             for j in 0..ny - 1 {
                 for i in 0..nx - 1 {
-                    let low = |di, dj| self.node(i + di, j + dj, k);
-                    let high = |di, dj| self.node(i + di, j + dj, k + 1);
-                    cells.push([
-                        low(0, 0),
-                        low(1, 0),
-                        low(1, 1),
-                        low(0, 1),
-                        high(0, 0),
-                        high(1, 0),
-                        high(1, 1),
-                        high(0, 1),
-                    ]);
+                    let at = |[di, dj, dk]: [usize; 3]| self.node(i + di, j + dj, k + dk);
+                    cells.push(CORNERS.map(at));
                 }
             }
         }
@@ -118,9 +120,8 @@ pub fn mapped_runner_mesh(
     levels: &[f64],
 ) -> Result<HexMesh, MeshError> {
     for (name, values) in [("x", x), ("y", y), ("levels", levels)] {
-        let bad = values
-            .windows(2)
-            .position(|pair| pair[1].is_nan() || pair[1] <= pair[0]);
+        let mut pairs = values.windows(2);
+        let bad = pairs.position(|pair| pair[1].is_nan() || pair[1] <= pair[0]);
         if values.len() < 2 || bad.is_some() || !values[0].is_finite() {
             return Err(MeshError::Invalid(format!(
                 "{name}: {} values, the one at index {} out of order; expected two or more \
@@ -130,10 +131,8 @@ pub fn mapped_runner_mesh(
             )));
         }
     }
-    let heights: Vec<f64> = y
-        .iter()
-        .flat_map(|&y| x.iter().map(move |&x| underside.height(x, y)))
-        .collect();
+    let row = |&y: &f64| x.iter().map(move |&x| underside.height(x, y));
+    let heights: Vec<f64> = y.iter().flat_map(row).collect();
     mesh_over_heights(x, y, &heights, top, levels)
 }
 
@@ -189,18 +188,15 @@ pub fn limit_slope(x: &[f64], y: &[f64], heights: &mut [f64], slope: f64) {
     };
     // Distances add up along x and along y, so that one sweep forth and one back on each axis is
     // all.
-    for j in 0..y.len() {
-        (1..nx).for_each(|i| relax(j * nx + i - 1, j * nx + i, x[i] - x[i - 1]));
-        (1..nx)
-            .rev()
-            .for_each(|i| relax(j * nx + i, j * nx + i - 1, x[i] - x[i - 1]));
-    }
-    for i in 0..nx {
-        (1..y.len()).for_each(|j| relax((j - 1) * nx + i, j * nx + i, y[j] - y[j - 1]));
-        (1..y.len())
-            .rev()
-            .for_each(|j| relax(j * nx + i, (j - 1) * nx + i, y[j] - y[j - 1]));
-    }
+    let mut sweep = |places: &[f64], first: usize, stride: usize| {
+        let distance = |k: usize| places[k] - places[k - 1];
+        let node = |k: usize| first + k * stride;
+        (1..places.len()).for_each(|k| relax(node(k - 1), node(k), distance(k)));
+        let back = (1..places.len()).rev();
+        back.for_each(|k| relax(node(k), node(k - 1), distance(k)));
+    };
+    (0..y.len()).for_each(|j| sweep(x, j * nx, 1));
+    (0..nx).for_each(|i| sweep(y, i, nx));
 }
 
 #[cfg(test)]

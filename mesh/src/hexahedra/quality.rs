@@ -1,7 +1,10 @@
 //! Checks and quality of hexahedral meshes.
 
+use nalgebra::Vector3;
+
 use crate::error::MeshError;
 use crate::hexahedra::hex_mesh::HexMesh;
+use crate::parameter::range;
 
 /// The three neighbours of each corner, in an order that makes a right-handed frame.
 const NEIGHBOURS: [[usize; 3]; 8] = [
@@ -15,20 +18,14 @@ const NEIGHBOURS: [[usize; 3]; 8] = [
     [6, 4, 3],
 ];
 
-/// The twelve edges of a cell.
-const EDGES: [[usize; 2]; 12] = [
-    [0, 1],
-    [1, 2],
-    [2, 3],
-    [3, 0],
-    [4, 5],
-    [5, 6],
-    [6, 7],
-    [7, 4],
-    [0, 4],
-    [1, 5],
-    [2, 6],
-    [3, 7],
+/// The corners of each face, counter-clockwise seen from outside.
+const FACES: [[usize; 4]; 6] = [
+    [0, 3, 2, 1],
+    [4, 5, 6, 7],
+    [0, 1, 5, 4],
+    [1, 2, 6, 5],
+    [2, 3, 7, 6],
+    [3, 0, 4, 7],
 ];
 
 /// How well shaped a mesh's cells are.
@@ -54,46 +51,31 @@ impl HexMesh {
     /// Jacobian [m^3] at each corner of a cell, and the same over its edges' lengths.
     pub fn corner_jacobians(&self, cell: &[usize; 8]) -> [[f64; 2]; 8] {
         std::array::from_fn(|corner| {
-            let [a, b, c] = NEIGHBOURS[corner]
-                .map(|n| difference(self.points[cell[n]], self.points[cell[corner]]));
-            let jacobian = triple(a, b, c);
-            let lengths = length(a) * length(b) * length(c);
-            [
-                jacobian,
-                if lengths > 0.0 {
-                    jacobian / lengths
-                } else {
-                    0.0
-                },
-            ]
+            let origin = self.point(cell[corner]);
+            let [a, b, c] = NEIGHBOURS[corner].map(|n| self.point(cell[n]) - origin);
+            let jacobian = a.dot(&b.cross(&c));
+            let lengths = a.norm() * b.norm() * c.norm();
+            let scaled = if lengths > 0.0 {
+                jacobian / lengths
+            } else {
+                0.0
+            };
+            [jacobian, scaled]
         })
+    }
+
+    fn point(&self, node: usize) -> Vector3<f64> {
+        self.points[node].into()
     }
 
     /// Volume of a cell [m^3], exact for trilinear hexahedra.
     pub fn cell_volume(&self, cell: &[usize; 8]) -> f64 {
-        let p = cell.map(|n| self.points[n]);
-        // Each bilinear face is integrated as the mean of its two splits into triangles.
-        let faces = [
-            [0, 3, 2, 1],
-            [4, 5, 6, 7],
-            [0, 1, 5, 4],
-            [1, 2, 6, 5],
-            [2, 3, 7, 6],
-            [3, 0, 4, 7],
-        ];
-        let tetrahedron = |a: usize, b: usize, c: usize| {
-            let origin = p[0];
-            triple(
-                difference(p[a], origin),
-                difference(p[b], origin),
-                difference(p[c], origin),
-            ) / 6.0
-        };
+        let p = cell.map(|n| self.point(n) - self.point(cell[0]));
+        let tetrahedron = |a: usize, b: usize, c: usize| p[a].dot(&p[b].cross(&p[c])) / 6.0;
         let split = |f: [usize; 4]| tetrahedron(f[0], f[1], f[2]) + tetrahedron(f[0], f[2], f[3]);
-        faces
-            .iter()
-            .map(|&[a, b, c, d]| 0.5 * (split([a, b, c, d]) + split([b, c, d, a])))
-            .sum()
+        // Each bilinear face is integrated as the mean of its two splits into triangles.
+        let face = |&[a, b, c, d]: &[usize; 4]| 0.5 * (split([a, b, c, d]) + split([b, c, d, a]));
+        FACES.iter().map(face).sum()
     }
 
     /// Shape of all cells.
@@ -108,16 +90,10 @@ impl HexMesh {
             volume: 0.0,
         };
         for cell in &self.cells {
-            let smallest = self
-                .corner_jacobians(cell)
-                .iter()
-                .map(|j| j[1])
-                .fold(f64::INFINITY, f64::min);
-            let edges =
-                EDGES.map(|[a, b]| length(difference(self.points[cell[a]], self.points[cell[b]])));
-            let (short, long) = edges
-                .iter()
-                .fold((f64::INFINITY, 0.0f64), |(s, l), e| (s.min(*e), l.max(*e)));
+            let [smallest, _] = range(self.corner_jacobians(cell).map(|[_, scaled]| scaled));
+            let edges = (0..8).flat_map(|a| NEIGHBOURS[a].map(|b| [a, b]));
+            let edges = edges.map(|[a, b]| (self.point(cell[a]) - self.point(cell[b])).norm());
+            let [short, long] = range(edges);
             let volume = self.cell_volume(cell);
             quality.inverted += usize::from(smallest.is_nan() || smallest <= 0.0);
             quality.min_scaled_jacobian = quality.min_scaled_jacobian.min(smallest);
@@ -128,20 +104,6 @@ impl HexMesh {
         }
         quality
     }
-}
-
-fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn length(a: [f64; 3]) -> f64 {
-    (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt()
-}
-
-fn triple(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
-    a[0] * (b[1] * c[2] - b[2] * c[1])
-        + a[1] * (b[2] * c[0] - b[0] * c[2])
-        + a[2] * (b[0] * c[1] - b[1] * c[0])
 }
 
 impl HexMesh {
@@ -262,7 +224,8 @@ mod tests {
                             (0..3).for_each(|c| column[c] += weight * mesh.points[*node][c]);
                         }
                     }
-                    volume += wr * ws * wt / 8.0 * triple(columns[0], columns[1], columns[2]);
+                    let [a, b, c] = columns.map(Vector3::from);
+                    volume += wr * ws * wt / 8.0 * a.dot(&b.cross(&c));
                 }
             }
         }

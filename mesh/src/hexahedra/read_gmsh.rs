@@ -42,83 +42,63 @@ pub fn read_gmsh(bytes: &[u8]) -> Result<HexMesh, MeshError> {
         _ => return Err(words.problem(version, "version 2.2 or 4.1")),
     };
     words.section("$Nodes")?;
-    let (points, number) = if new {
-        nodes_4(&mut words)?
-    } else {
-        nodes_2(&mut words)?
-    };
+    let (points, number) = nodes(&mut words, new)?;
     words.section("$Elements")?;
-    let cells = if new {
-        elements_4(&mut words, &number)?
-    } else {
-        elements_2(&mut words, &number)?
-    };
+    let cells = elements(&mut words, new, &number)?;
     HexMesh::checked(&points, &cells)
 }
 
+/// Places of the nodes, and which of them has which number.
 type Nodes = (Vec<[f64; 3]>, HashMap<u64, usize>);
 
-fn nodes_2(words: &mut Words) -> Result<Nodes, MeshError> {
-    let count: usize = words.next("the number of nodes")?;
+/// The nodes: one list in version 2.2, blocks of numbers and then places in version 4.1.
+fn nodes(words: &mut Words, new: bool) -> Result<Nodes, MeshError> {
     let (mut points, mut number) = (Vec::new(), HashMap::new());
-    for _ in 0..count {
-        number.insert(words.next("a node's number")?, points.len());
-        points.push(words.position()?);
-    }
-    Ok((points, number))
-}
-
-fn nodes_4(words: &mut Words) -> Result<Nodes, MeshError> {
-    let blocks: usize = words.next("the number of blocks")?;
-    words.skip(3)?;
-    let (mut points, mut number) = (Vec::new(), HashMap::new());
-    for _ in 0..blocks {
-        words.skip(2)?;
-        let parametric: u64 = words.next("0 or 1")?;
-        if parametric != 0 {
-            return Err(words.problem("1", "0, nodes without parametric coordinates"));
+    for _ in 0..words.blocks(new)? {
+        if new {
+            words.skip(2)?;
+            let parametric: u64 = words.next("0 or 1")?;
+            if parametric != 0 {
+                return Err(words.problem("1", "0, nodes without parametric coordinates"));
+            }
         }
         let count: usize = words.next("the number of nodes")?;
+        let first = points.len();
         for i in 0..count {
-            number.insert(words.next("a node's number")?, points.len() + i);
+            number.insert(words.next("a node's number")?, first + i);
+            if !new {
+                points.push(words.position()?);
+            }
         }
-        for _ in 0..count {
+        for _ in 0..if new { count } else { 0 } {
             points.push(words.position()?);
         }
     }
     Ok((points, number))
 }
 
-fn elements_2(
+/// The hexahedra: one list in version 2.2, blocks of one type in version 4.1.
+fn elements(
     words: &mut Words,
+    new: bool,
     number: &HashMap<u64, usize>,
 ) -> Result<Vec<[usize; 8]>, MeshError> {
-    let count: usize = words.next("the number of elements")?;
-    let mut cells = Vec::new();
-    for element in 0..count {
-        words.skip(1)?;
-        let kind: u64 = words.next("an element's type")?;
-        let tags: usize = words.next("the number of tags")?;
-        words.skip(tags)?;
-        words.element(element, kind, number, &mut cells)?;
-    }
-    Ok(cells)
-}
-
-fn elements_4(
-    words: &mut Words,
-    number: &HashMap<u64, usize>,
-) -> Result<Vec<[usize; 8]>, MeshError> {
-    let blocks: usize = words.next("the number of blocks")?;
-    words.skip(3)?;
     let mut cells = Vec::new();
     let mut element = 0;
-    for _ in 0..blocks {
-        words.skip(2)?;
-        let kind: u64 = words.next("an element's type")?;
+    for _ in 0..words.blocks(new)? {
+        let mut kind: u64 = 0;
+        if new {
+            words.skip(2)?;
+            kind = words.next("an element's type")?;
+        }
         let count: usize = words.next("the number of elements")?;
         for _ in 0..count {
             words.skip(1)?;
+            if !new {
+                kind = words.next("an element's type")?;
+                let tags: usize = words.next("the number of tags")?;
+                words.skip(tags)?;
+            }
             words.element(element, kind, number, &mut cells)?;
             element += 1;
         }
@@ -145,10 +125,11 @@ impl<'a> Words<'a> {
             gmsh_error(line, "bytes that are no text", expected)
         })?;
         let lines = text.lines().enumerate();
-        let words = Box::new(
-            lines.flat_map(|(i, line)| line.split_whitespace().map(move |word| (i + 1, word))),
-        );
-        Ok(Self { words, line: 1 })
+        let words = |(i, line): (usize, &'a str)| line.split_whitespace().map(move |w| (i + 1, w));
+        Ok(Self {
+            words: Box::new(lines.flat_map(words)),
+            line: 1,
+        })
     }
 
     fn problem(&self, found: impl Display, expected: &str) -> MeshError {
@@ -156,10 +137,8 @@ impl<'a> Words<'a> {
     }
 
     fn word(&mut self, expected: &str) -> Result<&'a str, MeshError> {
-        let (line, word) = self
-            .words
-            .next()
-            .ok_or_else(|| self.problem("the end of the file", expected))?;
+        let next = self.words.next();
+        let (line, word) = next.ok_or_else(|| self.problem("the end of the file", expected))?;
         self.line = line;
         Ok(word)
     }
@@ -174,15 +153,22 @@ impl<'a> Words<'a> {
         (0..count).try_for_each(|_| self.word("a number").map(|_| ()))
     }
 
-    fn position(&mut self) -> Result<[f64; 3], MeshError> {
-        Ok([
-            self.next("a coordinate")?,
-            self.next("a coordinate")?,
-            self.next("a coordinate")?,
-        ])
+    /// The number of blocks of a section; one in version 2.2, which states none.
+    fn blocks(&mut self, new: bool) -> Result<usize, MeshError> {
+        if !new {
+            return Ok(1);
+        }
+        let blocks = self.next("the number of blocks")?;
+        self.skip(3)?;
+        Ok(blocks)
     }
 
-    /// Goes on to just behind the word `name`.
+    fn position(&mut self) -> Result<[f64; 3], MeshError> {
+        let mut coordinate = || self.next("a coordinate");
+        Ok([coordinate()?, coordinate()?, coordinate()?])
+    }
+
+    /// Skips the words up to and including `name`.
     fn section(&mut self, name: &str) -> Result<(), MeshError> {
         while self.word(name)? != name {}
         Ok(())

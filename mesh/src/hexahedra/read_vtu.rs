@@ -29,25 +29,18 @@ pub fn read_vtu(bytes: &[u8]) -> Result<HexMesh, MeshError> {
     if points.len() % 3 != 0 {
         return Err(problem("Points", "its length is no multiple of three"));
     }
-    let regular = offsets
-        .iter()
-        .enumerate()
-        .all(|(i, &o)| o == 8.0 * (i + 1) as f64);
+    let mut numbered = offsets.iter().zip(1..);
+    let regular = numbered.all(|(&offset, cell)| offset == 8.0 * f64::from(cell));
     if offsets.len() != types.len() || !regular || connectivity.len() != 8 * types.len() {
-        return Err(problem(
-            "offsets",
-            "expected 8, 16, 24 ... for hexahedra, as many as types",
-        ));
+        let expected = "expected 8, 16, 24 ... for hexahedra, as many as types";
+        return Err(problem("offsets", expected));
     }
-    let points: Vec<[f64; 3]> = points.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
     if connectivity.iter().any(|&n| n < 0.0) {
         return Err(problem("connectivity", "negative node numbers"));
     }
-    let cells: Vec<[usize; 8]> = connectivity
-        .chunks_exact(8)
-        .map(|c| std::array::from_fn(|k| c[k] as usize))
-        .collect();
-    HexMesh::checked(&points, &cells)
+    let cells = connectivity.as_chunks::<8>().0.iter();
+    let cells: Vec<[usize; 8]> = cells.map(|cell| cell.map(|node| node as usize)).collect();
+    HexMesh::checked(points.as_chunks().0, &cells)
 }
 
 /// A DataArray with its encoded values.
@@ -56,12 +49,15 @@ struct Array {
     kind: String,
     format: String,
     offset: Option<usize>,
-    text: Vec<u8>,
+    text: String,
 }
 
 /// A VTU file taken apart.
 pub(crate) struct VtuFile<'a> {
-    encoding: Encoding,
+    /// Whether sizes are words of 8 bytes, not 4.
+    wide_header: bool,
+    /// Whether arrays are cut into blocks, each compressed with zlib.
+    compressed: bool,
     arrays: Vec<Array>,
     /// Bytes after the underscore of AppendedData, and whether they are raw.
     appended: Option<(&'a [u8], bool)>,
@@ -72,33 +68,27 @@ impl<'a> VtuFile<'a> {
     pub fn parse(bytes: &'a [u8]) -> Result<Self, MeshError> {
         let (head, appended) = split_appended(bytes)?;
         let mut file = Self {
-            encoding: Encoding::default(),
+            wide_header: false,
+            compressed: false,
             arrays: Vec::new(),
             appended,
         };
         let mut reader = Reader::from_reader(head);
         reader.config_mut().check_end_names = false;
         let (mut is_grid, mut section) = (false, Vec::new());
+        let malformed = |_| problem("XML", "it is not well formed");
         loop {
-            let event = reader
-                .read_event()
-                .map_err(|_| problem("XML", "it is not well formed"))?;
-            match event {
+            match reader.read_event().map_err(malformed)? {
                 Event::Eof => break,
                 Event::Start(tag) => {
                     file.open(&tag, &mut is_grid, &section)?;
-                    section = if tag.name().as_ref() == b"DataArray" {
-                        section
-                    } else {
-                        tag.name().as_ref().to_vec()
-                    };
-                    if tag.name().as_ref() == b"DataArray" && wanted(&section) {
-                        let text = reader
-                            .read_text(tag.name())
-                            .map_err(|_| problem("XML", "it is not well formed"))?;
+                    if tag.name().as_ref() != b"DataArray" {
+                        section = tag.name().as_ref().to_vec();
+                    } else if wanted(&section) {
+                        let text = reader.read_text(tag.name()).map_err(malformed)?;
                         if let Some(array) = file.arrays.last_mut() {
                             // VTK adds elements of its own behind the values.
-                            array.text = text.split('<').next().unwrap_or("").as_bytes().to_vec();
+                            array.text = text.split('<').next().unwrap_or("").to_owned();
                         }
                     }
                 }
@@ -126,40 +116,33 @@ impl<'a> VtuFile<'a> {
         match tag.name().as_ref() {
             b"VTKFile" => {
                 *is_grid = attribute("type").as_deref() == Some("UnstructuredGrid");
-                self.encoding.wide_header = attribute("header_type").as_deref() == Some("UInt64");
+                self.wide_header = attribute("header_type").as_deref() == Some("UInt64");
                 if attribute("byte_order").as_deref() == Some("BigEndian") {
                     return Err(problem("VTKFile", "big-endian files are not supported"));
                 }
-                self.encoding.compressed = match attribute("compressor").as_deref() {
-                    None => false,
-                    Some("vtkZLibDataCompressor") => true,
-                    Some(_) => {
-                        return Err(problem(
-                            "VTKFile",
-                            "of the compressors only zlib is supported",
-                        ));
-                    }
-                };
+                let compressor = attribute("compressor");
+                self.compressed = compressor.is_some();
+                if compressor.is_some_and(|name| name != "vtkZLibDataCompressor") {
+                    let only = "of the compressors only zlib is supported";
+                    return Err(problem("VTKFile", only));
+                }
             }
             b"DataArray" if wanted(section) => {
                 let offset = attribute("offset").and_then(|o| o.parse().ok());
-                let name = if section == b"Points" {
-                    Some("Points".into())
-                } else {
-                    attribute("Name")
+                let name = match section {
+                    b"Points" => "Points".into(),
+                    _ => attribute("Name").unwrap_or_default(),
                 };
                 self.arrays.push(Array {
-                    name: name.unwrap_or_default(),
+                    name,
                     kind: attribute("type").unwrap_or_default(),
                     format: attribute("format").unwrap_or_else(|| "ascii".into()),
                     offset,
-                    text: Vec::new(),
+                    text: String::new(),
                 });
                 if self.arrays.iter().filter(|a| a.name == "Points").count() > 1 {
-                    return Err(problem(
-                        "Points",
-                        "files of several pieces are not supported",
-                    ));
+                    let several = "files of several pieces are not supported";
+                    return Err(problem("Points", several));
                 }
             }
             _ => {}
@@ -169,48 +152,84 @@ impl<'a> VtuFile<'a> {
 
     /// The values of the array `name`.
     pub fn array(&self, name: &'static str) -> Result<Vec<f64>, MeshError> {
-        let array = self
-            .arrays
-            .iter()
-            .find(|a| a.name == name)
-            .ok_or_else(|| problem(name, "it is missing"))?;
-        if array.format == "ascii" {
-            let text = str::from_utf8(&array.text).map_err(|_| problem(name, "it is no text"))?;
-            let values: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
-            return values.map_err(|_| problem(name, "a value is no number"));
-        }
-        let trimmed: Vec<u8>;
-        let (data, raw) = match array.format.as_str() {
+        let fail = |reason| problem(name, reason);
+        let array = self.arrays.iter().find(|array| array.name == name);
+        let array = array.ok_or_else(|| fail("it is missing"))?;
+        let bytes = match array.format.as_str() {
+            "ascii" => {
+                let words = array.text.split_whitespace();
+                let values: Result<Vec<f64>, _> = words.map(str::parse).collect();
+                return values.map_err(|_| fail("a value is no number"));
+            }
             "binary" => {
-                trimmed = array
-                    .text
-                    .iter()
-                    .copied()
-                    .filter(|b| !b.is_ascii_whitespace())
-                    .collect();
-                (trimmed.as_slice(), false)
+                let text: String = array.text.split_ascii_whitespace().collect();
+                self.decode(name, text.as_bytes(), false)?
             }
             "appended" => {
-                let (data, raw) = self
-                    .appended
-                    .ok_or_else(|| problem(name, "the file has no appended data"))?;
-                let offset = array.offset.filter(|&o| o <= data.len());
-                (
-                    &data[offset.ok_or_else(|| {
-                        problem(name, "its offset lies after the end of the file")
-                    })?..],
-                    raw,
-                )
+                let appended = self.appended;
+                let (data, raw) = appended.ok_or_else(|| fail("the file has no appended data"))?;
+                let data = array.offset.and_then(|offset| data.get(offset..));
+                let data = data.ok_or_else(|| fail("its offset lies after the end of the file"))?;
+                self.decode(name, data, raw)?
             }
-            _ => {
-                return Err(problem(
-                    name,
-                    "unknown format; expected ascii, binary or appended",
-                ));
-            }
+            _ => return Err(fail("unknown format; expected ascii, binary or appended")),
         };
-        values(&decode(self.encoding, name, data, raw)?, &array.kind)
-            .ok_or_else(|| problem(name, "unknown type of number"))
+        values(&bytes, &array.kind).ok_or_else(|| fail("unknown type of number"))
+    }
+
+    /// The bytes of the array `name` that begins at the start of `data`, raw or base64.
+    fn decode(&self, name: &str, data: &[u8], raw: bool) -> Result<Vec<u8>, MeshError> {
+        let short = || problem(name, "it announces more bytes than the file has");
+        let word = if self.wide_header { 8 } else { 4 };
+        // The first `count` bytes of a stream that begins at `from`, and where the stream ends.
+        let take = |from: usize, count: usize| -> Result<(Vec<u8>, usize), MeshError> {
+            let base64 = count.div_ceil(3).checked_mul(4);
+            let length = if raw { Some(count) } else { base64 };
+            let end = length.and_then(|length| from.checked_add(length));
+            let end = end.filter(|&end| end <= data.len()).ok_or_else(short)?;
+            let mut bytes = data[from..end].to_vec();
+            if !raw {
+                bytes = STANDARD.decode(bytes).map_err(|_| short())?;
+            }
+            if bytes.len() < count {
+                return Err(short());
+            }
+            Ok((bytes, end))
+        };
+        let number = |bytes: &[u8], i: usize| {
+            let bytes = bytes[i * word..(i + 1) * word].iter().rev();
+            bytes.fold(0u64, |sum, &b| (sum << 8) | u64::from(b)) as usize
+        };
+        let (first, _) = take(0, word)?;
+        if !self.compressed {
+            let count = number(&first, 0).checked_add(word).ok_or_else(short)?;
+            let (mut bytes, _) = take(0, count)?;
+            bytes.truncate(count);
+            bytes.drain(..word);
+            return Ok(bytes);
+        }
+        let blocks = number(&first, 0);
+        let header = blocks.checked_add(3).and_then(|n| n.checked_mul(word));
+        let (sizes, begin) = take(0, header.ok_or_else(short)?)?;
+        let total = (0..blocks)
+            .try_fold(0usize, |sum, i| sum.checked_add(number(&sizes, 3 + i)))
+            .ok_or_else(short)?;
+        let (packed, _) = take(begin, total)?;
+        let largest = number(&sizes, 1);
+        let (mut bytes, mut from) = (Vec::new(), 0);
+        for i in 0..blocks {
+            let to = from + number(&sizes, 3 + i);
+            let before = bytes.len();
+            let mut block =
+                flate2::read::ZlibDecoder::new(&packed[from..to]).take(largest as u64 + 1);
+            let read = block.read_to_end(&mut bytes);
+            read.map_err(|_| problem(name, "a block does not decompress"))?;
+            if bytes.len() - before > largest || bytes.len() > 8 * MOST_VALUES {
+                return Err(problem(name, "a block is larger than announced"));
+            }
+            from = to;
+        }
+        Ok(bytes)
     }
 }
 
@@ -226,25 +245,16 @@ fn split_appended(bytes: &[u8]) -> Result<Split<'_>, MeshError> {
     let Some(start) = bytes.windows(tag.len()).position(|w| w == tag) else {
         return Ok((bytes, None));
     };
-    let broken = || problem("AppendedData", "expected <AppendedData encoding=...> _");
-    let close = start
-        + bytes[start..]
-            .iter()
-            .position(|&b| b == b'>')
-            .ok_or_else(broken)?;
-    let raw = bytes[start..close].windows(5).any(|w| w == b"\"raw\"");
-    let mark = close
-        + bytes[close..]
-            .iter()
-            .position(|&b| b == b'_')
-            .ok_or_else(broken)?;
-    let data = &bytes[mark + 1..];
-    let data = if raw {
-        data
-    } else {
-        &data[..data.iter().position(|&b| b == b'<').unwrap_or(data.len())]
+    let find = |from: usize, byte: u8| {
+        let place = bytes[from..].iter().position(|&b| b == byte);
+        place.map(|place| from + place)
     };
-    Ok((&bytes[..start], Some((data, raw))))
+    let marks = find(start, b'>').and_then(|close| Some((close, find(close, b'_')? + 1)));
+    let expected = "expected <AppendedData encoding=...> _";
+    let (close, from) = marks.ok_or_else(|| problem("AppendedData", expected))?;
+    let raw = bytes[start..close].windows(5).any(|w| w == b"\"raw\"");
+    let end = find(from, b'<').filter(|_| !raw).unwrap_or(bytes.len());
+    Ok((&bytes[..start], Some((&bytes[from..end], raw))))
 }
 
 /// VTK's number for an eight-node hexahedron.
@@ -252,115 +262,29 @@ pub(crate) const HEXAHEDRON: u8 = 12;
 /// Most values in one array.
 const MOST_VALUES: usize = 400_000_000;
 
-/// The encoding of a file's arrays.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Encoding {
-    /// Sizes are words of 8 bytes, not 4.
-    pub wide_header: bool,
-    /// Arrays are cut into blocks, each compressed with zlib.
-    pub compressed: bool,
-}
-
 /// What is wrong with an array.
 pub(crate) fn problem(array: &str, problem: &str) -> MeshError {
     MeshError::Invalid(format!("not a readable VTU file: {array}: {problem}"))
 }
 
-/// The bytes of the array `name` that begins at the start of `data`, raw or base64.
-pub(crate) fn decode(
-    encoding: Encoding,
-    name: &'static str,
-    data: &[u8],
-    raw: bool,
-) -> Result<Vec<u8>, MeshError> {
-    let short = || problem(name, "it announces more bytes than the file has");
-    let word = if encoding.wide_header { 8 } else { 4 };
-    // The first `count` bytes of a stream that begins at `from`, and where the stream ends.
-    let take = |from: usize, count: usize| -> Result<(Vec<u8>, usize), MeshError> {
-        let length = if raw {
-            Some(count)
-        } else {
-            count.div_ceil(3).checked_mul(4)
-        };
-        let end = length
-            .and_then(|l| from.checked_add(l))
-            .filter(|&e| e <= data.len())
-            .ok_or_else(short)?;
-        let bytes = if raw {
-            data[from..end].to_vec()
-        } else {
-            STANDARD.decode(&data[from..end]).map_err(|_| short())?
-        };
-        if bytes.len() < count {
-            Err(short())
-        } else {
-            Ok((bytes, end))
-        }
-    };
-    let number = |bytes: &[u8], i: usize| {
-        let bytes = bytes[i * word..(i + 1) * word].iter().rev();
-        bytes.fold(0u64, |sum, &b| (sum << 8) | u64::from(b)) as usize
-    };
-    let (first, _) = take(0, word)?;
-    if !encoding.compressed {
-        let count = number(&first, 0).checked_add(word).ok_or_else(short)?;
-        let (mut bytes, _) = take(0, count)?;
-        bytes.truncate(count);
-        bytes.drain(..word);
-        return Ok(bytes);
-    }
-    let blocks = number(&first, 0);
-    let header = blocks
-        .checked_add(3)
-        .and_then(|n| n.checked_mul(word))
-        .ok_or_else(short)?;
-    let (sizes, begin) = take(0, header)?;
-    let total = (0..blocks)
-        .try_fold(0usize, |sum, i| sum.checked_add(number(&sizes, 3 + i)))
-        .ok_or_else(short)?;
-    let (packed, _) = take(begin, total)?;
-    let largest = number(&sizes, 1);
-    let (mut bytes, mut from) = (Vec::new(), 0);
-    for i in 0..blocks {
-        let to = from + number(&sizes, 3 + i);
-        let before = bytes.len();
-        let mut block = flate2::read::ZlibDecoder::new(&packed[from..to]).take(largest as u64 + 1);
-        block
-            .read_to_end(&mut bytes)
-            .map_err(|_| problem(name, "a block does not decompress"))?;
-        if bytes.len() - before > largest || bytes.len() > 8 * MOST_VALUES {
-            return Err(problem(name, "a block is larger than announced"));
-        }
-        from = to;
-    }
-    Ok(bytes)
-}
-
 /// Little-endian numbers of VTK's type `kind` as doubles.
 pub(crate) fn values(bytes: &[u8], kind: &str) -> Option<Vec<f64>> {
-    macro_rules! read {
-        ($number:ty) => {
-            bytes
-                .chunks_exact(size_of::<$number>())
-                .map(|b| {
-                    <$number>::from_le_bytes(b.try_into().expect("a chunk of its size")) as f64
-                })
-                .collect()
-        };
+    fn read<const N: usize>(bytes: &[u8], number: fn([u8; N]) -> f64) -> Option<Vec<f64>> {
+        Some(bytes.as_chunks().0.iter().map(|b| number(*b)).collect())
     }
-    Some(match kind {
-        "Float64" => read!(f64),
-        "Float32" => read!(f32),
-        "Int8" => read!(i8),
-        "UInt8" => read!(u8),
-        "Int16" => read!(i16),
-        "UInt16" => read!(u16),
-        "Int32" => read!(i32),
-        "UInt32" => read!(u32),
-        "Int64" => read!(i64),
-        "UInt64" => read!(u64),
-        _ => return None,
-    })
+    match kind {
+        "Float64" => read(bytes, f64::from_le_bytes),
+        "Float32" => read(bytes, |b| f32::from_le_bytes(b).into()),
+        "Int8" => read(bytes, |b| i8::from_le_bytes(b).into()),
+        "UInt8" => read(bytes, |b| u8::from_le_bytes(b).into()),
+        "Int16" => read(bytes, |b| i16::from_le_bytes(b).into()),
+        "UInt16" => read(bytes, |b| u16::from_le_bytes(b).into()),
+        "Int32" => read(bytes, |b| i32::from_le_bytes(b).into()),
+        "UInt32" => read(bytes, |b| u32::from_le_bytes(b).into()),
+        "Int64" => read(bytes, |b| i64::from_le_bytes(b) as f64),
+        "UInt64" => read(bytes, |b| u64::from_le_bytes(b) as f64),
+        _ => None,
+    }
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ const VERSION: [&str; 3] = [
 /// Numbers that are compressed at a time, one thread a block.
 const BLOCK: usize = 1 << 15;
 
-/// The part of a block, one in so many, that says whether packing is worth its time: stresses and
+/// The part of a block, one in so many, that decides whether packing is worth its time: stresses and
 /// displacements, whose last digits are those of no other, shrink by 17 % at most, and are stored
 /// as they are.
 const SAMPLE: usize = 16;
@@ -53,20 +53,25 @@ pub fn write_vtu(
     field_data: &[(&str, &[f64])],
     writer: impl Write,
 ) -> std::result::Result<(), MeshError> {
-    for (fields, count) in [
-        (point_data, mesh.points.len()),
-        (cell_data, mesh.cells.len()),
-    ] {
-        fits(fields, count)?;
-    }
-    let mut out = std::io::BufWriter::with_capacity(1 << 20, writer);
-    write_file(mesh, point_data, cell_data, field_data, &mut out)
-        .and_then(|()| out.flush())
-        .map_err(unwritten)
+    let (points, cells) = (mesh.points.len(), mesh.cells.len());
+    fits(point_data, points)?;
+    fits(cell_data, cells)?;
+    let counts = format!("NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\"");
+    let piece = |out: &mut BufWriter<_>| {
+        write_fields(out, "PointData", point_data)?;
+        write_fields(out, "CellData", cell_data)?;
+        write_points(out, &mesh.points)?;
+        writeln!(out, "<Cells>")?;
+        write_cells(out, &mesh.cells)?;
+        let types = vec![HEXAHEDRON; cells];
+        write_array(out, "UInt8", ("types", 1), &types, |kind| [kind])?;
+        writeln!(out, "</Cells>")
+    };
+    write_file("UnstructuredGrid", field_data, &counts, piece, writer)
 }
 
 /// Checks that every field has its numbers for each of `count` points or cells.
-pub(super) fn fits(fields: &[VtuField], count: usize) -> std::result::Result<(), MeshError> {
+fn fits(fields: &[VtuField], count: usize) -> std::result::Result<(), MeshError> {
     let wrong = |f: &&VtuField| f.components == 0 || f.values.len() != f.components * count;
     match fields.iter().find(wrong) {
         None => Ok(()),
@@ -79,50 +84,37 @@ pub(super) fn fits(fields: &[VtuField], count: usize) -> std::result::Result<(),
     }
 }
 
-fn unwritten(error: std::io::Error) -> MeshError {
-    MeshError::Invalid(format!("the VTU file cannot be written: {error}"))
-}
-
-fn write_file(
-    mesh: &HexMesh,
-    point_data: &[VtuField],
-    cell_data: &[VtuField],
+/// Writes a file of one piece of a kind of grid.
+fn write_file<W: Write>(
+    kind: &str,
     field_data: &[(&str, &[f64])],
-    out: &mut impl Write,
-) -> Result<()> {
-    let (points, cells) = (mesh.points.len(), mesh.cells.len());
-    writeln!(out, "<?xml version=\"1.0\"?>")?;
-    writeln!(
-        out,
-        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
-         header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">"
-    )?;
-    writeln!(out, "<UnstructuredGrid>")?;
-    write_field_data(out, field_data)?;
-    writeln!(
-        out,
-        "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">"
-    )?;
-    write_fields(out, "PointData", point_data)?;
-    write_fields(out, "CellData", cell_data)?;
-    write_points(out, &mesh.points)?;
-    writeln!(out, "<Cells>")?;
-    write_cells(out, &mesh.cells)?;
-    let types = vec![HEXAHEDRON; cells];
-    write_array(out, "UInt8", ("types", 1), &types, |kind| [kind])?;
-    writeln!(out, "</Cells>")?;
-    writeln!(out, "</Piece>")?;
-    writeln!(out, "</UnstructuredGrid>")?;
-    writeln!(out, "</VTKFile>")
+    counts: &str,
+    piece: impl FnOnce(&mut BufWriter<W>) -> Result<()>,
+    writer: W,
+) -> std::result::Result<(), MeshError> {
+    let mut out = BufWriter::with_capacity(1 << 20, writer);
+    let write = || {
+        writeln!(
+            out,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"{kind}\" version=\"1.0\" \
+             byte_order=\"LittleEndian\" header_type=\"UInt64\" \
+             compressor=\"vtkZLibDataCompressor\">\n<{kind}>"
+        )?;
+        write_field_data(&mut out, field_data)?;
+        writeln!(out, "<Piece {counts}>")?;
+        piece(&mut out)?;
+        writeln!(out, "</Piece>\n</{kind}>\n</VTKFile>")?;
+        out.flush()
+    };
+    let unwritten = |error| format!("the VTU file cannot be written: {error}");
+    write().map_err(|error: std::io::Error| MeshError::Invalid(unwritten(error)))
 }
 
 /// Numbers of the whole file, the version that writes it among them.
-pub(super) fn write_field_data(out: &mut impl Write, field_data: &[(&str, &[f64])]) -> Result<()> {
+fn write_field_data(out: &mut impl Write, field_data: &[(&str, &[f64])]) -> Result<()> {
     let version = ("kufe_version", VERSION.map(str::to_owned).to_vec());
     let texts = |values: &[f64]| values.iter().map(f64::to_string).collect();
-    let others = field_data
-        .iter()
-        .map(|&(name, values)| (name, texts(values)));
+    let others = field_data.iter().map(|&(name, list)| (name, texts(list)));
     writeln!(out, "<FieldData>")?;
     for (name, values) in std::iter::once(version).chain(others) {
         let name = quick_xml::escape::escape(name);
@@ -137,7 +129,7 @@ pub(super) fn write_field_data(out: &mut impl Write, field_data: &[(&str, &[f64]
 
 /// The arrays on points or cells; the first scalar, vector and tensor are those that a viewer shows
 /// first.
-pub(super) fn write_fields(out: &mut impl Write, tag: &str, fields: &[VtuField]) -> Result<()> {
+fn write_fields(out: &mut impl Write, tag: &str, fields: &[VtuField]) -> Result<()> {
     write!(out, "<{tag}")?;
     for (attribute, components) in [("Scalars", 1), ("Vectors", 3), ("Tensors", 9)] {
         if let Some(field) = fields.iter().find(|f| f.components == components) {
@@ -148,19 +140,14 @@ pub(super) fn write_fields(out: &mut impl Write, tag: &str, fields: &[VtuField])
     writeln!(out, ">")?;
     for field in fields {
         let number = |value: f64| (value as f32).to_le_bytes();
-        write_array(
-            out,
-            "Float32",
-            (field.name, field.components),
-            field.values,
-            number,
-        )?;
+        let name = (field.name, field.components);
+        write_array(out, "Float32", name, field.values, number)?;
     }
     writeln!(out, "</{tag}>")
 }
 
 /// Places, in full.
-pub(super) fn write_points(out: &mut impl Write, points: &[[f64; 3]]) -> Result<()> {
+fn write_points(out: &mut impl Write, points: &[[f64; 3]]) -> Result<()> {
     writeln!(out, "<Points>")?;
     let coordinates = points.as_flattened();
     write_array(out, "Float64", ("Points", 3), coordinates, f64::to_le_bytes)?;
@@ -168,10 +155,7 @@ pub(super) fn write_points(out: &mut impl Write, points: &[[f64; 3]]) -> Result<
 }
 
 /// The points of each cell, one after the other, and where each cell ends.
-pub(super) fn write_cells<const N: usize>(
-    out: &mut impl Write,
-    cells: &[[usize; N]],
-) -> Result<()> {
+fn write_cells<const N: usize>(out: &mut impl Write, cells: &[[usize; N]]) -> Result<()> {
     let ends: Vec<usize> = (1..=cells.len()).map(|cell| N * cell).collect();
     let number = |n: usize| (n as i64).to_le_bytes();
     let points = cells.as_flattened();
@@ -196,7 +180,7 @@ fn write_array<T: Copy + Sync, const N: usize>(
 ) -> Result<()> {
     let name = quick_xml::escape::escape(name);
     write!(out, "<DataArray type=\"{kind}\" Name=\"{name}\"")?;
-    // Some readers make a column of an array that says that it has one component.
+    // Some readers make a column of an array whose number of components is stated as one.
     if components != 1 {
         write!(out, " NumberOfComponents=\"{components}\"")?;
     }
@@ -207,29 +191,22 @@ fn write_array<T: Copy + Sync, const N: usize>(
             place.copy_from_slice(&number(value));
         }
         let sample = &bytes[..bytes.len() / SAMPLE];
-        let saved = 4 * zlib(sample, Compression::fast())?.len() <= 3 * sample.len();
-        let level = if saved {
-            Compression::fast()
-        } else {
-            Compression::none()
-        };
+        let mut level = Compression::none();
+        if 4 * zlib(sample, Compression::fast())?.len() <= 3 * sample.len() {
+            level = Compression::fast();
+        }
         zlib(&bytes, level)
     };
-    let blocks: Vec<Vec<u8>> = values
-        .par_chunks(BLOCK)
-        .map(packed)
-        .collect::<Result<_>>()?;
+    let blocks: Result<Vec<Vec<u8>>> = values.par_chunks(BLOCK).map(packed).collect();
+    let blocks = blocks?;
     let sizes = [blocks.len(), N * BLOCK, N * (values.len() % BLOCK)];
-    let header: Vec<u8> = sizes
-        .into_iter()
-        .chain(blocks.iter().map(Vec::len))
-        .flat_map(|n| (n as u64).to_le_bytes())
-        .collect();
+    let sizes = sizes.into_iter().chain(blocks.iter().map(Vec::len));
+    let header: Vec<u8> = sizes.flat_map(|n| (n as u64).to_le_bytes()).collect();
     write!(out, "{}", STANDARD.encode(header))?;
     let mut encoder = EncoderWriter::new(&mut *out, &STANDARD);
-    blocks
-        .iter()
-        .try_for_each(|block| encoder.write_all(block))?;
+    for block in &blocks {
+        encoder.write_all(block)?;
+    }
     encoder.finish()?;
     drop(encoder);
     writeln!(out, "\n</DataArray>")
@@ -247,35 +224,20 @@ pub fn write_vtp(
     point_data: &[VtuField],
     writer: impl Write,
 ) -> std::result::Result<(), MeshError> {
-    fits(point_data, points.len())?;
-    let mut out = BufWriter::new(writer);
-    write_surface(points, quadrilaterals, point_data, &mut out)
-        .and_then(|()| out.flush())
-        .map_err(unwritten)
-}
-
-fn write_surface(
-    points: &[[f64; 3]],
-    quadrilaterals: &[[usize; 4]],
-    point_data: &[VtuField],
-    out: &mut impl Write,
-) -> Result<()> {
     let (count, faces) = (points.len(), quadrilaterals.len());
-    writeln!(
-        out,
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
-         header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<PolyData>"
-    )?;
-    write_field_data(out, &[])?;
-    writeln!(
-        out,
-        "<Piece NumberOfPoints=\"{count}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{faces}\">"
-    )?;
-    write_fields(out, "PointData", point_data)?;
-    write_points(out, points)?;
-    writeln!(out, "<Polys>")?;
-    write_cells(out, quadrilaterals)?;
-    writeln!(out, "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>")
+    fits(point_data, count)?;
+    let counts = format!(
+        "NumberOfPoints=\"{count}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" \
+         NumberOfPolys=\"{faces}\""
+    );
+    let piece = |out: &mut BufWriter<_>| {
+        write_fields(out, "PointData", point_data)?;
+        write_points(out, points)?;
+        writeln!(out, "<Polys>")?;
+        write_cells(out, quadrilaterals)?;
+        writeln!(out, "</Polys>")
+    };
+    write_file("PolyData", &[], &counts, piece, writer)
 }
 
 /// Writes a PVD file, which ParaView opens as time: pairs of time (or load, or whatever is stepped)
@@ -284,12 +246,11 @@ fn write_surface(
 /// # Errors
 /// Those of the writer.
 pub fn write_pvd(steps: &[(f64, &str)], mut writer: impl Write) -> std::io::Result<()> {
-    writeln!(writer, "<?xml version=\"1.0\"?>")?;
     writeln!(
         writer,
-        "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">"
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" \
+         byte_order=\"LittleEndian\">\n  <Collection>"
     )?;
-    writeln!(writer, "  <Collection>")?;
     for &(time, file) in steps {
         let file = quick_xml::escape::escape(file);
         writeln!(
@@ -297,8 +258,7 @@ pub fn write_pvd(steps: &[(f64, &str)], mut writer: impl Write) -> std::io::Resu
             "    <DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>"
         )?;
     }
-    writeln!(writer, "  </Collection>")?;
-    writeln!(writer, "</VTKFile>")
+    writeln!(writer, "  </Collection>\n</VTKFile>")
 }
 
 #[cfg(test)]

@@ -58,29 +58,15 @@ impl HullFormat {
     }
 }
 
-/// Refuses STEP and IGES with the command that makes triangles of them.
-fn refuse_exact_shapes(path: &Path) -> Result<(), MeshError> {
-    if !["step", "stp", "iges", "igs"].contains(&ending(path).as_str()) {
-        return Ok(());
-    }
-    Err(MeshError::Invalid(format!(
-        "the file holds exact shapes, and hulls are read as triangles: expected obj, gltf, glb, stl \
-         or 3mf; `gmsh {} -2 -clmax 0.5 -format stl -bin -o {}` makes triangles of 0.5 mm of it, in \
-         millimetres (scale = 0.001)",
-        path.display(),
-        path.with_extension("stl").display()
-    )))
-}
-
 /// Reads the hull file `path` and checks it.
 ///
 /// # Errors
 /// [`MeshError::Io`] where the file cannot be read, [`MeshError::File`] with what is wrong in it.
 pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport), MeshError> {
     let in_file = |error: MeshError| error.in_file(path);
-    refuse_exact_shapes(path).map_err(in_file)?;
     let format = match ending(path).as_str() {
         "3mf" => None,
+        "step" | "stp" | "iges" | "igs" => return Err(in_file(exact_shape(path))),
         _ => Some(HullFormat::of(path).map_err(in_file)?),
     };
     let bytes = read_file(path, MOST_BYTES)?;
@@ -96,6 +82,17 @@ pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport
     let hull = hull.map_err(in_file)?;
     let report = check_hull(&hull).map_err(in_file)?;
     Ok((hull, report))
+}
+
+/// The error of a file of exact shapes, with the command that makes triangles of them.
+fn exact_shape(path: &Path) -> MeshError {
+    MeshError::Invalid(format!(
+        "the file holds exact shapes, and hulls are read as triangles: expected obj, gltf, glb, stl \
+         or 3mf; `gmsh {} -2 -clmax 0.5 -format stl -bin -o {}` makes triangles of 0.5 mm of it, in \
+         millimetres (scale = 0.001)",
+        path.display(),
+        path.with_extension("stl").display()
+    ))
 }
 
 /// The files that a hull consists of: `path`, and the buffers of a glTF file in files of their own.

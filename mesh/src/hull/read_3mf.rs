@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::fmt::Display;
 use std::io::{Cursor, Read};
+use std::str::FromStr;
 
 use nalgebra::Matrix4;
 use quick_xml::Reader;
@@ -11,7 +12,7 @@ use zip::ZipArchive;
 
 use crate::error::MeshError;
 use crate::hull::text::unreadable;
-use crate::hull::triangles::{Axis, Hull, HullOptions, PlacedMeshes};
+use crate::hull::triangles::{Axis, Hull, HullOptions, PlacedMeshes, at_most};
 
 /// Most bytes of all parts of a file together once they are unpacked: some three million triangles,
 /// which take half a gigabyte of memory.
@@ -38,18 +39,15 @@ pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> 
     let unit = package.model(&root)?.unit;
     let mut placed = PlacedMeshes::default();
     let items = package.model(&root)?.items.clone();
-    let mut waiting: Vec<(Use, Matrix4<f64>)> = items
-        .into_iter()
-        .rev()
-        .map(|item| {
-            let transform = Matrix4::new_scaling(unit) * item.transform;
-            (item, transform)
-        })
-        .collect();
+    let scaled = items.into_iter().rev().map(|item| {
+        let transform = Matrix4::new_scaling(unit) * item.transform;
+        (item, transform)
+    });
+    let mut waiting: Vec<(Use, Matrix4<f64>)> = scaled.collect();
     let mut uses = 0;
     while let Some((found, transform)) = waiting.pop() {
         uses += 1;
-        limit("uses of objects", uses, MOST_USES)?;
+        at_most(MOST_USES, uses, "uses of objects")?;
         let part = found.part.as_deref().unwrap_or(&root).to_owned();
         let object = package.model(&part)?.objects.get(&found.object);
         let object = object.ok_or_else(|| {
@@ -122,12 +120,11 @@ impl<'a> Package<'a> {
             return Ok(None);
         };
         drop(names);
-        let broken = |source: std::io::Error| error(part, source, "a part that unpacks");
+        let broken = |source: &dyn Display| error(part, source, "a part that unpacks");
         let mut bytes = Vec::new();
-        let file = self.archive.by_name(&name);
-        let file = file.map_err(|source| error(part, source, "a part that unpacks"))?;
+        let file = self.archive.by_name(&name).map_err(|e| broken(&e))?;
         let mut file = file.take(self.budget + 1);
-        file.read_to_end(&mut bytes).map_err(broken)?;
+        file.read_to_end(&mut bytes).map_err(|e| broken(&e))?;
         if bytes.len() as u64 > self.budget {
             return Err(MeshError::Invalid(format!(
                 "the 3MF file unpacks to more than {} MiB: expected fewer triangles, or the hull as \
@@ -181,9 +178,9 @@ impl Model {
             match tag.local_name().as_ref() {
                 b"model" => {
                     if let Some(unit) = attribute(tag, "unit") {
-                        let metres = metres_in(&unit);
+                        let known = UNITS.iter().find(|(name, _)| *name == unit);
                         let expected = "micron, millimeter, centimeter, inch, foot or meter";
-                        model.unit = metres.ok_or_else(|| refuse("unit", expected))?;
+                        (_, model.unit) = *known.ok_or_else(|| refuse("unit", expected))?;
                     }
                 }
                 b"object" => {
@@ -191,33 +188,24 @@ impl Model {
                     model.objects.insert(current.clone(), Object::default());
                 }
                 b"vertex" => {
-                    let mut vertex = [0.0; 3];
-                    for (value, name) in vertex.iter_mut().zip(["x", "y", "z"]) {
-                        let text = attribute(tag, name).and_then(|text| text.trim().parse().ok());
-                        *value = text.ok_or_else(|| refuse(name, "a coordinate"))?;
-                    }
+                    let wrong = |name: &str| refuse(name, "a coordinate");
+                    let vertex = three(tag, ["x", "y", "z"], wrong)?;
                     model.object(&current).vertices.push(vertex);
                 }
                 b"triangle" => {
-                    let mut triangle = [0; 3];
-                    for (corner, name) in triangle.iter_mut().zip(["v1", "v2", "v3"]) {
-                        let text = attribute(tag, name).and_then(|text| text.trim().parse().ok());
-                        *corner = text.ok_or_else(|| refuse(name, "the number of a vertex"))?;
-                    }
+                    let wrong = |name: &str| refuse(name, "the number of a vertex");
+                    let triangle = three(tag, ["v1", "v2", "v3"], wrong)?;
                     model.object(&current).triangles.push(triangle);
                 }
                 name @ (b"component" | b"item") => {
-                    let transform = match attribute(tag, "transform") {
-                        Some(text) => {
-                            transform(&text).ok_or_else(|| refuse("transform", "twelve numbers"))?
-                        }
-                        None => Matrix4::identity(),
-                    };
+                    let text = attribute(tag, "transform");
+                    let transform = text.map_or(Some(Matrix4::identity()), |t| transform(&t));
+                    let path = attribute(tag, "path");
                     let found = Use {
-                        part: attribute(tag, "path")
-                            .map(|path| path.trim_start_matches('/').into()),
+                        part: path.map(|path| path.trim_start_matches('/').into()),
                         object: attribute(tag, "objectid").unwrap_or_default(),
-                        transform,
+                        transform: transform
+                            .ok_or_else(|| refuse("transform", "twelve numbers"))?,
                     };
                     if name == b"item" {
                         model.items.push(found);
@@ -264,26 +252,33 @@ fn attribute(tag: &BytesStart, name: &str) -> Option<String> {
     found.unescape_value().ok().map(|value| value.into_owned())
 }
 
-/// Metres in one unit of this name.
-fn metres_in(unit: &str) -> Option<f64> {
-    Some(match unit {
-        "micron" => 1e-6,
-        "millimeter" => 1e-3,
-        "centimeter" => 1e-2,
-        "inch" => 0.0254,
-        "foot" => 0.3048,
-        "meter" => 1.0,
-        _ => return None,
-    })
+/// The numbers of three attributes.
+fn three<T: FromStr>(
+    tag: &BytesStart,
+    names: [&str; 3],
+    wrong: impl Fn(&str) -> MeshError,
+) -> Result<[T; 3], MeshError> {
+    let [a, b, c] = names.map(|name| {
+        let number = attribute(tag, name).and_then(|text| text.trim().parse().ok());
+        number.ok_or_else(|| wrong(name))
+    });
+    Ok([a?, b?, c?])
 }
+
+/// Metres in the units of a model.
+const UNITS: [(&str, f64); 6] = [
+    ("micron", 1e-6),
+    ("millimeter", 1e-3),
+    ("centimeter", 1e-2),
+    ("inch", 0.0254),
+    ("foot", 0.3048),
+    ("meter", 1.0),
+];
 
 /// The matrix of twelve numbers: the images of the three axes and of the origin.
 fn transform(text: &str) -> Option<Matrix4<f64>> {
-    let numbers: Vec<f64> = text
-        .split_whitespace()
-        .map(str::parse)
-        .collect::<Result<_, _>>()
-        .ok()?;
+    let numbers: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
+    let numbers = numbers.ok()?;
     (numbers.len() == 12).then(|| {
         Matrix4::from_fn(|row, column| match row {
             3 => f64::from(u8::from(column == 3)),
@@ -294,13 +289,6 @@ fn transform(text: &str) -> Option<Matrix4<f64>> {
 
 fn error(part: &str, found: impl Display, expected: &str) -> MeshError {
     unreadable("3MF", part, found, expected)
-}
-
-fn limit(what: &str, found: usize, limit: usize) -> Result<(), MeshError> {
-    if found > limit {
-        return Err(MeshError::too_many(what, limit));
-    }
-    Ok(())
 }
 
 #[cfg(test)]

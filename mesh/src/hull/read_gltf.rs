@@ -18,12 +18,7 @@ use crate::hull::triangles::{Axis, Hull, HullOptions, PlacedMeshes};
 
 /// Extensions that a file may require although they do not change its triangles, by their
 /// beginning.
-const WITHOUT_EFFECT: [&str; 4] = [
-    "KHR_materials_",
-    "KHR_texture_",
-    "EXT_texture_",
-    "KHR_lights_",
-];
+const WITHOUT_EFFECT: &str = "KHR_materials_ KHR_texture_ EXT_texture_ KHR_lights_";
 /// Extensions that compress triangles, with the names of their methods.
 const COMPRESSIONS: [[&str; 2]; 3] = [
     ["KHR_draco_mesh_compression", "Draco"],
@@ -75,17 +70,12 @@ pub fn read_gltf(
         placed: PlacedMeshes::default(),
         seen: HashSet::new(),
     };
-    let scene = document
-        .default_scene()
-        .or_else(|| document.scenes().next());
-    match scene {
-        Some(scene) => scene
-            .nodes()
-            .try_for_each(|node| reader.node(&node, &Matrix4::identity()))?,
+    let mut scenes = document.scenes();
+    match document.default_scene().or_else(|| scenes.next()) {
+        Some(scene) => scene.nodes().try_for_each(|node| reader.node(node))?,
         None => {
-            for mesh in document.meshes() {
-                reader.mesh(&mesh, &Matrix4::identity())?;
-            }
+            let mut meshes = document.meshes();
+            meshes.try_for_each(|mesh| reader.mesh(&mesh, &Matrix4::identity()))?;
         }
     }
     reader.placed.welded(rows)
@@ -98,12 +88,11 @@ pub fn read_gltf(
 pub(crate) fn outer_buffers(bytes: &[u8]) -> Result<Vec<String>, MeshError> {
     check_length(bytes)?;
     let (document, _) = parse(bytes)?;
-    let uris = document
-        .buffers()
-        .filter_map(|buffer| match buffer.source() {
-            Source::Uri(uri) if embedded_text(uri).is_none() => Some(file_name(uri).into_owned()),
-            _ => None,
-        });
+    let buffers = document.buffers();
+    let uris = buffers.filter_map(|buffer| match buffer.source() {
+        Source::Uri(uri) if embedded_text(uri).is_none() => Some(file_name(uri).into_owned()),
+        _ => None,
+    });
     Ok(uris.collect())
 }
 
@@ -120,17 +109,14 @@ fn file_name(uri: &str) -> Cow<'_, str> {
 
 /// The header's length of a binary file counts itself; less than that would wrap around.
 fn check_length(bytes: &[u8]) -> Result<(), MeshError> {
-    if bytes.starts_with(b"glTF") {
-        let length = bytes
-            .get(8..12)
-            .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
-        if length.is_none_or(|length| length < 20 || length > bytes.len()) {
-            return Err(MeshError::Invalid(format!(
-                "the GLB header announces {} bytes; the file has {}",
-                length.unwrap_or(0),
-                bytes.len()
-            )));
-        }
+    let length = bytes
+        .get(8..12)
+        .map_or(0, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
+    if bytes.starts_with(b"glTF") && !(20..=bytes.len()).contains(&length) {
+        return Err(MeshError::Invalid(format!(
+            "the GLB header announces {length} bytes; the file has {}",
+            bytes.len()
+        )));
     }
     Ok(())
 }
@@ -157,14 +143,14 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), MeshError> {
     }
     root.extensions_required.retain(|name| {
         name != "KHR_mesh_quantization"
-            && !WITHOUT_EFFECT.iter().any(|start| name.starts_with(start))
+            && !WITHOUT_EFFECT
+                .split(' ')
+                .any(|start| name.starts_with(start))
     });
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
     let named = primitives.flat_map(|primitive| primitive.attributes.values());
-    if let Some(missing) = named
-        .map(|index| index.value())
-        .find(|&index| index >= root.accessors.len())
-    {
+    let mut named = named.map(|index| index.value());
+    if let Some(missing) = named.find(|&index| index >= root.accessors.len()) {
         let problem = "a mesh refers to it; there is none of that number";
         return Err(accessor_error(missing, problem));
     }
@@ -183,8 +169,8 @@ struct Reader {
 
 impl Reader {
     /// Adds a node and those below it, without recursion: files may nest as deep as they like.
-    fn node(&mut self, root: &Node, transform: &Matrix4<f64>) -> Result<(), MeshError> {
-        let mut waiting = vec![(root.clone(), *transform)];
+    fn node(&mut self, root: Node) -> Result<(), MeshError> {
+        let mut waiting = vec![(root, Matrix4::identity())];
         while let Some((node, above)) = waiting.pop() {
             if !self.seen.insert(node.index()) {
                 return Err(MeshError::Invalid(format!(
@@ -218,10 +204,9 @@ impl Reader {
                 Some(indices) => self.indices_of(&indices)?,
                 None => (0..vertices.len()).collect(),
             };
-            let count = if primitive.mode() == Mode::Triangles {
-                indices.len() / 3
-            } else {
-                indices.len().saturating_sub(2)
+            let count = match primitive.mode() {
+                Mode::Triangles => indices.len() / 3,
+                _ => indices.len().saturating_sub(2),
             };
             let triangles = (0..count).map(|t| corners_of(t).map(|i| indices[i]));
             self.placed.add(&vertices, triangles, transform)?;
@@ -236,32 +221,24 @@ impl Reader {
         }
         let data_type = accessor.data_type();
         let size = data_type.size();
+        let four = |b: &[u8]| [b[0], b[1], b[2], b[3]];
+        // A component, and the largest of its type, of which normalized integers are parts.
         let component = |b: &[u8]| match data_type {
-            DataType::I8 => f64::from(b[0] as i8),
-            DataType::U8 => f64::from(b[0]),
-            DataType::I16 => f64::from(i16::from_le_bytes([b[0], b[1]])),
-            DataType::U16 => f64::from(u16::from_le_bytes([b[0], b[1]])),
-            DataType::U32 => f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
-            DataType::F32 => f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+            DataType::I8 => (f64::from(b[0] as i8), f64::from(i8::MAX)),
+            DataType::U8 => (f64::from(b[0]), f64::from(u8::MAX)),
+            DataType::I16 => (i16::from_le_bytes([b[0], b[1]]).into(), f64::from(i16::MAX)),
+            DataType::U16 => (u16::from_le_bytes([b[0], b[1]]).into(), f64::from(u16::MAX)),
+            DataType::U32 => (u32::from_le_bytes(four(b)).into(), f64::from(u32::MAX)),
+            DataType::F32 => (f32::from_le_bytes(four(b)).into(), 1.0),
         };
-        // Normalized integers are parts of the largest of their type.
-        let largest = match data_type {
-            _ if !accessor.normalized() => 1.0,
-            DataType::I8 => f64::from(i8::MAX),
-            DataType::U8 => f64::from(u8::MAX),
-            DataType::I16 => f64::from(i16::MAX),
-            DataType::U16 => f64::from(u16::MAX),
-            DataType::U32 => f64::from(u32::MAX),
-            DataType::F32 => 1.0,
+        let value = |b: &[u8]| match component(b) {
+            (value, largest) if accessor.normalized() && largest > 1.0 => {
+                (value / largest).max(-1.0)
+            }
+            (value, _) => value,
         };
-        let value = |b: &[u8]| match component(b) / largest {
-            below if largest > 1.0 && below < -1.0 => -1.0,
-            value => value,
-        };
-        Ok(self
-            .elements(accessor)?
-            .map(|b| [value(b), value(&b[size..]), value(&b[2 * size..])])
-            .collect())
+        let three = |b: &[u8]| [0, 1, 2].map(|k| value(&b[k * size..]));
+        Ok(self.elements(accessor)?.map(three).collect())
     }
 
     fn indices_of(&self, accessor: &Accessor) -> Result<Vec<usize>, MeshError> {
@@ -272,9 +249,8 @@ impl Reader {
             return Err(accessor_error(accessor.index(), problem));
         }
         let index = |b: &[u8]| {
-            b.iter()
-                .rev()
-                .fold(0, |sum, &byte| (sum << 8) | usize::from(byte))
+            let bytes = b.iter().rev();
+            bytes.fold(0, |sum, &byte| (sum << 8) | usize::from(byte))
         };
         Ok(self.elements(accessor)?.map(index).collect())
     }
@@ -288,38 +264,24 @@ impl Reader {
         if accessor.sparse().is_some() {
             return Err(fail("sparse accessors are not supported"));
         }
-        let view = accessor
-            .view()
-            .ok_or_else(|| fail("it has no buffer view"))?;
+        let view = accessor.view();
+        let view = view.ok_or_else(|| fail("it has no buffer view"))?;
         let size = accessor.size();
         let stride = view.stride().unwrap_or(size);
         if stride < size {
             return Err(fail("its stride is shorter than an element"));
         }
-        let buffer = self
-            .buffers
-            .get(view.buffer().index())
-            .ok_or_else(|| fail("its buffer does not exist"))?;
-        let view_end = view
-            .offset()
-            .checked_add(view.length())
-            .filter(|&end| end <= buffer.len());
-        let view_end = view_end.ok_or_else(|| fail("its buffer view ends after the buffer"))?;
-        let begin = view.offset().checked_add(accessor.offset());
-        let span = accessor
-            .count()
-            .checked_sub(1)
-            .and_then(|n| n.checked_mul(stride)?.checked_add(size));
-        let end = begin
-            .zip(span)
-            .and_then(|(begin, span)| begin.checked_add(span))
-            .filter(|&end| end <= view_end);
-        let (begin, end) = begin
-            .zip(end)
-            .ok_or_else(|| fail("its elements end after the buffer view"))?;
-        Ok(buffer[begin..end]
-            .chunks(stride)
-            .map(move |chunk| &chunk[..size]))
+        let buffer = self.buffers.get(view.buffer().index());
+        let buffer = buffer.ok_or_else(|| fail("its buffer does not exist"))?;
+        let view_end = view.offset().checked_add(view.length());
+        let in_view = view_end.and_then(|end| buffer.get(view.offset()..end));
+        let in_view = in_view.ok_or_else(|| fail("its buffer view ends after the buffer"))?;
+        let last = accessor.count().checked_sub(1);
+        let span = last.and_then(|n| n.checked_mul(stride)?.checked_add(size));
+        let end = span.and_then(|span| span.checked_add(accessor.offset()));
+        let bytes = end.and_then(|end| in_view.get(accessor.offset()..end));
+        let bytes = bytes.ok_or_else(|| fail("its elements end after the buffer view"))?;
+        Ok(bytes.chunks(stride).map(move |chunk| &chunk[..size]))
     }
 }
 

@@ -57,10 +57,9 @@ pub fn tessellate_turning(
 
     let mut hull = Hull::default();
     for &x in &xs {
-        hull.positions
-            .extend(ys.iter().map(|&y| [x, y, runner.height(x, y)]));
-        hull.positions
-            .extend([[x, y0, runner.top()], [x, y1, runner.top()]]);
+        let underside = ys.iter().map(|&y| [x, y, runner.height(x, y)]);
+        let top = [y0, y1].map(|y| [x, y, runner.top()]);
+        hull.positions.extend(underside.chain(top));
     }
     let row = ys.len() + 2;
     let (last, left, right) = (ys.len() - 1, ys.len(), ys.len() + 1);
@@ -68,10 +67,10 @@ pub fn tessellate_turning(
     for i in 0..xs.len() - 1 {
         let mut quad = |a: usize, b: usize| {
             // Seen from outside a is to the left of b when x points away.
+            let [near_a, far_a] = [node(i, a), node(i + 1, a)];
+            let [near_b, far_b] = [node(i, b), node(i + 1, b)];
             hull.triangles
-                .push([node(i, a), node(i + 1, a), node(i + 1, b)]);
-            hull.triangles
-                .push([node(i, a), node(i + 1, b), node(i, b)]);
+                .extend([[near_a, far_a, far_b], [near_a, far_b, near_b]]);
         };
         (0..last).for_each(|j| quad(j + 1, j));
         quad(0, left);
@@ -105,10 +104,8 @@ fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64
     let mut steps = Vec::with_capacity(SAMPLES);
     let mut direction: Option<f64> = None;
     for i in 0..SAMPLES {
-        let (dy, dz) = (
-            at(i + 1) - at(i),
-            section.height(at(i + 1)) - section.height(at(i)),
-        );
+        let (from, to) = (at(i), at(i + 1));
+        let (dy, dz) = (to - from, section.height(to) - section.height(from));
         let turned = dz.atan2(dy);
         let turn = direction.map_or(0.0, |before| (turned - before).abs());
         direction = Some(turned);
@@ -131,19 +128,18 @@ fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64
         return Err(MeshError::too_many("vertices", MOST_VERTICES as usize));
     }
     let count = 2 * (0.5 * total - 1e-9).ceil().max(1.0) as usize;
-    let mut ys: Vec<f64> = (0..=count)
-        .map(|j| {
-            let wanted = total * j as f64 / count as f64;
-            let i = measure.partition_point(|&m| m < wanted).clamp(1, SAMPLES);
-            let (low, high) = (measure[i - 1], measure[i]);
-            let part = if high > low {
-                (wanted - low) / (high - low)
-            } else {
-                0.0
-            };
-            at(i - 1) + part * (at(i) - at(i - 1))
-        })
-        .collect();
+    let place = |j: usize| {
+        let wanted = total * j as f64 / count as f64;
+        let i = measure.partition_point(|&m| m < wanted).clamp(1, SAMPLES);
+        let (low, high) = (measure[i - 1], measure[i]);
+        let part = if high > low {
+            (wanted - low) / (high - low)
+        } else {
+            0.0
+        };
+        at(i - 1) + part * (at(i) - at(i - 1))
+    };
+    let mut ys: Vec<f64> = (0..=count).map(place).collect();
     (ys[0], ys[count]) = (y0, y1);
     if section.is_even() {
         for j in 0..count / 2 {

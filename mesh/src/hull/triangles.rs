@@ -1,14 +1,14 @@
 //! Triangle hulls: vertices, checks, axes and units.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::str::FromStr;
 
-use nalgebra::{Matrix3, Matrix4, Point3, Rotation3, RowVector3};
+use nalgebra::{Matrix3, Matrix4, Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 
 use crate::error::MeshError;
-use crate::parameter::expect;
+use crate::parameter::{expect, range};
 
 /// Positions and triangles, counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -73,9 +73,7 @@ impl Hull {
                 // Adding zero makes -0 and 0 the same bits.
                 let key = position.map(|v| (v + 0.0).to_bits());
                 *corner = *known.entry(key).or_insert_with(|| {
-                    hull.positions.push(
-                        rows.map(|r| r[0] * position[0] + r[1] * position[1] + r[2] * position[2]),
-                    );
+                    hull.positions.push(carried(&rows, position));
                     (hull.positions.len() - 1) as u32
                 });
             }
@@ -87,14 +85,11 @@ impl Hull {
         if hull.triangles.is_empty() {
             return Err(MeshError::no_triangles());
         }
-        if let Some(vertex) = hull
-            .positions
-            .iter()
-            .position(|p| p.iter().any(|v| !v.is_finite()))
-        {
-            return Err(MeshError::not_finite(vertex + 1, hull.positions[vertex]));
+        let infinite = |p: &[f64; 3]| p.iter().any(|v| !v.is_finite());
+        match hull.positions.iter().position(infinite) {
+            Some(vertex) => Err(MeshError::not_finite(vertex + 1, hull.positions[vertex])),
+            None => Ok(hull),
         }
-        Ok(hull)
     }
 
     /// A hull whose coordinates are those of its file, as these options read it.
@@ -108,61 +103,53 @@ impl Hull {
 
     /// The hull with its coordinates carried over by `rows`.
     pub(crate) fn carried(&self, rows: [[f64; 3]; 3]) -> Self {
-        let carry = |p: &[f64; 3]| rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2]);
+        let positions = self.positions.iter();
         Self {
-            positions: self.positions.iter().map(carry).collect(),
+            positions: positions.map(|p| carried(&rows, p)).collect(),
             triangles: self.triangles.clone(),
         }
     }
 
     /// Smallest and largest coordinates [m].
     pub fn bounds(&self) -> [[f64; 3]; 2] {
-        let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-        for position in &self.positions {
-            for axis in 0..3 {
-                bounds[0][axis] = bounds[0][axis].min(position[axis]);
-                bounds[1][axis] = bounds[1][axis].max(position[axis]);
-            }
-        }
-        bounds
+        let [x, y, z] = [0, 1, 2].map(|axis| range(self.positions.iter().map(|p| p[axis])));
+        [0, 1].map(|end| [x[end], y[end], z[end]])
     }
 
     /// Signed volume `1/6 sum a . (b x c)` [m^3], positive where the triangles of a closed hull
     /// face outwards.
     pub fn volume(&self) -> f64 {
         let [low, _] = self.bounds();
+        let low = Vector3::from(low);
         let volume = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|i| {
-                let p = self.positions[i as usize];
-                [p[0] - low[0], p[1] - low[1], p[2] - low[2]]
-            });
-            let cross = [
-                b[1] * c[2] - b[2] * c[1],
-                b[2] * c[0] - b[0] * c[2],
-                b[0] * c[1] - b[1] * c[0],
-            ];
-            (a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2]) / 6.0
+            let [a, b, c] = t.map(|i| Vector3::from(self.positions[i as usize]) - low);
+            a.dot(&b.cross(&c)) / 6.0
         };
         self.triangles.iter().map(volume).sum()
     }
 
     /// Twice the area vector of triangle `t` [m^2]; it points outwards.
     pub fn normal(&self, t: &[u32; 3]) -> [f64; 3] {
-        let [a, b, c] = t.map(|i| self.positions[i as usize]);
-        let (u, v) = (
-            [b[0] - a[0], b[1] - a[1], b[2] - a[2]],
-            [c[0] - a[0], c[1] - a[1], c[2] - a[2]],
-        );
-        [
-            u[1] * v[2] - u[2] * v[1],
-            u[2] * v[0] - u[0] * v[2],
-            u[0] * v[1] - u[1] * v[0],
-        ]
+        let [a, b, c] = t.map(|i| Vector3::from(self.positions[i as usize]));
+        (b - a).cross(&(c - a)).into()
     }
+}
+
+/// A position carried over by the rows of a matrix.
+fn carried(rows: &[[f64; 3]; 3], p: &[f64; 3]) -> [f64; 3] {
+    rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2])
 }
 
 /// Most triangles, and most vertices, read from one file that may use one mesh many times.
 const MOST_TRIANGLES: usize = 50_000_000;
+
+/// Refuses more of something in one file than the limit.
+pub(crate) fn at_most(limit: usize, found: usize, what: &str) -> Result<(), MeshError> {
+    if found > limit {
+        return Err(MeshError::too_many(what, limit));
+    }
+    Ok(())
+}
 
 /// Meshes read from one file, each placed by its transform.
 #[derive(Default)]
@@ -180,12 +167,9 @@ impl PlacedMeshes {
         transform: &Matrix4<f64>,
     ) -> Result<(), MeshError> {
         let first = self.positions.len();
-        if first + vertices.len() > MOST_TRIANGLES {
-            return Err(MeshError::too_many("vertices", MOST_TRIANGLES));
-        }
-        if self.triangles.len() + triangles.len() > MOST_TRIANGLES {
-            return Err(MeshError::too_many("triangles", MOST_TRIANGLES));
-        }
+        at_most(MOST_TRIANGLES, first + vertices.len(), "vertices")?;
+        let count = self.triangles.len() + triangles.len();
+        at_most(MOST_TRIANGLES, count, "triangles")?;
         // A transform that mirrors reverses the winding.
         let mirrored = transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
         for mut corners in triangles {
@@ -220,23 +204,20 @@ pub struct Axis {
 
 impl Axis {
     /// The axis +x.
-    pub const X: Self = Self {
-        index: 0,
-        negative: false,
-    };
+    pub const X: Self = Self::positive(0);
     /// The axis +y.
-    pub const Y: Self = Self {
-        index: 1,
-        negative: false,
-    };
+    pub const Y: Self = Self::positive(1);
     /// The axis +z.
-    pub const Z: Self = Self {
-        index: 2,
-        negative: false,
-    };
+    pub const Z: Self = Self::positive(2);
 
-    fn vector(self) -> [f64; 3] {
-        let mut vector = [0.0; 3];
+    /// The axis of this index in its own sense.
+    pub(crate) const fn positive(index: usize) -> Self {
+        let negative = false;
+        Self { index, negative }
+    }
+
+    fn vector(self) -> Vector3<f64> {
+        let mut vector = Vector3::zeros();
         vector[self.index] = if self.negative { -1.0 } else { 1.0 };
         vector
     }
@@ -252,21 +233,16 @@ impl FromStr for Axis {
             None => (false, text.strip_prefix('+').unwrap_or(text)),
         };
         let index = ["x", "y", "z"].iter().position(|&l| l == letter);
-        let expected = "x, y, z, -x, -y or -z";
-        let index = index
-            .ok_or_else(|| MeshError::Invalid(format!("axis {text:?}; expected {expected}")))?;
+        let wrong = || format!("axis {text:?}; expected x, y, z, -x, -y or -z");
+        let index = index.ok_or_else(|| MeshError::Invalid(wrong()))?;
         Ok(Self { index, negative })
     }
 }
 
 impl fmt::Display for Axis {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{}{}",
-            if self.negative { "-" } else { "" },
-            ["x", "y", "z"][self.index]
-        )
+        let sign = if self.negative { "-" } else { "" };
+        write!(f, "{sign}{}", ["x", "y", "z"][self.index])
     }
 }
 
@@ -313,27 +289,20 @@ impl HullOptions {
             )));
         }
         let (z, x) = (up.vector(), self.forward.vector());
-        let y = [
-            z[1] * x[2] - z[2] * x[1],
-            z[2] * x[0] - z[0] * x[2],
-            z[0] * x[1] - z[1] * x[0],
-        ];
-        if self.rotation == [0.0; 3] {
-            return Ok([x, y, z].map(|row| row.map(|v| v * self.scale)));
+        let mut rows = Matrix3::from_rows(&[x, z.cross(&x), z].map(|axis| axis.transpose()));
+        // Zeros keep their signs where nothing is turned.
+        if self.rotation != [0.0; 3] {
+            let [roll, pitch, yaw] = self.rotation;
+            rows = Rotation3::from_euler_angles(roll, pitch, yaw) * rows;
         }
-        let [roll, pitch, yaw] = self.rotation;
-        let axes = [x, y, z].map(RowVector3::from);
-        let rows = Rotation3::from_euler_angles(roll, pitch, yaw) * Matrix3::from_rows(&axes);
         Ok([0, 1, 2].map(|row| [0, 1, 2].map(|column| rows[(row, column)] * self.scale)))
     }
 }
 
-/// Hulls longer than this are taken for a unit's mistake [m].
-const LARGEST_EXTENT: f64 = 20.0;
-/// Hulls shorter than this are taken for a unit's mistake [m].
-const SMALLEST_EXTENT: f64 = 0.01;
+/// Hulls shorter or longer than this are taken for a unit's mistake [m].
+const EXTENTS: [f64; 2] = [0.01, 20.0];
 
-/// What a hull is like.
+/// The properties of a hull that its use depends on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HullReport {
     /// Edges that only one triangle uses.
@@ -348,23 +317,22 @@ pub struct HullReport {
     pub warnings: Vec<String>,
 }
 
-/// What is odd about the size of a hull or of a mesh, along x, y and z [m].
+/// Warnings about the size of a hull or of a mesh, along x, y and z [m].
 pub fn size_warnings(extent: [f64; 3]) -> Vec<String> {
     let size = extent.iter().copied().fold(0.0, f64::max);
-    if size > LARGEST_EXTENT {
-        return vec![format!(
-            "the hull is {size:.4} m large; if the file is in millimetres, set scale = 0.001"
-        )];
-    }
-    if size < SMALLEST_EXTENT {
-        return vec![format!(
+    let [smallest, largest] = EXTENTS;
+    let large = (size > largest).then(|| {
+        format!("the hull is {size:.4} m large; if the file is in millimetres, set scale = 0.001")
+    });
+    let small = (size < smallest).then(|| {
+        format!(
             "the hull is only {size:.3e} m large; check its scale (metres in one unit of the file)"
-        )];
-    }
-    Vec::new()
+        )
+    });
+    large.or(small).into_iter().collect()
 }
 
-/// Checks a hull and says what it is like.
+/// Checks a hull: its edges, its size and its volume.
 ///
 /// # Errors
 /// [`MeshError::Invalid`] where a closed hull's triangles face inwards.
@@ -382,7 +350,7 @@ pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
     let flipped = |walks: &&[([u32; 2], bool)]| walks.len() == 2 && walks[0].1 == walks[1].1;
     let flipped_edges = shared().filter(flipped).count();
     let [low, high] = hull.bounds();
-    let extent = [high[0] - low[0], high[1] - low[1], high[2] - low[2]];
+    let extent = [0, 1, 2].map(|axis| high[axis] - low[axis]);
     let volume = hull.volume();
     // Of a flat hull rounding leaves a volume of either sign.
     let rounding = 1e-6 * extent.iter().product::<f64>();
@@ -445,13 +413,8 @@ fn bodies(hull: &Hull) -> usize {
             leads[one.max(other) as usize] = one.min(other);
         }
     }
-    let mut found: Vec<u32> = hull
-        .triangles
-        .iter()
-        .map(|corners| lead(&mut leads, corners[0]))
-        .collect();
-    found.sort_unstable();
-    found.dedup();
+    let corners = hull.triangles.iter().map(|corners| corners[0]);
+    let found: HashSet<u32> = corners.map(|corner| lead(&mut leads, corner)).collect();
     found.len()
 }
 

@@ -3,6 +3,8 @@
 use std::borrow::Cow;
 use std::io::{BufWriter, Error, Result, Write};
 
+use nalgebra::Vector3;
+
 use crate::hull::triangles::Hull;
 
 /// The mark of this program in a file that it writes.
@@ -37,9 +39,8 @@ pub(crate) fn write_stl(hull: &Hull, writer: impl Write) -> Result<()> {
     let count = u32::try_from(hull.triangles.len()).map_err(Error::other)?;
     out.write_all(&count.to_le_bytes())?;
     for t in &hull.triangles {
-        let normal = hull.normal(t);
-        let length = normal.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let normal = normal.map(|v| v / length.max(f64::MIN_POSITIVE));
+        let normal = Vector3::from(hull.normal(t));
+        let normal = (normal / normal.norm().max(f64::MIN_POSITIVE)).into();
         let corners = t.map(|i| hull.positions[i as usize]);
         for value in [normal].iter().chain(&corners).flatten() {
             out.write_all(&(*value as f32).to_le_bytes())?;
@@ -60,8 +61,7 @@ pub(crate) fn write_glb(hull: &Hull, writer: impl Write) -> Result<()> {
     for &[x, y, z] in &hull.positions {
         for (axis, value) in [x, z, -y].map(|v| v as f32).into_iter().enumerate() {
             data.extend(value.to_le_bytes());
-            low[axis] = low[axis].min(value);
-            high[axis] = high[axis].max(value);
+            (low[axis], high[axis]) = (low[axis].min(value), high[axis].max(value));
         }
     }
     let first_index = data.len();

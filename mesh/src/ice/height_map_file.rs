@@ -6,11 +6,11 @@ use std::path::Path;
 
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
-use exr::prelude::{ReadChannels, ReadLayers, read};
+use exr::prelude::{AnyChannel, FlatSamples, ReadChannels, ReadLayers, read};
 
 use crate::error::MeshError;
-use crate::ice::surface::{HeightMap, Interpolation};
-use crate::input::{ending, read_file};
+use crate::ice::surface::HeightMap;
+use crate::input::{ending, read_columns, read_file};
 
 impl HeightMap {
     /// Reads columns `x_m`, `y_m`, `z_m` of a CSV table whose points, in any order, fill a regular
@@ -18,38 +18,8 @@ impl HeightMap {
     ///
     /// # Errors
     /// [`MeshError::Value`] with the row and column, or where the points fill no regular grid.
-    pub fn from_csv(reader: impl Read, interpolation: Interpolation) -> Result<Self, MeshError> {
-        let mut table = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .from_reader(reader);
-        let row_problem = |row: usize, column: &str, found: String| {
-            let place = format!("height map, row {row}, column {column}");
-            MeshError::value(place, found, "a number in [m]")
-        };
-        let headers = table
-            .headers()
-            .map_err(|e| row_problem(1, "header", e.to_string()))?
-            .clone();
-        let mut columns = [0; 3];
-        for (place, name) in columns.iter_mut().zip(["x_m", "y_m", "z_m"]) {
-            let found = headers.iter().position(|h| h == name);
-            *place = found.ok_or_else(|| row_problem(1, name, "no such column".into()))?;
-            if headers.iter().filter(|h| *h == name).count() > 1 {
-                return Err(row_problem(1, name, "the column twice".into()));
-            }
-        }
-        let mut points: Vec<[f64; 3]> = Vec::new();
-        for (i, record) in table.records().enumerate() {
-            let record = record.map_err(|e| row_problem(i + 2, "row", e.to_string()))?;
-            let mut point = [0.0; 3];
-            for ((value, column), name) in point.iter_mut().zip(columns).zip(["x_m", "y_m", "z_m"])
-            {
-                let text = record.get(column).unwrap_or("");
-                let number = text.parse::<f64>().ok().filter(|v| v.is_finite());
-                *value = number.ok_or_else(|| row_problem(i + 2, name, format!("{text:?}")))?;
-            }
-            points.push(point);
-        }
+    pub fn from_csv(reader: impl Read) -> Result<Self, MeshError> {
+        let points = read_columns(reader, ["x_m", "y_m", "z_m"])?;
         let [xs, ys] = [0, 1].map(|axis| {
             let mut values: Vec<f64> = points.iter().map(|p| p[axis]).collect();
             values.sort_by(f64::total_cmp);
@@ -71,8 +41,8 @@ impl HeightMap {
         }
         let spacing = [&xs, &ys].map(|v| (v[v.len() - 1] - v[0]) / (v.len() - 1) as f64);
         let even = |v: &[f64], step: f64| {
-            v.windows(2)
-                .all(|p| (p[1] - p[0] - step).abs() <= 1e-3 * step)
+            let mut steps = v.windows(2).map(|p| p[1] - p[0]);
+            steps.all(|own| (own - step).abs() <= 1e-3 * step)
         };
         if !even(&xs, spacing[0]) || !even(&ys, spacing[1]) {
             return Err(grid_problem("the points are not evenly spaced"));
@@ -87,7 +57,18 @@ impl HeightMap {
             }
             *place = *z;
         }
-        Self::new([xs[0], ys[0]], spacing, shape, heights, interpolation)
+        Self::new([xs[0], ys[0]], spacing, shape, heights)
+    }
+
+    /// Reads channel `z` [m] of an [`ExrImage`].
+    ///
+    /// # Errors
+    /// As [`ExrImage::read`] and [`HeightMap::new`].
+    pub fn from_exr(bytes: &[u8]) -> Result<Self, MeshError> {
+        let image = ExrImage::read(bytes)?;
+        let heights = image.channel("z")?.to_vec();
+        let (origin, pixel) = (image.origin_m, image.pixel_m);
+        Self::new(origin, pixel, image.size, heights)
     }
 }
 
@@ -137,9 +118,8 @@ impl ExrImage {
         for header in &meta.headers {
             let (width, height) = (header.layer_size.width(), header.layer_size.height());
             let count = header.channels.list.len();
-            let values = [width as u64, height as u64, count as u64]
-                .into_iter()
-                .try_fold(1u64, u64::checked_mul);
+            let sizes = [width, height, count].map(|size| size as u64);
+            let values = sizes.into_iter().try_fold(1, u64::checked_mul);
             if values.is_none_or(|values| values > MOST_VALUES) {
                 return Err(exr_error(format!(
                     "{width} x {height} pixels in {count} channels; expected at most {MOST_VALUES} values in all"
@@ -156,36 +136,31 @@ impl ExrImage {
             .map_err(exr_error)?;
         let layer = &image.layer_data;
         let number = |name: &str, positive: bool| {
+            let wanted = if positive { "positive" } else { "finite" };
+            let expected = format!("expected a {wanted} number of metres");
             let value = match layer.attributes.other.get(&Text::from(name)) {
                 Some(AttributeValue::F64(value)) => *value,
                 Some(AttributeValue::F32(value)) => f64::from(*value),
                 _ => {
                     return Err(exr_error(format!(
-                        "attribute {name} is missing; expected a number of metres"
+                        "attribute {name} is missing; {expected}"
                     )));
                 }
             };
             if !value.is_finite() || positive && value <= 0.0 {
-                let wanted = if positive { "positive" } else { "finite" };
-                return Err(exr_error(format!(
-                    "attribute {name} = {value}; expected a {wanted} number of metres"
-                )));
+                return Err(exr_error(format!("attribute {name} = {value}; {expected}")));
             }
             Ok(value)
+        };
+        let channel = |channel: &AnyChannel<FlatSamples>| {
+            let values = channel.sample_data.values_as_f32().map(f64::from);
+            (channel.name.to_string(), values.collect())
         };
         Ok(Self {
             size: [layer.size.x(), layer.size.y()],
             origin_m: [number("origin_x_m", false)?, number("origin_y_m", false)?],
             pixel_m: [number("pixel_x_m", true)?, number("pixel_y_m", true)?],
-            channels: layer
-                .channel_data
-                .list
-                .iter()
-                .map(|channel| {
-                    let values = channel.sample_data.values_as_f32().map(f64::from);
-                    (channel.name.to_string(), values.collect())
-                })
-                .collect(),
+            channels: layer.channel_data.list.iter().map(channel).collect(),
         })
     }
 
@@ -195,24 +170,19 @@ impl ExrImage {
     /// [`MeshError::Invalid`] where there is no such channel, or a value of it is not a number.
     pub fn channel(&self, name: &str) -> Result<&[f64], MeshError> {
         let Some((_, values)) = self.channels.iter().find(|(known, _)| known == name) else {
-            let found: Vec<&str> = self
-                .channels
-                .iter()
-                .map(|(name, _)| name.as_str())
-                .collect();
+            let found: Vec<&str> = self.channels.iter().map(|(known, _)| &**known).collect();
             return Err(exr_error(format!(
                 "channels {}; expected a channel {name}",
                 found.join(", ")
             )));
         };
-        match values.iter().position(|value| value.is_nan()) {
-            Some(at) => Err(exr_error(format!(
-                "channel {name}, column {}, row {}: NaN; expected a number",
-                at % self.size[0],
-                at / self.size[0]
-            ))),
-            None => Ok(values),
-        }
+        let Some(at) = values.iter().position(|value| value.is_nan()) else {
+            return Ok(values);
+        };
+        let (column, row) = (at % self.size[0], at / self.size[0]);
+        Err(exr_error(format!(
+            "channel {name}, column {column}, row {row}: NaN; expected a number"
+        )))
     }
 }
 
@@ -224,42 +194,23 @@ impl ExrImage {
 /// # Errors
 /// [`MeshError::Io`] where the file cannot be read, [`MeshError::File`] with what is wrong in it.
 pub fn load_height_map(path: &Path) -> Result<HeightMap, MeshError> {
-    let read: fn(&[u8]) -> Result<HeightMap, MeshError> = match ending(path).as_str() {
-        "csv" => |bytes| HeightMap::from_csv(bytes, Interpolation::Bicubic),
-        "exr" => |bytes| HeightMap::from_exr(bytes, Interpolation::Bicubic),
-        found => {
-            let found = format!("the ending {found:?}");
-            return Err(MeshError::value("height map", found, "csv or exr").in_file(path));
-        }
-    };
-    read(&read_file(path, MOST_BYTES)?).map_err(|error| error.in_file(path))
-}
-
-impl HeightMap {
-    /// Reads channel `z` [m] of an EXR image with the attributes
-    /// `origin_x_m, origin_y_m, pixel_x_m, pixel_y_m`: column i, row j is centred at (origin_x_m +
-    /// i pixel_x_m, origin_y_m + j pixel_y_m).
-    ///
-    /// # Errors
-    /// [`MeshError::Invalid`] where that is not what the bytes hold, and as [`HeightMap::new`].
-    pub fn from_exr(bytes: &[u8], interpolation: Interpolation) -> Result<Self, MeshError> {
-        let image = ExrImage::read(bytes)?;
-        let heights = image.channel("z")?.to_vec();
-        HeightMap::new(
-            image.origin_m,
-            image.pixel_m,
-            image.size,
-            heights,
-            interpolation,
-        )
+    let ending = ending(path);
+    if !["csv", "exr"].contains(&&*ending) {
+        let found = format!("the ending {ending:?}");
+        return Err(MeshError::value("height map", found, "csv or exr").in_file(path));
     }
+    let bytes = read_file(path, MOST_BYTES)?;
+    let map = match ending.as_str() {
+        "csv" => HeightMap::from_csv(&bytes[..]),
+        _ => HeightMap::from_exr(&bytes),
+    };
+    map.map_err(|error| error.in_file(path))
 }
 
 #[cfg(test)]
 mod tests {
     use exr::prelude::{
-        AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec,
-        WritableImage,
+        AnyChannels, Encoding, Image, Layer, LayerAttributes, SmallVec, WritableImage,
     };
 
     use super::*;
@@ -269,7 +220,7 @@ mod tests {
     fn csv_in_any_order_gives_the_map() {
         let table =
             "y_m,x_m,note,z_m\n0,0,a,1\n0.5,2,b,6\n0,2,c,3\n0.5,0,d,4\n0,1,e,2\n0.5,1,f,5\n";
-        let map = HeightMap::from_csv(table.as_bytes(), Interpolation::Bilinear).unwrap();
+        let map = HeightMap::from_csv(table.as_bytes()).unwrap();
         assert!(
             (map.height(1.0, 0.0) - 2.0).abs() < 1e-15
                 && (map.height(2.0, 0.25) - 4.5).abs() < 1e-15
@@ -279,7 +230,7 @@ mod tests {
     #[test]
     fn broken_tables_are_refused_with_row_and_column() {
         let refused = |table: &str| {
-            HeightMap::from_csv(table.as_bytes(), Interpolation::Bicubic)
+            HeightMap::from_csv(table.as_bytes())
                 .unwrap_err()
                 .to_string()
         };
@@ -295,16 +246,7 @@ mod tests {
             refused("x_m,y_m,z_m\n0,0,1\n1,0,1\n3,0,1\n0,1,1\n1,1,1\n3,1,1\n").contains("evenly")
         );
         assert!(refused("").contains("x_m"));
-        assert!(
-            HeightMap::new(
-                [0.0; 2],
-                [1.0; 2],
-                [usize::MAX, 2],
-                vec![0.0; 4],
-                Interpolation::Bicubic
-            )
-            .is_err()
-        );
+        assert!(HeightMap::new([0.0; 2], [1.0; 2], [usize::MAX, 2], vec![0.0; 4]).is_err());
     }
 
     fn exr(channel: &str, attributes: &[&str]) -> Vec<u8> {
@@ -337,18 +279,14 @@ mod tests {
 
     #[test]
     fn an_exr_image_gives_its_heights_where_its_attributes_put_them() {
-        let map = HeightMap::from_exr(&exr("z", &PLACE), Interpolation::Bilinear).unwrap();
+        let map = HeightMap::from_exr(&exr("z", &PLACE)).unwrap();
         assert!((map.height(0.0, 0.0) - 2.0).abs() < 1e-12);
         assert!((map.height(0.1, 0.005) - 4.5).abs() < 1e-9);
     }
 
     #[test]
     fn files_that_are_no_height_maps_are_refused_with_what_was_expected() {
-        let refused = |bytes: &[u8]| {
-            HeightMap::from_exr(bytes, Interpolation::Bicubic)
-                .unwrap_err()
-                .to_string()
-        };
+        let refused = |bytes: &[u8]| HeightMap::from_exr(bytes).unwrap_err().to_string();
         let message = refused(&exr("p", &PLACE));
         assert!(
             message.contains("channels p; expected a channel z"),

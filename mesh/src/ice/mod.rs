@@ -4,4 +4,4 @@ pub(crate) mod height_map_file;
 pub(crate) mod surface;
 
 pub use height_map_file::{ExrImage, load_height_map};
-pub use surface::{HeightMap, IceSurface, Interpolation, Waviness};
+pub use surface::{HeightMap, IceSurface, Waviness};

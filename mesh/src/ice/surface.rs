@@ -1,7 +1,7 @@
 //! The unloaded ice: wavy, or a measured height map.
 
 use crate::error::MeshError;
-use crate::parameter::{expect, positive_finite};
+use crate::parameter::{finite, positive_finite};
 use crate::shapes::underside::lows;
 
 /// The height of the unloaded ice over the contact plane; the gap under a hull shrinks by it.
@@ -45,12 +45,7 @@ impl Waviness {
     /// [`MeshError::Value`] where the amplitude is not finite or the wavelength not positive.
     pub fn new(amplitude: f64, wavelength: f64) -> Result<Self, MeshError> {
         positive_finite("wavelength [m]", wavelength)?;
-        expect(
-            amplitude.is_finite(),
-            "amplitude [m]",
-            amplitude,
-            "a finite number",
-        )?;
+        finite("amplitude [m]", amplitude)?;
         Ok(Self {
             amplitude,
             wavelength,
@@ -81,17 +76,10 @@ impl IceSurface for Waviness {
     }
 }
 
-/// How a height map is evaluated between its points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Interpolation {
-    /// Continuous, with creases along the lines of the grid.
-    Bilinear,
-    /// Continuous with its slope: cubic convolution (Keys 1981, doi 10.1109/TASSP.1981.1163711).
-    #[default]
-    Bicubic,
-}
-
 /// Heights on a regular grid; outside, the border's heights continue.
+///
+/// Between the points heights are interpolated by cubic convolution, which is continuous with its
+/// slope (Keys 1981, doi 10.1109/TASSP.1981.1163711).
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightMap {
     origin: [f64; 2],
@@ -99,7 +87,6 @@ pub struct HeightMap {
     shape: [usize; 2],
     /// Heights [m], x running fastest.
     heights: Vec<f64>,
-    interpolation: Interpolation,
     symmetric: [bool; 2],
     /// Its local maxima along x or across.
     highs: Vec<[f64; 2]>,
@@ -117,18 +104,10 @@ impl HeightMap {
         spacing: [f64; 2],
         shape: [usize; 2],
         heights: Vec<f64>,
-        interpolation: Interpolation,
     ) -> Result<Self, MeshError> {
-        spacing
-            .iter()
-            .try_for_each(|&s| positive_finite("grid spacing [m]", s).map(|_| ()))?;
-        for value in origin {
-            expect(
-                value.is_finite(),
-                "grid origin [m]",
-                value,
-                "a finite number",
-            )?;
+        for axis in 0..2 {
+            positive_finite("grid spacing [m]", spacing[axis])?;
+            finite("grid origin [m]", origin[axis])?;
         }
         if shape.iter().any(|&n| n < 2) || shape[0].checked_mul(shape[1]) != Some(heights.len()) {
             return Err(MeshError::value(
@@ -147,15 +126,13 @@ impl HeightMap {
             spacing,
             shape,
             heights,
-            interpolation,
             symmetric: [false; 2],
             highs: Vec::new(),
         };
-        let line = |axis: usize| -> Vec<f64> {
+        let lines = [0, 1].map(|axis| {
             let place = |i: usize| origin[axis] + spacing[axis] * i as f64;
-            (0..shape[axis]).map(place).collect()
-        };
-        let lines = [0, 1].map(line);
+            (0..shape[axis]).map(place).collect::<Vec<f64>>()
+        });
         let depth = |i: usize, j: usize| -map.heights[j * shape[0] + i];
         map.highs = lows([&lines[0], &lines[1]], depth);
         map.symmetric = [0, 1].map(|axis| map.is_mirrored(axis));
@@ -166,17 +143,14 @@ impl HeightMap {
         let extent = self.spacing[axis] * (self.shape[axis] - 1) as f64;
         let largest = self.heights.iter().fold(0.0f64, |m, z| m.max(z.abs()));
         let [nx, ny] = self.shape;
-        let mirror = |i: usize, j: usize| {
-            if axis == 0 {
-                j * nx + nx - 1 - i
-            } else {
-                (ny - 1 - j) * nx + i
-            }
+        let mirrored = |k: usize| {
+            let mirror = match axis {
+                0 => k / nx * nx + nx - 1 - k % nx,
+                _ => (ny - 1 - k / nx) * nx + k % nx,
+            };
+            (self.heights[k] - self.heights[mirror]).abs() <= 1e-12 * largest
         };
-        (2.0 * self.origin[axis] + extent).abs() <= 1e-9 * extent
-            && (0..nx * ny).all(|k| {
-                (self.heights[k] - self.heights[mirror(k % nx, k / nx)]).abs() <= 1e-12 * largest
-            })
+        (2.0 * self.origin[axis] + extent).abs() <= 1e-9 * extent && (0..nx * ny).all(mirrored)
     }
 
     /// Weights of four neighbouring points, the first of them, clamped to the border.
@@ -186,15 +160,12 @@ impl HeightMap {
         let i = (place as usize).min(last - 1);
         let t = place - i as f64;
         let points = [i.saturating_sub(1), i, i + 1, (i + 2).min(last)];
-        let weights = match self.interpolation {
-            Interpolation::Bilinear => [0.0, 1.0 - t, t, 0.0],
-            Interpolation::Bicubic => [
-                t * (-0.5 + t * (1.0 - 0.5 * t)),
-                1.0 + t * t * (-2.5 + 1.5 * t),
-                t * (0.5 + t * (2.0 - 1.5 * t)),
-                t * t * (-0.5 + 0.5 * t),
-            ],
-        };
+        let weights = [
+            t * (-0.5 + t * (1.0 - 0.5 * t)),
+            1.0 + t * t * (-2.5 + 1.5 * t),
+            t * (0.5 + t * (2.0 - 1.5 * t)),
+            t * t * (-0.5 + 0.5 * t),
+        ];
         (points, weights)
     }
 }
@@ -203,11 +174,8 @@ impl IceSurface for HeightMap {
     fn height(&self, x: f64, y: f64) -> f64 {
         let ((columns, along), (rows, across)) = (self.weights(0, x), self.weights(1, y));
         let row = |j: usize| -> f64 {
-            columns
-                .iter()
-                .zip(&along)
-                .map(|(&i, w)| w * self.heights[j * self.shape[0] + i])
-                .sum()
+            let row = &self.heights[j * self.shape[0]..];
+            columns.iter().zip(&along).map(|(&i, w)| w * row[i]).sum()
         };
         rows.iter().zip(&across).map(|(&j, w)| w * row(j)).sum()
     }
@@ -243,11 +211,11 @@ mod tests {
         assert!((oblique.height(0.0, 0.0) - 1e-6).abs() < 1e-20);
     }
 
-    fn map(n: usize, f: impl Fn(f64, f64) -> f64, interpolation: Interpolation) -> HeightMap {
+    fn map(n: usize, f: impl Fn(f64, f64) -> f64) -> HeightMap {
         let step = 2.0 / (n - 1) as f64;
         let at = |k: usize| (-1.0 + step * (k % n) as f64, -1.0 + step * (k / n) as f64);
         let heights = (0..n * n).map(at).map(|(x, y)| f(x, y)).collect();
-        HeightMap::new([-1.0; 2], [step; 2], [n, n], heights, interpolation).unwrap()
+        HeightMap::new([-1.0; 2], [step; 2], [n, n], heights).unwrap()
     }
 
     fn worst(map: &HeightMap, f: impl Fn(f64, f64) -> f64) -> f64 {
@@ -259,21 +227,16 @@ mod tests {
     }
 
     #[test]
-    fn interpolation_converges_with_second_and_third_order() {
+    fn interpolation_converges_with_third_order() {
         let f = |x: f64, y: f64| (3.0 * x).sin() * (2.0 * y).cos();
-        for (interpolation, order) in [
-            (Interpolation::Bilinear, 2.0),
-            (Interpolation::Bicubic, 3.0),
-        ] {
-            let errors = [21, 41, 81].map(|n| worst(&map(n, f, interpolation), f));
-            let slope = (errors[0] / errors[2]).log2() / 2.0;
-            assert!((slope - order).abs() < 0.3, "{slope}");
-        }
+        let errors = [21, 41, 81].map(|n| worst(&map(n, f), f));
+        let slope = (errors[0] / errors[2]).log2() / 2.0;
+        assert!((slope - 3.0).abs() < 0.3, "{slope}");
     }
 
     #[test]
     fn the_border_goes_on_and_symmetry_is_seen() {
-        let bowl = map(11, |x, y| x * x + y, Interpolation::Bicubic);
+        let bowl = map(11, |x, y| x * x + y);
         assert!((bowl.height(5.0, 0.0) - bowl.height(1.0, 0.0)).abs() < 1e-15);
         assert_eq!(bowl.mirror_symmetric(), [true, false]);
     }

@@ -2,15 +2,14 @@
 
 use crate::error::MeshError;
 use crate::hull::{Axis, Hull, HullOptions};
-use crate::scan::noise::{Fitted, fit};
+use crate::parameter::range;
+use crate::scan::noise::{Fitted, fit, lowest_of_stations};
 use crate::scan::orientation::{Estimate, keel_yaw};
 
 /// Lengths that a runner may have [m].
 const LENGTHS: [f64; 2] = [0.2, 3.0];
 /// Metres in the units that files are written in: metres, millimetres, centimetres, inches.
 const UNITS: [f64; 4] = [1.0, 1e-3, 1e-2, 0.0254];
-/// Stations along the hull at which its lowest vertex is taken.
-const STATIONS: usize = 60;
 /// Share of the length, about the middle, over which the rocker is measured.
 const MIDDLE: f64 = 0.8;
 /// Parts of the length either side of the lowest vertex from which its section is taken, the first
@@ -50,9 +49,8 @@ impl ScanFrame {
         }
         let [low, high] = hull.bounds();
         let extent = [0, 1, 2].map(|axis| high[axis] - low[axis]);
-        let forward = (0..3)
-            .max_by(|a, b| extent[*a].total_cmp(&extent[*b]))
-            .unwrap_or(0);
+        let longest = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b]));
+        let forward = longest.unwrap_or(0);
         let credible =
             |unit: &&f64| (LENGTHS[0]..=LENGTHS[1]).contains(&(extent[forward] * **unit));
         let scale = UNITS.iter().find(credible).copied().unwrap_or(1.0);
@@ -64,10 +62,7 @@ impl ScanFrame {
             let options = HullOptions {
                 scale,
                 up: Some(up),
-                forward: Axis {
-                    index: forward,
-                    negative: false,
-                },
+                forward: Axis::positive(forward),
                 ..HullOptions::default()
             };
             Some(Self {
@@ -124,17 +119,11 @@ pub fn unlike_runner(hull: &Hull, frame: Option<&ScanFrame>) -> Option<String> {
 fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<[f64; 2]> {
     let across = 3 - forward - up.index;
     let sign = if up.negative { -1.0 } else { 1.0 };
-    let mut points: Vec<[f64; 3]> = hull
-        .positions
-        .iter()
-        .map(|p| {
-            [
-                scale * p[forward],
-                scale * p[across],
-                scale * sign * p[up.index],
-            ]
-        })
-        .collect();
+    let turned = |p: &[f64; 3]| {
+        let height = scale * sign * p[up.index];
+        [scale * p[forward], scale * p[across], height]
+    };
+    let mut points: Vec<[f64; 3]> = hull.positions.iter().map(turned).collect();
     // A section across a keel that does not run along x would be wider than it is.
     if let Some(yaw) = keel_yaw(&points).filter(Estimate::significant) {
         let (sine, cosine) = yaw.value.sin_cos();
@@ -142,29 +131,17 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<[f64; 2]> 
             (p[0], p[1]) = (cosine * p[0] + sine * p[1], cosine * p[1] - sine * p[0]);
         }
     }
-    let [from, to] = [f64::min, f64::max].map(|end| {
-        let xs = points.iter().map(|p| p[0]);
-        xs.reduce(end).unwrap_or(0.0)
-    });
+    let [from, to] = range(points.iter().map(|p| p[0]));
     let margin = 0.5 * (1.0 - MIDDLE) * (to - from);
     let middle = |p: &&[f64; 3]| p[0] > from + margin && p[0] < to - margin;
-    let mut lowest: Vec<Option<[f64; 3]>> = vec![None; STATIONS];
-    for p in points.iter().filter(middle) {
-        let share = (p[0] - from - margin) / (to - from - 2.0 * margin);
-        let station = &mut lowest[((share * STATIONS as f64) as usize).min(STATIONS - 1)];
-        if station.is_none_or(|other| p[2] < other[2]) {
-            *station = Some(*p);
-        }
-    }
-    let keel: Vec<[f64; 3]> = lowest.into_iter().flatten().collect();
-    let place: Vec<[f64; 2]> = keel.iter().map(|p| [p[0], p[1]]).collect();
-    let heights: Vec<f64> = keel.iter().map(|p| p[2]).collect();
-    let rocker = fit(&place, &heights, &[[0, 0], [1, 0], [2, 0]])?;
+    let share = |x: f64| (x - from - margin) / (to - from - 2.0 * margin);
+    let keel = lowest_of_stations(points.iter().filter(middle).map(|p| (*p, *p)), share);
+    let rocker = surface(&keel, &[[0, 0], [1, 0], [2, 0]])?;
     let rocker_radius = radius(rocker.coefficients[2], FLATTEST[0])?;
     let lowest = keel.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
     let section_radius = NEAR.iter().find_map(|part| {
         let near = |p: &&[f64; 3]| (p[0] - lowest[0]).abs() < part * (to - from);
-        let points: Vec<&[f64; 3]> = points.iter().filter(near).collect();
+        let points: Vec<[f64; 3]> = points.iter().filter(near).copied().collect();
         section_radius(&points, lowest)
     })?;
     Some([rocker_radius, section_radius])
@@ -172,19 +149,15 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<[f64; 2]> 
 
 /// Radius of the section at the lowest vertex [m], of points nearby along the hull; ever narrower
 /// while its curvature is significant.
-fn section_radius(points: &[&[f64; 3]], lowest: &[f64; 3]) -> Option<f64> {
+fn section_radius(points: &[[f64; 3]], lowest: &[f64; 3]) -> Option<f64> {
     let off = |p: &[f64; 3]| (p[1] - lowest[1]).abs();
-    let mut half = points.iter().map(|p| off(p)).fold(0.0, f64::max);
+    let mut half = points.iter().map(off).fold(0.0, f64::max);
     let mut found = None;
     loop {
         // Neither the walls nor the other side of the hull.
-        let section = points.iter().filter(|p| off(p) <= half);
-        let section: Vec<&&[f64; 3]> = section
-            .filter(|p| p[2] - lowest[2] < SHALLOW * half)
-            .collect();
-        let place: Vec<[f64; 2]> = section.iter().map(|p| [p[0], p[1]]).collect();
-        let heights: Vec<f64> = section.iter().map(|p| p[2]).collect();
-        let fitted = fit(&place, &heights, &[[0, 0], [0, 1], [0, 2], [1, 0], [2, 0]]);
+        let own = |p: &&[f64; 3]| off(p) <= half && p[2] - lowest[2] < SHALLOW * half;
+        let section: Vec<[f64; 3]> = points.iter().filter(own).copied().collect();
+        let fitted = surface(&section, &[[0, 0], [0, 1], [0, 2], [1, 0], [2, 0]]);
         let curved = |f: &Fitted| f.coefficients[2] >= SIGNIFICANT * f.errors[2];
         let Some(fitted) = fitted.filter(curved) else {
             return found;
@@ -192,6 +165,13 @@ fn section_radius(points: &[&[f64; 3]], lowest: &[f64; 3]) -> Option<f64> {
         found = radius(fitted.coefficients[2], FLATTEST[1]);
         half *= 0.7;
     }
+}
+
+/// Heights of points as a polynomial of their places.
+fn surface(points: &[[f64; 3]], powers: &[[i32; 2]]) -> Option<Fitted> {
+    let places: Vec<[f64; 2]> = points.iter().map(|p| [p[0], p[1]]).collect();
+    let heights: Vec<f64> = points.iter().map(|p| p[2]).collect();
+    fit(&places, &heights, powers)
 }
 
 /// Radius of z = c y^2 where it is convex and no more than `flattest`.

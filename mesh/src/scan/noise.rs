@@ -1,10 +1,11 @@
 //! Spacing and noise of a hull's vertices near its keel.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
 use crate::fit::fitted_underside::rounding;
 use crate::hull::Hull;
+use crate::parameter::range;
 
 /// Stations along the underside; the lowest node of each is examined.
 const STATIONS: usize = 60;
@@ -73,8 +74,8 @@ pub fn noise_of_hull(hull: &Hull) -> Option<Noise> {
 }
 
 fn faces_down(hull: &Hull, t: &[u32; 3]) -> bool {
-    let n = hull.normal(t);
-    -n[2] > DOWN * (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt()
+    let normal = Vector3::from(hull.normal(t));
+    -normal.z > DOWN * normal.norm()
 }
 
 /// Noise of the heights of an underside's nodes; `None` if there are too few faces. `points` are x
@@ -90,27 +91,14 @@ fn faces_down(hull: &Hull, t: &[u32; 3]) -> bool {
 pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Option<Noise> {
     let mut nodes = nodes_of(points, faces);
     nodes.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
-    let ends = |axis: usize| {
-        let values = nodes.iter().map(|node| node.at[axis]);
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-            [low.min(v), high.max(v)]
-        })
-    };
-    let ([from, to], [low, high]) = (ends(0), ends(2));
-    let mut lowest: Vec<Option<usize>> = vec![None; STATIONS];
-    for (index, node) in nodes.iter().enumerate() {
-        let share = (node.at[0] - from) / (to - from);
-        let place = &mut lowest[((share * STATIONS as f64) as usize).min(STATIONS - 1)];
-        if place.is_none_or(|other| node.at[2] < nodes[other].at[2]) {
-            *place = Some(index);
-        }
-    }
+    let [[from, to], [low, high]] = [0, 2].map(|axis| range(nodes.iter().map(|n| n.at[axis])));
+    let numbered = nodes.iter().enumerate().map(|(k, node)| (k, node.at));
+    let lowest = lowest_of_stations(numbered, |x| (x - from) / (to - from));
     let medians = ASPECT_RATIOS.iter().filter_map(|&ratio| {
         let residuals = |&node: &usize| residuals_at(&nodes, node, ratio);
-        let stations = lowest.par_iter().flatten();
-        let found: Vec<[f64; 3]> = stations.filter_map(residuals).collect();
+        let found: Vec<[f64; 3]> = lowest.par_iter().filter_map(residuals).collect();
         // A few stations with a fit are those where the surface is least like its other parts.
-        let usual = 2 * found.len() >= lowest.iter().flatten().count();
+        let usual = 2 * found.len() >= lowest.len();
         let median = |k: usize| median(found.iter().map(|of| of[k]).collect());
         Some([median(0)?, median(1)?, median(2)?]).filter(|_| usual)
     });
@@ -118,13 +106,8 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
     let least = medians.iter().map(|of| of[2]).reduce(f64::min)?;
     let equal = medians.iter().filter(|of| of[2] <= EQUAL_RESIDUAL * least);
     let &[residual, curvature, farther] = equal.min_by(|a, b| a[1].total_cmp(&b[1]))?;
-    let shows = |value: f64| {
-        if value > rounding(high - low) {
-            value
-        } else {
-            0.0
-        }
-    };
+    let least = rounding(high - low);
+    let shows = |value: f64| if value > least { value } else { 0.0 };
     let (noise, unseen) = if farther > CURVATURE_RATIO * residual {
         (0.0, residual)
     } else {
@@ -139,17 +122,39 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
     })
 }
 
+/// Sizes of a face along x and y.
+fn size_of<const N: usize>(corners: [[f64; 3]; N]) -> [f64; 2] {
+    [0, 1].map(|axis| {
+        let [low, high] = range(corners.map(|corner| corner[axis]));
+        high - low
+    })
+}
+
+/// The lowest of the points at each station along the hull; `share` is the part of its length up to
+/// an x.
+pub(crate) fn lowest_of_stations<T: Copy>(
+    points: impl Iterator<Item = (T, [f64; 3])>,
+    share: impl Fn(f64) -> f64,
+) -> Vec<T> {
+    let mut lowest: Vec<Option<(T, f64)>> = vec![None; STATIONS];
+    for (point, [x, _, z]) in points {
+        let station = ((share(x) * STATIONS as f64) as usize).min(STATIONS - 1);
+        if lowest[station].is_none_or(|(_, least)| z < least) {
+            lowest[station] = Some((point, z));
+        }
+    }
+    lowest
+        .into_iter()
+        .flatten()
+        .map(|(point, _)| point)
+        .collect()
+}
+
 /// The nodes of some faces, in the points' order.
 fn nodes_of<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Vec<Node> {
     let mut reach: Vec<Option<[f64; 2]>> = vec![None; points.len()];
     for face in faces {
-        let size = [0, 1].map(|axis| {
-            let corners = face.iter().map(|&corner| points[corner][axis]);
-            let [low, high] = corners.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| {
-                [low.min(v), high.max(v)]
-            });
-            high - low
-        });
+        let size = size_of(face.map(|corner| points[corner]));
         for &corner in face {
             let before = reach[corner].unwrap_or_default();
             reach[corner] = Some([0, 1].map(|axis| before[axis].max(size[axis])));
@@ -171,6 +176,7 @@ fn residuals_at(nodes: &[Node], node: usize, ratio: f64) -> Option<[f64; 3]> {
         let above = (p.at[2] - z).max(0.0);
         above * above <= (p.at[0] - x).powi(2) + (p.at[1] - y).powi(2)
     };
+    let by_distance = |a: &(f64, Node), b: &(f64, Node)| a.0.total_cmp(&b.0);
     // Nodes are sorted along the underside: the range grows until its ends are farther than the
     // nodes found.
     let mut half = FIRST;
@@ -179,17 +185,14 @@ fn residuals_at(nodes: &[Node], node: usize, ratio: f64) -> Option<[f64; 3]> {
         let part = nodes[from..to].iter().filter(same_side);
         let mut near: Vec<(f64, Node)> = part.map(|p| (far(p), *p)).collect();
         let whole = from == 0 && to == nodes.len();
-        let width = |end: usize| {
-            if end == 0 || end == nodes.len() {
-                f64::INFINITY
-            } else {
-                ((nodes[end].at[0] - x) / ratio).powi(2)
-            }
+        let width = |end: usize| match nodes.get(end) {
+            Some(node) if end > 0 => ((node.at[0] - x) / ratio).powi(2),
+            _ => f64::INFINITY,
         };
         let least = width(from).min(width(to));
         let enough = near.len() >= 2 * NEAR && {
-            let by_far = |a: &(f64, Node), b: &(f64, Node)| a.0.total_cmp(&b.0);
-            near.select_nth_unstable_by(2 * NEAR - 1, by_far).1.0 * (1.0 + TIE) < least
+            let (_, last, _) = near.select_nth_unstable_by(2 * NEAR - 1, by_distance);
+            last.0 * (1.0 + TIE) < least
         };
         if whole || enough {
             break near;
@@ -198,7 +201,7 @@ fn residuals_at(nodes: &[Node], node: usize, ratio: f64) -> Option<[f64; 3]> {
     };
     let mut nearest = |count: usize| {
         let last = count.checked_sub(1).filter(|&last| last < near.len())?;
-        let (_, &mut (reach, _), _) = near.select_nth_unstable_by(last, |a, b| a.0.total_cmp(&b.0));
+        let (_, &mut (reach, _), _) = near.select_nth_unstable_by(last, by_distance);
         // All nodes at the same distance: which of them is first is arbitrary.
         let within = reach * (1.0 + TIE);
         let among = near.iter().filter(|(far, _)| *far <= within);
@@ -228,10 +231,8 @@ fn residual_of(nodes: &[Node]) -> Option<f64> {
         values.dedup_by(|b, a| *b - *a <= apart);
         *lines = values.len() as i32;
     }
-    let powers = POWERS
-        .iter()
-        .filter(|[i, j]| *i < lines[0] && *j < lines[1]);
-    let powers: Vec<[i32; 2]> = powers.copied().collect();
+    let determined = |[i, j]: &[i32; 2]| *i < lines[0] && *j < lines[1];
+    let powers: Vec<[i32; 2]> = POWERS.into_iter().filter(determined).collect();
     let fitted = fit(&places, &heights, &powers)?;
     let slope = |p: &[f64; 2], axis: usize| -> f64 {
         let terms = powers.iter().zip(&fitted.coefficients);
@@ -324,17 +325,8 @@ pub fn strips_of_hull(hull: &Hull) -> Option<f64> {
     const MANY: f64 = 20.0;
     let [low, high] = hull.bounds();
     let down = hull.triangles.iter().filter(|t| faces_down(hull, t));
-    let sizes: Vec<[f64; 2]> = down
-        .map(|t| {
-            [0, 1].map(|axis| {
-                let values = t.map(|i| hull.positions[i as usize][axis]);
-                let ends = [f64::max, f64::min].map(|end| values.into_iter().reduce(end));
-                ends[0]
-                    .zip(ends[1])
-                    .map_or(0.0, |(most, least)| most - least)
-            })
-        })
-        .collect();
+    let sizes = down.map(|t| size_of(t.map(|i| hull.positions[i as usize])));
+    let sizes: Vec<[f64; 2]> = sizes.collect();
     let [long, wide] = [0, 1].map(|axis| median(sizes.iter().map(|size| size[axis]).collect()));
     let (long, wide) = (long?, wide?);
     (MANY * long > high[0] - low[0] && long > MANY * wide).then_some(long)
@@ -363,24 +355,21 @@ pub fn keel_spacing(hull: &Hull, section_radius: f64) -> Option<f64> {
     let [low, high] = hull.bounds();
     let length = high[0] - low[0];
     let half = [LONG * length, WIDE * section_radius];
-    let corner = |i: u32| hull.positions[i as usize];
+    let corner = |i: u32| Vector3::from(hull.positions[i as usize]);
     let mut edges = Vec::new();
     for k in 0..PLACES {
         let x = low[0] + length * (0.1 + 0.8 * k as f64 / (PLACES - 1) as f64);
-        let along = |p: &[f64; 3]| (p[0] - x).abs() <= half[0];
-        let here = hull.positions.iter().filter(|p| along(p));
+        let along = |x_p: f64| (x_p - x).abs() <= half[0];
+        let here = hull.positions.iter().filter(|p| along(p[0]));
         let Some(keel) = here.min_by(|a, b| a[2].total_cmp(&b[2])) else {
             continue;
         };
-        let near = |p: &[f64; 3]| {
-            along(p) && (p[1] - keel[1]).abs() <= half[1] && p[2] - keel[2] < half[1]
+        let near = |p: Vector3<f64>| {
+            along(p.x) && (p.y - keel[1]).abs() <= half[1] && p.z - keel[2] < half[1]
         };
-        let touches = |t: &&[u32; 3]| t.iter().any(|&i| near(&corner(i)));
+        let touches = |t: &&[u32; 3]| t.iter().any(|&i| near(corner(i)));
         for [a, b, c] in hull.triangles.iter().filter(touches).map(|t| t.map(corner)) {
-            edges.extend([[a, b], [b, c], [c, a]].map(|[a, b]| {
-                let square: f64 = (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum();
-                square.sqrt()
-            }));
+            edges.extend([(a, b), (b, c), (c, a)].map(|(a, b)| (a - b).norm()));
         }
     }
     median(edges)

@@ -6,12 +6,12 @@ use rayon::prelude::*;
 use crate::error::MeshError;
 use crate::fit::downward::Downward;
 use crate::fit::fitted_underside::Surface;
+use crate::fit::spline::Sample;
 use crate::hull::Hull;
-use crate::scan::noise::{fit, median};
+use crate::parameter::range;
+use crate::scan::noise::{fit, lowest_of_stations, median};
 use crate::shapes::underside::Underside;
 
-/// Stations along the hull at which its lowest vertex is taken.
-const STATIONS: usize = 60;
 /// Vertices on steeper flanks are not compared (cosine of the angle to the ice).
 const GENTLE: f64 = 0.3;
 /// Most vertices that are compared.
@@ -123,14 +123,11 @@ impl Orientation {
         let roll = angle(ROLL, roll);
         // A roll that is not shown turns yaw and pitch into each other.
         let turned_by_roll = |found: Option<Estimate>, other: f64| {
-            found.map(|found| Estimate {
-                error: if roll.is_some() {
-                    found.error
-                } else {
-                    found.error.hypot(UNKNOWN * other)
-                },
-                ..found
-            })
+            let mut found = found?;
+            if roll.is_none() {
+                found.error = found.error.hypot(UNKNOWN * other);
+            }
+            Some(found)
         };
         let along_keel = keel.map(|keel| Estimate {
             value: -keel.value,
@@ -141,11 +138,9 @@ impl Orientation {
             pitch: turned_by_roll(angle(PITCH, pitch), yaw),
             roll,
             middle: [X, Y].map(|unknown| {
-                let error = found.errors[unknown]?.hypot(ROUNDING);
-                Some(Estimate {
-                    value: found.values[unknown],
-                    error,
-                })
+                let (value, error) = (found.values[unknown], found.errors[unknown]?);
+                let error = error.hypot(ROUNDING);
+                Some(Estimate { value, error })
             }),
         })
     }
@@ -154,9 +149,8 @@ impl Orientation {
     /// [rad].
     pub fn significant(&self) -> [f64; 3] {
         [self.roll, self.pitch, self.yaw].map(|angle| {
-            angle
-                .filter(Estimate::significant)
-                .map_or(0.0, |angle| angle.value)
+            let significant = angle.filter(Estimate::significant);
+            significant.map_or(0.0, |angle| angle.value)
         })
     }
 }
@@ -164,20 +158,9 @@ impl Orientation {
 /// Direction of the line through the lowest vertices of the stations along x, seen from above;
 /// `None` where they form no line.
 pub(crate) fn keel_yaw(points: &[[f64; 3]]) -> Option<Estimate> {
-    let xs = || points.iter().map(|p| p[0]);
-    let [low, high] = [
-        xs().fold(f64::INFINITY, f64::min),
-        xs().fold(f64::NEG_INFINITY, f64::max),
-    ];
-    let mut lowest: Vec<Option<[f64; 3]>> = vec![None; STATIONS];
-    for p in points {
-        let share = (p[0] - low) / (high - low);
-        let station = &mut lowest[((share * STATIONS as f64) as usize).min(STATIONS - 1)];
-        if station.is_none_or(|other| p[2] < other[2]) {
-            *station = Some(*p);
-        }
-    }
-    let mut keel: Vec<[f64; 3]> = lowest.into_iter().flatten().collect();
+    let [low, high] = range(points.iter().map(|p| p[0]));
+    let each = points.iter().map(|p| (*p, *p));
+    let mut keel = lowest_of_stations(each, |x| (x - low) / (high - low));
     let mut line = None;
     // A second time without those that are far off the first line.
     for _ in 0..2 {
@@ -233,10 +216,8 @@ struct Row {
 impl Registration {
     fn of(part: &Downward, noise: f64) -> Result<Self, MeshError> {
         let (surface, samples) = Surface::fit(part, noise, false)?;
-        let gentle: Vec<usize> = part
-            .gentle()
-            .filter(|&n| part.cosines[n] > GENTLE)
-            .collect();
+        let gentle = part.gentle().filter(|&n| part.cosines[n] > GENTLE);
+        let gentle: Vec<usize> = gentle.collect();
         let [x0, x1, ..] = surface.extent();
         let vertex = |&n: &usize| {
             let out = (2.0 * part.points[n][0] - x0 - x1).abs() / (x1 - x0);
@@ -252,8 +233,8 @@ impl Registration {
         let Some(ends) = ends(&places) else {
             return Ok(Self::default());
         };
-        let misfits = samples.iter();
-        let misfits = misfits.map(|s| (s.weight * (surface.spline.value(s.at) - s.height)).abs());
+        let misfit = |s: &Sample| (s.weight * (surface.spline.value(s.at) - s.height)).abs();
+        let misfits = samples.iter().map(misfit);
         let misfit = DEVIATION * median(misfits.collect()).unwrap_or(0.0);
         let noise = noise.hypot(misfit);
         let both = Self::of_images(&surface, &vertices, &ends, [true; 2]);
@@ -261,7 +242,7 @@ impl Registration {
             [0, 1].map(|axis| scatter[axis] <= allowed(&vertices, axis, noise))
         });
         if alike == [true; 2] {
-            return Ok(both.map_or(Self::default(), |(found, _)| found));
+            return Ok(both.unwrap_or_default().0);
         }
         // An image that differs spoils the yaw of the other.
         let alone = |axis: usize| {
@@ -279,10 +260,8 @@ impl Registration {
         ends: &Ends,
         images: [bool; 2],
     ) -> Option<(Self, [f64; 2])> {
-        let shown = || {
-            let axes = (0..2).filter(|axis| images[*axis]);
-            axes.flat_map(|axis| SHOWN[axis])
-        };
+        let axes = || (0..2).filter(|axis| images[*axis]);
+        let shown = || axes().flat_map(|axis| SHOWN[axis]);
         let mut values = Unknowns::zeros();
         values[X] = ends.middle[0];
         values[Y] = median(vertices.iter().map(|v| v.at.y).collect())?;
@@ -296,11 +275,10 @@ impl Registration {
         for _ in 0..STEPS {
             parts = Default::default();
             let (mut square, mut count) = (0.0, 0.0);
-            for axis in (0..2).filter(|axis| images[*axis]) {
+            for axis in axes() {
                 let mirror = Mirror::new(axis, &values);
-                let rows = vertices.par_iter();
-                let rows = rows.filter_map(|vertex| mirror.row(surface, vertex));
-                let rows: Vec<Row> = rows.collect();
+                let row = |vertex: &Vertex| mirror.row(surface, vertex);
+                let rows: Vec<Row> = vertices.par_iter().filter_map(row).collect();
                 let distances = rows.iter().map(|row| row.residual.abs());
                 scatter[axis] = DEVIATION * median(distances.collect())?;
                 let most = OUTLIER * scatter[axis].max(f64::MIN_POSITIVE);
@@ -318,9 +296,8 @@ impl Registration {
                 return None;
             }
             let step = whole.solve(&whole.right)?;
-            let largest = (ROLL..=YAW)
-                .map(|angle| step[angle].abs())
-                .fold(0.0, f64::max);
+            let largest = [ROLL, PITCH, YAW].map(|angle| step[angle].abs());
+            let largest = largest.into_iter().fold(0.0, f64::max);
             if largest > LARGEST_STEP {
                 return None;
             }
@@ -329,17 +306,15 @@ impl Registration {
                 break;
             }
         }
-        let estimates: Option<Vec<Unknowns>> = (0..PARTS)
-            .map(|part| {
-                let others = Equations::sum(&parts, Some(part));
-                others.solve(&others.right)
-            })
-            .collect();
+        let without = |part: usize| {
+            let others = Equations::sum(&parts, Some(part));
+            others.solve(&others.right)
+        };
+        let estimates: Option<Vec<Unknowns>> = (0..PARTS).map(without).collect();
         let estimates = estimates?;
         let mean = estimates.iter().sum::<Unknowns>() / PARTS as f64;
-        let squares = estimates
-            .iter()
-            .map(|e| (e - mean).component_mul(&(e - mean)));
+        let off = estimates.iter().map(|estimate| estimate - mean);
+        let squares = off.map(|off| off.component_mul(&off));
         let jackknife = squares.sum::<Unknowns>() * ((PARTS - 1) as f64 / PARTS as f64);
         // The ends are in every estimate: their own error, carried over by the solution.
         let from_ends = ends.error * Equations::sum(&parts, None).solve(&(weight * end))?;
@@ -430,14 +405,13 @@ fn ends(places: &[[f64; 3]]) -> Option<Ends> {
     let mut sorted = places.to_vec();
     sorted.sort_by(|a, b| a[1].total_cmp(&b[1]));
     let size = sorted.len().div_ceil(STRIPS);
-    let middles: Vec<[f64; 3]> = sorted
-        .chunks(size.max(1))
-        .filter_map(|strip| {
-            let by_x = |a: &&[f64; 3], b: &&[f64; 3]| a[0].total_cmp(&b[0]);
-            let (rear, front) = (strip.iter().min_by(by_x)?, strip.iter().max_by(by_x)?);
-            Some([0, 1, 2].map(|k| 0.5 * (rear[k] + front[k])))
-        })
-        .collect();
+    let middle = |strip: &[[f64; 3]]| {
+        let by_x = |a: &&[f64; 3], b: &&[f64; 3]| a[0].total_cmp(&b[0]);
+        let (rear, front) = (strip.iter().min_by(by_x)?, strip.iter().max_by(by_x)?);
+        Some([0, 1, 2].map(|k| 0.5 * (rear[k] + front[k])))
+    };
+    let strips = sorted.chunks(size.max(1));
+    let middles: Vec<[f64; 3]> = strips.filter_map(middle).collect();
     if middles.len() < 3 {
         return None;
     }
@@ -445,10 +419,8 @@ fn ends(places: &[[f64; 3]]) -> Option<Ends> {
     let middle = [0, 1, 2].map(|k| middles.iter().map(|m| m[k]).sum::<f64>() / count);
     // Of the strips about a line across, which yaw turns them by.
     let product = |a: usize, b: usize| {
-        let each = middles
-            .iter()
-            .map(|m| (m[a] - middle[a]) * (m[b] - middle[b]));
-        each.sum::<f64>()
+        let term = |m: &[f64; 3]| (m[a] - middle[a]) * (m[b] - middle[b]);
+        middles.iter().map(term).sum::<f64>()
     };
     let [xx, xy, yy] = [product(0, 0), product(0, 1), product(1, 1)];
     let explained = if yy > 0.0 { xy * xy / yy } else { 0.0 };
@@ -486,14 +458,11 @@ impl Equations {
     /// The step of least squares, 0 for unknowns that are in no row; `None` where the rows do not
     /// determine the others. Columns are scaled first: they are angles and lengths.
     fn solve(&self, right: &Unknowns) -> Option<Unknowns> {
-        let absent = |d: f64| d == 0.0;
-        let scale = self
-            .normal
-            .diagonal()
-            .map(|d| if absent(d) { 1.0 } else { 1.0 / d.sqrt() });
+        let diagonal = self.normal.diagonal();
+        let scale = diagonal.map(|d| if d == 0.0 { 1.0 } else { 1.0 / d.sqrt() });
         let scaling = SMatrix::from_diagonal(&scale);
         let mut scaled = scaling * self.normal * scaling;
-        for k in (0..UNKNOWNS).filter(|&k| absent(self.normal[(k, k)])) {
+        for k in (0..UNKNOWNS).filter(|&k| diagonal[k] == 0.0) {
             scaled[(k, k)] = 1.0;
         }
         Some(scaling * scaled.cholesky()?.solve(&(scaling * right)))

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::MeshError;
-use crate::input::read_file;
+use crate::input::{read_columns, read_file};
 use crate::parameter::expect;
 
 /// A smooth curve `z(x)` through points: a cubic spline that keeps convex data convex.
@@ -41,10 +41,8 @@ impl Profile {
             expect(increases, &place, point[0], expected)?;
         }
         let steps: Vec<f64> = points.windows(2).map(|p| p[1][0] - p[0][0]).collect();
-        let secants: Vec<f64> = points
-            .windows(2)
-            .map(|p| (p[1][1] - p[0][1]) / (p[1][0] - p[0][0]))
-            .collect();
+        let secant = |p: &[[f64; 2]]| (p[1][1] - p[0][1]) / (p[1][0] - p[0][0]);
+        let secants: Vec<f64> = points.windows(2).map(secant).collect();
         let slopes = shape_keeping_slopes(&steps, &secants);
         let mut profile = Self {
             breaks: vec![points[0][0]],
@@ -52,14 +50,9 @@ impl Profile {
         };
         for i in 0..steps.len() {
             let [x, z] = points[i];
-            profile.add_piece(
-                x,
-                z,
-                steps[i],
-                secants[i],
-                [slopes[i], slopes[i + 1]],
-                bend(&secants, i, i + 1),
-            );
+            let ends = [slopes[i], slopes[i + 1]];
+            let bend = bend(&secants, i, i + 1);
+            profile.add_piece(x, z, steps[i], secants[i], ends, bend);
         }
         Ok(profile)
     }
@@ -78,12 +71,8 @@ impl Profile {
             let after = step - before;
             self.pieces.push([z, slopes[0], 0.5 * first / before, 0.0]);
             self.breaks.push(x + before);
-            self.pieces.push([
-                z + 0.5 * (slopes[0] + secant) * before,
-                secant,
-                0.5 * last / after,
-                0.0,
-            ]);
+            let middle = z + 0.5 * (slopes[0] + secant) * before;
+            self.pieces.push([middle, secant, 0.5 * last / after, 0.0]);
         }
         self.breaks.push(x + step);
     }
@@ -97,11 +86,8 @@ impl Profile {
     pub fn evaluate(&self, x: f64) -> [f64; 3] {
         let [first, last] = self.range();
         let inside = x.clamp(first, last);
-        let i = self
-            .breaks
-            .partition_point(|&b| b <= inside)
-            .clamp(1, self.pieces.len())
-            - 1;
+        let after = self.breaks.partition_point(|&b| b <= inside);
+        let i = after.clamp(1, self.pieces.len()) - 1;
         let [a, b, c, d] = self.pieces[i];
         let t = inside - self.breaks[i];
         let slope = b + t * (2.0 * c + 3.0 * d * t);
@@ -144,9 +130,10 @@ impl Profile {
         best
     }
 
-    /// The curve moved by `dz` [m].
-    pub fn raised(mut self, dz: f64) -> Self {
-        self.pieces.iter_mut().for_each(|p| p[0] += dz);
+    /// The curve moved so that its lowest point has height 0.
+    pub(crate) fn levelled(mut self) -> Self {
+        let [_, lowest] = self.lowest();
+        self.pieces.iter_mut().for_each(|piece| piece[0] -= lowest);
         self
     }
 
@@ -162,11 +149,8 @@ impl Profile {
         if (first + last).abs() > 1e-12 * scale {
             return false;
         }
-        let probes = || {
-            self.breaks
-                .windows(2)
-                .flat_map(|b| [b[0], 0.5 * (b[0] + b[1])])
-        };
+        let pairs = self.breaks.windows(2);
+        let probes = || pairs.clone().flat_map(|b| [b[0], 0.5 * (b[0] + b[1])]);
         let size = probes().map(|x| self.value(x).abs()).fold(0.0, f64::max);
         probes().all(|x| (self.value(x) - self.value(-x)).abs() <= 1e-12 * size)
     }
@@ -218,12 +202,7 @@ fn spline_slopes(h: &[f64], d: &[f64]) -> Vec<f64> {
         let middle = (h[1] * d[0] + h[0] * d[1]) / (h[0] + h[1]);
         return vec![2.0 * d[0] - middle, middle, 2.0 * d[1] - middle];
     }
-    let (mut lower, mut diagonal, mut upper, mut right) = (
-        vec![0.0; n + 1],
-        vec![0.0; n + 1],
-        vec![0.0; n + 1],
-        vec![0.0; n + 1],
-    );
+    let [mut lower, mut diagonal, mut upper, mut right] = [(); 4].map(|()| vec![0.0; n + 1]);
     let (first, last) = (h[0] + h[1], h[n - 2] + h[n - 1]);
     (diagonal[0], upper[0]) = (h[1], first);
     right[0] = ((h[0] + 2.0 * first) * h[1] * d[0] + h[0] * h[0] * d[1]) / first;
@@ -249,45 +228,13 @@ fn spline_slopes(h: &[f64], d: &[f64]) -> Vec<f64> {
 /// Most bytes of a curve's file.
 const MOST_BYTES: u64 = 1 << 26;
 
-/// Reads a CSV file with exactly two columns of this name, a point a row [m].
+/// Reads the columns of these names of a CSV file, a point a row [m].
 ///
 /// # Errors
 /// [`MeshError::File`] with the row, the column and the text found.
-pub fn load_points(path: &Path, columns: [&'static str; 2]) -> Result<Vec<[f64; 2]>, MeshError> {
+pub fn load_points(path: &Path, columns: [&str; 2]) -> Result<Vec<[f64; 2]>, MeshError> {
     let bytes = read_file(path, MOST_BYTES)?;
-    read_points(&bytes, columns).map_err(|error| error.in_file(path))
-}
-
-fn read_points(bytes: &[u8], columns: [&'static str; 2]) -> Result<Vec<[f64; 2]>, MeshError> {
-    let error_at = |row: usize, column: &str, found: String| {
-        MeshError::value(
-            format!("row {row}, column {column}"),
-            found,
-            "a number of m",
-        )
-    };
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .from_reader(bytes);
-    let header = reader
-        .headers()
-        .map_err(|error| error_at(0, columns[0], error.to_string()))?;
-    if header != columns.to_vec() {
-        let found = header.iter().collect::<Vec<&str>>().join(",");
-        return Err(MeshError::value("columns", found, columns.join(",")));
-    }
-    let mut points = Vec::new();
-    for (i, record) in reader.records().enumerate() {
-        let record = record.map_err(|error| error_at(i + 1, columns[0], error.to_string()))?;
-        let mut point = [0.0; 2];
-        for (k, value) in point.iter_mut().enumerate() {
-            let text = record.get(k).unwrap_or_default();
-            let number = text.parse::<f64>().ok().filter(|v| v.is_finite());
-            *value = number.ok_or_else(|| error_at(i + 1, columns[k], format!("{text:?}")))?;
-        }
-        points.push(point);
-    }
-    Ok(points)
+    read_columns(&bytes[..], columns).map_err(|error| error.in_file(path))
 }
 
 #[cfg(test)]
@@ -360,7 +307,7 @@ mod tests {
 
     #[test]
     fn points_are_read_and_what_is_none_is_refused_with_its_place() {
-        let read = |text: &str| read_points(text.as_bytes(), ["y_m", "z_m"]);
+        let read = |text: &str| read_columns(text.as_bytes(), ["y_m", "z_m"]);
         assert_eq!(
             read("y_m,z_m\n-0.1, 2e-3\n0,0\n").unwrap(),
             [[-0.1, 2e-3], [0.0, 0.0]]
@@ -368,11 +315,11 @@ mod tests {
         let refused = |text: &str| read(text).unwrap_err().to_string();
         let message = refused("y_m,z_m\n0,0\n0.1,wide\n");
         assert!(
-            message.contains("row 2") && message.contains("z_m") && message.contains("wide"),
+            message.contains("row 3") && message.contains("z_m") && message.contains("wide"),
             "{message}"
         );
         assert!(refused("x_m,z_m\n0,0\n").contains("x_m,z_m"));
         assert!(refused("y_m,z_m\n0,inf\n").contains("inf"));
-        assert!(refused("y_m,z_m\n0\n").contains("row 1"));
+        assert!(refused("y_m,z_m\n0\n").contains("row 2"));
     }
 }

@@ -60,13 +60,8 @@ impl Section {
         positive_finite("edge radius [m]", radius)?;
         positive_finite("width [m]", width)?;
         expect((0.0..=0.8).contains(&tilt), "tilt [rad]", tilt, "0 to 0.8")?;
-        let narrow = width > 2.0 * radius;
-        expect(
-            narrow,
-            "edge radius [m]",
-            radius,
-            "less than half the width",
-        )?;
+        let (narrow, expected) = (width > 2.0 * radius, "less than half the width");
+        expect(narrow, "edge radius [m]", radius, expected)?;
         Ok(Self::Edge {
             radius,
             tilt,
@@ -80,9 +75,7 @@ impl Section {
     /// # Errors
     /// As [`Profile::new`].
     pub fn points(points: &[[f64; 2]]) -> Result<Self, MeshError> {
-        let curve = Profile::new("section", points)?;
-        let [_, lowest] = curve.lowest();
-        Ok(Self::Points(curve.raised(-lowest)))
+        Ok(Self::Points(Profile::new("section", points)?.levelled()))
     }
 
     /// This section after wear has removed `depth` [m] from its lowest point and rounded the flat's
@@ -97,15 +90,9 @@ impl Section {
     /// is not from 0 to 1.
     pub fn worn(self, depth: f64, edge: f64) -> Result<Self, MeshError> {
         expect((0.0..=1.0).contains(&edge), "worn edge", edge, "0 to 1")?;
-        let [from, to] = self.extent();
-        let rise = self.height(from).max(self.height(to));
+        let fits = (0.0..self.rise()).contains(&depth);
         let expected = "not negative, and less than the section's rise to its sides";
-        expect(
-            (0.0..rise).contains(&depth),
-            "wear depth [m]",
-            depth,
-            expected,
-        )?;
+        expect(fits, "wear depth [m]", depth, expected)?;
         Ok(Self::Worn {
             new: Box::new(self),
             depth,
@@ -123,12 +110,8 @@ impl Section {
             Self::Arc { radius, .. } => arc_height(*radius, y),
             Self::Edge { radius, tilt, .. } => {
                 let tangent = radius * tilt.sin();
-                let rise = tilt.tan() * (y - tangent);
-                if y > tangent {
-                    arc_height(*radius, tangent) + rise
-                } else {
-                    arc_height(*radius, y)
-                }
+                let flat = tilt.tan() * (y - tangent).max(0.0);
+                arc_height(*radius, y.min(tangent)) + flat
             }
             Self::Points(curve) => curve.value(y),
             Self::Worn { new, depth, edge } => {
@@ -136,6 +119,12 @@ impl Section {
                 0.5 * (above + above.hypot(edge * depth))
             }
         }
+    }
+
+    /// Height of the higher side [m].
+    pub(crate) fn rise(&self) -> f64 {
+        let [from, to] = self.extent();
+        self.height(from).max(self.height(to))
     }
 
     /// The section's two sides [m].
@@ -148,7 +137,7 @@ impl Section {
         }
     }
 
-    /// Positions between which a measured section is smooth [m]; none of one that a formula says.
+    /// Positions between which a measured section is smooth [m]; none of one given by a formula.
     pub(crate) fn breaks(&self) -> &[f64] {
         match self {
             Self::Arc { .. } | Self::Edge { .. } => &[],
@@ -205,9 +194,7 @@ impl Rocker {
     /// # Errors
     /// As [`Profile::new`].
     pub fn points(points: &[[f64; 2]]) -> Result<Self, MeshError> {
-        let curve = Profile::new("rocker", points)?;
-        let [_, lowest] = curve.lowest();
-        Ok(Self::Points(curve.raised(-lowest)))
+        Ok(Self::Points(Profile::new("rocker", points)?.levelled()))
     }
 
     /// Height [m] and slope at `x` [m]; outside the rocker's range the height is infinite.

@@ -91,19 +91,16 @@ impl Swept {
         }
         let [x0, x1, y0, y1] = self.extent();
         let lines = [(0, x0, x1), (1, y0, y1)].map(|(axis, from, to)| -> Vec<f64> {
+            let inside = |b: &f64| (from..=to).contains(b);
             match measured[axis] {
                 [] => linspace(from, to, EVEN[axis]).collect(),
-                breaks => {
-                    let inside = breaks.iter().filter(|b| (from..=to).contains(*b));
-                    inside.copied().collect()
-                }
+                breaks => breaks.iter().copied().filter(inside).collect(),
             }
         });
-        let [keel, section] = [
-            lines[0].iter().map(|&x| self.keel(x)).collect::<Vec<f64>>(),
-            lines[1].iter().map(|&y| self.section.height(y)).collect(),
-        ];
-        lows([&lines[0], &lines[1]], |i, j| keel[i] + section[j])
+        let [xs, ys] = &lines;
+        let keel: Vec<f64> = xs.iter().map(|&x| self.keel(x)).collect();
+        let section: Vec<f64> = ys.iter().map(|&y| self.section.height(y)).collect();
+        lows([xs, ys], |i, j| keel[i] + section[j])
     }
 
     /// The same with ends of `end_radius` [m] that rise by half the distance between the
@@ -118,8 +115,7 @@ impl Swept {
         top: f64,
         end_radius: f64,
     ) -> Result<Self, MeshError> {
-        let [y0, y1] = section.extent();
-        let sides = section.height(y0).max(section.height(y1));
+        let sides = section.rise();
         let [keel, slope] = rocker.height_and_slope(0.5 * length);
         // A runner with no room for ends is refused by `new`, which names why.
         let rise = (0.5 * (top - sides - keel)).clamp(1e-3 * end_radius, 0.5 * end_radius);
@@ -131,11 +127,6 @@ impl Swept {
             length: by_rise.min(0.5 * length).min(steepest * end_radius),
         };
         Self::new(rocker, section, Some(ends), length, top)
-    }
-
-    /// The shape along x.
-    pub fn rocker(&self) -> &Rocker {
-        &self.rocker
     }
 
     /// The shape across.
@@ -165,35 +156,28 @@ impl Swept {
             return f64::INFINITY;
         }
         let [from, to] = self.rocker.range();
-        let Some(ends) = self.ends else {
-            return self.rocker.height_and_slope(x.clamp(from, to))[0];
+        let rocker = |x: f64| self.rocker.height_and_slope(x.clamp(from, to));
+        let start = self.ends.map_or(half, |ends| half - ends.length);
+        let Some(ends) = self.ends.filter(|_| x.abs() > start) else {
+            return rocker(x)[0];
         };
-        let start = half - ends.length;
-        if x.abs() <= start {
-            return self.rocker.height_and_slope(x.clamp(from, to))[0];
-        }
-        let [height, slope] = self
-            .rocker
-            .height_and_slope(start.copysign(x).clamp(from, to));
+        let [height, slope] = rocker(start.copysign(x));
         // Sine of the arc's angle at its beginning and at x; outwards is positive.
         let first = slope.copysign(slope * x.signum()) / slope.hypot(1.0);
         let last = first + (x.abs() - start) / ends.radius;
         let cosine = |sine: f64| ((1.0 - sine) * (1.0 + sine)).sqrt();
         if last >= 1.0 {
-            f64::INFINITY
-        } else {
-            height + ends.radius * (cosine(first) - cosine(last))
+            return f64::INFINITY;
         }
+        height + ends.radius * (cosine(first) - cosine(last))
     }
 
     /// Height of the underside's highest point [m].
     pub fn highest(&self) -> f64 {
-        let [y0, y1] = self.section.extent();
-        let over = |f: &dyn Fn(f64) -> f64, from: f64, to: f64| {
-            linspace(from, to, 200).map(f).fold(0.0, f64::max)
-        };
-        let half = 0.5 * self.length;
-        over(&|x| self.keel(x), -half, half) + over(&|y| self.section.height(y), y0, y1)
+        let [x0, x1, y0, y1] = self.extent();
+        let keel = linspace(x0, x1, 200).map(|x| self.keel(x));
+        let section = linspace(y0, y1, 200).map(|y| self.section.height(y));
+        keel.fold(0.0, f64::max) + section.fold(0.0, f64::max)
     }
 }
 
@@ -255,17 +239,8 @@ impl BobRunner {
     /// # Errors
     /// [`MeshError::Value`] where the numbers make no runner.
     pub fn swept(&self) -> Result<Swept, MeshError> {
-        self.swept_along(Rocker::arc(self.rocker_radius)?)
-    }
-
-    /// The runner swept along another rocker, as one of several radii given by points;
-    /// `rocker_radius` is not used.
-    ///
-    /// # Errors
-    /// [`MeshError::Value`] where the numbers make no runner.
-    pub fn swept_along(&self, rocker: Rocker) -> Result<Swept, MeshError> {
         let section = Section::arc(self.section_radius, self.width)?;
-        self.swept_with(rocker, section)
+        self.swept_with(Rocker::arc(self.rocker_radius)?, section)
     }
 
     /// The runner with another rocker and another section; the radii and the width are not used.

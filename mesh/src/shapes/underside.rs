@@ -21,7 +21,7 @@ pub trait Underside: Send + Sync {
     fn mirror_symmetric(&self) -> [bool; 2];
 
     /// Places (x, y) [m] where a surface through measured points is below its surroundings, along x
-    /// or across: a burr may lie between any even lines. None of one that a formula says.
+    /// or across: a burr may lie between any even lines. None of one given by a formula.
     fn lows(&self) -> &[[f64; 2]] {
         &[]
     }
@@ -77,12 +77,8 @@ impl Underside for Paraboloid {
     }
 
     fn extent(&self) -> [f64; 4] {
-        [
-            f64::NEG_INFINITY,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            f64::INFINITY,
-        ]
+        let all = [f64::NEG_INFINITY, f64::INFINITY];
+        [all[0], all[1], all[0], all[1]]
     }
 
     fn mirror_symmetric(&self) -> [bool; 2] {

@@ -8,7 +8,7 @@ use kufe_contact::{
     Error, Foundation, Ice, Iterate, Load, NextMesh, Options, Problem, Runner, Solution, Tilt,
     hertz, solve,
 };
-use kufe_mesh::{BobRunner, HeightMap, Interpolation, Paraboloid, Waviness};
+use kufe_mesh::{BobRunner, HeightMap, Paraboloid, Waviness};
 use kufe_tests::contact::{ICE_E, ICE_NU, contact_modulus, on_half_space};
 
 fn of_cells(cells: usize) -> Options {
@@ -67,13 +67,7 @@ fn waves_touch_as_far_as_westergaard_says() {
 fn a_ball_on_fine_cells_is_hertz_s() {
     let radius = 0.5;
     let expected = hertz(radius, radius, contact_modulus(), 100.0).unwrap();
-    let flat = HeightMap::new(
-        [-0.1; 2],
-        [0.1; 2],
-        [3, 3],
-        vec![0.0; 9],
-        Interpolation::Bilinear,
-    );
+    let flat = HeightMap::new([-0.1; 2], [0.1; 2], [3, 3], vec![0.0; 9]);
     let mut problem = on_half_space(Paraboloid::new(radius, radius).unwrap(), 100.0);
     // Off the middle, so that no mirror plane leaves fewer nodes.
     problem.load = Load::Force {
@@ -205,14 +199,7 @@ fn rough(count: usize, size: f64) -> HeightMap {
         2e-7 * waves.iter().map(wave).sum::<f64>()
     };
     let heights = (0..count * count).map(height).collect();
-    HeightMap::new(
-        [-0.5 * size; 2],
-        [step; 2],
-        [count; 2],
-        heights,
-        Interpolation::Bicubic,
-    )
-    .unwrap()
+    HeightMap::new([-0.5 * size; 2], [step; 2], [count; 2], heights).unwrap()
 }
 
 /// A ball on such ice.

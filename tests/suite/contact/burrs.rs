@@ -7,9 +7,7 @@ use kufe_contact::{
     BoundaryElements, CheckUnavailable, Load, Options, Problem, Solution, Tilt, boundary_elements,
     hertz, solve,
 };
-use kufe_mesh::{
-    FittedUnderside, HeightMap, Hull, Interpolation, Paraboloid, Rocker, Section, Swept, Underside,
-};
+use kufe_mesh::{FittedUnderside, HeightMap, Hull, Paraboloid, Rocker, Section, Swept, Underside};
 use kufe_tests::contact::{contact_modulus, on_half_space};
 
 const ROCKER: f64 = 30.0;
@@ -146,13 +144,7 @@ fn a_grain_on_measured_ice_bears_its_share() {
         let [x, y] = [k % 81, k / 81].map(|i| (i as f64 - 40.0) * step[0]);
         height * (-(x * x + y * y) / (WIDTH * WIDTH)).exp()
     });
-    let map = HeightMap::new(
-        origin,
-        step,
-        shape,
-        heights.collect(),
-        Interpolation::Bicubic,
-    );
+    let map = HeightMap::new(origin, step, shape, heights.collect());
     let mut problem = level(
         Swept::new(
             Rocker::arc(ROCKER).unwrap(),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use kufe_contact::{
     Bed, Foundation, Load, Options, PressureMap, Problem, Solution, Tilt, hertz, solve,
 };
-use kufe_mesh::{BobRunner, HeightMap, IceSurface, Interpolation, Paraboloid, Underside, Waviness};
+use kufe_mesh::{BobRunner, HeightMap, IceSurface, Paraboloid, Underside, Waviness};
 use kufe_tests::contact::{ICE_E, ICE_NU, contact_modulus, on_half_space};
 use kufe_tests::exact_response::by_exact_responses;
 
@@ -153,7 +153,7 @@ fn waves_as_a_height_map_press_like_waves_as_a_formula() {
     let heights = (0..shape[0] * shape[1])
         .map(|k| waves.height(origin[0] + spacing[0] * (k % shape[0]) as f64, 0.0))
         .collect();
-    let map = HeightMap::new(origin, spacing, shape, heights, Interpolation::Bicubic).unwrap();
+    let map = HeightMap::new(origin, spacing, shape, heights).unwrap();
     let pressed = |surface: Arc<dyn IceSurface>| {
         let mut problem = on_half_space(Paraboloid::new(30.0, 0.005).unwrap(), 1000.0);
         problem.ice_surface = Some(surface);

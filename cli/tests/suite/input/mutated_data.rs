@@ -12,7 +12,7 @@ use kufe::jobs::table::TableSpec;
 use kufe::results::LateralFitDocument;
 use kufe_discover::read_map_bytes;
 use kufe_lut::{Axes, Figures, Quantity, Table, read_fmu};
-use kufe_mesh::{HeightMap, Interpolation, TensorGrid, read_gmsh, read_vtu, write_vtu};
+use kufe_mesh::{HeightMap, TensorGrid, read_gmsh, read_vtu, write_vtu};
 use kufe_sled::MODEL_EXAMPLE;
 use kufe_sled::friction::{read_experiments, read_glide, read_glide_index};
 use kufe_sled::{COLUMNS, Model, Track, Vehicle, read_columns, read_csv, read_index};
@@ -210,7 +210,7 @@ fn damaged_height_maps_are_surfaces_or_errors() {
         );
     }
     rounds("heights.csv", &[seed.into()], |bytes| {
-        HeightMap::from_csv(bytes, Interpolation::default()).is_ok()
+        HeightMap::from_csv(bytes).is_ok()
     });
 }
 
