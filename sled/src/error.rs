@@ -5,20 +5,12 @@ use crate::fault::Fault;
 /// Errors of the sled's readers, models and fits.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A file could not be opened, read or written.
+    /// A file could not be opened, read or written, or contradicts itself or what is needed of it.
     #[error("{file}: {reason}")]
     File {
         /// The file.
         file: String,
-        /// The system's or the reader's answer.
-        reason: String,
-    },
-    /// A model file is no TOML, or a key is unknown, missing or of the wrong type.
-    #[error("{file}: {reason}")]
-    Keys {
-        /// The file.
-        file: String,
-        /// The parser's answer with line and key.
+        /// The answer of the system or a reader, or what is wrong and what was expected.
         reason: String,
     },
     /// A key of the model holds a number that no sled has.
@@ -53,8 +45,8 @@ pub enum Error {
         /// The column.
         column: String,
         /// What is wrong with it.
-        what: &'static str,
-        /// The columns the table has.
+        what: String,
+        /// What was expected.
         expected: String,
     },
     /// A cell does not hold what it must.
@@ -91,20 +83,6 @@ pub enum Error {
         /// Missing values in all.
         total: usize,
     },
-    /// The values of a column are not in its unit.
-    #[error("{file}: column {column}: {found}, which resembles {looks_like}; expected {expected}")]
-    Unit {
-        /// The file.
-        file: String,
-        /// The column.
-        column: String,
-        /// What was found.
-        found: String,
-        /// The unit the values seem to have.
-        looks_like: &'static str,
-        /// The unit they should have.
-        expected: &'static str,
-    },
     /// A channel is provably not what its name says.
     #[error("{fault}{}", more_faults(*.more))]
     Wrong {
@@ -130,16 +108,6 @@ pub enum Error {
         t_s: f64,
         /// The median step [s].
         expected_s: f64,
-    },
-    /// Too few samples for filters and derivatives.
-    #[error("{file}: {samples} samples, expected at least {needed}")]
-    TooShort {
-        /// The file.
-        file: String,
-        /// Samples found.
-        samples: usize,
-        /// Samples needed.
-        needed: usize,
     },
     /// The sled does not move, where no slip angle exists.
     #[error(
@@ -178,16 +146,6 @@ pub enum Error {
         first: String,
         /// The other.
         second: String,
-    },
-    /// What was requested is not among the data.
-    #[error("{what} {found:?} is not among the data: there are {known}")]
-    Unknown {
-        /// What was requested.
-        what: &'static str,
-        /// What was given.
-        found: String,
-        /// What there is.
-        known: String,
     },
     /// After filters and exclusions too little remains.
     #[error("{what}: {found}, expected at least {needed}")]
@@ -303,11 +261,36 @@ fn more_faults(more: usize) -> String {
 }
 
 impl Error {
-    /// An error of the system or a format's reader, with its file.
+    /// An error of a file, with the answer of the system or a reader.
     pub(crate) fn file(file: &str, reason: impl std::fmt::Display) -> Self {
         Error::File {
             file: file.to_string(),
             reason: reason.to_string(),
+        }
+    }
+
+    /// A required column that is not among those `found`.
+    pub(crate) fn missing_column<'a>(
+        file: &str,
+        column: &str,
+        found: impl IntoIterator<Item = &'a String>,
+    ) -> Self {
+        let found: Vec<&str> = found.into_iter().map(String::as_str).collect();
+        Error::MissingColumn {
+            file: file.to_string(),
+            column: column.to_string(),
+            found: found.join(", "),
+            needed_by: None,
+        }
+    }
+
+    /// A column of a table that is unknown or stated twice.
+    pub(crate) fn column(file: &str, column: &str, what: &str, expected: &str) -> Self {
+        Error::Column {
+            file: file.to_string(),
+            column: column.to_string(),
+            what: what.to_string(),
+            expected: expected.to_string(),
         }
     }
 
@@ -332,6 +315,15 @@ impl Error {
             expected: expected.to_string(),
         }
     }
+
+    /// Too little of something.
+    pub(crate) fn too_few(what: impl Into<String>, found: usize, needed: usize) -> Self {
+        Error::TooFew {
+            what: what.into(),
+            found,
+            needed,
+        }
+    }
 }
 
 /// `Ok` where the value is finite and `holds`.
@@ -341,13 +333,10 @@ pub(crate) fn in_range(
     holds: bool,
     expected: &'static str,
 ) -> Result<(), Error> {
-    if value.is_finite() && holds {
-        Ok(())
-    } else {
-        Err(Error::OutOfRange {
-            name,
-            value,
-            expected,
-        })
-    }
+    let error = Error::OutOfRange {
+        name,
+        value,
+        expected,
+    };
+    (value.is_finite() && holds).then_some(()).ok_or(error)
 }

@@ -281,17 +281,34 @@ pub fn derivative(values: &[f64], dt_s: f64) -> Vec<f64> {
 /// What the signal itself does within four samples is mostly cancelled; the median makes the rest
 /// of little weight. 0 where there are fewer than four samples. Unit: that of the signal.
 pub fn noise_sd_within<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> f64 {
-    let mut sizes: Vec<f64> = stretches
-        .flat_map(|values| values.windows(4))
-        .map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs())
-        .collect();
-    if sizes.is_empty() {
-        return 0.0;
-    }
-    let middle = sizes.len() / 2;
-    let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
+    let sizes = stretches.flat_map(|values| values.windows(4)).map(third);
     // The median magnitude of a normal variable is 0.6745 of its deviation.
-    median / 0.674_489_75 / 20.0_f64.sqrt()
+    median(sizes).map_or(0.0, |median| median / 0.674_489_75 / 20.0_f64.sqrt())
+}
+
+/// The median, of an even number of values the upper one of the two in the middle.
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// The values, each once, in the order of their first appearance.
+pub fn distinct<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut all: Vec<T> = Vec::new();
+    for value in values {
+        if !all.contains(&value) {
+            all.push(value);
+        }
+    }
+    all
+}
+
+/// The root mean square; NaN of nothing.
+pub(crate) fn root_mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len() as f64;
+    (values.map(|value| value * value).sum::<f64>() / count).sqrt()
 }
 
 /// A column without its gaps: a straight line across each, level outside its ends; 0 where it has

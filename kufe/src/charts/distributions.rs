@@ -87,7 +87,7 @@ fn grouped(
     by: fn(&RunEvaluation) -> &String,
     values: &dyn Fn(&RunEvaluation) -> Vec<f64>,
 ) -> Vec<Category> {
-    let groups = distinct(runs, by).into_iter().enumerate();
+    let groups = distinct(runs.iter().map(by)).into_iter().enumerate();
     groups
         .map(|(k, group)| Category {
             name: group.to_string(),

@@ -105,18 +105,8 @@ pub(crate) fn read_mdf4(
     let log = Mdf4::open(reader, file)?;
     let channels = log.channels();
     let lead = channels.iter().find(|channel| channel.name == "v_mps");
-    let lead = lead.ok_or_else(|| {
-        let names: Vec<&str> = channels
-            .iter()
-            .map(|channel| channel.name.as_str())
-            .collect();
-        Error::MissingColumn {
-            file: file.to_string(),
-            column: "v_mps".to_string(),
-            found: names.join(", "),
-            needed_by: None,
-        }
-    })?;
+    let names = channels.iter().map(|channel| &channel.name);
+    let lead = lead.ok_or_else(|| Error::missing_column(file, "v_mps", names))?;
     let group = |channel: &Channel| (channel.data_group_index, channel.channel_group_index);
     let mut groups: Vec<Vec<&Channel>> = Vec::new();
     for channel in &channels {
@@ -143,9 +133,8 @@ pub(crate) fn read_mdf4(
         }
         for (channel, values) in group.iter().zip(log.values(&group)?) {
             // Every group may have its clock, called alike.
-            let clock = log
-                .clock_of(channel)
-                .is_some_and(|clock| clock.name == channel.name);
+            let clock = log.clock_of(channel);
+            let clock = clock.is_some_and(|clock| clock.name == channel.name);
             let known = columns.iter().any(|(name, _)| *name == channel.name);
             if let Some(values) = values.filter(|_| !(clock && known)) {
                 columns.push((channel.name.clone(), values));

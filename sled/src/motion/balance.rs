@@ -93,13 +93,8 @@ impl Balance {
     /// The same near an instant close by, whose angles are known.
     #[inline]
     pub fn near(sled: &Sled, state: &State, motion: &Motion, known: &Self) -> Self {
-        let then = [
-            known.steer,
-            known.split,
-            known.slips[0],
-            known.slips[1],
-            known.chassis,
-        ];
+        let [front, rear] = known.slips;
+        let then = [known.steer, known.split, front, rear, known.chassis];
         let (now, before) = (angles(state), angles(&known.state));
         let angles = std::array::from_fn(|k| sin_cos_near(now[k], before[k], then[k]));
         Self::with_angles(sled, state, motion, angles)
@@ -148,12 +143,8 @@ impl Balance {
             slip_rate: state.slip_rate_radps,
             load: load_n,
             film: std::array::from_fn(|i| {
-                runners[i].film(
-                    load_n[i],
-                    state.curvature_1pm,
-                    state.v_mps,
-                    state.conditions.ice_c,
-                )
+                let (v, ice_c) = (state.v_mps, state.conditions.ice_c);
+                runners[i].film(load_n[i], state.curvature_1pm, v, ice_c)
             }),
             chassis_slip: state.alpha_cog_rad,
             steering: state.delta_rad,
@@ -289,10 +280,8 @@ impl Balance {
             load -= residual / (cg + sg * (sd * by_load + cd * front.fz));
             front = runner.lateral.derivatives_near(alpha, load, &mut near);
         }
-        let rear = vehicle
-            .rear
-            .lateral
-            .derivatives(state.alpha_r_rad, state.fz_r_n);
+        let rear = &vehicle.rear.lateral;
+        let rear = rear.derivatives(state.alpha_r_rad, state.fz_r_n);
         self.law_forces(vehicle, [load, state.fz_r_n], [front, rear])
     }
 

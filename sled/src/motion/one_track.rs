@@ -96,9 +96,8 @@ fn changed(
         stiffness: std::array::from_fn(|i| runners[i].lateral.derivatives(slip[i], load[i]).alpha),
         ..Forces::default()
     };
-    vehicle
-        .effects
-        .act("", &at.seen(vehicle, load), &mut forces);
+    let seen = at.seen(vehicle, load);
+    vehicle.effects.act("", &seen, &mut forces);
     forces
 }
 
@@ -134,10 +133,8 @@ pub fn share_of_laws(vehicle: &Vehicle, state: &State, measured: &AxleForces) ->
 /// Forces on the runners as the friction laws give them at the state's slip angles and normal
 /// forces, with the vehicle's effects ([`Balance::laws`], [`Balance::forces`]).
 pub fn forward(vehicle: &Vehicle, state: &State) -> AxleForces {
-    forces_at(
-        vehicle,
-        &Balance::new(&vehicle.sled, state, &Motion::default()),
-    )
+    let at = Balance::new(&vehicle.sled, state, &Motion::default());
+    forces_at(vehicle, &at)
 }
 
 /// [`forward`] at an instant that is known.

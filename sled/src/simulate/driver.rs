@@ -88,12 +88,9 @@ pub(crate) struct RunVariation {
 fn smooth_noise(start: f64, finish: f64, length: f64, sd: f64, random: &mut ChaCha8Rng) -> Spline {
     let count = ((finish - start) / length).ceil().clamp(2.0, 1e6) as usize + 2;
     let knots: Vec<f64> = (0..count).map(|i| start + i as f64 * length).collect();
-    let values: Vec<f64> = (0..count)
-        .map(|i| {
-            let normal: f64 = StandardNormal.sample(random);
-            if i == 0 { 0.0 } else { sd * normal }
-        })
-        .collect();
+    let normals = StandardNormal.sample_iter(random).take(count);
+    let mut values: Vec<f64> = normals.map(|normal: f64| sd * normal).collect();
+    values[0] = 0.0;
     Spline::natural(&knots, &values)
 }
 

@@ -10,12 +10,9 @@ use crate::conditions::Conditions;
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Balance;
 use crate::motion::one_track::forces_at;
-use crate::motion::state::normal_forces;
-use crate::motion::state::{AxleForces, Motion, State};
-use crate::motion::state::{Slips, slips};
+use crate::motion::state::{AxleForces, Motion, Slips, State, normal_forces, slips};
 use crate::simulate::driver::{Seen, Steering};
-use crate::track::table::IceAlong;
-use crate::track::table::TrackShape;
+use crate::track::table::{IceAlong, TrackShape};
 
 /// What is integrated: distance, offset, heading, speeds, steering, and the work done so far.
 ///
@@ -350,24 +347,18 @@ impl World<'_> {
         if y.iter().any(|value| !value.is_finite()) {
             return Some("the motion is no longer finite".to_string());
         }
-        if y[VX] < 0.5 {
-            return Some(format!(
-                "speed {:.2} m/s, expected above 0.5 (slope_rad is positive downhill)",
-                y[VX]
-            ));
+        let (v, n, chi) = (y[VX], y[N], y[CHI]);
+        if v < 0.5 {
+            let expected = "expected above 0.5 (slope_rad is positive downhill)";
+            return Some(format!("speed {v:.2} m/s, {expected}"));
         }
-        if y[VX] > MOST_SPEED {
-            return Some(format!(
-                "speed {:.1e} m/s, expected below {MOST_SPEED}",
-                y[VX]
-            ));
+        if v > MOST_SPEED {
+            return Some(format!("speed {v:.1e} m/s, expected below {MOST_SPEED}"));
         }
-        if y[N].abs() > 5.0 || y[CHI].abs() > 1.2 {
-            return Some(format!(
-                "{:.1} m off the line at a heading of {:.2} rad: the sled went off the track",
-                y[N], y[CHI]
-            ));
-        }
-        None
+        (n.abs() > 5.0 || chi.abs() > 1.2).then(|| {
+            format!(
+                "{n:.1} m off the line at a heading of {chi:.2} rad: the sled went off the track"
+            )
+        })
     }
 }

@@ -9,14 +9,13 @@ use crate::conditions::Conditions;
 use crate::error::Error;
 use crate::model::model_toml::Model;
 use crate::model::vehicle::Vehicle;
+use crate::record::index::Entry;
 use crate::record::run::Run;
-use crate::simulate::drive::SimulateOptions;
-use crate::simulate::drive::simulate;
+use crate::simulate::drive::{SimulateOptions, simulate};
 use crate::simulate::driver::Driver;
 use crate::simulate::dynamics::WallContact;
 use crate::simulate::sensors::{record, simulated_entry};
-use crate::track::table::Track;
-use crate::track::table::TrackShape;
+use crate::track::table::{IceAlong, Track, TrackShape};
 
 /// The sample drivers with class and number of runs, as in the paper's table.
 pub const DRIVERS: [(&str, &str, usize); 5] = [
@@ -114,15 +113,13 @@ pub fn sample_track(name: &str) -> Track {
         0.125 - 0.07 * along * along + 0.02 * wave(s, 310.0) + 0.012 * wave(s, 173.0)
     };
     let bank = |s: f64| -> f64 {
-        curves
-            .iter()
-            .map(|[start, extent, crown]| {
-                let ramp = 0.38 * extent;
-                let rise = smooth_step((s - start) / ramp);
-                let fall = smooth_step((start + extent - s) / ramp);
-                crown * rise * fall
-            })
-            .sum()
+        let of_curve = |[start, extent, crown]: &[f64; 3]| {
+            let ramp = 0.38 * extent;
+            let rise = smooth_step((s - start) / ramp);
+            let fall = smooth_step((start + extent - s) / ramp);
+            crown * rise * fall
+        };
+        curves.iter().map(of_curve).sum()
     };
     let mut speed_square: f64 = 100.0;
     let mut curvature_1pm = Vec::with_capacity(rows);
@@ -137,7 +134,7 @@ pub fn sample_track(name: &str) -> Track {
         speed_square += 2.0 * (GRAVITY * slope(s).sin() - drag);
     }
     Track {
-        ice: crate::track::table::IceAlong::default(),
+        ice: IceAlong::default(),
         name: if name == "west" { "west" } else { "east" }.to_string(),
         slope_rad: s_m.iter().map(|s| slope(*s)).collect(),
         bank_rad: s_m.iter().map(|s| bank(*s)).collect(),
@@ -207,11 +204,8 @@ pub fn sample_plan(seed: u64) -> Vec<Planned> {
         for i in 0..count {
             let west = i + away >= count;
             let day = i % 4;
-            let session = if west {
-                "w1".to_string()
-            } else {
-                format!("d{}", day + 1)
-            };
+            let own_day = format!("d{}", day + 1);
+            let session = if west { "w1".to_string() } else { own_day };
             let run_seed: u64 = random.random();
             let track = if west { "west" } else { "east" };
             let warm = if west { 1.5 } else { day as f64 };
@@ -261,21 +255,14 @@ pub fn drive_planned(
     driver.wander_m *= form;
     driver.noise_rad *= form;
     let simulated = simulate(vehicle, shape, &driver, &planned.options)?;
-    let mut entry = simulated_entry(
-        &planned.run,
-        track,
-        planned.driver,
-        planned.options.conditions,
-    );
-    entry.driver_class = planned.driver_class.to_string();
-    entry.session.clone_from(&planned.session);
-    Ok(record(
-        &simulated,
-        vehicle,
-        model.noise.as_ref(),
-        entry,
-        planned.options.seed,
-    ))
+    let options = &planned.options;
+    let entry = Entry {
+        driver_class: planned.driver_class.to_string(),
+        session: planned.session.clone(),
+        ..simulated_entry(&planned.run, track, planned.driver, options.conditions)
+    };
+    let noise = model.noise.as_ref();
+    Ok(record(&simulated, vehicle, noise, entry, options.seed))
 }
 
 /// Drives the whole plan, runs in parallel and in order.

@@ -97,8 +97,7 @@ fn along(track: &Track<'_>, options: &FilmOptions) -> Result<Film, Error> {
         let coarse = sweep(track, &steps, 1)?;
         let fine = sweep(track, &steps, 2)?;
         let errors = fine.totals.difference(&coarse.totals);
-        let [of_ice, of_water] = track.heats();
-        reached = errors.largest_share(&fine.totals, of_ice, of_water);
+        reached = errors.largest_share(&fine.totals, track.heats());
         if reached <= options.accuracy {
             let ends = fine.ends.iter().zip(&coarse.ends).enumerate();
             return Ok(Film {
@@ -155,7 +154,7 @@ impl Step {
             };
             let (next, more) = step.take(track, h)?;
             h = next;
-            added = added.combined(&more, |a, b| a + b);
+            added = added.plus(&more);
         }
         Some((h, added))
     }
@@ -179,11 +178,8 @@ fn grade(track: &Track<'_>, tolerance: f64) -> Result<Vec<Step>, Error> {
         while from < to {
             let rest = to - from;
             let whole = wished >= 0.999 * rest;
-            let length = if whole {
-                rest
-            } else {
-                wished.min(0.5 * rest).max(shortest)
-            };
+            let part = wished.min(0.5 * rest).max(shortest);
+            let length = if whole { rest } else { part };
             let step = Step {
                 segment,
                 from,
@@ -192,23 +188,17 @@ fn grade(track: &Track<'_>, tolerance: f64) -> Result<Vec<Step>, Error> {
             let (whole_step, halved) = (step.take(track, h), step.take_in(track, h, 2));
             let mut error = f64::INFINITY;
             if let (Some(one), Some(two)) = (&whole_step, &halved) {
-                let so_far = totals.combined(&two.1, |a, b| a + b);
+                let so_far = totals.plus(&two.1);
                 let changed = one.1.difference(&two.1);
-                let of_totals = changed.largest_share(&so_far, heats[0], heats[1]);
                 let of_thickness = (one.0 - two.0).abs() / two.0;
-                // What is no number is no small error.
-                error = if of_totals >= of_thickness {
-                    of_totals
-                } else {
-                    of_thickness
-                };
+                error = larger(of_thickness, changed.largest_share(&so_far, heats));
             }
             let grown = 0.9 * (tolerance / error.max(1e-300)).powf(1.0 / 6.0);
             wished = length * grown.clamp(0.2, 5.0);
             match halved {
                 Some((next, added)) if error <= tolerance || length <= shortest => {
                     h = next;
-                    totals = totals.combined(&added, |a, b| a + b);
+                    totals = totals.plus(&added);
                     from = if whole { to } else { from + length };
                     steps.push(step);
                 }
@@ -236,12 +226,11 @@ fn sweep(track: &Track<'_>, steps: &[Step], parts: usize) -> Result<Sweep, Error
     let mut totals = FilmTotals::default();
     let mut h = 0.0;
     for (done, step) in steps.iter().enumerate() {
-        let (next, added) = step
-            .take_in(track, h, parts)
-            .ok_or_else(|| stopped(done, f64::INFINITY, 0.0))?;
+        let taken = step.take_in(track, h, parts);
+        let (next, added) = taken.ok_or_else(|| stopped(done, f64::INFINITY, 0.0))?;
         h = next;
         ends[step.segment] = h;
-        totals = totals.combined(&added, |a, b| a + b);
+        totals = totals.plus(&added);
     }
     totals.viscous_friction = totals.viscous_drag / totals.load;
     totals.boundary_friction = totals.boundary_drag / totals.load;
@@ -395,7 +384,7 @@ impl<'a> Track<'a> {
 
     /// The film at station `k`, not the first, where it is `h` thick.
     fn station(&self, k: usize, h: f64, thickness_error: f64) -> FilmStation {
-        let xi = self.strip.xi()[k];
+        let (xi, pressure) = (self.strip.xi()[k], self.strip.pressure()[k]);
         let heat_into_ice = self.heat_into_ice.scaled(xi) / xi.sqrt();
         let heat_into_steel = self.heat_into_steel(k - 1, xi);
         let boundary_share = self.boundary.share(h);
@@ -404,12 +393,10 @@ impl<'a> Track<'a> {
         FilmStation {
             xi,
             width: self.strip.width()[k],
-            pressure: self.strip.pressure()[k],
+            pressure,
             thickness: h,
             thickness_error,
-            temperature: self
-                .properties
-                .melting_temperature(self.strip.pressure()[k]),
+            temperature: self.properties.melting_temperature(pressure),
             melt_rate: melting / (self.properties.ice_density * self.properties.latent_heat),
             shear,
             boundary_share,
@@ -477,18 +464,15 @@ fn weights() -> [f64; 3] {
 
 fn stages() -> Matrix3<f64> {
     let root = 6.0_f64.sqrt();
-    let last = weights();
-    Matrix3::new(
-        (88.0 - 7.0 * root) / 360.0,
-        (296.0 - 169.0 * root) / 1800.0,
-        (-2.0 + 3.0 * root) / 225.0,
-        (296.0 + 169.0 * root) / 1800.0,
-        (88.0 + 7.0 * root) / 360.0,
-        (-2.0 - 3.0 * root) / 225.0,
-        last[0],
-        last[1],
-        last[2],
-    )
+    let first = [(88.0 - 7.0 * root) / 360.0, (296.0 - 169.0 * root) / 1800.0];
+    let second = [(296.0 + 169.0 * root) / 1800.0, (88.0 + 7.0 * root) / 360.0];
+    let last = [(-2.0 + 3.0 * root) / 225.0, (-2.0 - 3.0 * root) / 225.0];
+    let rows = [
+        [first[0], first[1], last[0]],
+        [second[0], second[1], last[1]],
+        weights(),
+    ];
+    Matrix3::from_row_slice(rows.as_flattened())
 }
 
 /// The three stages of one step of Radau IIA of order 5 from the thickness `before`, the last its
@@ -607,6 +591,10 @@ impl FilmTotals {
         }
     }
 
+    fn plus(&self, other: &Self) -> Self {
+        self.combined(other, |a, b| a + b)
+    }
+
     /// Absolute differences, field by field.
     fn difference(&self, other: &Self) -> Self {
         self.combined(other, |a, b| (a - b).abs())
@@ -614,9 +602,9 @@ impl FilmTotals {
 
     /// The largest of these errors of `value`, relative to it; that of the boundary drag, which may
     /// be next to nothing, relative to both drags; those of heat and water, which may be small
-    /// differences, relative to the power that is dissipated and to the water that it would melt,
-    /// `heat_of_ice` [J/kg] and `heat_of_water` [J/m3].
-    fn largest_share(&self, value: &Self, heat_of_ice: f64, heat_of_water: f64) -> f64 {
+    /// differences, relative to the power that is dissipated and to what it would melt, by the
+    /// heats of ice [J/kg] and of water [J/m3].
+    fn largest_share(&self, value: &Self, [heat_of_ice, heat_of_water]: [f64; 2]) -> f64 {
         let power = value.dissipated;
         // Ahead of the first pressure no load is carried, without an error.
         let over = |error: f64, value: f64| if error == 0.0 { 0.0 } else { error / value };
@@ -633,11 +621,13 @@ impl FilmTotals {
             over(self.squeezed_out * heat_of_water, power),
         ]
         .into_iter()
-        .fold(0.0, |largest, share| {
-            // A share that is no number must not pass for a small one.
-            if share <= largest { largest } else { share }
-        })
+        .fold(0.0, larger)
     }
+}
+
+/// The larger of two errors; what is no number is no small error.
+fn larger(largest: f64, error: f64) -> f64 {
+    if error <= largest { largest } else { error }
 }
 
 /// The melt film along a strip.
@@ -660,15 +650,13 @@ pub struct Film {
 impl Film {
     /// The station with the thickest film.
     pub fn thickest(&self) -> Option<&FilmStation> {
-        self.stations
-            .iter()
-            .max_by(|a, b| a.thickness.total_cmp(&b.thickness))
+        let stations = self.stations.iter();
+        stations.max_by(|a, b| a.thickness.total_cmp(&b.thickness))
     }
 
     /// The station with the thinnest film: what roughness has to be compared with.
     pub fn thinnest(&self) -> Option<&FilmStation> {
-        self.stations
-            .iter()
-            .min_by(|a, b| a.thickness.total_cmp(&b.thickness))
+        let stations = self.stations.iter();
+        stations.min_by(|a, b| a.thickness.total_cmp(&b.thickness))
     }
 }

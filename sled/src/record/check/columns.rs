@@ -6,6 +6,7 @@ use std::ops::Range;
 use crate::columns::Columns;
 use crate::error::Error;
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps, Saturation};
+use crate::series::median;
 
 /// Largest number of a column that is used, and of a time [s]: no sled is further, faster or more
 /// turned, and squares of these are finite.
@@ -32,15 +33,9 @@ pub fn check_columns(
     on_gaps: OnGaps,
     file: &str,
 ) -> Result<(Clock, Gaps, BTreeMap<String, Saturation>), Error> {
-    for name in std::iter::once("t_s").chain(required.iter().copied()) {
-        if !columns.contains_key(name) {
-            return Err(Error::MissingColumn {
-                file: file.to_string(),
-                column: name.to_string(),
-                found: columns.keys().cloned().collect::<Vec<_>>().join(", "),
-                needed_by: None,
-            });
-        }
+    let mut needed = ["t_s"].into_iter().chain(required.iter().copied());
+    if let Some(name) = needed.find(|name| !columns.contains_key(*name)) {
+        return Err(Error::missing_column(file, name, columns.keys()));
     }
     refuse_too_large(&columns["t_s"], "t_s", LATEST_S, file)?;
     for name in used {
@@ -48,11 +43,8 @@ pub fn check_columns(
     }
     let mut time = columns.remove("t_s").unwrap_or_default();
     if time.len() < LEAST_SAMPLES {
-        return Err(Error::TooShort {
-            file: file.to_string(),
-            samples: time.len(),
-            needed: LEAST_SAMPLES,
-        });
+        let what = format!("{file}: samples");
+        return Err(Error::too_few(what, time.len(), LEAST_SAMPLES));
     }
     if on_gaps == OnGaps::Refuse {
         refuse_gaps(columns, &time, used, file)?;
@@ -85,22 +77,17 @@ pub fn check_columns(
         return Err(standstill(file, 2, speed[0], time[0]));
     }
     if samples < LEAST_SAMPLES {
-        return Err(Error::TooFew {
-            what: format!(
-                "{file}: samples with a value in every channel, in stretches long enough for the filter"
-            ),
-            found: samples,
-            needed: LEAST_SAMPLES,
-        });
+        let what = format!(
+            "{file}: samples with a value in every channel, in stretches long enough for the filter"
+        );
+        return Err(Error::too_few(what, samples, LEAST_SAMPLES));
     }
     let clock = Clock {
         t0_s: base.clock.t0_s + gaps.cut_s[0],
         ..base.clock
     };
-    let saturated = used
-        .iter()
-        .filter_map(|name| Some(((*name).to_string(), Saturation::of(&columns[*name])?)))
-        .collect();
+    let stop = |name: &&str| Some((name.to_string(), Saturation::of(&columns[*name])?));
+    let saturated = used.iter().filter_map(stop).collect();
     Ok((clock, gaps, saturated))
 }
 
@@ -109,13 +96,9 @@ fn refuse_too_large(values: &[f64], column: &str, most: f64, file: &str) -> Resu
     let Some(first) = values.iter().position(too_large) else {
         return Ok(());
     };
-    Err(Error::Cell {
-        file: file.to_string(),
-        row: first as u64 + 2,
-        column: column.to_string(),
-        found: format!("{:e}", values[first]),
-        expected: format!("a number between -{most:e} and {most:e}"),
-    })
+    let expected = format!("a number between -{most:e} and {most:e}");
+    let (row, found) = (first as u64 + 2, format!("{:e}", values[first]));
+    Err(Error::cell(file, row, column, found, &expected))
 }
 
 /// Refuses what [`OnGaps::LeaveOut`] leaves out: values without a number, uneven time, standstill.
@@ -143,9 +126,8 @@ fn standstill(file: &str, row: u64, v_mps: f64, t_s: f64) -> Error {
 }
 
 fn refuse_uneven(time: &[f64], file: &str) -> Result<(), Error> {
-    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
-    let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let steps = time.windows(2).map(|pair| pair[1] - pair[0]);
+    let median = median(steps).unwrap_or(0.0);
     for (i, pair) in time.windows(2).enumerate() {
         let step = pair[1] - pair[0];
         let what = if step <= 0.0 {
@@ -175,11 +157,8 @@ fn refuse_missing(values: &[f64], time: &[f64], column: &str, file: &str) -> Res
         return Ok(());
     };
     let length = values[first..].iter().take_while(|v| missing(v)).count();
-    let bursts = values
-        .windows(2)
-        .filter(|pair| !missing(&pair[0]) && missing(&pair[1]))
-        .count()
-        + usize::from(missing(&values[0]));
+    let bursts = values.chunk_by(|a, b| missing(a) == missing(b));
+    let bursts = bursts.filter(|burst| missing(&burst[0])).count();
     Err(Error::Missing {
         file: file.to_string(),
         column: column.to_string(),
@@ -293,24 +272,25 @@ impl Base {
             t0_s: first,
             dt_s: (last - first) / total,
         };
-        let jitter = (0..=count)
-            .map(|i| drift(&clock, i, places[i]))
-            .fold(0.0, f64::max);
+        let jitter = (0..=count).map(|i| drift(&clock, i, places[i]));
+        let jitter = jitter.fold(0.0, f64::max);
         let len = total as usize + 1;
         if len > 2 * time.len() {
             let longest = (0..count).max_by(|a, b| steps[*a].total_cmp(&steps[*b]));
             return Err(error(longest.unwrap_or(0), "clock jump"));
         }
         let on_base = jitter <= ROUNDING;
+        let (jitter, rows) = if on_base {
+            let places = places.into_iter().map(|place| place as usize);
+            (0.0, Rows::Placed(places.collect()))
+        } else {
+            (jitter, Rows::Between(time.to_vec()))
+        };
         Ok(Base {
             clock,
             len,
-            jitter: if on_base { 0.0 } else { jitter },
-            rows: if on_base {
-                Rows::Placed(places.into_iter().map(|place| place as usize).collect())
-            } else {
-                Rows::Between(time.to_vec())
-            },
+            jitter,
+            rows,
         })
     }
 
@@ -366,15 +346,11 @@ impl Base {
 
 /// The median step, made finer by the mean of those that are no gaps.
 fn usual_step(steps: &[f64]) -> f64 {
-    let mut sorted = steps.to_vec();
-    let middle = sorted.len() / 2;
-    let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let (mut sum, mut count) = (0.0, 0.0);
-    for step in steps {
-        if ONE_STEP.contains(&(step / median)) {
-            (sum, count) = (sum + step, count + 1.0);
-        }
-    }
+    let median = median(steps.iter().copied()).unwrap_or(0.0);
+    let single = steps
+        .iter()
+        .filter(|step| ONE_STEP.contains(&(*step / median)));
+    let (sum, count) = single.fold((0.0, 0.0), |(sum, count), step| (sum + step, count + 1.0));
     if count > 0.0 { sum / count } else { median }
 }
 

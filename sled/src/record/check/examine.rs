@@ -108,7 +108,12 @@ pub fn examine_with<T: Send>(
                 places.push(place);
             }
             Err(error) => {
-                let one = refused(&entry, error.to_string());
+                let one = Examination {
+                    run: entry.run,
+                    file: entry.file.display().to_string(),
+                    refused: Some(error.to_string()),
+                    ..Examination::default()
+                };
                 let made = also(&one, None);
                 examined.push((place, (one, made)));
             }
@@ -138,29 +143,13 @@ pub fn examine_with<T: Send>(
     examined.extend(found);
     examined.sort_by_key(|(place, _)| *place);
     let mut examined: Vec<(Examination, T)> = examined.into_iter().map(|(_, both)| both).collect();
-    let rank = |one: &Examination| {
-        let odd = one.notes.first().map_or(0.0, |note| note.weight);
-        (
-            one.refused.is_none(),
-            std::cmp::Reverse(one.faults.len()),
-            -odd,
-        )
-    };
+    let odd = |one: &Examination| one.notes.first().map_or(0.0, |note| note.weight);
+    let rank = |one: &Examination| (one.refused.is_some(), one.faults.len());
     examined.sort_by(|(a, _), (b, _)| {
-        let (a, b) = (rank(a), rank(b));
-        (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
+        let by_fault = rank(b).cmp(&rank(a));
+        by_fault.then(odd(b).total_cmp(&odd(a)))
     });
     Ok(examined)
-}
-
-/// A run that cannot be used at all.
-fn refused(entry: &Entry, reason: String) -> Examination {
-    Examination {
-        run: entry.run.clone(),
-        file: entry.file.display().to_string(),
-        refused: Some(reason),
-        ..Examination::default()
-    }
 }
 
 fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
@@ -173,13 +162,12 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
             continue;
         };
         let delay = late.as_ref().and_then(|late| *late.get(c)?);
+        // Not of a run with faults.
+        let delay = delay.filter(|_| faults.is_empty());
         let profile = Profile {
             missing: run.gaps.missing.get(*name).copied().unwrap_or(0),
             at_standstill: rest.get(*name).copied(),
-            // Not of a run with faults.
-            delay_s: delay
-                .filter(|_| faults.is_empty())
-                .map(|(delay, error)| [delay, error]),
+            delay_s: delay.map(|(delay, error)| [delay, error]),
             saturation: run.saturated.get(*name).copied(),
             ..Profile::of(run.gaps.within(column), rate_hz)
         };
