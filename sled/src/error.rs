@@ -63,25 +63,15 @@ pub enum Error {
         /// The value expected.
         expected: String,
     },
-    /// Values are missing (NaN or empty); nothing is filled in.
-    #[error(
-        "{file}: column {column}: {count} values are NaN or missing from row {row} on (t = {t_s:.3} s); {bursts} such bursts in all, {total} values; expected a number in every row: nothing is filled in"
-    )]
-    Missing {
+    /// A row of a file is not what it must be.
+    #[error("{file}: row {row}: {reason}")]
+    Row {
         /// The file.
         file: String,
-        /// The column.
-        column: String,
-        /// Length of the first burst.
-        count: usize,
-        /// Row of its first value, the header being row 1.
+        /// Line in the file, the header being line 1.
         row: u64,
-        /// Time of its first value [s].
-        t_s: f64,
-        /// Number of bursts.
-        bursts: usize,
-        /// Missing values in all.
-        total: usize,
+        /// What is wrong, and what was expected.
+        reason: String,
     },
     /// A channel is provably not what its name says.
     #[error("{fault}{}", more_faults(*.more))]
@@ -90,54 +80,6 @@ pub enum Error {
         fault: Box<Fault>,
         /// Further faults in these runs.
         more: usize,
-    },
-    /// Time is not uniform.
-    #[error(
-        "{file}: row {row}: {what}: t_s steps by {step_s:.6} s at t = {t_s:.4} s, expected {expected_s:.6} s throughout"
-    )]
-    Time {
-        /// The file.
-        file: String,
-        /// Row of the later sample, the header being row 1.
-        row: u64,
-        /// Clock jump, time running backwards, or irregular step.
-        what: &'static str,
-        /// The step found [s].
-        step_s: f64,
-        /// Where [s].
-        t_s: f64,
-        /// The median step [s].
-        expected_s: f64,
-    },
-    /// The sled does not move, where no slip angle exists.
-    #[error(
-        "{file}: row {row}: v_mps = {v_mps} at t = {t_s:.3} s, expected more than {least} m/s (no slip angle exists at standstill: cut that part off)"
-    )]
-    Standstill {
-        /// The file.
-        file: String,
-        /// Row, the header being row 1.
-        row: u64,
-        /// Speed found [m/s].
-        v_mps: f64,
-        /// When [s].
-        t_s: f64,
-        /// Least speed accepted [m/s].
-        least: f64,
-    },
-    /// Two rows of the index name the same run.
-    #[error(
-        "{file}: row {row}: run {run:?} is already named in row {first}, expected each run once"
-    )]
-    DuplicateRun {
-        /// The index.
-        file: String,
-        /// The later row.
-        row: u64,
-        /// The name.
-        run: String,
-        /// The earlier row.
-        first: u64,
     },
     /// Two runs hold the same samples.
     #[error("runs {first:?} and {second:?} hold the same samples: expected each run once")]
@@ -166,36 +108,6 @@ pub enum Error {
         t_s: f64,
         /// Why.
         what: String,
-    },
-    /// A run does not lie on the track that it is said to.
-    #[error(
-        "{file}: begins at s_m = {s_m:.1}, expected a place of track {track}, from {from_m:.1} to {to_m:.1} m"
-    )]
-    Place {
-        /// The file.
-        file: String,
-        /// Where the run begins [m].
-        s_m: f64,
-        /// The track.
-        track: String,
-        /// Where the track begins [m].
-        from_m: f64,
-        /// Where it ends [m].
-        to_m: f64,
-    },
-    /// A run has no certain place along its track.
-    #[error(
-        "{file}: matches no place of track {track}, or two: {misfit:.2} of its curvature and bank is unexplained at the best place and {elsewhere:.2} at another, expected below 0.5 and half as much again elsewhere"
-    )]
-    Unplaced {
-        /// The file.
-        file: String,
-        /// The track.
-        track: String,
-        /// Unexplained share of the variance at the best place.
-        misfit: f64,
-        /// The same at the best place elsewhere.
-        elsewhere: f64,
     },
     /// A number is outside its range.
     #[error("{name} = {value}: expected {expected}")]
@@ -266,6 +178,15 @@ impl Error {
         Error::File {
             file: file.to_string(),
             reason: reason.to_string(),
+        }
+    }
+
+    /// A row of a file that is not what it must be; `row` is the line in the file.
+    pub(crate) fn row(file: &str, row: u64, reason: String) -> Self {
+        Error::Row {
+            file: file.to_string(),
+            row,
+            reason,
         }
     }
 

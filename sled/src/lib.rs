@@ -3,7 +3,7 @@
 //! | item | purpose |
 //! |---|---|
 //! | [`Model`], [`Vehicle`] | `model.toml`, and the same with its pressure tables opened |
-//! | [`Run`], [`read_runs`] | recorded runs, checked: CSV, Parquet, MATLAB v5, MDF 4 |
+//! | [`Run`], [`read_runs`] | recorded runs, checked: CSV, Parquet, MATLAB v5 |
 //! | [`prepare()`] | filter, down-sample, transfer to the centre of gravity, slips: [`State`]s and [`Motion`]s |
 //! | [`Balance`] | forces of laws and effects at one instant, and what they leave of the motion: the one model of all commands |
 //! | [`one_track`] | forces from motion ([`one_track::inverse`]) and from friction ([`one_track::forward`]) |

@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::model::sled::Tolerances;
 use crate::model::vehicle::Vehicle;
 use crate::record::run::Run;
-use crate::series::{bridged, integral};
+use crate::series::{bridged, integral, median};
 use crate::signals::prepare::Prepared;
 use crate::track::table::TrackShape;
 
@@ -65,53 +65,37 @@ pub struct Aligned {
 /// landmark by landmark ([`refine`]).
 ///
 /// # Errors
-/// [`Error::Unplaced`] for a run that does not match its track, or matches two places of it.
+/// [`Error::File`] for a run that does not match its track, or matches two places of it.
 pub fn align(
     runs: &[&Prepared],
     vehicle: &Vehicle,
     survey: Option<&TrackShape>,
     tolerances: &Tolerances,
 ) -> Result<Aligned, Error> {
-    let felt: Vec<TrackSignature> = runs
-        .par_iter()
-        .map(|run| TrackSignature::of(run, &vehicle.sled))
-        .collect();
-    let felt: Vec<&TrackSignature> = felt.iter().collect();
+    let signature = |run: &&Prepared| TrackSignature::of(run, &vehicle.sled);
+    let felt: Vec<TrackSignature> = runs.par_iter().map(signature).collect();
     let on = |course: &ReferenceProfile| -> Result<Vec<AlignedRun>, Error> {
-        let placed: Vec<_> = runs
-            .par_iter()
-            .zip(&felt)
-            .map(|(run, felt)| place(run, felt, course))
-            .collect();
+        let pairs = runs.par_iter().zip(&felt);
+        let placed: Vec<_> = pairs.map(|(run, felt)| place(run, felt, course)).collect();
         placed.into_iter().collect()
-    };
-    let warps = |aligned: &[AlignedRun]| -> Vec<DistanceWarp> {
-        aligned.iter().map(|run| run.warp.clone()).collect()
     };
     let aligned = match survey {
         Some(shape) => on(&ReferenceProfile::of(shape))?,
         None => {
             let longest = felt.iter().max_by_key(|felt| felt.metres.len());
-            let mut course = longest.map_or_else(
-                || ReferenceProfile::new(0.0, Vec::new()),
-                |felt| {
-                    ReferenceProfile::new(
-                        felt.from_m,
-                        felt.metres.iter().map(|m| [m[0], m[1]]).collect(),
-                    )
-                },
-            );
-            let mut aligned = on(&course)?;
+            let from_m = longest.map_or(0.0, |felt| felt.from_m);
+            let metres = longest.into_iter().flat_map(|felt| &felt.metres);
+            let metres = metres.map(|m| [m[0], m[1]]).collect();
+            let mut aligned = on(&ReferenceProfile::new(from_m, metres))?;
             for _ in 1..ROUNDS {
-                let (from_m, table) = over_track(&felt, &warps(&aligned));
-                course = mean_course(from_m, &table);
-                aligned = on(&course)?;
+                let (from_m, table) = over_track(&felt, &aligned);
+                aligned = on(&mean_course(from_m, &table))?;
             }
             to_mean_distance(&felt, &mut aligned);
             aligned
         }
     };
-    let (from_m, table) = over_track(&felt, &warps(&aligned));
+    let (from_m, table) = over_track(&felt, &aligned);
     let states = || runs.iter().flat_map(|run| &run.states);
     let speed_mps = states().map(|state| state.v_mps).sum::<f64>() / states().count().max(1) as f64;
     let name = runs.first().map_or("", |run| &run.entry.track);
@@ -126,51 +110,37 @@ fn place(
     felt: &TrackSignature,
     course: &ReferenceProfile,
 ) -> Result<AlignedRun, Error> {
-    let unplaced = |misfit: f64, elsewhere: f64| Error::Unplaced {
-        file: run.entry.file.display().to_string(),
-        track: run.entry.track.clone(),
-        misfit,
-        elsewhere,
+    let unplaced = |misfit: f64, elsewhere: f64| {
+        let reason = format!(
+            "matches no place of track {}, or two: {misfit:.2} of its curvature and bank is unexplained at the best place and {elsewhere:.2} at another, expected below 0.5 and half as much again elsewhere",
+            run.entry.track
+        );
+        Error::file(&run.entry.file.display().to_string(), reason)
     };
-    let Some((line, elsewhere)) = search(felt, course) else {
-        return Err(unplaced(f64::NAN, f64::NAN));
-    };
+    let found = search(felt, course);
+    let (line, elsewhere) = found.ok_or_else(|| unplaced(f64::NAN, f64::NAN))?;
     if line.misfit > MOST_LEFT || elsewhere < ELSEWHERE * line.misfit {
         return Err(unplaced(line.misfit, elsewhere));
     }
     let warp = refine(felt, course, &line);
-    Ok(described(
-        run,
-        warp,
-        line.misfit,
-        Some(elsewhere).filter(|misfit| misfit.is_finite()),
-    ))
-}
-
-fn described(
-    run: &Prepared,
-    warp: DistanceWarp,
-    misfit: f64,
-    left_elsewhere: Option<f64>,
-) -> AlignedRun {
     let (own, stretch) = (&warp.own_m, warp.stretch());
     let straight = |j: usize| warp.shift_m[0] + (stretch - 1.0) * (own[j] - own[0]);
     let drift = (0..own.len()).map(|j| (warp.shift_m[j] - straight(j)).abs());
-    AlignedRun {
+    Ok(AlignedRun {
         run: run.entry.run.clone(),
         start_m: warp.at(run.states[0].s_m),
         stretch,
         drift_m: drift.fold(0.0, f64::max),
         sd_m: warp.sd_m.iter().copied().fold(0.0, f64::max),
-        misfit,
-        left_elsewhere,
+        misfit: line.misfit,
+        left_elsewhere: Some(elsewhere).filter(|misfit| misfit.is_finite()),
         warp,
-    }
+    })
 }
 
 /// Brings the common distance to the mean of the runs' own: at every metre their growths are
 /// averaged; the earliest start is 0.
-fn to_mean_distance(felt: &[&TrackSignature], aligned: &mut [AlignedRun]) {
+fn to_mean_distance(felt: &[TrackSignature], aligned: &mut [AlignedRun]) {
     let start = |run: &AlignedRun| run.warp.at(run.warp.own_m[0]);
     let end = |run: &AlignedRun| run.warp.at(run.warp.own_m[run.warp.own_m.len() - 1]);
     let from = aligned.iter().map(start).fold(f64::INFINITY, f64::min);
@@ -245,11 +215,7 @@ const LINE_M: f64 = 1.0;
 ///
 /// with the deviations sd of the residuals; what is fitted is shift and the sled's own way,
 /// independent at every knot with the deviation [`LINE_M`]. The errors are those of the linear fit.
-pub(crate) fn refine(
-    felt: &TrackSignature,
-    course: &ReferenceProfile,
-    from: &Line,
-) -> DistanceWarp {
+fn refine(felt: &TrackSignature, course: &ReferenceProfile, from: &Line) -> DistanceWarp {
     let length = (felt.metres.len() - 1).max(1) as f64;
     let pieces = (length / KNOTS_M).round().max(1.0) as usize;
     let knot = |j: usize| felt.from_m + length * j as f64 / pieces as f64;
@@ -329,15 +295,11 @@ impl WarpMisfit {
             }
         }
         let sd = [0, 1].map(|k| {
-            let mut sizes: Vec<f64> = rows.iter().map(|row| row.2[k].abs()).collect();
-            if sizes.is_empty() {
-                return 1.0;
-            }
-            let middle = sizes.len() / 2;
-            let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+            let median = median(rows.iter().map(|row| row.2[k].abs()));
             // The median magnitude of a normal variable; and not less than a hundredth of what the
             // course itself does.
-            (median / 0.674_489_75).max(0.01 * course.spread[k])
+            let least = 0.01 * course.spread[k];
+            median.map_or(1.0, |median| (median / 0.674_489_75).max(least))
         });
         WarpMisfit {
             rows,
@@ -352,10 +314,8 @@ impl WarpMisfit {
         let mut normal = DMatrix::zeros(self.knots, self.knots);
         let mut right = DVector::zeros(self.knots);
         for (knot, share, differences, slopes) in &self.rows {
-            let hats = [
-                (*knot, 1.0 - share),
-                ((knot + 1).min(self.knots - 1), *share),
-            ];
+            let next = (knot + 1).min(self.knots - 1);
+            let hats = [(*knot, 1.0 - share), (next, *share)];
             for k in 0..2 {
                 let size = (differences[k] / self.sd[k]).abs();
                 let weight = (ORDINARY / size.max(ORDINARY)) / (self.sd[k] * self.sd[k]);

@@ -1,4 +1,4 @@
-//! Columns of numbers by name, read from CSV, Parquet, MATLAB and MDF 4 files.
+//! Columns of numbers by name, read from CSV, Parquet and MATLAB files; MDF 4 logs.
 
 pub(crate) mod matlab;
 pub(crate) mod mdf4;
@@ -11,7 +11,6 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::columns::matlab::{LONGEST_MATLAB, read_matlab_columns};
-use crate::columns::mdf4::read_mdf4;
 use crate::columns::parquet::read_parquet;
 use crate::error::Error;
 
@@ -164,7 +163,11 @@ pub fn read_columns(path: &Path, required: &[&str]) -> Result<Columns, Error> {
             let bytes = kufe_files::read_regular(path, LONGEST_MATLAB).map_err(failure)?;
             read_matlab_columns(&bytes, &file)
         }
-        "mf4" => read_mdf4(open()?, &file),
+        "mf4" | "mdf" => {
+            let reason =
+                "an MDF 4 log; expected CSV, Parquet or MATLAB v5: kufe runs import writes it";
+            Err(Error::file(&file, reason))
+        }
         _ => {
             let mut text = open()?;
             let whole = whole_lines(&mut text).map_err(failure)?;
@@ -184,7 +187,7 @@ fn ending(path: &Path) -> String {
 pub(crate) fn is_cut_short(path: &Path) -> bool {
     let lengths = kufe_files::open_regular(path)
         .and_then(|mut text| Ok((whole_lines(&mut text)?, text.metadata()?.len())));
-    let is_text = !["parquet", "mat", "mf4"].contains(&ending(path).as_str());
+    let is_text = !["parquet", "mat"].contains(&ending(path).as_str());
     is_text && lengths.is_ok_and(|(whole, length)| whole < length)
 }
 

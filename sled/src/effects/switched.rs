@@ -137,7 +137,7 @@ impl Effects {
     /// From the stated constants of the sled to the true ones.
     pub fn find_constants(&self, sled: &mut Constants) {
         for effect in &self.active {
-            if let Kind::Catalogue(kind) = &effect.kind {
+            if let Some(kind) = effect.catalogue() {
                 kind.find_constants(&effect.values, sled);
             }
         }
@@ -192,22 +192,34 @@ impl Active {
 
     /// Whether an amplitude is not 0.
     pub fn is_on(&self) -> bool {
-        match &self.kind {
-            Kind::Custom(_) => self.values[0] != 0.0,
-            Kind::Catalogue(effect) => {
-                let mut parameters = effect.info.parameters.iter().zip(&self.values);
-                parameters.any(|(p, value)| p.is_amplitude() && *value != 0.0)
-            }
+        match self.catalogue() {
+            None => self.values[0] != 0.0,
+            Some(_) => self
+                .parameters()
+                .any(|(p, value)| p.is_amplitude() && value != 0.0),
         }
+    }
+
+    /// The effect, where it is one of the catalogue.
+    fn catalogue(&self) -> Option<&'static Effect> {
+        match &self.kind {
+            Kind::Catalogue(effect) => Some(effect),
+            Kind::Custom(_) => None,
+        }
+    }
+
+    /// Parameters of an effect of the catalogue with their values.
+    fn parameters(&self) -> impl Iterator<Item = (&'static Parameter, f64)> {
+        let parameters = self
+            .catalogue()
+            .map_or(&[][..], |effect| effect.info.parameters);
+        parameters.iter().zip(self.values.iter().copied())
     }
 
     /// Whether its size and place are each recorded run's own: its spread from run to run is not 0.
     pub fn varies(&self) -> bool {
-        let Kind::Catalogue(effect) = &self.kind else {
-            return false;
-        };
-        let mut parameters = effect.info.parameters.iter().zip(&self.values);
-        parameters.any(|(p, value)| p.name == Parameter::SPREAD && *value > 0.0)
+        let varies = |(p, value): (&Parameter, f64)| p.name == Parameter::SPREAD && value > 0.0;
+        self.parameters().any(varies)
     }
 
     /// Names of the columns that it needs.
@@ -228,10 +240,8 @@ impl Active {
 
     /// The distance after which forces follow the slip by it [m]; 0 where they do so at once.
     pub fn relaxation(&self) -> f64 {
-        match &self.kind {
-            Kind::Catalogue(effect) => effect.relaxes.map_or(0.0, |p| self.values[p]),
-            Kind::Custom(_) => 0.0,
-        }
+        let relaxes = self.catalogue().and_then(|effect| effect.relaxes);
+        relaxes.map_or(0.0, |p| self.values[p])
     }
 
     /// How late each sensor is by it [s], in the order of [`Sensor::ALL`].
@@ -244,10 +254,7 @@ impl Active {
     }
 
     fn late_faults(&self) -> impl Iterator<Item = &'static Fault> + use<> {
-        let faults = match &self.kind {
-            Kind::Catalogue(effect) => effect.on_sensors,
-            Kind::Custom(_) => &[],
-        };
+        let faults = self.catalogue().map_or(&[][..], |effect| effect.on_sensors);
         faults.iter().filter(|fault| fault.reading == Reading::Late)
     }
 
@@ -304,10 +311,8 @@ impl Active {
 
     /// What is added to the track's slope at `s` [m], downhill positive [rad].
     pub fn slope(&self, s: f64) -> f64 {
-        match &self.kind {
-            Kind::Catalogue(effect) => effect.slope(&self.values, s),
-            Kind::Custom(_) => 0.0,
-        }
+        let effect = self.catalogue();
+        effect.map_or(0.0, |effect| effect.slope(&self.values, s))
     }
 
     /// The table that states it in a model.
@@ -315,10 +320,10 @@ impl Active {
         let mut table = toml::Table::new();
         let mut insert = |key: &str, value: toml::Value| table.insert(key.to_owned(), value);
         match &self.kind {
-            Kind::Catalogue(effect) => {
-                for (parameter, value) in effect.info.parameters.iter().zip(&self.values) {
-                    if *value != 0.0 || !parameter.is_amplitude() {
-                        insert(parameter.name, (*value).into());
+            Kind::Catalogue(_) => {
+                for (parameter, value) in self.parameters() {
+                    if value != 0.0 || !parameter.is_amplitude() {
+                        insert(parameter.name, value.into());
                     }
                 }
             }

@@ -21,7 +21,7 @@ use crate::series::bridged;
 
 /// Reads the index and every run it names, in the index's order; a run must have what `needs` says.
 ///
-/// Files are CSV, Parquet (`.parquet`), MATLAB v5 (`.mat`) or MDF 4 (`.mf4`).
+/// Files are CSV, Parquet (`.parquet`) or MATLAB v5 (`.mat`).
 /// Every run is checked by [`check_columns`], and its channels by one another ([`judge`]); suspected
 /// faults become a remark. Where the index states no `distance_m`, it is the sum of the runs before in the session.
 ///

@@ -121,9 +121,8 @@ pub fn covariates(entries: &[&Entry]) -> Vec<BTreeMap<String, f64>> {
 /// whose `ice_c` counts.
 ///
 /// # Errors
-/// [`Error::Column`], [`Error::MissingColumn`], [`Error::Cell`], [`Error::DuplicateRun`],
-/// [`Error::DuplicateContent`] for a file that two runs have, [`Error::File`] for too many runs,
-/// those of [`Track::load`].
+/// [`Error::Column`], [`Error::MissingColumn`], [`Error::Cell`], [`Error::Row`] for
+/// a run or a file that is named twice and for too many runs, those of [`Track::load`].
 pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
     let file = index.display().to_string();
     let reader = kufe_files::open_regular(index).map_err(|error| Error::file(&file, error))?;
@@ -150,21 +149,18 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
         };
         let run = table.name(row, "run")?;
         if let Some(first) = rows.insert(run.clone(), line) {
-            return Err(Error::DuplicateRun {
-                file,
-                row: line,
-                run,
-                first,
-            });
+            let reason =
+                format!("run {run:?} is already named in row {first}, expected each run once");
+            return Err(Error::row(&file, line, reason));
         }
         if entries.len() == MOST_RUNS {
-            let reason = format!("row {line}: expected at most {MOST_RUNS} runs");
-            return Err(Error::file(&file, reason));
+            let reason = format!("expected at most {MOST_RUNS} runs");
+            return Err(Error::row(&file, line, reason));
         }
         let path = folder.join(table.name(row, "file")?);
         if let Some(first) = files.insert(path.clone(), run.clone()) {
             let same = Error::DuplicateContent { first, second: run };
-            return Err(Error::file(&file, format!("row {line}: {same}")));
+            return Err(Error::row(&file, line, same.to_string()));
         }
         let (_, low, high) = CONDITIONS[0];
         let mut points = Vec::new();

@@ -68,7 +68,7 @@ const START_S: f64 = 0.5;
 /// [`crate::simulate()`].
 ///
 /// # Errors
-/// [`Error::Cell`] for a run that begins off the track, [`Error::TooFew`], those of options and
+/// [`Error::File`] for a run that begins off the track, [`Error::TooFew`], those of options and
 /// effects.
 pub fn replay(
     inputs: &Inputs,
@@ -85,13 +85,15 @@ pub fn replay(
     let first = inputs.readings[0];
     let last = inputs.readings[inputs.readings.len() - 1];
     if !(track.start_m - 1.0..track.finish_m).contains(&first.s_m) {
-        return Err(Error::Place {
-            file: inputs.entry.file.display().to_string(),
-            s_m: first.s_m,
-            track: track.name.clone(),
-            from_m: track.start_m,
-            to_m: track.finish_m,
-        });
+        let (name, from, to) = (&track.name, track.start_m, track.finish_m);
+        let reason = format!(
+            "begins at s_m = {:.1}, expected a place of track {name}, from {from:.1} to {to:.1} m",
+            first.s_m
+        );
+        return Err(Error::file(
+            &inputs.entry.file.display().to_string(),
+            reason,
+        ));
     }
     let (steering, bridged_m) = inputs.steering()?;
     let world = World {

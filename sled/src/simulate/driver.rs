@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::friction::GRAVITY;
 use crate::model::sled::Sled;
+use crate::motion::state::State;
 use crate::track::spline::Spline;
 use crate::track::table::TrackShape;
 
@@ -102,20 +103,6 @@ pub(crate) enum Steering<'a> {
     Recorded(Spline),
 }
 
-/// What a driver sees.
-pub(crate) struct Seen {
-    /// Distance [m].
-    pub s: f64,
-    /// Distance off the line [m].
-    pub n: f64,
-    /// Rates of both [m/s].
-    pub rates: [f64; 2],
-    /// Speed [m/s].
-    pub v: f64,
-    /// Steering angle now [rad].
-    pub delta: f64,
-}
-
 impl Steering<'_> {
     /// The steering angle [rad]: a driver's is integrated, a recorded one is taken as it is.
     pub(crate) fn angle(&self, s: f64, integrated: f64) -> f64 {
@@ -125,21 +112,29 @@ impl Steering<'_> {
         }
     }
 
-    /// Its rate [rad/s].
-    pub(crate) fn rate(&self, shape: &TrackShape, sled: &Sled, seen: &Seen) -> f64 {
+    /// Its rate [rad/s] at a state and at the rates [m/s] of the distance and of the offset `n` [m].
+    pub(crate) fn rate(
+        &self,
+        shape: &TrackShape,
+        sled: &Sled,
+        state: &State,
+        n: f64,
+        [ds, dn]: [f64; 2],
+    ) -> f64 {
+        let (s, v) = (state.s_m, state.v_mps);
         let (driver, mood) = match self {
-            Steering::Recorded(angle) => return angle.at(seen.s)[1] * seen.rates[0],
+            Steering::Recorded(angle) => return angle.at(s)[1] * ds,
             Steering::Driver(driver, mood) => (driver, mood),
         };
-        let ahead = seen.s + driver.preview_s * seen.v;
+        let ahead = s + driver.preview_s * v;
         let bank = shape.bank.value(ahead);
-        let turn = -GRAVITY * shape.slope.value(ahead).cos() * bank.sin() / seen.v;
-        let ackermann = sled.wheelbase_m() * turn / seen.v;
+        let turn = -GRAVITY * shape.slope.value(ahead).cos() * bank.sin() / v;
+        let ackermann = sled.wheelbase_m() * turn / v;
         let wanted = driver.feedforward * ackermann
-            - driver.line_gain * (seen.n - mood.line.value(seen.s))
-            - driver.course_gain * seen.rates[1] / seen.v
-            + mood.noise.value(seen.s);
+            - driver.line_gain * (n - mood.line.value(s))
+            - driver.course_gain * dn / v
+            + mood.noise.value(s);
         let within = driver.most_rad * (wanted / driver.most_rad).tanh();
-        (within - seen.delta) / driver.lag_s
+        (within - state.delta_rad) / driver.lag_s
     }
 }

@@ -11,7 +11,7 @@ use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Balance;
 use crate::motion::one_track::forces_at;
 use crate::motion::state::{AxleForces, Motion, Slips, State, normal_forces, slips};
-use crate::simulate::driver::{Seen, Steering};
+use crate::simulate::driver::Steering;
 use crate::track::table::{IceAlong, TrackShape};
 
 /// What is integrated: distance, offset, heading, speeds, steering, and the work done so far.
@@ -265,14 +265,8 @@ impl World<'_> {
         let speed_growth = (vx * vx_t + vys * vys_t) / speed;
         let alpha_t = -(vys_t * vx - vys * vx_t) / (speed * speed);
         let turn_rate_t = (yaw_accel - yaw * speed_growth / speed) / speed;
-        let seen = Seen {
-            s,
-            n,
-            rates: [ds, dn],
-            v: speed,
-            delta,
-        };
-        let steering_t = self.steering.rate(self.shape, sled, &seen);
+        let steering = &self.steering;
+        let steering_t = steering.rate(self.shape, sled, &state, n, [ds, dn]);
         state.accel_mps2 = [fx, fy, fz];
         state.slip_rate_radps = [
             alpha_t - turn_rate_t * (sled.l_f_m - sled.slip_x_m) + steering_t,

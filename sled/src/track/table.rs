@@ -146,7 +146,7 @@ impl Track {
         Ok(())
     }
 
-    fn columns(&self) -> [(&'static str, &[f64]); 4] {
+    pub(crate) fn columns(&self) -> [(&'static str, &[f64]); 4] {
         let values = [
             &self.s_m,
             &self.slope_rad,

@@ -93,17 +93,17 @@ fn along(track: &Track<'_>, options: &FilmOptions) -> Result<Film, Error> {
     let mut tolerance = 0.1 * options.accuracy;
     let mut reached = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let steps = grade(track, tolerance)?;
-        let coarse = sweep(track, &steps, 1)?;
-        let fine = sweep(track, &steps, 2)?;
+        let (steps, fine) = grade(track, tolerance)?;
+        let coarse = sweep(track, &steps)?;
         let errors = fine.totals.difference(&coarse.totals);
         reached = errors.largest_share(&fine.totals, track.heats());
         if reached <= options.accuracy {
             let ends = fine.ends.iter().zip(&coarse.ends).enumerate();
+            let station = |(k, (h, other)): (usize, (&f64, &f64))| {
+                track.station(k + 1, *h, (h - other).abs())
+            };
             return Ok(Film {
-                stations: ends
-                    .map(|(k, (h, other))| track.station(k + 1, *h, (h - other).abs()))
-                    .collect(),
+                stations: ends.map(station).collect(),
                 totals: fine.totals,
                 errors,
                 sampling: None,
@@ -141,102 +141,96 @@ impl Step {
         Some((h[2], added))
     }
 
-    /// As [`Step::take`], in `parts` equal parts.
-    fn take_in(&self, track: &Track<'_>, before: f64, parts: usize) -> Option<(f64, FilmTotals)> {
-        let length = self.length / parts as f64;
-        let mut h = before;
-        let mut added = FilmTotals::default();
-        for part in 0..parts {
-            let step = Step {
-                segment: self.segment,
-                from: self.from + part as f64 * length,
-                length,
-            };
-            let (next, more) = step.take(track, h)?;
-            h = next;
-            added = added.plus(&more);
-        }
-        Some((h, added))
+    /// As [`Step::take`], in two halves.
+    fn take_halved(&self, track: &Track<'_>, before: f64) -> Option<(f64, FilmTotals)> {
+        let length = self.length / 2.0;
+        let half = |from: f64| Step {
+            segment: self.segment,
+            from,
+            length,
+        };
+        let (middle, first) = half(self.from).take(track, before)?;
+        let (end, second) = half(self.from + length).take(track, middle)?;
+        Some((end, FilmTotals::default().plus(&first).plus(&second)))
     }
 }
 
 /// Steps whose halving changes neither the thickness nor any total so far by more than `tolerance`,
-/// each step by itself.
+/// each step by itself; with the film on the halved steps.
 ///
 /// Every total counts: heat into the ice has a root's singularity behind each station where the
 /// pressure's slope changes, and melting and freezing a kink where one goes over into the other,
 /// which thickness and drag do not feel.
-fn grade(track: &Track<'_>, tolerance: f64) -> Result<Vec<Step>, Error> {
+fn grade(track: &Track<'_>, tolerance: f64) -> Result<(Vec<Step>, Sweep), Error> {
     let last = track.segment(track.segments() - 1)[1];
     let shortest = 1e-13 * last;
     let mut steps = Vec::new();
     let (mut h, mut wished) = (0.0, last);
-    let mut totals = FilmTotals::default();
-    let heats = track.heats();
+    let mut sweep = Sweep::default();
     for segment in 0..track.segments() {
         let [mut from, to] = track.segment(segment);
         while from < to {
             let rest = to - from;
             let whole = wished >= 0.999 * rest;
             let part = wished.min(0.5 * rest).max(shortest);
-            let length = if whole { rest } else { part };
             let step = Step {
                 segment,
                 from,
-                length,
+                length: if whole { rest } else { part },
             };
-            let (whole_step, halved) = (step.take(track, h), step.take_in(track, h, 2));
+            let length = step.length;
+            let halved = step.take_halved(track, h);
             let mut error = f64::INFINITY;
-            if let (Some(one), Some(two)) = (&whole_step, &halved) {
-                let so_far = totals.plus(&two.1);
+            if let (Some(one), Some(two)) = (step.take(track, h), &halved) {
+                let so_far = sweep.totals.plus(&two.1);
                 let changed = one.1.difference(&two.1);
                 let of_thickness = (one.0 - two.0).abs() / two.0;
-                error = larger(of_thickness, changed.largest_share(&so_far, heats));
+                error = larger(changed.largest_share(&so_far, track.heats()), of_thickness);
             }
             let grown = 0.9 * (tolerance / error.max(1e-300)).powf(1.0 / 6.0);
             wished = length * grown.clamp(0.2, 5.0);
-            match halved {
-                Some((next, added)) if error <= tolerance || length <= shortest => {
+            let short = length <= shortest;
+            match halved.filter(|_| error <= tolerance || short) {
+                Some((next, added)) => {
                     h = next;
-                    totals = totals.plus(&added);
+                    sweep.totals = sweep.totals.plus(&added);
                     from = if whole { to } else { from + length };
                     steps.push(step);
                 }
-                _ if length <= shortest || !wished.is_finite() => {
+                None if short || !wished.is_finite() => {
                     return Err(stopped(steps.len(), error, tolerance));
                 }
-                _ => {}
+                None => {}
             }
             if steps.len() > MOST_STEPS {
                 return Err(stopped(steps.len(), error, tolerance));
             }
         }
+        sweep.ends.push(h);
     }
-    Ok(steps)
+    sweep.totals.average();
+    Ok((steps, sweep))
 }
 
 /// The film on given steps: thickness at the end of each segment, and the totals.
+#[derive(Default)]
 struct Sweep {
     ends: Vec<f64>,
     totals: FilmTotals,
 }
 
-fn sweep(track: &Track<'_>, steps: &[Step], parts: usize) -> Result<Sweep, Error> {
+fn sweep(track: &Track<'_>, steps: &[Step]) -> Result<Sweep, Error> {
     let mut ends = vec![0.0; track.segments()];
     let mut totals = FilmTotals::default();
     let mut h = 0.0;
     for (done, step) in steps.iter().enumerate() {
-        let taken = step.take_in(track, h, parts);
+        let taken = step.take(track, h);
         let (next, added) = taken.ok_or_else(|| stopped(done, f64::INFINITY, 0.0))?;
         h = next;
         ends[step.segment] = h;
         totals = totals.plus(&added);
     }
-    totals.viscous_friction = totals.viscous_drag / totals.load;
-    totals.boundary_friction = totals.boundary_drag / totals.load;
-    totals.friction = totals.viscous_friction + totals.boundary_friction;
-    totals.mean_thickness /= totals.area;
-    totals.boundary_share /= totals.area;
+    totals.average();
     Ok(Sweep { ends, totals })
 }
 
@@ -368,9 +362,6 @@ impl<'a> Track<'a> {
             area,
             viscous_drag,
             boundary_drag,
-            friction: 0.0,
-            viscous_friction: 0.0,
-            boundary_friction: 0.0,
             boundary_share: touching,
             dissipated,
             into_ice,
@@ -379,6 +370,7 @@ impl<'a> Track<'a> {
             refrozen: (-melting).max(0.0),
             squeezed_out: self.squeeze(k, xi) * h.powi(3) * area,
             mean_thickness: h * area,
+            ..FilmTotals::default()
         }
     }
 
@@ -410,15 +402,15 @@ impl<'a> Track<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Rate {
     /// Friction heat that melts.
-    pub alpha: f64,
+    alpha: f64,
     /// Heat that is lost.
-    pub beta: f64,
+    beta: f64,
     /// Squeeze-out.
-    pub gamma: f64,
+    gamma: f64,
     /// Heat of boundary friction.
-    pub delta: f64,
+    delta: f64,
     /// Where steel and ice touch.
-    pub boundary: BoundaryContact,
+    boundary: BoundaryContact,
 }
 
 impl Rate {
@@ -570,6 +562,15 @@ pub struct FilmTotals {
 }
 
 impl FilmTotals {
+    /// Divides what is summed by load and area.
+    fn average(&mut self) {
+        self.viscous_friction = self.viscous_drag / self.load;
+        self.boundary_friction = self.boundary_drag / self.load;
+        self.friction = self.viscous_friction + self.boundary_friction;
+        self.mean_thickness /= self.area;
+        self.boundary_share /= self.area;
+    }
+
     /// Field by field.
     fn combined(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
         FilmTotals {

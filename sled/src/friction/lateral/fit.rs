@@ -7,7 +7,6 @@
 //! a time, so that correlation within a run does not make them too narrow.
 
 use std::collections::BTreeMap;
-use std::fmt;
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
@@ -49,8 +48,6 @@ pub struct LateralFit {
     pub residual_rms: f64,
     /// Samples used.
     pub samples: usize,
-    /// Samples excluded: lifted, or so lightly loaded that slip noise spans the whole curve.
-    pub left_out: usize,
     /// Clusters that the intervals rest on.
     pub clusters: usize,
 }
@@ -148,7 +145,6 @@ pub fn fit_lateral(
         slip_sd: options.slip_sd,
         residual_rms: (squares(&used, &model) / used.len() as f64).sqrt(),
         samples: used.len(),
-        left_out: samples.len() - used.len(),
         clusters,
     })
 }
@@ -359,9 +355,6 @@ impl Score {
 pub struct Combination {
     /// Exponents of K, of the product mu_zeta C and of C apart from that product, of unit length.
     pub exponents: [f64; 3],
-    /// Singular value of the Jacobian along it [N per unit logarithm], root mean square over the
-    /// samples.
-    pub singular_value: f64,
     /// Standard deviation of the combination's logarithm, robust to correlation within clusters.
     pub relative_sd: f64,
     /// Whether the data determine it: relative standard deviation below [`Combination::LIMIT`].
@@ -376,13 +369,13 @@ impl Combination {
 /// The three combinations, best determined first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Identifiability {
-    /// Right singular vectors of the Jacobian with their singular values, in falling order.
+    /// Right singular vectors of the Jacobian, in falling order of their singular values.
     pub combinations: [Combination; 3],
 }
 
 impl Identifiability {
-    /// From the summed slope `J^T J` and the covariance of the summed score over `samples` samples.
-    fn new(slope: &Matrix3<f64>, meat: &Matrix3<f64>, samples: usize) -> Self {
+    /// From the summed slope `J^T J` and the covariance of the summed score.
+    fn new(slope: &Matrix3<f64>, meat: &Matrix3<f64>) -> Self {
         let eigen = slope.symmetric_eigen();
         let mut order = [0, 1, 2];
         order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
@@ -401,7 +394,6 @@ impl Identifiability {
             };
             Combination {
                 exponents: direction.into(),
-                singular_value: (curvature / samples as f64).sqrt(),
                 relative_sd,
                 determined: relative_sd < Combination::LIMIT,
             }
@@ -412,29 +404,6 @@ impl Identifiability {
     /// Number of combinations that the data determine.
     pub fn rank(&self) -> usize {
         self.combinations.iter().filter(|c| c.determined).count()
-    }
-}
-
-impl fmt::Display for Identifiability {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "the data determine {} of 3 combinations of K, mu_zeta*c and c:",
-            self.rank()
-        )?;
-        for one in &self.combinations {
-            let powers = one.exponents.iter().zip(["K", "(mu_zeta*c)", "c"]);
-            let powers = powers.filter(|(power, _)| power.abs() >= 0.05);
-            let powers = powers.map(|(power, name)| format!("{name}^{power:.2}"));
-            let product = powers.collect::<Vec<String>>().join(" ");
-            let (size, sd) = (one.singular_value, one.relative_sd);
-            let not = if one.determined { "" } else { "not " };
-            writeln!(
-                f,
-                "  {product}: singular value {size:.3e} N, relative sd {sd:.2e}: {not}determined"
-            )?;
-        }
-        Ok(())
     }
 }
 
@@ -554,7 +523,7 @@ fn judge(samples: &[LateralSample], model: &MagicFormula, slip_sd: f64) -> Ident
         meat += cluster.score * cluster.score.transpose();
     }
     let total = Score::sum(clusters.values());
-    Identifiability::new(&total.slope, &meat, samples.len())
+    Identifiability::new(&total.slope, &meat)
 }
 
 fn by_cluster(

@@ -116,37 +116,34 @@ fn refuse_gaps(columns: &Columns, time: &[f64], used: &[&str], file: &str) -> Re
 }
 
 fn standstill(file: &str, row: u64, v_mps: f64, t_s: f64) -> Error {
-    Error::Standstill {
-        file: file.to_string(),
-        row,
-        v_mps,
-        t_s,
-        least: LEAST_SPEED,
-    }
+    let reason = format!(
+        "v_mps = {v_mps} at t = {t_s:.3} s, expected more than {LEAST_SPEED} m/s (no slip angle exists at standstill: cut that part off)"
+    );
+    Error::row(file, row, reason)
+}
+
+/// The error of a step of time [s] that starts at `t_s`; `row` is that of the later sample.
+fn bad_step(file: &str, row: u64, what: &str, [t_s, step, usual]: [f64; 3]) -> Error {
+    let reason = format!(
+        "{what}: t_s steps by {step:.6} s at t = {t_s:.4} s, expected {usual:.6} s throughout"
+    );
+    Error::row(file, row, reason)
 }
 
 fn refuse_uneven(time: &[f64], file: &str) -> Result<(), Error> {
     let steps = time.windows(2).map(|pair| pair[1] - pair[0]);
-    let median = median(steps).unwrap_or(0.0);
-    for (i, pair) in time.windows(2).enumerate() {
-        let step = pair[1] - pair[0];
+    let usual = median(steps.clone()).unwrap_or(0.0);
+    for (i, step) in steps.enumerate() {
         let what = if step <= 0.0 {
             "time is constant or runs backwards"
-        } else if step > 1.5 * median {
+        } else if step > 1.5 * usual {
             "clock jump or gap"
-        } else if (step - median).abs() > 0.05 * median {
+        } else if (step - usual).abs() > 0.05 * usual {
             "irregular time"
         } else {
             continue;
         };
-        return Err(Error::Time {
-            file: file.to_string(),
-            row: i as u64 + 3,
-            what,
-            step_s: step,
-            t_s: pair[0],
-            expected_s: median,
-        });
+        return Err(bad_step(file, i as u64 + 3, what, [time[i], step, usual]));
     }
     Ok(())
 }
@@ -156,18 +153,15 @@ fn refuse_missing(values: &[f64], time: &[f64], column: &str, file: &str) -> Res
     let Some(first) = values.iter().position(missing) else {
         return Ok(());
     };
-    let length = values[first..].iter().take_while(|v| missing(v)).count();
     let bursts = values.chunk_by(|a, b| missing(a) == missing(b));
-    let bursts = bursts.filter(|burst| missing(&burst[0])).count();
-    Err(Error::Missing {
-        file: file.to_string(),
-        column: column.to_string(),
-        count: length,
-        row: first as u64 + 2,
-        t_s: time[first],
-        bursts,
-        total: values.iter().filter(|v| missing(v)).count(),
-    })
+    let bursts: Vec<&[f64]> = bursts.filter(|burst| missing(&burst[0])).collect();
+    let (count, of) = (bursts[0].len(), bursts.len());
+    let total: usize = bursts.iter().map(|burst| burst.len()).sum();
+    let (row, t_s) = (first + 2, time[first]);
+    let reason = format!(
+        "column {column}: {count} values are NaN or missing from row {row} on (t = {t_s:.3} s); {of} such bursts in all, {total} values; expected a number in every row: nothing is filled in"
+    );
+    Err(Error::file(file, reason))
 }
 
 /// Start and step of a uniform time column.
@@ -218,19 +212,12 @@ impl Base {
     /// one), by drift or because a logger began anew, [`Base::column`] interpolates.
     ///
     /// # Errors
-    /// [`Error::Time`] where time does not increase or runs backwards, steps by less than half the
+    /// [`Error::Row`] where time does not increase or runs backwards, steps by less than half the
     /// usual step, or jumps further than there is time recorded.
     pub fn of(time: &[f64], row: &dyn Fn(usize) -> u64, file: &str) -> Result<Base, Error> {
         let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let usual = usual_step(&steps);
-        let error = |i: usize, what| Error::Time {
-            file: file.to_string(),
-            row: row(i + 1),
-            what,
-            step_s: steps[i],
-            t_s: time[i],
-            expected_s: usual,
-        };
+        let error = |i: usize, what| bad_step(file, row(i + 1), what, [time[i], steps[i], usual]);
         if let Some(i) = steps.iter().position(|step| *step <= 0.0) {
             return Err(error(i, "time is constant or runs backwards"));
         }

@@ -95,10 +95,8 @@ pub fn examine_with<T: Send>(
     index: &Path,
     also: impl Fn(&Examination, Option<&Run>) -> T + Sync,
 ) -> Result<Vec<(Examination, T)>, Error> {
-    let read: Vec<(Entry, Result<Run, Error>)> = read_index(index)?
-        .into_par_iter()
-        .map(|entry| (entry.clone(), read_run(entry, &LEAST, OnGaps::LeaveOut)))
-        .collect();
+    let read = |entry: Entry| (entry.clone(), read_run(entry, &LEAST, OnGaps::LeaveOut));
+    let read: Vec<_> = read_index(index)?.into_par_iter().map(read).collect();
     // Long recordings exist once in memory: runs in one list, their places in the index in another.
     let (mut runs, mut places, mut examined) = (Vec::new(), Vec::new(), Vec::new());
     for (place, (entry, run)) in read.into_iter().enumerate() {
@@ -123,24 +121,18 @@ pub fn examine_with<T: Send>(
         let of = runs[first].entry.run.clone();
         let (copy, place) = (runs.remove(second), places.remove(second));
         let mut one = examine_run(&copy, Vec::new());
-        one.refused = Some(format!(
-            "holds the same samples as run {of}: expected each run once"
-        ));
+        let reason = format!("holds the same samples as run {of}: expected each run once");
+        one.refused = Some(reason);
         let made = also(&one, Some(&copy));
         examined.push((place, (one, made)));
     }
     let faults = judge(&runs);
-    let found: Vec<(usize, (Examination, T))> = runs
-        .par_iter()
-        .zip(places)
-        .map(|(run, place)| {
-            let own = faults.iter().filter(|fault| fault.run == run.entry.run);
-            let one = examine_run(run, own.cloned().collect());
-            let made = also(&one, Some(run));
-            (place, (one, made))
-        })
-        .collect();
-    examined.extend(found);
+    examined.par_extend(runs.par_iter().zip(places).map(|(run, place)| {
+        let own = faults.iter().filter(|fault| fault.run == run.entry.run);
+        let one = examine_run(run, own.cloned().collect());
+        let made = also(&one, Some(run));
+        (place, (one, made))
+    }));
     examined.sort_by_key(|(place, _)| *place);
     let mut examined: Vec<(Examination, T)> = examined.into_iter().map(|(_, both)| both).collect();
     let odd = |one: &Examination| one.notes.first().map_or(0.0, |note| note.weight);

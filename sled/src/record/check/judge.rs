@@ -29,39 +29,33 @@ pub fn judge(runs: &[Run]) -> Vec<Fault> {
 
 /// The same by other thresholds.
 pub fn judge_by(runs: &[Run], rules: &RelationRules) -> Vec<Fault> {
-    let plain: Vec<(Vec<Fault>, Option<Slow>)> = runs
-        .par_iter()
-        .map(|run| {
-            let faults = plain_faults(run);
-            // A channel that is constant or repeated cannot be mended by a unit.
-            let slow = Slow::of(run).filter(|_| faults.is_empty());
-            (faults, slow)
-        })
-        .collect();
+    let plain = |run: &Run| {
+        let faults = plain_faults(run);
+        // A channel that is constant or repeated cannot be mended by a unit.
+        let slow = Slow::of(run).filter(|_| faults.is_empty());
+        (faults, slow)
+    };
+    let plain: Vec<(Vec<Fault>, Option<Slow>)> = runs.par_iter().map(plain).collect();
     let slow: Vec<&Slow> = plain.iter().filter_map(|(_, slow)| slow.as_ref()).collect();
     let rotation = BoxRotation::of(&slow, rules);
-    let by_run: Vec<(Vec<Fault>, Option<Slow>)> = runs
-        .par_iter()
-        .zip(plain)
-        .map(|(run, (mut faults, mut slow))| {
-            if let (Some(rotation), Some(slow)) = (&rotation, &mut slow)
-                && is_complete(slow)
-            {
-                let turned = rotation.applied(slow);
-                faults.push(rotation.fault(run, slow, &turned));
-                *slow = turned;
-            }
-            let mended = slow.map(|slow| rules.mend_all(run, slow, &mut faults));
-            let ranges = range_faults(run, &faults);
-            let responds = mended
-                .as_ref()
-                .is_some_and(|slow| ranges.is_empty() && Agreement::of(slow).is_below(rules.holds));
-            faults.extend(ranges);
-            faults.extend(mended.iter().filter_map(|slow| distance_fault(run, slow)));
-            // The response is not judged where channels do not agree yet.
-            (faults, mended.filter(|_| responds))
-        })
-        .collect();
+    let judge_one = |(run, (mut faults, mut slow)): (&Run, (Vec<Fault>, Option<Slow>))| {
+        if let (Some(rotation), Some(slow)) = (&rotation, &mut slow)
+            && is_complete(slow)
+        {
+            let turned = rotation.applied(slow);
+            faults.push(rotation.fault(run, slow, &turned));
+            *slow = turned;
+        }
+        let mended = slow.map(|slow| rules.mend_all(run, slow, &mut faults));
+        let ranges = range_faults(run, &faults);
+        // The response is not judged where channels do not agree yet.
+        let responds = |slow: &Slow| ranges.is_empty() && Agreement::of(slow).is_below(rules.holds);
+        let responding = mended.clone().filter(responds);
+        faults.extend(ranges);
+        faults.extend(mended.iter().filter_map(|slow| distance_fault(run, slow)));
+        (faults, responding)
+    };
+    let by_run: Vec<_> = runs.par_iter().zip(plain).map(judge_one).collect();
     let (mut by_run, slow): (Vec<Vec<Fault>>, Vec<Option<Slow>>) = by_run.into_iter().unzip();
     let mended = runs.iter().zip(slow);
     let mended: Vec<(&Run, Slow)> = mended
