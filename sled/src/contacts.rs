@@ -62,7 +62,7 @@ pub fn as_expected(found: WallContact, error_n: f64, hit_n: f64) -> WallContact 
 
 /// The half wave that best fits a side balance within a stretch \[m\]; `None` where none exceeds
 /// `scatter_n`, a standard deviation of a sample \[N\]. `hit_n` is the force of a hit, left
-/// positive, and says the side; 0 where that is not known.
+/// positive, and states the side; 0 where that is not known.
 ///
 /// ```text
 /// F = sum w y / sum w^2        w = sin^2(pi (s - s_0) / length)        error = scatter sqrt(2 / sum w^2)

@@ -73,7 +73,7 @@ pub enum Error {
         /// What is wrong, and what was expected.
         reason: String,
     },
-    /// A channel is provably not what its name says.
+    /// A channel is provably not what its name states.
     #[error("{fault}{}", more_faults(*.more))]
     Wrong {
         /// What is wrong, and what mends it.

@@ -9,7 +9,7 @@
 //! | [`one_track`] | forces from motion ([`one_track::inverse`]) and from friction ([`one_track::forward`]) |
 //! | [`simulate()`], [`record`] | drives a [`Track`] with a [`Driver`]; what the sled's sensors record of it |
 //! | [`replay()`] | a measured run driven again by the model, and where both part |
-//! | [`align()`] | runs of one track brought to one distance, and the track that they felt |
+//! | [`align()`] | runs of one track brought to one distance, and the track that they measure |
 //! | [`sample_data`] | 44 runs of five drivers on two tracks, with the truth known |
 //!
 //! ```

@@ -1,4 +1,4 @@
-//! A track from the runs that felt it.
+//! A track from the runs that measured it.
 
 use crate::align::AlignedRun;
 use crate::align::signature::{ReferenceProfile, TrackSignature};
@@ -14,27 +14,27 @@ pub struct TrackEstimate {
     pub track: Track,
     /// Standard errors of slope [rad], curvature [1/m] and bank [rad].
     pub sd: [Vec<f64>; 3],
-    /// How many runs felt each row.
+    /// How many runs measured each row.
     pub runs: Vec<usize>,
 }
 
 /// Curvature, bank and slope of every run at every metre from `from_m` on; NaN where a run was not.
 pub(crate) fn over_track(
-    felt: &[TrackSignature],
+    measured: &[TrackSignature],
     aligned: &[AlignedRun],
 ) -> (f64, Vec<Vec<[f64; 3]>>) {
-    let pairs = || felt.iter().zip(aligned.iter().map(|run| &run.warp));
-    let starts = pairs().map(|(felt, warp)| warp.at(felt.from_m));
-    let ends = pairs().map(|(felt, warp)| warp.at(felt.place(felt.metres.len() - 1)));
+    let pairs = || measured.iter().zip(aligned.iter().map(|run| &run.warp));
+    let starts = pairs().map(|(measured, warp)| warp.at(measured.from_m));
+    let ends = pairs().map(|(measured, warp)| warp.at(measured.place(measured.metres.len() - 1)));
     let low = starts.fold(f64::INFINITY, f64::min);
     let high = ends.fold(f64::NEG_INFINITY, f64::max);
     let from_m = low.ceil();
     let count = (high - from_m).max(0.0) as usize + 1;
-    let mut table = vec![vec![[f64::NAN; 3]; felt.len()]; count];
-    for (run, (felt, warp)) in pairs().enumerate() {
-        for i in 1..felt.metres.len() {
-            let (a, b) = (warp.at(felt.place(i - 1)), warp.at(felt.place(i)));
-            let (before, after) = (&felt.metres[i - 1], &felt.metres[i]);
+    let mut table = vec![vec![[f64::NAN; 3]; measured.len()]; count];
+    for (run, (measured, warp)) in pairs().enumerate() {
+        for i in 1..measured.metres.len() {
+            let (a, b) = (warp.at(measured.place(i - 1)), warp.at(measured.place(i)));
+            let (before, after) = (&measured.metres[i - 1], &measured.metres[i]);
             let rows = (a - from_m).ceil().max(0.0) as usize..=(b - from_m).max(0.0) as usize;
             for row in rows {
                 let share = (from_m + row as f64 - a) / (b - a);
@@ -49,7 +49,7 @@ pub(crate) fn over_track(
 }
 
 /// The mean of the runs at every metre as what runs are aligned to.
-pub(crate) fn mean_course(from_m: f64, table: &[Vec<[f64; 3]>]) -> ReferenceProfile {
+pub(crate) fn mean_profile(from_m: f64, table: &[Vec<[f64; 3]>]) -> ReferenceProfile {
     let rows = table.iter().map(|row| {
         let [curvature, bank, _] = [0, 1, 2].map(|k| mean_sd(row, k).0);
         [curvature, bank]
@@ -58,7 +58,7 @@ pub(crate) fn mean_course(from_m: f64, table: &[Vec<[f64; 3]>]) -> ReferenceProf
 }
 
 /// The mean over runs with its standard error: what the runs differ by (they feel the lines that
-/// were driven, and how far their mean lies off the track's own line is not felt), and what the
+/// were driven, and how far their mean lies off the track's own line is not measured), and what the
 /// installation, alike in all of them, may be off by (`[tolerances]`):
 ///
 /// ```text

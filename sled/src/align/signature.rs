@@ -1,4 +1,4 @@
-//! What a run feels of the track, metre by metre of its own distance.
+//! What a run measures of the track, metre by metre of its own distance.
 
 use crate::model::sled::Sled;
 use crate::motion::state::State;
@@ -207,18 +207,21 @@ const LEAST_OVERLAP: f64 = 0.6;
 const APART_M: f64 = 15.0;
 
 /// The best line and how badly the best elsewhere fits.
-pub(crate) fn search(felt: &TrackSignature, course: &ReferenceProfile) -> Option<(Line, f64)> {
-    let length = felt.metres.len().min(course.metres.len());
+pub(crate) fn search(
+    measured: &TrackSignature,
+    reference: &ReferenceProfile,
+) -> Option<(Line, f64)> {
+    let length = measured.metres.len().min(reference.metres.len());
     let least = (LEAST_OVERLAP * length as f64 / EVERY as f64) as usize;
-    let base = course.from_m - felt.from_m;
+    let base = reference.from_m - measured.from_m;
     let reach = (1.0 - LEAST_OVERLAP) * length as f64
-        + (course.metres.len() as f64 - felt.metres.len() as f64).abs();
+        + (reference.metres.len() as f64 - measured.metres.len() as f64).abs();
     let count = (2.0 * reach / STEP_M) as usize + 1;
     let mut tried: Vec<Line> = Vec::new();
     for stretch in STRETCHES {
         for i in 0..count {
             let shift_m = base - reach + i as f64 * STEP_M;
-            let misfit = misfit(felt, course, shift_m, stretch, least);
+            let misfit = misfit(measured, reference, shift_m, stretch, least);
             tried.extend(misfit.map(|misfit| Line {
                 shift_m,
                 stretch,
@@ -227,7 +230,7 @@ pub(crate) fn search(felt: &TrackSignature, course: &ReferenceProfile) -> Option
         }
     }
     let best = *tried.iter().min_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
-    let middle = 0.5 * felt.metres.len() as f64;
+    let middle = 0.5 * measured.metres.len() as f64;
     let place = |line: &Line| line.shift_m + line.stretch * middle;
     let is_elsewhere = |line: &&Line| (place(line) - place(&best)).abs() > APART_M;
     let elsewhere = tried.iter().filter(is_elsewhere).map(|line| line.misfit);
@@ -235,18 +238,22 @@ pub(crate) fn search(felt: &TrackSignature, course: &ReferenceProfile) -> Option
 }
 
 fn misfit(
-    felt: &TrackSignature,
-    course: &ReferenceProfile,
+    measured: &TrackSignature,
+    reference: &ReferenceProfile,
     shift: f64,
     stretch: f64,
     least: usize,
 ) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0);
-    for i in (0..felt.metres.len()).step_by(EVERY) {
-        let s = felt.from_m + shift + stretch * i as f64;
-        if let Some((at, _)) = course.at(s).filter(|_| felt.metres[i][0].is_finite()) {
-            for ((felt, at), spread) in felt.metres[i].iter().zip(at).zip(course.spread) {
-                sum += 0.5 * ((felt - at) / spread).powi(2);
+    for i in (0..measured.metres.len()).step_by(EVERY) {
+        let s = measured.from_m + shift + stretch * i as f64;
+        if let Some((at, _)) = reference
+            .at(s)
+            .filter(|_| measured.metres[i][0].is_finite())
+        {
+            for ((measured, at), spread) in measured.metres[i].iter().zip(at).zip(reference.spread)
+            {
+                sum += 0.5 * ((measured - at) / spread).powi(2);
             }
             count += 1;
         }

@@ -61,8 +61,8 @@ pub(crate) fn seconds_per_joule(sled: &Sled, states: &[State]) -> Vec<f64> {
         let v_mps = 0.5 * (before.v_mps + after.v_mps);
         let decay = before.air_density_kgpm3 * sled.cda_m2 / sled.mass_kg;
         let now = step_s / (sled.mass_kg * v_mps * v_mps);
-        let kept = (-decay * v_mps * step_s).exp();
-        price[i - 1] = 0.5 * now * (1.0 + kept) + kept * price[i];
+        let share = (-decay * v_mps * step_s).exp();
+        price[i - 1] = 0.5 * now * (1.0 + share) + share * price[i];
     }
     price
 }

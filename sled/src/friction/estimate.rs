@@ -49,7 +49,7 @@ impl Span {
 /// The logarithm of the response is a polynomial of degree 4 in the logarithms of the parameters,
 /// fitted by least squares to 7 places of one parameter and to 25 of two (Chebyshev's, the bounds
 /// among them): five and fifteen coefficients. A mesh's scatter of some thousandths would lead a
-/// search astray that goes from point to point; the surface averages it, and the residual says how
+/// search astray that goes from point to point; the surface averages it, and the residual states how
 /// rough it is.
 #[derive(Clone, Debug)]
 pub struct Response {

@@ -24,7 +24,7 @@ pub fn air_density(air_pa: f64, air_c: f64) -> f64 {
 /// One evaluated run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GlideRun {
-    /// What the index says of it.
+    /// Its row of the index.
     pub entry: GlideEntry,
     /// Distance from the start of the glide [m].
     pub s: Vec<f64>,

@@ -363,7 +363,7 @@ impl IceHouse {
     }
 }
 
-/// The label that says uphill first; otherwise in order of appearance.
+/// The label of uphill first; otherwise in order of appearance.
 fn directions(runs: &[GlideRun]) -> [String; 2] {
     let mut labels = distinct(runs.iter().map(|run| run.entry.direction.clone()));
     labels.sort_by_key(|label| match label.to_lowercase() {

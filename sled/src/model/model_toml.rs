@@ -22,7 +22,7 @@ pub struct Model {
     /// How well the track is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub survey: Option<Survey>,
-    /// Conditions that effects ask for, where neither a run's file nor `runs.csv` states them.
+    /// Conditions that effects need, where neither a run's file nor `runs.csv` states them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub conditions: Option<ModelConditions>,
     /// Standard deviations of the sensors; estimated from the data where absent.

@@ -231,7 +231,7 @@ pub struct RunnerTable {
 }
 
 impl RunnerTable {
-    /// Opens a table; its smooth mode has no kinks that an integrator would feel.
+    /// Opens a table; its smooth mode has no kinks that disturb an integrator.
     pub(crate) fn open(path: &Path, quantity: Quantity) -> Result<Self, Error> {
         let file = path.display().to_string();
         let failure = |error: kufe_lut::Error| Error::file(&file, error);
@@ -307,7 +307,7 @@ impl RunnerFriction {
         self.film.as_ref().map_or(f64::NAN, over_mean)
     }
 
-    /// The table that the law asks.
+    /// The table of the law.
     pub fn table(&self) -> Option<&RunnerTable> {
         match &self.longitudinal {
             RunnerLaw::Fixed(_) => None,

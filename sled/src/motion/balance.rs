@@ -29,7 +29,7 @@ pub struct Balance {
     pub sled: Sled,
     /// Slips, loads and conditions.
     pub state: State,
-    /// What the sensors say of the motion; zero where it is not known yet.
+    /// The measured motion; zero where it is not known yet.
     pub motion: Motion,
     /// Sine and cosine of the steering angle.
     pub steer: (f64, f64),

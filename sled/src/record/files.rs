@@ -19,7 +19,7 @@ use crate::record::needs::Needs;
 use crate::record::run::Run;
 use crate::series::bridged;
 
-/// Reads the index and every run it names, in the index's order; a run must have what `needs` says.
+/// Reads the index and every run it names, in the index's order; a run must have what it `needs`.
 ///
 /// Files are CSV, Parquet (`.parquet`) or MATLAB v5 (`.mat`).
 /// Every run is checked by [`check_columns`], and its channels by one another ([`judge`]); suspected
@@ -88,7 +88,7 @@ pub fn read_run(entry: Entry, required: &[&str], on_gaps: OnGaps) -> Result<Run,
     read_run_of(entry, required, &known, on_gaps)
 }
 
-/// Like [`read_run`] with what `needs` says, which an error of a missing column names.
+/// Like [`read_run`] with what it `needs`, which an error of a missing column names.
 ///
 /// # Errors
 /// As [`read_run`].

@@ -181,7 +181,7 @@ pub fn gaps_line(runs: &[SampleCoverage]) -> String {
     format!("{who}: {parts}; {used:.1} s of {of:.1} s take part (--strict refuses such runs)")
 }
 
-/// Samples of one value at the channel's end from which a sensor is said to be at its stop: what
+/// Samples of one value at the channel's end from which a sensor counts as at its stop: what
 /// moves and is measured with noise stays within a converter's step for two or three.
 const STRETCH: usize = 8;
 

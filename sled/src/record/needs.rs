@@ -62,7 +62,7 @@ pub fn refuse_unstated_air(by: &str, conditions: &Conditions, file: &str) -> Res
     Err(Error::file(file, reason))
 }
 
-/// The same for the drag of a sled, which asks for none where it has no area.
+/// The same for the drag of a sled, which needs none where it has no area.
 ///
 /// # Errors
 /// [`Error::File`] with the column.

@@ -47,8 +47,8 @@ pub struct Difference {
     pub largest_at_m: f64,
 }
 
-/// What the sensors of the model would say, in the order of [`READ`].
-pub(crate) fn said(instant: &Instant) -> [f64; 4] {
+/// Readings of the sensors of the model, in the order of [`READ`].
+pub(crate) fn readings(instant: &Instant) -> [f64; 4] {
     let state = &instant.state;
     [
         state.v_mps,
@@ -80,7 +80,7 @@ pub(crate) fn compare(
         Spline::natural(&places, &values)
     };
     let time = over(&|instant| instant.state.t_s);
-    let values: [Spline; 4] = std::array::from_fn(|k| over(&|instant| said(instant)[k]));
+    let values: [Spline; 4] = std::array::from_fn(|k| over(&|instant| readings(instant)[k]));
     let reach = places[0]..=places[places.len() - 1];
     for piece in &inputs.pieces {
         let start = compared.len();
@@ -136,7 +136,7 @@ pub struct Section {
     pub lost_s: f64,
 }
 
-/// Length of a window [m]: some three sleds, and long enough for a speed's noise to say a force.
+/// Length of a window [m]: some three sleds, and long enough to distinguish a force from the speed's noise.
 const WINDOW_M: usize = 20;
 /// What a window omits at either end when it is reported [m]: a short event lies near the middles
 /// of the windows that show it.
@@ -146,7 +146,7 @@ const EDGE_M: usize = 5;
 const STANDS_OUT: f64 = 2.0;
 /// Standard deviations that noise does not reach: once in 10^4 windows.
 const BEYOND_NOISE: f64 = 4.0;
-/// Force over weight below which a window says nothing: a fiftieth of the friction on ice, still
+/// Force over weight below which a window is not reported: a fiftieth of the friction on ice, still
 /// above what steps and filters err.
 const LEAST_MU: f64 = 1e-4;
 /// The same for other columns, relative to the column's own root mean square.
@@ -164,7 +164,7 @@ const MOST: usize = 5;
 /// ```
 ///
 /// is. Both must exceed four standard deviations of what the noise makes of them. Speeds that have
-/// parted stay apart, the force says where. Windows that overlap are one section; none reaches
+/// parted stay apart; the force shows where. Windows that overlap are one section; none reaches
 /// across a gap.
 pub(crate) fn sections(
     compared: &[Compared],

@@ -1,4 +1,4 @@
-//! What the sensors of a run say in one stretch without a gap, filtered and their faults taken out.
+//! Readings of the sensors of a run in one stretch without a gap, filtered and their faults taken out.
 
 use std::ops::Range;
 
@@ -65,7 +65,7 @@ impl<'a> Sensed<'a> {
     }
 
     /// Low pass, down-sampling, delays and faults of the vehicle's `effects` taken out; a sensor
-    /// without a column says 0.
+    /// without a column reads 0.
     ///
     /// # Errors
     /// [`Error::File`] for an effect that gives no number.

@@ -71,14 +71,14 @@ pub fn simulate(
     let vehicle = &vehicle.on_run(&track.name, &options.conditions);
     let conditions = vehicle.conditions.complete(&options.conditions);
     refuse_unstated(vehicle, &conditions, &track.ice, "simulation")?;
-    let mood = driver.mood(track.start_m, track.finish_m, options.seed);
+    let variation = driver.variation(track.start_m, track.finish_m, options.seed);
     let world = World {
         vehicle,
         shape: track,
         conditions,
         ice: &track.ice,
         density: options.conditions.air_density(),
-        steering: Steering::Driver(driver, mood),
+        steering: Steering::Driver(driver, variation),
         contacts: &options.contacts,
         cross_curvature: options.cross_curvature_1pm,
     };
@@ -89,7 +89,7 @@ pub fn simulate(
     trouble.map_or(Ok(simulated), Err)
 }
 
-/// Refuses what the vehicle asks of ice and air that neither `conditions` nor the places along the
+/// Refuses what the vehicle needs of ice and air that neither `conditions` nor the places along the
 /// track state.
 pub(crate) fn refuse_unstated(
     vehicle: &Vehicle,

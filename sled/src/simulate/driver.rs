@@ -4,7 +4,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::friction::GRAVITY;
 use crate::model::sled::Sled;
@@ -22,7 +22,7 @@ use crate::track::table::TrackShape;
 /// n is the distance left of the ideal line [m], w the yaw rate at which the line is driven without
 /// lateral force `preview` seconds ahead [rad/s], L the wheelbase [m], v the speed [m/s].
 /// `n_wanted` and the noise are smooth random functions of the distance.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Driver {
     /// Share of the curve's own steering angle that is steered ahead.
     pub feedforward: f64,
@@ -69,7 +69,7 @@ impl Driver {
     }
 
     /// The driver's random functions over a track from `start` to `finish` [m].
-    pub(crate) fn mood(&self, start: f64, finish: f64, seed: u64) -> RunVariation {
+    pub(crate) fn variation(&self, start: f64, finish: f64, seed: u64) -> RunVariation {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         RunVariation {
             noise: smooth_noise(start, finish, self.length_m, self.noise_rad, &mut random),
@@ -97,7 +97,7 @@ fn smooth_noise(start: f64, finish: f64, length: f64, sd: f64, random: &mut ChaC
 
 /// Who steers.
 pub(crate) enum Steering<'a> {
-    /// A driver, in his mood on this run.
+    /// A driver, with the variation of this run.
     Driver(&'a Driver, RunVariation),
     /// An angle recorded over the distance [rad over m].
     Recorded(Spline),
@@ -122,18 +122,18 @@ impl Steering<'_> {
         [ds, dn]: [f64; 2],
     ) -> f64 {
         let (s, v) = (state.s_m, state.v_mps);
-        let (driver, mood) = match self {
+        let (driver, variation) = match self {
             Steering::Recorded(angle) => return angle.at(s)[1] * ds,
-            Steering::Driver(driver, mood) => (driver, mood),
+            Steering::Driver(driver, variation) => (driver, variation),
         };
         let ahead = s + driver.preview_s * v;
         let bank = shape.bank.value(ahead);
         let turn = -GRAVITY * shape.slope.value(ahead).cos() * bank.sin() / v;
         let ackermann = sled.wheelbase_m() * turn / v;
         let wanted = driver.feedforward * ackermann
-            - driver.line_gain * (n - mood.line.value(s))
+            - driver.line_gain * (n - variation.line.value(s))
             - driver.course_gain * dn / v
-            + mood.noise.value(s);
+            + variation.noise.value(s);
         let within = driver.most_rad * (wanted / driver.most_rad).tanh();
         (within - state.delta_rad) / driver.lag_s
     }

@@ -78,9 +78,9 @@ pub(crate) struct World<'a> {
 pub(crate) struct Before {
     /// Growth of the speed [m/s2].
     pub growth: f64,
-    /// Rates of the slip angles, front and rear [rad/s]; only effects ask for them.
+    /// Rates of the slip angles, front and rear [rad/s]; only effects need them.
     pub slip_rate: [f64; 2],
-    /// Specific force at the centre of gravity [m/s2]; only effects ask for it.
+    /// Specific force at the centre of gravity [m/s2]; only effects need it.
     pub accel: [f64; 3],
     /// Roll acceleration [rad/s2].
     pub roll_accel: f64,

@@ -23,7 +23,7 @@ use crate::track::table::Track;
 
 /// What the sensors of the sled record of a simulated run, in the format of a measured one.
 ///
-/// The accelerometer at its place feels `f + dw/dt x r + w x (w x r)`, f being the specific force
+/// The accelerometer at its place measures `f + dw/dt x r + w x (w x r)`, f being the specific force
 /// at the centre of gravity; the slip sensor sees speed and slip angle at its own place. Effects of
 /// the vehicle that act between the truth and its sensors act. White noise of the stated deviations
 /// is added to each channel with `seed`; none where `noise` is absent. `s_m` is the true distance
@@ -90,7 +90,7 @@ pub fn record(
     }
 }
 
-/// What faultless sensors of this sled would say, with the rates that the motion tells.
+/// Readings of faultless sensors of this sled, with the rates that follow from the motion.
 fn true_signals(sled: &Sled, instant: &Instant) -> Signals {
     let s = &instant.state;
     let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];

@@ -1,4 +1,4 @@
-//! The track as a sled feels it: slope, vertical curvature and bank over distance.
+//! The track under a sled: slope, vertical curvature and bank over distance.
 
 use std::path::Path;
 
@@ -33,7 +33,7 @@ const COLUMNS: [&str; 4] = ["s_m", "slope_rad", "curvature_1pm", "bank_rad"];
 /// Least length of a track [m]: ten times a sled, and more than any track has kilometres.
 const LEAST_SPAN_M: f64 = 20.0;
 
-/// Further columns of an estimated track: they say how well it is known, and nothing drives on
+/// Further columns of an estimated track: they state how well it is known, and nothing drives on
 /// them.
 const ERRORS: [&str; 4] = ["slope_sd_rad", "curvature_sd_1pm", "bank_sd_rad", "runs"];
 

@@ -1,4 +1,4 @@
-//! The film's equation integrated along the strip, with steps as short as the accuracy asks.
+//! The film's equation integrated along the strip, with steps as short as the accuracy requires.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -33,7 +33,7 @@ const ROUNDS: usize = 6;
 /// Reynolds, Phil. Trans. R. Soc. 177 (1886)). The film starts at 0 as the root of `xi`.
 /// It never ends: where the walls take more heat than friction gives
 /// (`melt_rate` negative) it freezes and thins until `tau V` is as much, so that thickness goes to
-/// nanometres and below for a slow runner on cold ice, but not to 0. What the model then says is
+/// nanometres and below for a slow runner on cold ice, but not to 0. The model then states
 /// the heat that the ice can take, not that there is a film: [`Film::thinnest`] is to be compared
 /// with roughness and the size of a molecule.
 ///
@@ -160,7 +160,7 @@ impl Step {
 ///
 /// Every total counts: heat into the ice has a root's singularity behind each station where the
 /// pressure's slope changes, and melting and freezing a kink where one goes over into the other,
-/// which thickness and drag do not feel.
+/// which do not affect thickness and drag.
 fn grade(track: &Track<'_>, tolerance: f64) -> Result<(Vec<Step>, Sweep), Error> {
     let last = track.segment(track.segments() - 1)[1];
     let shortest = 1e-13 * last;
@@ -247,7 +247,7 @@ fn stopped(iterations: usize, residual: f64, tolerance: f64) -> Error {
 /// point.
 const NARROWEST: f64 = 1e-3;
 
-/// What the film's equation says along a strip.
+/// The film's equation along a strip.
 ///
 /// With `s = sqrt(xi)` instead of `xi` the thickness starts as `h = a s` and every term stays
 /// finite:
@@ -470,7 +470,7 @@ fn stages() -> Matrix3<f64> {
 /// The three stages of one step of Radau IIA of order 5 from the thickness `before`, the last its
 /// end; `None` without convergence.
 ///
-/// The method is stable for any stiffness and never asks for the rate at the beginning of the step,
+/// The method is stable for any stiffness and never needs the rate at the beginning of the step,
 /// where the film's is without bound at the leading edge; a thickness that grows linearly in `s` it
 /// meets exactly. Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd
 /// ed., Springer 1996, section IV.5.

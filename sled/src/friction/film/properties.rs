@@ -219,7 +219,7 @@ pub struct FilmOptions {
     /// Discretisation error required of every total, 1e-10 to 0.1: relative to its value, that of
     /// heat and water, which may be small differences, to the power that is dissipated and the
     /// water that it would melt. Down to 1e-8 it is reached on any patch that was tried (thousands,
-    /// of pressures in steps among them); where it is not, [`Error::NotConverged`] says how far it
+    /// of pressures in steps among them); where it is not, [`Error::NotConverged`] states how far it
     /// came.
     pub accuracy: f64,
 }

@@ -7,7 +7,7 @@ use crate::error::{Error, in_range};
 
 /// Which quantity the asperity factor zeta multiplies.
 ///
-/// The paper's text says that asperities raise the pressure, its formula scales the coefficient;
+/// The paper's text states that asperities raise the pressure, its formula scales the coefficient;
 /// both readings are allowed, the formula is the default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]

@@ -1,4 +1,4 @@
-//! Whether a run's columns are what their names say.
+//! Whether a run's columns hold what their names state.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -16,7 +16,7 @@ const LATEST_S: f64 = 1e15;
 /// Fewest samples of a run that filters and derivatives can work on.
 pub const LEAST_SAMPLES: usize = 64;
 
-/// Checks the columns of one run, brings them to a uniform clock and says what takes part.
+/// Checks the columns of one run, brings them to a uniform clock and finds what takes part.
 ///
 /// `required` are the columns there must be besides `t_s`; `used` those of the file that must have
 /// a value where a sample takes part; `file` names the source in errors. In this order: missing
