@@ -9,37 +9,17 @@ use crate::error::Error;
 /// Range of a quantity in measured tables: name, smallest and largest value, and what is expected.
 const NUMBERS: [(&str, f64, f64, &str); 14] = [
     ("p_max_pa", 1e4, 1e11, "a pressure in Pa (7.7e6)"),
-    (
-        "p_max_sd_pa",
-        0.0,
-        1e11,
-        "a standard deviation in Pa, 0 to 1e11",
-    ),
+    ("p_max_sd_pa", 0.0, 1e11, "a deviation in Pa, 0 to 1e11"),
     ("mu", -1.0, 1.0, "a coefficient of friction (0.004)"),
     ("mu_sd", 0.0, 1.0, "a standard deviation (0.0004), 0 to 1"),
     ("fz_n", LEAST, f64::MAX, "a force in N, positive"),
     ("v_mps", 0.0, f64::MAX, "a speed in m/s, 0 or more"),
     ("ice_c", -60.0, 60.0, CELSIUS),
     ("air_c", -60.0, 60.0, CELSIUS),
-    (
-        "humidity_pct",
-        0.0,
-        100.0,
-        "a relative humidity in %, 0 to 100",
-    ),
-    (
-        "air_pa",
-        30e3,
-        120e3,
-        "an air pressure in Pa (94700), 30000 to 120000",
-    ),
+    ("humidity_pct", 0.0, 100.0, "a humidity in %, 0 to 100"),
+    ("air_pa", 30e3, 120e3, "a pressure, 30000 to 120000 Pa"),
     ("distance_m", 0.0, f64::MAX, "a distance in m, 0 or more"),
-    (
-        "rocker_radius_m",
-        LEAST,
-        f64::MAX,
-        "a radius in m, positive",
-    ),
+    ("rocker_radius_m", LEAST, f64::MAX, "a radius, above 0 m"),
     ("mass_kg", 1.0, 2000.0, "a mass in kg, 1 to 2000"),
     ("cda_m2", 0.0, 5.0, "a drag area in m2, 0 to 5"),
 ];
