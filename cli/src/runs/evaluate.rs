@@ -100,7 +100,7 @@ fn draw(
         files.push(name);
         Ok(())
     };
-    let tracks = distinct(runs.iter().map(|run| &run.track));
+    let tracks = distinct(runs.iter().map(|run| run.track.as_str()));
     for track in &tracks {
         let here = runs.iter().filter(|run| run.track == *track);
         let here: Vec<RunEvaluation> = here.cloned().collect();
