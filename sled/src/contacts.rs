@@ -202,7 +202,7 @@ pub fn stretch_of(effect: &Active) -> [f64; 2] {
 /// The vehicle on a run, each effect that varies from run to run with the force and the stretch of
 /// this run.
 ///
-/// The side balance of the run sets them ([`push_within`]); what they leave along and about the
+/// The side balance of the run sets them ([`push_within`]); their residuals along and about the
 /// vertical judges them.
 pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
     let mut own = vehicle.on_run(&run.entry.track, &run.entry.conditions);

@@ -31,7 +31,7 @@ pub struct SledFit {
     pub contacts: usize,
     /// Samples before any was excluded.
     pub total: usize,
-    /// Root mean square of what the balances leave of all runs with the fitted laws, contacts and
+    /// Root mean square residuals of the balances of all runs with the fitted laws, contacts and
     /// effects included.
     pub residual: BalanceResidual,
 }

@@ -5,7 +5,7 @@
 //! | [`Model`], [`Vehicle`] | `model.toml`, and the same with its pressure tables opened |
 //! | [`Run`], [`read_runs`] | recorded runs, checked: CSV, Parquet, MATLAB v5 |
 //! | [`prepare()`] | filter, down-sample, transfer to the centre of gravity, slips: [`State`]s and [`Motion`]s |
-//! | [`Balance`] | forces of laws and effects at one instant, and what they leave of the motion: the one model of all commands |
+//! | [`Balance`] | forces of laws and effects at one instant, and their residual against the motion: the one model of all commands |
 //! | [`one_track`] | forces from motion ([`one_track::inverse`]) and from friction ([`one_track::forward`]) |
 //! | [`simulate()`], [`record`] | drives a [`Track`] with a [`Driver`]; what the sled's sensors record of it |
 //! | [`replay()`] | a measured run driven again by the model, and where both part |

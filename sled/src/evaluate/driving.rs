@@ -43,7 +43,7 @@ pub struct RunEvaluation {
     pub increase_aero: f64,
     /// Sum of the three: the score, smaller is better.
     pub increase_total: f64,
-    /// Root mean square of what the balances leave: how well the model explains the run that it
+    /// Root mean square residuals of the balances: how well the model explains the run that it
     /// judges.
     pub left_rms: BalanceResidual,
     /// Steering angle.
@@ -192,7 +192,7 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
     }
 }
 
-/// What the effects leave of the forces along the sled where it glides straight, without slip,
+/// The forces along the sled, effects included, where it glides straight, without slip,
 /// steering and roll-split.
 ///
 /// Without effects these are the base laws' forces along the runners at the slips as driven, as in

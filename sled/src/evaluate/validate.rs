@@ -30,7 +30,7 @@ pub struct RunValidation {
     pub rmse_n: f64,
     /// The same for Braghin's law with its published parameters [N].
     pub rmse_braghin_n: f64,
-    /// Root mean square of what all balances leave.
+    /// Root mean square residuals of all balances.
     pub left_rms: BalanceResidual,
     /// Where model and measurement differ most, worst first.
     pub largest: Vec<Disagreement>,
@@ -184,7 +184,7 @@ pub fn by_track(runs: &[RunValidation]) -> Vec<TrackValidation> {
     tracks.into_iter().map(validation).collect()
 }
 
-/// What the balances leave of one run, one a state.
+/// Residuals of the balances of one run, one a state.
 pub fn residuals(run: &Prepared, vehicle: &Vehicle) -> Vec<BalanceResidual> {
     let vehicle = &with_own_contacts(run, vehicle);
     let residual = |(state, motion): (&State, &Motion)| {
@@ -207,7 +207,7 @@ pub fn root_mean_square(residuals: &[BalanceResidual]) -> BalanceResidual {
     }
 }
 
-/// [`root_mean_square`] of what the balances leave of all runs, in parallel.
+/// [`root_mean_square`] of the residuals of all runs, in parallel.
 pub fn balance_residuals(runs: &[Prepared], vehicle: &Vehicle) -> BalanceResidual {
     let each: Vec<Vec<BalanceResidual>> =
         runs.par_iter().map(|run| residuals(run, vehicle)).collect();

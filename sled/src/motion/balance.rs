@@ -1,5 +1,5 @@
-//! The balances of a one-track sled at one instant: forces of laws and effects, and what they leave
-//! of the motion.
+//! The balances of a one-track sled at one instant: forces of laws and effects, and their residuals
+//! against the motion.
 //!
 //! ```text
 //! along:  m a_x - (F_x,f0 + F_x,r + F_air,x + F_x,body)          [N]      specific force; gravity does not enter
@@ -43,7 +43,7 @@ pub struct Balance {
     pub drag: f64,
 }
 
-/// What the three balances of the sled in its plane leave: measured less modelled.
+/// Residuals of the three balances of the sled in its plane: measured less modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BalanceResidual {
     /// Along the sled [N].
@@ -210,7 +210,7 @@ impl Balance {
         }
     }
 
-    /// What the balances along, aside and about the vertical leave of these forces.
+    /// Residuals of the balances along, across and about the vertical with these forces.
     #[inline]
     pub fn residual(&self, forces: &Forces) -> BalanceResidual {
         let sum = self.resultant(&self.axle_forces(forces, self.front_load(forces)));

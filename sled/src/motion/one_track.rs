@@ -105,7 +105,7 @@ fn changed(
 /// to give, the effects doing the rest.
 ///
 /// The forces across that the effects turn into the measured ones, by Newton's method; those
-/// measured where there are no effects. NaN where the effects leave no such force.
+/// measured where there are no effects. NaN where there is no such force.
 pub fn share_of_laws(vehicle: &Vehicle, state: &State, measured: &AxleForces) -> [f64; 2] {
     let wanted = [measured.front[1], measured.rear[1]];
     if vehicle.effects.is_empty() {

@@ -1,4 +1,4 @@
-//! Which samples of a run take part: those of stretches in which every channel has a value and the
+//! Which samples of a run are used: those of stretches in which every channel has a value and the
 //! sled moves.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,7 +23,7 @@ pub enum OnGaps {
     Refuse,
 }
 
-/// What of a run takes part, and what is not there.
+/// Which samples of a run are used, and which are missing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Gaps {
     /// Samples that take part, in stretches without a gap.
@@ -125,7 +125,7 @@ impl Gaps {
     }
 }
 
-/// What of one run took part in a result.
+/// Which samples of one run a result rests on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SampleCoverage {
     /// Name of the run.

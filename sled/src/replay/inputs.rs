@@ -62,7 +62,7 @@ pub struct Inputs {
     pub pieces: Vec<Range<usize>>,
     /// Which of [`READ`] were recorded.
     pub recorded: [bool; 4],
-    /// Standard deviations of [`Reading::values`] that their noise leaves.
+    /// Standard deviations of the noise of [`Reading::values`].
     pub noise_sd: [f64; 4],
     /// What of the run takes part.
     pub taking_part: SampleCoverage,
