@@ -7,6 +7,8 @@ use crate::effects::Active;
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Balance;
 use crate::motion::one_track::{forward, resultant};
+use crate::motion::state::{Motion, State};
+use crate::series::median;
 use crate::signals::prepare::Prepared;
 use crate::simulate::dynamics::WallContact;
 
@@ -60,7 +62,7 @@ pub fn as_expected(found: WallContact, error_n: f64, hit_n: f64) -> WallContact 
 
 /// The half wave that best fits a side balance within a stretch \[m\]; `None` where none exceeds
 /// `scatter_n`, a standard deviation of a sample \[N\]. `hit_n` is the force of a hit, left
-/// positive, and says the side; 0 where that is not known.
+/// positive, and states the side; 0 where that is not known.
 ///
 /// ```text
 /// F = sum w y / sum w^2        w = sin^2(pi (s - s_0) / length)        error = scatter sqrt(2 / sum w^2)
@@ -75,12 +77,8 @@ pub fn push_within(
     scatter_n: f64,
 ) -> Option<Push> {
     let near = |s: f64| (stretch_m[0]..=stretch_m[1]).contains(&s);
-    let here: Vec<(f64, f64)> = s_m
-        .iter()
-        .zip(side_n)
-        .filter(|(s, y)| near(**s) && y.is_finite())
-        .map(|(s, y)| (*s, *y))
-        .collect();
+    let samples = s_m.iter().copied().zip(side_n.iter().copied());
+    let here: Vec<(f64, f64)> = samples.filter(|(s, y)| near(*s) && y.is_finite()).collect();
     let mut best: Option<(f64, WallContact, f64)> = None;
     for one in half_waves(stretch_m) {
         let (mut wy, mut ww) = (0.0, 0.0);
@@ -103,14 +101,8 @@ pub fn push_within(
     let push_n = contact.force_n.abs();
     // A hit that noise could have made in so many ways must be likelier than all of them: next to
     // strong hits a weak push is noise.
-    let as_hit = || {
-        likelier(
-            contact.force_n,
-            error_n * error_n,
-            hit_n,
-            HITS_DIFFER * hit_n,
-        )
-    };
+    let variance = error_n * error_n;
+    let as_hit = || likelier(contact.force_n, variance, hit_n, HITS_DIFFER * hit_n);
     let stands_out = push_n > stands_out(ways) * error_n && (hit_n == 0.0 || as_hit() > ways.ln());
     stands_out.then(|| Push {
         contact,
@@ -130,9 +122,10 @@ pub fn push_within(
 pub fn hits_of(effect: &Active) -> (f64, f64) {
     let (mean, spread) = (effect.values[0], effect.values[5]);
     let hits = mean * mean / (mean * mean + spread * spread);
-    match hits > 0.04 {
-        true => (hits, mean / hits),
-        false => (0.0, 0.0),
+    if hits > 0.04 {
+        (hits, mean / hits)
+    } else {
+        (0.0, 0.0)
     }
 }
 
@@ -145,9 +138,11 @@ fn ways(stretch_m: [f64; 2], one_side: bool) -> f64 {
 /// Standard errors that the largest force of a run that misses exceeds by chance in
 /// [`TAKEN_FOR_HITS`] of all runs.
 fn stands_out(ways: f64) -> f64 {
-    match Normal::standard().inverse_cdf(1.0 - TAKEN_FOR_HITS / ways) {
-        least if least.is_finite() => least,
-        _ => f64::INFINITY,
+    let least = Normal::standard().inverse_cdf(1.0 - TAKEN_FOR_HITS / ways);
+    if least.is_finite() {
+        least
+    } else {
+        f64::INFINITY
     }
 }
 
@@ -167,32 +162,24 @@ pub fn likelier(force_n: f64, variance: f64, about_n: f64, differ_n: f64) -> f64
 /// from 4 m to 32 m.
 pub fn half_waves(stretch_m: [f64; 2]) -> impl Iterator<Item = WallContact> {
     let [from_m, to_m] = stretch_m;
-    LENGTHS_M
+    let fitting = LENGTHS_M
         .into_iter()
-        .filter(move |length_m| to_m - from_m >= *length_m)
-        .flat_map(move |length_m| {
-            let starts = ((to_m - from_m - length_m).floor() as usize + 1).min(1000);
-            (0..starts).map(move |start| WallContact {
-                s_m: from_m + start as f64,
-                length_m,
-                force_n: 1.0,
-                x_m: 0.0,
-            })
+        .filter(move |length_m| to_m - from_m >= *length_m);
+    fitting.flat_map(move |length_m| {
+        let starts = ((to_m - from_m - length_m).floor() as usize + 1).min(1000);
+        (0..starts).map(move |start| WallContact {
+            s_m: from_m + start as f64,
+            length_m,
+            force_n: 1.0,
+            x_m: 0.0,
         })
+    })
 }
 
 /// A robust standard deviation of one sample: 1.4826 times the median magnitude; 0 of nothing.
 pub fn scatter(values: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = values
-        .iter()
-        .filter(|x| x.is_finite())
-        .map(|x| x.abs())
-        .collect();
-    if sizes.is_empty() {
-        return 0.0;
-    }
-    let middle = sizes.len() / 2;
-    1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
+    let known = values.iter().filter(|x| x.is_finite());
+    median(known.map(|x| x.abs())).map_or(0.0, |median| 1.4826 * median)
 }
 
 /// An effect that varies from run to run, as the contact of one run has it; off where the run
@@ -215,7 +202,7 @@ pub fn stretch_of(effect: &Active) -> [f64; 2] {
 /// The vehicle on a run, each effect that varies from run to run with the force and the stretch of
 /// this run.
 ///
-/// The side balance of the run sets them ([`push_within`]); what they leave along and about the
+/// The side balance of the run sets them ([`push_within`]); their residuals along and about the
 /// vertical judges them.
 pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
     let mut own = vehicle.on_run(&run.entry.track, &run.entry.conditions);
@@ -224,14 +211,13 @@ pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
     }
     let mut without = own.clone();
     without.effects.active.retain(|effect| !effect.varies());
+    let remainder = |(state, motion): (&State, &Motion)| {
+        let at = Balance::new(&without.sled, state, motion);
+        let remainder = at.residual(&at.forces(&without, &at.laws(&without)));
+        (state.s_m, remainder.side_n)
+    };
     let instants = run.states.iter().zip(&run.motions);
-    let (s_m, side_n): (Vec<f64>, Vec<f64>) = instants
-        .map(|(state, motion)| {
-            let at = Balance::new(&without.sled, state, motion);
-            let remainder = at.residual(&at.forces(&without, &at.laws(&without)));
-            (state.s_m, remainder.side_n)
-        })
-        .unzip();
+    let (s_m, side_n): (Vec<f64>, Vec<f64>) = instants.map(remainder).unzip();
     let scatter_n = scatter(&side_n);
     for effect in own.effects.active.iter_mut().filter(|e| e.varies()) {
         let (_, hit_n) = hits_of(effect);
@@ -250,41 +236,32 @@ pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
 /// second around it. Sensor noise reaches six deviations less than once in 10^8 samples; a wall
 /// contact of a few hundred newtons always does.
 pub fn find_contacts(runs: &[Prepared], vehicle: &Vehicle) -> Vec<Vec<bool>> {
-    let residuals: Vec<Vec<f64>> = runs
-        .par_iter()
-        .map(|run| {
-            let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
-            run.states
-                .iter()
-                .zip(&run.motions)
-                .map(|(state, motion)| {
-                    let model = resultant(&vehicle.sled, state, &forward(vehicle, state)).fy_n;
-                    (vehicle.sled.mass_kg * motion.accel_mps2[1] - model).abs()
-                })
-                .collect()
-        })
-        .collect();
-    let mut sizes: Vec<f64> = residuals.iter().flatten().copied().collect();
-    if sizes.is_empty() {
+    let residuals = |run: &Prepared| -> Vec<f64> {
+        let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
+        let residual = |(state, motion): (&State, &Motion)| {
+            let model = resultant(&vehicle.sled, state, &forward(vehicle, state)).fy_n;
+            (vehicle.sled.mass_kg * motion.accel_mps2[1] - model).abs()
+        };
+        let instants = run.states.iter().zip(&run.motions);
+        instants.map(residual).collect()
+    };
+    let residuals: Vec<Vec<f64>> = runs.par_iter().map(residuals).collect();
+    let Some(median) = median(residuals.iter().flatten().copied()) else {
         return Vec::new();
-    }
-    let middle = sizes.len() / 2;
-    let limit = 6.0 * 1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
-    residuals
-        .iter()
-        .zip(runs)
-        .map(|(residual, run)| {
-            let around = (0.2 / run.dt_s).round() as usize;
-            let mut marked = vec![false; residual.len()];
-            for piece in &run.pieces {
-                for i in piece.clone().filter(|i| residual[*i] > limit) {
-                    let end = (i + around + 1).min(piece.end);
-                    marked[i.saturating_sub(around).max(piece.start)..end].fill(true);
-                }
+    };
+    let limit = 6.0 * 1.4826 * median;
+    let mark = |(residual, run): (&Vec<f64>, &Prepared)| {
+        let around = (0.2 / run.dt_s).round() as usize;
+        let mut marked = vec![false; residual.len()];
+        for piece in &run.pieces {
+            for i in piece.clone().filter(|i| residual[*i] > limit) {
+                let end = (i + around + 1).min(piece.end);
+                marked[i.saturating_sub(around).max(piece.start)..end].fill(true);
             }
-            marked
-        })
-        .collect()
+        }
+        marked
+    };
+    residuals.iter().zip(runs).map(mark).collect()
 }
 
 #[cfg(test)]

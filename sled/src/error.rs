@@ -5,20 +5,12 @@ use crate::fault::Fault;
 /// Errors of the sled's readers, models and fits.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A file could not be opened, read or written.
+    /// A file could not be opened, read or written, or contradicts itself or what is needed of it.
     #[error("{file}: {reason}")]
     File {
         /// The file.
         file: String,
-        /// The system's or the reader's answer.
-        reason: String,
-    },
-    /// A model file is no TOML, or a key is unknown, missing or of the wrong type.
-    #[error("{file}: {reason}")]
-    Keys {
-        /// The file.
-        file: String,
-        /// The parser's answer with line and key.
+        /// The answer of the system or a reader, or what is wrong and what was expected.
         reason: String,
     },
     /// A key of the model holds a number that no sled has.
@@ -53,8 +45,8 @@ pub enum Error {
         /// The column.
         column: String,
         /// What is wrong with it.
-        what: &'static str,
-        /// The columns the table has.
+        what: String,
+        /// What was expected.
         expected: String,
     },
     /// A cell does not hold what it must.
@@ -71,105 +63,23 @@ pub enum Error {
         /// The value expected.
         expected: String,
     },
-    /// Values are missing (NaN or empty); nothing is filled in.
-    #[error(
-        "{file}: column {column}: {count} values are NaN or missing from row {row} on (t = {t_s:.3} s); {bursts} such bursts in all, {total} values; expected a number in every row: nothing is filled in"
-    )]
-    Missing {
+    /// A row of a file is not what it must be.
+    #[error("{file}: row {row}: {reason}")]
+    Row {
         /// The file.
         file: String,
-        /// The column.
-        column: String,
-        /// Length of the first burst.
-        count: usize,
-        /// Row of its first value, the header being row 1.
+        /// Line in the file, the header being line 1.
         row: u64,
-        /// Time of its first value [s].
-        t_s: f64,
-        /// Number of bursts.
-        bursts: usize,
-        /// Missing values in all.
-        total: usize,
+        /// What is wrong, and what was expected.
+        reason: String,
     },
-    /// The values of a column are not in its unit.
-    #[error("{file}: column {column}: {found}, which resembles {looks_like}; expected {expected}")]
-    Unit {
-        /// The file.
-        file: String,
-        /// The column.
-        column: String,
-        /// What was found.
-        found: String,
-        /// The unit the values seem to have.
-        looks_like: &'static str,
-        /// The unit they should have.
-        expected: &'static str,
-    },
-    /// A channel is provably not what its name says.
+    /// A channel is provably not what its name states.
     #[error("{fault}{}", more_faults(*.more))]
     Wrong {
         /// What is wrong, and what mends it.
         fault: Box<Fault>,
         /// Further faults in these runs.
         more: usize,
-    },
-    /// Time is not uniform.
-    #[error(
-        "{file}: row {row}: {what}: t_s steps by {step_s:.6} s at t = {t_s:.4} s, expected {expected_s:.6} s throughout"
-    )]
-    Time {
-        /// The file.
-        file: String,
-        /// Row of the later sample, the header being row 1.
-        row: u64,
-        /// Clock jump, time running backwards, or irregular step.
-        what: &'static str,
-        /// The step found [s].
-        step_s: f64,
-        /// Where [s].
-        t_s: f64,
-        /// The median step [s].
-        expected_s: f64,
-    },
-    /// Too few samples for filters and derivatives.
-    #[error("{file}: {samples} samples, expected at least {needed}")]
-    TooShort {
-        /// The file.
-        file: String,
-        /// Samples found.
-        samples: usize,
-        /// Samples needed.
-        needed: usize,
-    },
-    /// The sled does not move, where no slip angle exists.
-    #[error(
-        "{file}: row {row}: v_mps = {v_mps} at t = {t_s:.3} s, expected more than {least} m/s (no slip angle exists at standstill: cut that part off)"
-    )]
-    Standstill {
-        /// The file.
-        file: String,
-        /// Row, the header being row 1.
-        row: u64,
-        /// Speed found [m/s].
-        v_mps: f64,
-        /// When [s].
-        t_s: f64,
-        /// Least speed accepted [m/s].
-        least: f64,
-    },
-    /// Two rows of the index name the same run.
-    #[error(
-        "{file}: row {row}: run {run:?} is already named in row {first}, expected each run once"
-    )]
-    DuplicateRun {
-        /// The index.
-        file: String,
-        /// The later row.
-        row: u64,
-        /// The name.
-        run: String,
-        /// The earlier row.
-        first: u64,
     },
     /// Two runs hold the same samples.
     #[error("runs {first:?} and {second:?} hold the same samples: expected each run once")]
@@ -178,16 +88,6 @@ pub enum Error {
         first: String,
         /// The other.
         second: String,
-    },
-    /// What was requested is not among the data.
-    #[error("{what} {found:?} is not among the data: there are {known}")]
-    Unknown {
-        /// What was requested.
-        what: &'static str,
-        /// What was given.
-        found: String,
-        /// What there is.
-        known: String,
     },
     /// After filters and exclusions too little remains.
     #[error("{what}: {found}, expected at least {needed}")]
@@ -208,36 +108,6 @@ pub enum Error {
         t_s: f64,
         /// Why.
         what: String,
-    },
-    /// A run does not lie on the track that it is said to.
-    #[error(
-        "{file}: begins at s_m = {s_m:.1}, expected a place of track {track}, from {from_m:.1} to {to_m:.1} m"
-    )]
-    Place {
-        /// The file.
-        file: String,
-        /// Where the run begins [m].
-        s_m: f64,
-        /// The track.
-        track: String,
-        /// Where the track begins [m].
-        from_m: f64,
-        /// Where it ends [m].
-        to_m: f64,
-    },
-    /// A run has no certain place along its track.
-    #[error(
-        "{file}: matches no place of track {track}, or two: {misfit:.2} of its curvature and bank is unexplained at the best place and {elsewhere:.2} at another, expected below 0.5 and half as much again elsewhere"
-    )]
-    Unplaced {
-        /// The file.
-        file: String,
-        /// The track.
-        track: String,
-        /// Unexplained share of the variance at the best place.
-        misfit: f64,
-        /// The same at the best place elsewhere.
-        elsewhere: f64,
     },
     /// A number is outside its range.
     #[error("{name} = {value}: expected {expected}")]
@@ -303,11 +173,45 @@ fn more_faults(more: usize) -> String {
 }
 
 impl Error {
-    /// An error of the system or a format's reader, with its file.
+    /// An error of a file, with the answer of the system or a reader.
     pub(crate) fn file(file: &str, reason: impl std::fmt::Display) -> Self {
         Error::File {
             file: file.to_string(),
             reason: reason.to_string(),
+        }
+    }
+
+    /// A row of a file that is not what it must be; `row` is the line in the file.
+    pub(crate) fn row(file: &str, row: u64, reason: String) -> Self {
+        Error::Row {
+            file: file.to_string(),
+            row,
+            reason,
+        }
+    }
+
+    /// A required column that is not among those `found`.
+    pub(crate) fn missing_column<'a>(
+        file: &str,
+        column: &str,
+        found: impl IntoIterator<Item = &'a String>,
+    ) -> Self {
+        let found: Vec<&str> = found.into_iter().map(String::as_str).collect();
+        Error::MissingColumn {
+            file: file.to_string(),
+            column: column.to_string(),
+            found: found.join(", "),
+            needed_by: None,
+        }
+    }
+
+    /// A column of a table that is unknown or stated twice.
+    pub(crate) fn column(file: &str, column: &str, what: &str, expected: &str) -> Self {
+        Error::Column {
+            file: file.to_string(),
+            column: column.to_string(),
+            what: what.to_string(),
+            expected: expected.to_string(),
         }
     }
 
@@ -332,6 +236,15 @@ impl Error {
             expected: expected.to_string(),
         }
     }
+
+    /// Too little of something.
+    pub(crate) fn too_few(what: impl Into<String>, found: usize, needed: usize) -> Self {
+        Error::TooFew {
+            what: what.into(),
+            found,
+            needed,
+        }
+    }
 }
 
 /// `Ok` where the value is finite and `holds`.
@@ -341,13 +254,10 @@ pub(crate) fn in_range(
     holds: bool,
     expected: &'static str,
 ) -> Result<(), Error> {
-    if value.is_finite() && holds {
-        Ok(())
-    } else {
-        Err(Error::OutOfRange {
-            name,
-            value,
-            expected,
-        })
-    }
+    let error = Error::OutOfRange {
+        name,
+        value,
+        expected,
+    };
+    (value.is_finite() && holds).then_some(()).ok_or(error)
 }

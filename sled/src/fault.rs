@@ -72,29 +72,28 @@ impl Fault {
         }
     }
 
-    /// The same, suspected only.
-    pub(crate) fn suspected(self) -> Fault {
-        Fault {
-            proven: false,
-            ..self
-        }
+    /// The same, proved or suspected only.
+    pub(crate) fn proven_if(self, proven: bool) -> Fault {
+        Fault { proven, ..self }
     }
 }
 
 impl std::fmt::Display for Fault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (several, verb) = match self.columns.len() {
-            1 => ("", "resembles"),
-            _ => ("s", "resemble"),
+        let Fault {
+            file,
+            looks_like,
+            evidence,
+            mend,
+            ..
+        } = self;
+        let columns = match &self.columns[..] {
+            [one] => format!("column {one} resembles"),
+            several => format!("columns {} resemble", several.join(", ")),
         };
         write!(
             f,
-            "{}: column{several} {} {verb} {} ({}); in a mapping: {}",
-            self.file,
-            self.columns.join(", "),
-            self.looks_like,
-            self.evidence,
-            self.mend
+            "{file}: {columns} {looks_like} ({evidence}); in a mapping: {mend}"
         )
     }
 }

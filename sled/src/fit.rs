@@ -11,7 +11,7 @@ use crate::friction::{
     Estimate, LateralFit, LateralFitOptions, LateralSample, MagicFormula, fit_lateral,
 };
 use crate::model::model_toml::Model;
-use crate::model::vehicle::Vehicle;
+use crate::model::vehicle::{RunnerFriction, Vehicle};
 use crate::motion::balance::BalanceResidual;
 use crate::motion::one_track::{inverse, share_of_laws};
 use crate::signals::prepare::Prepared;
@@ -31,7 +31,7 @@ pub struct SledFit {
     pub contacts: usize,
     /// Samples before any was excluded.
     pub total: usize,
-    /// Root mean square of what the balances leave of all runs with the fitted laws, contacts and
+    /// Root mean square residuals of the balances of all runs with the fitted laws, contacts and
     /// effects included.
     pub residual: BalanceResidual,
 }
@@ -47,44 +47,36 @@ pub struct SledFit {
 /// without runs.
 pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result<SledFit, Error> {
     if runs.is_empty() {
-        return Err(Error::TooFew {
-            what: "runs to fit".to_string(),
-            found: 0,
-            needed: 1,
-        });
+        return Err(Error::too_few("runs to fit", 0, 1));
     }
     let slip_sd = |axle: usize| {
         let squares: f64 = runs.iter().map(|run| run.slip_sd_rad[axle].powi(2)).sum();
         (squares / runs.len() as f64).sqrt()
     };
-    let with = |law: &MagicFormula, axle: usize| LateralFitOptions {
-        e: options.e,
-        c: law.c,
-        slip_sd: slip_sd(axle),
-        ..LateralFitOptions::default()
+    let fit_one = |samples: &[LateralSample], runner: &RunnerFriction, axle: usize| {
+        let options = LateralFitOptions {
+            e: options.e,
+            c: runner.lateral.c,
+            slip_sd: slip_sd(axle),
+            ..LateralFitOptions::default()
+        };
+        fit_lateral(samples, &options)
     };
-    let fixed = [vehicle.front.lateral, vehicle.rear.lateral];
-    let both = |contacts: &[Vec<bool>],
-                vehicle: &Vehicle|
-     -> Result<(LateralFit, LateralFit, usize), Error> {
-        let ([front, rear], excluded) = lateral_samples(runs, vehicle, contacts, options);
+    let both = |contacts: &[Vec<bool>], fitted: &Vehicle| {
+        let ([front, rear], excluded) = lateral_samples(runs, fitted, contacts, options);
         let (front, rear) = rayon::join(
-            || fit_lateral(&front, &with(&fixed[0], 0)),
-            || fit_lateral(&rear, &with(&fixed[1], 1)),
+            || fit_one(&front, &vehicle.front, 0),
+            || fit_one(&rear, &vehicle.rear, 1),
         );
-        Ok((front?, rear?, excluded))
+        Ok::<_, Error>((front?, rear?, excluded))
     };
     let (mut front, mut rear, excluded) = both(&[], vehicle)?;
     let mut contacts = 0;
     let mut marked = Vec::new();
     // The first fit is biased by what it is to find; the second round finds with a better one.
     // Effects that grow with the stiffness of the laws are taken off with that of the round before.
-    let rounds = if options.leave_out_contacts || !vehicle.effects.is_empty() {
-        2
-    } else {
-        0
-    };
-    for _ in 0..rounds {
+    let refine = options.leave_out_contacts || !vehicle.effects.is_empty();
+    for _ in 0..if refine { 2 } else { 0 } {
         let fitted = vehicle.with_lateral(front.model, rear.model);
         if options.leave_out_contacts {
             marked = find_contacts(runs, &fitted);
@@ -283,40 +275,35 @@ pub fn lateral_samples(
     options: &FitOptions,
 ) -> ([Vec<LateralSample>; 2], usize) {
     let by_run = runs.len() >= 12;
-    let each: Vec<([Vec<LateralSample>; 2], usize)> = runs
-        .par_iter()
-        .enumerate()
-        .map(|(number, run)| {
-            let vehicle = &with_own_contacts(run, vehicle);
-            let stretch = (4.0 / run.dt_s) as usize;
-            let (mut front, mut rear, mut excluded) = (Vec::new(), Vec::new(), 0);
-            for (i, (state, motion)) in run.states.iter().zip(&run.motions).enumerate() {
-                if state.roll_accel_radps2.abs() > options.most_roll_accel_radps2 {
-                    excluded += 1;
-                    continue;
-                }
-                if contacts.get(number).is_some_and(|marked| marked[i]) {
-                    continue;
-                }
-                let forces = inverse(vehicle, state, motion);
-                let across = share_of_laws(vehicle, state, &forces);
-                let cluster = if by_run {
-                    number
-                } else {
-                    number * 100_000 + i / stretch
-                } as u32;
-                let sample = |alpha, force: &[f64; 3], fy| LateralSample {
-                    alpha,
-                    fz: force[2],
-                    fy,
-                    cluster,
-                };
-                front.push(sample(state.alpha_f_rad, &forces.front, across[0]));
-                rear.push(sample(state.alpha_r_rad, &forces.rear, across[1]));
+    let of_run = |(number, run): (usize, &Prepared)| {
+        let vehicle = &with_own_contacts(run, vehicle);
+        let stretch = (4.0 / run.dt_s) as usize;
+        let (mut samples, mut excluded) = ([Vec::new(), Vec::new()], 0);
+        for (i, (state, motion)) in run.states.iter().zip(&run.motions).enumerate() {
+            if state.roll_accel_radps2.abs() > options.most_roll_accel_radps2 {
+                excluded += 1;
+                continue;
             }
-            ([front, rear], excluded)
-        })
-        .collect();
+            if contacts.get(number).is_some_and(|marked| marked[i]) {
+                continue;
+            }
+            let forces = inverse(vehicle, state, motion);
+            let across = share_of_laws(vehicle, state, &forces);
+            let of_stretch = number * 100_000 + i / stretch;
+            let cluster = if by_run { number } else { of_stretch } as u32;
+            let alpha = [state.alpha_f_rad, state.alpha_r_rad];
+            for (axle, load) in [forces.front[2], forces.rear[2]].into_iter().enumerate() {
+                samples[axle].push(LateralSample {
+                    alpha: alpha[axle],
+                    fz: load,
+                    fy: across[axle],
+                    cluster,
+                });
+            }
+        }
+        (samples, excluded)
+    };
+    let each: Vec<_> = runs.par_iter().enumerate().map(of_run).collect();
     let mut all = [Vec::new(), Vec::new()];
     let mut excluded = 0;
     for ([front, rear], left_out) in each {

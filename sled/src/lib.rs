@@ -3,13 +3,13 @@
 //! | item | purpose |
 //! |---|---|
 //! | [`Model`], [`Vehicle`] | `model.toml`, and the same with its pressure tables opened |
-//! | [`Run`], [`read_runs`] | recorded runs, checked: CSV, Parquet, MATLAB v5, MDF 4 |
+//! | [`Run`], [`read_runs`] | recorded runs, checked: CSV, Parquet, MATLAB v5 |
 //! | [`prepare()`] | filter, down-sample, transfer to the centre of gravity, slips: [`State`]s and [`Motion`]s |
-//! | [`Balance`] | forces of laws and effects at one instant, and what they leave of the motion: the one model of all commands |
+//! | [`Balance`] | forces of laws and effects at one instant, and their residual against the motion: the one model of all commands |
 //! | [`one_track`] | forces from motion ([`one_track::inverse`]) and from friction ([`one_track::forward`]) |
 //! | [`simulate()`], [`record`] | drives a [`Track`] with a [`Driver`]; what the sled's sensors record of it |
 //! | [`replay()`] | a measured run driven again by the model, and where both part |
-//! | [`align()`] | runs of one track brought to one distance, and the track that they felt |
+//! | [`align()`] | runs of one track brought to one distance, and the track that they measure |
 //! | [`sample_data`] | 44 runs of five drivers on two tracks, with the truth known |
 //!
 //! ```
@@ -53,39 +53,30 @@ pub use column::{COLUMNS, Column, Sensor};
 pub use columns::matlab::{LONGEST_MATLAB, MatlabVariables, matlab_remark, read_matlab};
 pub use columns::mdf4::Mdf4;
 pub use columns::parquet::{read_parquet, write_parquet};
-pub use columns::read_columns;
-pub use columns::{Columns, MOST_NUMBERS};
-pub use columns::{read_csv, write_csv};
+pub use columns::{Columns, MOST_NUMBERS, read_columns, read_csv, write_csv};
 pub use conditions::{CONDITIONS, Conditions};
-pub use contacts::find_contacts;
 pub use contacts::{
-    HARDEST, HITS_DIFFER, Push, as_expected, as_of_run, half_waves, hits_of, likelier, push_within,
-    scatter, stretch_of, with_own_contacts,
+    HARDEST, HITS_DIFFER, Push, as_expected, as_of_run, find_contacts, half_waves, hits_of,
+    likelier, push_within, scatter, stretch_of, with_own_contacts,
 };
 pub use error::Error;
 pub use evaluate::driving::{Angles, DrivingForce, RunEvaluation, evaluate};
-pub use evaluate::groups::{Group, distinct, groups};
-pub use evaluate::groups::{Summary, quantile};
+pub use evaluate::groups::{Group, Summary, groups, quantile};
 pub use evaluate::track_loss::{DriverLosses, TrackLoss, losses_by_driver};
 pub use evaluate::validate::{
-    Disagreement, LateralForce, RunValidation, TrackValidation, by_track, validate,
+    Disagreement, LateralForce, RunValidation, TrackValidation, by_track, residuals,
+    root_mean_square, validate,
 };
-pub use evaluate::validate::{residuals, root_mean_square};
 pub use fault::{Fault, FaultKind};
-pub use fit::{FitOptions, lateral_samples};
-pub use fit::{FitResult, Interval, RunnerFitResult};
-pub use fit::{SledFit, fit};
+pub use fit::{FitOptions, FitResult, Interval, RunnerFitResult, SledFit, fit, lateral_samples};
 pub use model::model_toml::{Friction, MODEL_EXAMPLE, Model};
 pub use model::sled::{ModelConditions, Noise, Sled, Survey, Tolerances};
-pub use model::vehicle::Vehicle;
-pub use model::vehicle::refuse_effects;
-pub use model::vehicle::{RunnerFriction, RunnerLaw, RunnerTable};
-pub use motion::balance::LawForces;
-pub use motion::balance::{Balance, BalanceResidual};
+pub use model::vehicle::{RunnerFriction, RunnerLaw, RunnerTable, Vehicle, refuse_effects};
+pub use motion::balance::{Balance, BalanceResidual, LawForces};
 pub use motion::outside::{OutsideTable, outside_tables, table_samples, together};
-pub use motion::state::from_sensors;
-pub use motion::state::{AxleForces, Motion, State};
-pub use motion::state::{Slips, slips, to_centre_of_gravity};
+pub use motion::state::{
+    AxleForces, Motion, Slips, State, from_sensors, slips, to_centre_of_gravity,
+};
 pub use motion::{aero, one_track};
 pub use record::check;
 pub use record::check::columns::LARGEST_VALUE;
@@ -94,34 +85,25 @@ pub use record::check::judge::{RelationRules, check_relations, judge, judge_by};
 pub use record::check::odd_stretch::{OddKind, OddStretch};
 pub use record::check::profile::{Octave, Profile};
 pub use record::file_names::{file_stem, run_file, track_file};
-pub use record::files::{RunFormat, write_run};
-pub use record::files::{read_good_runs, read_needed, read_run, read_runs};
-pub use record::gaps::Saturation;
-pub use record::gaps::{Gaps, OnGaps};
-pub use record::gaps::{SampleCoverage, gaps_line};
+pub use record::files::{RunFormat, read_good_runs, read_needed, read_run, read_runs, write_run};
+pub use record::gaps::{Gaps, OnGaps, SampleCoverage, Saturation, gaps_line};
 pub use record::index::{
     COVARIATE, Entry, ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS, covariates, read_index,
     write_index,
 };
 pub use record::needs::{Needs, refuse_unstated_air};
 pub use record::run::Run;
-pub use replay::compared::Section;
-pub use replay::compared::{Compared, Difference};
-pub use replay::drive::beside_measured;
-pub use replay::drive::{Replay, replay};
+pub use replay::compared::{Compared, Difference, Section};
+pub use replay::drive::{Replay, beside_measured, replay};
 pub use replay::inputs::{Inputs, READ, Reading, read_for_replay};
 pub use series::{
-    bridged, correlation, derivative, integral, low_pass, resample, resample_stretches,
+    bridged, correlation, derivative, distinct, integral, low_pass, resample, resample_stretches,
 };
-pub use signals::prepare::PrepareOptions;
-pub use signals::prepare::{Prepared, prepare, prepare_all};
-pub use simulate::drive::SimulateOptions;
-pub use simulate::drive::{EnergyBalance, Simulated, simulate};
+pub use signals::prepare::{PrepareOptions, Prepared, prepare, prepare_all};
+pub use simulate::drive::{EnergyBalance, SimulateOptions, Simulated, simulate};
 pub use simulate::driver::Driver;
 pub use simulate::dynamics::{Instant, WallContact};
 pub use simulate::sample_data;
 pub use simulate::sensors::{record, simulated_entry};
 pub use track::spline::Spline;
-pub use track::table::IceAlong;
-pub use track::table::Track;
-pub use track::table::TrackShape;
+pub use track::table::{IceAlong, Track, TrackShape};

@@ -87,11 +87,8 @@ pub fn noise_gain(rate_hz: f64, cutoff_hz: f64) -> f64 {
     let half = ((20.0 * rate_hz / cutoff_hz) as usize).clamp(200, 200_000);
     let mut impulse = vec![0.0; 2 * half + 1];
     impulse[half] = 1.0;
-    low_pass(&impulse, rate_hz, cutoff_hz)
-        .iter()
-        .map(|h| h * h)
-        .sum::<f64>()
-        .sqrt()
+    let response = low_pass(&impulse, rate_hz, cutoff_hz);
+    response.iter().map(|h| h * h).sum::<f64>().sqrt()
 }
 
 /// Samples at `from_hz` for one at the lower `to_hz`: whole where it is within a thousandth of a
@@ -124,28 +121,22 @@ pub fn resample_from(values: &[f64], from_hz: f64, to_hz: f64, offset: f64) -> V
     let smooth = low_pass(values, from_hz, 0.4 * to_hz);
     let ratio = ratio(from_hz, to_hz);
     if ratio.fract() == 0.0 {
-        let first = offset.round() as usize;
-        return smooth
-            .into_iter()
-            .skip(first)
-            .step_by(ratio as usize)
-            .collect();
+        let whole = smooth.into_iter().skip(offset.round() as usize);
+        return whole.step_by(ratio as usize).collect();
     }
     let last = smooth.len() - 1;
     let at = |i: isize| smooth[i.clamp(0, last as isize) as usize];
     let count = ((last as f64 - offset) / ratio + 1e-9).floor() as usize + 1;
-    (0..count)
-        .map(|k| {
-            let position = offset + k as f64 * ratio;
-            let i = (position as usize).min(last);
-            let t = position - i as f64;
-            let i = i as isize;
-            let (a, b, c, d) = (at(i - 1), at(i), at(i + 1), at(i + 2));
-            b + 0.5
-                * t
-                * ((c - a) + t * ((2.0 * a - 5.0 * b + 4.0 * c - d) + t * (3.0 * (b - c) + d - a)))
-        })
-        .collect()
+    let value = |k: usize| {
+        let position = offset + k as f64 * ratio;
+        let i = (position as usize).min(last);
+        let t = position - i as f64;
+        let i = i as isize;
+        let (a, b, c, d) = (at(i - 1), at(i), at(i + 1), at(i + 2));
+        let cubic = (2.0 * a - 5.0 * b + 4.0 * c - d) + t * (3.0 * (b - c) + d - a);
+        b + 0.5 * t * ((c - a) + t * cubic)
+    };
+    (0..count).map(value).collect()
 }
 
 /// Brings a column with gaps to a lower rate, each stretch of finite values by itself as
@@ -154,26 +145,20 @@ pub fn resample_from(values: &[f64], from_hz: f64, to_hz: f64, offset: f64) -> V
 /// Sample k of the result is at the time of sample `k from_hz / to_hz` of the column. Of a stretch
 /// too short for the low pass the recorded values next to those times are taken.
 pub fn resample_stretches(column: &[f64], from_hz: f64, to_hz: f64) -> Vec<f64> {
-    let ratio = if to_hz >= from_hz * (1.0 - 1e-3) {
+    if to_hz >= from_hz * (1.0 - 1e-3) {
         return column.to_vec();
-    } else {
-        ratio(from_hz, to_hz)
-    };
+    }
+    let ratio = ratio(from_hz, to_hz);
     let last_before = |end: usize| ((end - 1) as f64 / ratio + 1e-9).floor() as usize;
-    let mut result = vec![
-        f64::NAN;
-        column
-            .len()
-            .checked_sub(1)
-            .map_or(0, |n| last_before(n + 1) + 1)
-    ];
+    if column.is_empty() {
+        return Vec::new();
+    }
+    let mut result = vec![f64::NAN; last_before(column.len()) + 1];
     let mut start = 0;
     for stretch in column.split_inclusive(|x| !x.is_finite()) {
         let finite = stretch.iter().take_while(|x| x.is_finite()).count();
-        let (first, end) = (
-            (start as f64 / ratio - 1e-9).ceil() as usize,
-            start + finite,
-        );
+        let first = (start as f64 / ratio - 1e-9).ceil() as usize;
+        let end = start + finite;
         if finite > 0 && first <= last_before(end) {
             let places = first..last_before(end) + 1;
             let values: Vec<f64> = if finite >= LEAST_SAMPLES {
@@ -199,29 +184,19 @@ const WIDTH: usize = 2 * HALF_WIDTH + 1;
 
 /// Weights for the slope at each place of a window of seven samples.
 static WEIGHTS: LazyLock<[[f64; WIDTH]; WIDTH]> = LazyLock::new(|| {
-    let powers = |x: f64| DVector::from_fn(DEGREE + 1, |k, _| x.powi(k as i32));
     let abscissa = |i: usize| i as f64 - HALF_WIDTH as f64;
     let design = DMatrix::from_fn(WIDTH, DEGREE + 1, |i, k| abscissa(i).powi(k as i32));
-    // Seven abscissae determine a quartic: the normal matrix is regular.
-    let solve = (design.transpose() * &design)
-        .try_inverse()
-        .expect("seven points determine a quartic")
-        * design.transpose();
-    let mut weights = [[0.0; WIDTH]; WIDTH];
-    for (place, row) in weights.iter_mut().enumerate() {
+    let normal = (design.transpose() * &design).try_inverse();
+    let solve = normal.expect("seven points determine a quartic") * design.transpose();
+    let slope_of_power = |x: f64, k: usize| match k {
+        0 => 0.0,
+        k => k as f64 * x.powi(k as i32 - 1),
+    };
+    std::array::from_fn(|place| {
         let x = abscissa(place);
-        let slope = DVector::from_fn(DEGREE + 1, |k, _| {
-            if k == 0 {
-                0.0
-            } else {
-                k as f64 * powers(x)[k - 1]
-            }
-        });
-        for (i, weight) in row.iter_mut().enumerate() {
-            *weight = solve.column(i).dot(&slope);
-        }
-    }
-    weights
+        let slope = DVector::from_fn(DEGREE + 1, |k, _| slope_of_power(x, k));
+        std::array::from_fn(|i| solve.column(i).dot(&slope))
+    })
 });
 
 /// Running integral by the trapezoidal rule over uniform steps, from 0: distance from speed.
@@ -257,18 +232,12 @@ pub fn derivative(values: &[f64], dt_s: f64) -> Vec<f64> {
         values.len()
     );
     let last_start = values.len() - WIDTH;
-    (0..values.len())
-        .map(|i| {
-            let start = i.saturating_sub(HALF_WIDTH).min(last_start);
-            let weights = &WEIGHTS[i - start];
-            let slope: f64 = weights
-                .iter()
-                .zip(&values[start..start + WIDTH])
-                .map(|(weight, value)| weight * value)
-                .sum();
-            slope / dt_s
-        })
-        .collect()
+    let slope = |i: usize| {
+        let start = i.saturating_sub(HALF_WIDTH).min(last_start);
+        let pairs = WEIGHTS[i - start].iter().zip(&values[start..start + WIDTH]);
+        pairs.map(|(weight, value)| weight * value).sum::<f64>() / dt_s
+    };
+    (0..values.len()).map(slope).collect()
 }
 
 /// Standard deviation of white noise on a smooth signal in several stretches, from its third
@@ -281,17 +250,34 @@ pub fn derivative(values: &[f64], dt_s: f64) -> Vec<f64> {
 /// What the signal itself does within four samples is mostly cancelled; the median makes the rest
 /// of little weight. 0 where there are fewer than four samples. Unit: that of the signal.
 pub fn noise_sd_within<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> f64 {
-    let mut sizes: Vec<f64> = stretches
-        .flat_map(|values| values.windows(4))
-        .map(|w| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs())
-        .collect();
-    if sizes.is_empty() {
-        return 0.0;
-    }
-    let middle = sizes.len() / 2;
-    let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
+    let sizes = stretches.flat_map(|values| values.windows(4)).map(third);
     // The median magnitude of a normal variable is 0.6745 of its deviation.
-    median / 0.674_489_75 / 20.0_f64.sqrt()
+    median(sizes).map_or(0.0, |median| median / 0.674_489_75 / 20.0_f64.sqrt())
+}
+
+/// The median, of an even number of values the upper one of the two in the middle.
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.into_iter().collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// The values, each once, in the order of their first appearance.
+pub fn distinct<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut all: Vec<T> = Vec::new();
+    for value in values {
+        if !all.contains(&value) {
+            all.push(value);
+        }
+    }
+    all
+}
+
+/// The root mean square; NaN of nothing.
+pub(crate) fn root_mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len() as f64;
+    (values.map(|value| value * value).sum::<f64>() / count).sqrt()
 }
 
 /// A column without its gaps: a straight line across each, level outside its ends; 0 where it has

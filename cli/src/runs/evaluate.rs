@@ -87,7 +87,7 @@ fn draw(
     drawn: &RunEvaluation,
 ) -> Result<Vec<String>, Failure> {
     let mut pictures = Vec::new();
-    let tracks = distinct(runs, |run| &run.track);
+    let tracks = distinct(runs.iter().map(|run| run.track.as_str()));
     for track in &tracks {
         let here = runs.iter().filter(|run| run.track == *track);
         let here: Vec<RunEvaluation> = here.cloned().collect();

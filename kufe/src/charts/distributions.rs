@@ -83,8 +83,8 @@ fn grouped(
     by: fn(&RunEvaluation) -> &String,
     values: &dyn Fn(&RunEvaluation) -> Vec<f64>,
 ) -> Vec<Category> {
-    let groups = distinct(runs, by).into_iter().enumerate();
-    let category = |(k, group): (usize, &str)| {
+    let groups = distinct(runs.iter().map(by)).into_iter().enumerate();
+    let category = |(k, group): (usize, &String)| {
         let own = runs.iter().filter(|run| by(run) == group);
         Category {
             name: group.to_owned(),

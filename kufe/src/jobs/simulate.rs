@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use kufe_lut::Sample;
-use kufe_sled::sample_data::{DRIVERS, sample_driver};
+use kufe_sled::sample_data::{sample_driver, sample_drivers};
 use kufe_sled::{
     CONDITIONS, Conditions, Driver, Model, Run, SimulateOptions, Track, TrackShape, Vehicle,
     outside_tables, record, simulate, simulated_entry, table_samples, together,
@@ -60,8 +60,9 @@ impl NamedDriver {
                 driver: Driver::of_skill(skill),
             });
         };
-        if !DRIVERS.iter().any(|(known, ..)| *known == name) {
-            let known: Vec<&str> = DRIVERS.iter().map(|(name, ..)| *name).collect();
+        let known = sample_drivers().iter().map(|driver| driver.name.as_str());
+        let known: Vec<&str> = known.collect();
+        if !known.contains(&name) {
             return Err(Failure::Usage(format!(
                 "--driver {name}: expected one of {}",
                 known.join(", ")
@@ -69,7 +70,7 @@ impl NamedDriver {
         }
         Ok(NamedDriver {
             name: name.to_owned(),
-            driver: sample_driver(name),
+            driver: sample_driver(name).driving,
         })
     }
 }

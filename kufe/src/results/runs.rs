@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
 
-use kufe_sled::sample_data::{DRIVERS, Planned, sample_driver};
+use kufe_sled::sample_data::{Planned, sample_drivers};
 use kufe_sled::{
     AlignedRun, Driver, DriverLosses, EnergyBalance, Examination, FitResult, Group, OutsideTable,
     Replay, RunEvaluation, RunValidation, SampleCoverage, TrackEstimate, TrackValidation,
@@ -377,11 +377,11 @@ pub struct SampleRun {
 impl SampleTruth {
     /// Of a plan of runs.
     pub fn new(seed: u64, plan: &[Planned]) -> Self {
-        let drivers = DRIVERS.iter().map(|&(name, class, runs)| SampleDriver {
-            driver: name.to_owned(),
-            class: class.to_owned(),
-            runs,
-            driving: sample_driver(name),
+        let drivers = sample_drivers().iter().map(|driver| SampleDriver {
+            driver: driver.name.clone(),
+            class: driver.class.clone(),
+            runs: driver.runs,
+            driving: driver.driving,
         });
         let runs = plan.iter().map(|run| SampleRun {
             run: run.run.clone(),

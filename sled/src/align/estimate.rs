@@ -1,8 +1,11 @@
-//! A track from the runs that felt it.
+//! A track from the runs that measured it.
 
-use crate::align::signature::{DistanceWarp, ReferenceProfile, TrackSignature};
+use crate::align::AlignedRun;
+use crate::align::signature::{ReferenceProfile, TrackSignature};
+use crate::columns::write_csv;
+use crate::friction::GRAVITY;
 use crate::model::sled::Tolerances;
-use crate::track::table::Track;
+use crate::track::table::{IceAlong, Track};
 
 /// A track made of runs, with the standard errors of each row.
 #[derive(Clone, Debug)]
@@ -11,29 +14,27 @@ pub struct TrackEstimate {
     pub track: Track,
     /// Standard errors of slope [rad], curvature [1/m] and bank [rad].
     pub sd: [Vec<f64>; 3],
-    /// How many runs felt each row.
+    /// How many runs measured each row.
     pub runs: Vec<usize>,
 }
 
 /// Curvature, bank and slope of every run at every metre from `from_m` on; NaN where a run was not.
 pub(crate) fn over_track(
-    felt: &[&TrackSignature],
-    warps: &[DistanceWarp],
+    measured: &[TrackSignature],
+    aligned: &[AlignedRun],
 ) -> (f64, Vec<Vec<[f64; 3]>>) {
-    let ends = felt.iter().zip(warps).map(|(felt, warp)| {
-        let last = felt.place(felt.metres.len() - 1);
-        (warp.at(felt.from_m), warp.at(last))
-    });
-    let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (a, b)| {
-        (low.min(a), high.max(b))
-    });
+    let pairs = || measured.iter().zip(aligned.iter().map(|run| &run.warp));
+    let starts = pairs().map(|(measured, warp)| warp.at(measured.from_m));
+    let ends = pairs().map(|(measured, warp)| warp.at(measured.place(measured.metres.len() - 1)));
+    let low = starts.fold(f64::INFINITY, f64::min);
+    let high = ends.fold(f64::NEG_INFINITY, f64::max);
     let from_m = low.ceil();
     let count = (high - from_m).max(0.0) as usize + 1;
-    let mut table = vec![vec![[f64::NAN; 3]; felt.len()]; count];
-    for (run, (felt, warp)) in felt.iter().zip(warps).enumerate() {
-        for i in 1..felt.metres.len() {
-            let (a, b) = (warp.at(felt.place(i - 1)), warp.at(felt.place(i)));
-            let (before, after) = (&felt.metres[i - 1], &felt.metres[i]);
+    let mut table = vec![vec![[f64::NAN; 3]; measured.len()]; count];
+    for (run, (measured, warp)) in pairs().enumerate() {
+        for i in 1..measured.metres.len() {
+            let (a, b) = (warp.at(measured.place(i - 1)), warp.at(measured.place(i)));
+            let (before, after) = (&measured.metres[i - 1], &measured.metres[i]);
             let rows = (a - from_m).ceil().max(0.0) as usize..=(b - from_m).max(0.0) as usize;
             for row in rows {
                 let share = (from_m + row as f64 - a) / (b - a);
@@ -48,7 +49,7 @@ pub(crate) fn over_track(
 }
 
 /// The mean of the runs at every metre as what runs are aligned to.
-pub(crate) fn mean_course(from_m: f64, table: &[Vec<[f64; 3]>]) -> ReferenceProfile {
+pub(crate) fn mean_profile(from_m: f64, table: &[Vec<[f64; 3]>]) -> ReferenceProfile {
     let rows = table.iter().map(|row| {
         let [curvature, bank, _] = [0, 1, 2].map(|k| mean_sd(row, k).0);
         [curvature, bank]
@@ -57,7 +58,7 @@ pub(crate) fn mean_course(from_m: f64, table: &[Vec<[f64; 3]>]) -> ReferenceProf
 }
 
 /// The mean over runs with its standard error: what the runs differ by (they feel the lines that
-/// were driven, and how far their mean lies off the track's own line is not felt), and what the
+/// were driven, and how far their mean lies off the track's own line is not measured), and what the
 /// installation, alike in all of them, may be off by (`[tolerances]`):
 ///
 /// ```text
@@ -75,41 +76,34 @@ pub(crate) fn estimate(
 ) -> Option<TrackEstimate> {
     let known = |row: &Vec<[f64; 3]>| row.iter().filter(|at| at[0].is_finite()).count();
     let first = table.iter().position(|row| known(row) >= 2)?;
-    let rows: Vec<&Vec<[f64; 3]>> = table[first..]
-        .iter()
-        .take_while(|row| known(row) >= 2)
-        .collect();
-    let column =
-        |k: usize| -> (Vec<f64>, Vec<f64>) { rows.iter().map(|row| mean_sd(row, k)).unzip() };
-    let ((curvature_1pm, mut of_curvature), (bank_rad, mut of_bank), (slope_rad, mut of_slope)) =
-        (column(0), column(1), column(2));
-    let tilt = tolerances.accel_bias_mps2 / crate::friction::GRAVITY;
-    let add = |sd: &mut f64, more: f64| *sd = sd.hypot(more);
-    for i in 0..rows.len() {
-        let turn = tolerances.gyro_bias_radps / speed_mps;
-        add(
-            &mut of_curvature[i],
-            turn.hypot(tolerances.gyro_scale * curvature_1pm[i]),
-        );
-        let (sine, cosine) = bank_rad[i].sin_cos();
-        add(
-            &mut of_bank[i],
-            tilt.hypot(tolerances.accel_scale * sine * cosine),
-        );
-        add(&mut of_slope[i], tilt);
-    }
+    let rows = table[first..].iter().take_while(|row| known(row) >= 2);
+    let rows: Vec<&Vec<[f64; 3]>> = rows.collect();
+    let tilt = tolerances.accel_bias_mps2 / GRAVITY;
+    let turn = tolerances.gyro_bias_radps / speed_mps;
+    // Means of quantity `k`, and their errors with what the installation may be off by.
+    let column = |k: usize, off: &dyn Fn(f64) -> f64| -> (Vec<f64>, Vec<f64>) {
+        let means = rows.iter().map(|row| mean_sd(row, k));
+        means.map(|(mean, sd)| (mean, sd.hypot(off(mean)))).unzip()
+    };
+    let of_curvature = |curvature: f64| turn.hypot(tolerances.gyro_scale * curvature);
+    let of_bank = |bank: f64| {
+        let (sine, cosine) = bank.sin_cos();
+        tilt.hypot(tolerances.accel_scale * sine * cosine)
+    };
+    let (curvature_1pm, curvature_sd) = column(0, &of_curvature);
+    let (bank_rad, bank_sd) = column(1, &of_bank);
+    let (slope_rad, slope_sd) = column(2, &|_| tilt);
+    let places = (0..rows.len()).map(|i| from_m + (first + i) as f64);
     Some(TrackEstimate {
         track: Track {
-            ice: crate::track::table::IceAlong::default(),
+            ice: IceAlong::default(),
             name: name.to_string(),
-            s_m: (0..rows.len())
-                .map(|i| from_m + (first + i) as f64)
-                .collect(),
+            s_m: places.collect(),
             slope_rad,
             curvature_1pm,
             bank_rad,
         },
-        sd: [of_slope, of_curvature, of_bank],
+        sd: [slope_sd, curvature_sd, bank_sd],
         runs: rows.iter().map(|row| known(row)).collect(),
     })
 }
@@ -131,18 +125,12 @@ impl TrackEstimate {
     pub fn write_csv(&self, writer: impl std::io::Write) -> std::io::Result<()> {
         let [slope, curvature, bank] = &self.sd;
         let runs: Vec<f64> = self.runs.iter().map(|count| *count as f64).collect();
-        crate::columns::write_csv(
-            writer,
-            &[
-                ("s_m", &self.track.s_m),
-                ("slope_rad", &self.track.slope_rad),
-                ("curvature_1pm", &self.track.curvature_1pm),
-                ("bank_rad", &self.track.bank_rad),
-                ("slope_sd_rad", slope),
-                ("curvature_sd_1pm", curvature),
-                ("bank_sd_rad", bank),
-                ("runs", &runs),
-            ],
-        )
+        let errors: [(&str, &[f64]); 4] = [
+            ("slope_sd_rad", slope),
+            ("curvature_sd_1pm", curvature),
+            ("bank_sd_rad", bank),
+            ("runs", &runs),
+        ];
+        write_csv(writer, &[self.track.columns(), errors].concat())
     }
 }

@@ -1,4 +1,4 @@
-//! Runs brought to one distance along the track, and the track that they felt.
+//! Runs brought to one distance along the track, and the track that they measure.
 
 pub(crate) mod estimate;
 pub(crate) mod signature;
@@ -7,13 +7,13 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::align::estimate::{TrackEstimate, estimate, mean_course, over_track};
+use crate::align::estimate::{TrackEstimate, estimate, mean_profile, over_track};
 use crate::align::signature::{DistanceWarp, Line, ReferenceProfile, TrackSignature, search};
 use crate::error::Error;
 use crate::model::sled::Tolerances;
 use crate::model::vehicle::Vehicle;
 use crate::record::run::Run;
-use crate::series::{bridged, integral};
+use crate::series::{bridged, integral, median};
 use crate::signals::prepare::Prepared;
 use crate::track::table::TrackShape;
 
@@ -54,7 +54,7 @@ pub struct AlignedRun {
 pub struct Aligned {
     /// In the order given.
     pub runs: Vec<AlignedRun>,
-    /// The track that they felt, in the mean; none where fewer than two felt the same metre.
+    /// The track that they measured, in the mean; none where fewer than two measured the same metre.
     pub estimate: Option<TrackEstimate>,
 }
 
@@ -65,53 +65,39 @@ pub struct Aligned {
 /// landmark by landmark ([`refine`]).
 ///
 /// # Errors
-/// [`Error::Unplaced`] for a run that does not match its track, or matches two places of it.
+/// [`Error::File`] for a run that does not match its track, or matches two places of it.
 pub fn align(
     runs: &[&Prepared],
     vehicle: &Vehicle,
     survey: Option<&TrackShape>,
     tolerances: &Tolerances,
 ) -> Result<Aligned, Error> {
-    let felt: Vec<TrackSignature> = runs
-        .par_iter()
-        .map(|run| TrackSignature::of(run, &vehicle.sled))
-        .collect();
-    let felt: Vec<&TrackSignature> = felt.iter().collect();
-    let on = |course: &ReferenceProfile| -> Result<Vec<AlignedRun>, Error> {
-        let placed: Vec<_> = runs
-            .par_iter()
-            .zip(&felt)
-            .map(|(run, felt)| place(run, felt, course))
+    let signature = |run: &&Prepared| TrackSignature::of(run, &vehicle.sled);
+    let measured: Vec<TrackSignature> = runs.par_iter().map(signature).collect();
+    let on = |reference: &ReferenceProfile| -> Result<Vec<AlignedRun>, Error> {
+        let pairs = runs.par_iter().zip(&measured);
+        let placed: Vec<_> = pairs
+            .map(|(run, measured)| place(run, measured, reference))
             .collect();
         placed.into_iter().collect()
-    };
-    let warps = |aligned: &[AlignedRun]| -> Vec<DistanceWarp> {
-        aligned.iter().map(|run| run.warp.clone()).collect()
     };
     let aligned = match survey {
         Some(shape) => on(&ReferenceProfile::of(shape))?,
         None => {
-            let longest = felt.iter().max_by_key(|felt| felt.metres.len());
-            let mut course = longest.map_or_else(
-                || ReferenceProfile::new(0.0, Vec::new()),
-                |felt| {
-                    ReferenceProfile::new(
-                        felt.from_m,
-                        felt.metres.iter().map(|m| [m[0], m[1]]).collect(),
-                    )
-                },
-            );
-            let mut aligned = on(&course)?;
+            let longest = measured.iter().max_by_key(|measured| measured.metres.len());
+            let from_m = longest.map_or(0.0, |measured| measured.from_m);
+            let metres = longest.into_iter().flat_map(|measured| &measured.metres);
+            let metres = metres.map(|m| [m[0], m[1]]).collect();
+            let mut aligned = on(&ReferenceProfile::new(from_m, metres))?;
             for _ in 1..ROUNDS {
-                let (from_m, table) = over_track(&felt, &warps(&aligned));
-                course = mean_course(from_m, &table);
-                aligned = on(&course)?;
+                let (from_m, table) = over_track(&measured, &aligned);
+                aligned = on(&mean_profile(from_m, &table))?;
             }
-            to_mean_distance(&felt, &mut aligned);
+            to_mean_distance(&measured, &mut aligned);
             aligned
         }
     };
-    let (from_m, table) = over_track(&felt, &warps(&aligned));
+    let (from_m, table) = over_track(&measured, &aligned);
     let states = || runs.iter().flat_map(|run| &run.states);
     let speed_mps = states().map(|state| state.v_mps).sum::<f64>() / states().count().max(1) as f64;
     let name = runs.first().map_or("", |run| &run.entry.track);
@@ -123,54 +109,40 @@ pub fn align(
 
 fn place(
     run: &Prepared,
-    felt: &TrackSignature,
-    course: &ReferenceProfile,
+    measured: &TrackSignature,
+    reference: &ReferenceProfile,
 ) -> Result<AlignedRun, Error> {
-    let unplaced = |misfit: f64, elsewhere: f64| Error::Unplaced {
-        file: run.entry.file.display().to_string(),
-        track: run.entry.track.clone(),
-        misfit,
-        elsewhere,
+    let unplaced = |misfit: f64, elsewhere: f64| {
+        let reason = format!(
+            "matches no place of track {}, or two: {misfit:.2} of its curvature and bank is unexplained at the best place and {elsewhere:.2} at another, expected below 0.5 and half as much again elsewhere",
+            run.entry.track
+        );
+        Error::file(&run.entry.file.display().to_string(), reason)
     };
-    let Some((line, elsewhere)) = search(felt, course) else {
-        return Err(unplaced(f64::NAN, f64::NAN));
-    };
+    let found = search(measured, reference);
+    let (line, elsewhere) = found.ok_or_else(|| unplaced(f64::NAN, f64::NAN))?;
     if line.misfit > MOST_LEFT || elsewhere < ELSEWHERE * line.misfit {
         return Err(unplaced(line.misfit, elsewhere));
     }
-    let warp = refine(felt, course, &line);
-    Ok(described(
-        run,
-        warp,
-        line.misfit,
-        Some(elsewhere).filter(|misfit| misfit.is_finite()),
-    ))
-}
-
-fn described(
-    run: &Prepared,
-    warp: DistanceWarp,
-    misfit: f64,
-    left_elsewhere: Option<f64>,
-) -> AlignedRun {
+    let warp = refine(measured, reference, &line);
     let (own, stretch) = (&warp.own_m, warp.stretch());
     let straight = |j: usize| warp.shift_m[0] + (stretch - 1.0) * (own[j] - own[0]);
     let drift = (0..own.len()).map(|j| (warp.shift_m[j] - straight(j)).abs());
-    AlignedRun {
+    Ok(AlignedRun {
         run: run.entry.run.clone(),
         start_m: warp.at(run.states[0].s_m),
         stretch,
         drift_m: drift.fold(0.0, f64::max),
         sd_m: warp.sd_m.iter().copied().fold(0.0, f64::max),
-        misfit,
-        left_elsewhere,
+        misfit: line.misfit,
+        left_elsewhere: Some(elsewhere).filter(|misfit| misfit.is_finite()),
         warp,
-    }
+    })
 }
 
 /// Brings the common distance to the mean of the runs' own: at every metre their growths are
 /// averaged; the earliest start is 0.
-fn to_mean_distance(felt: &[&TrackSignature], aligned: &mut [AlignedRun]) {
+fn to_mean_distance(measured: &[TrackSignature], aligned: &mut [AlignedRun]) {
     let start = |run: &AlignedRun| run.warp.at(run.warp.own_m[0]);
     let end = |run: &AlignedRun| run.warp.at(run.warp.own_m[run.warp.own_m.len() - 1]);
     let from = aligned.iter().map(start).fold(f64::INFINITY, f64::min);
@@ -178,9 +150,12 @@ fn to_mean_distance(felt: &[&TrackSignature], aligned: &mut [AlignedRun]) {
     let count = (to - from).max(0.0) as usize + 2;
     // Sum of the runs' own ways in each metre, and their number.
     let mut ways = vec![(0.0, 0.0); count];
-    for (felt, run) in felt.iter().zip(aligned.iter()) {
-        for i in 1..felt.metres.len() {
-            let (a, b) = (run.warp.at(felt.place(i - 1)), run.warp.at(felt.place(i)));
+    for (measured, run) in measured.iter().zip(aligned.iter()) {
+        for i in 1..measured.metres.len() {
+            let (a, b) = (
+                run.warp.at(measured.place(i - 1)),
+                run.warp.at(measured.place(i)),
+            );
             if b > a {
                 let metre = &mut ways[((0.5 * (a + b) - from) as usize).min(count - 1)];
                 metre.0 += 1.0;
@@ -231,37 +206,33 @@ const MOST_M: f64 = 5.0;
 /// Differences above so many standard deviations count less (Huber): a wall, a bump, a line driven
 /// high.
 const ORDINARY: f64 = 2.0;
-/// By how much a sled's own way through a curve moves what it feels of it [m], a standard
-/// deviation at every knot: at an angle psi to the line it feels the curvature `k + psi dphi/ds`,
+/// By how much a sled's own way through a curve moves what it measures of it [m], a standard
+/// deviation at every knot: at an angle psi to the line it measures the curvature `k + psi dphi/ds`,
 /// which is that of `psi dphi/dk` further on. With psi 0.03 and a bank of 1.2 rad at 0.04 /m, 0.9 m.
 const LINE_M: f64 = 1.0;
 
-/// Shifts at knots that bring what a run felt onto the course, by robust least squares:
+/// Shifts at knots that bring what a run measured onto the reference, by robust least squares:
 ///
 /// ```text
-/// sum over metres and both quantities of  huber( (felt - course(s + shift(s))) / sd )
+/// sum over metres and both quantities of  huber( (measured - reference(s + shift(s))) / sd )
 ///   + sum over knots of ( (shift_{j+1} - 2 shift_j + shift_{j-1}) / 0.5 m )^2
 /// ```
 ///
 /// with the deviations sd of the residuals; what is fitted is shift and the sled's own way,
 /// independent at every knot with the deviation [`LINE_M`]. The errors are those of the linear fit.
-pub(crate) fn refine(
-    felt: &TrackSignature,
-    course: &ReferenceProfile,
-    from: &Line,
-) -> DistanceWarp {
-    let length = (felt.metres.len() - 1).max(1) as f64;
+fn refine(measured: &TrackSignature, reference: &ReferenceProfile, from: &Line) -> DistanceWarp {
+    let length = (measured.metres.len() - 1).max(1) as f64;
     let pieces = (length / KNOTS_M).round().max(1.0) as usize;
-    let knot = |j: usize| felt.from_m + length * j as f64 / pieces as f64;
+    let knot = |j: usize| measured.from_m + length * j as f64 / pieces as f64;
     let own_m: Vec<f64> = (0..=pieces).map(knot).collect();
-    let shift = |own: f64| from.shift_m + (from.stretch - 1.0) * (own - felt.from_m);
+    let shift = |own: f64| from.shift_m + (from.stretch - 1.0) * (own - measured.from_m);
     let mut warp = DistanceWarp {
         shift_m: own_m.iter().map(|own| shift(*own)).collect(),
         sd_m: vec![0.0; own_m.len()],
         own_m,
     };
     for _ in 0..SPLINE_ROUNDS {
-        let Some((factor, right)) = posterior(felt, course, &warp) else {
+        let Some((factor, right)) = posterior(measured, reference, &warp) else {
             break;
         };
         let step = factor.solve(&right);
@@ -269,7 +240,7 @@ pub(crate) fn refine(
             *shift += step.clamp(-MOST_M, MOST_M);
         }
     }
-    if let Some((factor, _)) = posterior(felt, course, &warp) {
+    if let Some((factor, _)) = posterior(measured, reference, &warp) {
         let variance = factor.inverse().diagonal();
         warp.sd_m = variance.iter().map(|x| x.sqrt()).collect();
     }
@@ -278,11 +249,11 @@ pub(crate) fn refine(
 
 /// Factor of the normal matrix and right-hand side, data and drift together.
 fn posterior(
-    felt: &TrackSignature,
-    course: &ReferenceProfile,
+    measured: &TrackSignature,
+    reference: &ReferenceProfile,
     warp: &DistanceWarp,
 ) -> Option<(Cholesky<f64, Dyn>, DVector<f64>)> {
-    let (normal, right) = WarpMisfit::of(felt, course, warp).normal();
+    let (normal, right) = WarpMisfit::of(measured, reference, warp).normal();
     let (drift, towards) = prior(&warp.shift_m);
     Some(((normal + drift).cholesky()?, right + towards))
 }
@@ -308,9 +279,9 @@ fn prior(shift: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
     (normal, right)
 }
 
-/// Residuals between a run and the course at a warp.
+/// Residuals between a run and the reference at a warp.
 struct WarpMisfit {
-    /// Metre by metre: knot before, share of the next, differences and slopes of the course.
+    /// Metre by metre: knot before, share of the next, differences and slopes of the reference.
     rows: Vec<(usize, f64, [f64; 2], [f64; 2])>,
     /// Deviations of the differences.
     sd: [f64; 2],
@@ -319,25 +290,25 @@ struct WarpMisfit {
 }
 
 impl WarpMisfit {
-    fn of(felt: &TrackSignature, course: &ReferenceProfile, warp: &DistanceWarp) -> WarpMisfit {
-        let mut rows = Vec::with_capacity(felt.metres.len());
-        for (i, metre) in felt.metres.iter().enumerate() {
-            let own = felt.place(i);
-            if let Some((at, slope)) = course.at(warp.at(own)).filter(|_| metre[0].is_finite()) {
+    fn of(
+        measured: &TrackSignature,
+        reference: &ReferenceProfile,
+        warp: &DistanceWarp,
+    ) -> WarpMisfit {
+        let mut rows = Vec::with_capacity(measured.metres.len());
+        for (i, metre) in measured.metres.iter().enumerate() {
+            let own = measured.place(i);
+            if let Some((at, slope)) = reference.at(warp.at(own)).filter(|_| metre[0].is_finite()) {
                 let (knot, share) = warp.between(own);
                 rows.push((knot, share, [metre[0] - at[0], metre[1] - at[1]], slope));
             }
         }
         let sd = [0, 1].map(|k| {
-            let mut sizes: Vec<f64> = rows.iter().map(|row| row.2[k].abs()).collect();
-            if sizes.is_empty() {
-                return 1.0;
-            }
-            let middle = sizes.len() / 2;
-            let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+            let median = median(rows.iter().map(|row| row.2[k].abs()));
             // The median magnitude of a normal variable; and not less than a hundredth of what the
-            // course itself does.
-            (median / 0.674_489_75).max(0.01 * course.spread[k])
+            // reference itself does.
+            let least = 0.01 * reference.spread[k];
+            median.map_or(1.0, |median| (median / 0.674_489_75).max(least))
         });
         WarpMisfit {
             rows,
@@ -352,10 +323,8 @@ impl WarpMisfit {
         let mut normal = DMatrix::zeros(self.knots, self.knots);
         let mut right = DVector::zeros(self.knots);
         for (knot, share, differences, slopes) in &self.rows {
-            let hats = [
-                (*knot, 1.0 - share),
-                ((knot + 1).min(self.knots - 1), *share),
-            ];
+            let next = (knot + 1).min(self.knots - 1);
+            let hats = [(*knot, 1.0 - share), (next, *share)];
             for k in 0..2 {
                 let size = (differences[k] / self.sd[k]).abs();
                 let weight = (ORDINARY / size.max(ORDINARY)) / (self.sd[k] * self.sd[k]);

@@ -1,6 +1,7 @@
-//! What a run feels of the track, metre by metre of its own distance.
+//! What a run measures of the track, metre by metre of its own distance.
 
 use crate::model::sled::Sled;
+use crate::motion::state::State;
 use crate::series::{HALF_WIDTH, derivative};
 use crate::signals::prepare::Prepared;
 use crate::track::table::TrackShape;
@@ -32,26 +33,21 @@ impl TrackSignature {
     /// with roll, pitch and yaw rate (p, q, r) and `v_z = 0`: the body moves on the ice.
     pub(crate) fn of(run: &Prepared, sled: &Sled) -> TrackSignature {
         let from_m = run.states[0].s_m.round();
-        let last = run
-            .states
-            .iter()
-            .map(|state| state.s_m)
-            .fold(from_m, f64::max);
+        let places = run.states.iter().map(|state| state.s_m);
+        let last = places.fold(from_m, f64::max);
         let count = (last - from_m).round() as usize + 1;
         // Curvature, g u and the number of samples.
         let mut sums = vec![[0.0; 5]; count];
         for piece in run.pieces.iter().filter(|p| p.len() > 2 * HALF_WIDTH) {
             let states = &run.states[piece.clone()];
-            let velocity: Vec<[f64; 2]> = states
-                .iter()
-                .map(|state| {
-                    let turn = state.yaw_rate_radps / state.v_mps;
-                    let alpha = state.alpha_cog_rad - turn * sled.slip_x_m;
-                    let (sine, cosine) = alpha.sin_cos();
-                    let across = -state.v_mps * sine - sled.slip_x_m * state.yaw_rate_radps;
-                    [state.v_mps * cosine, across]
-                })
-                .collect();
+            let velocity = |state: &State| {
+                let turn = state.yaw_rate_radps / state.v_mps;
+                let alpha = state.alpha_cog_rad - turn * sled.slip_x_m;
+                let (sine, cosine) = alpha.sin_cos();
+                let across = -state.v_mps * sine - sled.slip_x_m * state.yaw_rate_radps;
+                [state.v_mps * cosine, across]
+            };
+            let velocity: Vec<[f64; 2]> = states.iter().map(velocity).collect();
             let growth = [0, 1].map(|k| {
                 let of: Vec<f64> = velocity.iter().map(|v| v[k]).collect();
                 derivative(&of, run.dt_s)
@@ -75,23 +71,19 @@ impl TrackSignature {
                 sum[4] += 1.0;
             }
         }
-        let metres = (0..count)
-            .map(|i| {
-                let [curvature, _, y, z, count] = sums[i];
-                let about = &sums[i.saturating_sub(ABOUT_M)..sums.len().min(i + ABOUT_M + 1)];
-                let (x, all) = about
-                    .iter()
-                    .fold((0.0, 0.0), |(x, n), at| (x + at[1], n + at[4]));
-                match count {
-                    0.0 => [f64::NAN; 3],
-                    _ => [
-                        curvature / count,
-                        y.atan2(z),
-                        (-x / all).atan2(y.hypot(z) / count),
-                    ],
-                }
-            })
-            .collect();
+        let mean = |i: usize| {
+            let [curvature, _, y, z, count] = sums[i];
+            if count == 0.0 {
+                return [f64::NAN; 3];
+            }
+            let about = &sums[i.saturating_sub(ABOUT_M)..sums.len().min(i + ABOUT_M + 1)];
+            let (x, all) = about
+                .iter()
+                .fold((0.0, 0.0), |(x, n), at| (x + at[1], n + at[4]));
+            let slope = (-x / all).atan2(y.hypot(z) / count);
+            [curvature / count, y.atan2(z), slope]
+        };
+        let metres = (0..count).map(mean).collect();
         TrackSignature { from_m, metres }
     }
 
@@ -151,10 +143,8 @@ impl ReferenceProfile {
         let slope = [b[0] - a[0], b[1] - a[1]];
         let share = along - i as f64;
         let value = [a[0] + share * slope[0], a[1] + share * slope[1]];
-        value
-            .iter()
-            .all(|x| x.is_finite())
-            .then_some((value, slope))
+        let known = value.iter().all(|x| x.is_finite());
+        known.then_some((value, slope))
     }
 }
 
@@ -217,18 +207,21 @@ const LEAST_OVERLAP: f64 = 0.6;
 const APART_M: f64 = 15.0;
 
 /// The best line and how badly the best elsewhere fits.
-pub(crate) fn search(felt: &TrackSignature, course: &ReferenceProfile) -> Option<(Line, f64)> {
-    let length = felt.metres.len().min(course.metres.len());
+pub(crate) fn search(
+    measured: &TrackSignature,
+    reference: &ReferenceProfile,
+) -> Option<(Line, f64)> {
+    let length = measured.metres.len().min(reference.metres.len());
     let least = (LEAST_OVERLAP * length as f64 / EVERY as f64) as usize;
-    let base = course.from_m - felt.from_m;
+    let base = reference.from_m - measured.from_m;
     let reach = (1.0 - LEAST_OVERLAP) * length as f64
-        + (course.metres.len() as f64 - felt.metres.len() as f64).abs();
+        + (reference.metres.len() as f64 - measured.metres.len() as f64).abs();
     let count = (2.0 * reach / STEP_M) as usize + 1;
     let mut tried: Vec<Line> = Vec::new();
     for stretch in STRETCHES {
         for i in 0..count {
             let shift_m = base - reach + i as f64 * STEP_M;
-            let misfit = misfit(felt, course, shift_m, stretch, least);
+            let misfit = misfit(measured, reference, shift_m, stretch, least);
             tried.extend(misfit.map(|misfit| Line {
                 shift_m,
                 stretch,
@@ -237,29 +230,30 @@ pub(crate) fn search(felt: &TrackSignature, course: &ReferenceProfile) -> Option
         }
     }
     let best = *tried.iter().min_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
-    let middle = 0.5 * felt.metres.len() as f64;
+    let middle = 0.5 * measured.metres.len() as f64;
     let place = |line: &Line| line.shift_m + line.stretch * middle;
-    let elsewhere = tried
-        .iter()
-        .filter(|line| (place(line) - place(&best)).abs() > APART_M)
-        .map(|line| line.misfit)
-        .fold(f64::INFINITY, f64::min);
-    Some((best, elsewhere))
+    let is_elsewhere = |line: &&Line| (place(line) - place(&best)).abs() > APART_M;
+    let elsewhere = tried.iter().filter(is_elsewhere).map(|line| line.misfit);
+    Some((best, elsewhere.fold(f64::INFINITY, f64::min)))
 }
 
 fn misfit(
-    felt: &TrackSignature,
-    course: &ReferenceProfile,
+    measured: &TrackSignature,
+    reference: &ReferenceProfile,
     shift: f64,
     stretch: f64,
     least: usize,
 ) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0);
-    for i in (0..felt.metres.len()).step_by(EVERY) {
-        let s = felt.from_m + shift + stretch * i as f64;
-        if let Some((at, _)) = course.at(s).filter(|_| felt.metres[i][0].is_finite()) {
-            for ((felt, at), spread) in felt.metres[i].iter().zip(at).zip(course.spread) {
-                sum += 0.5 * ((felt - at) / spread).powi(2);
+    for i in (0..measured.metres.len()).step_by(EVERY) {
+        let s = measured.from_m + shift + stretch * i as f64;
+        if let Some((at, _)) = reference
+            .at(s)
+            .filter(|_| measured.metres[i][0].is_finite())
+        {
+            for ((measured, at), spread) in measured.metres[i].iter().zip(at).zip(reference.spread)
+            {
+                sum += 0.5 * ((measured - at) / spread).powi(2);
             }
             count += 1;
         }

@@ -87,40 +87,49 @@ pub fn read_matlab(bytes: &[u8], file: &str) -> Result<MatlabVariables, Error> {
         big,
     };
     while !elements.rest.is_empty() {
-        let (kind, data) = elements.next().ok_or_else(|| failure("cut short"))?;
-        match kind {
-            MATRIX => file.matrix(data, big, None, DEPTH),
-            COMPRESSED => {
-                let unpacked = file.inflate(data, big).map_err(|reason| failure(&reason))?;
-                let mut inner = Elements {
-                    rest: &unpacked,
-                    big,
-                };
-                match inner.next() {
-                    Some((MATRIX, data)) => file.matrix(data, big, None, DEPTH),
-                    _ => Err("a variable is cut short".to_string()),
-                }
-            }
-            _ => Ok(()),
-        }
-        .map_err(|reason| failure(&reason))?;
+        let read = elements.next().and_then(|variable| file.variable(variable));
+        read.map_err(|reason| failure(&reason))?;
     }
     Ok(file.found)
 }
 
+/// Why an element cannot be read.
+const CUT_SHORT: &str = "a variable is cut short";
+
+/// Type and bytes of an element.
+type Element<'a> = (u32, Elements<'a>);
+
 /// Elements of a file, each with a tag of its type and length.
+#[derive(Clone, Copy)]
 struct Elements<'a> {
     rest: &'a [u8],
     big: bool,
 }
 
 impl<'a> Elements<'a> {
+    /// The number in the four bytes from `at` on.
     fn word(&self, at: usize) -> Option<u32> {
-        word(self.rest.get(at..at + 4)?, self.big)
+        let bytes = *self.rest.get(at..)?.first_chunk()?;
+        Some(if self.big {
+            u32::from_be_bytes(bytes)
+        } else {
+            u32::from_le_bytes(bytes)
+        })
     }
 
-    /// The next element's type and bytes; `None` where it is cut short.
-    fn next(&mut self) -> Option<(u32, &'a [u8])> {
+    /// The first number.
+    fn first(&self) -> Result<u32, String> {
+        self.word(0).ok_or_else(|| CUT_SHORT.to_string())
+    }
+
+    /// The next element.
+    fn next(&mut self) -> Result<Element<'a>, String> {
+        let (kind, rest) = self.split().ok_or_else(|| CUT_SHORT.to_string())?;
+        let big = self.big;
+        Ok((kind, Elements { rest, big }))
+    }
+
+    fn split(&mut self) -> Option<(u32, &'a [u8])> {
         let first = self.word(0)?;
         // Up to four bytes are within the tag.
         if first >> 16 != 0 {
@@ -138,19 +147,10 @@ impl<'a> Elements<'a> {
         Some((first, data))
     }
 
-    fn text(&mut self) -> Option<String> {
+    fn text(&mut self) -> Result<String, String> {
         let (_, data) = self.next()?;
-        Some(String::from_utf8_lossy(data).into_owned())
+        Ok(String::from_utf8_lossy(data.rest).into_owned())
     }
-}
-
-fn word(bytes: &[u8], big: bool) -> Option<u32> {
-    let bytes = bytes.first_chunk()?;
-    Some(if big {
-        u32::from_be_bytes(*bytes)
-    } else {
-        u32::from_le_bytes(*bytes)
-    })
 }
 
 /// Variables that are read so far.
@@ -161,20 +161,41 @@ struct Variables {
 }
 
 impl Variables {
-    fn inflate(&self, packed: &[u8], big: bool) -> Result<Vec<u8>, String> {
-        let mut decoder = ZlibDecoder::new(packed);
+    /// Reads an array, packed or not; elements of other types are passed over.
+    fn variable(&mut self, (kind, data): Element) -> Result<(), String> {
+        match kind {
+            MATRIX => self.matrix(data, None, DEPTH),
+            COMPRESSED => {
+                let unpacked = self.inflate(&data)?;
+                let mut inner = Elements {
+                    rest: &unpacked,
+                    ..data
+                };
+                match inner.next()? {
+                    (MATRIX, data) => self.matrix(data, None, DEPTH),
+                    _ => Err(CUT_SHORT.to_string()),
+                }
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn inflate(&self, packed: &Elements) -> Result<Vec<u8>, String> {
+        let mut decoder = ZlibDecoder::new(packed.rest);
         let mut unpacked = vec![0; 8];
         let failure = |error: std::io::Error| format!("a variable cannot be unpacked: {error}");
         decoder.read_exact(&mut unpacked).map_err(failure)?;
-        let length = word(&unpacked[4..], big).unwrap_or(0) as usize;
+        let tag = Elements {
+            rest: &unpacked,
+            ..*packed
+        };
+        let length = tag.word(4).unwrap_or(0) as usize;
         if length / 8 > self.room {
             return Err(Self::too_much());
         }
         unpacked.reserve_exact(length);
-        decoder
-            .take(length as u64)
-            .read_to_end(&mut unpacked)
-            .map_err(failure)?;
+        let mut rest = decoder.take(length as u64);
+        rest.read_to_end(&mut unpacked).map_err(failure)?;
         Ok(unpacked)
     }
 
@@ -185,31 +206,24 @@ impl Variables {
     /// Reads an array, called `field` where it is one of a struct's.
     fn matrix(
         &mut self,
-        data: &[u8],
-        big: bool,
+        mut elements: Elements,
         field: Option<&str>,
         depth: usize,
     ) -> Result<(), String> {
-        let short = || "a variable is cut short".to_string();
-        let mut elements = Elements { rest: data, big };
-        if data.is_empty() {
+        if elements.rest.is_empty() {
             return Ok(());
         }
-        let (_, flags) = elements.next().ok_or_else(short)?;
-        let flags = word(flags, big).ok_or_else(short)?;
+        let flags = elements.next()?.1.first()?;
         let (class, complex) = (flags & 0xff, flags & 0x800 != 0);
         if class == OPAQUE {
-            let mut text = || elements.text().ok_or_else(short);
-            let (name, _, kind) = (text()?, text()?, text()?);
+            let (name, _, kind) = (elements.text()?, elements.text()?, elements.text()?);
             self.remark(field.unwrap_or(&name), &kind);
             return Ok(());
         }
-        let (_, dimensions) = elements.next().ok_or_else(short)?;
-        let dimensions: Vec<usize> = dimensions
-            .chunks_exact(4)
-            .filter_map(|n| Some(word(n, big)? as usize))
-            .collect();
-        let own = elements.text().ok_or_else(short)?;
+        let (_, sizes) = elements.next()?;
+        let sizes = (0..sizes.rest.len() / 4).filter_map(|k| sizes.word(4 * k));
+        let dimensions: Vec<usize> = sizes.map(|size| size as usize).collect();
+        let own = elements.text()?;
         let name = field.unwrap_or(&own);
         let length = dimensions
             .iter()
@@ -228,23 +242,20 @@ impl Variables {
                 if length > self.room {
                     return Err(Self::too_much());
                 }
-                let (kind, data) = elements.next().ok_or_else(short)?;
-                let values = numbers(kind, data, big).ok_or_else(short)?;
-                if values.len() != length {
-                    return Err(short());
-                }
+                let (kind, data) = elements.next()?;
+                let values = numbers(kind, &data).filter(|values| values.len() == length);
+                let values = values.ok_or_else(|| CUT_SHORT.to_string())?;
                 self.room -= length;
                 self.found.vectors.push((name.to_string(), values));
             }
             STRUCT if length == 1 && depth > 0 => {
-                let (_, longest) = elements.next().ok_or_else(short)?;
-                let longest = word(longest, big).ok_or_else(short)? as usize;
-                let (_, names) = elements.next().ok_or_else(short)?;
-                for field in names.chunks_exact(longest.max(1)) {
+                let longest = elements.next()?.1.first()? as usize;
+                let (_, names) = elements.next()?;
+                for field in names.rest.chunks_exact(longest.max(1)) {
                     let end = field.iter().position(|byte| *byte == 0);
                     let field = String::from_utf8_lossy(&field[..end.unwrap_or(field.len())]);
-                    let (_, data) = elements.next().ok_or_else(short)?;
-                    self.matrix(data, big, Some(&format!("{name}.{field}")), depth - 1)?;
+                    let (_, data) = elements.next()?;
+                    self.matrix(data, Some(&format!("{name}.{field}")), depth - 1)?;
                 }
             }
             STRUCT => self.remark(name, "struct array"),
@@ -277,12 +288,12 @@ pub fn matlab_remark(name: &str, kind: &str) -> String {
     format!("variable {name} is a {kind} and not read{remedy}")
 }
 
-fn numbers(kind: u32, data: &[u8], big: bool) -> Option<Vec<f64>> {
+fn numbers(kind: u32, data: &Elements) -> Option<Vec<f64>> {
     macro_rules! read {
         ($number:ty) => {{
-            let (all, rest) = data.as_chunks::<{ size_of::<$number>() }>();
+            let (all, rest) = data.rest.as_chunks::<{ size_of::<$number>() }>();
             let read = |bytes: &[u8; size_of::<$number>()]| {
-                if big {
+                if data.big {
                     <$number>::from_be_bytes(*bytes) as f64
                 } else {
                     <$number>::from_le_bytes(*bytes) as f64

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use falcon_mdf::io::range::read_seek_source;
 use falcon_mdf::{Channel, Mf4Error, Mf4File, OpenOptions};
 
-use crate::columns::{Columns, MOST_NUMBERS, collect, too_many};
+use crate::columns::{MOST_NUMBERS, too_many};
 use crate::error::Error;
 
 /// Longest block that is unpacked [bytes]: writers make blocks of 4 MB.
@@ -89,73 +89,4 @@ impl Mdf4 {
         }
         Ok(columns)
     }
-}
-
-/// Reads every channel of numbers at the rate of `v_mps`; `t_s` is the time of its group where no
-/// channel has that name.
-///
-/// Channels recorded at another rate are excluded: bring them to one rate before.
-///
-/// # Errors
-/// [`Error::File`] where the file is no MDF 4 or a channel cannot be decoded.
-pub(crate) fn read_mdf4(
-    reader: impl Read + Seek + Send + 'static,
-    file: &str,
-) -> Result<Columns, Error> {
-    let log = Mdf4::open(reader, file)?;
-    let channels = log.channels();
-    let lead = channels.iter().find(|channel| channel.name == "v_mps");
-    let lead = lead.ok_or_else(|| {
-        let names: Vec<&str> = channels
-            .iter()
-            .map(|channel| channel.name.as_str())
-            .collect();
-        Error::MissingColumn {
-            file: file.to_string(),
-            column: "v_mps".to_string(),
-            found: names.join(", "),
-            needed_by: None,
-        }
-    })?;
-    let group = |channel: &Channel| (channel.data_group_index, channel.channel_group_index);
-    let mut groups: Vec<Vec<&Channel>> = Vec::new();
-    for channel in &channels {
-        match groups
-            .iter_mut()
-            .find(|known| group(known[0]) == group(channel))
-        {
-            Some(known) => known.push(channel),
-            None => groups.push(vec![channel]),
-        }
-    }
-    // The times of the group of `v_mps` are those of every column.
-    let times_of = |channel: &Channel| -> Result<Option<Vec<f64>>, Error> {
-        match log.clock_of(channel) {
-            Some(clock) => Ok(log.values(&[clock])?.remove(0)),
-            None => Ok(None),
-        }
-    };
-    let time = times_of(lead)?;
-    let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
-    for group in groups {
-        if times_of(group[0])? != time {
-            continue;
-        }
-        for (channel, values) in group.iter().zip(log.values(&group)?) {
-            // Every group may have its clock, called alike.
-            let clock = log
-                .clock_of(channel)
-                .is_some_and(|clock| clock.name == channel.name);
-            let known = columns.iter().any(|(name, _)| *name == channel.name);
-            if let Some(values) = values.filter(|_| !(clock && known)) {
-                columns.push((channel.name.clone(), values));
-            }
-        }
-    }
-    if !columns.iter().any(|(name, _)| name == "t_s")
-        && let Some(time) = time
-    {
-        columns.push(("t_s".to_string(), time));
-    }
-    collect(columns.into_iter(), file)
 }

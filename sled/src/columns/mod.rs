@@ -1,8 +1,9 @@
-//! Columns of numbers by name, read from CSV, Parquet, MATLAB and MDF 4 files.
+//! Columns of numbers by name, read from CSV, Parquet and MATLAB files; MDF 4 logs.
 
 pub(crate) mod matlab;
 pub(crate) mod mdf4;
 pub(crate) mod parquet;
+pub(crate) mod table;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -10,7 +11,6 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::columns::matlab::{LONGEST_MATLAB, read_matlab_columns};
-use crate::columns::mdf4::read_mdf4;
 use crate::columns::parquet::read_parquet;
 use crate::error::Error;
 
@@ -24,12 +24,10 @@ pub const MOST_NUMBERS: u64 = 24_000_000;
 
 /// The refusal of a file with more than [`MOST_NUMBERS`].
 pub(crate) fn too_many(file: &str) -> Error {
-    Error::file(
-        file,
-        format!(
-            "it holds more than {MOST_NUMBERS} numbers; expected fewer: write fewer columns or rows"
-        ),
-    )
+    let reason = format!(
+        "it holds more than {MOST_NUMBERS} numbers; expected fewer: write fewer columns or rows"
+    );
+    Error::file(file, reason)
 }
 
 /// Gathers named columns and refuses a name given twice.
@@ -40,31 +38,27 @@ pub(crate) fn collect(
     let mut gathered = Columns::new();
     for (name, values) in columns {
         if gathered.contains_key(&name) {
-            return Err(given_twice(name, file));
+            return Err(given_twice(&name, file));
         }
         gathered.insert(name, values);
     }
-    let lengths: Vec<usize> = gathered.values().map(Vec::len).collect();
-    if lengths.windows(2).any(|pair| pair[0] != pair[1]) {
-        let lengths: Vec<String> = gathered
+    let mut lengths = gathered.values().map(Vec::len);
+    let first = lengths.next();
+    if lengths.any(|length| Some(length) != first) {
+        let lengths = gathered
             .iter()
-            .map(|(name, values)| format!("{name} {}", values.len()))
-            .collect();
+            .map(|(name, values)| format!("{name} {}", values.len()));
+        let lengths = lengths.collect::<Vec<String>>().join(", ");
         return Err(Error::file(
             file,
-            format!("columns differ in length: {}", lengths.join(", ")),
+            format!("columns differ in length: {lengths}"),
         ));
     }
     Ok(gathered)
 }
 
-fn given_twice(column: String, file: &str) -> Error {
-    Error::Column {
-        file: file.to_string(),
-        column,
-        what: "given twice",
-        expected: "each column once".to_string(),
-    }
+fn given_twice(column: &str, file: &str) -> Error {
+    Error::column(file, column, "given twice", "each column once")
 }
 
 /// Reads a CSV with one header line; see [`crate::read_columns`].
@@ -76,27 +70,21 @@ pub fn read_csv(
     required: &[&str],
     file: &str,
 ) -> Result<Columns, Error> {
+    let failure = |error: csv::Error| Error::file(file, error);
     let mut table = csv::ReaderBuilder::new()
         .buffer_capacity(1 << 16)
         .from_reader(reader);
-    let names: Vec<String> = table
-        .headers()
-        .map_err(|error| Error::file(file, error))?
-        .iter()
-        .map(|name| name.trim().to_string())
-        .collect();
+    let names = table.headers().map_err(failure)?.iter();
+    let names: Vec<String> = names.map(|name| name.trim().to_string()).collect();
     let named = |i: &usize| !names[*i].is_empty() && names[..*i].contains(&names[*i]);
     if let Some(twice) = (0..names.len()).find(named) {
-        return Err(given_twice(names[twice].clone(), file));
+        return Err(given_twice(&names[twice], file));
     }
     // `None` once a column has turned out to hold text.
     let mut columns: Vec<Option<Vec<f64>>> = vec![Some(Vec::new()); names.len()];
     let mut record = csv::ByteRecord::new();
     let mut count = 0;
-    while table
-        .read_byte_record(&mut record)
-        .map_err(|error| Error::file(file, error))?
-    {
+    while table.read_byte_record(&mut record).map_err(failure)? {
         for ((cell, slot), name) in record.iter().zip(&mut columns).zip(&names) {
             let Some(values) = slot else { continue };
             match parse_number(cell) {
@@ -105,13 +93,9 @@ pub fn read_csv(
                     values.push(value);
                 }
                 None if name == "t_s" || required.contains(&name.as_str()) => {
-                    return Err(Error::Cell {
-                        file: file.to_string(),
-                        row: record.position().map_or(0, |position| position.line()),
-                        column: name.clone(),
-                        found: String::from_utf8_lossy(cell).into_owned(),
-                        expected: "a number".to_string(),
-                    });
+                    let row = record.position().map_or(0, csv::Position::line);
+                    let found = String::from_utf8_lossy(cell);
+                    return Err(Error::cell(file, row, name, found, "a number"));
                 }
                 None => *slot = None,
             }
@@ -120,11 +104,9 @@ pub fn read_csv(
             return Err(too_many(file));
         }
     }
+    let columns = names.into_iter().zip(columns);
     collect(
-        names
-            .into_iter()
-            .zip(columns)
-            .filter_map(|(name, values)| Some((name, values?))),
+        columns.filter_map(|(name, values)| Some((name, values?))),
         file,
     )
 }
@@ -173,36 +155,40 @@ pub fn write_csv(
 /// [`Error::File`], [`Error::Cell`], [`Error::Column`] for a column given twice.
 pub fn read_columns(path: &Path, required: &[&str]) -> Result<Columns, Error> {
     let file = path.display().to_string();
-    let extension = path
-        .extension()
-        .and_then(|extension| extension.to_str())
-        .unwrap_or("")
-        .to_ascii_lowercase();
-    match extension.as_str() {
-        "parquet" => collect(read_parquet(open(path)?, None, &file)?.into_iter(), &file),
-        "mat" => read_matlab_columns(&bytes_of(path)?, &file),
-        "mf4" => read_mdf4(open(path)?, &file),
+    let failure = |error: std::io::Error| Error::file(&file, error);
+    let open = || kufe_files::open_regular(path).map_err(failure);
+    match ending(path).as_str() {
+        "parquet" => collect(read_parquet(open()?, None, &file)?.into_iter(), &file),
+        "mat" => {
+            let bytes = kufe_files::read_regular(path, LONGEST_MATLAB).map_err(failure)?;
+            read_matlab_columns(&bytes, &file)
+        }
+        "mf4" | "mdf" => {
+            let reason =
+                "an MDF 4 log; expected CSV, Parquet or MATLAB v5: kufe runs import writes it";
+            Err(Error::file(&file, reason))
+        }
         _ => {
-            let mut text = open(path)?;
-            let whole = whole_lines(&mut text).map_err(|error| Error::file(&file, error))?;
+            let mut text = open()?;
+            let whole = whole_lines(&mut text).map_err(failure)?;
             read_csv(text.take(whole), required, &file)
         }
     }
 }
 
+/// The ending of a file's name in small letters.
+fn ending(path: &Path) -> String {
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    ending.to_ascii_lowercase()
+}
+
 /// Whether a file of text ends within a line: a recorder that lost its power writes such, and its
 /// last cell may be cut.
 pub(crate) fn is_cut_short(path: &Path) -> bool {
-    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    if ["parquet", "mat", "mf4"]
-        .iter()
-        .any(|other| ending == *other)
-    {
-        return false;
-    }
     let lengths = kufe_files::open_regular(path)
         .and_then(|mut text| Ok((whole_lines(&mut text)?, text.metadata()?.len())));
-    lengths.is_ok_and(|(whole, length)| whole < length)
+    let is_text = !["parquet", "mat"].contains(&ending(path).as_str());
+    is_text && lengths.is_ok_and(|(whole, length)| whole < length)
 }
 
 /// Length of a text up to the end of its last whole line, or of all of it where no line ends
@@ -225,13 +211,4 @@ fn whole_lines(text: &mut File) -> std::io::Result<u64> {
     }
     text.seek(SeekFrom::Start(0))?;
     Ok(whole)
-}
-
-fn bytes_of(path: &Path) -> Result<Vec<u8>, Error> {
-    kufe_files::read_regular(path, LONGEST_MATLAB)
-        .map_err(|error| Error::file(&path.display().to_string(), error))
-}
-
-fn open(path: &Path) -> Result<File, Error> {
-    kufe_files::open_regular(path).map_err(|error| Error::file(&path.display().to_string(), error))
 }

@@ -9,6 +9,7 @@ use parquet::basic::{Compression, ConvertedType, LogicalType, TimeUnit, ZstdLeve
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{DataType, DoubleType};
 use parquet::errors::ParquetError;
+use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{ChunkReader, FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
@@ -34,9 +35,9 @@ pub fn read_parquet(
 ) -> Result<Vec<(String, Vec<f64>)>, Error> {
     // The library panics on some damaged pages; nothing of it outlives the reading.
     catch_unwind(AssertUnwindSafe(|| read_columns(file, wanted, name))).unwrap_or_else(|panic| {
-        let reason = panic.downcast_ref::<&str>().map(ToString::to_string);
-        let reason = reason.or_else(|| panic.downcast_ref::<String>().cloned());
-        let reason = reason.unwrap_or_else(|| "a page that cannot be decoded".into());
+        let text = panic.downcast_ref::<&str>().copied();
+        let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+        let reason = text.unwrap_or("a page that cannot be decoded");
         Err(Error::file(name, format!("damaged Parquet: {reason}")))
     })
 }
@@ -56,103 +57,69 @@ fn read_columns(
         let Some(meaning) = Meaning::of(descriptor).filter(|_| flat) else {
             continue;
         };
-        let mut values = Vec::new();
-        if wanted.is_some_and(|wanted| !wanted(descriptor.name())) {
-            columns.push((descriptor.name().to_string(), values));
-            continue;
-        }
+        let column = descriptor.name();
+        let groups = match wanted {
+            Some(wanted) if !wanted(column) => 0,
+            _ => reader.num_row_groups(),
+        };
+        let mut values = Values {
+            optional: descriptor.max_def_level() > 0,
+            room: room as usize,
+            all: Vec::new(),
+        };
         let mut numeric = true;
-        for group in 0..reader.num_row_groups() {
-            // The library does not check these.
+        for group in 0..groups {
             let chunk = reader.metadata().row_group(group).column(place);
-            let start = chunk.dictionary_page_offset();
-            let start = start.unwrap_or_else(|| chunk.data_page_offset());
-            let length = chunk.compressed_size();
-            let column = descriptor.name();
-            use Compression as C;
-            let packed = chunk.compression();
-            if !matches!(
-                packed,
-                C::UNCOMPRESSED | C::SNAPPY | C::GZIP(_) | C::ZSTD(_)
-            ) {
-                let reason = format!(
-                    "column {column}: its pages are compressed by {}: expected snappy, gzip, zstd or none; write the \
-                     file again with one of these",
-                    packed
-                        .to_string()
-                        .split('(')
-                        .next()
-                        .unwrap_or_default()
-                        .to_lowercase()
-                );
-                return Err(Error::file(name, reason));
-            }
-            if start < 0 || length < 0 {
-                return Err(Error::file(
-                    name,
-                    format!(
-                        "column {column}: begins at byte {start} and is {length} bytes long; expected neither below 0"
-                    ),
-                ));
-            }
-            let unpacked = u64::try_from(chunk.uncompressed_size()).unwrap_or(u64::MAX);
-            let values_stated = u64::try_from(chunk.num_values()).unwrap_or(u64::MAX);
-            if unpacked / 16 > MOST_NUMBERS || values_stated > room {
-                return Err(too_many(name));
-            }
+            check(chunk, column, room, name)?;
             let group = reader.get_row_group(group).map_err(failure)?;
-            let optional = descriptor.max_def_level() > 0;
             let read = group.get_column_reader(place).map_err(failure)?;
-            let room = room as usize;
-            let into = &mut values;
-            use ColumnReader as R;
-            let whole = match (read, &meaning) {
-                (R::DoubleColumnReader(r), _) => read_all(r, optional, room, into, |v| v),
-                (R::FloatColumnReader(r), _) => read_all(r, optional, room, into, f64::from),
-                (R::Int32ColumnReader(r), Meaning::Unsigned) => {
-                    read_all(r, optional, room, into, |v| f64::from(v as u32))
-                }
-                (R::Int64ColumnReader(r), Meaning::Unsigned) => {
-                    read_all(r, optional, room, into, |v| v as u64 as f64)
-                }
-                (R::Int32ColumnReader(r), Meaning::Parts(parts)) => {
-                    read_all(r, optional, room, into, |v| f64::from(v) / parts)
-                }
-                (R::Int64ColumnReader(r), Meaning::Parts(parts)) => {
-                    read_all(r, optional, room, into, |v| v as f64 / parts)
-                }
-                (R::Int96ColumnReader(r), _) => {
-                    read_all(r, optional, room, into, |v| v.to_nanos() as f64 / 1e9)
-                }
-                (R::ByteArrayColumnReader(r), Meaning::Parts(parts)) => {
-                    read_all(r, optional, room, into, |v| big_endian(v.data()) / parts)
-                }
-                (R::FixedLenByteArrayColumnReader(r), Meaning::Half) => {
-                    let number = |bytes: &[u8]| bytes.first_chunk().map(|b| f16::from_le_bytes(*b));
-                    read_all(r, optional, room, into, |v| {
-                        number(v.data()).map_or(f64::NAN, f64::from)
-                    })
-                }
-                (R::FixedLenByteArrayColumnReader(r), Meaning::Parts(parts)) => {
-                    read_all(r, optional, room, into, |v| big_endian(v.data()) / parts)
-                }
-                _ => {
-                    numeric = false;
-                    break;
-                }
-            }
-            .map_err(failure)?;
-            if !whole {
+            let read = values.read_chunk(read, &meaning).map_err(failure)?;
+            if read == Some(false) {
                 return Err(too_many(name));
             }
+            numeric &= read.is_some();
         }
         if numeric {
-            room -= values.len() as u64;
-            values.shrink_to_fit();
-            columns.push((descriptor.name().to_string(), values));
+            room -= values.all.len() as u64;
+            values.all.shrink_to_fit();
+            columns.push((column.to_string(), values.all));
         }
     }
     Ok(columns)
+}
+
+/// Checks what the library does not check of a column's part in a row group; `room` is how many
+/// values may be read.
+fn check(chunk: &ColumnChunkMetaData, column: &str, room: u64, file: &str) -> Result<(), Error> {
+    use Compression as C;
+    let start = chunk.dictionary_page_offset();
+    let start = start.unwrap_or_else(|| chunk.data_page_offset());
+    let length = chunk.compressed_size();
+    let packed = chunk.compression();
+    if !matches!(
+        packed,
+        C::UNCOMPRESSED | C::SNAPPY | C::GZIP(_) | C::ZSTD(_)
+    ) {
+        let packed = packed.to_string().to_lowercase();
+        let packed = packed.split('(').next().unwrap_or_default();
+        let reason = format!(
+            "column {column}: its pages are compressed by {packed}: expected snappy, gzip, zstd or none; \
+             write the file again with one of these"
+        );
+        return Err(Error::file(file, reason));
+    }
+    if start < 0 || length < 0 {
+        let reason = format!(
+            "column {column}: begins at byte {start} and is {length} bytes long; expected neither below 0"
+        );
+        return Err(Error::file(file, reason));
+    }
+    let [unpacked, stated] = [chunk.uncompressed_size(), chunk.num_values()]
+        .map(|count| u64::try_from(count).unwrap_or(u64::MAX));
+    if unpacked / 16 > MOST_NUMBERS || stated > room {
+        return Err(too_many(file));
+    }
+    Ok(())
 }
 
 /// What the stored integers of a column are.
@@ -217,40 +184,75 @@ fn big_endian(bytes: &[u8]) -> f64 {
         .fold(first, |sum, byte| sum * 256.0 + f64::from(*byte))
 }
 
-/// Reads a column in batches, so that memory follows what is really there and not what the header
-/// states; `false` where that is more than `room` values.
-fn read_all<T: DataType>(
-    mut reader: ColumnReaderImpl<T>,
+/// The values of a column that are read so far.
+struct Values {
     optional: bool,
+    /// Most that may be read.
     room: usize,
-    into: &mut Vec<f64>,
-    number: impl Fn(T::T) -> f64,
-) -> Result<bool, ParquetError> {
-    const BATCH: usize = 1 << 14;
-    let mut values: Vec<T::T> = Vec::new();
-    let mut levels: Vec<i16> = Vec::new();
-    loop {
-        values.clear();
-        levels.clear();
-        let (records, _, _) =
-            reader.read_records(BATCH, optional.then_some(&mut levels), None, &mut values)?;
-        if records == 0 {
-            return Ok(true);
-        }
-        if into.len() + records > room {
-            return Ok(false);
-        }
-        let mut present = values.drain(..).map(&number);
-        if optional {
-            into.extend(levels.iter().map(|level| {
-                if *level > 0 {
-                    present.next().unwrap_or(f64::NAN)
-                } else {
-                    f64::NAN
-                }
-            }));
-        } else {
-            into.extend(present);
+    all: Vec<f64>,
+}
+
+impl Values {
+    /// Reads a column's part in a row group; `None` where it holds no numbers, `false` where the
+    /// column is too long.
+    fn read_chunk(
+        &mut self,
+        reader: ColumnReader,
+        meaning: &Meaning,
+    ) -> Result<Option<bool>, ParquetError> {
+        use ColumnReader as R;
+        let read = match (reader, meaning) {
+            (R::DoubleColumnReader(r), _) => self.read(r, |v| v),
+            (R::FloatColumnReader(r), _) => self.read(r, f64::from),
+            (R::Int32ColumnReader(r), Meaning::Unsigned) => self.read(r, |v| f64::from(v as u32)),
+            (R::Int64ColumnReader(r), Meaning::Unsigned) => self.read(r, |v| v as u64 as f64),
+            (R::Int32ColumnReader(r), Meaning::Parts(n)) => self.read(r, |v| f64::from(v) / n),
+            (R::Int64ColumnReader(r), Meaning::Parts(n)) => self.read(r, |v| v as f64 / n),
+            (R::Int96ColumnReader(r), _) => self.read(r, |v| v.to_nanos() as f64 / 1e9),
+            (R::ByteArrayColumnReader(r), Meaning::Parts(n)) => {
+                self.read(r, |v| big_endian(v.data()) / n)
+            }
+            (R::FixedLenByteArrayColumnReader(r), Meaning::Parts(n)) => {
+                self.read(r, |v| big_endian(v.data()) / n)
+            }
+            (R::FixedLenByteArrayColumnReader(r), Meaning::Half) => {
+                let number = |bytes: &[u8]| bytes.first_chunk().map(|b| f16::from_le_bytes(*b));
+                self.read(r, |v| number(v.data()).map_or(f64::NAN, f64::from))
+            }
+            _ => return Ok(None),
+        };
+        read.map(Some)
+    }
+
+    /// Reads in batches, so that memory follows what is really there and not what the header
+    /// states; `false` where that is too much.
+    fn read<T: DataType>(
+        &mut self,
+        mut reader: ColumnReaderImpl<T>,
+        number: impl Fn(T::T) -> f64,
+    ) -> Result<bool, ParquetError> {
+        const BATCH: usize = 1 << 14;
+        let mut values: Vec<T::T> = Vec::new();
+        let mut levels: Vec<i16> = Vec::new();
+        loop {
+            values.clear();
+            levels.clear();
+            let known = self.optional.then_some(&mut levels);
+            let (records, ..) = reader.read_records(BATCH, known, None, &mut values)?;
+            if records == 0 {
+                return Ok(true);
+            }
+            if self.all.len() + records > self.room {
+                return Ok(false);
+            }
+            let mut present = values.drain(..).map(&number);
+            if self.optional {
+                let mut value = |level: &i16| if *level > 0 { present.next() } else { None };
+                let column = levels.iter().map(|level| value(level).unwrap_or(f64::NAN));
+                self.all.extend(column);
+            } else {
+                self.all.extend(present);
+            }
         }
     }
 }
@@ -261,12 +263,11 @@ fn read_all<T: DataType>(
 /// [`Error::File`] from the writer.
 pub fn write_parquet(writer: impl Write + Send, columns: &[(&str, &[f64])]) -> Result<(), Error> {
     let refusal = |error: parquet::errors::ParquetError| Error::file("parquet", error);
-    let fields: Vec<String> = columns
+    let fields = columns
         .iter()
-        .map(|(name, _)| format!("REQUIRED DOUBLE {name};"))
-        .collect();
-    let schema =
-        parse_message_type(&format!("message run {{ {} }}", fields.join(" "))).map_err(refusal)?;
+        .map(|(name, _)| format!("REQUIRED DOUBLE {name};"));
+    let fields = fields.collect::<Vec<String>>().join(" ");
+    let schema = parse_message_type(&format!("message run {{ {fields} }}")).map_err(refusal)?;
     // Noise does not repeat: a dictionary only costs time.
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::default()))

@@ -14,11 +14,11 @@
 use std::borrow::Cow;
 
 use crate::column::Sensor;
-use crate::effects::expression::{Expression, ExpressionError};
-use crate::effects::{Forces, OperatingPoint, Signals, State};
+use crate::effects::expression::Expression;
+use crate::effects::{EffectError, Forces, OperatingPoint, Signals, State};
 
 /// An effect that a person adds: amplitude times expression.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Custom {
     /// What it acts on.
     pub channel: Channel,
@@ -38,20 +38,6 @@ pub struct Custom {
     places: Vec<Place>,
 }
 
-/// Why a formula is not valid for its channel.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum Refused {
-    /// It cannot be read.
-    Unreadable(ExpressionError),
-    /// It names a column that its channel does not have.
-    UnknownColumn {
-        /// The name.
-        column: String,
-        /// The names that it may use.
-        known: Vec<&'static str>,
-    },
-}
-
 /// Time over which the rate of an expression is taken [s].
 const MOMENT_S: f64 = 1e-3;
 
@@ -69,29 +55,38 @@ impl Custom {
     /// assert_eq!(forces.body_yaw, 1.0);
     /// ```
     pub fn new(channel: Channel, text: &str, carried: Option<&str>) -> Option<Self> {
-        Self::read(channel, text, carried).ok()
+        Self::read("", channel, text, carried).ok()
     }
 
+    /// The same; `effect` names it in errors.
     pub(super) fn read(
+        effect: &str,
         channel: Channel,
         text: &str,
         carried: Option<&str>,
-    ) -> Result<Self, Refused> {
-        let expression = Expression::parse(text).map_err(Refused::Unreadable)?;
+    ) -> Result<Self, EffectError> {
+        let expression = Expression::parse(text).map_err(|source| EffectError::Expression {
+            name: effect.to_owned(),
+            source,
+        })?;
         let of_sensor = matches!(channel, Channel::Sensor(_));
-        let place = |name: &String| {
+        let known = if of_sensor {
+            columns_of_sensors()
+        } else {
+            columns_of_forces()
+        };
+        let place = |column: &String| {
+            let of_sled = || Place::of_sled(column, carried);
             let place = if of_sensor {
-                Place::of_sensor(name)
+                Place::of_sensor(column)
             } else {
-                Place::of_sled(name, carried)
+                of_sled()
             };
-            place.ok_or_else(|| Refused::UnknownColumn {
-                column: name.clone(),
-                known: if of_sensor {
-                    columns_of_sensors()
-                } else {
-                    columns_of_forces()
-                },
+            place.ok_or_else(|| EffectError::Value {
+                name: effect.to_owned(),
+                key: "expression".to_owned(),
+                found: format!("the column {column}"),
+                expected: known.join(", "),
             })
         };
         let places = expression.names().iter().map(place);
@@ -139,11 +134,22 @@ impl Custom {
         if self.channel != Channel::Friction {
             return 0.0;
         }
-        amplitude * self.value(&Known::of(at))
+        amplitude * self.value(at, None, None)
     }
 
-    fn value(&self, at: &Known) -> f64 {
-        self.expression.evaluate(|name| self.places[name].value(at))
+    /// The expression's value; NaN where it needs what is not known.
+    fn value(
+        &self,
+        point: &OperatingPoint,
+        state: Option<&State>,
+        signals: Option<&Signals>,
+    ) -> f64 {
+        self.expression.evaluate(|name| match self.places[name] {
+            Place::Point(value) => value(point),
+            Place::Sled(value) => state.map_or(f64::NAN, value),
+            Place::Sensor(sensor) => signals.map_or(f64::NAN, |signals| signals[sensor]),
+            Place::Carried => state.map_or(f64::NAN, |state| state.carried),
+        })
     }
 
     /// Changes the forces.
@@ -155,11 +161,7 @@ impl Custom {
             fz: at.load[0] + at.load[1],
             ..at.point
         };
-        let value = amplitude
-            * self.value(&Known {
-                state: Some(at),
-                ..Known::of(&point)
-            });
+        let value = amplitude * self.value(&point, Some(at), None);
         match self.channel {
             Channel::Longitudinal => forces.body_along += value,
             Channel::Lateral => forces.body_across += value,
@@ -181,7 +183,8 @@ impl Custom {
     /// From true values to readings: `read = true + amplitude * expression(true)`.
     pub fn disturb(&self, amplitude: f64, at: &OperatingPoint, signals: &mut Signals) {
         if let Some(sensor) = self.sensor(amplitude) {
-            let (value, rate) = (self.at_signals(at, signals), self.rate(at, signals));
+            let value = self.value(at, None, Some(signals));
+            let rate = self.rate(at, signals);
             signals.value[sensor as usize] += amplitude * value;
             signals.rate[sensor as usize] += amplitude * rate;
         }
@@ -195,14 +198,15 @@ impl Custom {
         let Some(sensor) = self.sensor(amplitude) else {
             return;
         };
-        if !self.places.contains(&Place::Sensor(sensor)) {
+        let of_itself = |place: &Place| matches!(place, Place::Sensor(own) if *own == sensor);
+        if !self.places.iter().any(of_itself) {
             return self.disturb(-amplitude, at, signals);
         }
         let place = sensor as usize;
         let (read, read_rate) = (signals.value[place], signals.rate[place]);
         let off = |x: f64, signals: &mut Signals| {
             signals.value[place] = x;
-            x + amplitude * self.at_signals(at, signals) - read
+            x + amplitude * self.value(at, None, Some(signals)) - read
         };
         let (mut x0, mut f0) = (read, off(read, signals));
         let mut x1 = read - f0;
@@ -234,13 +238,6 @@ impl Custom {
         }
     }
 
-    fn at_signals(&self, point: &OperatingPoint, signals: &Signals) -> f64 {
-        self.value(&Known {
-            signals: Some(signals),
-            ..Known::of(point)
-        })
-    }
-
     /// The expression's derivative by time [1/s], along the rates of the signals.
     fn rate(&self, at: &OperatingPoint, signals: &Signals) -> f64 {
         let moved = |by: f64| {
@@ -250,7 +247,7 @@ impl Custom {
             for (value, rate) in then.value.iter_mut().zip(signals.rate) {
                 *value += by * rate;
             }
-            self.at_signals(&there, &then)
+            self.value(&there, None, Some(&then))
         };
         (moved(MOMENT_S) - moved(-MOMENT_S)) / (2.0 * MOMENT_S)
     }
@@ -304,9 +301,8 @@ impl Channel {
     /// The names that a model may give, in words.
     pub(super) fn expected() -> String {
         let sensors = Sensor::ALL.map(Sensor::name).join(", ");
-        let names = Self::NAMED
-            .map(|(name, _)| format!("\"{name}\""))
-            .join(", ");
+        let names = Self::NAMED.map(|(name, _)| format!("\"{name}\""));
+        let names = names.join(", ");
         format!("{names} or \"sensor:COLUMN\" with a column of {sensors}")
     }
 }
@@ -357,11 +353,8 @@ pub fn columns_of_forces() -> Vec<&'static str> {
 pub fn columns_of_sensors() -> Vec<&'static str> {
     let own = |name: &&str| Sensor::named(name).is_none() && *name != "fz_n";
     let further = names(&OF_POINT).into_iter().filter(own);
-    Sensor::ALL
-        .map(Sensor::name)
-        .into_iter()
-        .chain(further)
-        .collect()
+    let sensors = Sensor::ALL.map(Sensor::name).into_iter();
+    sensors.chain(further).collect()
 }
 
 fn names<T>(columns: &[NamedColumn<T>]) -> Vec<&'static str> {
@@ -373,30 +366,13 @@ pub fn is_column(name: &str) -> bool {
     Place::of_sled(name, None).is_some()
 }
 
-/// What is known where an expression is evaluated.
-struct Known<'a> {
-    point: &'a OperatingPoint,
-    state: Option<&'a State>,
-    signals: Option<&'a Signals>,
-}
-
-impl<'a> Known<'a> {
-    fn of(point: &'a OperatingPoint) -> Self {
-        Known {
-            point,
-            state: None,
-            signals: None,
-        }
-    }
-}
-
 /// Where the value of a name is found.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 enum Place {
-    /// Among [`OF_POINT`], by index.
-    Point(usize),
-    /// Among [`OF_SLED`], by index.
-    Sled(usize),
+    /// Among [`OF_POINT`].
+    Point(fn(&OperatingPoint) -> f64),
+    /// Among [`OF_SLED`].
+    Sled(fn(&State) -> f64),
     /// A sensor.
     Sensor(Sensor),
     /// A column that the model does not have.
@@ -409,25 +385,19 @@ impl Place {
         if carried == Some(name) {
             return Some(Place::Carried);
         }
-        let sled = OF_SLED.iter().position(|(known, _)| *known == name);
-        let point = || OF_POINT.iter().position(|(known, _)| *known == name);
-        sled.map(Place::Sled).or_else(|| point().map(Place::Point))
+        let sled = value_of(&OF_SLED, name).map(Place::Sled);
+        sled.or_else(|| value_of(&OF_POINT, name).map(Place::Point))
     }
 
     /// The place of a column for an expression on a sensor.
     fn of_sensor(name: &str) -> Option<Place> {
         let own = Sensor::named(name).map(Place::Sensor);
-        let point = || OF_POINT.iter().position(|(known, _)| *known == name);
-        own.or_else(|| point().filter(|_| name != "fz_n").map(Place::Point))
+        let point = value_of(&OF_POINT, name).filter(|_| name != "fz_n");
+        own.or(point.map(Place::Point))
     }
+}
 
-    /// The value there; NaN where it is not known.
-    fn value(self, at: &Known) -> f64 {
-        match self {
-            Place::Point(index) => OF_POINT[index].1(at.point),
-            Place::Sled(index) => at.state.map_or(f64::NAN, OF_SLED[index].1),
-            Place::Sensor(sensor) => at.signals.map_or(f64::NAN, |signals| signals[sensor]),
-            Place::Carried => at.state.map_or(f64::NAN, |state| state.carried),
-        }
-    }
+fn value_of<T>(columns: &[NamedColumn<T>], name: &str) -> Option<fn(&T) -> f64> {
+    let known = columns.iter().find(|(known, _)| *known == name);
+    known.map(|(_, value)| *value)
 }

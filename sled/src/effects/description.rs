@@ -70,7 +70,7 @@ pub struct Info {
     /// Which test decides about it on runs.
     #[serde(default)]
     pub judged: Judged,
-    /// What friction experiments say of it, where it acts on the friction coefficient.
+    /// Whether friction experiments can test it, where it acts on the friction coefficient.
     #[serde(default)]
     pub experiments: Experiments,
     /// Whether the formula holds at every size.
@@ -138,7 +138,7 @@ impl Info {
         Some([end(Edge::From)?, end(Edge::To)?])
     }
 
-    /// Columns that a table of friction experiments must have, or why it says nothing of the effect.
+    /// Columns that a table of friction experiments must have, or why it cannot test the effect.
     ///
     /// # Errors
     /// The reason in words.
@@ -268,7 +268,7 @@ impl Judged {
     }
 }
 
-/// What a table of friction coefficients says of an effect on them.
+/// Whether a table of friction coefficients can test an effect on them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Experiments {

@@ -3,8 +3,8 @@
 use serde::Deserialize;
 
 use crate::column::Sensor;
-use crate::effects::Info;
-use crate::effects::{Constants, Forces, OperatingPoint, Signals, State};
+use crate::effects::catalogue::{ON_FORCES, ON_FRICTION, ON_SLED, ON_SLOPE};
+use crate::effects::{Constants, Forces, Info, OperatingPoint, Signals, State};
 
 /// The friction coefficient from an effect's parameters, the coefficient without it, and the
 /// operating point.
@@ -12,6 +12,12 @@ pub type FrictionLaw = fn(&[f64], f64, &OperatingPoint) -> f64;
 
 /// A law for the forces, from parameters and state.
 pub type ForceLaw = fn(&[f64], &State, &mut Forces);
+
+/// Changes the constants of the sled, from parameters.
+pub type SledLaw = fn(&[f64], &mut Constants);
+
+/// What is added to the track's slope [rad], from parameters and distance [m].
+pub type SlopeLaw = fn(&[f64], f64) -> f64;
 
 /// A switchable part of the model; parameters come in the order of [`Info::parameters`].
 ///
@@ -31,59 +37,30 @@ pub struct Effect {
     /// ([`Relaxed`](crate::effects::Relaxed)).
     pub relaxes: Option<usize>,
     /// Changes the stated constants of the sled to the true ones.
-    pub on_sled: Option<fn(&[f64], &mut Constants)>,
+    pub on_sled: Option<SledLaw>,
     /// What is added to the track's slope at a distance [m], downhill positive [rad].
-    pub on_slope: Option<fn(&[f64], f64) -> f64>,
+    pub on_slope: Option<SlopeLaw>,
 }
 
 impl Effect {
-    /// An effect without a law but for the faults of sensors of its entry.
+    /// The effect of an entry, with its laws by its name in the tables of the catalogue.
     pub(crate) fn new(info: Info) -> Effect {
+        fn law<T: Copy>(laws: &[(&str, T)], name: &str) -> Option<T> {
+            let own = laws.iter().find(|(known, _)| *known == name);
+            own.map(|(_, law)| *law)
+        }
         Effect {
             info,
-            on_friction: None,
-            on_forces: None,
-            on_sensors: info.faults,
-            relaxes: None,
-            on_sled: None,
-            on_slope: None,
+            on_friction: law(ON_FRICTION, info.name),
+            on_forces: law(ON_FORCES, info.name),
+            on_sensors: match info.name {
+                "imu-misalignment" => Fault::MISALIGNED.as_flattened(),
+                _ => info.faults,
+            },
+            relaxes: (info.name == "relaxation-length").then_some(0),
+            on_sled: law(ON_SLED, info.name),
+            on_slope: law(ON_SLOPE, info.name),
         }
-    }
-
-    /// The effect with these faults of sensors.
-    pub(crate) fn on_sensors(mut self, faults: &'static [Fault]) -> Effect {
-        self.on_sensors = faults;
-        self
-    }
-
-    /// The effect with a law for the friction coefficient.
-    pub(crate) fn on_friction(mut self, law: FrictionLaw) -> Effect {
-        self.on_friction = Some(law);
-        self
-    }
-
-    /// The effect with a law for the forces.
-    pub(crate) fn on_forces(mut self, law: ForceLaw) -> Effect {
-        self.on_forces = Some(law);
-        self
-    }
-
-    /// The effect with a law for the constants of the sled.
-    pub(crate) fn on_sled(mut self, law: fn(&[f64], &mut Constants)) -> Effect {
-        self.on_sled = Some(law);
-        self
-    }
-
-    /// The effect with a law for the track's slope.
-    pub(crate) fn on_slope(mut self, law: fn(&[f64], f64) -> f64) -> Effect {
-        self.on_slope = Some(law);
-        self
-    }
-
-    /// The effect with the parameter that is a relaxation length.
-    pub(crate) fn relaxes_after(mut self, parameter: usize) -> Effect {
-        self.relaxes = Some(parameter);
-        self
     }
 
     /// What is known of it.

@@ -6,7 +6,7 @@
 //! `^` binds to the right and tighter than unary minus: `-x^2` is `-(x^2)`.
 
 /// A parsed formula.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Expression {
     nodes: Vec<Node>,
     names: Vec<String>,
@@ -15,59 +15,42 @@ pub struct Expression {
 }
 
 /// Postfix operations.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 enum Node {
     Number(f64),
     Name(usize),
-    Negate,
-    Binary(u8),
-    /// By its place in [`FUNCTIONS`].
-    Function(usize),
-    /// By its place in [`PAIRS`].
-    Pair(usize),
+    Unary(fn(f64) -> f64),
+    Binary(fn(f64, f64) -> f64),
 }
 
-/// A function of one argument with its name.
-type Function = (&'static str, fn(f64) -> f64);
-/// A function of two arguments with its name.
-type Pair = (&'static str, fn(f64, f64) -> f64);
-
-/// Functions of one argument.
-const FUNCTIONS: [Function; 10] = [
-    ("abs", f64::abs),
-    ("sqrt", f64::sqrt),
-    ("exp", f64::exp),
-    ("log", f64::ln),
-    ("sin", f64::sin),
-    ("cos", f64::cos),
-    ("tan", f64::tan),
-    ("atan", f64::atan),
-    ("sign", f64::signum),
-    ("step", |a| f64::from(u8::from(a > 0.0))),
+const FUNCTIONS: [(&str, Node); 12] = [
+    ("abs", Node::Unary(f64::abs)),
+    ("sqrt", Node::Unary(f64::sqrt)),
+    ("exp", Node::Unary(f64::exp)),
+    ("log", Node::Unary(f64::ln)),
+    ("sin", Node::Unary(f64::sin)),
+    ("cos", Node::Unary(f64::cos)),
+    ("tan", Node::Unary(f64::tan)),
+    ("atan", Node::Unary(f64::atan)),
+    ("sign", Node::Unary(f64::signum)),
+    ("step", Node::Unary(|a| f64::from(u8::from(a > 0.0)))),
+    ("min", Node::Binary(f64::min)),
+    ("max", Node::Binary(f64::max)),
 ];
 
-/// Functions of two arguments.
-const PAIRS: [Pair; 2] = [("min", f64::min), ("max", f64::max)];
+const NEGATE: Node = Node::Unary(|a| -a);
+const POWER: Node = Node::Binary(|a, b| if b == 2.0 { a * a } else { a.powf(b) });
+
+const SUMS: [(u8, Node); 2] = [
+    (b'+', Node::Binary(|a, b| a + b)),
+    (b'-', Node::Binary(|a, b| a - b)),
+];
+const PRODUCTS: [(u8, Node); 2] = [
+    (b'*', Node::Binary(|a, b| a * b)),
+    (b'/', Node::Binary(|a, b| a / b)),
+];
 
 impl Expression {
-    /// From postfix operations, each of which finds its operands.
-    fn new(nodes: Vec<Node>, names: Vec<String>) -> Self {
-        let (mut waiting, mut deepest) = (0_usize, 0);
-        for node in &nodes {
-            match node {
-                Node::Number(_) | Node::Name(_) => waiting += 1,
-                Node::Binary(_) | Node::Pair(_) => waiting -= 1,
-                Node::Negate | Node::Function(_) => {}
-            }
-            deepest = deepest.max(waiting);
-        }
-        Self {
-            nodes,
-            names,
-            deepest,
-        }
-    }
-
     /// A column's name as a formula has it: in brackets where it is no plain word, with its own
     /// closing brackets twice.
     ///
@@ -106,28 +89,16 @@ impl Expression {
     fn run(&self, stack: &mut [f64], value_of: impl Fn(usize) -> f64) -> f64 {
         let mut top = 0;
         for node in &self.nodes {
-            let value = match node {
-                Node::Number(value) => *value,
-                Node::Name(index) => value_of(*index),
-                Node::Negate | Node::Function(_) => {
+            let value = match *node {
+                Node::Number(value) => value,
+                Node::Name(index) => value_of(index),
+                Node::Unary(function) => {
                     top -= 1;
-                    match node {
-                        Node::Function(function) => FUNCTIONS[*function].1(stack[top]),
-                        _ => -stack[top],
-                    }
+                    function(stack[top])
                 }
-                Node::Binary(_) | Node::Pair(_) => {
+                Node::Binary(function) => {
                     top -= 2;
-                    let (a, b) = (stack[top], stack[top + 1]);
-                    match node {
-                        Node::Binary(b'+') => a + b,
-                        Node::Binary(b'-') => a - b,
-                        Node::Binary(b'*') => a * b,
-                        Node::Binary(b'/') => a / b,
-                        Node::Pair(pair) => PAIRS[*pair].1(a, b),
-                        _ if b == 2.0 => a * a,
-                        _ => a.powf(b),
-                    }
+                    function(stack[top], stack[top + 1])
                 }
             };
             stack[top] = value;
@@ -177,7 +148,20 @@ impl Expression {
         if parser.at < parser.bytes.len() {
             return Err(parser.error("an operator or the end"));
         }
-        Ok(Expression::new(parser.nodes, parser.names))
+        let (mut waiting, mut deepest) = (0_usize, 0);
+        for node in &parser.nodes {
+            match node {
+                Node::Number(_) | Node::Name(_) => waiting += 1,
+                Node::Unary(_) => {}
+                Node::Binary(_) => waiting -= 1,
+            }
+            deepest = deepest.max(waiting);
+        }
+        Ok(Expression {
+            nodes: parser.nodes,
+            names: parser.names,
+            deepest,
+        })
     }
 }
 
@@ -192,10 +176,8 @@ struct Parser<'a> {
 
 impl Parser<'_> {
     fn error(&self, expected: &'static str) -> ExpressionError {
-        let found = self
-            .text
-            .get(self.at..)
-            .and_then(|rest| rest.chars().next());
+        let rest = self.text.get(self.at..);
+        let found = rest.and_then(|rest| rest.chars().next());
         ExpressionError {
             text: self.text.to_owned(),
             at: self.at + 1,
@@ -210,31 +192,41 @@ impl Parser<'_> {
         }
     }
 
-    fn take(&mut self, wanted: &[u8]) -> Option<u8> {
+    /// Whether this byte is next; it is then passed over.
+    fn take(&mut self, wanted: u8) -> bool {
         self.space();
-        let byte = *self.bytes.get(self.at)?;
-        wanted.contains(&byte).then(|| {
-            self.at += 1;
-            byte
-        })
+        let there = self.bytes.get(self.at) == Some(&wanted);
+        self.at += usize::from(there);
+        there
+    }
+
+    fn operator(&mut self, known: [(u8, Node); 2]) -> Option<Node> {
+        let there = known.into_iter().find(|(byte, _)| self.take(*byte));
+        there.map(|(_, operator)| operator)
     }
 
     fn sum(&mut self) -> Result<(), ExpressionError> {
         self.product()?;
-        while let Some(operator) = self.take(b"+-") {
+        while let Some(operator) = self.operator(SUMS) {
             self.product()?;
-            self.nodes.push(Node::Binary(operator));
+            self.nodes.push(operator);
         }
         Ok(())
     }
 
     fn product(&mut self) -> Result<(), ExpressionError> {
         self.signed()?;
-        while let Some(operator) = self.take(b"*/") {
+        while let Some(operator) = self.operator(PRODUCTS) {
             self.signed()?;
-            self.nodes.push(Node::Binary(operator));
+            self.nodes.push(operator);
         }
         Ok(())
+    }
+
+    /// Passes over this byte, which must be next.
+    fn close(&mut self, wanted: u8, expected: &'static str) -> Result<(), ExpressionError> {
+        let there = self.take(wanted);
+        there.then_some(()).ok_or_else(|| self.error(expected))
     }
 
     fn signed(&mut self) -> Result<(), ExpressionError> {
@@ -243,14 +235,14 @@ impl Parser<'_> {
         if self.depth > 200 {
             return Err(self.error("at most 200 levels of nesting"));
         }
-        if self.take(b"-").is_some() {
+        if self.take(b'-') {
             self.signed()?;
-            self.nodes.push(Node::Negate);
+            self.nodes.push(NEGATE);
         } else {
             self.atom()?;
-            if self.take(b"^").is_some() {
+            if self.take(b'^') {
                 self.signed()?;
-                self.nodes.push(Node::Binary(b'^'));
+                self.nodes.push(POWER);
             }
         }
         self.depth -= 1;
@@ -258,24 +250,20 @@ impl Parser<'_> {
     }
 
     fn atom(&mut self) -> Result<(), ExpressionError> {
-        if self.take(b"(").is_some() {
+        if self.take(b'(') {
             self.sum()?;
-            return self.take(b")").map(|_| ()).ok_or_else(|| self.error("`)`"));
+            return self.close(b')', "`)`");
         }
         self.space();
         let start = self.at;
         match self.bytes.get(self.at) {
             Some(byte) if byte.is_ascii_digit() || *byte == b'.' => self.number(start),
             Some(byte) if byte.is_ascii_alphabetic() || *byte == b'_' => {
-                while self
-                    .bytes
-                    .get(self.at)
-                    .is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_')
-                {
-                    self.at += 1;
-                }
+                let other = |b: &u8| !(b.is_ascii_alphanumeric() || *b == b'_');
+                let length = self.bytes[start..].iter().position(other);
+                self.at = length.map_or(self.bytes.len(), |length| start + length);
                 let name = &self.text[start..self.at];
-                if self.take(b"(").is_some() {
+                if self.take(b'(') {
                     return self.call(name, start);
                 }
                 self.refer_to(name);
@@ -333,26 +321,19 @@ impl Parser<'_> {
     }
 
     fn call(&mut self, name: &str, start: usize) -> Result<(), ExpressionError> {
-        let one = FUNCTIONS.iter().position(|(known, _)| *known == name);
-        let pair = PAIRS.iter().position(|(known, _)| *known == name);
-        let function = one.map(Node::Function).or(pair.map(Node::Pair));
-        let Some(function) = function else {
+        let Some((_, function)) = FUNCTIONS.iter().find(|(known, _)| *known == name) else {
             self.at = start;
             return Err(
                 self.error("abs, sqrt, exp, log, sin, cos, tan, atan, sign, step, min or max")
             );
         };
         self.sum()?;
-        if pair.is_some() {
-            if self.take(b",").is_none() {
-                return Err(self.error("`,` and a second argument"));
-            }
+        if let Node::Binary(_) = function {
+            self.close(b',', "`,` and a second argument")?;
             self.sum()?;
         }
-        if self.take(b")").is_none() {
-            return Err(self.error("`)`"));
-        }
-        self.nodes.push(function);
+        self.close(b')', "`)`")?;
+        self.nodes.push(*function);
         Ok(())
     }
 }

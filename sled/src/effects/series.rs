@@ -26,26 +26,12 @@ pub fn ahead(series: &[f64], samples: f64) -> Vec<f64> {
     };
     let weights: [f64; 6] = std::array::from_fn(weight);
     let first = whole as isize + FIRST;
-    let mut moved = vec![0.0; series.len()];
-    // What has all its neighbours, without asking for the ends; then the rest.
-    let whole = (-first).max(0)..(last - 4 - first).min(series.len() as isize);
-    let inside = usize::try_from(whole.start).unwrap_or(0)..usize::try_from(whole.end).unwrap_or(0);
-    if !inside.is_empty() {
-        let from = inside.start.wrapping_add_signed(first);
-        let near = series[from..].windows(6);
-        for (to, near) in moved[inside.clone()].iter_mut().zip(near) {
-            *to = weights.iter().zip(near).map(|(w, x)| w * x).sum();
-        }
-    }
-    let ends =
-        (0..inside.start.min(series.len())).chain(inside.end.max(inside.start)..series.len());
-    for i in ends {
-        let near = weights.iter().zip(i as isize + first..);
-        moved[i] = near
-            .map(|(w, k)| w * series[k.clamp(0, last) as usize])
-            .sum();
-    }
-    moved
+    let value = |i: isize| -> f64 {
+        let near = weights.iter().zip(i + first..);
+        near.map(|(w, k)| w * series[k.clamp(0, last) as usize])
+            .sum()
+    };
+    (0..series.len() as isize).map(value).collect()
 }
 
 /// Slip angles as forces follow them, front and rear, sample after sample:
@@ -84,14 +70,14 @@ impl Relaxed {
         distance: f64,
     ) -> [f64; 2] {
         let per_s = v / distance;
-        let behind = |k: usize| match &self.last {
-            None => rate[k] / per_s,
-            Some(last) => {
-                let then = &last[k];
-                let grown = (slip[k] - then.slip) / dt_s;
-                let of = [then.rate, grown, rate[k]];
-                then.behind * (-per_s * dt_s).exp() + dt_s * gathered(of, per_s * dt_s)
-            }
+        let behind = |k: usize| {
+            let Some(last) = &self.last else {
+                return rate[k] / per_s;
+            };
+            let then = &last[k];
+            let grown = (slip[k] - then.slip) / dt_s;
+            let of = [then.rate, grown, rate[k]];
+            then.behind * (-per_s * dt_s).exp() + dt_s * gathered(of, per_s * dt_s)
         };
         let now = [0, 1].map(|k| Followed {
             slip: slip[k],
@@ -108,17 +94,16 @@ impl Relaxed {
 fn gathered([start, mean, end]: [f64; 3], x: f64) -> f64 {
     /// Below it the recursion loses digits.
     const SMALL: f64 = 0.02;
-    let [one, u, squared] = match x < SMALL {
-        true => [
+    let [one, u, squared] = if x < SMALL {
+        [
             1.0 - x * (1.0 / 2.0 - x * (1.0 / 6.0 - x / 24.0)),
             1.0 / 2.0 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x / 120.0)),
             1.0 / 3.0 - x * (1.0 / 12.0 - x * (1.0 / 60.0 - x / 360.0)),
-        ],
-        false => {
-            let one = -(-x).exp_m1() / x;
-            let u = (1.0 - one) / x;
-            [one, u, (1.0 - 2.0 * u) / x]
-        }
+        ]
+    } else {
+        let one = -(-x).exp_m1() / x;
+        let u = (1.0 - one) / x;
+        [one, u, (1.0 - 2.0 * u) / x]
     };
     start * one
         + (6.0 * mean - 4.0 * start - 2.0 * end) * u

@@ -8,7 +8,7 @@ use schemars::{Schema, SchemaGenerator, json_schema};
 use crate::column::{SENSORS, Sensor};
 use crate::effects::Parameter;
 use crate::effects::catalogue::{CATALOGUE, find};
-use crate::effects::custom::{Channel, Custom, Refused};
+use crate::effects::custom::{Channel, Custom};
 use crate::effects::expression::ExpressionError;
 use crate::effects::{Constants, Forces, OperatingPoint, Signals, State};
 use crate::effects::{Effect, Fault, Reading};
@@ -35,11 +35,10 @@ impl Effects {
     /// assert_eq!(effects.active[0].values, [-0.01, -5.0]);
     /// ```
     pub fn from_tables(tables: &BTreeMap<String, toml::Table>) -> Result<Self, EffectError> {
-        let active = tables
-            .iter()
-            .map(|(name, table)| read_one(name, table))
-            .collect::<Result<_, _>>()?;
-        Ok(Self { active })
+        let active = tables.iter().map(|(name, table)| read_one(name, table));
+        Ok(Self {
+            active: active.collect::<Result<_, _>>()?,
+        })
     }
 
     /// Whether nothing is switched on.
@@ -138,7 +137,7 @@ impl Effects {
     /// From the stated constants of the sled to the true ones.
     pub fn find_constants(&self, sled: &mut Constants) {
         for effect in &self.active {
-            if let Kind::Catalogue(kind) = &effect.kind {
+            if let Some(kind) = effect.catalogue() {
                 kind.find_constants(&effect.values, sled);
             }
         }
@@ -193,24 +192,34 @@ impl Active {
 
     /// Whether an amplitude is not 0.
     pub fn is_on(&self) -> bool {
-        match &self.kind {
-            Kind::Custom(_) => self.values[0] != 0.0,
-            Kind::Catalogue(effect) => {
-                let parameters = effect.info.parameters.iter();
-                parameters
-                    .zip(&self.values)
-                    .any(|(p, value)| p.is_amplitude() && *value != 0.0)
-            }
+        match self.catalogue() {
+            None => self.values[0] != 0.0,
+            Some(_) => self
+                .parameters()
+                .any(|(p, value)| p.is_amplitude() && value != 0.0),
         }
+    }
+
+    /// The effect, where it is one of the catalogue.
+    fn catalogue(&self) -> Option<&'static Effect> {
+        match &self.kind {
+            Kind::Catalogue(effect) => Some(effect),
+            Kind::Custom(_) => None,
+        }
+    }
+
+    /// Parameters of an effect of the catalogue with their values.
+    fn parameters(&self) -> impl Iterator<Item = (&'static Parameter, f64)> {
+        let parameters = self
+            .catalogue()
+            .map_or(&[][..], |effect| effect.info.parameters);
+        parameters.iter().zip(self.values.iter().copied())
     }
 
     /// Whether its size and place are each recorded run's own: its spread from run to run is not 0.
     pub fn varies(&self) -> bool {
-        let Kind::Catalogue(effect) = &self.kind else {
-            return false;
-        };
-        let mut parameters = effect.info.parameters.iter().zip(&self.values);
-        parameters.any(|(p, value)| p.name == Parameter::SPREAD && *value > 0.0)
+        let varies = |(p, value): (&Parameter, f64)| p.name == Parameter::SPREAD && value > 0.0;
+        self.parameters().any(varies)
     }
 
     /// Names of the columns that it needs.
@@ -231,10 +240,8 @@ impl Active {
 
     /// The distance after which forces follow the slip by it [m]; 0 where they do so at once.
     pub fn relaxation(&self) -> f64 {
-        match &self.kind {
-            Kind::Catalogue(effect) => effect.relaxes.map_or(0.0, |p| self.values[p]),
-            Kind::Custom(_) => 0.0,
-        }
+        let relaxes = self.catalogue().and_then(|effect| effect.relaxes);
+        relaxes.map_or(0.0, |p| self.values[p])
     }
 
     /// How late each sensor is by it [s], in the order of [`Sensor::ALL`].
@@ -247,10 +254,7 @@ impl Active {
     }
 
     fn late_faults(&self) -> impl Iterator<Item = &'static Fault> + use<> {
-        let faults = match &self.kind {
-            Kind::Catalogue(effect) => effect.on_sensors,
-            Kind::Custom(_) => &[],
-        };
+        let faults = self.catalogue().map_or(&[][..], |effect| effect.on_sensors);
         faults.iter().filter(|fault| fault.reading == Reading::Late)
     }
 
@@ -307,10 +311,8 @@ impl Active {
 
     /// What is added to the track's slope at `s` [m], downhill positive [rad].
     pub fn slope(&self, s: f64) -> f64 {
-        match &self.kind {
-            Kind::Catalogue(effect) => effect.slope(&self.values, s),
-            Kind::Custom(_) => 0.0,
-        }
+        let effect = self.catalogue();
+        effect.map_or(0.0, |effect| effect.slope(&self.values, s))
     }
 
     /// The table that states it in a model.
@@ -318,10 +320,10 @@ impl Active {
         let mut table = toml::Table::new();
         let mut insert = |key: &str, value: toml::Value| table.insert(key.to_owned(), value);
         match &self.kind {
-            Kind::Catalogue(effect) => {
-                for (parameter, value) in effect.info.parameters.iter().zip(&self.values) {
-                    if *value != 0.0 || !parameter.is_amplitude() {
-                        insert(parameter.name, (*value).into());
+            Kind::Catalogue(_) => {
+                for (parameter, value) in self.parameters() {
+                    if value != 0.0 || !parameter.is_amplitude() {
+                        insert(parameter.name, value.into());
                     }
                 }
             }
@@ -358,6 +360,17 @@ pub(super) fn read_one(name: &str, table: &toml::Table) -> Result<Active, Effect
     })
 }
 
+/// Keys of a table with an expression.
+const CUSTOM_KEYS: [&str; 7] = [
+    "expression",
+    "channel",
+    "unit",
+    "value",
+    "low",
+    "high",
+    "track",
+];
+
 /// A table under `[effects]` with its name.
 struct NamedTable<'a> {
     name: &'a str,
@@ -383,15 +396,7 @@ impl NamedTable<'_> {
     }
 
     fn custom(&self) -> Result<(Kind, Vec<f64>), EffectError> {
-        self.check_keys(&[
-            "expression",
-            "channel",
-            "unit",
-            "value",
-            "low",
-            "high",
-            "track",
-        ])?;
+        self.check_keys(&CUSTOM_KEYS)?;
         let text = self.text("expression", "a formula in quotes")?;
         let channel = self.table.get("channel").and_then(toml::Value::as_str);
         let channel = channel.and_then(Channel::named).ok_or_else(|| {
@@ -399,19 +404,7 @@ impl NamedTable<'_> {
             let found = self.table.get("channel").unwrap_or(&absent);
             self.wrong("channel", found, Channel::expected())
         })?;
-        let custom = Custom::read(channel, &text.unwrap_or_default(), None);
-        let custom = custom.map_err(|refused| match refused {
-            Refused::Unreadable(source) => EffectError::Expression {
-                name: self.name.to_owned(),
-                source,
-            },
-            Refused::UnknownColumn { column, known } => EffectError::Value {
-                name: self.name.to_owned(),
-                key: "expression".to_owned(),
-                found: format!("the column {column}"),
-                expected: known.join(", "),
-            },
-        })?;
+        let custom = Custom::read(self.name, channel, &text.unwrap_or_default(), None)?;
         let low = self.number("low", -1e12, -1e12, 1e12)?;
         let high = self.number("high", 1e12, low, 1e12)?;
         let value = self.number("value", 0.0, low, high)?;
@@ -420,8 +413,8 @@ impl NamedTable<'_> {
     }
 
     fn check_keys(&self, known: &[&str]) -> Result<(), EffectError> {
-        let mut keys = self.table.keys();
-        match keys.find(|key| !known.contains(&key.as_str())) {
+        let unknown = |key: &&String| !known.contains(&key.as_str());
+        match self.table.keys().find(unknown) {
             None => Ok(()),
             Some(key) => Err(EffectError::UnknownKey {
                 name: self.name.to_owned(),
@@ -443,15 +436,10 @@ impl NamedTable<'_> {
         let Some(found) = self.table.get(key) else {
             return Ok(default);
         };
-        let value = match found {
-            toml::Value::Float(value) => *value,
-            toml::Value::Integer(value) => *value as f64,
-            _ => f64::NAN,
-        };
-        if value >= low && value <= high {
-            return Ok(value);
-        }
-        Err(self.wrong(key, found, format!("a number from {low} to {high}")))
+        let whole = found.as_integer().map(|value| value as f64);
+        let value = found.as_float().or(whole);
+        let value = value.filter(|value| (low..=high).contains(value));
+        value.ok_or_else(|| self.wrong(key, found, format!("a number from {low} to {high}")))
     }
 
     fn wrong(&self, key: &str, found: &toml::Value, expected: String) -> EffectError {

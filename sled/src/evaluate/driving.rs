@@ -43,7 +43,7 @@ pub struct RunEvaluation {
     pub increase_aero: f64,
     /// Sum of the three: the score, smaller is better.
     pub increase_total: f64,
-    /// Root mean square of what the balances leave: how well the model explains the run that it
+    /// Root mean square residuals of the balances: how well the model explains the run that it
     /// judges.
     pub left_rms: BalanceResidual,
     /// Steering angle.
@@ -143,11 +143,8 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
         let [ideal_front, ideal_rear] = straight.along;
         let ideal = [ideal_front, ideal_rear, air(0.0) + straight.body_along];
         let body = along(&[forces.body[0], forces.body[1], 0.0]);
-        let actual = [
-            along(&forces.front_body),
-            along(&forces.rear),
-            air(-alpha) + body,
-        ];
+        let [front, rear] = [&forces.front_body, &forces.rear].map(along);
+        let actual = [front, rear, air(-alpha) + body];
         let ideal_n: f64 = ideal.iter().sum();
         series.push(DrivingForce {
             t_s: state.t_s,
@@ -159,18 +156,11 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
             delta_rad: state.delta_rad,
             beta_rad: -alpha,
         });
-        let power = [
-            ideal_n * state.v_mps,
-            (actual[0] - ideal[0]) * state.v_mps,
-            (actual[1] - ideal[1]) * state.v_mps,
-            (actual[2] - ideal[2]) * state.v_mps,
-        ];
+        let [front, rear, aero] = std::array::from_fn(|k| actual[k] - ideal[k]);
+        let power = [ideal_n, front, rear, aero].map(|force: f64| force * state.v_mps);
         if let Some(before) = before {
             let taken: [f64; 4] = std::array::from_fn(|k| 0.5 * run.dt_s * (before[k] + power[k]));
-            energies
-                .iter_mut()
-                .zip(taken)
-                .for_each(|(sum, taken)| *sum += taken);
+            energies = std::array::from_fn(|k| energies[k] + taken[k]);
             let lost = [-taken[1], -taken[2], -taken[3]];
             let s_m = 0.5 * (run.states[i - 1].s_m + state.s_m);
             add_loss(&mut losses, s_m, lost, 0.5 * (price[i - 1] + price[i]));
@@ -178,9 +168,7 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
         before = Some(power);
     }
     let [least, front, rear, aero] = energies;
-    let angles = |pick: &dyn Fn(&DrivingForce) -> f64| distribution(series.iter().map(pick));
-    let (steering, slip_front) = (angles(&|f| f.delta_rad), angles(&|f| f.alpha_f_rad));
-    let (slip_rear, chassis_slip) = (angles(&|f| f.alpha_r_rad), angles(&|f| f.beta_rad));
+    let angles = |pick: fn(&DrivingForce) -> f64| distribution(series.iter().map(pick));
     RunEvaluation {
         run: run.entry.run.clone(),
         track: run.entry.track.clone(),
@@ -194,17 +182,17 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
         increase_aero: aero / least,
         increase_total: (front + rear + aero) / least,
         left_rms: root_mean_square(&residuals(run, vehicle)),
-        steering,
-        slip_front,
-        slip_rear,
-        chassis_slip,
+        steering: angles(|f| f.delta_rad),
+        slip_front: angles(|f| f.alpha_f_rad),
+        slip_rear: angles(|f| f.alpha_r_rad),
+        chassis_slip: angles(|f| f.beta_rad),
         losses,
         series,
         pieces: run.pieces.clone(),
     }
 }
 
-/// What the effects leave of the forces along the sled where it glides straight, without slip,
+/// The forces along the sled, effects included, where it glides straight, without slip,
 /// steering and roll-split.
 ///
 /// Without effects these are the base laws' forces along the runners at the slips as driven, as in

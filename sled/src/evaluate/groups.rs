@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::evaluate::driving::RunEvaluation;
+use crate::series::distinct;
 
 /// Scores of a group of runs, each with its interval over runs.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -39,58 +40,40 @@ pub struct Group {
 /// Groups by driver and by class, on each track and over all, and by track; in the order of first
 /// appearance.
 pub fn groups(runs: &[RunEvaluation], seed: u64) -> Vec<Group> {
-    let tracks = distinct(runs, |run| &run.track);
+    let tracks = distinct(runs.iter().map(|run| run.track.as_str()));
     let mut places: Vec<Option<&str>> = vec![None];
     if tracks.len() > 1 {
-        places.extend(tracks.iter().map(|track| Some(*track)));
+        places.extend(tracks.iter().copied().map(Some));
     }
+    let keys: [(&str, Key); 2] = [
+        ("driver", |run| &run.driver),
+        ("class", |run| &run.driver_class),
+    ];
     let mut groups = Vec::new();
     for place in places {
-        let here: Vec<&RunEvaluation> = runs
-            .iter()
-            .filter(|run| place.is_none_or(|track| run.track == track))
-            .collect();
-        for (by, key) in [
-            (
-                "driver",
-                (|run| &run.driver) as fn(&RunEvaluation) -> &String,
-            ),
-            ("class", |run| &run.driver_class),
-        ] {
-            for name in distinct(runs, key) {
-                let of: Vec<&RunEvaluation> = here
-                    .iter()
-                    .copied()
-                    .filter(|run| key(run) == name)
-                    .collect();
-                groups.extend(group(by, name, place, &of, seed));
+        let is_here = |run: &&RunEvaluation| place.is_none_or(|track| run.track == track);
+        for (by, key) in keys {
+            for name in distinct(runs.iter().map(key)) {
+                let of = runs.iter().filter(is_here).filter(|run| key(run) == name);
+                groups.extend(group(by, name, place, of.collect(), seed));
             }
         }
     }
     for track in tracks {
-        let of: Vec<&RunEvaluation> = runs.iter().filter(|run| run.track == track).collect();
-        groups.extend(group("track", track, None, &of, seed));
+        let of = runs.iter().filter(|run| run.track == track);
+        groups.extend(group("track", track, None, of.collect(), seed));
     }
     groups
 }
 
-/// Names in the order of their first run.
-pub fn distinct(runs: &[RunEvaluation], key: fn(&RunEvaluation) -> &String) -> Vec<&str> {
-    let mut names: Vec<&str> = Vec::new();
-    for run in runs {
-        let name = key(run).as_str();
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    names
-}
+/// What runs are grouped by.
+type Key = fn(&RunEvaluation) -> &String;
 
 fn group(
-    by: &'static str,
+    by: &str,
     name: &str,
     track: Option<&str>,
-    runs: &[&RunEvaluation],
+    runs: Vec<&RunEvaluation>,
     seed: u64,
 ) -> Option<Group> {
     if runs.is_empty() {
@@ -146,14 +129,14 @@ fn summarise(values: &[f64], seed: u64) -> Summary {
     let mean = values.iter().sum::<f64>() / n as f64;
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let median = quantile(&sorted, 0.5);
+    let mut summary = Summary {
+        mean,
+        median: quantile(&sorted, 0.5),
+        low: None,
+        high: None,
+    };
     if n < 2 {
-        return Summary {
-            mean,
-            median,
-            low: None,
-            high: None,
-        };
+        return summary;
     }
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let wider = (n as f64 / (n - 1) as f64).sqrt();
@@ -164,12 +147,9 @@ fn summarise(values: &[f64], seed: u64) -> Summary {
         })
         .collect();
     means.sort_by(f64::total_cmp);
-    Summary {
-        mean,
-        median,
-        low: Some(quantile(&means, 0.025)),
-        high: Some(quantile(&means, 0.975)),
-    }
+    summary.low = Some(quantile(&means, 0.025));
+    summary.high = Some(quantile(&means, 0.975));
+    summary
 }
 
 /// Quantile of sorted values, linear between order statistics.

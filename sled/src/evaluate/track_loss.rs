@@ -4,15 +4,15 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::evaluate::driving::RunEvaluation;
-use crate::evaluate::groups::distinct;
 use crate::model::sled::Sled;
 use crate::motion::state::State;
+use crate::series::distinct;
 
 /// Length of the stretches [m], which begin at its multiples: a third of a curve.
 const STRETCH_M: f64 = 25.0;
 
 /// What a stretch of the track costs more than a straight glide.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TrackLoss {
     /// Where it begins [m].
     pub from_m: f64,
@@ -61,8 +61,8 @@ pub(crate) fn seconds_per_joule(sled: &Sled, states: &[State]) -> Vec<f64> {
         let v_mps = 0.5 * (before.v_mps + after.v_mps);
         let decay = before.air_density_kgpm3 * sled.cda_m2 / sled.mass_kg;
         let now = step_s / (sled.mass_kg * v_mps * v_mps);
-        let kept = (-decay * v_mps * step_s).exp();
-        price[i - 1] = 0.5 * now * (1.0 + kept) + kept * price[i];
+        let share = (-decay * v_mps * step_s).exp();
+        price[i - 1] = 0.5 * now * (1.0 + share) + share * price[i];
     }
     price
 }
@@ -72,17 +72,12 @@ pub(crate) fn seconds_per_joule(sled: &Sled, states: &[State]) -> Vec<f64> {
 pub(crate) fn add_loss(stretches: &mut Vec<TrackLoss>, s_m: f64, lost_j: [f64; 3], price: f64) {
     let from_m = (s_m / STRETCH_M).floor() * STRETCH_M;
     let at = stretches.partition_point(|stretch| stretch.from_m < from_m);
-    if stretches
-        .get(at)
-        .is_none_or(|stretch| stretch.from_m != from_m)
-    {
+    let there = stretches.get(at);
+    if there.is_none_or(|stretch| stretch.from_m != from_m) {
         let none = TrackLoss {
             from_m,
             to_m: from_m + STRETCH_M,
-            front_j: 0.0,
-            rear_j: 0.0,
-            aero_j: 0.0,
-            lost_s: 0.0,
+            ..TrackLoss::default()
         };
         stretches.insert(at, none);
     }
@@ -96,13 +91,15 @@ pub(crate) fn add_loss(stretches: &mut Vec<TrackLoss>, s_m: f64, lost_j: [f64; 3
 
 /// The losses of each driver on each track, in the order of the runs.
 pub fn losses_by_driver(runs: &[RunEvaluation]) -> Vec<DriverLosses> {
+    let pairs = runs.iter().map(|run| (&run.track, &run.driver));
     let mut all = Vec::new();
-    for track in distinct(runs, |run| &run.track) {
-        let here = |run: &&RunEvaluation| run.track == *track;
-        let drivers: Vec<RunEvaluation> = runs.iter().filter(here).cloned().collect();
-        for driver in distinct(&drivers, |run| &run.driver) {
-            let own = runs.iter().filter(here).filter(|run| run.driver == *driver);
-            all.push(mean(driver, track, &own.collect::<Vec<_>>()));
+    for track in distinct(runs.iter().map(|run| &run.track)) {
+        for pair in distinct(pairs.clone())
+            .into_iter()
+            .filter(|pair| pair.0 == track)
+        {
+            let own = runs.iter().filter(|run| (&run.track, &run.driver) == pair);
+            all.push(mean(pair.1, track, &own.collect::<Vec<_>>()));
         }
     }
     all
@@ -111,10 +108,8 @@ pub fn losses_by_driver(runs: &[RunEvaluation]) -> Vec<DriverLosses> {
 fn mean(driver: &str, track: &str, runs: &[&RunEvaluation]) -> DriverLosses {
     let mut stretches: Vec<(TrackLoss, f64)> = Vec::new();
     for one in runs.iter().flat_map(|run| &run.losses) {
-        match stretches
-            .iter_mut()
-            .find(|(sum, _)| sum.from_m == one.from_m)
-        {
+        let mut known = stretches.iter_mut();
+        match known.find(|(sum, _)| sum.from_m == one.from_m) {
             None => stretches.push((*one, 1.0)),
             Some((sum, count)) => {
                 sum.front_j += one.front_j;

@@ -11,6 +11,8 @@ use crate::friction::Braghin;
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::{Balance, BalanceResidual};
 use crate::motion::one_track::{forward, forward_braghin, resultant};
+use crate::motion::state::{AxleForces, Motion, State};
+use crate::series::{distinct, root_mean_square as rms};
 use crate::signals::prepare::Prepared;
 
 /// One run's lateral force, measured and modelled.
@@ -28,7 +30,7 @@ pub struct RunValidation {
     pub rmse_n: f64,
     /// The same for Braghin's law with its published parameters [N].
     pub rmse_braghin_n: f64,
-    /// Root mean square of what all balances leave.
+    /// Root mean square residuals of all balances.
     pub left_rms: BalanceResidual,
     /// Where model and measurement differ most, worst first.
     pub largest: Vec<Disagreement>,
@@ -94,34 +96,26 @@ pub fn validate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunValidation> {
 fn validate_run(run: &Prepared, vehicle: &Vehicle) -> RunValidation {
     let vehicle = &with_own_contacts(run, vehicle);
     let sled = &vehicle.sled;
-    let series: Vec<LateralForce> = run
-        .states
-        .iter()
-        .zip(&run.motions)
-        .map(|(state, motion)| LateralForce {
+    let compared = |(state, motion): (&State, &Motion)| {
+        let lateral = |forces: &AxleForces| resultant(sled, state, forces).fy_n;
+        LateralForce {
             t_s: state.t_s,
             s_m: state.s_m,
             measured_n: sled.mass_kg * motion.accel_mps2[1],
-            model_n: resultant(sled, state, &forward(vehicle, state)).fy_n,
-            braghin_n: resultant(
-                sled,
-                state,
-                &forward_braghin(vehicle, &Braghin::PUBLISHED, state),
-            )
-            .fy_n,
-        })
-        .collect();
-    let rms = |error: &dyn Fn(&LateralForce) -> f64| {
-        (series.iter().map(|f| error(f).powi(2)).sum::<f64>() / series.len() as f64).sqrt()
+            model_n: lateral(&forward(vehicle, state)),
+            braghin_n: lateral(&forward_braghin(vehicle, &Braghin::PUBLISHED, state)),
+        }
     };
-    let rmse_n = rms(&|f| f.model_n - f.measured_n);
+    let instants = run.states.iter().zip(&run.motions);
+    let series: Vec<LateralForce> = instants.map(compared).collect();
+    let rmse_n = rms(series.iter().map(|f| f.model_n - f.measured_n));
     RunValidation {
         run: run.entry.run.clone(),
         track: run.entry.track.clone(),
         driver: run.entry.driver.clone(),
         session: run.entry.session.clone(),
         rmse_n,
-        rmse_braghin_n: rms(&|f| f.braghin_n - f.measured_n),
+        rmse_braghin_n: rms(series.iter().map(|f| f.braghin_n - f.measured_n)),
         left_rms: root_mean_square(&residuals(run, vehicle)),
         largest: largest_disagreements(&series, run, rmse_n),
         pieces: run.pieces.clone(),
@@ -143,9 +137,8 @@ fn largest_disagreements(series: &[LateralForce], run: &Prepared, rmse: f64) -> 
         .iter()
         .flat_map(starts)
         .map(|start| {
-            let rms_n = ((sums[start + window] - sums[start]) / window as f64)
-                .max(0.0)
-                .sqrt();
+            let mean_square = (sums[start + window] - sums[start]) / window as f64;
+            let rms_n = mean_square.max(0.0).sqrt();
             let middle = &series[start + window / 2];
             Disagreement {
                 t_s: middle.t_s,
@@ -171,60 +164,50 @@ fn largest_disagreements(series: &[LateralForce], run: &Prepared, rmse: f64) -> 
 
 /// Errors over all samples, track by track in the order of their first run.
 pub fn by_track(runs: &[RunValidation]) -> Vec<TrackValidation> {
-    let mut tracks: Vec<&str> = Vec::new();
-    for run in runs {
-        if !tracks.contains(&run.track.as_str()) {
-            tracks.push(&run.track);
+    let validation = |track: &str| {
+        let of: Vec<&RunValidation> = runs.iter().filter(|run| run.track == track).collect();
+        let samples: f64 = of.iter().map(|run| run.series.len() as f64).sum();
+        let pooled = |rmse: fn(&RunValidation) -> f64| {
+            let squares = of
+                .iter()
+                .map(|run| run.series.len() as f64 * rmse(run).powi(2));
+            (squares.sum::<f64>() / samples).sqrt()
+        };
+        TrackValidation {
+            track: track.to_string(),
+            runs: of.len(),
+            rmse_n: pooled(|run| run.rmse_n),
+            rmse_braghin_n: pooled(|run| run.rmse_braghin_n),
         }
-    }
-    tracks
-        .into_iter()
-        .map(|track| {
-            let of: Vec<&RunValidation> = runs.iter().filter(|run| run.track == track).collect();
-            let samples: f64 = of.iter().map(|run| run.series.len() as f64).sum();
-            let pooled = |rmse: &dyn Fn(&RunValidation) -> f64| {
-                let squares: f64 = of
-                    .iter()
-                    .map(|run| run.series.len() as f64 * rmse(run).powi(2))
-                    .sum();
-                (squares / samples).sqrt()
-            };
-            TrackValidation {
-                track: track.to_string(),
-                runs: of.len(),
-                rmse_n: pooled(&|run| run.rmse_n),
-                rmse_braghin_n: pooled(&|run| run.rmse_braghin_n),
-            }
-        })
-        .collect()
+    };
+    let tracks = distinct(runs.iter().map(|run| run.track.as_str()));
+    tracks.into_iter().map(validation).collect()
 }
 
-/// What the balances leave of one run, one a state.
+/// Residuals of the balances of one run, one a state.
 pub fn residuals(run: &Prepared, vehicle: &Vehicle) -> Vec<BalanceResidual> {
     let vehicle = &with_own_contacts(run, vehicle);
+    let residual = |(state, motion): (&State, &Motion)| {
+        let at = Balance::new(&vehicle.sled, state, motion);
+        at.residual(&at.forces(vehicle, &at.laws(vehicle)))
+    };
     let instants = run.states.iter().zip(&run.motions);
-    instants
-        .map(|(state, motion)| {
-            let at = Balance::new(&vehicle.sled, state, motion);
-            at.residual(&at.forces(vehicle, &at.laws(vehicle)))
-        })
-        .collect()
+    instants.map(residual).collect()
 }
 
 /// Root mean square of each balance over the samples; 0 where there are none.
 pub fn root_mean_square(residuals: &[BalanceResidual]) -> BalanceResidual {
-    let count = residuals.len().max(1) as f64;
-    let rms = |of: fn(&BalanceResidual) -> f64| {
-        (residuals.iter().map(|l| of(l).powi(2)).sum::<f64>() / count).sqrt()
-    };
+    if residuals.is_empty() {
+        return BalanceResidual::default();
+    }
     BalanceResidual {
-        along_n: rms(|l| l.along_n),
-        side_n: rms(|l| l.side_n),
-        yaw_nm: rms(|l| l.yaw_nm),
+        along_n: rms(residuals.iter().map(|l| l.along_n)),
+        side_n: rms(residuals.iter().map(|l| l.side_n)),
+        yaw_nm: rms(residuals.iter().map(|l| l.yaw_nm)),
     }
 }
 
-/// [`root_mean_square`] of what the balances leave of all runs, in parallel.
+/// [`root_mean_square`] of the residuals of all runs, in parallel.
 pub fn balance_residuals(runs: &[Prepared], vehicle: &Vehicle) -> BalanceResidual {
     let each: Vec<Vec<BalanceResidual>> =
         runs.par_iter().map(|run| residuals(run, vehicle)).collect();

@@ -20,12 +20,8 @@ impl Span {
     /// above it.
     pub fn new(low: f64, high: f64) -> Result<Self, Error> {
         in_range("lower bound", low, low > 0.0, "a positive number")?;
-        in_range(
-            "upper bound",
-            high,
-            high > low,
-            "a number above the lower bound",
-        )?;
+        let expected = "a number above the lower bound";
+        in_range("upper bound", high, high > low, expected)?;
         Ok(Span { low, high })
     }
 
@@ -53,7 +49,7 @@ impl Span {
 /// The logarithm of the response is a polynomial of degree 4 in the logarithms of the parameters,
 /// fitted by least squares to 7 places of one parameter and to 25 of two (Chebyshev's, the bounds
 /// among them): five and fifteen coefficients. A mesh's scatter of some thousandths would lead a
-/// search astray that goes from point to point; the surface averages it, and the residual says how
+/// search astray that goes from point to point; the surface averages it, and the residual states how
 /// rough it is.
 #[derive(Clone, Debug)]
 pub struct Response {
@@ -78,14 +74,12 @@ impl Response {
         };
         match spans {
             [span] => chebyshev(7).iter().map(|&u| vec![span.value(u)]).collect(),
-            [first, second] => chebyshev(5)
-                .iter()
-                .flat_map(|&v| {
-                    let row = chebyshev(5);
-                    row.into_iter()
-                        .map(move |u| vec![first.value(u), second.value(v)])
-                })
-                .collect(),
+            [first, second] => {
+                let row = |v: f64| chebyshev(5).into_iter().map(move |u| (u, v));
+                let pairs = chebyshev(5).into_iter().flat_map(row);
+                let place = |(u, v)| vec![first.value(u), second.value(v)];
+                pairs.map(place).collect()
+            }
             _ => panic!("{} parameters, expected one or two", spans.len()),
         }
     }
@@ -98,19 +92,14 @@ impl Response {
     pub fn fit(spans: &[Span], values: &[f64]) -> Result<Self, Error> {
         let places = Self::places(spans);
         if places.len() != values.len() {
-            return Err(Error::TooFew {
-                what: "values of a response".into(),
-                found: values.len(),
-                needed: places.len(),
-            });
+            let what = "values of a response";
+            return Err(Error::too_few(what, values.len(), places.len()));
         }
         for &value in values {
             in_range("response", value, value > 0.0, "a positive number")?;
         }
-        let rows: Vec<Vec<f64>> = places
-            .iter()
-            .map(|place| terms(&scaled(spans, place)))
-            .collect();
+        let row = |place: &Vec<f64>| terms(&scaled(spans, place));
+        let rows: Vec<Vec<f64>> = places.iter().map(row).collect();
         let design = DMatrix::from_fn(rows.len(), rows[0].len(), |i, j| rows[i][j]);
         let logarithms = DVector::from_fn(values.len(), |i, _| values[i].ln());
         let solved = design.clone().svd(true, true).solve(&logarithms, 1e-12);
@@ -140,16 +129,16 @@ impl Response {
     /// Where the surface is lowest within the bounds.
     pub fn least(&self) -> Vec<f64> {
         let lowest = self.scan().min_by(|a, b| a.1.total_cmp(&b.1));
-        self.values(&lowest.map_or_else(Vec::new, |(u, _)| u))
+        let lowest = lowest.map_or_else(Vec::new, |(u, _)| u);
+        let pairs = self.spans.iter().zip(lowest);
+        pairs.map(|(span, u)| span.value(u)).collect()
     }
 
     /// From where to where each parameter goes over all places at which the surface is within
     /// `share` of its least value: how flat it is.
     pub fn flat(&self, share: f64) -> Vec<[f64; 2]> {
-        let least = self
-            .scan()
-            .map(|(_, value)| value)
-            .fold(f64::INFINITY, f64::min);
+        let values = self.scan().map(|(_, value)| value);
+        let least = values.fold(f64::INFINITY, f64::min);
         let mut flat = vec![[f64::INFINITY, f64::NEG_INFINITY]; self.spans.len()];
         for (u, _) in self.scan().filter(|(_, v)| *v <= least + share.ln_1p()) {
             for (range, u) in flat.iter_mut().zip(u) {
@@ -157,9 +146,8 @@ impl Response {
             }
         }
         let ranges = flat.iter().zip(&self.spans);
-        ranges
-            .map(|(range, span)| range.map(|u| span.value(u)))
-            .collect()
+        let values = ranges.map(|(range, span)| range.map(|u| span.value(u)));
+        values.collect()
     }
 
     /// Places on an even grid with the surface's logarithm.
@@ -177,15 +165,8 @@ impl Response {
 
     fn logarithm(&self, u: &[f64]) -> f64 {
         let terms = terms(u);
-        terms
-            .iter()
-            .zip(&self.coefficients)
-            .map(|(t, c)| t * c)
-            .sum()
-    }
-
-    fn values(&self, u: &[f64]) -> Vec<f64> {
-        self.spans.iter().zip(u).map(|(s, &u)| s.value(u)).collect()
+        let products = terms.iter().zip(&self.coefficients).map(|(t, c)| t * c);
+        products.sum()
     }
 }
 
@@ -225,6 +206,15 @@ impl Estimate {
             value,
             low: value,
             high: value,
+        }
+    }
+
+    /// A value give or take `half`.
+    pub(crate) fn about(value: f64, half: f64) -> Self {
+        Estimate {
+            value,
+            low: value - half,
+            high: value + half,
         }
     }
 

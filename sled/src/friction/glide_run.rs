@@ -1,7 +1,8 @@
 //! One gliding run: energies over distance and the resistance that they show.
 
-use crate::error::Error;
+use crate::error::{Error, in_range};
 use crate::friction::specimens::{GlideEntry, GlideTrace, integrate};
+use crate::series::root_mean_square;
 
 /// Specific gas constant of dry air [J/(kg K)].
 const GAS_CONSTANT_OF_AIR: f64 = 287.05;
@@ -23,7 +24,7 @@ pub fn air_density(air_pa: f64, air_c: f64) -> f64 {
 /// One evaluated run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GlideRun {
-    /// What the index says of it.
+    /// Its row of the index.
     pub entry: GlideEntry,
     /// Distance from the start of the glide [m].
     pub s: Vec<f64>,
@@ -72,27 +73,15 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
     const FEWEST: usize = 30;
     let start = fastest(trace);
     let (t, v) = (&trace.t[start..], &trace.v[start..]);
-    let s: Vec<f64> = trace.s[start..]
-        .iter()
-        .map(|s| s - trace.s[start])
-        .collect();
+    let glided = trace.s[start..].iter().map(|s| s - trace.s[start]);
+    let s: Vec<f64> = glided.collect();
     let whole = s.iter().copied().fold(0.0, f64::max);
-    if whole.is_nan() || whole < 1.0 {
-        return Err(Error::OutOfRange {
-            name: "distance glided [m]",
-            value: whole,
-            expected: "at least 1 m",
-        });
-    }
+    let holds = whole >= 1.0;
+    in_range("distance glided [m]", whole, holds, "at least 1 m")?;
     let density = entry.conditions.air_density();
-    let kinetic: Vec<f64> = v
-        .iter()
-        .map(|v| 0.5 * entry.conditions.mass_kg * v * v)
-        .collect();
-    let drag: Vec<f64> = v
-        .iter()
-        .map(|v| 0.5 * entry.cda_m2 * density * v * v)
-        .collect();
+    let over_square = |factor: f64| v.iter().map(|v| factor * v * v).collect::<Vec<f64>>();
+    let kinetic = over_square(0.5 * entry.conditions.mass_kg);
+    let drag = over_square(0.5 * entry.cda_m2 * density);
     let aero = if trace.s_measured {
         integrate(&s, &drag)
     } else {
@@ -100,47 +89,33 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
         integrate(t, &power)
     };
     let reaches = |share: f64| {
-        s.iter()
-            .position(|s| *s >= share * whole)
-            .unwrap_or(s.len())
+        let there = s.iter().position(|s| *s >= share * whole);
+        there.unwrap_or(s.len())
     };
     let section = reaches(SHARE_LEFT_OUT)..reaches(1.0 - SHARE_LEFT_OUT);
     if section.len() < FEWEST {
-        return Err(Error::TooFew {
-            what: format!("run {}: samples in the middle section", entry.run),
-            found: section.len(),
-            needed: FEWEST,
-        });
+        let what = format!("run {}: samples in the middle section", entry.run);
+        return Err(Error::too_few(what, section.len(), FEWEST));
     }
-    let energy: Vec<f64> = section.clone().map(|i| kinetic[i] + aero[i]).collect();
-    let Some(line) = fit_line(&s[section.clone()], &energy) else {
-        return Err(Error::OutOfRange {
-            name: "distance glided in the middle section [m]",
-            value: 0.0,
-            expected: "a positive distance",
-        });
+    // Speeds that are K times too large have K^2 in the kinetic energy and K^3 in what the air took.
+    let line_of = |too_fast: f64| {
+        let energy = section.clone().map(|i| kinetic[i] + aero[i] / too_fast);
+        fit_line(&s[section.clone()], &energy.collect::<Vec<f64>>())
     };
-    // Both by more than the line's own scatter: a rink that is level does not push.
+    let line = line_of(1.0).ok_or(Error::OutOfRange {
+        name: "distance glided in the middle section [m]",
+        value: 0.0,
+        expected: "a positive distance",
+    })?;
+    // By more than the line's own scatter: a rink that is level does not push.
     if line.slope > LEAST_GROWTH.max(6.0 * line.slope_se) {
-        // Speeds that are K times too large have K^2 in the kinetic energy and K^3 in what the air
-        // took.
-        let in_kmh: Vec<f64> = section
-            .clone()
-            .map(|i| kinetic[i] + aero[i] / KMH)
-            .collect();
-        let slows_in_kmh = fit_line(&s[section], &in_kmh).is_some_and(|line| line.slope < 0.0);
-        return Err(Error::OutOfRange {
-            name: "force along the glide [N]",
-            value: line.slope,
-            expected: match slows_in_kmh && !trace.s_measured {
-                true => {
-                    "a glide that loses energy, a negative one: its speeds would lose some as km/h, v_mps is in m/s (divide by 3.6)"
-                }
-                false => {
-                    "a glide that loses energy, a negative one: this one gets faster through its middle section"
-                }
-            },
-        });
+        let slows_in_kmh = || line_of(KMH).is_some_and(|line| line.slope < 0.0);
+        let expected = if !trace.s_measured && slows_in_kmh() {
+            "a glide that loses energy, a negative one: its speeds would lose some as km/h, v_mps is in m/s (divide by 3.6)"
+        } else {
+            "a glide that loses energy, a negative one: this one gets faster through its middle section"
+        };
+        in_range("force along the glide [N]", line.slope, false, expected)?;
     }
     Ok(GlideRun {
         entry: entry.clone(),
@@ -220,29 +195,19 @@ pub fn fit_line(x: &[f64], y: &[f64]) -> Option<LineFit> {
     if x.len() < 3 || x.len() != y.len() || spread.is_nan() || spread <= 0.0 {
         return None;
     }
-    let slope = x
-        .iter()
-        .zip(y)
-        .map(|(x, y)| (x - centre) * (y - level))
-        .sum::<f64>()
-        / spread;
-    let residual: Vec<f64> = x
-        .iter()
-        .zip(y)
-        .map(|(x, y)| y - level - slope * (x - centre))
-        .collect();
-    let product: Vec<f64> = x
-        .iter()
-        .zip(&residual)
-        .map(|(x, r)| (x - centre) * r)
-        .collect();
+    let deviation = || x.iter().map(|x| x - centre);
+    let products = deviation().zip(y).map(|(x, y)| x * (y - level));
+    let slope = products.sum::<f64>() / spread;
+    let residuals = deviation().zip(y).map(|(x, y)| y - level - slope * x);
+    let residual: Vec<f64> = residuals.collect();
+    let product: Vec<f64> = deviation().zip(&residual).map(|(x, r)| x * r).collect();
     let variance = long_run_variance(&product) * n / (n - 2.0);
     Some(LineFit {
         slope,
         slope_se: (n * variance).sqrt() / spread,
         centre,
         level,
-        residual_rms: (residual.iter().map(|r| r * r).sum::<f64>() / n).sqrt(),
+        residual_rms: root_mean_square(residual.iter().copied()),
     })
 }
 

@@ -2,11 +2,13 @@
 
 use std::io::Read;
 
+use crate::columns::table::{Table, TableColumns};
 use crate::conditions::Conditions;
 use crate::error::Error;
 use crate::friction::estimate::{Estimate, student_quantile};
-use crate::friction::experiments::{Columns, Experiment, Extra, Table};
+use crate::friction::experiments::Experiment;
 use crate::friction::glide_run::{GRAVITY, GlideRun};
+use crate::series::{distinct, median};
 
 /// One row of `glides.csv`.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,7 +48,7 @@ pub struct GlideTrace {
     pub s_measured: bool,
 }
 
-const INDEX: Columns = Columns {
+const INDEX: TableColumns = TableColumns {
     required: &[
         "run",
         "file",
@@ -65,13 +67,15 @@ const INDEX: Columns = Columns {
         "p_max_pa",
         "p_max_sd_pa",
     ],
-    extra: Extra::Refused,
+    further: |_| false,
+    further_names: "",
 };
 
-const TRACE: Columns = Columns {
+const TRACE: TableColumns = TableColumns {
     required: &["t_s", "v_mps"],
     optional: &["s_m"],
-    extra: Extra::Ignored,
+    further: |_| true,
+    further_names: "",
 };
 
 /// By how much a measured way and the integral of the speed may be apart: twice what a wheel or a
@@ -86,7 +90,6 @@ const MOST_APART: f64 = 1.25;
 pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>, Error> {
     let table = Table::read(file, reader, &INDEX)?;
     let mut entries: Vec<GlideEntry> = Vec::new();
-    let mut directions: Vec<String> = Vec::new();
     for row in 0..table.rows() {
         let run = table.name(row, "run")?;
         if entries.iter().any(|entry| entry.run == run) {
@@ -98,11 +101,9 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
             return Err(table.bad(row, "file", &own, &expected));
         }
         let direction = table.name(row, "direction")?;
-        if !directions.contains(&direction) {
-            directions.push(direction.clone());
-        }
-        if directions.len() > 2 {
-            let two = format!("{} or {}", directions[0], directions[1]);
+        let before = entries.iter().map(|entry| entry.direction.as_str());
+        if let [one, other, _] = distinct(before.chain([direction.as_str()]))[..] {
+            let two = format!("{one} or {other}");
             return Err(table.bad(row, "direction", &direction, &two));
         }
         entries.push(GlideEntry {
@@ -119,11 +120,7 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
         });
     }
     if entries.is_empty() {
-        return Err(Error::TooFew {
-            what: format!("{file}: runs"),
-            found: 0,
-            needed: 2,
-        });
+        return Err(Error::too_few(format!("{file}: runs"), 0, 2));
     }
     Ok(entries)
 }
@@ -139,11 +136,11 @@ pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
     const FEWEST: usize = 30;
     let table = Table::read(file, reader, &TRACE)?;
     if table.rows() < FEWEST {
-        return Err(Error::TooFew {
-            what: format!("{file}: samples"),
-            found: table.rows(),
-            needed: FEWEST,
-        });
+        return Err(Error::too_few(
+            format!("{file}: samples"),
+            table.rows(),
+            FEWEST,
+        ));
     }
     let column = |name: &'static str, range: (f64, f64), expected: &'static str| {
         (0..table.rows())
@@ -158,10 +155,7 @@ pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
         let before = format!("a time after {} s", t[at]);
         return Err(table.bad(at + 1, "t_s", &t[at + 1].to_string(), &before));
     }
-    let usual = *steps
-        .clone()
-        .select_nth_unstable_by(t.len() / 2 - 1, f64::total_cmp)
-        .1;
+    let usual = median(steps.iter().copied()).unwrap_or(0.0);
     if let Some(at) = steps.iter().position(|step| *step > 10.0 * usual) {
         let expected = format!(
             "no gap: steps are usually {usual:.4} s, this is {:.4} s",
@@ -286,12 +280,7 @@ pub fn evaluate_ice_house(runs: Vec<GlideRun>) -> Result<IceHouse, Error> {
         }
     }
     let directions = directions(&runs);
-    let mut names: Vec<String> = Vec::new();
-    for run in &runs {
-        if !names.contains(&run.entry.specimen) {
-            names.push(run.entry.specimen.clone());
-        }
-    }
+    let names = distinct(runs.iter().map(|run| run.entry.specimen.clone()));
     let (mut pairs, mut specimens, mut unpaired) = (Vec::new(), Vec::new(), Vec::new());
     for name in &names {
         let of = |direction: &String| -> Vec<&GlideRun> {
@@ -313,11 +302,8 @@ pub fn evaluate_ice_house(runs: Vec<GlideRun>) -> Result<IceHouse, Error> {
         pairs.extend(own);
     }
     if pairs.is_empty() {
-        return Err(Error::TooFew {
-            what: "pairs of runs of one specimen in both directions".into(),
-            found: 0,
-            needed: 1,
-        });
+        let what = "pairs of runs of one specimen in both directions";
+        return Err(Error::too_few(what, 0, 1));
     }
     let slopes: Vec<f64> = pairs.iter().map(|p| p.slope_rad).collect();
     let errors: Vec<f64> = pairs.iter().map(|p| p.slope_se_rad).collect();
@@ -335,63 +321,51 @@ impl IceHouse {
     /// Rows of `experiments.csv`; where the index has no peak pressure, it is NaN and empty in the
     /// file.
     pub fn experiments(&self) -> Vec<Experiment> {
-        self.specimens
-            .iter()
-            .map(|specimen| {
-                let entries: Vec<&GlideEntry> = self
-                    .runs
-                    .iter()
-                    .map(|run| &run.entry)
-                    .filter(|entry| entry.specimen == specimen.specimen)
-                    .collect();
-                let average = |value: &dyn Fn(&GlideEntry) -> Option<f64>| {
-                    let known: Vec<f64> = entries.iter().filter_map(|e| value(e)).collect();
-                    (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
-                };
-                let condition = |place: usize| {
-                    let stated = |value: &f64| !value.is_nan();
-                    let values = |e: &GlideEntry| Some(e.conditions.values()[place]).filter(stated);
-                    average(&values).unwrap_or(f64::NAN)
-                };
-                let session = entries[0].session.clone();
-                Experiment {
-                    specimen: specimen.specimen.clone(),
-                    p_max_pa: average(&|e| e.p_max_pa).unwrap_or(f64::NAN),
-                    p_max_sd_pa: average(&|e| e.p_max_sd_pa).unwrap_or(f64::NAN),
-                    mu: specimen.mu.value,
-                    mu_sd: specimen.mu_se,
-                    session: session
-                        .filter(|s| entries.iter().all(|e| e.session.as_ref() == Some(s))),
-                    conditions: Conditions::from_values(std::array::from_fn(condition)),
-                    fz_n: Some(specimen.fz_n),
-                    v_mps: Some(specimen.v_mps),
-                    rocker_radius_m: average(&|e| e.rocker_radius_m),
-                }
-            })
-            .collect()
+        let row = |specimen: &SpecimenFriction| {
+            let entries = self.runs.iter().map(|run| &run.entry);
+            let own = entries.filter(|entry| entry.specimen == specimen.specimen);
+            let entries: Vec<&GlideEntry> = own.collect();
+            let average = |value: &dyn Fn(&GlideEntry) -> Option<f64>| {
+                let known: Vec<f64> = entries.iter().filter_map(|e| value(e)).collect();
+                (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+            };
+            let condition = |place: usize| {
+                let stated = |value: &f64| !value.is_nan();
+                let values = |e: &GlideEntry| Some(e.conditions.values()[place]).filter(stated);
+                average(&values).unwrap_or(f64::NAN)
+            };
+            let session = &entries[0].session;
+            Experiment {
+                specimen: specimen.specimen.clone(),
+                p_max_pa: average(&|e| e.p_max_pa).unwrap_or(f64::NAN),
+                p_max_sd_pa: average(&|e| e.p_max_sd_pa).unwrap_or(f64::NAN),
+                mu: specimen.mu.value,
+                mu_sd: specimen.mu_se,
+                session: session
+                    .clone()
+                    .filter(|_| entries.iter().all(|e| e.session == *session)),
+                conditions: Conditions::from_values(std::array::from_fn(condition)),
+                fz_n: Some(specimen.fz_n),
+                v_mps: Some(specimen.v_mps),
+                rocker_radius_m: average(&|e| e.rocker_radius_m),
+            }
+        };
+        self.specimens.iter().map(row).collect()
     }
 
     /// Potential energy of a run over its distance [J], from the estimated slope.
     pub fn potential(&self, run: &GlideRun) -> Vec<f64> {
-        let climbs = if run.entry.direction == self.directions[0] {
-            1.0
-        } else {
-            -1.0
-        };
+        let up = run.entry.direction == self.directions[0];
+        let climbs = if up { 1.0 } else { -1.0 };
         let per_metre =
             climbs * run.entry.conditions.mass_kg * GRAVITY * self.slope_rad.value.sin();
         run.s.iter().map(|s| per_metre * s).collect()
     }
 }
 
-/// The label that says uphill first; otherwise in order of appearance.
+/// The label of uphill first; otherwise in order of appearance.
 fn directions(runs: &[GlideRun]) -> [String; 2] {
-    let mut labels: Vec<String> = Vec::new();
-    for run in runs {
-        if !labels.contains(&run.entry.direction) {
-            labels.push(run.entry.direction.clone());
-        }
-    }
+    let mut labels = distinct(runs.iter().map(|run| run.entry.direction.clone()));
     labels.sort_by_key(|label| match label.to_lowercase() {
         l if l.starts_with("up") => 0,
         l if l.starts_with("down") => 2,
@@ -456,17 +430,7 @@ fn mean(values: &[f64], errors: &[f64]) -> (Estimate, f64, Option<f64>) {
         let squares: f64 = values.iter().map(|v| (v - value).powi(2)).sum();
         (squares / (n - 1.0) / n).sqrt()
     });
-    let half = match scatter {
-        Some(scatter) => {
-            let by_scatter = student_quantile(0.95, values.len() - 1) * scatter;
-            by_scatter.max(NORMAL * propagated)
-        }
-        None => NORMAL * propagated,
-    };
-    let estimate = Estimate {
-        value,
-        low: value - half,
-        high: value + half,
-    };
-    (estimate, propagated, scatter)
+    let by_scatter = scatter.map(|sd| student_quantile(0.95, values.len() - 1) * sd);
+    let half = by_scatter.unwrap_or(0.0).max(NORMAL * propagated);
+    (Estimate::about(value, half), propagated, scatter)
 }

@@ -22,7 +22,7 @@ pub struct Model {
     /// How well the track is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub survey: Option<Survey>,
-    /// Conditions that effects ask for, where neither a run's file nor `runs.csv` states them.
+    /// Conditions that effects need, where neither a run's file nor `runs.csv` states them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub conditions: Option<ModelConditions>,
     /// Standard deviations of the sensors; estimated from the data where absent.
@@ -66,11 +66,11 @@ impl Model {
     /// Reads a model file and checks every number.
     ///
     /// # Errors
-    /// [`Error::File`], [`Error::Keys`] (unknown or missing keys), [`Error::KeyRange`].
+    /// [`Error::File`] (unknown or missing keys, too), [`Error::KeyRange`].
     pub fn load(path: &Path) -> Result<Model, Error> {
         let file = path.display().to_string();
-        let text = kufe_files::text_of_regular(path, LONGEST)
-            .map_err(|error| Error::file(&file, error))?;
+        let text = kufe_files::text_of_regular(path, LONGEST);
+        let text = text.map_err(|error| Error::file(&file, error))?;
         let mut model = Model::from_toml(&text, &file)?;
         model.folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         model.file = file;
@@ -79,24 +79,23 @@ impl Model {
 
     /// What errors call the model: its file, or `model`.
     pub(crate) fn name(&self) -> String {
-        if self.file.is_empty() {
-            return "model".to_string();
-        }
-        self.file.clone()
+        let name = if self.file.is_empty() {
+            "model"
+        } else {
+            &self.file
+        };
+        name.to_string()
     }
 
     /// Parses the text of a model file; `file` names it in errors.
     ///
     /// # Errors
-    /// [`Error::Keys`], [`Error::KeyRange`].
+    /// [`Error::File`], [`Error::KeyRange`].
     pub fn from_toml(text: &str, file: &str) -> Result<Model, Error> {
-        let model: Model = toml::from_str(text).map_err(|error| Error::Keys {
-            file: file.to_string(),
-            reason: error
-                .to_string()
-                .trim_end()
-                .replace("invalid type: string", "found")
-                .replace("expected f64", "expected a number"),
+        let model: Model = toml::from_str(text).map_err(|error| {
+            let reason = error.to_string().replace("invalid type: string", "found");
+            let reason = reason.replace("expected f64", "expected a number");
+            Error::file(file, reason.trim_end())
         })?;
         model.check(file)?;
         Ok(model)
@@ -121,7 +120,7 @@ impl Model {
     /// Checks that every number is one that a sled can have; `file` names the source in errors.
     ///
     /// # Errors
-    /// [`Error::KeyRange`] with the key, [`Error::Keys`] from the friction laws.
+    /// [`Error::KeyRange`] with the key, [`Error::File`] from the friction laws.
     pub fn check(&self, file: &str) -> Result<(), Error> {
         let model = toml::Table::try_from(self).expect("a model is plain tables");
         for name in ["sled", "survey", "conditions", "noise", "tolerances"] {
@@ -140,24 +139,25 @@ impl Model {
                 }
             }
         }
-        let in_friction = |table: &str, error: Error| Error::Keys {
-            file: file.to_string(),
-            reason: format!("[friction.{table}] {error}"),
-        };
-        let longitudinal = &self.friction.longitudinal;
+        let Friction {
+            longitudinal,
+            front,
+            rear,
+        } = &self.friction;
         let law = || match longitudinal.film()?.or(longitudinal.tabled()?) {
             None => longitudinal.model().map(|_| ()),
             Some(_) => Ok(()),
         };
-        law().map_err(|error| in_friction("longitudinal", error))?;
-        self.friction
-            .front
-            .check()
-            .map_err(|error| in_friction("front", error))?;
-        self.friction
-            .rear
-            .check()
-            .map_err(|error| in_friction("rear", error))
+        let checks = [
+            ("longitudinal", law()),
+            ("front", front.check()),
+            ("rear", rear.check()),
+        ];
+        for (table, checked) in checks {
+            let within = |error| Error::file(file, format!("[friction.{table}] {error}"));
+            checked.map_err(within)?;
+        }
+        Ok(())
     }
 
     /// The model of the published sled: parameters of the paper, a two-man sled's masses and

@@ -168,7 +168,7 @@ impl Default for Tolerances {
     }
 }
 
-/// `[conditions]`: what only effects ask for.
+/// `[conditions]`: what only effects need.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelConditions {

@@ -8,20 +8,14 @@ use kufe_lut::{AxisKind, Interpolated, Interpolator, Mode, Outside, Quantity, Sa
 
 use crate::column::Column;
 use crate::conditions::Conditions;
-use crate::effects::Effects;
+use crate::effects::{Active, Effects};
 use crate::error::Error;
 use crate::friction::{Longitudinal, MagicFormula, PressureLaw};
 use crate::model::model_toml::Model;
 use crate::model::sled::{ModelConditions, Sled};
 
-/// How the longitudinal friction is stated.
-enum Law {
-    Stated(Longitudinal),
-    Tabled(f64),
-}
-
 /// A sled with the friction of both runners.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Vehicle {
     /// Masses, lengths, sensor places and drag.
     pub sled: Sled,
@@ -36,55 +30,37 @@ pub struct Vehicle {
     pub conditions: ModelConditions,
 }
 
-impl std::fmt::Debug for Vehicle {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let effects: Vec<&str> = self
-            .effects
-            .active
-            .iter()
-            .map(|e| e.name.as_str())
-            .collect();
-        f.debug_struct("Vehicle")
-            .field("sled", &self.sled)
-            .field("front", &self.front)
-            .field("rear", &self.rear)
-            .field("effects", &effects)
-            .finish()
-    }
-}
-
 impl Vehicle {
     /// The base model: opens the tables that the model names, relative to the model's folder.
     ///
     /// # Errors
-    /// [`Error::Keys`] where the friction law needs a table and the model names none,
-    /// [`Error::File`] where a table cannot be read or does not have what is needed of it.
+    /// [`Error::File`] where the friction law needs a table and the model names none, and where a
+    /// table cannot be read or does not have what is needed of it.
     pub fn new(model: &Model) -> Result<Vehicle, Error> {
         let keys = &model.friction.longitudinal;
-        let law = match keys.tabled()? {
-            Some(factor) => Law::Tabled(factor),
-            None => Law::Stated(keys.model()?),
-        };
+        let factor = keys.tabled()?;
+        let stated = factor.is_none().then(|| keys.model()).transpose()?;
         let open = |key: &str, path: &Option<String>, quantity| -> Result<_, Error> {
-            let path = path.as_ref().ok_or_else(|| Error::Keys {
-                file: model.name(),
-                reason: format!(
+            let path = path.as_ref().ok_or_else(|| {
+                let reason = format!(
                     "[friction.longitudinal] {key} is missing: friction over pressure or of tables needs the runner's table"
-                ),
+                );
+                Error::file(&model.name(), reason)
             })?;
             RunnerTable::open(&model.folder.join(path), quantity).map(Arc::new)
         };
         let runner = |key: &str, path: &Option<String>, lateral: MagicFormula| {
-            let longitudinal = match law {
-                Law::Stated(Longitudinal::Fixed(mu)) => RunnerLaw::Fixed(mu),
-                Law::Stated(Longitudinal::Pressure(law)) => {
+            let mut film = None;
+            let longitudinal = match stated {
+                Some(Longitudinal::Fixed(mu)) => {
+                    let table = path.as_ref().map(|_| open(key, path, Quantity::Mu));
+                    film = table.transpose()?;
+                    RunnerLaw::Fixed(mu)
+                }
+                Some(Longitudinal::Pressure(law)) => {
                     RunnerLaw::Pressure(law, open(key, path, Quantity::PMax)?)
                 }
-                Law::Tabled(factor) => RunnerLaw::Tabled(factor, open(key, path, Quantity::Mu)?),
-            };
-            let film = match (&longitudinal, path) {
-                (RunnerLaw::Fixed(_), Some(_)) => Some(open(key, path, Quantity::Mu)?),
-                _ => None,
+                None => RunnerLaw::Tabled(factor.unwrap_or(1.0), open(key, path, Quantity::Mu)?),
             };
             Ok::<_, Error>(RunnerFriction {
                 longitudinal,
@@ -108,14 +84,12 @@ impl Vehicle {
     /// into `sled`.
     ///
     /// # Errors
-    /// Those of [`Vehicle::new`], and [`Error::Keys`] for an effect that does not exist or whose
+    /// Those of [`Vehicle::new`], and [`Error::File`] for an effect that does not exist or whose
     /// parameters are wrong.
     pub fn with_effects(model: &Model) -> Result<Vehicle, Error> {
         let mut vehicle = Vehicle::new(model)?;
-        vehicle.effects = Effects::from_tables(&model.effects).map_err(|error| Error::Keys {
-            file: model.name(),
-            reason: error.to_string(),
-        })?;
+        let effects = Effects::from_tables(&model.effects);
+        vehicle.effects = effects.map_err(|error| Error::file(&model.name(), error))?;
         if vehicle.front.film.is_none() || vehicle.rear.film.is_none() {
             refuse_effects(&vehicle.effects, &[Column::Film.name()], &model.name())?;
         }
@@ -125,20 +99,21 @@ impl Vehicle {
         let mut constants = model.sled.constants();
         vehicle.effects.find_constants(&mut constants);
         vehicle.sled.set_constants(&constants);
-        let sled = &vehicle.sled;
-        for (key, value) in [
-            ("sled.mass_kg", sled.mass_kg),
-            ("sled.j_yy_kgm2", sled.j_yy_kgm2),
-            ("sled.j_zz_kgm2", sled.j_zz_kgm2),
-        ] {
-            if value.is_nan() || value <= 0.0 {
-                return Err(Error::KeyRange {
-                    file: model.name(),
-                    key: format!("{key} with [effects]"),
-                    value,
-                    expected: "a positive number",
-                });
-            }
+        let inertia = [
+            constants.mass,
+            constants.pitch_inertia,
+            constants.yaw_inertia,
+        ];
+        let mut keys = ["mass_kg", "j_yy_kgm2", "j_zz_kgm2"]
+            .into_iter()
+            .zip(inertia);
+        if let Some((key, value)) = keys.find(|(_, value)| value.is_nan() || *value <= 0.0) {
+            return Err(Error::KeyRange {
+                file: model.name(),
+                key: format!("sled.{key} with [effects]"),
+                value,
+                expected: "a positive number",
+            });
         }
         Ok(vehicle)
     }
@@ -169,11 +144,8 @@ impl Vehicle {
     pub fn effects_elsewhere(&self, tracks: &[&str]) -> Vec<String> {
         let mut elsewhere: BTreeMap<&str, Vec<String>> = BTreeMap::new();
         for effect in &self.effects.active {
-            if let Some(only) = effect
-                .track
-                .as_deref()
-                .filter(|only| !tracks.contains(only))
-            {
+            let only = effect.track.as_deref();
+            if let Some(only) = only.filter(|only| !tracks.contains(only)) {
                 let name = format!("[effects.{}]", effect.name);
                 elsewhere.entry(only).or_default().push(name);
             }
@@ -191,11 +163,7 @@ impl Vehicle {
     /// The tables that are read, front and rear: those of the law, or those of groove and film
     /// where an effect switches them on.
     pub fn tables(&self) -> [Option<&RunnerTable>; 2] {
-        let mut columns = self
-            .effects
-            .active
-            .iter()
-            .flat_map(|effect| effect.columns());
+        let mut columns = self.effects.active.iter().flat_map(Active::columns);
         let films = columns.any(|column| column == Column::Film.name());
         [&self.front, &self.rear].map(|runner| {
             let film = runner.film.as_deref().filter(|_| films);
@@ -207,23 +175,18 @@ impl Vehicle {
     /// `file` is where it belongs.
     ///
     /// # Errors
-    /// [`Error::Keys`] with the table.
+    /// [`Error::File`] with the table.
     pub fn refuse_unstated_ice(&self, stated: bool, file: &str) -> Result<(), Error> {
-        match self
-            .tables()
-            .into_iter()
-            .flatten()
-            .find(|table| table.has_ice_temperature())
-        {
-            Some(table) if !stated => Err(Error::Keys {
-                file: file.to_string(),
-                reason: format!(
-                    "the table {} is over ice_c, which is stated neither in runs.csv nor in the run's file; expected a temperature of the ice",
-                    table.file
-                ),
-            }),
-            _ => Ok(()),
-        }
+        let mut tables = self.tables().into_iter().flatten();
+        let over_ice = |table: &&RunnerTable| table.interpolator.has(AxisKind::IceTemperature);
+        let Some(table) = tables.find(over_ice).filter(|_| !stated) else {
+            return Ok(());
+        };
+        let reason = format!(
+            "the table {} is over ice_c, which is stated neither in runs.csv nor in the run's file; expected a temperature of the ice",
+            table.file
+        );
+        Err(Error::file(file, reason))
     }
 
     /// The vehicle with other lateral laws, for fits.
@@ -238,18 +201,12 @@ impl Vehicle {
 /// Refuses effects that need one of the `absent` columns; `file` is where they belong.
 ///
 /// # Errors
-/// [`Error::Keys`] with the file, the effect and the column.
+/// [`Error::File`] with the file, the effect and the column.
 pub fn refuse_effects(effects: &Effects, absent: &[&str], file: &str) -> Result<(), Error> {
-    let there: Vec<&str> = effects
-        .active
-        .iter()
-        .flat_map(|effect| effect.columns())
-        .filter(|column| !absent.contains(column))
-        .collect();
-    effects.check_columns(&there).map_err(|error| Error::Keys {
-        file: file.to_string(),
-        reason: error.to_string(),
-    })
+    let columns = effects.active.iter().flat_map(Active::columns);
+    let there: Vec<&str> = columns.filter(|column| !absent.contains(column)).collect();
+    let checked = effects.check_columns(&there);
+    checked.map_err(|error| Error::file(file, error))
 }
 
 /// Longitudinal friction of one runner.
@@ -274,12 +231,12 @@ pub struct RunnerTable {
 }
 
 impl RunnerTable {
-    /// Opens a table; its smooth mode has no kinks that an integrator would feel.
+    /// Opens a table; its smooth mode has no kinks that disturb an integrator.
     pub(crate) fn open(path: &Path, quantity: Quantity) -> Result<Self, Error> {
         let file = path.display().to_string();
         let failure = |error: kufe_lut::Error| Error::file(&file, error);
-        let mut opened =
-            kufe_files::open_regular(path).map_err(|error| Error::file(&file, error))?;
+        let opened = kufe_files::open_regular(path);
+        let mut opened = opened.map_err(|error| Error::file(&file, error))?;
         let table = Table::read(&mut opened).map_err(failure)?;
         let refuses = |kind: &AxisKind| table.axes().outside(*kind) == Outside::Error;
         if let Some(kind) = AxisKind::ALL.into_iter().find(refuses) {
@@ -298,11 +255,6 @@ impl RunnerTable {
             mean,
             interpolator,
         })
-    }
-
-    /// Whether it has an axis of ice temperatures.
-    pub fn has_ice_temperature(&self) -> bool {
-        self.interpolator.has(AxisKind::IceTemperature)
     }
 
     /// The quantity at a normal force [N], a curvature of the track [1/m], a speed [m/s] and a
@@ -355,7 +307,7 @@ impl RunnerFriction {
         self.film.as_ref().map_or(f64::NAN, over_mean)
     }
 
-    /// The table that the law asks.
+    /// The table of the law.
     pub fn table(&self) -> Option<&RunnerTable> {
         match &self.longitudinal {
             RunnerLaw::Fixed(_) => None,

@@ -1,5 +1,5 @@
-//! The balances of a one-track sled at one instant: forces of laws and effects, and what they leave
-//! of the motion.
+//! The balances of a one-track sled at one instant: forces of laws and effects, and their residuals
+//! against the motion.
 //!
 //! ```text
 //! along:  m a_x - (F_x,f0 + F_x,r + F_air,x + F_x,body)          [N]      specific force; gravity does not enter
@@ -29,7 +29,7 @@ pub struct Balance {
     pub sled: Sled,
     /// Slips, loads and conditions.
     pub state: State,
-    /// What the sensors say of the motion; zero where it is not known yet.
+    /// The measured motion; zero where it is not known yet.
     pub motion: Motion,
     /// Sine and cosine of the steering angle.
     pub steer: (f64, f64),
@@ -43,7 +43,7 @@ pub struct Balance {
     pub drag: f64,
 }
 
-/// What the three balances of the sled in its plane leave: measured less modelled.
+/// Residuals of the three balances of the sled in its plane: measured less modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BalanceResidual {
     /// Along the sled [N].
@@ -93,13 +93,8 @@ impl Balance {
     /// The same near an instant close by, whose angles are known.
     #[inline]
     pub fn near(sled: &Sled, state: &State, motion: &Motion, known: &Self) -> Self {
-        let then = [
-            known.steer,
-            known.split,
-            known.slips[0],
-            known.slips[1],
-            known.chassis,
-        ];
+        let [front, rear] = known.slips;
+        let then = [known.steer, known.split, front, rear, known.chassis];
         let (now, before) = (angles(state), angles(&known.state));
         let angles = std::array::from_fn(|k| sin_cos_near(now[k], before[k], then[k]));
         Self::with_angles(sled, state, motion, angles)
@@ -148,12 +143,8 @@ impl Balance {
             slip_rate: state.slip_rate_radps,
             load: load_n,
             film: std::array::from_fn(|i| {
-                runners[i].film(
-                    load_n[i],
-                    state.curvature_1pm,
-                    state.v_mps,
-                    state.conditions.ice_c,
-                )
+                let (v, ice_c) = (state.v_mps, state.conditions.ice_c);
+                runners[i].film(load_n[i], state.curvature_1pm, v, ice_c)
             }),
             chassis_slip: state.alpha_cog_rad,
             steering: state.delta_rad,
@@ -219,7 +210,7 @@ impl Balance {
         }
     }
 
-    /// What the balances along, aside and about the vertical leave of these forces.
+    /// Residuals of the balances along, across and about the vertical with these forces.
     #[inline]
     pub fn residual(&self, forces: &Forces) -> BalanceResidual {
         let sum = self.resultant(&self.axle_forces(forces, self.front_load(forces)));
@@ -289,10 +280,8 @@ impl Balance {
             load -= residual / (cg + sg * (sd * by_load + cd * front.fz));
             front = runner.lateral.derivatives_near(alpha, load, &mut near);
         }
-        let rear = vehicle
-            .rear
-            .lateral
-            .derivatives(state.alpha_r_rad, state.fz_r_n);
+        let rear = &vehicle.rear.lateral;
+        let rear = rear.derivatives(state.alpha_r_rad, state.fz_r_n);
         self.law_forces(vehicle, [load, state.fz_r_n], [front, rear])
     }
 

@@ -96,9 +96,8 @@ fn changed(
         stiffness: std::array::from_fn(|i| runners[i].lateral.derivatives(slip[i], load[i]).alpha),
         ..Forces::default()
     };
-    vehicle
-        .effects
-        .act("", &at.seen(vehicle, load), &mut forces);
+    let seen = at.seen(vehicle, load);
+    vehicle.effects.act("", &seen, &mut forces);
     forces
 }
 
@@ -106,7 +105,7 @@ fn changed(
 /// to give, the effects doing the rest.
 ///
 /// The forces across that the effects turn into the measured ones, by Newton's method; those
-/// measured where there are no effects. NaN where the effects leave no such force.
+/// measured where there are no effects. NaN where there is no such force.
 pub fn share_of_laws(vehicle: &Vehicle, state: &State, measured: &AxleForces) -> [f64; 2] {
     let wanted = [measured.front[1], measured.rear[1]];
     if vehicle.effects.is_empty() {
@@ -134,10 +133,8 @@ pub fn share_of_laws(vehicle: &Vehicle, state: &State, measured: &AxleForces) ->
 /// Forces on the runners as the friction laws give them at the state's slip angles and normal
 /// forces, with the vehicle's effects ([`Balance::laws`], [`Balance::forces`]).
 pub fn forward(vehicle: &Vehicle, state: &State) -> AxleForces {
-    forces_at(
-        vehicle,
-        &Balance::new(&vehicle.sled, state, &Motion::default()),
-    )
+    let at = Balance::new(&vehicle.sled, state, &Motion::default());
+    forces_at(vehicle, &at)
 }
 
 /// [`forward`] at an instant that is known.

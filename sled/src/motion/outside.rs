@@ -30,7 +30,7 @@ impl std::fmt::Display for OutsideTable {
     }
 }
 
-/// What the front and the rear runner ask their tables, or would ask one.
+/// Where the tables of the front and the rear runner are read, or would be.
 ///
 /// The front runner's load is taken as `F_z,f0 / cos(gamma)`, as its law is evaluated first.
 pub fn table_samples<'a>(states: impl Iterator<Item = &'a State>) -> [Vec<Sample>; 2] {

@@ -1,6 +1,8 @@
 //! Motion of the sled: from the accelerometer's place to the centre of gravity, slips and loads of
 //! the axles.
 
+use nalgebra::Vector3;
+
 use crate::column::Sensor;
 use crate::conditions::Conditions;
 use crate::effects::{OperatingPoint, Relaxed, Signals};
@@ -56,13 +58,8 @@ impl State {
     /// before [rad/s]; below 1 m/s as at 1 m/s.
     pub fn followed_rates(&self, relaxed: &mut Relaxed, dt_s: f64, distance: f64) -> [f64; 2] {
         let slip = [self.alpha_f_rad, self.alpha_r_rad];
-        relaxed.rates(
-            slip,
-            self.slip_rate_radps,
-            self.v_mps.max(1.0),
-            dt_s,
-            distance,
-        )
+        let v = self.v_mps.max(1.0);
+        relaxed.rates(slip, self.slip_rate_radps, v, dt_s, distance)
     }
 
     /// Time, place, speed and weather, as effects see them, without normal force and drag area.
@@ -194,23 +191,8 @@ pub fn to_centre_of_gravity(
 /// `dw/dt x r + w x (w x r)`.
 #[inline]
 pub fn lever_acceleration(rates: [f64; 3], accelerations: [f64; 3], r: [f64; 3]) -> [f64; 3] {
-    let inner = cross(rates, r);
-    let centripetal = cross(rates, inner);
-    let tangential = cross(accelerations, r);
-    [
-        tangential[0] + centripetal[0],
-        tangential[1] + centripetal[1],
-        tangential[2] + centripetal[2],
-    ]
-}
-
-#[inline]
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    let [w, dw, r] = [rates, accelerations, r].map(Vector3::from);
+    (dw.cross(&r) + w.cross(&w.cross(&r))).into()
 }
 
 /// Slip angles [rad] at the places that matter.
@@ -274,9 +256,7 @@ pub(crate) fn turned(force: [f64; 3], (sd, cd): (f64, f64), (sg, cg): (f64, f64)
 /// `F_f = R^T F_f0`: the inverse of [`front_to_body`].
 pub fn body_to_front(force: [f64; 3], delta: f64, gamma: f64) -> [f64; 3] {
     let ((sd, cd), (sg, cg)) = (delta.sin_cos(), gamma.sin_cos());
-    let (y, z) = (
-        cg * force[1] + sg * force[2],
-        -sg * force[1] + cg * force[2],
-    );
+    let y = cg * force[1] + sg * force[2];
+    let z = -sg * force[1] + cg * force[2];
     [cd * force[0] + sd * y, -sd * force[0] + cd * y, z]
 }

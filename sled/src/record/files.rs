@@ -1,6 +1,7 @@
 //! A run's file: read and checked, and written again.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
@@ -11,33 +12,30 @@ use crate::columns::parquet::write_parquet;
 use crate::columns::{is_cut_short, read_columns, write_csv};
 use crate::error::Error;
 use crate::record::check::columns::check_columns;
-use crate::record::check::judge::{check_relations, judge, remark};
+use crate::record::check::judge::{judge, remark};
 use crate::record::gaps::OnGaps;
 use crate::record::index::{Entry, read_index};
 use crate::record::needs::Needs;
 use crate::record::run::Run;
 use crate::series::bridged;
 
-/// Reads the index and every run it names, in the index's order; a run must have what `needs` says.
+/// Reads the index and every run it names, in the index's order; a run must have what it `needs`.
 ///
-/// Files are CSV, Parquet (`.parquet`), MATLAB v5 (`.mat`) or MDF 4 (`.mf4`).
-/// Every run is checked by [`check_columns`], and its channels by one another ([`judge`]). Where
-/// the index states no `distance_m`, it is the sum of the runs before in the session.
+/// Files are CSV, Parquet (`.parquet`) or MATLAB v5 (`.mat`).
+/// Every run is checked by [`check_columns`], and its channels by one another ([`judge`]); suspected
+/// faults become a remark. Where the index states no `distance_m`, it is the sum of the runs before in the session.
 ///
 /// # Errors
 /// The first bad run's error in the order of the index, [`Error::Wrong`],
 /// [`Error::DuplicateContent`] where two runs are the same.
 pub fn read_runs(index: &Path, needs: &Needs, on_gaps: OnGaps) -> Result<Vec<Run>, Error> {
-    let mut runs = read_index(index)?
-        .into_par_iter()
-        .map(|entry| read_needed(entry, needs, on_gaps))
-        .collect::<Vec<_>>()
-        .into_iter()
-        .collect::<Result<Vec<_>, _>>()?;
-    refuse_copies(&runs)?;
-    check_relations(&mut runs)?;
-    state_distances(&mut runs);
-    Ok(runs)
+    let (runs, bad) = read_good_runs(index, needs, on_gaps)?;
+    let more = bad.len().saturating_sub(1);
+    match bad.into_iter().next() {
+        None => Ok(runs),
+        Some(Error::Wrong { fault, .. }) => Err(Error::Wrong { fault, more }),
+        Some(error) => Err(error),
+    }
 }
 
 /// Like [`read_runs`], but excludes bad runs and returns their errors with the good ones.
@@ -53,13 +51,9 @@ pub fn read_good_runs(
         .into_par_iter()
         .map(|entry| read_needed(entry, needs, on_gaps))
         .collect();
-    let (mut good, mut bad) = (Vec::new(), Vec::new());
-    for run in read {
-        match run {
-            Ok(run) => good.push(run),
-            Err(error) => bad.push(error),
-        }
-    }
+    let (good, bad): (Vec<_>, Vec<_>) = read.into_iter().partition(Result::is_ok);
+    let mut good: Vec<Run> = good.into_iter().flatten().collect();
+    let mut bad: Vec<Error> = bad.into_iter().filter_map(Result::err).collect();
     while let Some((first, second)) = find_copy(&good) {
         bad.push(Error::DuplicateContent {
             first: good[first].entry.run.clone(),
@@ -94,7 +88,7 @@ pub fn read_run(entry: Entry, required: &[&str], on_gaps: OnGaps) -> Result<Run,
     read_run_of(entry, required, &known, on_gaps)
 }
 
-/// Like [`read_run`] with what `needs` says, which an error of a missing column names.
+/// Like [`read_run`] with what it `needs`, which an error of a missing column names.
 ///
 /// # Errors
 /// As [`read_run`].
@@ -169,47 +163,28 @@ fn state_distances(runs: &mut [Run]) {
     }
 }
 
-/// Refuses two runs with the same samples: a file copied or named twice would count double.
-fn refuse_copies(runs: &[Run]) -> Result<(), Error> {
-    match find_copy(runs) {
-        None => Ok(()),
-        Some((first, second)) => Err(Error::DuplicateContent {
-            first: runs[first].entry.run.clone(),
-            second: runs[second].entry.run.clone(),
-        }),
-    }
-}
-
+/// Two runs with the same samples: a file that is copied or named twice would count double.
 pub(crate) fn find_copy(runs: &[Run]) -> Option<(usize, usize)> {
     let mut seen: BTreeMap<Vec<u64>, usize> = BTreeMap::new();
     for (i, run) in runs.iter().enumerate() {
-        // The first samples decide almost always; the whole columns are compared only where they
-        // agree.
-        let key: Vec<u64> = COLUMNS
-            .iter()
-            .filter_map(|name| run.columns.get(*name))
-            .flat_map(|values| {
-                [
-                    values.len() as u64,
-                    values[0].to_bits(),
-                    values[values.len() / 2].to_bits(),
-                ]
-            })
-            .collect();
-        if let Some(&first) = seen.get(&key) {
-            let bits = |run: &Run| -> Vec<u64> {
-                run.columns
-                    .values()
-                    .flatten()
-                    .map(|x| x.to_bits())
-                    .collect()
-            };
-            if runs[first].columns.keys().eq(run.columns.keys()) && bits(&runs[first]) == bits(run)
-            {
-                return Some((first, i));
-            }
-        } else {
+        // A few samples decide almost always; whole columns are compared only where they agree.
+        let columns = COLUMNS.iter().filter_map(|name| run.columns.get(*name));
+        let some = columns.flat_map(|values| {
+            let middle = values[values.len() / 2];
+            [values.len() as u64, values[0].to_bits(), middle.to_bits()]
+        });
+        let key: Vec<u64> = some.collect();
+        let Some(&first) = seen.get(&key) else {
             seen.insert(key, i);
+            continue;
+        };
+        let bits = |run: &Run| -> Vec<u64> {
+            let values = run.columns.values().flatten();
+            values.map(|x| x.to_bits()).collect()
+        };
+        let other = &runs[first];
+        if other.columns.keys().eq(run.columns.keys()) && bits(other) == bits(run) {
+            return Some((first, i));
         }
     }
     None
@@ -245,51 +220,38 @@ pub fn write_run(
     writer: &mut (dyn Write + Send),
     format: RunFormat,
 ) -> Result<(), Error> {
+    let failure = |reason: &dyn Display| Error::file(&run.entry.file.display().to_string(), reason);
     for (column, values) in &run.columns {
         if let Some(i) = values.iter().position(|value| value.is_infinite()) {
-            let reason = format!(
-                "run {}: {column} is {} in sample {i}; expected a finite number",
-                run.entry.run, values[i]
-            );
-            return Err(Error::file(&run.entry.file.display().to_string(), reason));
+            let (name, value) = (&run.entry.run, values[i]);
+            return Err(failure(&format!(
+                "run {name}: {column} is {value} in sample {i}; expected a finite number"
+            )));
         }
     }
     let writer = BufWriter::with_capacity(1 << 18, writer);
     // Nine decimals are a nanosecond and far below any sensor's step; they keep text files short.
-    let decimals = |value: f64| match format {
-        RunFormat::Csv => (value * 1e9).round() / 1e9,
-        RunFormat::Parquet => value,
+    let nine_decimals = |value: f64| (value * 1e9).round() / 1e9;
+    let decimals = |value: &f64| match format {
+        RunFormat::Csv => nine_decimals(*value),
+        RunFormat::Parquet => *value,
     };
-    let time: Vec<f64> = (0..run.len())
-        .map(|i| ((run.t0_s + i as f64 * run.dt_s) * 1e9).round() / 1e9)
-        .collect();
-    let others = run
-        .columns
-        .keys()
-        .map(String::as_str)
-        .filter(|name| !COLUMNS.contains(name));
-    let names = COLUMNS
+    let times = (0..run.len()).map(|i| nine_decimals(run.t0_s + i as f64 * run.dt_s));
+    let names = run.columns.keys().map(String::as_str);
+    let others = names.filter(|name| !COLUMNS.contains(name));
+    let known = COLUMNS
+        .into_iter()
+        .filter(|name| run.columns.contains_key(*name));
+    let mut columns: Vec<(&str, Vec<f64>)> = vec![("t_s", times.collect())];
+    for name in known.chain(others) {
+        columns.push((name, run.columns[name].iter().map(decimals).collect()));
+    }
+    let slices = columns
         .iter()
-        .copied()
-        .filter(|name| run.columns.contains_key(*name))
-        .chain(others);
-    let columns: Vec<(&str, Vec<f64>)> = names
-        .map(|name| {
-            (
-                name,
-                run.columns[name].iter().map(|v| decimals(*v)).collect(),
-            )
-        })
-        .collect();
-    let mut table: Vec<(&str, &[f64])> = vec![("t_s", &time)];
-    table.extend(
-        columns
-            .iter()
-            .map(|(name, values)| (*name, values.as_slice())),
-    );
+        .map(|(name, values)| (*name, values.as_slice()));
+    let table: Vec<(&str, &[f64])> = slices.collect();
     match format {
-        RunFormat::Csv => write_csv(writer, &table)
-            .map_err(|error| Error::file(&run.entry.file.display().to_string(), error)),
+        RunFormat::Csv => write_csv(writer, &table).map_err(|error| failure(&error)),
         RunFormat::Parquet => write_parquet(writer, &table),
     }
 }

@@ -1,4 +1,4 @@
-//! Which samples of a run take part: those of stretches in which every channel has a value and the
+//! Which samples of a run are used: those of stretches in which every channel has a value and the
 //! sled moves.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -23,7 +23,7 @@ pub enum OnGaps {
     Refuse,
 }
 
-/// What of a run takes part, and what is not there.
+/// Which samples of a run are used, and which are missing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Gaps {
     /// Samples that take part, in stretches without a gap.
@@ -84,10 +84,10 @@ impl Gaps {
         }
         let mut moves = vec![true; len];
         if let Some(speed) = columns.get("v_mps").filter(|_| used.contains(&"v_mps")) {
-            moves
-                .iter_mut()
-                .zip(speed)
-                .for_each(|(m, v)| *m = v.is_nan() || *v > LEAST_SPEED);
+            moves = speed
+                .iter()
+                .map(|v| v.is_nan() || *v > LEAST_SPEED)
+                .collect();
         }
         let mut start = 0;
         for i in 0..=len {
@@ -125,7 +125,7 @@ impl Gaps {
     }
 }
 
-/// What of one run took part in a result.
+/// Which samples of one run a result rests on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SampleCoverage {
     /// Name of the run.
@@ -143,11 +143,10 @@ pub struct SampleCoverage {
 
 /// One line on all runs with gaps; empty where there are none.
 pub fn gaps_line(runs: &[SampleCoverage]) -> String {
-    let (Some(first), sum) = (runs.first(), |of: &dyn Fn(&SampleCoverage) -> f64| -> f64 {
-        runs.iter().map(of).sum()
-    }) else {
+    let Some(first) = runs.first() else {
         return String::new();
     };
+    let sum = |of: fn(&SampleCoverage) -> f64| -> f64 { runs.iter().map(of).sum() };
     let mut parts = Vec::new();
     let mut count = |of: &dyn Fn(&Gaps) -> usize, what: &str| {
         let all: usize = runs.iter().map(|run| of(&run.gaps)).sum();
@@ -156,16 +155,13 @@ pub fn gaps_line(runs: &[SampleCoverage]) -> String {
         }
     };
     count(&|gaps| gaps.rows_missing, "rows missing");
-    let columns: BTreeSet<&String> = runs
-        .iter()
-        .flat_map(|run| run.gaps.missing.keys())
-        .collect();
-    for column in columns {
+    let columns = runs.iter().flat_map(|run| run.gaps.missing.keys());
+    for column in columns.collect::<BTreeSet<&String>>() {
         let values = |gaps: &Gaps| gaps.missing.get(column).copied().unwrap_or(0);
         count(&values, &format!("values of {column} missing"));
     }
     count(&|gaps| gaps.standstill, "samples at standstill");
-    let cut = sum(&|run| run.gaps.cut_s.iter().sum());
+    let cut = sum(|run| run.gaps.cut_s.iter().sum());
     if cut > 0.0 {
         parts.push(format!("{cut:.2} s cut off at starts and ends"));
     }
@@ -180,12 +176,12 @@ pub fn gaps_line(runs: &[SampleCoverage]) -> String {
         1 => format!("run {}", first.run),
         many => format!("{many} runs with gaps"),
     };
-    let (used, of) = (sum(&|run| run.used_s), sum(&|run| run.of_s));
+    let (used, of) = (sum(|run| run.used_s), sum(|run| run.of_s));
     let parts = parts.join(", ");
     format!("{who}: {parts}; {used:.1} s of {of:.1} s take part (--strict refuses such runs)")
 }
 
-/// Samples of one value at the channel's end from which a sensor is said to be at its stop: what
+/// Samples of one value at the channel's end from which a sensor counts as at its stop: what
 /// moves and is measured with noise stays within a converter's step for two or three.
 const STRETCH: usize = 8;
 
@@ -242,16 +238,16 @@ fn at_end(values: &[f64], end: f64) -> Option<Saturation> {
         longest: 0,
         begins: 0,
     };
-    let mut i = 0;
-    while i < values.len() {
-        let length = values[i..].iter().take_while(|x| **x == end).count();
-        if length >= STRETCH {
+    let mut begins = 0;
+    for stretch in values.chunk_by(|a, b| a == b) {
+        let length = stretch.len();
+        if stretch[0] == end && length >= STRETCH {
             found.samples += length;
             if length > found.longest {
-                (found.longest, found.begins) = (length, i);
+                (found.longest, found.begins) = (length, begins);
             }
         }
-        i += length.max(1);
+        begins += length;
     }
     (found.samples > 0).then_some(found)
 }

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use crate::columns::table::{Table, TableColumns};
 use crate::conditions::{CONDITIONS, Conditions};
 use crate::error::Error;
 use crate::record::file_names::track_file;
@@ -33,8 +34,14 @@ pub const COVARIATE: &str = "x_";
 /// Most runs of an index: a campaign has hundreds.
 const MOST_RUNS: usize = 20_000;
 
-/// The indispensable ones among [`INDEX_COLUMNS`]; the others may be absent, and their cells empty.
-const ALWAYS: [&str; 2] = ["run", "file"];
+const COLUMNS: TableColumns = TableColumns {
+    required: INDEX_COLUMNS.split_at(2).0,
+    optional: INDEX_COLUMNS.split_at(2).1,
+    further: |name| {
+        MORE_INDEX_COLUMNS.contains(&name) || name.starts_with(ICE_AT) || is_covariate(name)
+    },
+    further_names: ", humidity_pct, distance_m, mass_kg, ice_c@350 (at 350 m), x_NAME (your own)",
+};
 
 /// Name of what is not stated.
 const UNNAMED: &str = "unnamed";
@@ -114,108 +121,79 @@ pub fn covariates(entries: &[&Entry]) -> Vec<BTreeMap<String, f64>> {
 /// whose `ice_c` counts.
 ///
 /// # Errors
-/// [`Error::Column`], [`Error::MissingColumn`], [`Error::Cell`], [`Error::DuplicateRun`],
-/// [`Error::DuplicateContent`] for a file that two runs have, [`Error::File`] for too many runs,
-/// those of [`Track::load`].
+/// [`Error::Column`], [`Error::MissingColumn`], [`Error::Cell`], [`Error::Row`] for
+/// a run or a file that is named twice and for too many runs, those of [`Track::load`].
 pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
     let file = index.display().to_string();
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .from_reader(kufe_files::open_regular(index).map_err(|error| Error::file(&file, error))?);
-    let header = reader
-        .headers()
-        .map_err(|error| Error::file(&file, error))?
-        .clone();
-    let Places {
-        at,
-        sensors,
-        covariates,
-    } = place_columns(&header, &file)?;
+    let reader = kufe_files::open_regular(index).map_err(|error| Error::file(&file, error))?;
+    let table = Table::read(&file, reader, &COLUMNS)?;
+    let sensors = temperature_places(&table.header, &file)?;
+    let own = |name: &&String| is_covariate(name);
+    let covariates: Vec<&String> = table.header.iter().filter(own).collect();
     let folder = index.parent().unwrap_or(Path::new(""));
     let mut entries: Vec<Entry> = Vec::new();
     let mut files: BTreeMap<PathBuf, String> = BTreeMap::new();
     let mut rows: BTreeMap<String, u64> = BTreeMap::new();
     let mut tracks: BTreeMap<String, IceAlong> = BTreeMap::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| Error::file(&file, error))?;
-        let row = record.position().map_or(0, |position| position.line());
-        let cell = |name: &str| {
-            let cell = at.get(name).and_then(|place| record.get(*place));
-            cell.unwrap_or("")
+    for row in 0..table.rows() {
+        let line = table.line(row);
+        let text = |name: &str| {
+            let stated = table.stated_text(row, name);
+            stated.unwrap_or_else(|| UNNAMED.to_string())
         };
-        let text = |name: &str| match cell(name) {
-            "" if ALWAYS.contains(&name) => Err(bad_cell(&file, row, name, "", "a name")),
-            "" => Ok(UNNAMED.to_string()),
-            cell => Ok(cell.to_string()),
+        let number = |name: &str, low: f64, high: f64| {
+            let expected = format!("a number from {low} to {high}");
+            let stated = table.stated_text(row, name);
+            let value = stated.map(|_| table.number_within(row, name, (low, high), &expected));
+            value.unwrap_or(Ok(f64::NAN))
         };
-        let number = |name: &str, cell: &str, low: f64, high: f64| {
-            if cell.is_empty() {
-                return Ok(f64::NAN);
-            }
-            let value = cell.parse().ok();
-            let value = value.filter(|value| (low..=high).contains(value));
-            let expected = || format!("a number from {low} to {high}");
-            value.ok_or_else(|| bad_cell(&file, row, name, cell, &expected()))
-        };
-        let run = text("run")?;
-        if let Some(first) = rows.insert(run.clone(), row) {
-            return Err(Error::DuplicateRun {
-                file,
-                row,
-                run,
-                first,
-            });
+        let run = table.name(row, "run")?;
+        if let Some(first) = rows.insert(run.clone(), line) {
+            let reason =
+                format!("run {run:?} is already named in row {first}, expected each run once");
+            return Err(Error::row(&file, line, reason));
         }
         if entries.len() == MOST_RUNS {
-            let reason = format!("row {row}: expected at most {MOST_RUNS} runs");
-            return Err(Error::file(&file, reason));
+            let reason = format!("expected at most {MOST_RUNS} runs");
+            return Err(Error::row(&file, line, reason));
         }
-        let path = folder.join(text("file")?);
+        let path = folder.join(table.name(row, "file")?);
         if let Some(first) = files.insert(path.clone(), run.clone()) {
             let same = Error::DuplicateContent { first, second: run };
-            let reason = format!("row {row}: {same}");
-            return Err(Error::file(&file, reason));
+            return Err(Error::row(&file, line, same.to_string()));
         }
         let (_, low, high) = CONDITIONS[0];
-        let mut own = Vec::new();
-        for (s_m, place) in &sensors {
-            let name = format!("{ICE_AT}{s_m}");
-            let cell = record.get(*place).unwrap_or("");
-            own.push([*s_m, number(&name, cell, low, high)?]);
+        let mut points = Vec::new();
+        for (s_m, name) in &sensors {
+            points.push([*s_m, number(name, low, high)?]);
         }
-        let track = text("track")?;
+        let track = text("track");
         if !tracks.contains_key(&track) {
             let table = folder.join(track_file(&track));
             tracks.insert(track.clone(), ice_of(&table)?);
         }
-        let [driver, driver_class, session] =
-            [text("driver")?, text("driver_class")?, text("session")?];
-        let mut stated = [f64::NAN; 6];
+        let mut stated = Conditions::UNSTATED.values();
         for (value, (name, low, high)) in stated.iter_mut().zip(CONDITIONS) {
-            *value = number(name, cell(name), low, high)?;
+            *value = number(name, low, high)?;
         }
+        let covariates = covariates.iter().copied();
         entries.push(Entry {
             run,
             file: path,
-            ice_along: IceAlong::new(own),
+            ice_along: IceAlong::new(points),
             ice_of_track: tracks[&track].clone(),
             track,
-            driver,
-            driver_class,
-            session,
+            driver: text("driver"),
+            driver_class: text("driver_class"),
+            session: text("session"),
             conditions: Conditions::from_values(stated),
-            covariates: (covariates.iter())
-                .map(|(name, place)| (name.clone(), record.get(*place).unwrap_or("").to_owned()))
-                .filter(|(_, cell)| !cell.is_empty())
+            covariates: covariates
+                .filter_map(|name| Some((name.clone(), table.stated_text(row, name)?)))
                 .collect(),
         });
     }
     if entries.is_empty() {
-        return Err(Error::TooFew {
-            what: format!("{file}: runs"),
-            found: 0,
-            needed: 1,
-        });
+        return Err(Error::too_few(format!("{file}: runs"), 0, 1));
     }
     Ok(entries)
 }
@@ -245,11 +223,8 @@ pub fn write_index(writer: impl std::io::Write, entries: &[Entry]) -> Result<(),
     let header = names.chain(stated).chain(sensors).chain(further);
     table.write_record(header).map_err(failure)?;
     let number = |value: f64| {
-        if value.is_finite() {
-            value.to_string()
-        } else {
-            String::new()
-        }
+        let known = value.is_finite().then(|| value.to_string());
+        known.unwrap_or_default()
     };
     for entry in entries {
         let mut row = vec![
@@ -290,74 +265,23 @@ fn ice_of(path: &Path) -> Result<IceAlong, Error> {
     }
 }
 
-/// Places of the columns of an index.
-#[derive(Default)]
-struct Places {
-    /// Those of [`INDEX_COLUMNS`] and [`MORE_INDEX_COLUMNS`].
-    at: BTreeMap<&'static str, usize>,
-    /// Those of temperatures at distances [m].
-    sensors: Vec<(f64, usize)>,
-    /// Those of covariates.
-    covariates: BTreeMap<String, usize>,
+fn is_covariate(name: &str) -> bool {
+    name.strip_prefix(COVARIATE)
+        .is_some_and(|own| !own.is_empty())
 }
 
-fn place_columns(header: &csv::StringRecord, file: &str) -> Result<Places, Error> {
-    let mut places = Places::default();
-    for (place, name) in header.iter().enumerate() {
-        let odd = |what| Error::Column {
-            file: file.to_string(),
-            column: name.to_string(),
-            what,
-            expected: format!(
-                "some of {}, {}, {ICE_AT}350 (at 350 m), {COVARIATE}NAME (your own)",
-                INDEX_COLUMNS.join(", "),
-                MORE_INDEX_COLUMNS.join(", ")
-            ),
-        };
-        if let Some(s_m) = name.strip_prefix(ICE_AT) {
-            let s_m: Option<f64> = s_m.parse().ok().filter(|s: &f64| s.abs() < 1e6);
-            let s_m = s_m.ok_or_else(|| odd("at no distance"))?;
-            if places.sensors.iter().any(|(known, _)| *known == s_m) {
-                return Err(odd("given twice"));
-            }
-            places.sensors.push((s_m, place));
-            continue;
-        }
-        if name
-            .strip_prefix(COVARIATE)
-            .is_some_and(|own| !own.is_empty())
-        {
-            if places.covariates.insert(name.to_owned(), place).is_some() {
-                return Err(odd("given twice"));
-            }
-            continue;
-        }
-        let known = INDEX_COLUMNS
-            .iter()
-            .chain(&MORE_INDEX_COLUMNS)
-            .find(|known| **known == name)
-            .ok_or_else(|| odd("unknown"))?;
-        if places.at.insert(*known, place).is_some() {
+/// Places [m] of the columns of ice temperatures among those of an index, with their names.
+fn temperature_places<'a>(header: &'a [String], file: &str) -> Result<Vec<(f64, &'a str)>, Error> {
+    let mut places: Vec<(f64, &str)> = Vec::new();
+    for name in header.iter().filter(|name| name.starts_with(ICE_AT)) {
+        let odd = |what| Error::column(file, name, what, "ice_c@350 for the ice at 350 m");
+        let s_m: Option<f64> = name[ICE_AT.len()..].parse().ok();
+        let s_m = s_m.filter(|s| s.abs() < 1e6);
+        let s_m = s_m.ok_or_else(|| odd("at no distance"))?;
+        if places.iter().any(|(known, _)| *known == s_m) {
             return Err(odd("given twice"));
         }
+        places.push((s_m, name));
     }
-    match ALWAYS.iter().find(|name| !places.at.contains_key(*name)) {
-        None => Ok(places),
-        Some(missing) => Err(Error::MissingColumn {
-            file: file.to_string(),
-            column: missing.to_string(),
-            found: header.iter().collect::<Vec<_>>().join(", "),
-            needed_by: None,
-        }),
-    }
-}
-
-fn bad_cell(file: &str, row: u64, column: &str, found: &str, expected: &str) -> Error {
-    Error::Cell {
-        file: file.to_string(),
-        row,
-        column: column.to_string(),
-        found: found.to_string(),
-        expected: expected.to_string(),
-    }
+    Ok(places)
 }

@@ -1,4 +1,4 @@
-//! Recorded runs: their index, their files, and whether they hold what their names say.
+//! Recorded runs: their index, their files, and whether they hold what their names state.
 
 pub mod check;
 pub(crate) mod file_names;

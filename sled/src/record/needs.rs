@@ -40,21 +40,11 @@ impl Needs {
     };
 
     /// An error with the name of the computation, where it is of a missing column.
-    pub fn explain(&self, error: Error) -> Error {
-        match error {
-            Error::MissingColumn {
-                file,
-                column,
-                found,
-                ..
-            } => Error::MissingColumn {
-                file,
-                column,
-                found,
-                needed_by: Some(self.by),
-            },
-            other => other,
+    pub fn explain(&self, mut error: Error) -> Error {
+        if let Error::MissingColumn { needed_by, .. } = &mut error {
+            *needed_by = Some(self.by);
         }
+        error
     }
 }
 
@@ -62,22 +52,20 @@ impl Needs {
 /// it belongs.
 ///
 /// # Errors
-/// [`Error::Keys`] with the column.
+/// [`Error::File`] with the column.
 pub fn refuse_unstated_air(by: &str, conditions: &Conditions, file: &str) -> Result<(), Error> {
     let air = [("air_c", conditions.air_c), ("air_pa", conditions.air_pa)];
-    match air.into_iter().find(|(_, value)| value.is_nan()) {
-        None => Ok(()),
-        Some((column, _)) => Err(Error::Keys {
-            file: file.to_string(),
-            reason: format!("{column}, which {by} needs, is not stated; expected it in runs.csv"),
-        }),
-    }
+    let Some((column, _)) = air.into_iter().find(|(_, value)| value.is_nan()) else {
+        return Ok(());
+    };
+    let reason = format!("{column}, which {by} needs, is not stated; expected it in runs.csv");
+    Err(Error::file(file, reason))
 }
 
-/// The same for the drag of a sled, which asks for none where it has no area.
+/// The same for the drag of a sled, which needs none where it has no area.
 ///
 /// # Errors
-/// [`Error::Keys`] with the column.
+/// [`Error::File`] with the column.
 pub(crate) fn refuse_drag_without_air(
     sled: &Sled,
     conditions: &Conditions,

@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::error::Error;
-use crate::record::gaps::Gaps;
-use crate::record::gaps::Saturation;
+use crate::record::gaps::{Gaps, SampleCoverage, Saturation};
 use crate::record::index::Entry;
 
 /// One recorded run, uniform in time, in the units of its columns' names; next to a gap a column
@@ -53,19 +52,24 @@ impl Run {
         remarks.chain(self.saturated.iter().map(remark)).collect()
     }
 
+    /// What of the run takes part in so many `stretches`, [s] in all.
+    pub(crate) fn coverage(&self, stretches: usize, used_s: f64) -> SampleCoverage {
+        SampleCoverage {
+            run: self.entry.run.clone(),
+            gaps: self.gaps.clone(),
+            stretches,
+            used_s,
+            of_s: self.len() as f64 * self.dt_s,
+        }
+    }
+
     /// A column by name.
     ///
     /// # Errors
     /// [`Error::MissingColumn`] with the names there are.
     pub fn column(&self, name: &str) -> Result<&[f64], Error> {
-        self.columns
-            .get(name)
-            .map(Vec::as_slice)
-            .ok_or_else(|| Error::MissingColumn {
-                file: self.entry.file.display().to_string(),
-                column: name.to_string(),
-                found: self.columns.keys().cloned().collect::<Vec<_>>().join(", "),
-                needed_by: None,
-            })
+        let column = self.columns.get(name).map(Vec::as_slice);
+        let file = self.entry.file.display().to_string();
+        column.ok_or_else(|| Error::missing_column(&file, name, self.columns.keys()))
     }
 }

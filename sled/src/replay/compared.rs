@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::friction::GRAVITY;
 use crate::replay::inputs::{Inputs, READ};
+use crate::series::root_mean_square;
 use crate::simulate::drive::Simulated;
 use crate::simulate::dynamics::Instant;
 use crate::track::spline::Spline;
@@ -46,8 +47,8 @@ pub struct Difference {
     pub largest_at_m: f64,
 }
 
-/// What the sensors of the model would say, in the order of [`READ`].
-pub(crate) fn said(instant: &Instant) -> [f64; 4] {
+/// Readings of the sensors of the model, in the order of [`READ`].
+pub(crate) fn readings(instant: &Instant) -> [f64; 4] {
     let state = &instant.state;
     [
         state.v_mps,
@@ -64,10 +65,8 @@ pub(crate) fn compare(
 ) -> (Vec<Compared>, Vec<Range<usize>>) {
     let mut onward: Vec<&Instant> = Vec::with_capacity(simulated.instants.len());
     for instant in &simulated.instants {
-        if onward
-            .last()
-            .is_none_or(|last| instant.state.s_m > last.state.s_m)
-        {
+        let before = onward.last().map(|last| last.state.s_m);
+        if before.is_none_or(|before| instant.state.s_m > before) {
             onward.push(instant);
         }
     }
@@ -81,20 +80,17 @@ pub(crate) fn compare(
         Spline::natural(&places, &values)
     };
     let time = over(&|instant| instant.state.t_s);
-    let values: [Spline; 4] = std::array::from_fn(|k| over(&|instant| said(instant)[k]));
+    let values: [Spline; 4] = std::array::from_fn(|k| over(&|instant| readings(instant)[k]));
     let reach = places[0]..=places[places.len() - 1];
     for piece in &inputs.pieces {
         let start = compared.len();
-        for reading in &inputs.readings[piece.clone()] {
-            if !reach.contains(&reading.s_m) {
-                continue;
-            }
-            compared.push(Compared {
-                s_m: reading.s_m,
-                t_s: [reading.t_s, time.value(reading.s_m)],
-                values: std::array::from_fn(|k| [reading.values[k], values[k].value(reading.s_m)]),
-            });
-        }
+        let readings = inputs.readings[piece.clone()].iter();
+        let reached = readings.filter(|reading| reach.contains(&reading.s_m));
+        compared.extend(reached.map(|reading| Compared {
+            s_m: reading.s_m,
+            t_s: [reading.t_s, time.value(reading.s_m)],
+            values: std::array::from_fn(|k| [reading.values[k], values[k].value(reading.s_m)]),
+        }));
         if start < compared.len() {
             pieces.push(start..compared.len());
         }
@@ -105,13 +101,11 @@ pub(crate) fn compare(
 /// Differences of time, speed and what else was recorded.
 pub(crate) fn differences(compared: &[Compared], recorded: [bool; 4]) -> Vec<Difference> {
     let of = |column: &str, gap: &dyn Fn(&Compared) -> f64| {
-        let mean_square = compared.iter().map(|at| gap(at).powi(2)).sum::<f64>();
-        let largest = compared
-            .iter()
-            .max_by(|a, b| gap(a).abs().total_cmp(&gap(b).abs()));
+        let size = |at: &Compared| gap(at).abs();
+        let largest = compared.iter().max_by(|a, b| size(a).total_cmp(&size(b)));
         Difference {
             column: column.to_owned(),
-            rms: (mean_square / compared.len() as f64).sqrt(),
+            rms: root_mean_square(compared.iter().map(gap)),
             end: compared.last().map_or(0.0, gap),
             largest: largest.map_or(0.0, gap),
             largest_at_m: largest.map_or(0.0, |at| at.s_m),
@@ -142,7 +136,7 @@ pub struct Section {
     pub lost_s: f64,
 }
 
-/// Length of a window [m]: some three sleds, and long enough for a speed's noise to say a force.
+/// Length of a window [m]: some three sleds, and long enough to distinguish a force from the speed's noise.
 const WINDOW_M: usize = 20;
 /// What a window omits at either end when it is reported [m]: a short event lies near the middles
 /// of the windows that show it.
@@ -152,7 +146,7 @@ const EDGE_M: usize = 5;
 const STANDS_OUT: f64 = 2.0;
 /// Standard deviations that noise does not reach: once in 10^4 windows.
 const BEYOND_NOISE: f64 = 4.0;
-/// Force over weight below which a window says nothing: a fiftieth of the friction on ice, still
+/// Force over weight below which a window is not reported: a fiftieth of the friction on ice, still
 /// above what steps and filters err.
 const LEAST_MU: f64 = 1e-4;
 /// The same for other columns, relative to the column's own root mean square.
@@ -170,7 +164,7 @@ const MOST: usize = 5;
 /// ```
 ///
 /// is. Both must exceed four standard deviations of what the noise makes of them. Speeds that have
-/// parted stay apart, the force says where. Windows that overlap are one section; none reaches
+/// parted stay apart; the force shows where. Windows that overlap are one section; none reaches
 /// across a gap.
 pub(crate) fn sections(
     compared: &[Compared],
@@ -184,14 +178,9 @@ pub(crate) fn sections(
         for piece in pieces {
             windows_of(&compared[piece.clone()], k, mass_kg, &mut windows);
         }
-        let squares = windows.iter().map(|w| w.size * w.size).sum::<f64>();
-        let rms = (squares / windows.len().max(1) as f64).sqrt();
+        let rms = root_mean_square(windows.iter().map(|window| window.size));
         let noise = inputs.noise_sd[k];
-        let own = compared
-            .iter()
-            .map(|at| at.values[k][0].powi(2))
-            .sum::<f64>();
-        let own = (own / compared.len().max(1) as f64).sqrt();
+        let own = root_mean_square(compared.iter().map(|at| at.values[k][0]));
         let floor = |window: &Window| match k {
             0 => {
                 let force = 2.0_f64.sqrt() * mass_kg * window.v_mps * noise / WINDOW_M as f64;
@@ -259,10 +248,8 @@ fn windows_of(compared: &[Compared], k: usize, mass_kg: f64, windows: &mut Vec<W
             while place + 2 < compared.len() && compared[place + 1].s_m < s {
                 place += 1;
             }
-            let (a, b) = (
-                &compared[place],
-                &compared[(place + 1).min(compared.len() - 1)],
-            );
+            let a = &compared[place];
+            let b = compared.get(place + 1).unwrap_or(a);
             let way = b.s_m - a.s_m;
             let share = if way > 0.0 { (s - a.s_m) / way } else { 0.0 };
             let between = |of: &dyn Fn(&Compared) -> f64| of(a) + share * (of(b) - of(a));
@@ -276,14 +263,13 @@ fn windows_of(compared: &[Compared], k: usize, mass_kg: f64, windows: &mut Vec<W
         .collect();
     for (start, window) in metres.windows(WINDOW_M + 1).enumerate() {
         let end = &window[WINDOW_M];
-        let squares: f64 = window.iter().map(|at| at[0] * at[0]).sum();
         let from_m = first.s_m + (start + EDGE_M) as f64;
         windows.push(Window {
             from_m,
             to_m: from_m + (WINDOW_M - 2 * EDGE_M) as f64,
             size: match k {
                 0 => (end[1] - window[0][1]) / WINDOW_M as f64,
-                _ => (squares / window.len() as f64).sqrt(),
+                _ => root_mean_square(window.iter().map(|at| at[0])),
             },
             late_s: [window[EDGE_M][2], window[WINDOW_M - EDGE_M][2]],
             v_mps: window[0][3],

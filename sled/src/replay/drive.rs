@@ -68,7 +68,7 @@ const START_S: f64 = 0.5;
 /// [`crate::simulate()`].
 ///
 /// # Errors
-/// [`Error::Cell`] for a run that begins off the track, [`Error::TooFew`], those of options and
+/// [`Error::File`] for a run that begins off the track, [`Error::TooFew`], those of options and
 /// effects.
 pub fn replay(
     inputs: &Inputs,
@@ -79,22 +79,21 @@ pub fn replay(
     let vehicle = &vehicle.on_run(&track.name, &options.conditions);
     let conditions = vehicle.conditions.complete(&options.conditions);
     let own = &inputs.entry.ice_along;
-    let ice = if own.points().is_empty() {
-        &track.ice
-    } else {
-        own
-    };
+    let stated = !own.points().is_empty();
+    let ice = if stated { own } else { &track.ice };
     refuse_unstated(vehicle, &conditions, ice, "replay")?;
     let first = inputs.readings[0];
     let last = inputs.readings[inputs.readings.len() - 1];
     if !(track.start_m - 1.0..track.finish_m).contains(&first.s_m) {
-        return Err(Error::Place {
-            file: inputs.entry.file.display().to_string(),
-            s_m: first.s_m,
-            track: track.name.clone(),
-            from_m: track.start_m,
-            to_m: track.finish_m,
-        });
+        let (name, from, to) = (&track.name, track.start_m, track.finish_m);
+        let reason = format!(
+            "begins at s_m = {:.1}, expected a place of track {name}, from {from:.1} to {to:.1} m",
+            first.s_m
+        );
+        return Err(Error::file(
+            &inputs.entry.file.display().to_string(),
+            reason,
+        ));
     }
     let (steering, bridged_m) = inputs.steering()?;
     let world = World {
@@ -109,10 +108,8 @@ pub fn replay(
     };
     let [speed, alpha, yaw, _] = first.values;
     let from = |speed: f64| -> Unknowns {
-        let (vx, vy) = (
-            speed * alpha.cos(),
-            -speed * alpha.sin() - vehicle.sled.slip_x_m * yaw,
-        );
+        let vx = speed * alpha.cos();
+        let vy = -speed * alpha.sin() - vehicle.sled.slip_x_m * yaw;
         let mut start: Unknowns = [0.0; COUNT];
         start[0] = first.s_m;
         start[2] = -vy.atan2(vx);
@@ -122,26 +119,22 @@ pub fn replay(
     };
     let finish_m = last.s_m.min(track.finish_m);
     let early = |reading: &&Reading| reading.t_s <= first.t_s + START_S;
-    let early = inputs.readings[inputs.pieces[0].clone()]
-        .iter()
-        .take_while(early);
+    let first_piece = inputs.readings[inputs.pieces[0].clone()].iter();
+    let early = first_piece.take_while(early);
     let early_m = early.last().map_or(first.s_m, |reading| reading.s_m);
     let (begun, _) = integrate(&world, from(speed), early_m.min(finish_m), options)?;
     let (near, _) = compare(inputs, &begun);
-    let gap = near
-        .iter()
-        .map(|at| at.values[0][0].powi(2) - at.values[0][1].powi(2));
-    let gap = gap.sum::<f64>() / near.len().max(1) as f64;
+    let squares = near.iter().map(|at| at.values[0].map(|v| v.powi(2)));
+    let gap = squares
+        .map(|[measured, model]| measured - model)
+        .sum::<f64>();
+    let gap = gap / near.len().max(1) as f64;
     let speed = (speed * speed + gap).max(0.0).sqrt();
     let (simulated, trouble) = integrate(&world, from(speed), finish_m, options)?;
     let (compared, pieces) = compare(inputs, &simulated);
     let (Some(begin), Some(end)) = (compared.first(), compared.last()) else {
-        let too_few = || Error::TooFew {
-            what: format!("run {}: samples to compare", inputs.entry.run),
-            found: 0,
-            needed: 1,
-        };
-        return Err(trouble.unwrap_or_else(too_few));
+        let what = format!("run {}: samples to compare", inputs.entry.run);
+        return Err(trouble.unwrap_or_else(|| Error::too_few(what, 0, 1)));
     };
     let mass = vehicle.sled.mass_kg;
     let way = (end.s_m - begin.s_m).max(1e-9);
@@ -186,29 +179,20 @@ pub fn beside_measured(run: &mut Run, inputs: &Inputs) {
     for ((name, of), _) in MEASURED.iter().zip(recorded).filter(|(_, there)| *there) {
         let mut column = vec![f64::NAN; places.len()];
         for piece in &inputs.pieces {
-            fill(&mut column, &places, &inputs.readings, piece, of);
+            let mut at = 0;
+            for pair in inputs.readings[piece.clone()].windows(2) {
+                let (a, b) = (&pair[0], &pair[1]);
+                at += places[at..]
+                    .iter()
+                    .take_while(|place| **place < a.s_m)
+                    .count();
+                while at < places.len() && places[at] <= b.s_m {
+                    let share = (places[at] - a.s_m) / (b.s_m - a.s_m).max(f64::MIN_POSITIVE);
+                    column[at] = of(a) + share * (of(b) - of(a));
+                    at += 1;
+                }
+            }
         }
         run.columns.insert((*name).to_string(), column);
-    }
-}
-
-fn fill(
-    column: &mut [f64],
-    places: &[f64],
-    readings: &[Reading],
-    piece: &Range<usize>,
-    of: &dyn Fn(&Reading) -> f64,
-) {
-    let mut at = 0;
-    for pair in readings[piece.clone()].windows(2) {
-        let (a, b) = (&pair[0], &pair[1]);
-        while at < places.len() && places[at] < a.s_m {
-            at += 1;
-        }
-        while at < places.len() && places[at] <= b.s_m {
-            let share = (places[at] - a.s_m) / (b.s_m - a.s_m).max(f64::MIN_POSITIVE);
-            column[at] = of(a) + share * (of(b) - of(a));
-            at += 1;
-        }
     }
 }

@@ -4,22 +4,17 @@
 use std::ops::Range;
 
 use crate::column::Sensor;
-
 use crate::error::Error;
 use crate::model::vehicle::Vehicle;
 use crate::record::check::LEAST_SAMPLES;
 use crate::record::check::judge::check_relations;
 use crate::record::files::{read_run, read_run_of};
-use crate::record::gaps::OnGaps;
-use crate::record::gaps::SampleCoverage;
+use crate::record::gaps::{OnGaps, SampleCoverage};
 use crate::record::index::Entry;
 use crate::record::needs::Needs;
 use crate::record::run::Run;
-use crate::series::noise_sd_within;
-use crate::series::{self, noise_gain};
-use crate::signals::prepare::Distance;
-use crate::signals::prepare::{PrepareOptions, Resampling};
-use crate::signals::sensed::Further;
+use crate::series::{noise_gain, noise_sd_within};
+use crate::signals::prepare::{PrepareOptions, Resampling, refuse_short};
 use crate::signals::sensed::Sensed;
 use crate::track::spline::Spline;
 
@@ -67,7 +62,7 @@ pub struct Inputs {
     pub pieces: Vec<Range<usize>>,
     /// Which of [`READ`] were recorded.
     pub recorded: [bool; 4],
-    /// Standard deviations of [`Reading::values`] that their noise leaves.
+    /// Standard deviations of the noise of [`Reading::values`].
     pub noise_sd: [f64; 4],
     /// What of the run takes part.
     pub taking_part: SampleCoverage,
@@ -99,29 +94,17 @@ impl Inputs {
     /// A run without `s_m` begins at `start_m` [m].
     ///
     /// # Errors
-    /// [`Error::MissingColumn`], [`Error::TooShort`], [`Error::Keys`] for an effect that needs what
+    /// [`Error::MissingColumn`], [`Error::TooFew`], [`Error::File`] for an effect that needs what
     /// nothing states.
     pub fn of(run: &Run, vehicle: &Vehicle, start_m: f64) -> Result<Inputs, Error> {
-        for name in NEEDS.columns {
-            run.column(name).map_err(|error| NEEDS.explain(error))?;
-        }
         let effects = vehicle.effects.on_track(&run.entry.track);
         let base = Resampling::of(run, &PrepareOptions::default());
-        let further = Further::of(run, vehicle, &effects, &NEEDS)?;
-        let mut distance = Distance::of(run)?;
-        let from = if run.columns.contains_key("s_m") {
-            0.0
-        } else {
-            start_m
-        };
+        let recorded = run.columns.contains_key("s_m");
+        let from = if recorded { 0.0 } else { start_m };
         let (mut readings, mut pieces) = (Vec::new(), Vec::new());
-        for (number, piece) in run.gaps.pieces.iter().enumerate() {
-            if base.samples(piece).len() < series::LEAST_SAMPLES {
-                continue;
-            }
-            let sensed = Sensed::of(run, piece, &base, &effects, &further, &mut distance)?;
+        for (sensed, valid) in Sensed::stretches(run, vehicle, &effects, &NEEDS, &base)? {
             let start = readings.len();
-            for i in base.valid_range(number, run.gaps.pieces.len(), sensed.len()) {
+            for i in valid {
                 let (signals, at) = (sensed.signals(i), sensed.operating_point(i));
                 readings.push(Reading {
                     t_s: at.t,
@@ -134,13 +117,7 @@ impl Inputs {
                 pieces.push(start..readings.len());
             }
         }
-        if readings.len() < LEAST_SAMPLES {
-            return Err(Error::TooShort {
-                file: run.entry.file.display().to_string(),
-                samples: readings.len(),
-                needed: LEAST_SAMPLES,
-            });
-        }
+        refuse_short(run, readings.len())?;
         let gain = noise_gain(base.from_hz, base.narrowest_hz);
         Ok(Inputs {
             entry: run.entry.clone(),
@@ -149,13 +126,7 @@ impl Inputs {
                 let column = run.columns.get(sensor.name());
                 column.map_or(0.0, |c| gain * noise_sd_within(run.gaps.within(c)))
             }),
-            taking_part: SampleCoverage {
-                run: run.entry.run.clone(),
-                gaps: run.gaps.clone(),
-                stretches: pieces.len(),
-                used_s: readings.len() as f64 / base.rate_hz,
-                of_s: run.len() as f64 * run.dt_s,
-            },
+            taking_part: run.coverage(pieces.len(), readings.len() as f64 / base.rate_hz),
             readings,
             pieces,
         })
@@ -195,14 +166,9 @@ impl Inputs {
             }
         }
         if s.len() < LEAST_SAMPLES {
-            return Err(Error::TooFew {
-                what: format!(
-                    "{}: samples along which the distance grows",
-                    self.entry.file.display()
-                ),
-                found: s.len(),
-                needed: LEAST_SAMPLES,
-            });
+            let file = self.entry.file.display();
+            let what = format!("{file}: samples along which the distance grows");
+            return Err(Error::too_few(what, s.len(), LEAST_SAMPLES));
         }
         Ok((Spline::natural(&s, &angle), bridged))
     }

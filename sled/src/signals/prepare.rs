@@ -15,8 +15,8 @@ use crate::record::gaps::SampleCoverage;
 use crate::record::index::Entry;
 use crate::record::needs::Needs;
 use crate::record::run::Run;
-use crate::series::{self, HALF_WIDTH, bridged, integral, noise_gain, ratio, resample_from};
-use crate::signals::sensed::{Further, Sensed, estimate_noise, no_number, slip_noise};
+use crate::series::{HALF_WIDTH, bridged, integral, noise_gain, ratio, resample_from};
+use crate::signals::sensed::{Sensed, estimate_noise, no_number, slip_noise};
 
 /// A run as a series of states with the motion measured at each.
 #[derive(Clone, Debug)]
@@ -54,11 +54,9 @@ impl Prepared {
 
     /// Forces on the runners as the motion demands them, one a state.
     pub fn measured_forces(&self, vehicle: &Vehicle) -> Vec<AxleForces> {
-        self.states
-            .iter()
-            .zip(&self.motions)
-            .map(|(state, motion)| inverse(vehicle, state, motion))
-            .collect()
+        let instants = self.states.iter().zip(&self.motions);
+        let inverse = |(state, motion)| inverse(vehicle, state, motion);
+        instants.map(inverse).collect()
     }
 }
 
@@ -77,8 +75,8 @@ impl Prepared {
 /// has decayed to 1 % there.
 ///
 /// # Errors
-/// [`Error::MissingColumn`], [`Error::TooShort`] where too little remains at the lower rate,
-/// [`Error::Keys`] for an effect that needs what neither the run's file nor `runs.csv` nor the
+/// [`Error::MissingColumn`], [`Error::TooFew`] where too little remains at the lower rate,
+/// [`Error::File`] for an effect that needs what neither the run's file nor `runs.csv` nor the
 /// model states.
 pub fn prepare(
     run: &Run,
@@ -86,37 +84,27 @@ pub fn prepare(
     noise: Option<&Noise>,
     options: &PrepareOptions,
 ) -> Result<Prepared, Error> {
-    for name in options.needs.columns {
-        run.column(name)
-            .map_err(|error| options.needs.explain(error))?;
-    }
     let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
     let (sled, effects) = (&vehicle.sled, &vehicle.effects);
     let base = Resampling::of(run, options);
-    let further = Further::of(run, vehicle, effects, &options.needs)?;
+    let stretches = Sensed::stretches(run, vehicle, effects, &options.needs, &base)?;
     let (mut states, mut motions, mut pieces) = (Vec::new(), Vec::new(), Vec::new());
     let mut speeds: (f64, usize) = (0.0, 0);
-    let mut distance = Distance::of(run)?;
     let along = run.columns.contains_key("ax_mps2");
-    for (number, piece) in run.gaps.pieces.iter().enumerate() {
-        let count = base.samples(piece).len();
-        if count < series::LEAST_SAMPLES {
-            continue;
-        }
-        let sensed = Sensed::of(run, piece, &base, effects, &further, &mut distance)?;
+    for (sensed, valid) in stretches {
+        let count = sensed.len();
         speeds.0 += (0..count).map(|i| sensed.operating_point(i).v).sum::<f64>();
         speeds.1 += count;
         let start = states.len();
-        let relaxation = effects.relaxation();
         let mut relaxed = Relaxed::default();
-        for i in base.valid_range(number, run.gaps.pieces.len(), count) {
+        for i in valid {
             let (mut state, mut motion) =
                 from_sensors(sled, &sensed.signals(i), &sensed.operating_point(i));
             if !along {
                 // What is not measured is no number, so that nothing rests on it.
                 (motion.accel_mps2[0], state.accel_mps2[0]) = (f64::NAN, f64::NAN);
             }
-            if let Some(distance) = relaxation {
+            if let Some(distance) = effects.relaxation() {
                 state.slip_rate_radps =
                     state.followed_rates(&mut relaxed, 1.0 / base.rate_hz, distance);
             }
@@ -130,39 +118,31 @@ pub fn prepare(
     if options.needs.forces {
         refuse_no_number(run, vehicle, &states)?;
     }
-    if states.len() < LEAST_SAMPLES {
-        return Err(Error::TooShort {
-            file: run.entry.file.display().to_string(),
-            samples: states.len(),
-            needed: LEAST_SAMPLES,
-        });
-    }
-    let noise = match noise {
-        Some(noise) => *noise,
-        None => estimate_noise(run),
-    };
+    refuse_short(run, states.len())?;
+    let noise = noise.copied().unwrap_or_else(|| estimate_noise(run));
     let mean_speed = speeds.0 / speeds.1 as f64;
     let (front, rear) = slip_noise(sled, &noise, mean_speed);
     // Both filters act on the noise at the recording's own rate; the narrower one decides.
     let gain = noise_gain(base.from_hz, base.narrowest_hz);
-    let mut prepared = Prepared {
+    let dt_s = 1.0 / base.rate_hz;
+    Ok(Prepared {
         entry: run.entry.clone(),
-        dt_s: 1.0 / base.rate_hz,
-        taking_part: SampleCoverage {
-            run: run.entry.run.clone(),
-            gaps: run.gaps.clone(),
-            stretches: pieces.len(),
-            used_s: 0.0,
-            of_s: 0.0,
-        },
+        dt_s,
+        taking_part: run.coverage(pieces.len(), states.len() as f64 * dt_s),
         states,
         motions,
         pieces,
         slip_sd_rad: [gain * front, gain * rear],
-    };
-    let (used_s, of_s) = (prepared.used_s(), run.len() as f64 * run.dt_s);
-    (prepared.taking_part.used_s, prepared.taking_part.of_s) = (used_s, of_s);
-    Ok(prepared)
+    })
+}
+
+/// Refuses a run of which too few samples remain at the lower rate.
+pub(crate) fn refuse_short(run: &Run, samples: usize) -> Result<(), Error> {
+    if samples >= LEAST_SAMPLES {
+        return Ok(());
+    }
+    let what = format!("{}: samples", run.entry.file.display());
+    Err(Error::too_few(what, samples, LEAST_SAMPLES))
 }
 
 /// Refuses effects whose forces are no numbers at a state: they would disable what compares with
@@ -188,10 +168,10 @@ fn refuse_no_number(run: &Run, vehicle: &Vehicle, states: &[State]) -> Result<()
         };
         bad(&one, state)
     };
-    match vehicle.effects.active.iter().find(alone) {
-        None => Ok(()),
-        effect => Err(no_number(run, effect, state.t_s, state.s_m)),
-    }
+    let effect = vehicle.effects.active.iter().find(alone);
+    effect.map_or(Ok(()), |effect| {
+        Err(no_number(run, Some(effect), state.t_s, state.s_m))
+    })
 }
 
 /// Prepares every run, in parallel and in order.
@@ -253,13 +233,13 @@ impl Resampling {
         let from = run.rate_hz();
         let lower = options.rate_hz < from * (1.0 - 1e-3);
         let rate = if lower { options.rate_hz } else { from };
-        let narrowest_hz = options
-            .cutoff_hz
-            .min(if lower { 0.4 * rate } else { f64::INFINITY });
-        let periods = if narrowest_hz < 0.5 * from {
-            (2.0 * rate / narrowest_hz).ceil() as usize
+        let of_resampling = if lower { 0.4 * rate } else { f64::INFINITY };
+        let narrowest_hz = options.cutoff_hz.min(of_resampling);
+        let filtered = narrowest_hz < 0.5 * from;
+        let periods = if filtered {
+            2.0 * rate / narrowest_hz
         } else {
-            0
+            0.0
         };
         Resampling {
             from_hz: from,
@@ -267,7 +247,7 @@ impl Resampling {
             ratio: if lower { ratio(from, rate) } else { 1.0 },
             cutoff_hz: options.cutoff_hz,
             narrowest_hz,
-            margin: periods + HALF_WIDTH,
+            margin: periods.ceil() as usize + HALF_WIDTH,
         }
     }
 
@@ -294,11 +274,8 @@ impl Resampling {
         count: usize,
     ) -> Range<usize> {
         let from = if number == 0 { 0 } else { self.margin };
-        let after = if number + 1 == stretches {
-            0
-        } else {
-            self.margin
-        };
+        let last = number + 1 == stretches;
+        let after = if last { 0 } else { self.margin };
         from..count.saturating_sub(after).max(from)
     }
 }
@@ -360,10 +337,7 @@ impl Distance {
 /// samples times m/s.
 fn across(v: &[f64], (from, v_from): (f64, f64), (to, v_to): (f64, f64)) -> f64 {
     let between = from.floor() as usize + 1..to.ceil() as usize;
-    let inner = between.map(|i| (i as f64, v[i]));
-    let points = std::iter::once((from, v_from))
-        .chain(inner)
-        .chain([(to, v_to)]);
+    let points = between.map(|i| (i as f64, v[i])).chain([(to, v_to)]);
     let mut sum = 0.0;
     let mut before = (from, v_from);
     for point in points {

@@ -1,4 +1,4 @@
-//! What the sensors of a run say in one stretch without a gap, filtered and their faults taken out.
+//! Readings of the sensors of a run in one stretch without a gap, filtered and their faults taken out.
 
 use std::ops::Range;
 
@@ -11,8 +11,7 @@ use crate::model::sled::{Noise, Sled};
 use crate::model::vehicle::{Vehicle, refuse_effects};
 use crate::record::needs::{Needs, refuse_drag_without_air};
 use crate::record::run::Run;
-use crate::series::noise_sd_within;
-use crate::series::{derivative, low_pass};
+use crate::series::{LEAST_SAMPLES, derivative, low_pass, noise_sd_within};
 use crate::signals::prepare::{Distance, Resampling};
 
 /// The sensors of one stretch at the rate of the states, those next to a gap included.
@@ -29,21 +28,48 @@ pub(crate) struct Sensed<'a> {
 /// The error of an effect that gives no number at a sample of a run.
 pub(crate) fn no_number(run: &Run, effect: Option<&Active>, t_s: f64, s_m: f64) -> Error {
     let name = effect.map_or("", |effect| effect.name.as_str());
-    Error::Keys {
-        file: run.entry.file.display().to_string(),
-        reason: format!(
-            "[effects.{name}] gives NaN at t = {t_s:.3} s, s = {s_m:.1} m: expected a number at every sample"
-        ),
-    }
+    let reason = format!(
+        "[effects.{name}] gives NaN at t = {t_s:.3} s, s = {s_m:.1} m: expected a number at every sample"
+    );
+    Error::file(&run.entry.file.display().to_string(), reason)
 }
 
 impl<'a> Sensed<'a> {
-    /// Low pass, down-sampling, delays and faults of the vehicle's `effects` taken out; a sensor
-    /// without a column says 0.
+    /// Every stretch that is long enough for the filters, with the range of its states that take
+    /// part.
     ///
     /// # Errors
-    /// [`Error::Keys`] for an effect that gives no number.
-    pub(crate) fn of(
+    /// Those of [`Further::of`] and [`Sensed::of`], [`Error::MissingColumn`].
+    pub(crate) fn stretches(
+        run: &'a Run,
+        vehicle: &Vehicle,
+        effects: &Effects,
+        needs: &Needs,
+        base: &Resampling,
+    ) -> Result<Vec<(Sensed<'a>, Range<usize>)>, Error> {
+        for name in needs.columns {
+            run.column(name).map_err(|error| needs.explain(error))?;
+        }
+        let further = Further::of(run, vehicle, effects, needs)?;
+        let mut distance = Distance::of(run)?;
+        let mut all = Vec::new();
+        let pieces = &run.gaps.pieces;
+        for (number, piece) in pieces.iter().enumerate() {
+            let count = base.samples(piece).len();
+            if count >= LEAST_SAMPLES {
+                let sensed = Sensed::of(run, piece, base, effects, &further, &mut distance)?;
+                all.push((sensed, base.valid_range(number, pieces.len(), count)));
+            }
+        }
+        Ok(all)
+    }
+
+    /// Low pass, down-sampling, delays and faults of the vehicle's `effects` taken out; a sensor
+    /// without a column reads 0.
+    ///
+    /// # Errors
+    /// [`Error::File`] for an effect that gives no number.
+    fn of(
         run: &'a Run,
         piece: &Range<usize>,
         base: &Resampling,
@@ -76,16 +102,17 @@ impl<'a> Sensed<'a> {
         let effects = effects.clone().in_time();
         sensed.rate = sensed.rates();
         if !effects.is_empty() {
+            let bad = |signals: &Signals| signals.value.iter().any(|value| !value.is_finite());
             for i in 0..samples.len() {
                 let mut signals = sensed.signals(i);
                 let at = sensed.operating_point(i);
                 let before = signals;
                 effects.correct(&at, &mut signals);
-                if signals.value.iter().any(|value| !value.is_finite()) {
+                if bad(&signals) {
                     let alone = |effect: &&Active| {
                         let mut signals = before;
                         effect.correct(&at, &mut signals);
-                        signals.value.iter().any(|value| !value.is_finite())
+                        bad(&signals)
                     };
                     let effect = effects.active.iter().find(alone);
                     return Err(no_number(run, effect, at.t, at.s));
@@ -144,8 +171,9 @@ pub struct Further {
     values: [Stated; 3],
 }
 
+#[derive(Clone)]
 enum Stated {
-    Nowhere,
+    /// NaN where nothing states it.
     Once(f64),
     /// By the place: [`Entry::ice_at`](crate::Entry::ice_at) of the run.
     ByPlace,
@@ -155,7 +183,6 @@ enum Stated {
 impl Stated {
     fn at(&self, i: usize, by_place: Option<f64>) -> f64 {
         match self {
-            Stated::Nowhere => f64::NAN,
             Stated::Once(value) => *value,
             Stated::ByPlace => by_place.unwrap_or(f64::NAN),
             Stated::BySample(values) => values[i],
@@ -168,7 +195,7 @@ impl Further {
     /// stated nowhere.
     ///
     /// # Errors
-    /// [`Error::Keys`] with the run's file, the effect and the column.
+    /// [`Error::File`] with the run's file, the effect and the column.
     pub fn of(
         run: &Run,
         vehicle: &Vehicle,
@@ -178,13 +205,7 @@ impl Further {
         let (own, model) = (&run.entry.conditions, &vehicle.conditions);
         let stated = model.complete(own);
         let once = [stated.humidity_pct, stated.distance_m, stated.ice_c];
-        let mut values = once.map(|value| {
-            if value.is_finite() {
-                Stated::Once(value)
-            } else {
-                Stated::Nowhere
-            }
-        });
+        let mut values = once.map(Stated::Once);
         if run.entry.ice_at(0.0).is_some() {
             values[ICE] = Stated::ByPlace;
         }
@@ -196,20 +217,17 @@ impl Further {
             }
         }
         let further = Further { values };
+        let nowhere = |value: &Stated| matches!(value, Stated::Once(value) if value.is_nan());
         let nowhere = FURTHER
             .iter()
             .zip(&further.values)
-            .filter(|(_, value)| matches!(value, Stated::Nowhere))
-            .map(|(name, _)| *name);
-        let weather = own
-            .absent()
-            .into_iter()
-            .filter(|name| name.starts_with("air"));
+            .filter(|(_, value)| nowhere(value));
+        let mut absent: Vec<&str> = nowhere.map(|(name, _)| *name).collect();
+        let weather = own.absent().into_iter();
+        absent.extend(weather.filter(|name| name.starts_with("air")));
         // Balances of forces do not contain the track's slope; replays take it from its table.
-        let sensors = COLUMNS
-            .into_iter()
-            .filter(|name| !run.columns.contains_key(*name));
-        let absent: Vec<&str> = nowhere.chain(weather).chain(sensors).collect();
+        let recorded = |name: &&str| run.columns.contains_key(*name);
+        absent.extend(COLUMNS.into_iter().filter(|name| !recorded(name)));
         let file = run.entry.file.display().to_string();
         refuse_effects(effects, &absent, &file)?;
         if needs.forces {
@@ -223,10 +241,8 @@ impl Further {
     /// rate.
     pub fn piece(&self, resampled: impl Fn(&[f64]) -> Vec<f64>) -> Further {
         let values = self.values.each_ref().map(|value| match value {
-            Stated::Nowhere => Stated::Nowhere,
-            Stated::Once(value) => Stated::Once(*value),
-            Stated::ByPlace => Stated::ByPlace,
             Stated::BySample(column) => Stated::BySample(resampled(column)),
+            other => other.clone(),
         });
         Further { values }
     }
@@ -260,10 +276,14 @@ pub fn estimate_noise(run: &Run) -> Noise {
         let column = run.columns.get(name);
         column.map_or(0.0, |column| noise_sd_within(run.gaps.within(column)))
     };
-    let largest = |names: [&str; 3]| names.into_iter().map(sd).fold(0.0, f64::max);
+    let largest = |axes: [Sensor; 3]| {
+        axes.map(|axis| sd(axis.name()))
+            .into_iter()
+            .fold(0.0, f64::max)
+    };
     Noise {
-        accel_mps2: largest(["ax_mps2", "ay_mps2", "az_mps2"]),
-        rate_radps: largest(["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"]),
+        accel_mps2: largest(Sensor::ACCELEROMETER),
+        rate_radps: largest(Sensor::GYROSCOPE),
         speed_mps: sd("v_mps"),
         slip_rad: sd("alpha_rad"),
         steer_rad: sd("delta_rad"),
@@ -282,8 +302,6 @@ pub fn slip_noise(sled: &Sled, noise: &Noise, v: f64) -> (f64, f64) {
         let lever = (x - sled.slip_x_m) / v;
         noise.slip_rad.powi(2) + (lever * noise.rate_radps).powi(2)
     };
-    (
-        (at(sled.l_f_m) + noise.steer_rad.powi(2)).sqrt(),
-        at(-sled.l_r_m).sqrt(),
-    )
+    let front = at(sled.l_f_m) + noise.steer_rad.powi(2);
+    (front.sqrt(), at(-sled.l_r_m).sqrt())
 }

@@ -29,10 +29,8 @@ impl EnergyBalance {
     /// What does not add up, relative to the largest term.
     pub fn relative_error(&self) -> f64 {
         let work = self.gravity_j + self.ice_j + self.air_j + self.wall_j;
-        let scale = self
-            .kinetic_end_j
-            .max(self.kinetic_start_j)
-            .max(self.gravity_j.abs());
+        let kinetic = self.kinetic_end_j.max(self.kinetic_start_j);
+        let scale = kinetic.max(self.gravity_j.abs());
         (self.kinetic_end_j - self.kinetic_start_j - work).abs() / scale
     }
 }
@@ -73,16 +71,14 @@ pub fn simulate(
     let vehicle = &vehicle.on_run(&track.name, &options.conditions);
     let conditions = vehicle.conditions.complete(&options.conditions);
     refuse_unstated(vehicle, &conditions, &track.ice, "simulation")?;
+    let variation = driver.variation(track.start_m, track.finish_m, options.seed);
     let world = World {
         vehicle,
         shape: track,
         conditions,
         ice: &track.ice,
         density: options.conditions.air_density(),
-        steering: Steering::Driver(
-            driver,
-            driver.mood(track.start_m, track.finish_m, options.seed),
-        ),
+        steering: Steering::Driver(driver, variation),
         contacts: &options.contacts,
         cross_curvature: options.cross_curvature_1pm,
     };
@@ -90,13 +86,10 @@ pub fn simulate(
     start[0] = track.start_m;
     start[3] = options.start_speed_mps;
     let (simulated, trouble) = integrate(&world, start, track.finish_m, options)?;
-    match trouble {
-        None => Ok(simulated),
-        Some(trouble) => Err(trouble),
-    }
+    trouble.map_or(Ok(simulated), Err)
 }
 
-/// Refuses what the vehicle asks of ice and air that neither `conditions` nor the places along the
+/// Refuses what the vehicle needs of ice and air that neither `conditions` nor the places along the
 /// track state.
 pub(crate) fn refuse_unstated(
     vehicle: &Vehicle,
@@ -280,7 +273,6 @@ pub(crate) fn steps_an_interval(options: &SimulateOptions) -> Result<usize, Erro
             });
         }
     }
-    Ok((1.0 / (options.rate_hz * options.step_s) - 1e-9)
-        .ceil()
-        .max(1.0) as usize)
+    let steps = 1.0 / (options.rate_hz * options.step_s) - 1e-9;
+    Ok(steps.ceil().max(1.0) as usize)
 }

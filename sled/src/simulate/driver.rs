@@ -4,10 +4,11 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::friction::GRAVITY;
 use crate::model::sled::Sled;
+use crate::motion::state::State;
 use crate::track::spline::Spline;
 use crate::track::table::TrackShape;
 
@@ -21,7 +22,7 @@ use crate::track::table::TrackShape;
 /// n is the distance left of the ideal line [m], w the yaw rate at which the line is driven without
 /// lateral force `preview` seconds ahead [rad/s], L the wheelbase [m], v the speed [m/s].
 /// `n_wanted` and the noise are smooth random functions of the distance.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Driver {
     /// Share of the curve's own steering angle that is steered ahead.
     pub feedforward: f64,
@@ -68,7 +69,7 @@ impl Driver {
     }
 
     /// The driver's random functions over a track from `start` to `finish` [m].
-    pub(crate) fn mood(&self, start: f64, finish: f64, seed: u64) -> RunVariation {
+    pub(crate) fn variation(&self, start: f64, finish: f64, seed: u64) -> RunVariation {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         RunVariation {
             noise: smooth_noise(start, finish, self.length_m, self.noise_rad, &mut random),
@@ -88,35 +89,18 @@ pub(crate) struct RunVariation {
 fn smooth_noise(start: f64, finish: f64, length: f64, sd: f64, random: &mut ChaCha8Rng) -> Spline {
     let count = ((finish - start) / length).ceil().clamp(2.0, 1e6) as usize + 2;
     let knots: Vec<f64> = (0..count).map(|i| start + i as f64 * length).collect();
-    let values: Vec<f64> = (0..count)
-        .map(|i| {
-            let normal: f64 = StandardNormal.sample(random);
-            if i == 0 { 0.0 } else { sd * normal }
-        })
-        .collect();
+    let normals = StandardNormal.sample_iter(random).take(count);
+    let mut values: Vec<f64> = normals.map(|normal: f64| sd * normal).collect();
+    values[0] = 0.0;
     Spline::natural(&knots, &values)
 }
 
 /// Who steers.
 pub(crate) enum Steering<'a> {
-    /// A driver, in his mood on this run.
+    /// A driver, with the variation of this run.
     Driver(&'a Driver, RunVariation),
     /// An angle recorded over the distance [rad over m].
     Recorded(Spline),
-}
-
-/// What a driver sees.
-pub(crate) struct Seen {
-    /// Distance [m].
-    pub s: f64,
-    /// Distance off the line [m].
-    pub n: f64,
-    /// Rates of both [m/s].
-    pub rates: [f64; 2],
-    /// Speed [m/s].
-    pub v: f64,
-    /// Steering angle now [rad].
-    pub delta: f64,
 }
 
 impl Steering<'_> {
@@ -128,21 +112,29 @@ impl Steering<'_> {
         }
     }
 
-    /// Its rate [rad/s].
-    pub(crate) fn rate(&self, shape: &TrackShape, sled: &Sled, seen: &Seen) -> f64 {
-        let (driver, mood) = match self {
-            Steering::Recorded(angle) => return angle.at(seen.s)[1] * seen.rates[0],
-            Steering::Driver(driver, mood) => (driver, mood),
+    /// Its rate [rad/s] at a state and at the rates [m/s] of the distance and of the offset `n` [m].
+    pub(crate) fn rate(
+        &self,
+        shape: &TrackShape,
+        sled: &Sled,
+        state: &State,
+        n: f64,
+        [ds, dn]: [f64; 2],
+    ) -> f64 {
+        let (s, v) = (state.s_m, state.v_mps);
+        let (driver, variation) = match self {
+            Steering::Recorded(angle) => return angle.at(s)[1] * ds,
+            Steering::Driver(driver, variation) => (driver, variation),
         };
-        let ahead = seen.s + driver.preview_s * seen.v;
+        let ahead = s + driver.preview_s * v;
         let bank = shape.bank.value(ahead);
-        let turn = -GRAVITY * shape.slope.value(ahead).cos() * bank.sin() / seen.v;
-        let ackermann = sled.wheelbase_m() * turn / seen.v;
+        let turn = -GRAVITY * shape.slope.value(ahead).cos() * bank.sin() / v;
+        let ackermann = sled.wheelbase_m() * turn / v;
         let wanted = driver.feedforward * ackermann
-            - driver.line_gain * (seen.n - mood.line.value(seen.s))
-            - driver.course_gain * seen.rates[1] / seen.v
-            + mood.noise.value(seen.s);
+            - driver.line_gain * (n - variation.line.value(s))
+            - driver.course_gain * dn / v
+            + variation.noise.value(s);
         let within = driver.most_rad * (wanted / driver.most_rad).tanh();
-        (within - seen.delta) / driver.lag_s
+        (within - state.delta_rad) / driver.lag_s
     }
 }

@@ -10,12 +10,9 @@ use crate::conditions::Conditions;
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Balance;
 use crate::motion::one_track::forces_at;
-use crate::motion::state::normal_forces;
-use crate::motion::state::{AxleForces, Motion, State};
-use crate::motion::state::{Slips, slips};
-use crate::simulate::driver::{Seen, Steering};
-use crate::track::table::IceAlong;
-use crate::track::table::TrackShape;
+use crate::motion::state::{AxleForces, Motion, Slips, State, normal_forces, slips};
+use crate::simulate::driver::Steering;
+use crate::track::table::{IceAlong, TrackShape};
 
 /// What is integrated: distance, offset, heading, speeds, steering, and the work done so far.
 ///
@@ -81,9 +78,9 @@ pub(crate) struct World<'a> {
 pub(crate) struct Before {
     /// Growth of the speed [m/s2].
     pub growth: f64,
-    /// Rates of the slip angles, front and rear [rad/s]; only effects ask for them.
+    /// Rates of the slip angles, front and rear [rad/s]; only effects need them.
     pub slip_rate: [f64; 2],
-    /// Specific force at the centre of gravity [m/s2]; only effects ask for it.
+    /// Specific force at the centre of gravity [m/s2]; only effects need it.
     pub accel: [f64; 3],
     /// Roll acceleration [rad/s2].
     pub roll_accel: f64,
@@ -268,14 +265,8 @@ impl World<'_> {
         let speed_growth = (vx * vx_t + vys * vys_t) / speed;
         let alpha_t = -(vys_t * vx - vys * vx_t) / (speed * speed);
         let turn_rate_t = (yaw_accel - yaw * speed_growth / speed) / speed;
-        let seen = Seen {
-            s,
-            n,
-            rates: [ds, dn],
-            v: speed,
-            delta,
-        };
-        let steering_t = self.steering.rate(self.shape, sled, &seen);
+        let steering = &self.steering;
+        let steering_t = steering.rate(self.shape, sled, &state, n, [ds, dn]);
         state.accel_mps2 = [fx, fy, fz];
         state.slip_rate_radps = [
             alpha_t - turn_rate_t * (sled.l_f_m - sled.slip_x_m) + steering_t,
@@ -350,24 +341,18 @@ impl World<'_> {
         if y.iter().any(|value| !value.is_finite()) {
             return Some("the motion is no longer finite".to_string());
         }
-        if y[VX] < 0.5 {
-            return Some(format!(
-                "speed {:.2} m/s, expected above 0.5 (slope_rad is positive downhill)",
-                y[VX]
-            ));
+        let (v, n, chi) = (y[VX], y[N], y[CHI]);
+        if v < 0.5 {
+            let expected = "expected above 0.5 (slope_rad is positive downhill)";
+            return Some(format!("speed {v:.2} m/s, {expected}"));
         }
-        if y[VX] > MOST_SPEED {
-            return Some(format!(
-                "speed {:.1e} m/s, expected below {MOST_SPEED}",
-                y[VX]
-            ));
+        if v > MOST_SPEED {
+            return Some(format!("speed {v:.1e} m/s, expected below {MOST_SPEED}"));
         }
-        if y[N].abs() > 5.0 || y[CHI].abs() > 1.2 {
-            return Some(format!(
-                "{:.1} m off the line at a heading of {:.2} rad: the sled went off the track",
-                y[N], y[CHI]
-            ));
-        }
-        None
+        (n.abs() > 5.0 || chi.abs() > 1.2).then(|| {
+            format!(
+                "{n:.1} m off the line at a heading of {chi:.2} rad: the sled went off the track"
+            )
+        })
     }
 }

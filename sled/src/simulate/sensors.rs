@@ -23,7 +23,7 @@ use crate::track::table::Track;
 
 /// What the sensors of the sled record of a simulated run, in the format of a measured one.
 ///
-/// The accelerometer at its place feels `f + dw/dt x r + w x (w x r)`, f being the specific force
+/// The accelerometer at its place measures `f + dw/dt x r + w x (w x r)`, f being the specific force
 /// at the centre of gravity; the slip sensor sees speed and slip angle at its own place. Effects of
 /// the vehicle that act between the truth and its sensors act. White noise of the stated deviations
 /// is added to each channel with `seed`; none where `noise` is absent. `s_m` is the true distance
@@ -37,9 +37,8 @@ pub fn record(
 ) -> Run {
     let vehicle = vehicle.on_run(&entry.track, &entry.conditions);
     let sled = &vehicle.sled;
-    let mut read: Vec<Signals> = simulated
-        .instants
-        .iter()
+    let instants = simulated.instants.iter();
+    let mut read: Vec<Signals> = instants
         .map(|instant| true_signals(sled, instant))
         .collect();
     let delays = vehicle.effects.delays();
@@ -52,8 +51,7 @@ pub fn record(
             effects.disturb(&instant.state.operating_point(), signals);
         }
     }
-    let silent = Noise::default();
-    let noise = noise.unwrap_or(&silent);
+    let noise = noise.copied().unwrap_or_default();
     let deviation = |sensor: Sensor| match sensor {
         Sensor::Ax | Sensor::Ay | Sensor::Az => noise.accel_mps2,
         Sensor::RollRate | Sensor::PitchRate | Sensor::YawRate => noise.rate_radps,
@@ -62,32 +60,25 @@ pub fn record(
         Sensor::Steering => noise.steer_rad,
         Sensor::RollSplit => noise.roll_split_rad,
     };
-    let mut channels: Vec<(&str, Vec<f64>, f64)> = Sensor::ALL
-        .into_iter()
-        .map(|sensor| {
-            let mut values: Vec<f64> = read.iter().map(|signals| signals[sensor]).collect();
-            let delay = delays[sensor as usize];
-            if delay != 0.0 {
-                values = ahead(&values, -delay / simulated.dt_s);
-            }
-            (sensor.name(), values, deviation(sensor))
-        })
-        .collect();
-    let distance = simulated.instants.iter().map(|i| i.state.s_m).collect();
-    channels.push(("s_m", distance, 0.0));
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x5e50_25ed);
-    for (_, values, sd) in &mut channels {
-        if *sd > 0.0 {
-            for value in values.iter_mut() {
+    let mut columns: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for sensor in Sensor::ALL {
+        let mut values: Vec<f64> = read.iter().map(|signals| signals[sensor]).collect();
+        let delay = delays[sensor as usize];
+        if delay != 0.0 {
+            values = ahead(&values, -delay / simulated.dt_s);
+        }
+        let sd = deviation(sensor);
+        if sd > 0.0 {
+            for value in &mut values {
                 let normal: f64 = StandardNormal.sample(&mut random);
-                *value += *sd * normal;
+                *value += sd * normal;
             }
         }
+        columns.insert(sensor.name().to_string(), values);
     }
-    let columns: BTreeMap<String, Vec<f64>> = channels
-        .into_iter()
-        .map(|(name, values, _)| (name.to_string(), values))
-        .collect();
+    let distance = simulated.instants.iter().map(|i| i.state.s_m);
+    columns.insert("s_m".to_string(), distance.collect());
     Run {
         entry,
         t0_s: 0.0,
@@ -99,7 +90,7 @@ pub fn record(
     }
 }
 
-/// What faultless sensors of this sled would say, with the rates that the motion tells.
+/// Readings of faultless sensors of this sled, with the rates that follow from the motion.
 fn true_signals(sled: &Sled, instant: &Instant) -> Signals {
     let s = &instant.state;
     let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
@@ -110,12 +101,9 @@ fn true_signals(sled: &Sled, instant: &Instant) -> Signals {
         sled: sled.constants(),
         ..Signals::default()
     };
-    for (i, sensor) in [Sensor::Ax, Sensor::Ay, Sensor::Az].into_iter().enumerate() {
-        signals[sensor] = instant.motion.accel_mps2[i] + lever[i];
-    }
-    let gyroscopes = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
-    for (i, sensor) in gyroscopes.into_iter().enumerate() {
-        signals.set(sensor, rates[i], angular[i]);
+    for i in 0..3 {
+        signals[Sensor::ACCELEROMETER[i]] = instant.motion.accel_mps2[i] + lever[i];
+        signals.set(Sensor::GYROSCOPE[i], rates[i], angular[i]);
     }
     signals.set(Sensor::Speed, s.v_mps, instant.speed_growth);
     let slip_rate = instant.alpha_sensor_rate_radps;

@@ -1,4 +1,4 @@
-//! The track as a sled feels it: slope, vertical curvature and bank over distance.
+//! The track under a sled: slope, vertical curvature and bank over distance.
 
 use std::path::Path;
 
@@ -33,7 +33,7 @@ const COLUMNS: [&str; 4] = ["s_m", "slope_rad", "curvature_1pm", "bank_rad"];
 /// Least length of a track [m]: ten times a sled, and more than any track has kilometres.
 const LEAST_SPAN_M: f64 = 20.0;
 
-/// Further columns of an estimated track: they say how well it is known, and nothing drives on
+/// Further columns of an estimated track: they state how well it is known, and nothing drives on
 /// them.
 const ERRORS: [&str; 4] = ["slope_sd_rad", "curvature_sd_1pm", "bank_sd_rad", "runs"];
 
@@ -71,45 +71,26 @@ impl Track {
         ];
         let mut columns = read_csv(reader, &required, file)?;
         columns.retain(|name, _| !ERRORS.contains(&name.as_str()));
-        let expected = || {
-            format!(
-                "{} (or radius_m for curvature_1pm) and perhaps ice_c",
-                COLUMNS.join(", ")
-            )
+        let odd = |column: &str, what: &str| {
+            let columns = COLUMNS.join(", ");
+            let expected = format!("{columns} (or radius_m for curvature_1pm) and perhaps ice_c");
+            Error::column(file, column, what, &expected)
         };
-        if let Some(unknown) = columns
-            .keys()
-            .find(|name| !required.contains(&name.as_str()))
-        {
-            return Err(Error::Column {
-                file: file.to_string(),
-                column: unknown.clone(),
-                what: "unknown",
-                expected: expected(),
-            });
+        let unknown = |name: &&String| !required.contains(&name.as_str());
+        if let Some(unknown) = columns.keys().find(unknown) {
+            return Err(odd(unknown, "unknown"));
         }
         if let Some(radius) = columns.remove("radius_m") {
             let curvature = radius.iter().map(|r| 1.0 / r).collect();
-            if columns
-                .insert("curvature_1pm".to_string(), curvature)
-                .is_some()
-            {
-                return Err(Error::Column {
-                    file: file.to_string(),
-                    column: "radius_m".to_string(),
-                    what: "given together with curvature_1pm",
-                    expected: expected(),
-                });
+            let before = columns.insert("curvature_1pm".to_string(), curvature);
+            if before.is_some() {
+                return Err(odd("radius_m", "given together with curvature_1pm"));
             }
         }
         let ice = columns.remove("ice_c").unwrap_or_default();
         let mut take = |column: &str| {
-            columns.remove(column).ok_or_else(|| Error::MissingColumn {
-                file: file.to_string(),
-                column: column.to_string(),
-                found: columns.keys().cloned().collect::<Vec<_>>().join(", "),
-                needed_by: None,
-            })
+            let values = columns.remove(column);
+            values.ok_or_else(|| Error::missing_column(file, column, columns.keys()))
         };
         let mut track = Track {
             name: name.to_string(),
@@ -123,13 +104,8 @@ impl Track {
         let (_, low, high) = CONDITIONS[0];
         if let Some(row) = ice.iter().position(|c| *c < low || *c > high) {
             let expected = format!("a number from {low} to {high}, or nothing");
-            return Err(Error::cell(
-                file,
-                row as u64 + 2,
-                "ice_c",
-                ice[row],
-                &expected,
-            ));
+            let line = row as u64 + 2;
+            return Err(Error::cell(file, line, "ice_c", ice[row], &expected));
         }
         track.ice = IceAlong::new(track.s_m.iter().zip(ice).map(|(s, c)| [*s, c]));
         Ok(track)
@@ -142,65 +118,42 @@ impl Track {
     /// metres.
     pub fn check(&self, file: &str) -> Result<(), Error> {
         if self.s_m.len() < 4 {
-            return Err(Error::TooFew {
-                what: format!("{file}: rows"),
-                found: self.s_m.len(),
-                needed: 4,
-            });
+            return Err(Error::too_few(format!("{file}: rows"), self.s_m.len(), 4));
         }
-        let ranges: [(&str, &[f64], f64, &str); 4] = [
-            ("s_m", &self.s_m, 1e6, "a distance [m]"),
-            (
-                "slope_rad",
-                &self.slope_rad,
-                1.2,
-                "radians, magnitudes below 1.2",
-            ),
-            (
-                "curvature_1pm",
-                &self.curvature_1pm,
-                1.0,
-                "1/m, magnitudes below 1",
-            ),
-            (
-                "bank_rad",
-                &self.bank_rad,
-                3.2,
-                "radians, magnitudes below 3.2",
-            ),
+        const EXPECTED: [(f64, &str); 4] = [
+            (1e6, "a distance [m]"),
+            (1.2, "radians, magnitudes below 1.2"),
+            (1.0, "1/m, magnitudes below 1"),
+            (3.2, "radians, magnitudes below 3.2"),
         ];
-        for (column, values, most, expected) in ranges {
+        for ((column, values), (most, expected)) in self.columns().into_iter().zip(EXPECTED) {
             if let Some(row) = values.iter().position(|v| v.is_nan() || v.abs() >= most) {
-                return Err(Error::cell(
-                    file,
-                    row as u64 + 2,
-                    column,
-                    values[row],
-                    expected,
-                ));
+                let line = row as u64 + 2;
+                return Err(Error::cell(file, line, column, values[row], expected));
             }
         }
         if let Some(row) = self.s_m.windows(2).position(|pair| pair[1] <= pair[0]) {
-            let expected = "more than in the row before";
-            return Err(Error::cell(
-                file,
-                row as u64 + 3,
-                "s_m",
-                self.s_m[row + 1],
-                expected,
-            ));
+            let (line, expected) = (row as u64 + 3, "more than in the row before");
+            return Err(Error::cell(file, line, "s_m", self.s_m[row + 1], expected));
         }
         let span = self.s_m[self.s_m.len() - 1] - self.s_m[0];
         if span < LEAST_SPAN_M {
-            return Err(Error::Unit {
-                file: file.to_string(),
-                column: "s_m".to_string(),
-                found: format!("from {} to {}", self.s_m[0], self.s_m[0] + span),
-                looks_like: "kilometres",
-                expected: "metres, 20 of them at least",
-            });
+            let (from, to) = (self.s_m[0], self.s_m[0] + span);
+            let what = format!("from {from} to {to}, which resembles kilometres");
+            let expected = "metres, 20 of them at least";
+            return Err(Error::column(file, "s_m", &what, expected));
         }
         Ok(())
+    }
+
+    pub(crate) fn columns(&self) -> [(&'static str, &[f64]); 4] {
+        let values = [
+            &self.s_m,
+            &self.slope_rad,
+            &self.curvature_1pm,
+            &self.bank_rad,
+        ];
+        std::array::from_fn(|k| (COLUMNS[k], values[k].as_slice()))
     }
 
     /// Writes the table as CSV.
@@ -208,12 +161,7 @@ impl Track {
     /// # Errors
     /// The writer's.
     pub fn write_csv(&self, writer: impl std::io::Write) -> std::io::Result<()> {
-        let mut columns: Vec<(&str, &[f64])> = vec![
-            ("s_m", &self.s_m),
-            ("slope_rad", &self.slope_rad),
-            ("curvature_1pm", &self.curvature_1pm),
-            ("bank_rad", &self.bank_rad),
-        ];
+        let mut columns = self.columns().to_vec();
         let ice: Vec<f64> = self.s_m.iter().filter_map(|s| self.ice.at(*s)).collect();
         if !ice.is_empty() {
             columns.push(("ice_c", &ice));

@@ -123,11 +123,11 @@ fn c_is_not_determined_for_a_runner_and_is_for_a_tyre() {
     let fit = fit_lateral(&track.drive(&runner, 3), &LateralFitOptions::default()).expect("fits");
     assert!(
         fit.c_held && fit.identifiability.rank() == 2,
-        "{}",
+        "{:?}",
         fit.identifiability
     );
     let last = fit.identifiability.combinations[2];
-    assert!(last.exponents[2].abs() > 0.99, "{}", fit.identifiability);
+    assert!(last.exponents[2].abs() > 0.99, "{last:?}");
     let tyre = MagicFormula {
         mu_zeta: 1.1,
         c: 1.5,
@@ -143,7 +143,7 @@ fn c_is_not_determined_for_a_runner_and_is_for_a_tyre() {
         let fit = fit_lateral(&track.drive(&tyre, seed), &options).expect("fits");
         assert!(
             !fit.c_held && fit.identifiability.rank() == 3,
-            "{}",
+            "{:?}",
             fit.identifiability
         );
         covered[0] += u32::from(fit.c.covers(tyre.c));

@@ -1,4 +1,4 @@
-//! The film's equation integrated along the strip, with steps as short as the accuracy asks.
+//! The film's equation integrated along the strip, with steps as short as the accuracy requires.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -33,7 +33,7 @@ const ROUNDS: usize = 6;
 /// Reynolds, Phil. Trans. R. Soc. 177 (1886)). The film starts at 0 as the root of `xi`.
 /// It never ends: where the walls take more heat than friction gives
 /// (`melt_rate` negative) it freezes and thins until `tau V` is as much, so that thickness goes to
-/// nanometres and below for a slow runner on cold ice, but not to 0. What the model then says is
+/// nanometres and below for a slow runner on cold ice, but not to 0. The model then states
 /// the heat that the ice can take, not that there is a film: [`Film::thinnest`] is to be compared
 /// with roughness and the size of a molecule.
 ///
@@ -93,18 +93,17 @@ fn along(track: &Track<'_>, options: &FilmOptions) -> Result<Film, Error> {
     let mut tolerance = 0.1 * options.accuracy;
     let mut reached = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let steps = grade(track, tolerance)?;
-        let coarse = sweep(track, &steps, 1)?;
-        let fine = sweep(track, &steps, 2)?;
+        let (steps, fine) = grade(track, tolerance)?;
+        let coarse = sweep(track, &steps)?;
         let errors = fine.totals.difference(&coarse.totals);
-        let [of_ice, of_water] = track.heats();
-        reached = errors.largest_share(&fine.totals, of_ice, of_water);
+        reached = errors.largest_share(&fine.totals, track.heats());
         if reached <= options.accuracy {
             let ends = fine.ends.iter().zip(&coarse.ends).enumerate();
+            let station = |(k, (h, other)): (usize, (&f64, &f64))| {
+                track.station(k + 1, *h, (h - other).abs())
+            };
             return Ok(Film {
-                stations: ends
-                    .map(|(k, (h, other))| track.station(k + 1, *h, (h - other).abs()))
-                    .collect(),
+                stations: ends.map(station).collect(),
                 totals: fine.totals,
                 errors,
                 sampling: None,
@@ -142,112 +141,96 @@ impl Step {
         Some((h[2], added))
     }
 
-    /// As [`Step::take`], in `parts` equal parts.
-    fn take_in(&self, track: &Track<'_>, before: f64, parts: usize) -> Option<(f64, FilmTotals)> {
-        let length = self.length / parts as f64;
-        let mut h = before;
-        let mut added = FilmTotals::default();
-        for part in 0..parts {
-            let step = Step {
-                segment: self.segment,
-                from: self.from + part as f64 * length,
-                length,
-            };
-            let (next, more) = step.take(track, h)?;
-            h = next;
-            added = added.combined(&more, |a, b| a + b);
-        }
-        Some((h, added))
+    /// As [`Step::take`], in two halves.
+    fn take_halved(&self, track: &Track<'_>, before: f64) -> Option<(f64, FilmTotals)> {
+        let length = self.length / 2.0;
+        let half = |from: f64| Step {
+            segment: self.segment,
+            from,
+            length,
+        };
+        let (middle, first) = half(self.from).take(track, before)?;
+        let (end, second) = half(self.from + length).take(track, middle)?;
+        Some((end, FilmTotals::default().plus(&first).plus(&second)))
     }
 }
 
 /// Steps whose halving changes neither the thickness nor any total so far by more than `tolerance`,
-/// each step by itself.
+/// each step by itself; with the film on the halved steps.
 ///
 /// Every total counts: heat into the ice has a root's singularity behind each station where the
 /// pressure's slope changes, and melting and freezing a kink where one goes over into the other,
-/// which thickness and drag do not feel.
-fn grade(track: &Track<'_>, tolerance: f64) -> Result<Vec<Step>, Error> {
+/// which do not affect thickness and drag.
+fn grade(track: &Track<'_>, tolerance: f64) -> Result<(Vec<Step>, Sweep), Error> {
     let last = track.segment(track.segments() - 1)[1];
     let shortest = 1e-13 * last;
     let mut steps = Vec::new();
     let (mut h, mut wished) = (0.0, last);
-    let mut totals = FilmTotals::default();
-    let heats = track.heats();
+    let mut sweep = Sweep::default();
     for segment in 0..track.segments() {
         let [mut from, to] = track.segment(segment);
         while from < to {
             let rest = to - from;
             let whole = wished >= 0.999 * rest;
-            let length = if whole {
-                rest
-            } else {
-                wished.min(0.5 * rest).max(shortest)
-            };
+            let part = wished.min(0.5 * rest).max(shortest);
             let step = Step {
                 segment,
                 from,
-                length,
+                length: if whole { rest } else { part },
             };
-            let (whole_step, halved) = (step.take(track, h), step.take_in(track, h, 2));
+            let length = step.length;
+            let halved = step.take_halved(track, h);
             let mut error = f64::INFINITY;
-            if let (Some(one), Some(two)) = (&whole_step, &halved) {
-                let so_far = totals.combined(&two.1, |a, b| a + b);
+            if let (Some(one), Some(two)) = (step.take(track, h), &halved) {
+                let so_far = sweep.totals.plus(&two.1);
                 let changed = one.1.difference(&two.1);
-                let of_totals = changed.largest_share(&so_far, heats[0], heats[1]);
                 let of_thickness = (one.0 - two.0).abs() / two.0;
-                // What is no number is no small error.
-                error = if of_totals >= of_thickness {
-                    of_totals
-                } else {
-                    of_thickness
-                };
+                error = larger(changed.largest_share(&so_far, track.heats()), of_thickness);
             }
             let grown = 0.9 * (tolerance / error.max(1e-300)).powf(1.0 / 6.0);
             wished = length * grown.clamp(0.2, 5.0);
-            match halved {
-                Some((next, added)) if error <= tolerance || length <= shortest => {
+            let short = length <= shortest;
+            match halved.filter(|_| error <= tolerance || short) {
+                Some((next, added)) => {
                     h = next;
-                    totals = totals.combined(&added, |a, b| a + b);
+                    sweep.totals = sweep.totals.plus(&added);
                     from = if whole { to } else { from + length };
                     steps.push(step);
                 }
-                _ if length <= shortest || !wished.is_finite() => {
+                None if short || !wished.is_finite() => {
                     return Err(stopped(steps.len(), error, tolerance));
                 }
-                _ => {}
+                None => {}
             }
             if steps.len() > MOST_STEPS {
                 return Err(stopped(steps.len(), error, tolerance));
             }
         }
+        sweep.ends.push(h);
     }
-    Ok(steps)
+    sweep.totals.average();
+    Ok((steps, sweep))
 }
 
 /// The film on given steps: thickness at the end of each segment, and the totals.
+#[derive(Default)]
 struct Sweep {
     ends: Vec<f64>,
     totals: FilmTotals,
 }
 
-fn sweep(track: &Track<'_>, steps: &[Step], parts: usize) -> Result<Sweep, Error> {
+fn sweep(track: &Track<'_>, steps: &[Step]) -> Result<Sweep, Error> {
     let mut ends = vec![0.0; track.segments()];
     let mut totals = FilmTotals::default();
     let mut h = 0.0;
     for (done, step) in steps.iter().enumerate() {
-        let (next, added) = step
-            .take_in(track, h, parts)
-            .ok_or_else(|| stopped(done, f64::INFINITY, 0.0))?;
+        let taken = step.take(track, h);
+        let (next, added) = taken.ok_or_else(|| stopped(done, f64::INFINITY, 0.0))?;
         h = next;
         ends[step.segment] = h;
-        totals = totals.combined(&added, |a, b| a + b);
+        totals = totals.plus(&added);
     }
-    totals.viscous_friction = totals.viscous_drag / totals.load;
-    totals.boundary_friction = totals.boundary_drag / totals.load;
-    totals.friction = totals.viscous_friction + totals.boundary_friction;
-    totals.mean_thickness /= totals.area;
-    totals.boundary_share /= totals.area;
+    totals.average();
     Ok(Sweep { ends, totals })
 }
 
@@ -264,7 +247,7 @@ fn stopped(iterations: usize, residual: f64, tolerance: f64) -> Error {
 /// point.
 const NARROWEST: f64 = 1e-3;
 
-/// What the film's equation says along a strip.
+/// The film's equation along a strip.
 ///
 /// With `s = sqrt(xi)` instead of `xi` the thickness starts as `h = a s` and every term stays
 /// finite:
@@ -379,9 +362,6 @@ impl<'a> Track<'a> {
             area,
             viscous_drag,
             boundary_drag,
-            friction: 0.0,
-            viscous_friction: 0.0,
-            boundary_friction: 0.0,
             boundary_share: touching,
             dissipated,
             into_ice,
@@ -390,12 +370,13 @@ impl<'a> Track<'a> {
             refrozen: (-melting).max(0.0),
             squeezed_out: self.squeeze(k, xi) * h.powi(3) * area,
             mean_thickness: h * area,
+            ..FilmTotals::default()
         }
     }
 
     /// The film at station `k`, not the first, where it is `h` thick.
     fn station(&self, k: usize, h: f64, thickness_error: f64) -> FilmStation {
-        let xi = self.strip.xi()[k];
+        let (xi, pressure) = (self.strip.xi()[k], self.strip.pressure()[k]);
         let heat_into_ice = self.heat_into_ice.scaled(xi) / xi.sqrt();
         let heat_into_steel = self.heat_into_steel(k - 1, xi);
         let boundary_share = self.boundary.share(h);
@@ -404,12 +385,10 @@ impl<'a> Track<'a> {
         FilmStation {
             xi,
             width: self.strip.width()[k],
-            pressure: self.strip.pressure()[k],
+            pressure,
             thickness: h,
             thickness_error,
-            temperature: self
-                .properties
-                .melting_temperature(self.strip.pressure()[k]),
+            temperature: self.properties.melting_temperature(pressure),
             melt_rate: melting / (self.properties.ice_density * self.properties.latent_heat),
             shear,
             boundary_share,
@@ -423,15 +402,15 @@ impl<'a> Track<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Rate {
     /// Friction heat that melts.
-    pub alpha: f64,
+    alpha: f64,
     /// Heat that is lost.
-    pub beta: f64,
+    beta: f64,
     /// Squeeze-out.
-    pub gamma: f64,
+    gamma: f64,
     /// Heat of boundary friction.
-    pub delta: f64,
+    delta: f64,
     /// Where steel and ice touch.
-    pub boundary: BoundaryContact,
+    boundary: BoundaryContact,
 }
 
 impl Rate {
@@ -477,24 +456,21 @@ fn weights() -> [f64; 3] {
 
 fn stages() -> Matrix3<f64> {
     let root = 6.0_f64.sqrt();
-    let last = weights();
-    Matrix3::new(
-        (88.0 - 7.0 * root) / 360.0,
-        (296.0 - 169.0 * root) / 1800.0,
-        (-2.0 + 3.0 * root) / 225.0,
-        (296.0 + 169.0 * root) / 1800.0,
-        (88.0 + 7.0 * root) / 360.0,
-        (-2.0 - 3.0 * root) / 225.0,
-        last[0],
-        last[1],
-        last[2],
-    )
+    let first = [(88.0 - 7.0 * root) / 360.0, (296.0 - 169.0 * root) / 1800.0];
+    let second = [(296.0 + 169.0 * root) / 1800.0, (88.0 + 7.0 * root) / 360.0];
+    let last = [(-2.0 + 3.0 * root) / 225.0, (-2.0 - 3.0 * root) / 225.0];
+    let rows = [
+        [first[0], first[1], last[0]],
+        [second[0], second[1], last[1]],
+        weights(),
+    ];
+    Matrix3::from_row_slice(rows.as_flattened())
 }
 
 /// The three stages of one step of Radau IIA of order 5 from the thickness `before`, the last its
 /// end; `None` without convergence.
 ///
-/// The method is stable for any stiffness and never asks for the rate at the beginning of the step,
+/// The method is stable for any stiffness and never needs the rate at the beginning of the step,
 /// where the film's is without bound at the leading edge; a thickness that grows linearly in `s` it
 /// meets exactly. Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd
 /// ed., Springer 1996, section IV.5.
@@ -586,6 +562,15 @@ pub struct FilmTotals {
 }
 
 impl FilmTotals {
+    /// Divides what is summed by load and area.
+    fn average(&mut self) {
+        self.viscous_friction = self.viscous_drag / self.load;
+        self.boundary_friction = self.boundary_drag / self.load;
+        self.friction = self.viscous_friction + self.boundary_friction;
+        self.mean_thickness /= self.area;
+        self.boundary_share /= self.area;
+    }
+
     /// Field by field.
     fn combined(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
         FilmTotals {
@@ -607,6 +592,10 @@ impl FilmTotals {
         }
     }
 
+    fn plus(&self, other: &Self) -> Self {
+        self.combined(other, |a, b| a + b)
+    }
+
     /// Absolute differences, field by field.
     fn difference(&self, other: &Self) -> Self {
         self.combined(other, |a, b| (a - b).abs())
@@ -614,9 +603,9 @@ impl FilmTotals {
 
     /// The largest of these errors of `value`, relative to it; that of the boundary drag, which may
     /// be next to nothing, relative to both drags; those of heat and water, which may be small
-    /// differences, relative to the power that is dissipated and to the water that it would melt,
-    /// `heat_of_ice` [J/kg] and `heat_of_water` [J/m3].
-    fn largest_share(&self, value: &Self, heat_of_ice: f64, heat_of_water: f64) -> f64 {
+    /// differences, relative to the power that is dissipated and to what it would melt, by the
+    /// heats of ice [J/kg] and of water [J/m3].
+    fn largest_share(&self, value: &Self, [heat_of_ice, heat_of_water]: [f64; 2]) -> f64 {
         let power = value.dissipated;
         // Ahead of the first pressure no load is carried, without an error.
         let over = |error: f64, value: f64| if error == 0.0 { 0.0 } else { error / value };
@@ -633,11 +622,13 @@ impl FilmTotals {
             over(self.squeezed_out * heat_of_water, power),
         ]
         .into_iter()
-        .fold(0.0, |largest, share| {
-            // A share that is no number must not pass for a small one.
-            if share <= largest { largest } else { share }
-        })
+        .fold(0.0, larger)
     }
+}
+
+/// The larger of two errors; what is no number is no small error.
+fn larger(largest: f64, error: f64) -> f64 {
+    if error <= largest { largest } else { error }
 }
 
 /// The melt film along a strip.
@@ -660,15 +651,13 @@ pub struct Film {
 impl Film {
     /// The station with the thickest film.
     pub fn thickest(&self) -> Option<&FilmStation> {
-        self.stations
-            .iter()
-            .max_by(|a, b| a.thickness.total_cmp(&b.thickness))
+        let stations = self.stations.iter();
+        stations.max_by(|a, b| a.thickness.total_cmp(&b.thickness))
     }
 
     /// The station with the thinnest film: what roughness has to be compared with.
     pub fn thinnest(&self) -> Option<&FilmStation> {
-        self.stations
-            .iter()
-            .min_by(|a, b| a.thickness.total_cmp(&b.thickness))
+        let stations = self.stations.iter();
+        stations.min_by(|a, b| a.thickness.total_cmp(&b.thickness))
     }
 }

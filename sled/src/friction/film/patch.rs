@@ -49,17 +49,13 @@ impl Patch {
     /// As [`Strip::uniform`] and [`film`].
     pub fn friction(&self, fz: f64, v: f64, ice_c: f64, boundary_shear: f64) -> Result<f64, Error> {
         let strip = Strip::uniform(self.length, self.width, fz / (self.length * self.width))?;
-        let boundary = match boundary_shear == 0.0 {
-            true => BoundaryContact::NONE,
-            false => BoundaryContact {
+        let mut conditions = FilmConditions::new(v, ice_c);
+        if boundary_shear != 0.0 {
+            conditions.boundary = BoundaryContact {
                 roughness: self.roughness,
                 shear: boundary_shear,
-            },
-        };
-        let conditions = FilmConditions {
-            boundary,
-            ..FilmConditions::new(v, ice_c)
-        };
+            };
+        }
         let options = FilmOptions::default();
         let film = film(&strip, &conditions, &Properties::WATER_AND_ICE, &options)?;
         Ok(film.totals.friction)

@@ -146,12 +146,8 @@ impl FilmConditions {
         let steel = self.steel_c;
         let steel_range = (-100.0..=100.0).contains(&steel);
         in_range("steel_c", steel, steel_range, "-100 to 100 C")?;
-        in_range(
-            "sliding_time",
-            self.sliding_time,
-            self.sliding_time > 0.0,
-            positive,
-        )?;
+        let time = self.sliding_time;
+        in_range("sliding_time", time, time > 0.0, positive)?;
         let factor = self.viscosity_factor;
         in_range("viscosity_factor", factor, factor > 0.0, positive)?;
         let BoundaryContact { roughness, shear } = self.boundary;
@@ -198,7 +194,8 @@ impl BoundaryContact {
     /// Share of the area that touches through a film `h` [m] thick; 0 of surfaces without
     /// roughness.
     pub fn share(&self, h: f64) -> f64 {
-        if self.roughness > 0.0 {
+        let rough = self.roughness > 0.0;
+        if rough {
             erfc(h / (SQRT_2 * self.roughness))
         } else {
             0.0
@@ -222,7 +219,7 @@ pub struct FilmOptions {
     /// Discretisation error required of every total, 1e-10 to 0.1: relative to its value, that of
     /// heat and water, which may be small differences, to the power that is dissipated and the
     /// water that it would melt. Down to 1e-8 it is reached on any patch that was tried (thousands,
-    /// of pressures in steps among them); where it is not, [`Error::NotConverged`] says how far it
+    /// of pressures in steps among them); where it is not, [`Error::NotConverged`] states how far it
     /// came.
     pub accuracy: f64,
 }
@@ -267,15 +264,23 @@ impl Strip {
     /// finite.
     pub fn new(xi: Vec<f64>, width: Vec<f64>, pressure: Vec<f64>) -> Result<Self, Error> {
         let n = xi.len();
-        if n < 2 {
-            return Err(too_few("stations of a strip", n, 2));
-        }
-        for (what, have) in [
-            ("widths of a strip, one a station", width.len()),
-            ("pressures of a strip, one a station", pressure.len()),
+        for (what, have, holds, needed) in [
+            ("stations of a strip", n, n >= 2, 2),
+            (
+                "widths of a strip, one a station",
+                width.len(),
+                width.len() == n,
+                n,
+            ),
+            (
+                "pressures of a strip, one a station",
+                pressure.len(),
+                pressure.len() == n,
+                n,
+            ),
         ] {
-            if have != n {
-                return Err(too_few(what, have, n));
+            if !holds {
+                return Err(Error::too_few(what, have, needed));
             }
         }
         in_range("xi", xi[0], xi[0] == 0.0, "0 at the leading edge")?;
@@ -284,13 +289,9 @@ impl Strip {
         }
         for (k, &w) in width.iter().enumerate() {
             let end = k == 0 || k + 1 == n;
-            let holds = if end { w >= 0.0 } else { w > 0.0 };
-            in_range(
-                "width",
-                w,
-                holds,
-                "above 0 between the ends, 0 or more there",
-            )?;
+            let holds = w > 0.0 || end && w == 0.0;
+            let expected = "above 0 between the ends, 0 or more there";
+            in_range("width", w, holds, expected)?;
         }
         for &p in &pressure {
             in_range("pressure", p, p >= 0.0, "0 or more")?;
@@ -356,12 +357,8 @@ impl Strip {
             chosen.push(values[n - 1]);
             chosen
         };
-        Strip::new(
-            thinned(&self.xi),
-            thinned(&self.width),
-            thinned(&self.pressure),
-        )
-        .ok()
+        let [xi, width, pressure] = [&self.xi, &self.width, &self.pressure].map(|x| thinned(x));
+        Strip::new(xi, width, pressure).ok()
     }
 }
 
@@ -369,14 +366,6 @@ impl Strip {
 pub(crate) fn between(xi: &[f64], values: &[f64], k: usize, at: f64) -> f64 {
     let share = (at - xi[k]) / (xi[k + 1] - xi[k]);
     values[k] + share * (values[k + 1] - values[k])
-}
-
-fn too_few(what: &str, found: usize, needed: usize) -> Error {
-    Error::TooFew {
-        what: what.into(),
-        found,
-        needed,
-    }
 }
 
 /// Molar gas constant [J/(mol K)], exact in the SI of 2019.
@@ -482,11 +471,8 @@ pub fn pressure_melting_bound(temperature: f64, properties: &Properties) -> f64 
 fn exponent(temperature: f64) -> f64 {
     let inverse = 1.0 / (temperature + ZERO_CELSIUS);
     let knee = 1.0 / (KNEE + ZERO_CELSIUS);
-    let energy = if temperature > KNEE {
-        ENERGY_ABOVE
-    } else {
-        ENERGY_BELOW
-    };
+    let warm = temperature > KNEE;
+    let energy = if warm { ENERGY_ABOVE } else { ENERGY_BELOW };
     energy / (HARDNESS_EXPONENT * GAS_CONSTANT) * (inverse - knee)
 }
 

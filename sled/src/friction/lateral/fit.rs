@@ -7,7 +7,6 @@
 //! a time, so that correlation within a run does not make them too narrow.
 
 use std::collections::BTreeMap;
-use std::fmt;
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
@@ -49,8 +48,6 @@ pub struct LateralFit {
     pub residual_rms: f64,
     /// Samples used.
     pub samples: usize,
-    /// Samples excluded: lifted, or so lightly loaded that slip noise spans the whole curve.
-    pub left_out: usize,
     /// Clusters that the intervals rest on.
     pub clusters: usize,
 }
@@ -96,11 +93,13 @@ pub fn fit_lateral(
         let theta = corrected_root(&used, start, free, options)?;
         let model = model_of(&theta, options.e);
         let covariance = leave_one_cluster_out(&used, &model, free, options.slip_sd)?;
-        Ok((theta, model, covariance))
+        Ok::<_, Error>((theta, model, covariance))
     };
     let both = attempt(&least_squares_model, free);
-    let product_determined =
-        matches!(&both, Ok((_, _, covariance)) if covariance[(1, 1)].sqrt() < Combination::LIMIT);
+    let certain = |covariance: &Matrix3<f64>| covariance[(1, 1)].sqrt() < Combination::LIMIT;
+    let product_determined = both
+        .as_ref()
+        .is_ok_and(|(.., covariance)| certain(covariance));
     // Where the best product is infinite the curve is a straight line, and K is fitted alone.
     let (theta, model, covariance) = match both {
         Ok(both) => both,
@@ -124,19 +123,13 @@ pub fn fit_lateral(
             high: (log + half).exp(),
         }
     };
-    let or_unknown = |estimate: Estimate| match product_determined {
-        true => estimate,
-        false => Estimate {
-            low: 0.0,
-            high: f64::INFINITY,
-            ..estimate
-        },
+    let or_unknown = |mut estimate: Estimate| {
+        if !product_determined {
+            (estimate.low, estimate.high) = (0.0, f64::INFINITY);
+        }
+        estimate
     };
     let mu_zeta_variance = covariance[(1, 1)] + covariance[(2, 2)] - 2.0 * covariance[(1, 2)];
-    let squares: f64 = used
-        .iter()
-        .map(|s| (s.fy - model.force(s.alpha, s.fz)).powi(2))
-        .sum();
     Ok(LateralFit {
         model,
         k_n_per_rad: estimate(theta[0], covariance[(0, 0)]),
@@ -150,22 +143,22 @@ pub fn fit_lateral(
         least_squares: least_squares_model,
         attenuation: least_squares_model.k_n_per_rad / model.k_n_per_rad,
         slip_sd: options.slip_sd,
-        residual_rms: (squares / used.len() as f64).sqrt(),
+        residual_rms: (squares(&used, &model) / used.len() as f64).sqrt(),
         samples: used.len(),
-        left_out: samples.len() - used.len(),
         clusters,
     })
 }
 
 fn need(found: usize) -> Result<(), Error> {
-    if found >= FEWEST {
-        return Ok(());
-    }
-    Err(Error::TooFew {
-        what: "lateral fit: samples with enough load".into(),
-        found,
-        needed: FEWEST,
-    })
+    let what = "lateral fit: samples with enough load";
+    let error = || Error::too_few(what, found, FEWEST);
+    (found >= FEWEST).then_some(()).ok_or_else(error)
+}
+
+/// Sum of the squared residual forces [N2].
+fn squares(samples: &[LateralSample], model: &MagicFormula) -> f64 {
+    let residual = |s: &LateralSample| s.fy - model.force(s.alpha, s.fz);
+    samples.iter().map(|s| residual(s).powi(2)).sum()
 }
 
 fn check(samples: &[LateralSample], options: &LateralFitOptions) -> Result<(), Error> {
@@ -174,23 +167,14 @@ fn check(samples: &[LateralSample], options: &LateralFitOptions) -> Result<(), E
     in_range("c", options.c, c, "above 0, below 2")?;
     let slip_sd = (0.0..0.1).contains(&options.slip_sd);
     in_range("slip_sd", options.slip_sd, slip_sd, "0 to 0.1 rad")?;
-    let confidence = options.confidence > 0.0 && options.confidence < 1.0;
-    in_range(
-        "confidence",
-        options.confidence,
-        confidence,
-        "above 0, below 1",
-    )?;
-    for sample in samples {
-        let slip = sample.alpha.abs() < std::f64::consts::FRAC_PI_2;
-        in_range(
-            "slip angle",
-            sample.alpha,
-            slip,
-            "radians within a quarter turn",
-        )?;
-        in_range("normal force", sample.fz, true, "a finite force [N]")?;
-        in_range("lateral force", sample.fy, true, "a finite force [N]")?;
+    let confidence = options.confidence;
+    let holds = confidence > 0.0 && confidence < 1.0;
+    in_range("confidence", confidence, holds, "above 0, below 1")?;
+    for LateralSample { alpha, fz, fy, .. } in samples {
+        let slip = alpha.abs() < std::f64::consts::FRAC_PI_2;
+        in_range("slip angle", *alpha, slip, "radians within a quarter turn")?;
+        in_range("normal force", *fz, true, "a finite force [N]")?;
+        in_range("lateral force", *fy, true, "a finite force [N]")?;
     }
     Ok(())
 }
@@ -215,11 +199,8 @@ fn first_guess(
     if true_square <= 0.02 * slip_square {
         return Err(Error::Undetermined {
             what: "cornering stiffness K (the slip is within its noise)",
-            ratio: if slip_square > 0.0 {
-                (true_square / slip_square).max(0.0)
-            } else {
-                0.0
-            },
+            // 0 of 0 is 0.
+            ratio: (true_square / slip_square).max(0.0),
         });
     }
     let product: f64 = samples.iter().map(|s| s.alpha * s.fy).sum();
@@ -227,12 +208,9 @@ fn first_guess(
     friction.sort_by(f64::total_cmp);
     let p = friction[friction.len() * 9 / 10].max(1e-6);
     let k_n_per_rad = product / true_square;
-    in_range(
-        "cornering stiffness of a straight line",
-        k_n_per_rad,
-        k_n_per_rad > 0.0,
-        "positive: check the signs of slip and force",
-    )?;
+    let (name, positive) = ("cornering stiffness of a straight line", k_n_per_rad > 0.0);
+    let expected = "positive: check the signs of slip and force";
+    in_range(name, k_n_per_rad, positive, expected)?;
     Ok(MagicFormula {
         mu_zeta: p / options.c,
         c: options.c,
@@ -286,16 +264,13 @@ pub struct LateralSample {
 }
 
 /// The point `theta` of a model.
-pub(crate) fn theta_of(model: &MagicFormula) -> Vector3<f64> {
-    Vector3::new(
-        model.k_n_per_rad.ln(),
-        (model.mu_zeta * model.c).ln(),
-        model.c.ln(),
-    )
+fn theta_of(model: &MagicFormula) -> Vector3<f64> {
+    let (k, product) = (model.k_n_per_rad.ln(), model.mu_zeta_c().ln());
+    Vector3::new(k, product, model.c.ln())
 }
 
 /// The model at a point `theta`.
-pub(crate) fn model_of(theta: &Vector3<f64>, e: f64) -> MagicFormula {
+fn model_of(theta: &Vector3<f64>, e: f64) -> MagicFormula {
     MagicFormula {
         k_n_per_rad: theta[0].exp(),
         mu_zeta: (theta[1] - theta[2]).exp(),
@@ -311,7 +286,7 @@ pub(crate) fn model_of(theta: &Vector3<f64>, e: f64) -> MagicFormula {
 /// f_lnK = K alpha cos(C atan u) u'(x) / (1+u^2)
 /// f_lnP = f - f_lnK,   f_lnC = P F_z atan(u) cos(C atan u) - f
 /// ```
-pub(crate) fn force_and_gradient<T: ComplexField<RealField = f64>>(
+fn force_and_gradient<T: ComplexField<RealField = f64>>(
     model: &MagicFormula,
     alpha: T,
     fz: f64,
@@ -332,21 +307,22 @@ pub(crate) fn force_and_gradient<T: ComplexField<RealField = f64>>(
 }
 
 /// Sums over samples of the score `(f_y - f) grad f` and of its slope `grad f grad f^T`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Score {
-    pub score: Vector3<f64>,
-    pub slope: Matrix3<f64>,
+#[derive(Clone, Copy, Debug, Default)]
+struct Score {
+    score: Vector3<f64>,
+    slope: Matrix3<f64>,
 }
 
 impl Score {
-    pub(crate) const ZERO: Score = Score {
-        score: Vector3::new(0.0, 0.0, 0.0),
-        slope: Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-    };
-
-    pub(crate) fn add(&mut self, other: &Score) {
+    fn add(&mut self, other: &Score) {
         self.score += other.score;
         self.slope += other.slope;
+    }
+
+    fn sum<'a>(scores: impl IntoIterator<Item = &'a Score>) -> Score {
+        let mut sum = Score::default();
+        scores.into_iter().for_each(|score| sum.add(score));
+        sum
     }
 
     /// Score of one sample whose slip carries noise of standard deviation `slip_sd`, unbiased for
@@ -356,25 +332,19 @@ impl Score {
     /// independent copy eta'; three Gauss-Hermite nodes over eta' give
     /// `h* = 2/3 h(alpha) + 1/3 Re h(alpha + i sqrt(3) sd)`, exact to the fifth power of the noise
     /// (Novick and Stefanski, J. Am. Stat. Assoc. 97 (2002) 472).
-    pub(crate) fn of_sample(model: &MagicFormula, sample: &LateralSample, slip_sd: f64) -> Score {
+    fn of_sample(model: &MagicFormula, sample: &LateralSample, slip_sd: f64) -> Score {
         let (f, g) = force_and_gradient(model, sample.alpha, sample.fz);
-        let mut sum = Score::ZERO;
         let direct = if slip_sd > 0.0 { 2.0 / 3.0 } else { 1.0 };
-        for i in 0..3 {
-            sum.score[i] = direct * (sample.fy - f) * g[i];
-            for j in 0..3 {
-                sum.slope[(i, j)] = direct * g[i] * g[j];
-            }
-        }
+        let mut sum = Score {
+            score: Vector3::from_fn(|i, _| direct * (sample.fy - f) * g[i]),
+            slope: Matrix3::from_fn(|i, j| direct * g[i] * g[j]),
+        };
         if slip_sd > 0.0 {
             let shifted = Complex::new(sample.alpha, 3f64.sqrt() * slip_sd);
             let (f, g) = force_and_gradient(model, shifted, sample.fz);
-            for i in 0..3 {
-                sum.score[i] += ((Complex::from(sample.fy) - f) * g[i]).re / 3.0;
-                for j in 0..3 {
-                    sum.slope[(i, j)] += (g[i] * g[j]).re / 3.0;
-                }
-            }
+            let off = Complex::from(sample.fy) - f;
+            sum.score += Vector3::from_fn(|i, _| (off * g[i]).re / 3.0);
+            sum.slope += Matrix3::from_fn(|i, j| (g[i] * g[j]).re / 3.0);
         }
         sum
     }
@@ -385,9 +355,6 @@ impl Score {
 pub struct Combination {
     /// Exponents of K, of the product mu_zeta C and of C apart from that product, of unit length.
     pub exponents: [f64; 3],
-    /// Singular value of the Jacobian along it [N per unit logarithm], root mean square over the
-    /// samples.
-    pub singular_value: f64,
     /// Standard deviation of the combination's logarithm, robust to correlation within clusters.
     pub relative_sd: f64,
     /// Whether the data determine it: relative standard deviation below [`Combination::LIMIT`].
@@ -402,13 +369,13 @@ impl Combination {
 /// The three combinations, best determined first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Identifiability {
-    /// Right singular vectors of the Jacobian with their singular values, in falling order.
+    /// Right singular vectors of the Jacobian, in falling order of their singular values.
     pub combinations: [Combination; 3],
 }
 
 impl Identifiability {
-    /// From the summed slope `J^T J` and the covariance of the summed score over `samples` samples.
-    pub(crate) fn new(slope: &Matrix3<f64>, meat: &Matrix3<f64>, samples: usize) -> Self {
+    /// From the summed slope `J^T J` and the covariance of the summed score.
+    fn new(slope: &Matrix3<f64>, meat: &Matrix3<f64>) -> Self {
         let eigen = slope.symmetric_eigen();
         let mut order = [0, 1, 2];
         order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
@@ -419,14 +386,14 @@ impl Identifiability {
             }
             let curvature = eigen.eigenvalues[k].max(0.0);
             let spread = (direction.transpose() * meat * direction)[0].max(0.0);
-            let relative_sd = if curvature > 0.0 {
+            let known = curvature > 0.0;
+            let relative_sd = if known {
                 spread.sqrt() / curvature
             } else {
                 f64::INFINITY
             };
             Combination {
                 exponents: direction.into(),
-                singular_value: (curvature / samples as f64).sqrt(),
                 relative_sd,
                 determined: relative_sd < Combination::LIMIT,
             }
@@ -440,40 +407,8 @@ impl Identifiability {
     }
 }
 
-impl fmt::Display for Identifiability {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "the data determine {} of 3 combinations of K, mu_zeta*c and c:",
-            self.rank()
-        )?;
-        for combination in &self.combinations {
-            let product: Vec<String> = combination
-                .exponents
-                .iter()
-                .zip(["K", "(mu_zeta*c)", "c"])
-                .filter(|(power, _)| power.abs() >= 0.05)
-                .map(|(power, name)| format!("{name}^{power:.2}"))
-                .collect();
-            writeln!(
-                f,
-                "  {}: singular value {:.3e} N, relative sd {:.2e}: {}",
-                product.join(" "),
-                combination.singular_value,
-                combination.relative_sd,
-                if combination.determined {
-                    "determined"
-                } else {
-                    "not determined"
-                }
-            )?;
-        }
-        Ok(())
-    }
-}
-
 /// Least squares over the free parameters by Levenberg-Marquardt.
-pub(crate) fn least_squares(
+fn least_squares(
     samples: &[LateralSample],
     start: MagicFormula,
     free: [bool; 3],
@@ -527,10 +462,8 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Residuals<'_> {
     fn residuals(&self) -> Option<DVector<f64>> {
         let model = model_of(&self.theta, self.e);
         let residual = |s: &LateralSample| model.force(s.alpha, s.fz) - s.fy;
-        Some(DVector::from_iterator(
-            self.samples.len(),
-            self.samples.iter().map(residual),
-        ))
+        let residuals = self.samples.iter().map(residual);
+        Some(DVector::from_iterator(self.samples.len(), residuals))
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
@@ -547,22 +480,15 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Residuals<'_> {
 }
 
 /// Decides by the three-parameter fit whether C is free.
-pub(crate) fn choose_freedom(
+fn choose_freedom(
     samples: &[LateralSample],
     fixed: MagicFormula,
     options: &LateralFitOptions,
 ) -> Result<([bool; 3], MagicFormula, Identifiability), Error> {
-    let squares = |model: &MagicFormula| -> f64 {
-        samples
-            .iter()
-            .map(|s| (s.fy - model.force(s.alpha, s.fz)).powi(2))
-            .sum()
-    };
     let mut best = fixed;
     for c in [options.c, 1.0] {
-        let mu_zeta = fixed.mu_zeta_c() / c;
         let start = MagicFormula {
-            mu_zeta,
+            mu_zeta: fixed.mu_zeta_c() / c,
             c,
             ..fixed
         };
@@ -570,7 +496,7 @@ pub(crate) fn choose_freedom(
         // better one.
         if let Ok(found) = least_squares(samples, start, [true; 3])
             && found.c < 2.0
-            && squares(&found) < squares(&best)
+            && squares(samples, &found) < squares(samples, &best)
         {
             best = found;
         }
@@ -592,26 +518,23 @@ pub(crate) fn choose_freedom(
 
 fn judge(samples: &[LateralSample], model: &MagicFormula, slip_sd: f64) -> Identifiability {
     let clusters = by_cluster(samples, model, slip_sd);
-    let mut total = Score::ZERO;
     let mut meat = Matrix3::zeros();
     for cluster in clusters.values() {
-        total.add(cluster);
         meat += cluster.score * cluster.score.transpose();
     }
-    Identifiability::new(&total.slope, &meat, samples.len())
+    let total = Score::sum(clusters.values());
+    Identifiability::new(&total.slope, &meat)
 }
 
-pub(crate) fn by_cluster(
+fn by_cluster(
     samples: &[LateralSample],
     model: &MagicFormula,
     slip_sd: f64,
 ) -> BTreeMap<u32, Score> {
-    let mut clusters = BTreeMap::new();
+    let mut clusters: BTreeMap<u32, Score> = BTreeMap::new();
     for sample in samples {
-        clusters
-            .entry(sample.cluster)
-            .or_insert(Score::ZERO)
-            .add(&Score::of_sample(model, sample, slip_sd));
+        let cluster = clusters.entry(sample.cluster).or_default();
+        cluster.add(&Score::of_sample(model, sample, slip_sd));
     }
     clusters
 }
@@ -619,10 +542,9 @@ pub(crate) fn by_cluster(
 /// Step `slope^-1 score` over the free parameters, through a pseudo-inverse.
 fn step(slope: &Matrix3<f64>, score: &Vector3<f64>, free: [bool; 3]) -> Option<Vector3<f64>> {
     let retained: Vec<usize> = (0..3).filter(|&i| free[i]).collect();
-    let matrix = DMatrix::from_fn(retained.len(), retained.len(), |i, j| {
-        slope[(retained[i], retained[j])]
-    });
-    let right = DVector::from_fn(retained.len(), |i, _| score[retained[i]]);
+    let n = retained.len();
+    let matrix = DMatrix::from_fn(n, n, |i, j| slope[(retained[i], retained[j])]);
+    let right = DVector::from_fn(n, |i, _| score[retained[i]]);
     let solved = matrix.cholesky()?.solve(&right);
     let mut whole = Vector3::zeros();
     for (i, &k) in retained.iter().enumerate() {
@@ -633,7 +555,7 @@ fn step(slope: &Matrix3<f64>, score: &Vector3<f64>, free: [bool; 3]) -> Option<V
 
 /// Root of the corrected score from the least-squares fit, by Gauss-Newton steps of at most one
 /// unit of logarithm.
-pub(crate) fn corrected_root(
+fn corrected_root(
     samples: &[LateralSample],
     start: &MagicFormula,
     free: [bool; 3],
@@ -645,7 +567,7 @@ pub(crate) fn corrected_root(
     let mut length = f64::INFINITY;
     for _ in 0..MOST {
         let model = model_of(&theta, options.e);
-        let mut total = Score::ZERO;
+        let mut total = Score::default();
         for sample in samples {
             total.add(&Score::of_sample(&model, sample, options.slip_sd));
         }
@@ -671,7 +593,7 @@ pub(crate) fn corrected_root(
 
 /// Covariance by leaving out one cluster at a time, one Newton step each (the jackknife "CR3" of
 /// Bell and McCaffrey).
-pub(crate) fn leave_one_cluster_out(
+fn leave_one_cluster_out(
     samples: &[LateralSample],
     model: &MagicFormula,
     free: [bool; 3],
@@ -679,10 +601,7 @@ pub(crate) fn leave_one_cluster_out(
 ) -> Result<Matrix3<f64>, Error> {
     let clusters = by_cluster(samples, model, slip_sd);
     let count = clusters.len() as f64;
-    let mut total = Score::ZERO;
-    for cluster in clusters.values() {
-        total.add(cluster);
-    }
+    let total = Score::sum(clusters.values());
     let mut covariance = Matrix3::zeros();
     for cluster in clusters.values() {
         let rest = total.slope - cluster.slope;

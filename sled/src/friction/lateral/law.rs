@@ -88,7 +88,7 @@ impl MagicFormula {
         }
         let d = self.mu_zeta * fz;
         let x = self.k_n_per_rad * alpha / (self.c * d);
-        d * (self.c * self.inner(x).atan()).sin()
+        d * (self.c * self.inner(x, x.atan()).atan()).sin()
     }
 
     /// Force and all its derivatives at slip angle `alpha` [rad] and normal force `fz` [N].
@@ -114,17 +114,15 @@ impl MagicFormula {
         // Above this argument the arctangents are at their ends in every digit, while x^2 would
         // overflow.
         if x.abs() > 1e100 {
-            let end = if self.e < 1.0 {
-                std::f64::consts::FRAC_PI_2
-            } else {
-                std::f64::consts::FRAC_PI_2.atan()
-            };
+            let right = std::f64::consts::FRAC_PI_2;
+            let end = if self.e < 1.0 { right } else { right.atan() };
             let (sine, cosine) = (self.c * end).sin_cos();
+            let sign = x.signum();
             return LateralDerivatives {
-                fy: d * sine * x.signum(),
-                fz: self.mu_zeta * sine * x.signum(),
-                mu_zeta: fz * sine * x.signum(),
-                c: d * cosine * end * x.signum(),
+                fy: d * sine * sign,
+                fz: self.mu_zeta * sine * sign,
+                mu_zeta: fz * sine * sign,
+                c: d * cosine * end * sign,
                 ..Default::default()
             };
         }
@@ -147,23 +145,17 @@ impl MagicFormula {
     }
 
     fn angles(&self, x: f64, near: Option<&LateralAngles>) -> LateralAngles {
-        let Some(near) = near else {
-            let of_x = x.atan();
-            let u = self.inner_of(x, of_x);
-            let of_u = u.atan();
-            return LateralAngles {
-                x: (x, of_x),
-                u: (u, of_u),
-                wave: (self.c * of_u).sin_cos(),
-            };
-        };
-        let of_x = atan_near(x, near.x.0, near.x.1);
-        let u = self.inner_of(x, of_x);
-        let of_u = atan_near(u, near.u.0, near.u.1);
+        let of_x = near.map_or_else(|| x.atan(), |near| atan_near(x, near.x));
+        let u = self.inner(x, of_x);
+        let of_u = near.map_or_else(|| u.atan(), |near| atan_near(u, near.u));
+        let wave = self.c * of_u;
         LateralAngles {
             x: (x, of_x),
             u: (u, of_u),
-            wave: sin_cos_near(self.c * of_u, self.c * near.u.1, near.wave),
+            wave: near.map_or_else(
+                || wave.sin_cos(),
+                |near| sin_cos_near(wave, self.c * near.u.1, near.wave),
+            ),
         }
     }
 
@@ -186,12 +178,8 @@ impl MagicFormula {
         in_range("k_n_per_rad", k, k > 0.0, POSITIVE)
     }
 
-    fn inner(&self, x: f64) -> f64 {
-        self.inner_of(x, x.atan())
-    }
-
-    /// The same with the arctangent of `x` known.
-    fn inner_of(&self, x: f64, of_x: f64) -> f64 {
+    /// `(1-E) x + E atan x` with the arctangent of `x` known.
+    fn inner(&self, x: f64, of_x: f64) -> f64 {
         if self.e == 1.0 {
             return of_x;
         }
@@ -262,7 +250,7 @@ pub fn sin_cos_near(angle: f64, from: f64, (sine, cosine): (f64, f64)) -> (f64, 
 /// The arctangent of `x` [rad] from that of another of the same sign, `from`; computed anew where
 /// the two are far apart.
 #[inline]
-fn atan_near(x: f64, from: f64, of_from: f64) -> f64 {
+fn atan_near(x: f64, (from, of_from): (f64, f64)) -> f64 {
     let d = (x - from) / (1.0 + x * from);
     if d.is_nan() || d.abs() > NEAR || x * from < 0.0 {
         return x.atan();
@@ -287,7 +275,7 @@ mod tests {
                 assert!((sine - to.sin()).abs() < 3e-16, "sin {to} from {from}");
                 assert!((cosine - to.cos()).abs() < 3e-16, "cos {to} from {from}");
                 let (to, from) = (to.exp2(), from.exp2());
-                let of_x = atan_near(to, from, from.atan());
+                let of_x = atan_near(to, (from, from.atan()));
                 assert!(
                     (of_x - to.atan()).abs() < 4e-16 * to.atan(),
                     "atan {to} from {from}"
@@ -295,9 +283,9 @@ mod tests {
             }
         }
         assert!(sin_cos_near(f64::NAN, 0.0, (0.0, 1.0)).0.is_nan());
-        assert!(atan_near(f64::NAN, 1.0, 1.0_f64.atan()).is_nan());
+        assert!(atan_near(f64::NAN, (1.0, 1.0_f64.atan())).is_nan());
         assert_eq!(
-            atan_near(f64::INFINITY, 1.0, 1.0_f64.atan()),
+            atan_near(f64::INFINITY, (1.0, 1.0_f64.atan())),
             std::f64::consts::FRAC_PI_2
         );
     }

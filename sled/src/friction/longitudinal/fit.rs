@@ -8,7 +8,7 @@ use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn, Matrix3, U1, Vector3};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-use crate::error::Error;
+use crate::error::{Error, in_range};
 use crate::friction::estimate::{Estimate, student_quantile};
 use crate::friction::experiments::Experiment;
 use crate::friction::longitudinal::law::{PressureLaw, ZetaActsOn};
@@ -32,46 +32,27 @@ pub fn fit_mu(
     confidence: f64,
 ) -> Result<MuFit, Error> {
     if experiments.len() < 4 {
-        return Err(Error::TooFew {
-            what: "mu(p) fit: experiments".into(),
-            found: experiments.len(),
-            needed: 4,
-        });
+        let what = "mu(p) fit: experiments";
+        return Err(Error::too_few(what, experiments.len(), 4));
     }
     let points = Points::new(experiments);
     let freedom = experiments.len() - 3;
-    let (plain, plain_inverse) = points.plain()?;
+    let plain = points.plain()?;
     if weighting == Weighting::None {
-        let chi2 = points.squares(&plain);
-        let covariance = plain_inverse * (chi2 / freedom as f64);
         let quantile = student_quantile(confidence, freedom);
-        return Ok(points.result(
-            plain,
-            covariance,
-            weighting,
-            chi2,
-            None,
-            (confidence, quantile),
-        ));
+        return Ok(points.result(&plain, weighting, confidence, quantile));
     }
     if let Some(exact) = experiments.iter().find(|e| e.mu_sd < LEAST_SD) {
-        return Err(Error::OutOfRange {
-            name: "mu_sd",
-            value: exact.mu_sd,
-            expected: "at least 1e-20 in a weighted fit",
-        });
+        let expected = "at least 1e-20 in a weighted fit";
+        in_range("mu_sd", exact.mu_sd, false, expected)?;
     }
-    let (coefficients, inverse, chi2) = points.orthogonal(plain)?;
-    let p_value = ChiSquared::new(freedom as f64).ok().map(|d| d.sf(chi2));
+    let found = points.orthogonal(plain.coefficients)?;
     let quantile = Normal::standard().inverse_cdf(0.5 + 0.5 * confidence);
-    Ok(points.result(
-        coefficients,
-        inverse,
-        weighting,
-        chi2,
-        p_value,
-        (confidence, quantile),
-    ))
+    let distribution = ChiSquared::new(freedom as f64).ok();
+    Ok(MuFit {
+        p_value: distribution.map(|d| d.sf(found.chi2)),
+        ..points.result(&found, weighting, confidence, quantile)
+    })
 }
 
 /// How the points are weighted.
@@ -138,15 +119,10 @@ impl MuFit {
         let p = p_pa * 1e-6;
         let gradient = Vector3::new(p * p, -p, 1.0);
         let value = gradient.dot(&Vector3::new(self.b, self.c, self.d));
-        let half = self.quantile
-            * (gradient.dot(&(self.covariance * gradient)))
-                .max(0.0)
-                .sqrt();
-        Estimate {
-            value: 1e-3 * value,
-            low: 1e-3 * (value - half),
-            high: 1e-3 * (value + half),
-        }
+        let variance = gradient.dot(&(self.covariance * gradient)).max(0.0);
+        let half = self.quantile * variance.sqrt();
+        let [value, low, high] = [value, value - half, value + half].map(|mu| 1e-3 * mu);
+        Estimate { value, low, high }
     }
 
     /// The minimum, where the data show one: `None` if a straight line or a maximum is within the
@@ -175,8 +151,15 @@ impl MuFit {
     }
 }
 
+/// Coefficients of (t^2, t, 1) with their covariance, and the sum of squares.
+struct Quadratic {
+    coefficients: Vector3<f64>,
+    covariance: Matrix3<f64>,
+    chi2: f64,
+}
+
 /// Points in a scaled pressure `t = (p - centre)/width`, for conditioning.
-pub(crate) struct Points {
+struct Points {
     t: DVector<f64>,
     t_sd: DVector<f64>,
     mu: DVector<f64>,
@@ -186,7 +169,7 @@ pub(crate) struct Points {
 }
 
 impl Points {
-    pub(crate) fn new(experiments: &[Experiment]) -> Self {
+    fn new(experiments: &[Experiment]) -> Self {
         let column = |value: fn(&Experiment) -> f64| {
             DVector::from_iterator(experiments.len(), experiments.iter().map(value))
         };
@@ -203,42 +186,33 @@ impl Points {
         }
     }
 
-    /// Unweighted coefficients of (t^2, t, 1) and the inverse of the normal matrix.
-    pub(crate) fn plain(&self) -> Result<(Vector3<f64>, Matrix3<f64>), Error> {
+    /// Unweighted, the covariance from the scatter.
+    fn plain(&self) -> Result<Quadratic, Error> {
         let design = DMatrix::from_fn(self.t.len(), 3, |i, j| self.t[i].powi(2 - j as i32));
         let singular = design.singular_values();
         let ratio = singular.min() / singular.max();
         let normal = design.transpose() * &design;
         let normal = Matrix3::from_fn(|i, j| normal[(i, j)]);
-        match normal.try_inverse() {
-            Some(inverse) if ratio > 1e-6 => {
-                let right = design.transpose() * &self.mu;
-                Ok((
-                    inverse * Vector3::new(right[0], right[1], right[2]),
-                    inverse,
-                ))
-            }
-            _ => Err(Error::Undetermined {
-                what: "a quadratic in the pressure (three different pressures are needed)",
-                ratio: if ratio.is_finite() { ratio } else { 0.0 },
-            }),
-        }
+        let inverse = normal.try_inverse().filter(|_| ratio > 1e-6);
+        let inverse = inverse.ok_or(Error::Undetermined {
+            what: "a quadratic in the pressure (three different pressures are needed)",
+            ratio: if ratio.is_finite() { ratio } else { 0.0 },
+        })?;
+        let right = design.transpose() * &self.mu;
+        let coefficients = inverse * Vector3::new(right[0], right[1], right[2]);
+        let residuals = self.t.iter().zip(&self.mu);
+        let residuals = residuals.map(|(t, mu)| mu - quadratic(&coefficients, *t));
+        let chi2: f64 = residuals.map(|residual| residual.powi(2)).sum();
+        Ok(Quadratic {
+            coefficients,
+            covariance: inverse * (chi2 / (self.t.len() - 3) as f64),
+            chi2,
+        })
     }
 
-    pub(crate) fn squares(&self, coefficients: &Vector3<f64>) -> f64 {
-        self.t
-            .iter()
-            .zip(&self.mu)
-            .map(|(t, mu)| (mu - quadratic(coefficients, *t)).powi(2))
-            .sum()
-    }
-
-    pub(crate) fn orthogonal(
-        &self,
-        start: Vector3<f64>,
-    ) -> Result<(Vector3<f64>, Matrix3<f64>, f64), Error> {
-        let n = self.t.len();
-        let mut unknowns = DVector::zeros(3 + n);
+    /// Weighted by the errors of both.
+    fn orthogonal(&self, start: Vector3<f64>) -> Result<Quadratic, Error> {
+        let mut unknowns = DVector::zeros(3 + self.t.len());
         unknowns.rows_mut(0, 3).copy_from(&start);
         let problem = Orthogonal {
             points: self,
@@ -246,61 +220,51 @@ impl Points {
         };
         let (problem, report) = LevenbergMarquardt::new().minimize(problem);
         let chi2 = 2.0 * report.objective_function;
-        let not_converged = Error::NotConverged {
+        let found = problem.jacobian();
+        let found = found.filter(|_| report.termination.was_successful());
+        let inverse = found.and_then(|jacobian| (jacobian.transpose() * &jacobian).try_inverse());
+        let inverse = inverse.ok_or(Error::NotConverged {
             what: "mu(p) fit",
             iterations: report.number_of_evaluations,
             residual: chi2,
             tolerance: f64::EPSILON,
-        };
-        if !report.termination.was_successful() {
-            return Err(not_converged);
-        }
-        let Some(jacobian) = problem.jacobian() else {
-            return Err(not_converged);
-        };
-        let Some(inverse) = (jacobian.transpose() * &jacobian).try_inverse() else {
-            return Err(not_converged);
-        };
+        })?;
         let u = &problem.unknowns;
-        Ok((
-            Vector3::new(u[0], u[1], u[2]),
-            Matrix3::from_fn(|i, j| inverse[(i, j)]),
+        Ok(Quadratic {
+            coefficients: Vector3::new(u[0], u[1], u[2]),
+            covariance: Matrix3::from_fn(|i, j| inverse[(i, j)]),
             chi2,
-        ))
+        })
     }
 
     /// From (t^2, t, 1) back to b, c, d.
-    pub(crate) fn result(
+    fn result(
         &self,
-        coefficients: Vector3<f64>,
-        covariance: Matrix3<f64>,
+        found: &Quadratic,
         weighting: Weighting,
-        chi2: f64,
-        p_value: Option<f64>,
-        (confidence, quantile): (f64, f64),
+        confidence: f64,
+        quantile: f64,
     ) -> MuFit {
         let (m, w) = (self.centre, self.width);
-        let back = Matrix3::new(
-            1.0 / (w * w),
-            0.0,
-            0.0,
-            2.0 * m / (w * w),
-            -1.0 / w,
-            0.0,
-            m * m / (w * w),
-            -m / w,
-            1.0,
+        let square = w * w;
+        let back = Matrix3::from_row_slice(
+            &[
+                [1.0 / square, 0.0, 0.0],
+                [2.0 * m / square, -1.0 / w, 0.0],
+                [m * m / square, -m / w, 1.0],
+            ]
+            .concat(),
         );
-        let bcd = back * coefficients;
+        let bcd = back * found.coefficients;
         MuFit {
             b: bcd[0],
             c: bcd[1],
             d: bcd[2],
-            covariance: back * covariance * back.transpose(),
+            covariance: back * found.covariance * back.transpose(),
             weighting,
-            chi2,
+            chi2: found.chi2,
             freedom: self.t.len() - 3,
-            p_value,
+            p_value: None,
             confidence,
             quantile,
         }

@@ -7,7 +7,7 @@ use crate::error::{Error, in_range};
 
 /// Which quantity the asperity factor zeta multiplies.
 ///
-/// The paper's text says that asperities raise the pressure, its formula scales the coefficient;
+/// The paper's text states that asperities raise the pressure, its formula scales the coefficient;
 /// both readings are allowed, the formula is the default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -211,14 +211,36 @@ impl LongitudinalKeys {
     /// # Errors
     /// [`Error::OutOfRange`] for a factor that is not positive.
     pub fn tabled(&self) -> Result<Option<f64>, Error> {
-        let stated = [self.mu, self.b, self.c, self.d, self.mu_cap];
-        let law = stated.iter().any(Option::is_some) || self.zeta_acts_on.is_some();
-        if law || (self.front_table.is_none() && self.rear_table.is_none()) {
+        let is_table = |key: &str| key.ends_with("_table");
+        let law = self.stated().any(|key| key != "zeta" && !is_table(key));
+        if law || !self.stated().any(is_table) {
             return Ok(None);
         }
+        self.factor().map(Some)
+    }
+
+    /// The asperity factor.
+    fn factor(&self) -> Result<f64, Error> {
         let zeta = self.zeta.unwrap_or(1.0);
         in_range("zeta", zeta, zeta > 0.0, "a positive number")?;
-        Ok(Some(zeta))
+        Ok(zeta)
+    }
+
+    /// Keys that are stated, of those that a law other than the film may have.
+    fn stated(&self) -> impl Iterator<Item = &'static str> {
+        let keys = [
+            ("mu", self.mu.is_some()),
+            ("b", self.b.is_some()),
+            ("c", self.c.is_some()),
+            ("d", self.d.is_some()),
+            ("mu_cap", self.mu_cap.is_some()),
+            ("zeta", self.zeta.is_some()),
+            ("zeta_acts_on", self.zeta_acts_on.is_some()),
+            ("front_table", self.front_table.is_some()),
+            ("rear_table", self.rear_table.is_some()),
+        ];
+        let stated = keys.into_iter().filter(|(_, stated)| *stated);
+        stated.map(|(key, _)| key)
     }
 
     /// The factor on mu where the melt film of friction experiments is the law: no other key states
@@ -231,26 +253,14 @@ impl LongitudinalKeys {
         if self.film != Some(true) {
             return Ok(None);
         }
-        let others = [
-            ("mu", self.mu.is_some()),
-            ("b", self.b.is_some()),
-            ("c", self.c.is_some()),
-            ("d", self.d.is_some()),
-            ("mu_cap", self.mu_cap.is_some()),
-            ("zeta_acts_on", self.zeta_acts_on.is_some()),
-            ("front_table", self.front_table.is_some()),
-            ("rear_table", self.rear_table.is_some()),
-        ];
-        if let Some((other, _)) = others.iter().find(|(_, there)| *there) {
+        if let Some(other) = self.stated().find(|key| *key != "zeta") {
             return Err(Error::KeysExclude {
                 key: "film",
                 other,
                 expected: "film alone, or with zeta",
             });
         }
-        let zeta = self.zeta.unwrap_or(1.0);
-        in_range("zeta", zeta, zeta > 0.0, "a positive number")?;
-        Ok(Some(zeta))
+        self.factor().map(Some)
     }
 
     /// The model the keys state, where it is not [tabled](Self::tabled).
@@ -263,14 +273,6 @@ impl LongitudinalKeys {
     pub fn model(&self) -> Result<Longitudinal, Error> {
         const EITHER: &str =
             "either mu, or b, c, d and mu_cap, or front_table and rear_table of mu";
-        let quadratic = [
-            ("b", self.b.is_some()),
-            ("c", self.c.is_some()),
-            ("d", self.d.is_some()),
-            ("mu_cap", self.mu_cap.is_some()),
-            ("zeta", self.zeta.is_some()),
-            ("zeta_acts_on", self.zeta_acts_on.is_some()),
-        ];
         if self.film()?.is_some() {
             return Err(Error::MissingKey {
                 key: "mu",
@@ -278,7 +280,8 @@ impl LongitudinalKeys {
             });
         }
         if let Some(mu) = self.mu {
-            if let Some((other, _)) = quadratic.iter().find(|(_, there)| *there) {
+            let mut others = self.stated().filter(|key| *key != "mu");
+            if let Some(other) = others.find(|key| !key.ends_with("_table")) {
                 return Err(Error::KeysExclude {
                     key: "mu",
                     other,

@@ -1,4 +1,4 @@
-//! Whether a run's columns are what their names say.
+//! Whether a run's columns hold what their names state.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -6,6 +6,7 @@ use std::ops::Range;
 use crate::columns::Columns;
 use crate::error::Error;
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps, Saturation};
+use crate::series::median;
 
 /// Largest number of a column that is used, and of a time [s]: no sled is further, faster or more
 /// turned, and squares of these are finite.
@@ -15,7 +16,7 @@ const LATEST_S: f64 = 1e15;
 /// Fewest samples of a run that filters and derivatives can work on.
 pub const LEAST_SAMPLES: usize = 64;
 
-/// Checks the columns of one run, brings them to a uniform clock and says what takes part.
+/// Checks the columns of one run, brings them to a uniform clock and finds what takes part.
 ///
 /// `required` are the columns there must be besides `t_s`; `used` those of the file that must have
 /// a value where a sample takes part; `file` names the source in errors. In this order: missing
@@ -32,15 +33,9 @@ pub fn check_columns(
     on_gaps: OnGaps,
     file: &str,
 ) -> Result<(Clock, Gaps, BTreeMap<String, Saturation>), Error> {
-    for name in std::iter::once("t_s").chain(required.iter().copied()) {
-        if !columns.contains_key(name) {
-            return Err(Error::MissingColumn {
-                file: file.to_string(),
-                column: name.to_string(),
-                found: columns.keys().cloned().collect::<Vec<_>>().join(", "),
-                needed_by: None,
-            });
-        }
+    let mut needed = ["t_s"].into_iter().chain(required.iter().copied());
+    if let Some(name) = needed.find(|name| !columns.contains_key(*name)) {
+        return Err(Error::missing_column(file, name, columns.keys()));
     }
     refuse_too_large(&columns["t_s"], "t_s", LATEST_S, file)?;
     for name in used {
@@ -48,11 +43,8 @@ pub fn check_columns(
     }
     let mut time = columns.remove("t_s").unwrap_or_default();
     if time.len() < LEAST_SAMPLES {
-        return Err(Error::TooShort {
-            file: file.to_string(),
-            samples: time.len(),
-            needed: LEAST_SAMPLES,
-        });
+        let what = format!("{file}: samples");
+        return Err(Error::too_few(what, time.len(), LEAST_SAMPLES));
     }
     if on_gaps == OnGaps::Refuse {
         refuse_gaps(columns, &time, used, file)?;
@@ -85,22 +77,17 @@ pub fn check_columns(
         return Err(standstill(file, 2, speed[0], time[0]));
     }
     if samples < LEAST_SAMPLES {
-        return Err(Error::TooFew {
-            what: format!(
-                "{file}: samples with a value in every channel, in stretches long enough for the filter"
-            ),
-            found: samples,
-            needed: LEAST_SAMPLES,
-        });
+        let what = format!(
+            "{file}: samples with a value in every channel, in stretches long enough for the filter"
+        );
+        return Err(Error::too_few(what, samples, LEAST_SAMPLES));
     }
     let clock = Clock {
         t0_s: base.clock.t0_s + gaps.cut_s[0],
         ..base.clock
     };
-    let saturated = used
-        .iter()
-        .filter_map(|name| Some(((*name).to_string(), Saturation::of(&columns[*name])?)))
-        .collect();
+    let stop = |name: &&str| Some((name.to_string(), Saturation::of(&columns[*name])?));
+    let saturated = used.iter().filter_map(stop).collect();
     Ok((clock, gaps, saturated))
 }
 
@@ -109,13 +96,9 @@ fn refuse_too_large(values: &[f64], column: &str, most: f64, file: &str) -> Resu
     let Some(first) = values.iter().position(too_large) else {
         return Ok(());
     };
-    Err(Error::Cell {
-        file: file.to_string(),
-        row: first as u64 + 2,
-        column: column.to_string(),
-        found: format!("{:e}", values[first]),
-        expected: format!("a number between -{most:e} and {most:e}"),
-    })
+    let expected = format!("a number between -{most:e} and {most:e}");
+    let (row, found) = (first as u64 + 2, format!("{:e}", values[first]));
+    Err(Error::cell(file, row, column, found, &expected))
 }
 
 /// Refuses what [`OnGaps::LeaveOut`] leaves out: values without a number, uneven time, standstill.
@@ -133,38 +116,34 @@ fn refuse_gaps(columns: &Columns, time: &[f64], used: &[&str], file: &str) -> Re
 }
 
 fn standstill(file: &str, row: u64, v_mps: f64, t_s: f64) -> Error {
-    Error::Standstill {
-        file: file.to_string(),
-        row,
-        v_mps,
-        t_s,
-        least: LEAST_SPEED,
-    }
+    let reason = format!(
+        "v_mps = {v_mps} at t = {t_s:.3} s, expected more than {LEAST_SPEED} m/s (no slip angle exists at standstill: cut that part off)"
+    );
+    Error::row(file, row, reason)
+}
+
+/// The error of a step of time [s] that starts at `t_s`; `row` is that of the later sample.
+fn bad_step(file: &str, row: u64, what: &str, [t_s, step, usual]: [f64; 3]) -> Error {
+    let reason = format!(
+        "{what}: t_s steps by {step:.6} s at t = {t_s:.4} s, expected {usual:.6} s throughout"
+    );
+    Error::row(file, row, reason)
 }
 
 fn refuse_uneven(time: &[f64], file: &str) -> Result<(), Error> {
-    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
-    let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-    for (i, pair) in time.windows(2).enumerate() {
-        let step = pair[1] - pair[0];
+    let steps = time.windows(2).map(|pair| pair[1] - pair[0]);
+    let usual = median(steps.clone()).unwrap_or(0.0);
+    for (i, step) in steps.enumerate() {
         let what = if step <= 0.0 {
             "time is constant or runs backwards"
-        } else if step > 1.5 * median {
+        } else if step > 1.5 * usual {
             "clock jump or gap"
-        } else if (step - median).abs() > 0.05 * median {
+        } else if (step - usual).abs() > 0.05 * usual {
             "irregular time"
         } else {
             continue;
         };
-        return Err(Error::Time {
-            file: file.to_string(),
-            row: i as u64 + 3,
-            what,
-            step_s: step,
-            t_s: pair[0],
-            expected_s: median,
-        });
+        return Err(bad_step(file, i as u64 + 3, what, [time[i], step, usual]));
     }
     Ok(())
 }
@@ -174,21 +153,15 @@ fn refuse_missing(values: &[f64], time: &[f64], column: &str, file: &str) -> Res
     let Some(first) = values.iter().position(missing) else {
         return Ok(());
     };
-    let length = values[first..].iter().take_while(|v| missing(v)).count();
-    let bursts = values
-        .windows(2)
-        .filter(|pair| !missing(&pair[0]) && missing(&pair[1]))
-        .count()
-        + usize::from(missing(&values[0]));
-    Err(Error::Missing {
-        file: file.to_string(),
-        column: column.to_string(),
-        count: length,
-        row: first as u64 + 2,
-        t_s: time[first],
-        bursts,
-        total: values.iter().filter(|v| missing(v)).count(),
-    })
+    let bursts = values.chunk_by(|a, b| missing(a) == missing(b));
+    let bursts: Vec<&[f64]> = bursts.filter(|burst| missing(&burst[0])).collect();
+    let (count, of) = (bursts[0].len(), bursts.len());
+    let total: usize = bursts.iter().map(|burst| burst.len()).sum();
+    let (row, t_s) = (first + 2, time[first]);
+    let reason = format!(
+        "column {column}: {count} values are NaN or missing from row {row} on (t = {t_s:.3} s); {of} such bursts in all, {total} values; expected a number in every row: nothing is filled in"
+    );
+    Err(Error::file(file, reason))
 }
 
 /// Start and step of a uniform time column.
@@ -239,19 +212,12 @@ impl Base {
     /// one), by drift or because a logger began anew, [`Base::column`] interpolates.
     ///
     /// # Errors
-    /// [`Error::Time`] where time does not increase or runs backwards, steps by less than half the
+    /// [`Error::Row`] where time does not increase or runs backwards, steps by less than half the
     /// usual step, or jumps further than there is time recorded.
     pub fn of(time: &[f64], row: &dyn Fn(usize) -> u64, file: &str) -> Result<Base, Error> {
         let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let usual = usual_step(&steps);
-        let error = |i: usize, what| Error::Time {
-            file: file.to_string(),
-            row: row(i + 1),
-            what,
-            step_s: steps[i],
-            t_s: time[i],
-            expected_s: usual,
-        };
+        let error = |i: usize, what| bad_step(file, row(i + 1), what, [time[i], steps[i], usual]);
         if let Some(i) = steps.iter().position(|step| *step <= 0.0) {
             return Err(error(i, "time is constant or runs backwards"));
         }
@@ -293,24 +259,25 @@ impl Base {
             t0_s: first,
             dt_s: (last - first) / total,
         };
-        let jitter = (0..=count)
-            .map(|i| drift(&clock, i, places[i]))
-            .fold(0.0, f64::max);
+        let jitter = (0..=count).map(|i| drift(&clock, i, places[i]));
+        let jitter = jitter.fold(0.0, f64::max);
         let len = total as usize + 1;
         if len > 2 * time.len() {
             let longest = (0..count).max_by(|a, b| steps[*a].total_cmp(&steps[*b]));
             return Err(error(longest.unwrap_or(0), "clock jump"));
         }
         let on_base = jitter <= ROUNDING;
+        let (jitter, rows) = if on_base {
+            let places = places.into_iter().map(|place| place as usize);
+            (0.0, Rows::Placed(places.collect()))
+        } else {
+            (jitter, Rows::Between(time.to_vec()))
+        };
         Ok(Base {
             clock,
             len,
-            jitter: if on_base { 0.0 } else { jitter },
-            rows: if on_base {
-                Rows::Placed(places.into_iter().map(|place| place as usize).collect())
-            } else {
-                Rows::Between(time.to_vec())
-            },
+            jitter,
+            rows,
         })
     }
 
@@ -366,15 +333,11 @@ impl Base {
 
 /// The median step, made finer by the mean of those that are no gaps.
 fn usual_step(steps: &[f64]) -> f64 {
-    let mut sorted = steps.to_vec();
-    let middle = sorted.len() / 2;
-    let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let (mut sum, mut count) = (0.0, 0.0);
-    for step in steps {
-        if ONE_STEP.contains(&(step / median)) {
-            (sum, count) = (sum + step, count + 1.0);
-        }
-    }
+    let median = median(steps.iter().copied()).unwrap_or(0.0);
+    let single = steps
+        .iter()
+        .filter(|step| ONE_STEP.contains(&(*step / median)));
+    let (sum, count) = single.fold((0.0, 0.0), |(sum, count), step| (sum + step, count + 1.0));
     if count > 0.0 { sum / count } else { median }
 }
 

@@ -95,10 +95,8 @@ pub fn examine_with<T: Send>(
     index: &Path,
     also: impl Fn(&Examination, Option<&Run>) -> T + Sync,
 ) -> Result<Vec<(Examination, T)>, Error> {
-    let read: Vec<(Entry, Result<Run, Error>)> = read_index(index)?
-        .into_par_iter()
-        .map(|entry| (entry.clone(), read_run(entry, &LEAST, OnGaps::LeaveOut)))
-        .collect();
+    let read = |entry: Entry| (entry.clone(), read_run(entry, &LEAST, OnGaps::LeaveOut));
+    let read: Vec<_> = read_index(index)?.into_par_iter().map(read).collect();
     // Long recordings exist once in memory: runs in one list, their places in the index in another.
     let (mut runs, mut places, mut examined) = (Vec::new(), Vec::new(), Vec::new());
     for (place, (entry, run)) in read.into_iter().enumerate() {
@@ -108,7 +106,12 @@ pub fn examine_with<T: Send>(
                 places.push(place);
             }
             Err(error) => {
-                let one = refused(&entry, error.to_string());
+                let one = Examination {
+                    run: entry.run,
+                    file: entry.file.display().to_string(),
+                    refused: Some(error.to_string()),
+                    ..Examination::default()
+                };
                 let made = also(&one, None);
                 examined.push((place, (one, made)));
             }
@@ -118,49 +121,27 @@ pub fn examine_with<T: Send>(
         let of = runs[first].entry.run.clone();
         let (copy, place) = (runs.remove(second), places.remove(second));
         let mut one = examine_run(&copy, Vec::new());
-        one.refused = Some(format!(
-            "holds the same samples as run {of}: expected each run once"
-        ));
+        let reason = format!("holds the same samples as run {of}: expected each run once");
+        one.refused = Some(reason);
         let made = also(&one, Some(&copy));
         examined.push((place, (one, made)));
     }
     let faults = judge(&runs);
-    let found: Vec<(usize, (Examination, T))> = runs
-        .par_iter()
-        .zip(places)
-        .map(|(run, place)| {
-            let own = faults.iter().filter(|fault| fault.run == run.entry.run);
-            let one = examine_run(run, own.cloned().collect());
-            let made = also(&one, Some(run));
-            (place, (one, made))
-        })
-        .collect();
-    examined.extend(found);
+    examined.par_extend(runs.par_iter().zip(places).map(|(run, place)| {
+        let own = faults.iter().filter(|fault| fault.run == run.entry.run);
+        let one = examine_run(run, own.cloned().collect());
+        let made = also(&one, Some(run));
+        (place, (one, made))
+    }));
     examined.sort_by_key(|(place, _)| *place);
     let mut examined: Vec<(Examination, T)> = examined.into_iter().map(|(_, both)| both).collect();
-    let rank = |one: &Examination| {
-        let odd = one.notes.first().map_or(0.0, |note| note.weight);
-        (
-            one.refused.is_none(),
-            std::cmp::Reverse(one.faults.len()),
-            -odd,
-        )
-    };
+    let odd = |one: &Examination| one.notes.first().map_or(0.0, |note| note.weight);
+    let rank = |one: &Examination| (one.refused.is_some(), one.faults.len());
     examined.sort_by(|(a, _), (b, _)| {
-        let (a, b) = (rank(a), rank(b));
-        (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
+        let by_fault = rank(b).cmp(&rank(a));
+        by_fault.then(odd(b).total_cmp(&odd(a)))
     });
     Ok(examined)
-}
-
-/// A run that cannot be used at all.
-fn refused(entry: &Entry, reason: String) -> Examination {
-    Examination {
-        run: entry.run.clone(),
-        file: entry.file.display().to_string(),
-        refused: Some(reason),
-        ..Examination::default()
-    }
 }
 
 fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
@@ -173,13 +154,12 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
             continue;
         };
         let delay = late.as_ref().and_then(|late| *late.get(c)?);
+        // Not of a run with faults.
+        let delay = delay.filter(|_| faults.is_empty());
         let profile = Profile {
             missing: run.gaps.missing.get(*name).copied().unwrap_or(0),
             at_standstill: rest.get(*name).copied(),
-            // Not of a run with faults.
-            delay_s: delay
-                .filter(|_| faults.is_empty())
-                .map(|(delay, error)| [delay, error]),
+            delay_s: delay.map(|(delay, error)| [delay, error]),
             saturation: run.saturated.get(*name).copied(),
             ..Profile::of(run.gaps.within(column), rate_hz)
         };

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::column::Sensor;
 use crate::error::Error;
 use crate::fault::{Fault, FaultKind};
-use crate::record::check::mends::{Mend, mends};
+use crate::record::check::mends::{MENDS, Mend};
 use crate::record::check::response::response_faults;
 use crate::record::check::rigid_body::{Agreement, Slow, factor};
 use crate::record::check::rotation::{BoxRotation, is_complete};
@@ -29,43 +29,33 @@ pub fn judge(runs: &[Run]) -> Vec<Fault> {
 
 /// The same by other thresholds.
 pub fn judge_by(runs: &[Run], rules: &RelationRules) -> Vec<Fault> {
-    let search = Search {
-        tried: mends(),
-        rules,
+    let plain = |run: &Run| {
+        let faults = plain_faults(run);
+        // A channel that is constant or repeated cannot be mended by a unit.
+        let slow = Slow::of(run).filter(|_| faults.is_empty());
+        (faults, slow)
     };
-    let plain: Vec<(Vec<Fault>, Option<Slow>)> = runs
-        .par_iter()
-        .map(|run| {
-            let faults = plain_faults(run);
-            // A channel that is constant or repeated cannot be mended by a unit.
-            let slow = Slow::of(run).filter(|_| faults.is_empty());
-            (faults, slow)
-        })
-        .collect();
+    let plain: Vec<(Vec<Fault>, Option<Slow>)> = runs.par_iter().map(plain).collect();
     let slow: Vec<&Slow> = plain.iter().filter_map(|(_, slow)| slow.as_ref()).collect();
     let rotation = BoxRotation::of(&slow, rules);
-    let by_run: Vec<(Vec<Fault>, Option<Slow>)> = runs
-        .par_iter()
-        .zip(plain)
-        .map(|(run, (mut faults, mut slow))| {
-            if let (Some(rotation), Some(slow)) = (&rotation, &mut slow)
-                && is_complete(slow)
-            {
-                let turned = rotation.applied(slow);
-                faults.push(rotation.fault(run, slow, &turned));
-                *slow = turned;
-            }
-            let mended = slow.map(|slow| search.mend_all(run, slow, &mut faults));
-            let ranges = range_faults(run, &faults);
-            let responds = mended
-                .as_ref()
-                .is_some_and(|slow| ranges.is_empty() && Agreement::of(slow).is_below(rules.holds));
-            faults.extend(ranges);
-            faults.extend(mended.iter().filter_map(|slow| distance_fault(run, slow)));
-            // The response is not judged where channels do not agree yet.
-            (faults, mended.filter(|_| responds))
-        })
-        .collect();
+    let judge_one = |(run, (mut faults, mut slow)): (&Run, (Vec<Fault>, Option<Slow>))| {
+        if let (Some(rotation), Some(slow)) = (&rotation, &mut slow)
+            && is_complete(slow)
+        {
+            let turned = rotation.applied(slow);
+            faults.push(rotation.fault(run, slow, &turned));
+            *slow = turned;
+        }
+        let mended = slow.map(|slow| rules.mend_all(run, slow, &mut faults));
+        let ranges = range_faults(run, &faults);
+        // The response is not judged where channels do not agree yet.
+        let responds = |slow: &Slow| ranges.is_empty() && Agreement::of(slow).is_below(rules.holds);
+        let responding = mended.clone().filter(responds);
+        faults.extend(ranges);
+        faults.extend(mended.iter().filter_map(|slow| distance_fault(run, slow)));
+        (faults, responding)
+    };
+    let by_run: Vec<_> = runs.par_iter().zip(plain).map(judge_one).collect();
     let (mut by_run, slow): (Vec<Vec<Fault>>, Vec<Option<Slow>>) = by_run.into_iter().unzip();
     let mended = runs.iter().zip(slow);
     let mended: Vec<(&Run, Slow)> = mended
@@ -135,19 +125,13 @@ pub(crate) fn remark(runs: &mut [Run], suspected: &[Fault]) {
     ));
 }
 
-/// The remedies that are tried, and the thresholds of a proof.
-struct Search<'a> {
-    tried: Vec<Mend>,
-    rules: &'a RelationRules,
-}
-
-impl Search<'_> {
+impl RelationRules {
     /// Mends the faults that the relations show, and appends them to `faults`.
     fn mend_all(&self, run: &Run, mut slow: Slow, faults: &mut Vec<Fault>) -> Slow {
         let fault = |mend: &Mend, proven: bool, evidence: String| {
-            let (columns, line) = (mend.columns(), mend.line.clone());
-            let fault = Fault::proven(run, &columns, mend.kind, mend.looks_like, evidence, line);
-            if proven { fault } else { fault.suspected() }
+            let (kind, looks_like, line) = mend.describe();
+            let columns = mend.columns();
+            Fault::proven(run, &columns, kind, looks_like, evidence, line).proven_if(proven)
         };
         for _ in 0..MOST {
             let before = Agreement::of(&slow);
@@ -167,21 +151,17 @@ impl Search<'_> {
         // The factor of `ay` is often too small to show in the residual of its relation, and known
         // well enough all the same. That of `ax` is not: gravity along the sled is far larger, and
         // where a record's pitch rate misses changes of slope, it has any sign.
-        for mend in self
-            .tried
-            .iter()
-            .filter(|mend| mend.channels == [Sensor::Ay])
-        {
+        for mend in MENDS.iter().filter(|mend| mend.0 == [Sensor::Ay]) {
             let axis = Sensor::Ay as usize;
             let (Some(wanted), Some((found, error))) = (mend.factor(), factor(&slow, axis)) else {
                 continue;
             };
             // The factor means nothing where the relation is not satisfied.
             let residual = Agreement::of(&slow).residual[axis];
-            let near = residual.is_some_and(|residual| residual < self.rules.holds)
+            let near = residual.is_some_and(|residual| residual < self.holds)
                 && (found - wanted).abs() < 0.5 * wanted.abs().max(1.0);
             let significant =
-                error < 0.15 * wanted.abs() && (found - 1.0).abs() > self.rules.least_t * error;
+                error < 0.15 * wanted.abs() && (found - 1.0).abs() > self.least_t * error;
             if near && significant {
                 let evidence = format!(
                     "the other channels' motion requires {found:.2} +- {error:.2} times its values"
@@ -195,65 +175,53 @@ impl Search<'_> {
         let roll = run.columns.get(name);
         let roll = roll.filter(|x| x.iter().all(|y| *y == x[0]));
         if let (Some(roll), Some(residual)) = (roll, Agreement::of(&slow).residual[1])
-            && residual > self.rules.holds
+            && residual > self.holds
         {
-            let evidence = format!(
-                "{} in every row, while gravity turns across the sled",
-                roll[0]
-            );
-            faults.push(constant_fault(run, name, evidence).suspected());
+            let value = roll[0];
+            let evidence = format!("{value} in every row, while gravity turns across the sled");
+            faults.push(constant_fault(run, name, evidence).proven_if(false));
         }
         slow
     }
 
-    /// The remedies that a run has the channels of.
-    fn applicable(&self, slow: &Slow) -> impl Iterator<Item = &Mend> {
-        self.tried.iter().filter(|mend| mend.applies(slow))
-    }
-
     /// The best single remedy that is shown to be right.
-    fn one(&self, slow: &Slow, before: &Agreement) -> Option<(Vec<&Mend>, Agreement)> {
-        let mended = self
-            .applicable(slow)
-            .map(|mend| (vec![mend], Agreement::of(&mend.applied(slow))));
-        mended
-            .filter(|(_, after)| self.shows(before, after))
-            .reduce(better)
+    fn one(&self, slow: &Slow, before: &Agreement) -> Option<Mended> {
+        let there = MENDS.iter().filter(|mend| mend.applies(slow));
+        let mended = there.map(|mend| (vec![mend], Agreement::of(&mend.applied(slow))));
+        let shown = mended.filter(|(_, after)| self.shows(before, after));
+        shown.reduce(better)
     }
 
     /// Two faults of which neither shows while the other is there; searched where the relations
     /// across or up are not satisfied.
-    fn two_at_once(&self, slow: &Slow, before: &Agreement) -> Option<(Vec<&Mend>, Agreement)> {
-        if before.is_below(self.rules.holds) {
+    fn two_at_once(&self, slow: &Slow, before: &Agreement) -> Option<Mended> {
+        if before.is_below(self.holds) {
             return None;
         }
-        let there: Vec<&Mend> = self.applicable(slow).collect();
+        let there: Vec<&'static Mend> = MENDS.iter().filter(|mend| mend.applies(slow)).collect();
         let with_later = |k: usize| there[k + 1..].iter().map(move |other| (k, *other));
-        let pairs: Vec<(usize, &Mend)> = (0..there.len()).flat_map(with_later).collect();
-        let mut judged: Vec<(Vec<&Mend>, Agreement)> = pairs
-            .into_par_iter()
-            .map(|(one, other)| {
-                let mended = other.applied(&there[one].applied(slow));
-                (vec![there[one], other], Agreement::of(&mended))
-            })
-            .collect();
-        let gain = 2.0 * self.rules.least_gain;
+        let pairs: Vec<(usize, &'static Mend)> = (0..there.len()).flat_map(with_later).collect();
+        let mend_both = |(one, other): (usize, &'static Mend)| {
+            let mended = other.applied(&there[one].applied(slow));
+            (vec![there[one], other], Agreement::of(&mended))
+        };
+        let mut judged: Vec<Mended> = pairs.into_par_iter().map(mend_both).collect();
         judged.retain(|(_, after)| {
-            after.is_below(self.rules.holds) && before.score() - after.score() >= gain
+            after.is_below(self.holds) && before.score() - after.score() >= 2.0 * self.least_gain
         });
         judged.into_iter().reduce(better)
     }
 
     /// Whether a relation is satisfied within its noise once mended, and not before.
     fn is_satisfied_once_mended(&self, before: &Agreement, after: &Agreement) -> bool {
-        let noise = self.rules.noise;
+        let noise = self.noise;
         let mut pairs = before.residual.iter().zip(&after.residual);
         pairs.any(|pair| matches!(pair, (Some(b), Some(a)) if *b >= noise && *a < noise))
     }
 
     /// Whether a relation shows the fault and no other gets worse.
     fn shows(&self, before: &Agreement, after: &Agreement) -> bool {
-        let rules = self.rules;
+        let rules = self;
         let pairs = || {
             let pairs = before.residual.iter().zip(&after.residual);
             pairs.filter_map(|(b, a)| Some((*b, (*a)?)))
@@ -265,8 +233,11 @@ impl Search<'_> {
     }
 }
 
+/// Remedies and how well the channels then agree.
+type Mended = (Vec<&'static Mend>, Agreement);
+
 /// The one with the lower score; the first of equals.
-fn better<T>(a: (T, Agreement), b: (T, Agreement)) -> (T, Agreement) {
+fn better(a: Mended, b: Mended) -> Mended {
     if b.1.score() < a.1.score() - 1e-9 {
         b
     } else {
@@ -297,18 +268,12 @@ fn distance_fault(run: &Run, slow: &Slow) -> Option<Fault> {
     let (_, looks_like, mend) = units
         .into_iter()
         .find(|(u, ..)| (share / u - 1.0).abs() < CLOSE)?;
-    let evidence = format!(
-        "{:.5} where the speed adds up to {travelled:.1} m",
-        last - first
-    );
+    let way = last - first;
+    let evidence = format!("{way:.5} where the speed adds up to {travelled:.1} m");
     let (kind, mend) = (FaultKind::Distance, format!("{mend} for s_m"));
+    let columns = ["s_m"];
     Some(Fault::proven(
-        run,
-        &["s_m"],
-        kind,
-        looks_like,
-        evidence,
-        mend,
+        run, &columns, kind, looks_like, evidence, mend,
     ))
 }
 

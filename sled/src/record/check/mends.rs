@@ -8,182 +8,136 @@ use crate::fault::FaultKind;
 use crate::friction::GRAVITY;
 use crate::record::check::rigid_body::Slow;
 
+/// A unit in words, as a mapping states it, and its factor to the column's.
+type Unit = (&'static str, &'static str, f64);
+
+const G: Unit = ("multiples of g", "g", GRAVITY);
+const DEGREES: Unit = ("degrees", "deg", PI / 180.0);
+const DEGREES_PER_SECOND: Unit = ("degrees per second", "deg/s", PI / 180.0);
+const KM_PER_HOUR: Unit = ("km/h", "km/h", 1.0 / 3.6);
+const MILES_PER_HOUR: Unit = ("miles per hour", "mph", 0.447_04);
+const KNOTS: Unit = ("knots", "kn", 1852.0 / 3600.0);
+
 /// How channels are mended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Act {
-    /// Times a factor.
-    Scale(f64),
+    /// Converted from a unit.
+    Convert(Unit),
+    /// With the other sign.
+    Negate,
     /// Exchanged.
     Swap,
     /// Gravity added.
     Weigh,
-    /// The clock, times a factor.
-    Clock(f64),
+    /// The clock, from milliseconds.
+    Clock,
 }
 
-/// One possible fault, undone.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Mend {
-    /// The channels.
-    pub channels: &'static [Sensor],
-    /// What is wrong.
-    pub kind: FaultKind,
-    /// In words.
-    pub looks_like: &'static str,
-    /// What to write in the mapping.
-    pub line: String,
-    act: Act,
-}
+/// One possible fault, undone: the channels and what is done to them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Mend(pub &'static [Sensor], Act);
+
+/// All remedies that are tried, the likelier of two that fit equally first.
+pub(super) static MENDS: [Mend; 30] = [
+    Mend(&[Ax], Act::Convert(G)),
+    Mend(&[Ay], Act::Convert(G)),
+    Mend(&[Az], Act::Convert(G)),
+    Mend(&[Ax, Ay], Act::Convert(G)),
+    Mend(&[Ax, Ay, Az], Act::Convert(G)),
+    Mend(&[RollRate], Act::Convert(DEGREES_PER_SECOND)),
+    Mend(&[PitchRate], Act::Convert(DEGREES_PER_SECOND)),
+    Mend(&[YawRate], Act::Convert(DEGREES_PER_SECOND)),
+    Mend(&Sensor::GYROSCOPE, Act::Convert(DEGREES_PER_SECOND)),
+    Mend(&[Speed], Act::Convert(KM_PER_HOUR)),
+    Mend(&[Speed], Act::Convert(MILES_PER_HOUR)),
+    Mend(&[Speed], Act::Convert(KNOTS)),
+    Mend(&[Slip], Act::Convert(DEGREES)),
+    Mend(&[Ax], Act::Negate),
+    Mend(&[Ay], Act::Negate),
+    Mend(&[Az], Act::Negate),
+    Mend(&[RollRate], Act::Negate),
+    Mend(&[PitchRate], Act::Negate),
+    Mend(&[YawRate], Act::Negate),
+    Mend(&[Slip], Act::Negate),
+    Mend(&[Ax, Ay], Act::Swap),
+    Mend(&[Ax, Az], Act::Swap),
+    Mend(&[Ay, Az], Act::Swap),
+    Mend(&[RollRate, PitchRate], Act::Swap),
+    Mend(&[RollRate, YawRate], Act::Swap),
+    Mend(&[PitchRate, YawRate], Act::Swap),
+    Mend(&[Slip, Steering], Act::Swap),
+    Mend(&[Slip, RollSplit], Act::Swap),
+    Mend(&[Az], Act::Weigh),
+    Mend(&[], Act::Clock),
+];
 
 impl Mend {
     /// Names of the channels.
     pub fn columns(&self) -> Vec<&'static str> {
-        match self.kind {
-            FaultKind::Clock => vec!["t_s"],
-            _ => self.channels.iter().map(|sensor| sensor.name()).collect(),
+        match self.1 {
+            Act::Clock => vec!["t_s"],
+            _ => self.0.iter().map(|sensor| sensor.name()).collect(),
+        }
+    }
+
+    /// What is wrong, what the channels resemble, and what to write in the mapping.
+    pub fn describe(&self) -> (FaultKind, &'static str, String) {
+        let names = |between: &str| self.columns().join(between);
+        match self.1 {
+            Act::Convert((looks_like, unit, _)) => {
+                let line = format!("unit = \"{unit}\" for {}", names(", "));
+                (FaultKind::Unit, looks_like, line)
+            }
+            Act::Negate => {
+                let line = format!("sign = -1 for {}", names(", "));
+                (FaultKind::Sign, "the other sign", line)
+            }
+            Act::Swap => {
+                let line = format!("exchange the names of {}", names(" and "));
+                (FaultKind::Swapped, "one another", line)
+            }
+            Act::Weigh => {
+                let line = "zero = -9.81 for az_mps2".to_string();
+                (FaultKind::Gravity, "an acceleration without gravity", line)
+            }
+            Act::Clock => {
+                let line = "unit = \"ms\" for the clock".to_string();
+                (FaultKind::Clock, "milliseconds", line)
+            }
         }
     }
 
     /// The factor on its channels, where it is one.
     pub fn factor(&self) -> Option<f64> {
-        match self.act {
-            Act::Scale(factor) => Some(factor),
+        match self.1 {
+            Act::Convert((.., factor)) => Some(factor),
+            Act::Negate => Some(-1.0),
             _ => None,
         }
     }
 
     /// Whether a run has all of its channels.
     pub fn applies(&self, slow: &Slow) -> bool {
-        self.channels.iter().all(|sensor| slow[*sensor].is_some())
+        self.0.iter().all(|sensor| slow[*sensor].is_some())
     }
 
     /// The channels mended.
     pub fn applied(&self, slow: &Slow) -> Slow {
         let mut mended = slow.clone();
-        let mut change = |of: &dyn Fn(&mut f64)| {
-            for sensor in self.channels {
-                mended[*sensor].iter_mut().flatten().for_each(of);
+        match self.1 {
+            Act::Swap => mended.channels.swap(self.0[0] as usize, self.0[1] as usize),
+            Act::Clock => mended.dt_s *= 1e-3,
+            Act::Convert(_) | Act::Negate | Act::Weigh => {
+                let (factor, added) = match self.factor() {
+                    Some(factor) => (factor, 0.0),
+                    None => (1.0, GRAVITY),
+                };
+                for sensor in self.0 {
+                    let values = mended[*sensor].iter_mut().flatten();
+                    values.for_each(|x| *x = *x * factor + added);
+                }
             }
-        };
-        match self.act {
-            Act::Scale(factor) => change(&|x| *x *= factor),
-            Act::Weigh => change(&|x| *x += GRAVITY),
-            Act::Swap => {
-                let [a, b] = [self.channels[0], self.channels[1]];
-                mended.channels.swap(a as usize, b as usize);
-            }
-            Act::Clock(factor) => mended.dt_s *= factor,
         }
         mended
     }
-}
-
-/// Channels that may be in another unit: its name, how it is written, and the factor to the
-/// column's.
-const UNITS: [(&[Sensor], &str, &str, f64); 13] = [
-    (&[Ax], "multiples of g", "g", GRAVITY),
-    (&[Ay], "multiples of g", "g", GRAVITY),
-    (&[Az], "multiples of g", "g", GRAVITY),
-    (&[Ax, Ay], "multiples of g", "g", GRAVITY),
-    (&[Ax, Ay, Az], "multiples of g", "g", GRAVITY),
-    (&[RollRate], "degrees per second", "deg/s", PI / 180.0),
-    (&[PitchRate], "degrees per second", "deg/s", PI / 180.0),
-    (&[YawRate], "degrees per second", "deg/s", PI / 180.0),
-    (
-        &Sensor::GYROSCOPE,
-        "degrees per second",
-        "deg/s",
-        PI / 180.0,
-    ),
-    (&[Speed], "km/h", "km/h", 1.0 / 3.6),
-    (&[Speed], "miles per hour", "mph", 0.447_04),
-    (&[Speed], "knots", "kn", 1852.0 / 3600.0),
-    (&[Slip], "degrees", "deg", PI / 180.0),
-];
-
-/// Channels whose sign may be wrong.
-const SIGNS: [&[Sensor]; 7] = [
-    &[Ax],
-    &[Ay],
-    &[Az],
-    &[RollRate],
-    &[PitchRate],
-    &[YawRate],
-    &[Slip],
-];
-
-/// Channels whose names may be exchanged.
-const PAIRS: [&[Sensor]; 8] = [
-    &[Ax, Ay],
-    &[Ax, Az],
-    &[Ay, Az],
-    &[RollRate, PitchRate],
-    &[RollRate, YawRate],
-    &[PitchRate, YawRate],
-    &[Slip, Steering],
-    &[Slip, RollSplit],
-];
-
-/// All remedies that are tried, the likelier of two that fit equally first.
-pub(super) fn mends() -> Vec<Mend> {
-    let mend = |channels, kind, looks_like, line, act| Mend {
-        channels,
-        kind,
-        looks_like,
-        line,
-        act,
-    };
-    let names = |channels: &[Sensor], between: &str| {
-        let names: Vec<&str> = channels.iter().map(|sensor| sensor.name()).collect();
-        names.join(between)
-    };
-    let units = UNITS.iter().map(|(channels, looks_like, unit, factor)| {
-        let line = format!("unit = \"{unit}\" for {}", names(channels, ", "));
-        mend(
-            *channels,
-            FaultKind::Unit,
-            *looks_like,
-            line,
-            Act::Scale(*factor),
-        )
-    });
-    let signs = SIGNS.iter().map(|channels| {
-        let line = format!("sign = -1 for {}", names(channels, ", "));
-        mend(
-            *channels,
-            FaultKind::Sign,
-            "the other sign",
-            line,
-            Act::Scale(-1.0),
-        )
-    });
-    let swaps = PAIRS.iter().map(|channels| {
-        let line = format!("exchange the names of {}", names(channels, " and "));
-        mend(
-            *channels,
-            FaultKind::Swapped,
-            "one another",
-            line,
-            Act::Swap,
-        )
-    });
-    let gravity = Mend {
-        channels: &[Az],
-        kind: FaultKind::Gravity,
-        looks_like: "an acceleration without gravity",
-        line: "zero = -9.81 for az_mps2".to_string(),
-        act: Act::Weigh,
-    };
-    let clock = Mend {
-        channels: &[],
-        kind: FaultKind::Clock,
-        looks_like: "milliseconds",
-        line: "unit = \"ms\" for the clock".to_string(),
-        act: Act::Clock(1e-3),
-    };
-    units
-        .chain(signs)
-        .chain(swaps)
-        .chain([gravity, clock])
-        .collect()
 }

@@ -1,4 +1,4 @@
-//! Whether a run's columns are what their names say: column by column, and by the relations of a
+//! Whether a run's columns hold what their names state: column by column, and by the relations of a
 //! rigid body between them.
 
 pub(crate) mod columns;

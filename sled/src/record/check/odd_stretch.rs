@@ -66,14 +66,10 @@ pub(super) fn odd_stretches(run: &Run, columns: &[&str], still_s: f64) -> Vec<Od
             let still = longest_still(values);
             let is_long = still.len() as f64 * run.dt_s > still_s;
             let still = is_long.then_some((OddKind::Still, still));
-            let here = leaps
-                .chain(dropouts.map(|range| (OddKind::DropOut, range)))
-                .chain(still);
-            found.extend(
-                here.map(|(kind, range)| {
-                    (kind, range.start + piece.start..range.end + piece.start)
-                }),
-            );
+            let dropouts = dropouts.map(|range| (OddKind::DropOut, range));
+            let of_run = |range: Range<usize>| range.start + piece.start..range.end + piece.start;
+            let here = leaps.chain(dropouts).chain(still);
+            found.extend(here.map(|(kind, range)| (kind, of_run(range))));
         }
         let found = found.into_iter().take(MOST);
         all.extend(found.map(|(kind, range)| at(name, kind, range)));

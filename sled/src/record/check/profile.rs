@@ -53,19 +53,11 @@ pub struct Profile {
 impl Profile {
     /// Of the stretches of a channel that take part, at a rate [Hz].
     pub fn of<'a>(stretches: impl Iterator<Item = &'a [f64]> + Clone, rate_hz: f64) -> Profile {
-        let differences = stretches
-            .clone()
-            .flat_map(|x| x.windows(2))
-            .map(|w| (w[1] - w[0]).abs());
-        let (mut equal, mut count, mut least) = (0_usize, 0_usize, f64::INFINITY);
-        for difference in differences {
-            count += 1;
-            if difference == 0.0 {
-                equal += 1;
-            } else {
-                least = least.min(difference);
-            }
-        }
+        let pairs = || stretches.clone().flat_map(|x| x.windows(2));
+        let differences = || pairs().map(|w| (w[1] - w[0]).abs());
+        let (count, equal) = (pairs().count(), differences().filter(|d| *d == 0.0).count());
+        let unequal = differences().filter(|d| *d != 0.0);
+        let least = unequal.fold(f64::INFINITY, f64::min);
         let coarse = 10 * equal >= 3 * count && least.is_finite();
         let limits = Limits::of(stretches.clone(), rate_hz);
         let still = stretches.clone().map(|x| longest_still(x).len());
@@ -145,13 +137,12 @@ impl Limits {
 /// The longest stretch of equal values, the first of several.
 pub(super) fn longest_still(x: &[f64]) -> Range<usize> {
     let (mut longest, mut start) = (0..0, 0);
-    for i in 1..=x.len() {
-        if i == x.len() || x[i] != x[i - 1] {
-            if i - start > longest.len() {
-                longest = start..i;
-            }
-            start = i;
+    for stretch in x.chunk_by(|a, b| a == b) {
+        let end = start + stretch.len();
+        if stretch.len() > longest.len() {
+            longest = start..end;
         }
+        start = end;
     }
     longest
 }

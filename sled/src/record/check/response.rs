@@ -25,16 +25,22 @@ pub(super) fn response_faults(runs: &[(&Run, Slow)], rules: &RelationRules) -> V
     let mut reverse = |run: &Run, name: &str, evidence: String| {
         let (kind, mend) = (FaultKind::Sign, format!("sign = -1 for {name}"));
         let fault = Fault::proven(run, &[name], kind, "the other sign", evidence, mend);
-        faults.push(fault.suspected());
+        faults.push(fault.proven_if(false));
     };
-    for response in &RESPONSES {
-        let found = runs.iter().map(|(_, slow)| response.found(slow));
+    for (input, place, sign) in RESPONSES {
+        let found = runs
+            .iter()
+            .map(|(_, slow)| response(slow, input, place, sign));
+        let (what, unit) = match input {
+            Sensor::Slip => ("the acceleration sideways", "m/s2"),
+            _ => ("the yaw acceleration", "1/s2"),
+        };
         for (run, (c, error)) in wrong_way(runs, &found.collect::<Vec<_>>(), rules) {
-            let (what, unit, c) = (response.what, response.unit, response.sign * c);
+            let c = sign * c;
             let evidence = format!(
                 "{what} responds with {c:.1} +- {error:.1} {unit}, good runs with the other sign"
             );
-            reverse(run, response.input.name(), evidence);
+            reverse(run, input.name(), evidence);
         }
     }
     let braking = runs.iter().map(|(_, slow)| braking(slow, rules));
@@ -54,7 +60,7 @@ pub(super) fn response_faults(runs: &[(&Run, Slow)], rules: &RelationRules) -> V
             let mend = format!("unit = \"g\" for {name}");
             let evidence = drag(c, error);
             let fault = Fault::proven(run, &[name], kind, "multiples of g", evidence, mend);
-            faults.push(fault.suspected());
+            faults.push(fault.proven_if(false));
         }
     }
     faults
@@ -86,78 +92,40 @@ fn wrong_way<'a>(
         .collect()
 }
 
-/// Response of a sled to slip, steering or roll split.
-struct Response {
-    /// The channel that it responds to.
-    input: Sensor,
-    /// Its place among slip, turning, steering and roll split.
-    place: usize,
-    /// The sign that its coefficient has.
-    sign: f64,
-    /// The quantity that responds, and the unit of the coefficient.
-    what: &'static str,
-    unit: &'static str,
-    output: fn(&Slow, usize) -> Option<f64>,
-}
-
-const RESPONSES: [Response; 3] = [
-    Response {
-        input: Sensor::Slip,
-        place: 0,
-        sign: 1.0,
-        what: "the acceleration sideways",
-        unit: "m/s2",
-        output: |slow, i| Some(slow[Sensor::Ay].as_ref()?[i]),
-    },
-    Response {
-        input: Sensor::Steering,
-        place: 2,
-        sign: 1.0,
-        what: "the yaw acceleration",
-        unit: "1/s2",
-        output: yaw_acceleration,
-    },
-    Response {
-        input: Sensor::RollSplit,
-        place: 3,
-        sign: -1.0,
-        what: "the yaw acceleration",
-        unit: "1/s2",
-        output: yaw_acceleration,
-    },
+/// The channels that a sled responds to, their place among slip, turning, steering and roll split,
+/// and the sign of the coefficient.
+const RESPONSES: [(Sensor, usize, f64); 3] = [
+    (Sensor::Slip, 0, 1.0),
+    (Sensor::Steering, 2, 1.0),
+    (Sensor::RollSplit, 3, -1.0),
 ];
 
-/// Yaw acceleration [1/s2].
-fn yaw_acceleration(slow: &Slow, i: usize) -> Option<f64> {
-    let yaw = slow[Sensor::YawRate].as_ref()?;
-    Some((yaw[i + 1] - yaw[i - 1]) / (2.0 * slow.dt_s))
-}
-
-impl Response {
-    /// The coefficient times its sign: positive where the channel is right; `None` where one of the
-    /// channels is not recorded.
-    fn found(&self, slow: &Slow) -> Option<Coefficient> {
-        let channel = |sensor: Sensor| {
-            let recorded = slow[sensor].as_ref();
-            recorded.filter(|x| x.iter().any(|y| *y != x[0]))
-        };
-        let (yaw, v) = (channel(Sensor::YawRate)?, channel(Sensor::Speed)?);
-        let turn: Vec<f64> = yaw.iter().zip(v).map(|(r, v)| r / v).collect();
-        // Drivers turn the front part as they steer: without the roll split its share would be
-        // attributed to the steering.
-        let columns: [&[f64]; 4] = [
-            channel(Sensor::Slip)?,
-            &turn,
-            channel(Sensor::Steering)?,
-            channel(Sensor::RollSplit)?,
-        ];
-        let inner = slow.pieces.iter().flat_map(|p| p.start + 1..p.end - 1);
-        let rows: Vec<(usize, f64)> = inner
-            .map(|i| Some((i, (self.output)(slow, i)?)))
-            .collect::<Option<_>>()?;
-        let (c, error) = *coefficients(&columns, &rows)?.get(self.place)?;
-        Some((self.sign * c, error))
-    }
+/// The coefficient times its sign: positive where the channel is right; `None` where one of the
+/// channels is not recorded. To slip the lateral acceleration responds, to the others the yaw
+/// acceleration.
+fn response(slow: &Slow, input: Sensor, place: usize, sign: f64) -> Option<Coefficient> {
+    let channel = |sensor: Sensor| {
+        let recorded = slow[sensor].as_ref();
+        recorded.filter(|x| x.iter().any(|y| *y != x[0]))
+    };
+    let (yaw, v) = (channel(Sensor::YawRate)?, channel(Sensor::Speed)?);
+    let turn: Vec<f64> = yaw.iter().zip(v).map(|(r, v)| r / v).collect();
+    // Drivers turn the front part as they steer: without the roll split its share would be
+    // attributed to the steering.
+    let columns: [&[f64]; 4] = [
+        channel(Sensor::Slip)?,
+        &turn,
+        channel(Sensor::Steering)?,
+        channel(Sensor::RollSplit)?,
+    ];
+    let output = |i: usize| match input {
+        Sensor::Slip => Some(slow[Sensor::Ay].as_ref()?[i]),
+        _ => Some((yaw[i + 1] - yaw[i - 1]) / (2.0 * slow.dt_s)),
+    };
+    let inner = slow.pieces.iter().flat_map(|p| p.start + 1..p.end - 1);
+    let rows: Option<Vec<(usize, f64)>> = inner.map(|i| Some((i, output(i)?))).collect();
+    let (c, error) = *coefficients(&columns, &rows?)?.get(place)?;
+    Some((sign * c, error))
 }
 
 /// The air's share of the braking, c_d A/m [m2/kg]; `None` where something drives.

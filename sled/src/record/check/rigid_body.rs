@@ -19,6 +19,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::column::{COLUMNS, SENSORS, Sensor};
 use crate::friction::GRAVITY;
 use crate::record::run::Run;
+use crate::series::median;
 
 /// Mean square of the terms [m2/s6] below which nothing moves enough to be judged.
 const STILL: f64 = 1e-3;
@@ -118,35 +119,27 @@ impl Agreement {
     pub fn of(slow: &Slow) -> Agreement {
         let all = instants(slow);
         let size = |at: &Instant| at.lift.iter().map(|u| u * u).sum::<f64>().sqrt();
-        let mut lifts: Vec<f64> = all.iter().map(size).collect();
         let weighed = slow[Sensor::Az].is_some();
         let turns = slow[Sensor::RollRate].is_some() || slow[Sensor::PitchRate].is_some();
-        let judged = [
-            slow[Sensor::Ax].is_some(),
-            slow[Sensor::Ay].is_some(),
-            weighed && turns,
-        ];
+        let [along, across] = [Sensor::Ax, Sensor::Ay].map(|sensor| slow[sensor].is_some());
+        let judged = [along, across, weighed && turns];
         let residual = |axis: usize| {
             let residual: f64 = all.iter().map(|at| at.residual(axis).powi(2)).sum();
             let squares = |at: &Instant| at.terms[axis].iter().map(|t| t * t).sum::<f64>();
             let terms: f64 = all.iter().map(squares).sum();
             (judged[axis] && terms > STILL * all.len() as f64).then(|| residual / terms)
         };
-        let middle = lifts.len() / 2;
         Agreement {
-            residual: [residual(0), residual(1), residual(2)],
-            lift: (weighed && !lifts.is_empty())
-                .then(|| *lifts.select_nth_unstable_by(middle, f64::total_cmp).1),
+            residual: [0, 1, 2].map(residual),
+            lift: median(all.iter().map(size)).filter(|_| weighed),
         }
     }
 
     /// Whether the relations across and up have residuals below a limit, as far as they can be
     /// judged.
     pub fn is_below(&self, limit: f64) -> bool {
-        self.residual[1..]
-            .iter()
-            .flatten()
-            .all(|residual| *residual < limit)
+        let mut judged = self.residual[1..].iter().flatten();
+        judged.all(|residual| *residual < limit)
     }
 
     /// Disagreement as a sum of logarithms, so that a factor in any relation has the same weight;
@@ -214,9 +207,8 @@ impl Slow {
         let sigma = (0.5_f64.ln().abs() / 4.0).sqrt() / (std::f64::consts::PI * CORNER_HZ);
         let half = (4.0 * sigma / run.dt_s).ceil() as usize;
         let at = |k: usize| (k as f64 - half as f64) * run.dt_s / sigma;
-        let weights: Vec<f64> = (0..=2 * half)
-            .map(|k| (-0.5 * at(k).powi(2)).exp())
-            .collect();
+        let weight = |k: usize| (-0.5 * at(k).powi(2)).exp();
+        let weights: Vec<f64> = (0..=2 * half).map(weight).collect();
         let sum: f64 = weights.iter().sum();
         let stride = (1.0 / (RATE_HZ * run.dt_s)).round().max(1.0) as usize;
         let centres = |piece: &Range<usize>| {
@@ -261,14 +253,8 @@ pub(super) type Coefficient = (f64, f64);
 pub(super) fn coefficients(columns: &[&[f64]], rows: &[(usize, f64)]) -> Option<Vec<Coefficient>> {
     const BLOCKS: usize = 20;
     let width = columns.len() + 1;
-    let scale: Vec<f64> = columns
-        .iter()
-        .map(|x| {
-            x.iter()
-                .fold(0.0_f64, |most, y| most.max(y.abs()))
-                .max(1e-300)
-        })
-        .collect();
+    let largest = |x: &&[f64]| x.iter().fold(1e-300_f64, |most, y| most.max(y.abs()));
+    let scale: Vec<f64> = columns.iter().map(largest).collect();
     let empty = (DMatrix::zeros(width, width), DVector::zeros(width));
     let mut blocks = vec![empty.clone(); BLOCKS];
     for (k, (i, y)) in rows.iter().enumerate() {
@@ -281,10 +267,8 @@ pub(super) fn coefficients(columns: &[&[f64]], rows: &[(usize, f64)]) -> Option<
     let sum = blocks.iter().fold(empty, |(a, b), (c, d)| (a + c, b + d));
     let solve = |a: DMatrix<f64>, b: DVector<f64>| a.cholesky().map(|factor| factor.solve(&b));
     let all = solve(sum.0.clone(), sum.1.clone())?;
-    let without: Vec<DVector<f64>> = blocks
-        .iter()
-        .map(|(a, b)| solve(&sum.0 - a, &sum.1 - b))
-        .collect::<Option<_>>()?;
+    let without = blocks.iter().map(|(a, b)| solve(&sum.0 - a, &sum.1 - b));
+    let without: Vec<DVector<f64>> = without.collect::<Option<_>>()?;
     let share = (BLOCKS - 1) as f64 / BLOCKS as f64;
     let mean = |k: usize| without.iter().map(|b| b[k]).sum::<f64>() / BLOCKS as f64;
     let error = |k: usize| {
@@ -306,11 +290,8 @@ pub(super) fn delays(slow: &Slow) -> [Option<Coefficient>; 8] {
     let scale = [0, 1, 2].map(|axis: usize| {
         let terms = all.iter().flat_map(|at| at.terms[axis]);
         let squares = terms.map(|t| t * t).sum::<f64>();
-        if slow.channels[axis].is_some() && squares > 0.0 {
-            squares.sqrt().recip()
-        } else {
-            0.0
-        }
+        let known = slow.channels[axis].is_some() && squares > 0.0;
+        if known { squares.sqrt().recip() } else { 0.0 }
     });
     let residuals = |slow: &Slow| -> Vec<f64> {
         let all = instants(slow);

@@ -44,11 +44,8 @@ pub(super) struct BoxRotation {
 impl BoxRotation {
     /// The rotation that all of these runs agree on; `None` where there is none.
     pub fn of(runs: &[&Slow], rules: &RelationRules) -> Option<BoxRotation> {
-        let runs: Vec<&Slow> = runs
-            .iter()
-            .copied()
-            .filter(|slow| is_complete(slow))
-            .collect();
+        let complete = runs.iter().copied().filter(|slow| is_complete(slow));
+        let runs: Vec<&Slow> = complete.collect();
         let (forward, error) = forward_axis(&runs)?;
         if (forward.norm() - 1.0).abs() > LENGTH {
             return None;
@@ -57,11 +54,8 @@ impl BoxRotation {
         let angle = forward.angle(&Vector3::x());
         let turned = angle > LEAST_FORWARD.max(rules.least_t * error);
         let forward = if turned { forward } else { Vector3::x() };
-        let force: Vector3<f64> = runs
-            .iter()
-            .map(|slow| mean_force(slow))
-            .sum::<Vector3<f64>>()
-            / runs.len() as f64;
+        let forces = runs.iter().map(|slow| mean_force(slow));
+        let force = forces.sum::<Vector3<f64>>() / runs.len() as f64;
         let across = force - forward * force.dot(&forward);
         let up = across.try_normalize(LEAST_FORCE)?;
         let rows = [forward, up.cross(&forward), up].map(|axis| axis.transpose());
@@ -74,20 +68,13 @@ impl BoxRotation {
             error,
             proven: false,
         };
-        let pairs = runs
-            .iter()
-            .map(|slow| (Agreement::of(slow), Agreement::of(&found.applied(slow))));
-        let pairs: Vec<(Agreement, Agreement)> = pairs.collect();
         // The relations do not know the roll; the forward axis shows in them.
-        let gain = if turned {
-            rules.least_gain
-        } else {
-            -rules.least_gain
-        };
-        let mends = |(before, after): &&(Agreement, Agreement)| {
+        let gain = rules.least_gain * if turned { 1.0 } else { -1.0 };
+        let mends = |slow: &&&Slow| {
+            let (before, after) = (Agreement::of(slow), Agreement::of(&found.applied(slow)));
             after.is_below(rules.holds) && before.score() - after.score() >= gain
         };
-        let share = pairs.iter().filter(mends).count() as f64 / pairs.len() as f64;
+        let share = runs.iter().filter(mends).count() as f64 / runs.len() as f64;
         found.proven = share == 1.0 && found.rotation.angle() > LEAST_PROVEN;
         (share >= rules.agree).then_some(found)
     }
@@ -132,12 +119,8 @@ impl BoxRotation {
             "rotation = [{roll:.3}, {pitch:.3}, {yaw:.3}] in [logger.NAME] of these channels"
         );
         let looks_like = "the axes of a box that is turned";
-        let fault = Fault::proven(run, &names, FaultKind::Rotation, looks_like, evidence, mend);
-        if self.proven {
-            fault
-        } else {
-            fault.suspected()
-        }
+        Fault::proven(run, &names, FaultKind::Rotation, looks_like, evidence, mend)
+            .proven_if(self.proven)
     }
 }
 

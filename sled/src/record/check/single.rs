@@ -4,6 +4,7 @@
 use crate::column::{COLUMNS, Sensor};
 use crate::fault::{Fault, FaultKind};
 use crate::record::run::Run;
+use crate::series::median;
 
 /// Channels that move together: where one moves and another has one value, that one does not
 /// measure.
@@ -31,18 +32,16 @@ const EVENLY: f64 = 0.9;
 pub(super) fn plain_faults(run: &Run) -> Vec<Fault> {
     let mut faults = Vec::new();
     if run.dt_s >= LONGEST_STEP_S {
-        let step = format!(
-            "a row every {} s; good runs have one every 0.02 s or less",
-            run.dt_s
-        );
-        let mend = "unit = \"ms\" for the clock".to_owned();
-        let kind = FaultKind::Clock;
+        let step = run.dt_s;
+        let evidence = format!("a row every {step} s; good runs have one every 0.02 s or less");
+        let (kind, mend) = (FaultKind::Clock, "unit = \"ms\" for the clock".to_owned());
+        let milliseconds = "milliseconds";
         faults.push(Fault::proven(
             run,
             &["t_s"],
             kind,
-            "milliseconds",
-            step,
+            milliseconds,
+            evidence,
             mend,
         ));
     }
@@ -78,8 +77,8 @@ pub(super) fn plain_faults(run: &Run) -> Vec<Fault> {
             );
             let mend =
                 format!("import {name} from its own logger with its own clock ({rate:.4} Hz)");
-            let kind = FaultKind::Held;
-            faults.push(Fault::proven(run, &[name], kind, &values, evidence, mend).suspected());
+            let fault = Fault::proven(run, &[name], FaultKind::Held, &values, evidence, mend);
+            faults.push(fault.proven_if(false));
         }
     }
     faults
@@ -111,11 +110,9 @@ pub fn rows_held<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> Option<usize
     }
     let middle = lengths.len() / 2;
     let usual = *lengths.select_nth_unstable(middle).1;
-    let even = lengths
-        .iter()
-        .filter(|length| length.abs_diff(usual) <= 1)
-        .count();
-    (usual > 1 && even as f64 >= EVENLY * lengths.len() as f64).then_some(usual)
+    let even = |length: &&usize| length.abs_diff(usual) <= 1;
+    let even = lengths.iter().filter(even).count() as f64;
+    (usual > 1 && even >= EVENLY * lengths.len() as f64).then_some(usual)
 }
 
 /// Channels of a run that exceed their range; those with a fault already are skipped.
@@ -126,71 +123,31 @@ pub(super) fn range_faults(run: &Run, known: &[Fault]) -> Vec<Fault> {
         let values: Vec<f64> = run.gaps.within(column).flatten().copied().collect();
         let (kind, looks_like, evidence, mend) = out_of_range(name, &values)?;
         let mend = format!("{mend} for {name}");
+        let columns = [name];
         Some(Fault::proven(
-            run,
-            &[name],
-            kind,
-            looks_like,
-            evidence,
-            mend,
+            run, &columns, kind, looks_like, evidence, mend,
         ))
     };
     COLUMNS.into_iter().filter_map(fault).collect()
 }
 
-/// Largest magnitude of channels in their unit, the unit in which they exceed it, what is expected,
-/// and the unit to state.
-type Range = (
-    &'static [Sensor],
-    f64,
-    &'static str,
-    &'static str,
-    &'static str,
-);
+/// Largest magnitude of channels, their unit, and the unit in which they exceed it: in words, and
+/// as a mapping states it.
+type Range = (&'static [Sensor], f64, &'static str, [&'static str; 2]);
 
-const RANGES: [Range; 6] = [
-    (
-        &[Sensor::Slip],
-        0.4,
-        "degrees",
-        "radians, magnitudes below 0.4 (23 degrees) but in a spin",
-        "deg",
-    ),
-    (
-        &[Sensor::RollSplit],
-        0.4,
-        "degrees",
-        "radians, magnitudes below 0.4 (23 degrees)",
-        "deg",
-    ),
-    (
-        &[Sensor::Steering],
-        0.6,
-        "degrees",
-        "radians, magnitudes below 0.6 (34 degrees)",
-        "deg",
-    ),
-    (
-        &Sensor::GYROSCOPE,
-        12.0,
-        "degrees per second",
-        "radians per second, magnitudes below 12",
-        "deg/s",
-    ),
-    (
-        &[Sensor::Speed],
-        70.0,
-        "km/h",
-        "metres per second, below 70",
-        "km/h",
-    ),
-    (
-        &Sensor::ACCELEROMETER,
-        500.0,
-        "a raw count or another unit",
-        "metres per second squared, magnitudes below 500",
-        "...",
-    ),
+const ANGLE: &str = "radians";
+const DEGREES: [&str; 2] = ["degrees", "deg"];
+const TURN: &str = "radians per second";
+const DEGREES_PER_SECOND: [&str; 2] = ["degrees per second", "deg/s"];
+const FORCE: &str = "metres per second squared";
+const UNKNOWN: [&str; 2] = ["a raw count or another unit", "..."];
+
+const RANGES: [Range; 5] = [
+    (&[Sensor::Slip, Sensor::RollSplit], 0.4, ANGLE, DEGREES),
+    (&[Sensor::Steering], 0.6, ANGLE, DEGREES),
+    (&Sensor::GYROSCOPE, 12.0, TURN, DEGREES_PER_SECOND),
+    (&[Sensor::Speed], 70.0, "metres per second", ["km/h"; 2]),
+    (&Sensor::ACCELEROMETER, 500.0, FORCE, UNKNOWN),
 ];
 
 /// Kind, what the values seem to be, evidence and remedy of a channel out of its range.
@@ -201,18 +158,17 @@ fn out_of_range(column: &str, values: &[f64]) -> Option<(FaultKind, &'static str
     let far = values.iter().filter(|v| v.abs() > 0.4).count();
     let spins = sensor == Sensor::Slip && largest <= std::f64::consts::PI && 4 * far < values.len();
     let range = RANGES.iter().find(|(of, ..)| of.contains(&sensor))?;
-    let (_, most, looks_like, expected, unit) = range;
+    let (_, most, own, [looks_like, unit]) = range;
     if largest > *most && !spins {
-        let evidence = format!("largest magnitude {largest:.4}; expected {expected}");
+        let evidence =
+            format!("largest magnitude {largest:.4}; expected {own}, magnitudes below {most}");
         let mend = format!("unit = \"{unit}\"");
         return Some((FaultKind::Unit, looks_like, evidence, mend));
     }
     if sensor != Sensor::Az {
         return None;
     }
-    let mut sorted = values.to_vec();
-    let middle = sorted.len() / 2;
-    let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let median = median(values.iter().copied())?;
     let evidence = format!(
         "median {median:.3}; expected metres per second squared, +9.81 at rest on level ice"
     );

@@ -176,27 +176,12 @@ fn written_runs_read_back_and_csv_and_parquet_say_the_same() {
 }
 
 #[test]
-fn mdf4_logs_are_read_with_their_own_time_channel() {
-    use falcon_mdf::Mf4Writer;
+fn an_mdf4_log_is_refused_with_the_way_to_import_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mf4");
-    let time: Vec<f64> = (0..300).map(|i| f64::from(i) * 0.01).collect();
-    let speed: Vec<f64> = time.iter().map(|t| 20.0 + t).collect();
-    let mut writer = Mf4Writer::new();
-    let group = writer.add_group(&time).unwrap();
-    group.add_channel("v_mps", "m/s", &speed).unwrap();
-    group
-        .add_channel("alpha_rad", "rad", &vec![0.01; 300])
-        .unwrap();
-    let slow = writer.add_group(&[0.0, 1.0, 2.0]).unwrap();
-    slow.add_channel("ice_c", "degC", &[-8.0, -8.1, -8.2])
-        .unwrap();
-    writer.write_to_file(&path).unwrap();
-    let run = read_run(entry(path), &["v_mps", "alpha_rad"], OnGaps::LeaveOut).unwrap();
-    assert_eq!(run.column("v_mps").unwrap(), speed);
-    assert!((run.rate_hz() - 100.0).abs() < 1e-9);
-    // Another rate: left out, not stretched.
-    assert!(run.column("ice_c").is_err());
+    std::fs::write(&path, "MDF").unwrap();
+    let error = read_columns(&path, &[]).unwrap_err().to_string();
+    assert!(error.contains("kufe runs import"), "{error}");
 }
 
 /// A Parquet file of one row group; each column is written by its own closure.

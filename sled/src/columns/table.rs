@@ -1,0 +1,168 @@
+//! Small CSV tables of names and numbers: indices, experiments, glides.
+
+use std::fmt::Display;
+use std::io::Read;
+
+use crate::conditions::{CONDITIONS, Conditions};
+use crate::error::Error;
+
+/// Range of a quantity in measured tables: name, smallest and largest value, and what is expected.
+const NUMBERS: [(&str, f64, f64, &str); 14] = [
+    ("p_max_pa", 1e4, 1e11, "a pressure in Pa (7.7e6)"),
+    ("p_max_sd_pa", 0.0, 1e11, "a deviation in Pa, 0 to 1e11"),
+    ("mu", -1.0, 1.0, "a coefficient of friction (0.004)"),
+    ("mu_sd", 0.0, 1.0, "a standard deviation (0.0004), 0 to 1"),
+    ("fz_n", LEAST, f64::MAX, "a force in N, positive"),
+    ("v_mps", 0.0, f64::MAX, "a speed in m/s, 0 or more"),
+    ("ice_c", -60.0, 60.0, CELSIUS),
+    ("air_c", -60.0, 60.0, CELSIUS),
+    ("humidity_pct", 0.0, 100.0, "a humidity in %, 0 to 100"),
+    ("air_pa", 30e3, 120e3, "a pressure, 30000 to 120000 Pa"),
+    ("distance_m", 0.0, f64::MAX, "a distance in m, 0 or more"),
+    ("rocker_radius_m", LEAST, f64::MAX, "a radius, above 0 m"),
+    ("mass_kg", 1.0, 2000.0, "a mass in kg, 1 to 2000"),
+    ("cda_m2", 0.0, 5.0, "a drag area in m2, 0 to 5"),
+];
+
+const CELSIUS: &str = "a temperature in degrees Celsius, -60 to 60";
+
+/// Most bytes of a table: empty cells and short rows take up to twenty times as many in memory.
+const MOST_BYTES: u64 = 1 << 25;
+
+/// The least positive number.
+const LEAST: f64 = f64::MIN_POSITIVE;
+
+/// The columns a table must and may have.
+pub(crate) struct TableColumns {
+    pub required: &'static [&'static str],
+    pub optional: &'static [&'static str],
+    /// Whether a column of another name may be there.
+    pub further: fn(&str) -> bool,
+    /// Such names, as an error lists them.
+    pub further_names: &'static str,
+}
+
+/// A table as text.
+pub(crate) struct Table {
+    file: String,
+    columns: &'static TableColumns,
+    pub(crate) header: Vec<String>,
+    rows: Vec<csv::StringRecord>,
+}
+
+impl Table {
+    pub(crate) fn read(
+        file: &str,
+        reader: impl Read,
+        columns: &'static TableColumns,
+    ) -> Result<Self, Error> {
+        let unreadable =
+            |reason: &dyn Display| Error::file(file, format!("cannot be read: {reason}"));
+        let mut csv = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .from_reader(reader.take(MOST_BYTES + 1));
+        let header = csv.headers().map_err(|error| unreadable(&error))?;
+        let header = header
+            .iter()
+            .map(|name| name.trim_start_matches('\u{feff}'));
+        let header: Vec<String> = header.map(str::to_string).collect();
+        let all = [columns.required, columns.optional].concat();
+        for (i, name) in header.iter().enumerate() {
+            let expected = || all.join(", ") + columns.further_names;
+            if header[..i].contains(name) {
+                return Err(Error::column(file, name, "given twice", &expected()));
+            }
+            if !all.contains(&name.as_str()) && !(columns.further)(name) {
+                return Err(Error::column(file, name, "unknown", &expected()));
+            }
+        }
+        let absent = |name: &&&str| !header.iter().any(|there| there == **name);
+        if let Some(name) = columns.required.iter().find(absent) {
+            return Err(Error::missing_column(file, name, &header));
+        }
+        let rows: Result<Vec<_>, _> = csv.records().collect();
+        if csv.get_ref().limit() == 0 {
+            let reason = format!("it is longer than {MOST_BYTES} bytes: expected fewer rows");
+            return Err(unreadable(&reason));
+        }
+        Ok(Table {
+            file: file.into(),
+            columns,
+            header,
+            rows: rows.map_err(|error| unreadable(&error))?,
+        })
+    }
+
+    pub(crate) fn rows(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Line of a row in the file.
+    pub(crate) fn line(&self, row: usize) -> u64 {
+        let position = self.rows[row].position();
+        position.map_or(row as u64 + 2, csv::Position::line)
+    }
+
+    /// The cell's text; `None` where there is no such column.
+    pub(crate) fn text(&self, row: usize, column: &str) -> Option<&str> {
+        let place = self.header.iter().position(|name| name == column)?;
+        self.rows[row].get(place)
+    }
+
+    /// The cell's text, where there is any.
+    pub(crate) fn stated_text(&self, row: usize, column: &str) -> Option<String> {
+        let text = self.text(row, column).filter(|text| !text.is_empty());
+        text.map(str::to_string)
+    }
+
+    /// The cell's text, which may not be empty.
+    pub(crate) fn name(&self, row: usize, column: &str) -> Result<String, Error> {
+        let text = self.stated_text(row, column);
+        text.ok_or_else(|| self.bad(row, column, "", "a name"))
+    }
+
+    /// The cell as a number within the range of its column.
+    pub(crate) fn number(&self, row: usize, column: &str) -> Result<f64, Error> {
+        let known = NUMBERS.iter().find(|known| known.0 == column);
+        let (_, low, high, expected) = known.expect("a column of numbers");
+        self.number_within(row, column, (*low, *high), expected)
+    }
+
+    /// The cell as a finite number within a range.
+    pub(crate) fn number_within(
+        &self,
+        row: usize,
+        column: &str,
+        (low, high): (f64, f64),
+        expected: &str,
+    ) -> Result<f64, Error> {
+        let text = self.text(row, column).unwrap_or("");
+        let value = text.parse().ok();
+        let value = value.filter(|value| (low..=high).contains(value));
+        value.ok_or_else(|| self.bad(row, column, text, expected))
+    }
+
+    /// As [`Table::number`]; `None` where the column is absent or the cell empty.
+    pub(crate) fn optional(&self, row: usize, column: &str) -> Result<Option<f64>, Error> {
+        let stated = self.stated_text(row, column);
+        stated.map(|_| self.number(row, column)).transpose()
+    }
+
+    /// The conditions that the row states, of those that the table must or may have.
+    pub(crate) fn conditions(&self, row: usize) -> Result<Conditions, Error> {
+        let mut values = Conditions::UNSTATED.values();
+        for (value, (name, ..)) in values.iter_mut().zip(CONDITIONS) {
+            if self.columns.required.contains(&name) {
+                *value = self.number(row, name)?;
+            } else if self.columns.optional.contains(&name) {
+                *value = self.optional(row, name)?.unwrap_or(f64::NAN);
+            }
+        }
+        Ok(Conditions::from_values(values))
+    }
+
+    /// The error of a cell.
+    pub(crate) fn bad(&self, row: usize, column: &str, found: &str, expected: &str) -> Error {
+        Error::cell(&self.file, self.line(row), column, found, expected)
+    }
+}
