@@ -7,9 +7,9 @@ use kufe_contact::Options;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::case::CaseError;
-use crate::case::table::{
-    AccuracyTable, IceTable, LoadTable, RunnerTable, SlidingTable, SolverTable, TrackTable,
+use crate::case::{
+    AccuracyTable, CaseError, IceTable, LoadTable, RunnerTable, SlidingTable, SolverTable,
+    TrackTable,
 };
 
 /// File of an output folder that holds the groove of a runner that slid.

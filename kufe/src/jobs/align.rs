@@ -9,7 +9,7 @@ use kufe_sled::{
 };
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::{failure, on_gaps, run_inputs};
+use crate::jobs::runs::{on_gaps, run_inputs};
 use crate::jobs::watch::Watch;
 use crate::results::{AlignedTrack, Alignment, TrackErrors};
 
@@ -79,17 +79,17 @@ impl RunsToAlign {
     /// # Errors
     /// [`Failure::BadInput`] with file and place.
     pub fn read(options: AlignOptions) -> Result<RunsToAlign, Failure> {
-        let model = Model::load(&options.model).map_err(failure)?;
-        let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
+        let model = Model::load(&options.model)?;
+        let vehicle = Vehicle::with_effects(&model)?;
         let surveyed =
             |entry: &Entry| !options.estimate && options.survey_file(&entry.track).exists();
-        let entries = read_index(&options.runs).map_err(failure)?;
+        let entries = read_index(&options.runs)?;
         let needs = if entries.iter().all(surveyed) {
             Needs::PLACE
         } else {
             Needs::TRACK
         };
-        let runs = read_runs(&options.runs, &needs, on_gaps(options.strict)).map_err(failure)?;
+        let runs = read_runs(&options.runs, &needs, on_gaps(options.strict))?;
         Ok(RunsToAlign {
             options,
             model,
@@ -117,7 +117,7 @@ impl RunsToAlign {
             ..PrepareOptions::default()
         };
         let noise = self.model.noise.as_ref();
-        let prepared = prepare_all(&self.runs, &self.vehicle, noise, &options).map_err(failure)?;
+        let prepared = prepare_all(&self.runs, &self.vehicle, noise, &options)?;
         let mut members: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for (i, run) in prepared.iter().enumerate() {
             members.entry(&run.entry.track).or_default().push(i);
@@ -130,13 +130,12 @@ impl RunsToAlign {
             let survey = if self.options.estimate || !path.exists() {
                 None
             } else {
-                Some(Track::load(&path).map_err(failure)?)
+                Some(Track::load(&path)?)
             };
             let shape = survey.as_ref().map(TrackShape::new);
-            let aligned =
-                align(&of, &self.vehicle, shape.as_ref(), &tolerances).map_err(failure)?;
+            let aligned = align(&of, &self.vehicle, shape.as_ref(), &tolerances)?;
             for (i, found) in members.iter().zip(&aligned.runs) {
-                state_places(&mut self.runs[*i], &found.warp).map_err(failure)?;
+                state_places(&mut self.runs[*i], &found.warp)?;
             }
             documents.push(AlignedTrack {
                 track: name.to_owned(),

@@ -7,7 +7,6 @@ use kufe_files::{leads_out, resolved, same_file};
 use kufe_sled::{Entry, read_columns, read_index, track_file};
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::failure;
 
 /// The name in an index of what is not stated.
 pub const UNNAMED: &str = "unnamed";
@@ -86,7 +85,7 @@ impl Gathered {
     }
 
     fn index(&mut self, index: &Path) -> Result<(), Failure> {
-        for entry in read_index(index).map_err(failure)? {
+        for entry in read_index(index)? {
             if !entry.file.is_file() {
                 return Err(wrong(
                     index,
@@ -133,7 +132,7 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
             .map_err(|error| wrong(path, &error.to_string()))?;
         header.iter().map(str::to_owned).collect()
     } else {
-        let columns = read_columns(path, &[]).map_err(failure)?;
+        let columns = read_columns(path, &[])?;
         columns.into_keys().collect()
     };
     let has = |name: &&str| names.iter().any(|known| known == name);

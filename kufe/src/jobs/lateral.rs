@@ -7,7 +7,7 @@ use kufe_sled::friction::MagicFormula;
 use kufe_sled::{FitOptions, Model, RunnerFitResult, SledFit, Vehicle, by_track, fit, validate};
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::{Loaded, RunSelection, failure};
+use crate::jobs::runs::{Loaded, RunSelection};
 use crate::jobs::watch::Watch;
 use crate::results::{LateralFitDocument, RunsUsed, Validation};
 
@@ -35,12 +35,10 @@ pub fn fit_lateral(
 ) -> Result<FittedRuns, Failure> {
     let loaded = selection.load(watch, |_| true)?;
     watch.progress("fitting");
-    let fit = fit(&loaded.prepared, &loaded.vehicle, options).map_err(failure)?;
+    let fit = fit(&loaded.prepared, &loaded.vehicle, options)?;
     let model = fit.applied_to(&loaded.model).to_toml();
     // The written model is valid.
-    Model::from_toml(&model, "model.fit.toml")
-        .and_then(|model| Vehicle::with_effects(&model))
-        .map_err(failure)?;
+    Model::from_toml(&model, "model.fit.toml").and_then(|model| Vehicle::with_effects(&model))?;
     let document = LateralFitDocument {
         fit: fit.result(),
         used: RunsUsed::new(&loaded),

@@ -105,17 +105,12 @@ impl FrictionLaw {
     /// # Errors
     /// [`Failure::BadInput`] with file and place.
     pub fn of_model(path: &Path) -> Result<FrictionLaw, Failure> {
-        let failure = |error: &dyn std::fmt::Display| {
-            Failure::BadInput(format!("{}: {error}", path.display()))
-        };
-        let model = Model::load(path).map_err(Failure::bad_input)?;
+        let model = Model::load(path)?;
+        let law = model.friction.longitudinal.model();
+        let effects = Effects::from_tables(&model.effects);
         Ok(FrictionLaw {
-            law: model
-                .friction
-                .longitudinal
-                .model()
-                .map_err(|e| failure(&e))?,
-            effects: Effects::from_tables(&model.effects).map_err(|e| failure(&e))?,
+            law: law.map_err(|error| Failure::in_file(path, error))?,
+            effects: effects.map_err(|error| Failure::in_file(path, error))?,
             drag_area: model.sled.cda_m2,
         })
     }
@@ -138,9 +133,7 @@ impl FrictionLaw {
         let solution =
             solve(&problem, &loaded.case.options()).map_err(|error| loaded.failure(&error))?;
         loaded.fine_enough(hull.as_ref(), &solution)?;
-        for warning in loaded.hull_warnings(hull.as_ref()) {
-            watch.warn(&warning);
-        }
+        loaded.hull_warnings(hull.as_ref(), watch);
         let at = conditions.operating_point(solution.fz, self.drag_area);
         let (p_max, mu_base) = (solution.p_max, self.law.mu(solution.p_max));
         let (mu, effects, effects_not_concerned) = self.with_effects(mu_base, &at)?;

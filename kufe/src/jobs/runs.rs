@@ -105,10 +105,7 @@ pub fn write_track(output: NewFiles, track: &Track) -> Result<(), Failure> {
 
 /// The failure that a sled error is.
 pub fn failure(error: Error) -> Failure {
-    match error {
-        Error::NotConverged { .. } => Failure::NotConverged(error.to_string()),
-        _ => Failure::BadInput(error.to_string()),
-    }
+    error.into()
 }
 
 /// How runs with gaps are read: refused with `strict`, else without the samples next to a gap.
@@ -157,17 +154,15 @@ impl RunSelection {
                 self.cutoff_hz
             )));
         }
-        let model = Model::load(&self.model).map_err(failure)?;
-        let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
+        let model = Model::load(&self.model)?;
+        let vehicle = Vehicle::with_effects(&model)?;
         watch.progress(&format!("reading {}", self.runs.display()));
         let on_gaps = on_gaps(self.strict);
         let (mut runs, left_out) = if self.leave_out_bad_runs {
-            let (runs, bad) =
-                kufe_sled::read_good_runs(&self.runs, &Needs::FORCES, on_gaps).map_err(failure)?;
+            let (runs, bad) = kufe_sled::read_good_runs(&self.runs, &Needs::FORCES, on_gaps)?;
             (runs, bad.iter().map(ToString::to_string).collect())
         } else {
-            let runs =
-                kufe_sled::read_runs(&self.runs, &Needs::FORCES, on_gaps).map_err(failure)?;
+            let runs = kufe_sled::read_runs(&self.runs, &Needs::FORCES, on_gaps)?;
             (runs, Vec::new())
         };
         let tracks = tracks(&runs);
@@ -200,8 +195,7 @@ impl RunSelection {
             cutoff_hz: self.cutoff_hz,
             ..PrepareOptions::default()
         };
-        let prepared =
-            prepare_all(&runs, &vehicle, model.noise.as_ref(), &options).map_err(failure)?;
+        let prepared = prepare_all(&runs, &vehicle, model.noise.as_ref(), &options)?;
         let gaps: Vec<SampleCoverage> = prepared
             .iter()
             .map(|run| run.taking_part.clone())

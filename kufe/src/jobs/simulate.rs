@@ -12,7 +12,6 @@ use kufe_sled::{
 use rayon::prelude::*;
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::failure;
 use crate::jobs::watch::Watch;
 use crate::results::{SimulatedRun, Simulation};
 
@@ -126,9 +125,9 @@ impl SimulatedDrives {
     /// [`Failure::BadInput`] with file and place, and for options out of range.
     pub fn drive(&self, watch: &Watch) -> Result<DrivenRuns, Failure> {
         let begun = Instant::now();
-        let model = Model::load(&self.model).map_err(failure)?;
-        let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
-        let track = Track::load(&self.track).map_err(failure)?;
+        let model = Model::load(&self.model)?;
+        let vehicle = Vehicle::with_effects(&model)?;
+        let track = Track::load(&self.track)?;
         let shape = TrackShape::new(&track);
         let conditions = vehicle.conditions.complete(&self.options.conditions);
         for text in vehicle.effects_elsewhere(&[&track.name]) {
@@ -146,8 +145,7 @@ impl SimulatedDrives {
                 ..self.options.clone()
             };
             let driver = &self.driver;
-            let simulated =
-                simulate(&vehicle, &shape, &driver.driver, &options).map_err(failure)?;
+            let simulated = simulate(&vehicle, &shape, &driver.driver, &options)?;
             let name = format!("run_{:03}", number + 1);
             let mut entry = simulated_entry(&name, &track, &driver.name, conditions);
             entry.session.clone_from(&self.session);

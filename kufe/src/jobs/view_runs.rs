@@ -11,7 +11,6 @@ use kufe_sled::{
 };
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::failure;
 use crate::jobs::watch::Watch;
 
 /// Rates at which channels are shown [Hz]: the first with which the page is short enough.
@@ -88,7 +87,7 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
         let index = options.runs.display();
         Failure::BadInput(format!("{index}: {reason}"))
     };
-    let entries = read_index(&options.runs).map_err(failure)?;
+    let entries = read_index(&options.runs)?;
     if let Some(name) = (options.only.iter()).find(|name| entries.iter().all(|e| e.run != **name)) {
         let names: Vec<&str> = entries.iter().map(|entry| entry.run.as_str()).collect();
         let names = names.join(", ");
@@ -106,7 +105,7 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
     });
     let (mut runs, mut left_out) = (BTreeMap::new(), Vec::new());
     let mut prepared = Vec::new();
-    for (one, run) in examined.map_err(failure)? {
+    for (one, run) in examined? {
         match (one.refused, run) {
             (Some(reason), _) if is_chosen(&one.run) => left_out.push([one.run, reason]),
             (_, Some((run, states))) => {
@@ -176,8 +175,8 @@ impl Driven {
         watch: &Watch,
     ) -> Result<Driven, Failure> {
         let file = model;
-        let model = Model::load(file).map_err(failure)?;
-        let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
+        let model = Model::load(file)?;
+        let vehicle = Vehicle::with_effects(&model)?;
         let names: BTreeSet<&str> = entries.iter().map(|entry| entry.track.as_str()).collect();
         let names: Vec<&str> = names.into_iter().collect();
         for text in vehicle.effects_elsewhere(&names) {
@@ -185,7 +184,7 @@ impl Driven {
         }
         let mut tracks = BTreeMap::new();
         if let Some(path) = &options.track {
-            let track = Track::load(path).map_err(failure)?;
+            let track = Track::load(path)?;
             tracks.insert(track.name.clone(), track);
         }
         for name in names.into_iter().filter(|_| options.track.is_none()) {
@@ -195,7 +194,7 @@ impl Driven {
                 .unwrap_or(Path::new(""))
                 .join(track_file(name));
             if path.is_file() {
-                tracks.insert(name.to_owned(), Track::load(&path).map_err(failure)?);
+                tracks.insert(name.to_owned(), Track::load(&path)?);
             } else {
                 let path = path.display();
                 watch.warn(&format!("{path}: no such table: no model on track {name}"));

@@ -3,7 +3,7 @@
 use kufe_contact::{RunnerField, RunnerLoads};
 use kufe_mesh::HexMesh;
 
-use crate::jobs::field::map_picture::GROUND;
+use crate::jobs::field::maps::GROUND;
 use crate::plot::{
     Axis, Cells, ColourBar, Figure, Layer, PALETTE, Panel, Rgb, Scales, Symbol, extent, number4,
 };

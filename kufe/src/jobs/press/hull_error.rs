@@ -24,17 +24,14 @@ pub struct HullError {
     pub approach: f64,
 }
 
-/// The largest of a hull's noise, what would not show of it and what its fit has found [m].
-pub(crate) fn found_noise(hull: &FittedHull) -> f64 {
-    let Noise { found, unseen } = hull.noise;
-    found.max(unseen).max(hull.underside.quality().residual_rms)
-}
-
-/// The hull scanned again and again: vertices on its fitted surface, moved by noise of standard
-/// deviation `noise` [m] and fitted on the scan's knots. None where there is no scan, or no fit of
-/// one.
-pub(crate) fn bootstrap_scans(hull: &FittedHull, noise: f64) -> Option<Vec<Arc<dyn Underside>>> {
+/// The hull scanned again and again: vertices on its fitted surface, moved by noise and fitted on the
+/// scan's knots. None where there is no scan, or no fit of one.
+///
+/// The noise is the largest of the hull's, of what would not show of it and of the fit's residual.
+pub(crate) fn bootstrap_scans(hull: &FittedHull) -> Option<Vec<Arc<dyn Underside>>> {
     let scan = hull.scan.as_ref()?;
+    let Noise { found, unseen } = hull.noise;
+    let noise = found.max(unseen).max(hull.underside.quality().residual_rms);
     let scans = hull.underside.scans(scan, noise).ok()?;
     let fit = |seed| scans.fit(seed).ok();
     (0..SCANS).into_par_iter().map(fit).collect()
@@ -200,12 +197,19 @@ mod tests {
                     unseen: 0.0,
                 },
                 strips: None,
-                seconds: [0.0; 2],
                 scan: Some(Arc::new(scanned)),
             };
             let off = (peak(&pressed)? / truth - 1.0).abs();
             let peak_moved = |noise| -> Result<f64, &str> {
-                let scans = bootstrap_scans(&hull, noise).ok_or("no scans")?;
+                let noise = Noise {
+                    found: noise,
+                    ..hull.noise
+                };
+                let hull = FittedHull {
+                    noise,
+                    ..hull.clone()
+                };
+                let scans = bootstrap_scans(&hull).ok_or("no scans")?;
                 let moved = moved(&pressed, || Some(&scans)).ok_or("nothing was said")?;
                 Ok(moved.p_max)
             };

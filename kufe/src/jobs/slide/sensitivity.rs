@@ -4,10 +4,8 @@ use kufe_contact::{Measure, Options, SlidingSolution};
 use kufe_sled::friction::film::{BoundaryContact, FilmConditions, HARDNESS_EXPONENT};
 
 use crate::jobs::failure::Failure;
-use crate::jobs::slide::film::{FilmAlong, conditions, film_along, film_failure};
-use crate::jobs::slide::groove::{Grooved, Hardness, Ploughing};
-use crate::jobs::slide::hardness::HardnessFrom;
-use crate::jobs::slide::sliding::Friction;
+use crate::jobs::slide::ploughing::{Grooved, Hardness, HardnessFrom, Ploughing};
+use crate::jobs::slide::sliding::{FilmAlong, Friction, conditions, film_along, film_failure};
 
 /// Relative change of the coefficient of friction over that of what it depends on: elasticities d
 /// ln mu/d ln x, of the temperature d ln mu/dT [1/K].
@@ -67,7 +65,7 @@ impl Sensitivity {
             let solution = ploughing.at(grooved.hardness.value * step.exp(), &side)?;
             let along = ploughing.film(&solution, &own)?;
             let length = solution.groove.front.value - solution.groove.back.value;
-            Ok((Friction::of(&solution, &along).mu, length))
+            Ok::<_, Failure>((Friction::of(&solution, &along).mu, length))
         };
         // Side by side: each is too small for two processors.
         let (harder, softer) = rayon::join(|| harder(HARDNESS_STEP), || harder(-HARDNESS_STEP));
@@ -85,7 +83,7 @@ impl Sensitivity {
                 let along = ploughing.film(&grooved.solution, &conditions)?;
                 Ok(along.film.totals.friction)
             };
-            Ok((side(1.0)? - side(-1.0)?) / (2.0 * step * mu.value))
+            Ok::<_, Failure>((side(1.0)? - side(-1.0)?) / (2.0 * step * mu.value))
         };
         let speed = film(&|c, step| c.v *= step.exp(), STEP)?;
         let viscosity = film(&|c, step| c.viscosity_factor *= step.exp(), STEP)?;
@@ -131,7 +129,7 @@ impl Ploughing<'_> {
             let ice_c = self.sliding.ice_c + step;
             let found = self.law.at(ice_c, hardness.contact_time.value);
             let (pressure, _) = found.map_err(|error| film_failure(self.loaded, &error))?;
-            Ok(pressure.ln())
+            Ok::<_, Failure>(pressure.ln())
         };
         let warmer = (at(TEMPERATURE_STEP)? - at(-TEMPERATURE_STEP)?) / (2.0 * TEMPERATURE_STEP);
         Ok([exponent / fed_back, warmer / fed_back])
