@@ -20,17 +20,16 @@ fn clear_older_than(folder: &Path, age: Duration) {
     };
     for entry in entries.flatten() {
         let ours = entry.file_name().to_string_lossy().starts_with(TEMPORARY);
-        let touched = |found: &std::fs::Metadata| found.modified().unwrap_or(SystemTime::now());
-        let Ok(found) = entry.metadata() else {
+        let Some(found) = entry.metadata().ok().filter(|_| ours) else {
             continue;
         };
-        if !ours || touched(&found).elapsed().unwrap_or_default() < age {
-            continue;
+        let touched = found.modified().unwrap_or(SystemTime::now());
+        if touched.elapsed().unwrap_or_default() >= age {
+            let _ = match found.is_dir() {
+                true => std::fs::remove_dir_all(entry.path()),
+                false => std::fs::remove_file(entry.path()),
+            };
         }
-        let _ = match found.is_dir() {
-            true => std::fs::remove_dir_all(entry.path()),
-            false => std::fs::remove_file(entry.path()),
-        };
     }
 }
 

@@ -47,7 +47,7 @@ pub(crate) fn kind(found: FileType) -> &'static str {
     }
 }
 
-/// The folder that a path's file stands in.
+/// The folder of a path's file.
 pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,

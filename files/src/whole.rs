@@ -31,7 +31,7 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>
     Ok(())
 }
 
-/// A hidden file in `folder`; temporary files are private unless they are asked not to be.
+/// A hidden file in `folder`; temporary files are private by default.
 fn temporary_in(folder: &Path) -> Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(TEMPORARY);

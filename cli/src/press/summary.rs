@@ -67,11 +67,6 @@ pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path, writing
             result.seconds, result.dofs, result.iterations
         ),
     ));
-    let hull = pressed.hull.as_ref().map(|hull| hull.seconds);
-    rows.extend(hull.map(|[reading, fitting]| {
-        let said = format!("{reading:.3} s, its surface fitted in {fitting:.3} s");
-        ("hull read in", said)
-    }));
     rows.push(("written to", format!("{} in {writing:.3} s", out.display())));
     let mut text = format!("{}\n", pressed.loaded.name);
     for (name, value) in rows {
@@ -189,8 +184,10 @@ fn sliding(slid: &SolvedSliding) -> [(&'static str, String); 7] {
     };
     let film = &slid.film.film;
     let thickest = film.thickest().map_or(0.0, |station| station.thickness);
-    let rough = slid.sensitivity.boundary.map_or(String::new(), |by| {
-        let [roughness, shear] = by.map(|measure| measure.value);
+    let by = &slid.sensitivity;
+    let rough = by.roughness.zip(by.boundary_shear);
+    let rough = rough.map_or(String::new(), |(roughness, shear)| {
+        let (roughness, shear) = (roughness.value, shear.value);
         format!(", {roughness:+.2} % for roughness, {shear:+.2} % for boundary shear")
     });
     let boundary = match slid.friction.boundary {

@@ -52,15 +52,14 @@ pub enum CaseError {
     /// The shape's dimensions do not fit together.
     #[error("runner.shape: {0}")]
     Shape(#[from] kufe_mesh::MeshError),
-    /// The hull cannot be read, or has no usable underside.
-    #[error("runner.hull: {0}")]
-    Hull(kufe_mesh::MeshError),
-    /// The runner's section cannot be read, or makes no runner.
-    #[error("runner.section: {0}")]
-    Section(kufe_mesh::MeshError),
-    /// The ice's surface cannot be read.
-    #[error("ice.surface: {0}")]
-    IceSurface(kufe_mesh::MeshError),
+    /// A file that the case names cannot be read, or makes no runner or no ice.
+    #[error("{key}: {source}")]
+    File {
+        /// Dotted key of the file.
+        key: &'static str,
+        /// What is wrong with it.
+        source: kufe_mesh::MeshError,
+    },
     /// The runner's mesh cannot be read, or makes no runner.
     #[error("runner.mesh: {reason}")]
     Mesh {
@@ -84,6 +83,11 @@ fn place(line: usize) -> String {
 }
 
 impl CaseError {
+    /// That the file of this key is at fault.
+    pub(super) fn in_file(key: &'static str) -> impl Fn(kufe_mesh::MeshError) -> CaseError {
+        move |source| CaseError::File { key, source }
+    }
+
     /// A reader's error as one line with its place.
     pub(super) fn from_toml(text: &str, error: &toml::de::Error) -> CaseError {
         let span = error.span().unwrap_or(0..0);

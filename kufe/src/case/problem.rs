@@ -84,7 +84,7 @@ impl Case {
                 }
                 (None, None, Some(path)) => {
                     let fitted = fit_hull(table, &base.join(path), hull);
-                    let (hull, filled) = fitted.map_err(CaseError::Hull)?;
+                    let (hull, filled) = fitted.map_err(CaseError::in_file("runner.hull"))?;
                     let elastic = filled.map(|filled| {
                         self.elastic_runner(filled.top, filled.gain(GENTLE) < LITTLE)
                     });
@@ -192,7 +192,11 @@ fn shape_underside(
     section: &SectionTable,
     base: &Path,
 ) -> Result<Arc<dyn Underside>, CaseError> {
-    let of = |own: Section| section.of(own, base).map_err(CaseError::Section);
+    let of = |own: Section| {
+        section
+            .of(own, base)
+            .map_err(CaseError::in_file("runner.section"))
+    };
     Ok(match *shape {
         Shape::Bob {
             length_m,

@@ -1,7 +1,6 @@
-//! The tables of a case beside `[runner]`: ice, track, load, sliding, accuracy and solver.
+//! The tables of a case other than `[runner]`: ice, track, load, sliding, accuracy and solver.
 
 use std::borrow::Cow;
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -11,7 +10,7 @@ use kufe_contact::{
 };
 use kufe_mesh::{IceSurface, Waviness, load_height_map};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::de::{Error, Unexpected, Visitor};
+use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::case::CaseError;
@@ -120,7 +119,8 @@ impl IceTable {
     /// The ice's surface; a height map's path is taken from `base`.
     pub(crate) fn surface(&self, base: &Path) -> Result<Option<Arc<dyn IceSurface>>, CaseError> {
         if let Some(path) = &self.surface {
-            let map = load_height_map(&base.join(path)).map_err(CaseError::IceSurface)?;
+            let map =
+                load_height_map(&base.join(path)).map_err(CaseError::in_file("ice.surface"))?;
             return Ok(Some(Arc::new(map)));
         }
         let Some(waves) = &self.waviness else {
@@ -129,7 +129,8 @@ impl IceTable {
         let waves = Waviness {
             direction: waves.direction_rad,
             phase: waves.phase_rad,
-            ..Waviness::new(waves.amplitude_m, waves.wavelength_m).map_err(CaseError::IceSurface)?
+            ..Waviness::new(waves.amplitude_m, waves.wavelength_m)
+                .map_err(CaseError::in_file("ice.surface"))?
         };
         Ok(Some(Arc::new(waves)))
     }
@@ -169,10 +170,7 @@ macro_rules! word_or_number {
 
         impl<'de> Deserialize<'de> for $name {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                let read = deserializer.deserialize_any(WordOrNumber {
-                    word: $word,
-                    number: $number,
-                })?;
+                let read = number_or(deserializer, $word, $number)?;
                 Ok(read.map_or($name::$of_word, $name::$of_number))
             }
         }
@@ -211,38 +209,19 @@ word_or_number!(
     "Thickness on its bed [m], or ice without end."
 );
 
-/// Reads a number, or `None` for the word.
-struct WordOrNumber {
-    word: &'static str,
-    /// What the number is.
-    number: &'static str,
-}
-
-impl Visitor<'_> for WordOrNumber {
-    type Value = Option<f64>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} or \"{}\"", self.number, self.word)
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Option<f64>, E> {
-        Ok(Some(value))
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Option<f64>, E> {
-        Ok(Some(value as f64))
-    }
-
-    fn visit_u64<E: Error>(self, value: u64) -> Result<Option<f64>, E> {
-        Ok(Some(value as f64))
-    }
-
-    fn visit_str<E: Error>(self, value: &str) -> Result<Option<f64>, E> {
-        if value == self.word {
-            Ok(None)
-        } else {
-            Err(E::invalid_value(Unexpected::Str(value), &self))
-        }
+/// Reads a number, or `None` for the word; `what` the number is.
+fn number_or<'de, D: Deserializer<'de>>(
+    deserializer: D,
+    word: &str,
+    what: &str,
+) -> Result<Option<f64>, D::Error> {
+    match toml::Value::deserialize(deserializer)? {
+        toml::Value::Float(value) => Ok(Some(value)),
+        toml::Value::Integer(value) => Ok(Some(value as f64)),
+        toml::Value::String(found) if found == word => Ok(None),
+        found => Err(D::Error::custom(format!(
+            "found {found}, expected {what} or \"{word}\""
+        ))),
     }
 }
 
@@ -359,7 +338,7 @@ pub struct HardnessTable {
 }
 
 impl SlidingTable {
-    /// Speed [m/s] and temperature [C], all else as where the table does not say.
+    /// Speed [m/s] and temperature [C]; every other key is absent.
     pub fn new(v_mps: f64, ice_c: f64) -> Self {
         SlidingTable {
             v_mps,

@@ -1,10 +1,11 @@
-//! How a job ends when it does not end well.
+//! How a job ends when it does not end well, and files that are written whole.
 
 use std::fmt::Display;
+use std::io::Write;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// A failed job: what to say, and of which kind it is.
+/// A failed job: its kind, and the message for the user.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Failure {
     /// A combination of arguments is wrong (exit code 2).
@@ -89,4 +90,19 @@ impl From<serde_json::Error> for Failure {
     fn from(error: serde_json::Error) -> Self {
         Failure::bad_input(error)
     }
+}
+
+/// Writes `path`, whole or not at all; makes its folder where that is missing.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the path where the folder or the file cannot be written.
+pub fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<(), Failure> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let written = std::fs::create_dir_all(folder);
+    written
+        .and_then(|()| kufe_files::write_whole(path, write))
+        .map_err(|error| Failure::unwritable(path, error))
 }

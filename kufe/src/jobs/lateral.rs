@@ -1,6 +1,7 @@
 //! Lateral friction of recorded runs: fitted, and compared with what runs measured.
 
 use std::collections::BTreeSet;
+use std::fmt::Display;
 use std::path::Path;
 
 use kufe_sled::friction::MagicFormula;
@@ -9,7 +10,7 @@ use kufe_sled::{FitOptions, Model, RunnerFitResult, SledFit, Vehicle, by_track, 
 use crate::jobs::failure::Failure;
 use crate::jobs::runs::{Loaded, RunSelection};
 use crate::jobs::watch::Watch;
-use crate::results::{LateralFitDocument, RunsUsed, Validation};
+use crate::results::{LateralFitDocument, Validation};
 
 /// A fit of the lateral friction of both runners, and its runs.
 pub struct FittedRuns {
@@ -41,7 +42,7 @@ pub fn fit_lateral(
     Model::from_toml(&model, "model.fit.toml").and_then(|model| Vehicle::with_effects(&model))?;
     let document = LateralFitDocument {
         fit: fit.result(),
-        used: RunsUsed::new(&loaded),
+        used: loaded.used.clone(),
     };
     Ok(FittedRuns {
         loaded,
@@ -68,11 +69,9 @@ impl FittedLaws {
     /// # Errors
     /// [`Failure::BadInput`] with the file and the key.
     pub fn read(path: &Path) -> Result<FittedLaws, Failure> {
-        let bad = |found: &dyn std::fmt::Display| {
-            let file = path.display();
-            Failure::BadInput(format!(
-                "{file}: {found}; expected what kufe fit lateral writes"
-            ))
+        let bad = |found: &dyn Display| {
+            let expected = "expected what kufe fit lateral writes";
+            Failure::in_file(path, format_args!("{found}; {expected}"))
         };
         let text = kufe_files::text_of_regular(path, 1 << 24).map_err(|error| bad(&error))?;
         let document = serde_json::from_str(&text).map_err(|error| bad(&error))?;
@@ -85,8 +84,9 @@ impl FittedLaws {
     /// [`Failure::BadInput`] for a value of a law that is out of range.
     pub fn of(document: &LateralFitDocument) -> Result<FittedLaws, Failure> {
         let law = |name: &str, runner: &RunnerFitResult| {
-            let law = runner.law();
-            law.map_err(|error| Failure::BadInput(format!("{name}: {error}")))
+            runner
+                .law()
+                .map_err(|error| Failure::bad_input(error).within(name))
         };
         Ok(FittedLaws {
             front: law("front", &document.fit.front)?,
@@ -116,6 +116,6 @@ pub fn validate_runs(
         tracks: by_track(&runs),
         runs,
         left_out_as_fitted: fitted,
-        used: RunsUsed::new(&loaded),
+        used: loaded.used.clone(),
     })
 }

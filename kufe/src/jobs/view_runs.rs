@@ -57,7 +57,7 @@ pub struct ViewedRun {
     pub rate_hz: f64,
     /// Every channel, `s_m` among them; NaN in gaps.
     pub columns: BTreeMap<String, Vec<f64>>,
-    /// What the model's sensors say at the same places, and `behind_s`, the time by which the run
+    /// Readings of the model's sensors at the same places, and `behind_s`, the time by which the run
     /// comes later than the model; NaN where the model did not come. Empty without a model.
     pub model: BTreeMap<String, Vec<f64>>,
     /// Where run and model part.
@@ -83,20 +83,16 @@ struct Driven {
 /// [`Failure::BadInput`] for index, model and tracks that cannot be read, and where no run can be
 /// shown or they are too long.
 pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Failure> {
-    let wrong = |reason: String| {
-        let index = options.runs.display();
-        Failure::BadInput(format!("{index}: {reason}"))
-    };
+    let wrong = |reason: String| Failure::in_file(&options.runs, reason);
     let entries = read_index(&options.runs)?;
     if let Some(name) = (options.only.iter()).find(|name| entries.iter().all(|e| e.run != **name)) {
         let names: Vec<&str> = entries.iter().map(|entry| entry.run.as_str()).collect();
         let names = names.join(", ");
         return Err(wrong(format!("--run {name}: the runs are {names}")));
     }
-    let driven = match &options.model {
-        Some(model) => Some(Driven::read(model, options, &entries, watch)?),
-        None => None,
-    };
+    let model = options.model.as_ref();
+    let driven = model.map(|model| Driven::read(model, options, &entries, watch));
+    let driven = driven.transpose()?;
     watch.progress(&format!("examining {} runs", entries.len()));
     let is_chosen = |run: &str| options.only.is_empty() || options.only.iter().any(|n| n == run);
     let examined = examine_with(&options.runs, |one, run| {
@@ -127,9 +123,8 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
         .filter_map(|entry| runs.remove(&entry.run))
         .collect();
     if runs.is_empty() {
-        let reason = left_out
-            .first()
-            .map_or(String::new(), |[run, why]| format!(": run {run}: {why}"));
+        let reason = left_out.first();
+        let reason = reason.map_or(String::new(), |[run, why]| format!(": run {run}: {why}"));
         return Err(wrong(format!("no run can be shown{reason}")));
     }
     let fits = |rate: &&f64| count(&runs, **rate) <= options.most_values;
@@ -149,10 +144,7 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
     Ok(ViewedRuns {
         index: options.runs.display().to_string(),
         rate_hz,
-        model: options
-            .model
-            .as_ref()
-            .map(|path| path.display().to_string()),
+        model: model.map(|path| path.display().to_string()),
         runs,
         left_out,
     })
@@ -188,11 +180,8 @@ impl Driven {
             tracks.insert(track.name.clone(), track);
         }
         for name in names.into_iter().filter(|_| options.track.is_none()) {
-            let path = options
-                .runs
-                .parent()
-                .unwrap_or(Path::new(""))
-                .join(track_file(name));
+            let folder = options.runs.parent().unwrap_or(Path::new(""));
+            let path = folder.join(track_file(name));
             if path.is_file() {
                 tracks.insert(name.to_owned(), Track::load(&path)?);
             } else {
@@ -283,9 +272,8 @@ pub const BEHIND: &str = "behind_s";
 /// steps at a rate; the steering is the measured one.
 fn model_at(places: &[f64], t0_s: f64, rate_hz: f64, replayed: &Run) -> BTreeMap<String, Vec<f64>> {
     let passed = &replayed.columns[Column::Distance.name()];
-    let names = COLUMNS
-        .iter()
-        .filter(|name| **name != Column::Steering.name());
+    let names = COLUMNS.iter();
+    let names = names.filter(|name| **name != Column::Steering.name());
     let mut channels: Vec<(String, &[f64], Vec<f64>)> = names
         .map(|name| ((*name).to_owned(), &replayed.columns[*name][..], Vec::new()))
         .collect();

@@ -127,7 +127,7 @@ pub enum Adds {
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Search {
-    /// Whether a peak pressure alone says next to nothing of it.
+    /// Whether a peak pressure alone does not determine it.
     pub needs_map: bool,
     /// How the maps follow its size.
     pub growth: Growth,

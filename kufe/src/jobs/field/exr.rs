@@ -137,7 +137,7 @@ pub fn read_map(path: &Path) -> Result<PressureMap, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jobs::field::hertz_map::hertz_map;
+    use crate::jobs::field::tests::hertz_map;
     use exr::prelude::read_first_flat_layer_from_file;
 
     #[test]

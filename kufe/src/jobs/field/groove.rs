@@ -186,7 +186,7 @@ fn panel(title: &str, [x, y]: [&str; 2], lines: Vec<Line>) -> Panel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jobs::field::hertz_map::hertz_map;
+    use crate::jobs::field::tests::hertz_map;
 
     #[test]
     fn a_depth_that_is_linear_is_so_at_every_pixel() {

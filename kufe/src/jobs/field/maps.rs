@@ -325,7 +325,7 @@ fn pressure_at(map: &PressureMap, x: f64, y: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jobs::field::hertz_map::hertz_map;
+    use crate::jobs::field::tests::hertz_map;
     use crate::plot::Mark;
 
     #[test]

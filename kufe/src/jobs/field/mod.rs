@@ -4,12 +4,12 @@
 mod exr;
 mod files;
 mod groove;
-#[cfg(test)]
-mod hertz_map;
 mod maps;
 mod placed_hull;
 mod stress_picture;
 mod subsurface;
+#[cfg(test)]
+mod tests;
 mod vtk;
 
 pub use exr::read_map;

@@ -1,4 +1,4 @@
-//! `hull.glb`: the underside where it stands on the ice.
+//! `hull.glb`: the underside after approach and tilt.
 
 use kufe_contact::{Load, Problem, Solution, track_height};
 use kufe_mesh::Hull;

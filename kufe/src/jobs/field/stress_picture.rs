@@ -61,7 +61,7 @@ struct Section {
     triangles: Vec<[Corner; 3]>,
     /// Where the stress is largest.
     largest: [f64; 2],
-    /// The axis that lies in the section beside z.
+    /// The horizontal axis of the section.
     flat: usize,
 }
 

@@ -11,7 +11,7 @@ use kufe_mesh::{HexMesh, VtuField, write_vtp, write_vtu};
 use crate::jobs::failure::Failure;
 
 /// The ice, with `contact_pressure_pa` (0 below the contact plane), `gap_m` (NaN there) and, where there is one, the plastic depth of its surface
-/// (0 below it). Where the solver used mirror planes the file holds the part that it solved, and says so in the field data `mirrored_at_x_y`:
+/// (0 below it). Where the solver used mirror planes the file holds the part that it solved, as the field data state by `mirrored_at_x_y`:
 /// 1 where x = 0, and where y = 0, is such a plane. Returns the largest compressive stress across the surface [Pa], which may be more than the
 /// largest contact pressure: stresses are continued to the nodes from within the cells.
 ///

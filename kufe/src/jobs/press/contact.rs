@@ -122,7 +122,7 @@ impl Contact {
         solved.short.take().map_or(Ok(solved), Err)
     }
 
-    /// The best solution: where the accuracy is not reached, [`SolvedContact::short`] says why.
+    /// The best solution: where the accuracy is not reached, [`SolvedContact::short`] is the reason.
     ///
     /// # Errors
     /// [`Failure::BadInput`] for the case and a hull that is too coarse for its load,
@@ -135,7 +135,7 @@ impl Contact {
     }
 }
 
-/// A solved case with what there is to say about it.
+/// A solved case with its checks and warnings.
 pub struct SolvedContact {
     /// The case.
     pub loaded: LoadedCase,
@@ -154,7 +154,7 @@ pub struct SolvedContact {
     pub between: Option<HullError>,
     /// The stress under the peak, where [`Options::subsurface`] requests it.
     pub line: Option<CentreLine>,
-    /// What boundary elements say of it; nothing where the runner slides.
+    /// The contact by boundary elements; none where the runner slides.
     pub check: Option<Check>,
     /// Groove, film and friction, where the case slides.
     pub sliding: Option<SolvedSliding>,
@@ -210,7 +210,7 @@ impl Prepared {
         problem.map_err(|error| loaded.bad_input(error))
     }
 
-    /// Scans of the hull made up with its noise.
+    /// Simulated scans of the hull with its noise.
     fn scans(&self) -> Option<&[Arc<dyn Underside>]> {
         let scans = || bootstrap_scans(self.hull.as_ref()?);
         self.scans.get_or_init(scans).as_deref()

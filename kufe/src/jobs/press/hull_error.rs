@@ -8,7 +8,7 @@ use kufe_contact::{boundary_elements, boundary_elements_to_compare};
 use kufe_mesh::{Noise, Underside};
 use rayon::prelude::*;
 
-/// Scans that are made up.
+/// Simulated scans.
 const SCANS: u64 = 12;
 
 /// Student's t: so many times the root mean square of twelve deviations hold the next one in 95 of

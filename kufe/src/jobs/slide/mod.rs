@@ -7,7 +7,6 @@ mod table;
 
 pub(crate) use ploughing::{Grooved, Ploughing};
 pub use ploughing::{Hardness, HardnessFrom};
-pub use sensitivity::Sensitivity;
 pub use sliding::{FilmAlong, Friction, SolvedSliding, film_along};
 pub(crate) use sliding::{conditions, film_failure, film_on, solve_sliding};
 pub use table::{FrictionPoint, Optimum, Parameter, fastest, friction_table, optimise};

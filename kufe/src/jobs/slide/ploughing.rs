@@ -15,7 +15,7 @@ use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::sliding::film_failure;
 
-/// What says at which pressure the ice yields.
+/// The source of the pressure at which the ice yields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HardnessFrom {
     /// The case states it.
@@ -119,7 +119,7 @@ pub struct Grooved {
 pub struct Hardness {
     /// The pressure [Pa].
     pub value: f64,
-    /// What says so.
+    /// Its source.
     pub from: HardnessFrom,
     /// Time that the ice is under the runner: the patch's length over the speed [s].
     pub contact_time: Measure,

@@ -9,7 +9,6 @@ use crate::case::SlidingTable;
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::ploughing::{Grooved, Hardness, Ploughing};
-use crate::jobs::slide::sensitivity::Sensitivity;
 use crate::results::{Measured, Quantity, SensitivityResult, SlidingMeshResult, SlidingResult};
 
 /// The film along the patch, with the places of its stations.
@@ -152,7 +151,7 @@ pub struct SolvedSliding {
     /// The film.
     pub film: FilmAlong,
     /// Change of the coefficient with what it depends on.
-    pub sensitivity: Sensitivity,
+    pub sensitivity: SensitivityResult,
     /// Pressure at which the ice yielded.
     pub hardness: Hardness,
     /// The groove.
@@ -165,7 +164,7 @@ const STEEP: f64 = 0.2;
 impl SolvedSliding {
     /// The document's part on sliding.
     pub fn result(&self) -> SlidingResult {
-        let (friction, groove, by) = (&self.friction, &self.groove, &self.sensitivity);
+        let (friction, groove) = (&self.friction, &self.groove);
         let film = &self.film.film;
         let thickest = film.thickest().map(|s| (s.thickness, s.thickness_error));
         let (thickest, thickest_error) = thickest.unwrap_or_default();
@@ -185,14 +184,7 @@ impl SolvedSliding {
             contact_time: self.hardness.contact_time.into(),
             hardness_pa: self.hardness.value,
             hardness_from: self.hardness.from.name().into(),
-            mu_sensitivity: SensitivityResult {
-                hardness: by.hardness.into(),
-                speed: by.speed.into(),
-                viscosity: by.viscosity.into(),
-                roughness: by.boundary.map(|[roughness, _]| roughness.into()),
-                boundary_shear: by.boundary.map(|[_, shear]| shear.into()),
-                temperature: by.temperature.into(),
-            },
+            mu_sensitivity: self.sensitivity.clone(),
             groove_area_m2: groove.profile.area(),
             sliding_history: groove.meshes.iter().map(SlidingMeshResult::from).collect(),
         }
@@ -231,7 +223,7 @@ pub(crate) fn solve_sliding(
     let grooved = ploughing.groove(options)?;
     let film = film_along(&grooved.solution, &conditions(sliding))
         .map_err(|error| film_failure(loaded, &error))?;
-    let sensitivity = Sensitivity::of(&ploughing, &grooved, &film, options)?;
+    let sensitivity = ploughing.sensitivity(&grooved, &film, options)?;
     let Grooved { solution, hardness } = grooved;
     let slid = SolvedSliding {
         friction: Friction::of(&solution, &film),

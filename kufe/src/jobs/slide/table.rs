@@ -111,7 +111,7 @@ pub(crate) fn at(loaded: &LoadedCase, v_mps: f64, ice_c: f64) -> Result<LoadedCa
 /// The table `[sliding]` of a case that has one.
 pub(crate) fn sliding_of(loaded: &LoadedCase) -> &SlidingTable {
     let table = loaded.case.sliding.as_ref();
-    table.expect("only a case that slides is asked for its sliding")
+    table.expect("a case with [sliding]")
 }
 
 /// A key of `[runner] shape` and what it may be.
@@ -158,7 +158,7 @@ impl Optimum {
         self.response.flat(self.indistinct())
     }
 
-    /// What the response says where the friction was solved, over what was solved, less 1.
+    /// Relative error of the response at the optimum, where the friction was solved.
     pub fn miss(&self) -> f64 {
         self.response.at(&self.values) / self.point.friction.mu.value - 1.0
     }

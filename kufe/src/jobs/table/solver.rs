@@ -43,8 +43,7 @@ pub struct Solver {
     anchors: OnceLock<Anchors>,
 }
 
-/// Which points boundary elements may solve: what finite elements say of them at the ends of the
-/// axes.
+/// Verification of boundary elements by finite elements at the ends of the axes.
 #[derive(Debug, Default)]
 struct Anchors {
     /// The points at the ends, by finite elements; none where each point is solved by itself.

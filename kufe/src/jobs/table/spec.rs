@@ -124,7 +124,7 @@ pub struct TableSpec {
     pub plan: Plan,
     /// Solver tolerance of the peak pressure, where the file states one.
     pub p_max: Option<f64>,
-    /// What becomes of inputs outside the axes of which the file says so.
+    /// What becomes of inputs outside, for the axes of which the file states it.
     pub outside: Vec<(AxisKind, Outside)>,
 }
 
