@@ -1,4 +1,4 @@
-//! What a command writes is not what it reads.
+//! Outputs of a command are none of its inputs.
 
 use std::collections::HashSet;
 use std::fmt::Display;

@@ -8,8 +8,8 @@ use crate::whole::TEMPORARY;
 /// Temporaries that nothing has written to for so long are nobody's any more.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
-/// Removes hidden files and folders of this crate's writers from `folder` that nobody has touched for a day: those of processes
-/// that were killed. What cannot be removed stays.
+/// Removes hidden files and folders of this crate's writers from `folder` that nobody has touched
+/// for a day: those of processes that were killed. What cannot be removed stays.
 pub fn clear_temporaries(folder: &Path) {
     clear_older_than(folder, ABANDONED);
 }

@@ -1,8 +1,9 @@
 //! Files that are whole or absent, that replace nothing that is not theirs, and that end.
 //!
-//! A process that dies while it writes, or a disk that fills up, leaves the former file at the path, and no other.
-//! What a command writes is apart from what it reads ([`outputs_apart`]). A link is written through; a device, a pipe or a
-//! folder is never replaced. Reading takes regular files alone, up to a length ([`read_regular`]).
+//! A process that dies while it writes, or a disk that fills up, leaves the former file at the
+//! path, and no other. What a command writes is apart from what it reads ([`outputs_apart`]). A
+//! link is written through; a device, a pipe or a folder is never replaced. Reading takes regular
+//! files alone, up to a length ([`read_regular`]).
 //!
 //! ```
 //! let folder = tempfile::tempdir()?;

@@ -383,7 +383,7 @@ impl Contact {
             .transpose()
     }
 
-    /// What the reader of the result should know.
+    /// Warnings and remarks.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.solved().warnings.clone()

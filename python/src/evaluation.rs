@@ -92,7 +92,7 @@ impl Evaluation {
         self.left_out.clone()
     }
 
-    /// What the reader of the runs should know.
+    /// Remarks on the runs.
     #[getter]
     fn remarks(&self) -> Vec<String> {
         self.remarks.clone()

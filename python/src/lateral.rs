@@ -103,7 +103,7 @@ impl Fit {
         &self.model
     }
 
-    /// What the reader of the runs should know.
+    /// Remarks on the runs.
     #[getter]
     fn remarks(&self) -> Vec<String> {
         self.remarks.clone()
@@ -203,7 +203,7 @@ impl Validation {
         to_python(py, &self.document)
     }
 
-    /// What the reader of the runs should know.
+    /// Remarks on the runs.
     #[getter]
     fn remarks(&self) -> Vec<String> {
         self.remarks.clone()

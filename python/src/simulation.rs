@@ -124,7 +124,7 @@ impl Simulation {
         to_python(py, &self.document)
     }
 
-    /// What the reader of the runs should know.
+    /// Remarks on the runs.
     #[getter]
     fn remarks(&self) -> Vec<String> {
         self.remarks.clone()

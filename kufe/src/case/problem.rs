@@ -36,7 +36,7 @@ impl Case {
     /// The problem that the case states; a hull's path is taken from `base`, the case's folder.
     ///
     /// # Errors
-    /// [`CaseError`] where the case is out of range or the hull cannot be had.
+    /// [`CaseError`] where the case is out of range or the hull cannot be obtained.
     pub fn problem(&self, base: &Path) -> Result<Problem, CaseError> {
         Ok(self.stated(base, None)?.problem)
     }

@@ -170,7 +170,7 @@ impl Shape {
     }
 }
 
-/// What is known of a runner's section in addition to its shape's radius.
+/// A measured section of a runner, and its wear.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(transform = Bounds("runner.section"))]
 #[serde(deny_unknown_fields)]

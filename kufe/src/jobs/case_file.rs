@@ -122,7 +122,7 @@ impl LoadedCase {
     /// The problem that the case states, of a contact at rest.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the hull cannot be had, and for a case that slides.
+    /// [`Failure::BadInput`] where the hull cannot be obtained, and for a case that slides.
     pub fn stated(&self) -> Result<StatedProblem, Failure> {
         if self.case.sliding.is_some() {
             return Err(self.bad_input(
@@ -170,7 +170,7 @@ impl LoadedCase {
         Ok(loaded)
     }
 
-    /// Reports what is odd about the hull, and returns it.
+    /// Reports the warnings about the hull, and returns them.
     pub(crate) fn hull_warnings(&self, hull: Option<&FittedHull>, watch: &Watch) -> Vec<String> {
         let odd = hull.iter().flat_map(|hull| &hull.report.warnings);
         let named = odd.map(|odd| format!("{}: {}: {odd}", self.name, self.hull_key()));
@@ -265,7 +265,7 @@ impl LoadedCase {
     }
 }
 
-/// What would lower a hull's error by `factor`.
+/// The sampling that would lower a hull's error by `factor`.
 fn finer(hull: &FittedHull, factor: f64) -> String {
     let noise = hull.noise.found;
     // Upwards, so that what is named is enough.

@@ -29,7 +29,7 @@ pub struct RunImport {
     strict: bool,
 }
 
-/// What an import wrote.
+/// The result of an import.
 pub struct ImportedRuns {
     /// The document.
     pub list: ImportList,

@@ -99,7 +99,8 @@ impl FrictionLaw {
     ///
     /// # Errors
     /// [`Failure::Usage`] for a condition out of range, and for one that an effect needs and that
-    /// is not stated, [`Failure::BadInput`] for the case, [`Failure::NotConverged`] where the solver stops short.
+    /// is not stated, [`Failure::BadInput`] for the case, [`Failure::NotConverged`] where the
+    /// solver stops short.
     pub fn solve(
         &self,
         loaded: &LoadedCase,

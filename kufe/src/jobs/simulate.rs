@@ -18,7 +18,7 @@ use crate::results::{SimulatedRun, Simulation};
 /// Runs whose samples are placed on the model's tables.
 const SAMPLED: u32 = 20;
 
-/// What is simulated.
+/// A simulation of runs: model, track, driver and options.
 #[derive(Clone, Debug)]
 pub struct SimulatedDrives {
     /// Sled and friction.

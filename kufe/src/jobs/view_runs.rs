@@ -1,5 +1,5 @@
 //! Recorded runs for a page that shows them: every channel at one rate, the model's curves at the
-//! same places, and what is odd.
+//! same places, and anomalies.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ pub struct ViewedRuns {
 pub struct ViewedRun {
     /// Its row in the index.
     pub entry: Entry,
-    /// Its faults and what is odd.
+    /// Its faults and anomalies.
     pub examination: Examination,
     /// Time of the first sample, as recorded [s].
     pub t0_s: f64,
@@ -57,8 +57,8 @@ pub struct ViewedRun {
     pub rate_hz: f64,
     /// Every channel, `s_m` among them; NaN in gaps.
     pub columns: BTreeMap<String, Vec<f64>>,
-    /// Readings of the model's sensors at the same places, and `behind_s`, the time by which the run
-    /// comes later than the model; NaN where the model did not come. Empty without a model.
+    /// Readings of the model's sensors at the same places, and `behind_s`, the time by which the
+    /// run comes later than the model; NaN where the model did not come. Empty without a model.
     pub model: BTreeMap<String, Vec<f64>>,
     /// Where run and model part.
     pub sections: Vec<Section>,

@@ -94,7 +94,7 @@ pub struct ContactResult {
     pub content_sha256: String,
     /// The surface fitted through a hull's vertices.
     pub hull_fit: Option<HullFit>,
-    /// What a reader of the result should know.
+    /// Warnings and remarks.
     pub warnings: Vec<String>,
     /// What happened on each mesh.
     pub history: Vec<MeshResult>,

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::results::datum::{Data, Datum};
 use crate::results::record::write_csv;
 
-/// What a result made of recorded runs states of them.
+/// Exclusions, gaps and table limits of the runs of a result.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct RunsUsed {
@@ -386,7 +386,7 @@ pub struct ImportedRun {
     pub missing_rows: BTreeMap<String, usize>,
     /// Delays that were found by logger.
     pub delays: BTreeMap<String, FoundDelay>,
-    /// What else was noticed.
+    /// Further remarks.
     pub remarks: Vec<String>,
 }
 

@@ -127,7 +127,7 @@ pub struct AxisRange {
     pub from: f64,
     /// The last.
     pub to: f64,
-    /// What becomes of inputs outside: "hold", "linear" or "error".
+    /// Rule for inputs outside: "hold", "linear" or "error".
     pub outside: &'static str,
 }
 

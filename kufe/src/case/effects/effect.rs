@@ -26,7 +26,7 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// What is known of it.
+    /// Name, formula, parameter and source.
     pub fn info(&'static self) -> &'static Info {
         &self.info
     }

@@ -1,5 +1,5 @@
-//! A case as an input deck of CalculiX (www.calculix.de; the cards are Abaqus's), on the mesh that it
-//! is solved on.
+//! A case as an input deck of CalculiX (www.calculix.de; the cards are Abaqus's), on the mesh that
+//! it is solved on.
 //!
 //! In millimetres, newtons and megapascals: CalculiX searches contacts within absolute lengths, and
 //! in metres it finds none.
@@ -70,12 +70,12 @@ impl<'a> CalculixDeck<'a> {
     }
 
     /// Writes the deck: nodes, elements (C3D8 for the ice; C3D8I, which bends, for a runner that is
-    /// mounted at places), materials, supports, the contact of the faces near each other by CalculiX's
-    /// mortar method without friction, and one step that presses the mount down by the approach and
-    /// prints the forces on mount and bed and the contact's pressures.
+    /// mounted at places), materials, supports, the contact of the faces near each other by
+    /// CalculiX's mortar method without friction, and one step that presses the mount down by the
+    /// approach and prints the forces on mount and bed and the contact's pressures.
     ///
-    /// It ends with kufe's own pressures as comments, a line for each node of the underside in contact:
-    /// `** node, MPa`.
+    /// It ends with kufe's own pressures as comments, a line for each node of the underside in
+    /// contact: `** node, MPa`.
     ///
     /// # Errors
     /// Those of the writer.

@@ -41,7 +41,8 @@ pub fn write_map(
 /// Writes channels on the pixels of `map`, one pixel a cell, as ZIP-compressed scanlines.
 ///
 /// Row `j`, column `i` is centred at (`origin_x_m + i pixel_x_m`, `origin_y_m + j pixel_y_m`); the
-/// attributes are doubles, these and the other `numbers`. The pixel's aspect stays 1, or viewers would show a needle as a line.
+/// attributes are doubles, these and the other `numbers`. The pixel's aspect stays 1, or viewers
+/// would show a needle as a line.
 ///
 /// # Errors
 /// As [`write_map`].
@@ -80,11 +81,12 @@ pub fn write_channels(
     Ok(writer.write_all(&bytes)?)
 }
 
-/// Sorts the header's attributes by name: the EXR library holds them in a table of random order, and the same
-/// map is to be the same bytes.
+/// Sorts the header's attributes by name: the EXR library holds them in a table of random order,
+/// and the same map is to be the same bytes.
 ///
-/// After magic number and version (8 bytes) each attribute is a name and a type, both closed by a zero, the value's
-/// size as 4 bytes and the value; a zero ends the header. Sorting keeps its length, so all offsets stay.
+/// After magic number and version (8 bytes) each attribute is a name and a type, both closed by a
+/// zero, the value's size as 4 bytes and the value; a zero ends the header. Sorting keeps its
+/// length, so all offsets stay.
 fn sort_attributes(bytes: &mut [u8]) {
     const START: usize = 8;
     let zero = |from: usize| bytes[from..].iter().position(|&b| b == 0).map(|k| from + k);
@@ -108,8 +110,8 @@ fn sort_attributes(bytes: &mut [u8]) {
 /// Reads the channels `p`, `gap` and `uz` with their place in metres.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the file is no EXR image with a place, has fewer than 2 x 2 pixels, lacks a channel or an
-/// attribute, or holds values that are no numbers.
+/// [`Failure::BadInput`] where the file is no EXR image with a place, has fewer than 2 x 2 pixels,
+/// lacks a channel or an attribute, or holds values that are no numbers.
 pub fn read_map(path: &Path) -> Result<PressureMap, Failure> {
     let image = ExrImage::load(path)?;
     let [nx, ny] = image.size;

@@ -1,4 +1,4 @@
-//! What one solved case is written to.
+//! The files of a solved case.
 
 use std::fmt::Display;
 use std::fs::File;
@@ -102,9 +102,10 @@ fn title(solution: &Solution) -> String {
 }
 
 /// Writes result.json, pressure.exr, pressure.png, field.vtu where the ice was solved in its
-/// volume, contact.vtp, hull.glb where the shape has ends, and runner.vtu and stress.png where the runner deforms; where it slides groove.exr,
-/// groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum
-/// shear stress in the VTU files; with `mat` result.mat. Returns the document.
+/// volume, contact.vtp, hull.glb where the shape has ends, and runner.vtu and stress.png where the
+/// runner deforms; where it slides groove.exr, groove.png and film.csv; with a centre line
+/// subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files; with `mat`
+/// result.mat. Returns the document.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the file that cannot be written.

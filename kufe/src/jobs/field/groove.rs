@@ -59,7 +59,8 @@ fn write_film(mut file: impl Write, slid: &SolvedSliding) -> io::Result<()> {
     Ok(())
 }
 
-/// Depth at the pixels' centres [m], row by row: linear between the nodes of `field`, as at its rim beyond it.
+/// Depth at the pixels' centres [m], row by row: linear between the nodes of `field`, as at its rim
+/// beyond it.
 fn depths(map: &PressureMap, field: &SurfaceField, depth: &[f64]) -> Vec<f64> {
     let columns = places(&field.x, map.x0, map.dx, map.nx);
     let rows = places(&field.y, map.y0, map.dy, map.ny);

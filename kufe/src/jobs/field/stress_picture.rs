@@ -1,4 +1,5 @@
-//! `stress.png`: the von Mises stress of an elastic runner in the sections through its largest value.
+//! `stress.png`: the von Mises stress of an elastic runner in the sections through its largest
+//! value.
 
 use kufe_contact::{RunnerField, RunnerLoads};
 use kufe_mesh::HexMesh;

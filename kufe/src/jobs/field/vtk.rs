@@ -10,10 +10,12 @@ use kufe_mesh::{HexMesh, VtuField, write_vtp, write_vtu};
 
 use crate::jobs::failure::Failure;
 
-/// The ice, with `contact_pressure_pa` (0 below the contact plane), `gap_m` (NaN there) and, where there is one, the plastic depth of its surface
-/// (0 below it). Where the solver used mirror planes the file holds the part that it solved, as the field data state by `mirrored_at_x_y`:
-/// 1 where x = 0, and where y = 0, is such a plane. Returns the largest compressive stress across the surface [Pa], which may be more than the
-/// largest contact pressure: stresses are continued to the nodes from within the cells.
+/// The ice, with `contact_pressure_pa` (0 below the contact plane), `gap_m` (NaN there) and, where
+/// there is one, the plastic depth of its surface (0 below it). Where the solver used mirror planes
+/// the file holds the part that it solved, as the field data state by `mirrored_at_x_y`: 1 where x
+/// = 0, and where y = 0, is such a plane. Returns the largest compressive stress across the surface
+/// [Pa], which may be more than the largest contact pressure: stresses are continued to the nodes
+/// from within the cells.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the writer's words.
@@ -61,7 +63,8 @@ fn ice_stresses(volume: &VolumeField, mesh: &HexMesh) -> Result<Vec<[f64; 6]>, F
     stresses(mesh, sections, moved)
 }
 
-/// A field on the whole surface at all nodes of the part that was solved, which has the surface's last columns and rows; `below` the surface.
+/// A field on the whole surface at all nodes of the part that was solved, which has the surface's
+/// last columns and rows; `below` the surface.
 fn at_nodes(volume: &VolumeField, surface: &SurfaceField, field: &[f64], below: f64) -> Vec<f64> {
     let [nx, ny, nz] = volume.grid.shape();
     let (all, rows) = (surface.x.len(), surface.y.len());
@@ -72,8 +75,8 @@ fn at_nodes(volume: &VolumeField, surface: &SurfaceField, field: &[f64], below: 
     values
 }
 
-/// The runner, undeformed where it first touches, its displacement against its mount; the part that was solved, as in
-/// [`write_ice`].
+/// The runner, undeformed where it first touches, its displacement against its mount; the part that
+/// was solved, as in [`write_ice`].
 ///
 /// # Errors
 /// As [`write_ice`].
@@ -106,9 +109,11 @@ fn stresses(
     Ok(nodal_stresses(&body, displacement.as_flattened()))
 }
 
-/// Displacement [m], stress tensor, von Mises stress and, with `shear`, maximum shear stress [Pa] at the nodes, and fields of a body's own.
+/// Displacement [m], stress tensor, von Mises stress and, with `shear`, maximum shear stress [Pa]
+/// at the nodes, and fields of a body's own.
 ///
-/// Stresses are those of the Gauss points continued to the corners and averaged over the cells of a node.
+/// Stresses are those of the Gauss points continued to the corners and averaged over the cells of a
+/// node.
 fn write(
     writer: &mut dyn Write,
     (mesh, mirrored): (&HexMesh, [bool; 2]),
@@ -139,8 +144,9 @@ fn write(
     Ok(write_vtu(mesh, &fields, &[], &planes, writer)?)
 }
 
-/// Writes the whole patch, both sides of a mirror plane: the cells of the contact plane with a node that touches, on the deformed ice, with
-/// `contact_pressure_pa`, `gap_m` (NaN where there is no hull) and `uz_m` at the nodes. The pressure integrates to the load `fz` [N].
+/// Writes the whole patch, both sides of a mirror plane: the cells of the contact plane with a node
+/// that touches, on the deformed ice, with `contact_pressure_pa`, `gap_m` (NaN where there is no
+/// hull) and `uz_m` at the nodes. The pressure integrates to the load `fz` [N].
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the writer's words.

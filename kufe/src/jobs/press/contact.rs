@@ -122,7 +122,8 @@ impl Contact {
         solved.short.take().map_or(Ok(solved), Err)
     }
 
-    /// The best solution: where the accuracy is not reached, [`SolvedContact::short`] is the reason.
+    /// The best solution: where the accuracy is not reached, [`SolvedContact::short`] is the
+    /// reason.
     ///
     /// # Errors
     /// [`Failure::BadInput`] for the case and a hull that is too coarse for its load,
@@ -145,12 +146,12 @@ pub struct SolvedContact {
     pub hull: Option<FittedHull>,
     /// Its solution.
     pub solution: Solution,
-    /// What an elastic runner bears.
+    /// Stress and mount loads of an elastic runner.
     pub runner: Option<RunnerLoads>,
-    /// What noise of the hull's vertices or the mesh's nodes moves by in 95 of 100 scans, where
+    /// Error by noise of the hull's vertices or the mesh's nodes, in 95 of 100 scans, where
     /// there is some and it is known.
     pub moved: Option<HullError>,
-    /// What the distances of a hull's vertices or a mesh's nodes leave, of a runner at rest.
+    /// Error by the distances between a hull's vertices or a mesh's nodes, of a runner at rest.
     pub between: Option<HullError>,
     /// The stress under the peak, where [`Options::subsurface`] requests it.
     pub line: Option<CentreLine>,
@@ -165,7 +166,7 @@ pub struct SolvedContact {
     pub short: Option<Failure>,
     /// The content of the case's files: [`LoadedCase::content`].
     pub content: String,
-    /// What the reader of the result should know.
+    /// Warnings and remarks.
     pub warnings: Vec<String>,
 }
 
@@ -185,7 +186,7 @@ impl Prepared {
     /// Reads the case's files and fits its hull.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the hull cannot be had, or the case is out of range.
+    /// [`Failure::BadInput`] where the hull cannot be obtained, or the case is out of range.
     pub fn of(loaded: &LoadedCase, watch: &Watch) -> Result<Self, Failure> {
         let content = loaded.content()?;
         if loaded.case.runner.hull.is_some() || loaded.case.runner.mesh.is_some() {
@@ -354,7 +355,7 @@ fn above_ice_strength(problem: &Problem, solution: &Solution) -> Option<String> 
     })
 }
 
-/// What stated errors of a runner's own hexahedra rest on.
+/// The remark that a runner's own hexahedra are not refined.
 fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
     loaded.case.runner.mesh.is_some().then(|| {
         "the runner's own hexahedra stay as they are: the stated errors hold what hexahedra of their size leave under a smooth contact; \
@@ -363,7 +364,7 @@ fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
     })
 }
 
-/// What stated errors do not hold: the noise of vertices or nodes.
+/// The warning that stated errors do not include the noise of vertices or nodes.
 fn beyond_discretisation(
     hull: &FittedHull,
     solution: &Solution,
@@ -386,7 +387,7 @@ fn beyond_discretisation(
     )
 }
 
-/// What noise moves that a hull may have and its vertices do not show.
+/// The warning that a hull may have noise which its vertices do not show.
 fn not_shown(hull: &FittedHull, moved: Option<HullError>, approach: f64) -> Option<String> {
     let moved = moved?;
     Some(format!(

@@ -1,4 +1,4 @@
-//! What a hull's vertices leave in peak pressure and approach: their noise, and their distances.
+//! Errors of peak pressure and approach by a hull's vertices: their noise and their distances.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ const SCANS: u64 = 12;
 /// 100.
 const HOLDS: f64 = 2.179;
 
-/// What a hull's vertices move figures by.
+/// Errors that a hull's vertices cause.
 #[derive(Clone, Copy, Debug)]
 pub struct HullError {
     /// The peak pressure, over it.
@@ -24,8 +24,8 @@ pub struct HullError {
     pub approach: f64,
 }
 
-/// The hull scanned again and again: vertices on its fitted surface, moved by noise and fitted on the
-/// scan's knots. None where there is no scan, or no fit of one.
+/// The hull scanned again and again: vertices on its fitted surface, moved by noise and fitted on
+/// the scan's knots. None where there is no scan, or no fit of one.
 ///
 /// The noise is the largest of the hull's, of what would not show of it and of the fit's residual.
 pub(crate) fn bootstrap_scans(hull: &FittedHull) -> Option<Vec<Arc<dyn Underside>>> {
@@ -96,9 +96,9 @@ pub(super) fn between_vertices(
     }
 }
 
-/// Relative error of the peak by the noise in `scans` and the vertices' distances, for a contact that
-/// is not solved otherwise: [`moved`] and [`between_vertices`] added in quadrature, `None` where
-/// boundary elements do not answer.
+/// Relative error of the peak by the noise in `scans` and the vertices' distances, for a contact
+/// that is not solved otherwise: [`moved`] and [`between_vertices`] added in quadrature, `None`
+/// where boundary elements do not answer.
 pub(crate) fn relative_peak_error(
     problem: &Problem,
     hull: &FittedHull,

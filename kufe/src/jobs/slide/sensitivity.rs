@@ -1,6 +1,6 @@
 //! How friction changes with hardness, speed, temperature, viscosity and boundary contact.
 
-use kufe_contact::{Measure, Options, SlidingSolution};
+use kufe_contact::{Measure, Options};
 use kufe_sled::friction::film::{BoundaryContact, FilmConditions, HARDNESS_EXPONENT};
 
 use crate::jobs::failure::Failure;
@@ -19,19 +19,20 @@ const STEP: f64 = 0.01;
 const TEMPERATURE_STEP: f64 = 0.05;
 
 impl Ploughing<'_> {
-    /// Relative change of the coefficient of friction over that of what it depends on: elasticities d
-    /// ln mu/d ln x, of the temperature d ln mu/dT [1/K].
+    /// Relative change of the coefficient of friction over that of what it depends on: elasticities
+    /// d ln mu/d ln x, of the temperature d ln mu/dT [1/K].
     ///
-    /// Those of speed and temperature are what a change of the weather or of the speed makes: where a
-    /// law states the hardness, it follows. Where the hardness is the melting pressure or a case's own,
-    /// that is what it stays. The ice's elasticity is fixed.
+    /// Those of speed and temperature are what a change of the weather or of the speed makes: where
+    /// a law states the hardness, it follows. Where the hardness is the melting pressure or a
+    /// case's own, that is what it stays. The ice's elasticity is fixed.
     ///
     /// ```text
     /// e_V = d ln mu/d ln V at one hardness + e_H d ln H/d ln V,    e_T = d ln mu/dT at one hardness + e_H d ln H/dT
     /// law of creep: t = l/V with l ~ H^a, so that d ln H/d ln V = (1/3)/(1 + a/3) and d ln H/dT is that at one time over 1 + a/3
     /// ```
     ///
-    /// Central differences: of grooves in ice harder and softer by a quarter, of films on one groove.
+    /// Central differences: of grooves in ice harder and softer by a quarter, of films on one
+    /// groove.
     ///
     /// # Errors
     /// As [`at`](Self::at) and [`film_along`].
@@ -49,7 +50,7 @@ impl Ploughing<'_> {
         };
         let harder = |step: f64| {
             let solution = self.at(grooved.hardness.value * step.exp(), &side)?;
-            let along = self.film(&solution, &own)?;
+            let along = film_along(self.loaded, &solution, &own)?;
             let length = solution.groove.front.value - solution.groove.back.value;
             Ok::<_, Failure>((Friction::of(&solution, &along).mu, length))
         };
@@ -66,7 +67,7 @@ impl Ploughing<'_> {
             let side = |sign: f64| -> Result<f64, Failure> {
                 let mut conditions = own;
                 change(&mut conditions, sign * step);
-                let along = self.film(&grooved.solution, &conditions)?;
+                let along = film_along(self.loaded, &grooved.solution, &conditions)?;
                 Ok(along.film.totals.friction)
             };
             Ok::<_, Failure>((side(1.0)? - side(-1.0)?) / (2.0 * step * mu.value))
@@ -86,7 +87,8 @@ impl Ploughing<'_> {
         };
         let temperature = film(&warmer, TEMPERATURE_STEP)?;
         let [by_speed, by_temperature] = self.hardness_slopes(&grooved.hardness, stretch)?;
-        // The films are on one groove: the relative error of the friction holds for the differences.
+        // The films are on one groove: the relative error of the friction holds for the
+        // differences.
         let share = mu.error / mu.value;
         let with = |fixed: f64, by: f64| Measure {
             value: fixed + by * hardness.value,
@@ -119,9 +121,5 @@ impl Ploughing<'_> {
         };
         let warmer = (at(TEMPERATURE_STEP)? - at(-TEMPERATURE_STEP)?) / (2.0 * TEMPERATURE_STEP);
         Ok([exponent / fed_back, warmer / fed_back])
-    }
-
-    fn film(&self, solution: &SlidingSolution, at: &FilmConditions) -> Result<FilmAlong, Failure> {
-        film_along(solution, at).map_err(|error| film_failure(self.loaded, &error))
     }
 }

@@ -27,15 +27,17 @@ impl FilmAlong {
     }
 }
 
-/// The film under these conditions on the patch of a solution.
+/// The film under these conditions on the patch of a case's solution.
 ///
 /// # Errors
-/// As [`film_on`].
-pub fn film_along(
+/// [`Failure::BadInput`] and [`Failure::NotConverged`] as [`film_on`].
+pub(crate) fn film_along(
+    loaded: &LoadedCase,
     solution: &SlidingSolution,
     conditions: &FilmConditions,
-) -> Result<FilmAlong, kufe_sled::Error> {
-    film_on(&solution.groove.sections, solution.contact.fz, conditions)
+) -> Result<FilmAlong, Failure> {
+    let film = film_on(&solution.groove.sections, solution.contact.fz, conditions);
+    film.map_err(|error| film_failure(loaded, &error))
 }
 
 /// The film on stations of a patch under `fz` [N], as a strip that bears the whole load: what
@@ -221,8 +223,7 @@ pub(crate) fn solve_sliding(
 ) -> Result<(Solution, SolvedSliding), Failure> {
     let ploughing = Ploughing::new(loaded, sliding, problem)?;
     let grooved = ploughing.groove(options)?;
-    let film = film_along(&grooved.solution, &conditions(sliding))
-        .map_err(|error| film_failure(loaded, &error))?;
+    let film = film_along(loaded, &grooved.solution, &conditions(sliding))?;
     let sensitivity = ploughing.sensitivity(&grooved, &film, options)?;
     let Grooved { solution, hardness } = grooved;
     let slid = SolvedSliding {

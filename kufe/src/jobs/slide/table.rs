@@ -7,7 +7,7 @@ use crate::case::{Case, SlidingTable, StatedProblem};
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::ploughing::{Grooved, Ploughing};
-use crate::jobs::slide::sliding::{Friction, conditions, film_along, film_failure};
+use crate::jobs::slide::sliding::{Friction, conditions, film_along};
 use crate::jobs::watch::Watch;
 use crate::results::{CaseRecord, FrictionOptimum, FrictionRow, OptimalParameter, SolvedRunner};
 
@@ -76,8 +76,7 @@ pub fn friction_table(
             }
         };
         let Grooved { solution, hardness } = &grooved;
-        let along = film_along(solution, &conditions(table));
-        let along = along.map_err(|error| film_failure(case, &error))?;
+        let along = film_along(case, solution, &conditions(table))?;
         points.push(FrictionPoint {
             v_mps: table.v_mps,
             ice_c: *ice_c,

@@ -18,9 +18,7 @@ use crate::case::TrackTable;
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::press::Prepared;
-use crate::jobs::slide::{
-    Friction, Grooved, Ploughing, at, conditions, film_along, film_failure, sliding_of,
-};
+use crate::jobs::slide::{Friction, Grooved, Ploughing, at, conditions, film_along, sliding_of};
 use crate::jobs::table::points::{PointStore, key};
 use crate::jobs::table::spec::TableSpec;
 use crate::jobs::watch::Watch;
@@ -59,7 +57,7 @@ impl Solver {
     /// solver's error.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the case cannot be had or has no rocker radius to sweep.
+    /// [`Failure::BadInput`] where the case cannot be obtained or has no rocker radius to sweep.
     pub fn new(spec: &TableSpec, watch: &Watch) -> Result<Solver, Failure> {
         let loaded = LoadedCase::read(&spec.case)?;
         let case = spec.case.display();
@@ -156,7 +154,7 @@ impl Solver {
         Ok(figures(&self.solution(&problem, watch)?))
     }
 
-    /// What is pressed at a point.
+    /// The problem at a point.
     fn problem(&self, point: &Point) -> Result<Problem, Failure> {
         if point.rocker_radius.is_some() {
             let case = case_at(&self.loaded, point)?;
@@ -279,8 +277,7 @@ impl Solver {
     fn film(&self, grooved: &Grooved, point: &Point) -> Result<Figures, Failure> {
         let case = case_at(&self.loaded, point)?;
         let solution = &grooved.solution;
-        let along = film_along(solution, &conditions(sliding_of(&case)))
-            .map_err(|error| film_failure(&case, &error))?;
+        let along = film_along(&case, solution, &conditions(sliding_of(&case)))?;
         let friction = Friction::of(solution, &along);
         Ok(figures(&solution.contact)
             .with(Quantity::Mu, friction.mu.value)

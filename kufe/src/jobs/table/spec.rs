@@ -61,9 +61,9 @@ struct AxisToml {
     from: Option<f64>,
     /// Where it ends.
     to: Option<f64>,
-    /// What becomes of inputs outside: the end of the axis takes the input's place, the interpolant
+    /// Rule for inputs outside: the end of the axis takes the input's place, the interpolant
     /// continues straight, or there is no value; `hold` where absent.
-    #[schemars(with = "String", extend("enum" = Outside::ALL.map(Outside::name)))]
+    #[schemars(with = "Option<String>", extend("enum" = Outside::ALL.map(Outside::name)))]
     outside: Option<Outside>,
     /// Of curvatures alone: where the runner lies flush on the track. The table is made over
     /// reduced curvatures then.
@@ -124,7 +124,7 @@ pub struct TableSpec {
     pub plan: Plan,
     /// Solver tolerance of the peak pressure, where the file states one.
     pub p_max: Option<f64>,
-    /// What becomes of inputs outside, for the axes of which the file states it.
+    /// Rule for inputs outside, for the axes of which the file states it.
     pub outside: Vec<(AxisKind, Outside)>,
 }
 
