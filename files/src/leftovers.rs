@@ -25,9 +25,10 @@ fn clear_older_than(folder: &Path, age: Duration) {
         };
         let touched = found.modified().unwrap_or(SystemTime::now());
         if touched.elapsed().unwrap_or_default() >= age {
-            let _ = match found.is_dir() {
-                true => std::fs::remove_dir_all(entry.path()),
-                false => std::fs::remove_file(entry.path()),
+            let _ = if found.is_dir() {
+                std::fs::remove_dir_all(entry.path())
+            } else {
+                std::fs::remove_file(entry.path())
             };
         }
     }

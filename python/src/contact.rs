@@ -326,9 +326,10 @@ fn solved(
             stop: Some(reporter.stop.clone()),
             ..options
         };
-        let options = match watched {
-            true => with_progress(options, &loaded.case, move |line| reporter.progress(line)),
-            false => options,
+        let options = if watched {
+            with_progress(options, &loaded.case, move |line| reporter.progress(line))
+        } else {
+            options
         };
         kufe::Contact::from(loaded).options(options).best(watch)
     })?;

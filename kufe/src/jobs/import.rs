@@ -134,10 +134,8 @@ impl RunImport {
         output: NewFiles,
         watch: &Watch,
     ) -> Result<Result<Note, String>, Failure> {
-        if watch.stopped() {
-            let text = format!("{}: stopped before the end", self.mapping.display());
-            return Err(Failure::Partial(text));
-        }
+        let stopped = |failure: Failure| failure.within(&self.mapping.display().to_string());
+        watch.check().map_err(stopped)?;
         let imported = match self.importer.run(planned) {
             Ok(imported) => imported,
             Err(error) => return Ok(Err(error.to_string())),

@@ -129,9 +129,7 @@ impl SimulatedDrives {
         watch.progress("driving the runs");
         let tabled = vehicle.tables().iter().any(Option::is_some);
         let drive = |number: u32| -> Result<_, Failure> {
-            if watch.stopped() {
-                return Err(Failure::Partial("stopped before the end".to_owned()));
-            }
+            watch.check()?;
             let options = SimulateOptions {
                 conditions,
                 seed: self.options.seed.wrapping_add(u64::from(number)),
@@ -158,9 +156,10 @@ impl SimulatedDrives {
                 air_j: energy.air_j,
                 outside_tables: outside,
             };
-            let samples = match tabled && number < SAMPLED {
-                true => table_samples(states),
-                false => Default::default(),
+            let samples = if tabled && number < SAMPLED {
+                table_samples(states)
+            } else {
+                Default::default()
             };
             Ok((run, row, samples))
         };

@@ -257,11 +257,10 @@ fn by_key<S: Serializer>(values: &[LookupValue], serializer: S) -> Result<S::Ok,
     let mut map = serializer.serialize_map(None)?;
     for value in values {
         map.serialize_entry(value.quantity.key(), &value.value)?;
-        let named = match value.includes_solver {
-            true => "_error",
-            false => "_interpolation_error",
-        };
-        let key = value.quantity.error_key().replacen("_error", named, 1);
+        let mut key = value.quantity.error_key().to_owned();
+        if !value.includes_solver {
+            key = key.replacen("_error", "_interpolation_error", 1);
+        }
         map.serialize_entry(&key, &value.error)?;
     }
     map.end()

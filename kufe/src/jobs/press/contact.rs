@@ -232,11 +232,7 @@ pub fn press_prepared(
     let hull = prepared.hull.as_ref();
     let mut warnings = loaded.hull_warnings(hull, watch);
     let started = Instant::now();
-    let options = Options {
-        p_max_tolerance: loaded.case.accuracy.p_max,
-        stiffness: loaded.case.solver.stiffness.into(),
-        ..options
-    };
+    let options = loaded.case.options_on(options);
     let (mut solution, sliding, mut short) = match &loaded.case.sliding {
         None => {
             let (solution, short) = best(&loaded, hull, &problem, &options)?;

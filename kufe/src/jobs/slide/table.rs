@@ -59,17 +59,12 @@ pub fn friction_table(
         let grooved = match reused {
             Some((_, grooved)) => grooved,
             None => {
-                if watch.stopped() {
-                    let text = format!("{}: stopped before the end", loaded.name);
-                    return Err(Failure::Partial(text));
-                }
+                watch
+                    .check()
+                    .map_err(|failure| failure.within(&loaded.name))?;
                 watch.progress(&format!("groove on ice of {ice_c} C"));
                 let StatedProblem { problem, hull } = case.stated_sliding()?;
-                let options = Options {
-                    p_max_tolerance: case.case.accuracy.p_max,
-                    stiffness: case.case.solver.stiffness.into(),
-                    ..options.clone()
-                };
+                let options = case.case.options_on(options.clone());
                 let found = Ploughing::new(case, table, &problem)?.groove(&options)?;
                 case.fine_enough(hull.as_ref(), &found.solution.contact)?;
                 found

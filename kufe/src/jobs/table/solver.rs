@@ -140,7 +140,7 @@ impl Solver {
     }
 
     fn press(&self, point: &Point, watch: &Watch) -> Result<Figures, Failure> {
-        unstopped(watch)?;
+        watch.check()?;
         let anchors = self.anchors.get_or_init(Anchors::default);
         if let Some((_, solved)) = anchors.solved.iter().find(|(anchor, _)| anchor == point) {
             return Ok(*solved);
@@ -171,7 +171,7 @@ impl Solver {
 
     /// A contact by finite elements.
     fn solution(&self, problem: &Problem, watch: &Watch) -> Result<Solution, Failure> {
-        unstopped(watch)?;
+        watch.check()?;
         let options = Options {
             p_max_tolerance: self.tolerance,
             ..self.loaded.case.options()
@@ -243,7 +243,7 @@ impl Solver {
 
     /// The groove at a point.
     fn grooved(&self, point: &Point, watch: &Watch) -> Result<Grooved, Failure> {
-        unstopped(watch)?;
+        watch.check()?;
         let case = case_at(&self.loaded, point)?;
         let named = |error| case.bad_input(error);
         let runner = match point.rocker_radius {
@@ -518,13 +518,6 @@ fn groups<'a>(points: impl Iterator<Item = &'a Point>) -> Vec<Vec<Point>> {
         groups[place].push(point);
     }
     groups
-}
-
-fn unstopped(watch: &Watch) -> Result<(), Failure> {
-    match watch.stopped() {
-        true => Err(Failure::Partial("interrupted".into())),
-        false => Ok(()),
-    }
 }
 
 /// A failure with the point that it happened at.
