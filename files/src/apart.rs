@@ -1,68 +1,37 @@
-//! What a command writes is not what it reads.
+//! Outputs of a command are none of its inputs.
 
 use std::collections::HashSet;
+use std::fmt::Display;
+use std::io::{Error, ErrorKind};
 use std::path::{Component, Path, PathBuf};
 
 use crate::place::replaceable;
 
-/// Why an output cannot be.
-#[derive(Debug, thiserror::Error)]
-pub enum Clash {
-    /// The command reads it.
-    #[error("{output}: cannot be written: this command reads it; expected another place")]
-    Input {
-        /// The output as it was given.
-        output: String,
-    },
-    /// The command writes something else there.
-    #[error(
-        "{output}: cannot be written: this command writes another of its outputs there; expected another place"
-    )]
-    Output {
-        /// The output as it was given.
-        output: String,
-    },
-    /// A folder, a device, a pipe or a lost link is there.
-    #[error("{output}: cannot be written: {reason}")]
-    NoFile {
-        /// The output as it was given.
-        output: String,
-        /// What is there.
-        reason: std::io::Error,
-    },
-}
-
-impl From<Clash> for std::io::Error {
-    fn from(clash: Clash) -> Self {
-        std::io::Error::new(std::io::ErrorKind::InvalidInput, clash)
-    }
-}
-
-/// Checks that every output is a file that may be written: none of the inputs, no two the same, and nothing but a file there.
+/// Checks that every output is a file that may be written: none of the inputs, no two the same, and
+/// nothing but a file there.
 ///
 /// # Errors
-/// [`Clash`] with the first output that is not.
+/// [`ErrorKind::InvalidInput`] naming the first output that is not, with the reason.
 pub fn outputs_apart(
     inputs: &[impl AsRef<Path>],
     outputs: &[impl AsRef<Path>],
-) -> Result<(), Clash> {
-    let inputs: HashSet<PathBuf> = inputs
-        .iter()
-        .map(|input| resolved(input.as_ref()))
-        .collect();
+) -> std::io::Result<()> {
+    let inputs = inputs.iter().map(|input| resolved(input.as_ref()));
+    let inputs: HashSet<PathBuf> = inputs.collect();
     let mut taken: HashSet<PathBuf> = HashSet::new();
     for output in outputs.iter().map(AsRef::as_ref) {
-        let named = || output.display().to_string();
-        replaceable(output).map_err(|reason| Clash::NoFile {
-            output: named(),
-            reason,
-        })?;
+        let clash = |reason: &dyn Display| {
+            let text = format!("{}: cannot be written: {reason}", output.display());
+            Error::new(ErrorKind::InvalidInput, text)
+        };
+        replaceable(output).map_err(|reason| clash(&reason))?;
         let place = resolved(output);
         if inputs.contains(&place) {
-            return Err(Clash::Input { output: named() });
+            return Err(clash(&"this command reads it; expected another place"));
         }
         if !taken.insert(place) {
-            return Err(Clash::Output { output: named() });
+            let reason = "this command writes another of its outputs there; expected another place";
+            return Err(clash(&reason));
         }
     }
     Ok(())
@@ -169,7 +138,8 @@ mod tests {
     fn two_outputs_are_two_files_also_before_there_is_a_folder() {
         let none: [&Path; 0] = [];
         let clash = outputs_apart(&none, &["none/a/t.csv", "none/b/../a/t.csv"]);
-        assert!(matches!(clash, Err(Clash::Output { .. })));
+        let text = clash.expect_err("one place").to_string();
+        assert!(text.contains("another of its outputs"), "{text}");
         assert!(outputs_apart(&none, &["none/a/t.csv", "none/b/t.csv"]).is_ok());
     }
 }

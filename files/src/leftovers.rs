@@ -8,8 +8,8 @@ use crate::whole::TEMPORARY;
 /// Temporaries that nothing has written to for so long are nobody's any more.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
-/// Removes hidden files and folders of this crate's writers from `folder` that nobody has touched for a day: those of processes
-/// that were killed. What cannot be removed stays.
+/// Removes hidden files and folders of this crate's writers from `folder` that nobody has touched
+/// for a day: those of processes that were killed. What cannot be removed stays.
 pub fn clear_temporaries(folder: &Path) {
     clear_older_than(folder, ABANDONED);
 }
@@ -20,17 +20,17 @@ fn clear_older_than(folder: &Path, age: Duration) {
     };
     for entry in entries.flatten() {
         let ours = entry.file_name().to_string_lossy().starts_with(TEMPORARY);
-        let touched = |found: &std::fs::Metadata| found.modified().unwrap_or(SystemTime::now());
-        let Ok(found) = entry.metadata() else {
+        let Some(found) = entry.metadata().ok().filter(|_| ours) else {
             continue;
         };
-        if !ours || touched(&found).elapsed().unwrap_or_default() < age {
-            continue;
+        let touched = found.modified().unwrap_or(SystemTime::now());
+        if touched.elapsed().unwrap_or_default() >= age {
+            let _ = if found.is_dir() {
+                std::fs::remove_dir_all(entry.path())
+            } else {
+                std::fs::remove_file(entry.path())
+            };
         }
-        let _ = match found.is_dir() {
-            true => std::fs::remove_dir_all(entry.path()),
-            false => std::fs::remove_file(entry.path()),
-        };
     }
 }
 

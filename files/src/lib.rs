@@ -1,8 +1,9 @@
 //! Files that are whole or absent, that replace nothing that is not theirs, and that end.
 //!
-//! A process that dies while it writes, or a disk that fills up, leaves what stood at the path before, and nothing beside it.
-//! What a command writes is apart from what it reads ([`outputs_apart`]). A link is written through; a device, a pipe or a
-//! folder is never replaced. Reading takes regular files alone, up to a length ([`read_regular`]).
+//! A process that dies while it writes, or a disk that fills up, leaves the former file at the
+//! path, and no other. What a command writes is apart from what it reads ([`outputs_apart`]). A
+//! link is written through; a device, a pipe or a folder is never replaced. Reading takes regular
+//! files alone, up to a length ([`read_regular`]).
 //!
 //! ```
 //! let folder = tempfile::tempdir()?;
@@ -19,7 +20,7 @@ mod place;
 mod read;
 mod whole;
 
-pub use apart::{Clash, leads_out, outputs_apart, resolved, same_file};
+pub use apart::{leads_out, outputs_apart, resolved, same_file};
 pub use leftovers::clear_temporaries;
 pub use place::replaceable;
 pub use read::{open_regular, read_regular, sha256, sha256_of_file, text_of_regular};

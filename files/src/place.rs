@@ -4,10 +4,12 @@ use std::fs::FileType;
 use std::io::{Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
 
-/// The file that writing to `path` replaces or makes: `path` itself, or what it leads to where it is a link.
+/// The file that writing to `path` replaces or makes: `path` itself, or what it leads to where it
+/// is a link.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidInput`] where that is a folder, a device, a pipe or a socket, or a link that leads nowhere.
+/// [`ErrorKind::InvalidInput`] where that is a folder, a device, a pipe or a socket, or a link that
+/// leads nowhere.
 pub fn replaceable(path: &Path) -> Result<PathBuf> {
     let failure = |reason: &str| Error::new(ErrorKind::InvalidInput, reason.to_owned());
     let place = match path.symlink_metadata() {
@@ -25,7 +27,7 @@ pub fn replaceable(path: &Path) -> Result<PathBuf> {
     }
 }
 
-/// What a thing that is no regular file is.
+/// Name of the kind of a file that is not regular.
 pub(crate) fn kind(found: FileType) -> &'static str {
     #[cfg(unix)]
     {
@@ -47,7 +49,7 @@ pub(crate) fn kind(found: FileType) -> &'static str {
     }
 }
 
-/// The folder that a path's file stands in.
+/// The folder of a path's file.
 pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,

@@ -11,8 +11,8 @@ use crate::place::kind;
 /// The whole of a regular file of at most `most` bytes.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidInput`] for a folder, a device, a pipe and a longer file, with what was found; the system's where the
-/// file cannot be read.
+/// [`ErrorKind::InvalidInput`] for a folder, a device, a pipe and a longer file, with what was
+/// found; the system's where the file cannot be read.
 pub fn read_regular(path: &Path, most: u64) -> Result<Vec<u8>> {
     let file = open_regular(path)?;
     let long = |found: u64| {
@@ -44,7 +44,8 @@ pub fn text_of_regular(path: &Path, most: u64) -> Result<String> {
 /// Opens a regular file; a pipe is refused before it is opened, which would wait for its writer.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidInput`] for a folder, a device and a pipe; the system's where it cannot be opened.
+/// [`ErrorKind::InvalidInput`] for a folder, a device and a pipe; the system's where it cannot be
+/// opened.
 pub fn open_regular(path: &Path) -> Result<File> {
     let refuse = |found: std::fs::FileType| {
         let text = format!("it is {}, expected a file", kind(found));

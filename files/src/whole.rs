@@ -10,15 +10,16 @@ use crate::place::{folder_of, replaceable};
 /// What names of temporary files and folders begin with.
 pub const TEMPORARY: &str = ".kufe-";
 
-/// Writes `path` through a temporary file in its folder, which is flushed to the disk and renamed once it is whole.
+/// Writes `path` through a temporary file in its folder, which is flushed to the disk and renamed
+/// once it is whole.
 ///
-/// Several processes, on several machines, may write one path at a time: the last to finish is who wrote it. Who may
-/// read the file is what the process's umask says, as for any other new file. Where `path` is a link, the file that it
-/// leads to is written and the link stays.
+/// Several processes, on several machines, may write one path at a time: the last to finish is who
+/// wrote it. Who may read the file is what the process's umask says, as for any other new file.
+/// Where `path` is a link, the file that it leads to is written and the link stays.
 ///
 /// # Errors
-/// Those of `write`; those of [`replaceable`](crate::replaceable); and of the system where the folder is missing or the file
-/// cannot be written; nothing is left then.
+/// Those of `write`; those of [`replaceable`](crate::replaceable); and of the system where the
+/// folder is missing or the file cannot be written; nothing is left then.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
     let path = &replaceable(path)?;
     let temporary = temporary_in(folder_of(path))?;
@@ -31,7 +32,7 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>
     Ok(())
 }
 
-/// A hidden file in `folder`; temporary files are private unless they are asked not to be.
+/// A hidden file in `folder`; temporary files are private by default.
 fn temporary_in(folder: &Path) -> Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(TEMPORARY);

@@ -155,7 +155,7 @@ class Contact:
         """Plastic depth of the ice at the nodes, None for a runner at rest [m]."""
     @property
     def warnings(self) -> list[str]:
-        """What the reader of the result should know."""
+        """Warnings and remarks."""
     @property
     def result(self) -> dict[str, Any]:
         """What the command writes to `result.json`, the case and the history included."""
@@ -245,7 +245,7 @@ class Hull:
         """Volume inside; of an open hull it means little [m3]."""
     @property
     def warnings(self) -> list[str]:
-        """What is odd about the hull."""
+        """Warnings about the hull."""
 
 @final
 class HullCheck:
@@ -259,7 +259,7 @@ class HullCheck:
         """
     @property
     def warnings(self) -> list[str]:
-        """What is odd about the hull."""
+        """Warnings about the hull."""
     def case(self) -> Case:
         """
         The case that reads the hull so, on the ice of the example under the force that is nearest
@@ -355,7 +355,7 @@ class Simulation:
         """What the command writes to `simulation.json`."""
     @property
     def remarks(self) -> list[str]:
-        """What the reader of the runs should know."""
+        """Remarks on the runs."""
     def series(self, run: str) -> dict[str, NDArray[np.float64]]:
         """One run's channels as arrays, `t_s` among them; each name ends in its unit."""
     def write(self, folder: _Path, *, parquet: bool = False) -> None:
@@ -384,7 +384,7 @@ class Fit:
         """The model with the fitted laws: TOML that every command accepts."""
     @property
     def remarks(self) -> list[str]:
-        """What the reader of the runs should know."""
+        """Remarks on the runs."""
 
 @final
 class Validation:
@@ -404,7 +404,7 @@ class Validation:
         """What the command writes to `validation.json`."""
     @property
     def remarks(self) -> list[str]:
-        """What the reader of the runs should know."""
+        """Remarks on the runs."""
     def series(self, run: str) -> dict[str, NDArray[np.float64]]:
         """
         One run's samples as arrays: time [s], place [m], and the lateral force at the centre of
@@ -429,7 +429,7 @@ class Evaluation:
         """Runs left out, and why."""
     @property
     def remarks(self) -> list[str]:
-        """What the reader of the runs should know."""
+        """Remarks on the runs."""
     def series(self, run: str) -> dict[str, NDArray[np.float64]]:
         """
         One run's samples as arrays: time, place, force along the motion as driven and of a straight

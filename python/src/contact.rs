@@ -75,13 +75,14 @@ impl Case {
 
     /// The case with other values, by dotted key: `case.replace({"load.fz_n": 2000.0})`.
     fn replace(&self, values: &Bound<'_, PyDict>) -> PyResult<Case> {
-        let mut table = toml::Table::try_from(&self.loaded.case).map_err(bad_input)?;
-        for (key, value) in values {
+        let values = values.iter().map(|(key, value)| {
             let key: String = key.extract()?;
-            set(&mut table, &key, toml_value(&key, &value)?)?;
-        }
+            let value = toml_value(&key, &value)?;
+            Ok((key, value))
+        });
+        let values = values.collect::<PyResult<Vec<_>>>()?;
         Ok(Case {
-            loaded: parsed(&self.loaded, &table)?,
+            loaded: replaced(&self.loaded, &values)?,
         })
     }
 
@@ -111,14 +112,6 @@ impl Case {
     fn __repr__(&self) -> String {
         format!("<kufe.Case {}>", self.loaded.name)
     }
-}
-
-/// The same case with this content.
-fn parsed(loaded: &LoadedCase, table: &toml::Table) -> PyResult<LoadedCase> {
-    let text = toml::to_string(table).map_err(bad_input)?;
-    let mut other = LoadedCase::parse(&loaded.name, &loaded.base, &text).map_err(raised)?;
-    other.hull.clone_from(&loaded.hull);
-    Ok(other)
 }
 
 fn toml_value(key: &str, value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
@@ -155,9 +148,91 @@ fn set(table: &mut toml::Table, key: &str, value: toml::Value) -> PyResult<()> {
 }
 
 /// A solved case.
-#[pyclass(frozen, module = "kufe")]
+#[pyclass(frozen, get_all, module = "kufe")]
 pub struct Contact {
-    pressed: Arc<SolvedContact>,
+    /// Peak pressure [Pa].
+    p_max_pa: f64,
+    /// Estimated discretisation error of the peak pressure [Pa].
+    p_max_error_pa: f64,
+    /// Force over contact area [Pa].
+    p_mean_pa: f64,
+    /// Error of the mean pressure [Pa].
+    p_mean_error_pa: f64,
+    /// Contact area [m2].
+    area_m2: f64,
+    /// Error of the area [m2].
+    area_error_m2: f64,
+    /// Extent of the contact along the runner [m].
+    length_m: f64,
+    /// Error of the length [m].
+    length_error_m: f64,
+    /// Extent of the contact across the runner [m].
+    width_m: f64,
+    /// Error of the width [m].
+    width_error_m: f64,
+    /// Rigid approach at the origin, from first touch [m].
+    approach_m: f64,
+    /// Error of the approach [m].
+    approach_error_m: f64,
+    /// Pitch about y, positive lowers the nose [rad].
+    pitch_rad: f64,
+    /// Error of the pitch [rad].
+    pitch_error_rad: f64,
+    /// Roll about x [rad].
+    roll_rad: f64,
+    /// Error of the roll [rad].
+    roll_error_rad: f64,
+    /// Integrated normal force [N].
+    fz_n: f64,
+    /// Largest shear stress in the ice under the peak; `None` where it was not requested or does
+    /// not lie under the surface [Pa].
+    max_shear_pa: Option<f64>,
+    /// Error of the largest shear stress [Pa].
+    max_shear_error_pa: Option<f64>,
+    /// Depth of the largest shear stress [m].
+    max_shear_depth_m: Option<f64>,
+    /// Error of the depth of the largest shear stress [m].
+    max_shear_depth_error_m: Option<f64>,
+    #[pyo3(name = "_solved")]
+    solved: Py<Solved>,
+}
+
+/// The whole of a solved case.
+#[pyclass(frozen, module = "kufe")]
+struct Solved(Arc<SolvedContact>);
+
+impl Contact {
+    fn new(py: Python<'_>, solved: SolvedContact) -> PyResult<Contact> {
+        let solution = &solved.solution;
+        Ok(Contact {
+            p_max_pa: solution.p_max,
+            p_max_error_pa: solution.p_max_error,
+            p_mean_pa: solution.p_mean,
+            p_mean_error_pa: solution.p_mean_error,
+            area_m2: solution.area,
+            area_error_m2: solution.area_error,
+            length_m: solution.length,
+            length_error_m: solution.length_error,
+            width_m: solution.width,
+            width_error_m: solution.width_error,
+            approach_m: solution.approach,
+            approach_error_m: solution.approach_error,
+            pitch_rad: solution.pitch,
+            pitch_error_rad: solution.pitch_error,
+            roll_rad: solution.roll,
+            roll_error_rad: solution.roll_error,
+            fz_n: solution.fz,
+            max_shear_pa: solution.under_peak.map(|u| u.shear),
+            max_shear_error_pa: solution.under_peak.map(|u| u.shear_error),
+            max_shear_depth_m: solution.under_peak.map(|u| u.depth),
+            max_shear_depth_error_m: solution.under_peak.map(|u| u.depth_error),
+            solved: Py::new(py, Solved(Arc::new(solved)))?,
+        })
+    }
+
+    fn solved(&self) -> &Arc<SolvedContact> {
+        &self.solved.get().0
+    }
 }
 
 /// Solves one contact problem.
@@ -180,7 +255,8 @@ pub fn press(
         subsurface,
         ..Options::default()
     };
-    solved(py, replaced(case, &keys)?, options, progress)
+    let loaded = replaced(&loaded_case(case)?, &keys)?;
+    solved(py, loaded, options, progress)
 }
 
 /// Solves steady sliding on ice that yields: the groove that the runner ploughs and the melt film
@@ -204,7 +280,8 @@ pub fn slide(
         ("sliding.ice_c", ice_c.into()),
     ];
     keys.extend(accuracy.map(accuracy_key));
-    solved(py, replaced(case, &keys)?, Options::default(), progress)
+    let loaded = replaced(&loaded_case(case)?, &keys)?;
+    solved(py, loaded, Options::default(), progress)
 }
 
 fn accuracy_key(accuracy: f64) -> (&'static str, toml::Value) {
@@ -223,16 +300,18 @@ pub fn loaded_case(case: &Bound<'_, PyAny>) -> PyResult<LoadedCase> {
 }
 
 /// The case with these keys replaced.
-fn replaced(case: &Bound<'_, PyAny>, keys: &[(&str, toml::Value)]) -> PyResult<LoadedCase> {
-    let loaded = loaded_case(case)?;
+fn replaced<K: AsRef<str>>(loaded: &LoadedCase, keys: &[(K, toml::Value)]) -> PyResult<LoadedCase> {
     if keys.is_empty() {
-        return Ok(loaded);
+        return Ok(loaded.clone());
     }
     let mut table = toml::Table::try_from(&loaded.case).map_err(bad_input)?;
     for (key, value) in keys {
-        set(&mut table, key, value.clone())?;
+        set(&mut table, key.as_ref(), value.clone())?;
     }
-    parsed(&loaded, &table)
+    let text = toml::to_string(&table).map_err(bad_input)?;
+    let mut other = LoadedCase::parse(&loaded.name, &loaded.base, &text).map_err(raised)?;
+    other.hull.clone_from(&loaded.hull);
+    Ok(other)
 }
 
 fn solved(
@@ -242,209 +321,80 @@ fn solved(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Contact> {
     let watched = progress.is_some();
-    let worked = work(py, progress, move |watch, teller| {
+    let worked = work(py, progress, move |watch, reporter| {
         let options = Options {
-            stop: Some(teller.stop.clone()),
+            stop: Some(reporter.stop.clone()),
             ..options
         };
-        let options = match watched {
-            true => with_progress(options, &loaded.case, move |line| teller.progress(line)),
-            false => options,
+        let options = if watched {
+            with_progress(options, &loaded.case, move |line| reporter.progress(line))
+        } else {
+            options
         };
         kufe::Contact::from(loaded).options(options).best(watch)
     })?;
     let pressed = worked.value.map_err(raised)?;
     let short = pressed.short.clone();
-    let pressed = Arc::new(pressed);
-    let contact = Contact { pressed };
-    match short {
-        None => Ok(contact),
-        Some(failure) => {
-            let error = raised(failure);
-            error.value(py).setattr("best", contact)?;
-            Err(error)
-        }
-    }
+    let contact = Contact::new(py, pressed)?;
+    let Some(failure) = short else {
+        return Ok(contact);
+    };
+    let error = raised(failure);
+    error.value(py).setattr("best", contact)?;
+    Err(error)
 }
 
 #[pymethods]
 impl Contact {
-    /// Peak pressure [Pa].
-    #[getter]
-    fn p_max_pa(&self) -> f64 {
-        self.pressed.solution.p_max
-    }
-
-    /// Estimated discretisation error of the peak pressure [Pa].
-    #[getter]
-    fn p_max_error_pa(&self) -> f64 {
-        self.pressed.solution.p_max_error
-    }
-
-    /// Force over contact area [Pa].
-    #[getter]
-    fn p_mean_pa(&self) -> f64 {
-        self.pressed.solution.p_mean
-    }
-
-    /// Error of the mean pressure [Pa].
-    #[getter]
-    fn p_mean_error_pa(&self) -> f64 {
-        self.pressed.solution.p_mean_error
-    }
-
-    /// Contact area [m2].
-    #[getter]
-    fn area_m2(&self) -> f64 {
-        self.pressed.solution.area
-    }
-
-    /// Error of the area [m2].
-    #[getter]
-    fn area_error_m2(&self) -> f64 {
-        self.pressed.solution.area_error
-    }
-
-    /// Extent of the contact along the runner [m].
-    #[getter]
-    fn length_m(&self) -> f64 {
-        self.pressed.solution.length
-    }
-
-    /// Error of the length [m].
-    #[getter]
-    fn length_error_m(&self) -> f64 {
-        self.pressed.solution.length_error
-    }
-
-    /// Extent of the contact across the runner [m].
-    #[getter]
-    fn width_m(&self) -> f64 {
-        self.pressed.solution.width
-    }
-
-    /// Error of the width [m].
-    #[getter]
-    fn width_error_m(&self) -> f64 {
-        self.pressed.solution.width_error
-    }
-
-    /// Rigid approach at the origin, from first touch [m].
-    #[getter]
-    fn approach_m(&self) -> f64 {
-        self.pressed.solution.approach
-    }
-
-    /// Error of the approach [m].
-    #[getter]
-    fn approach_error_m(&self) -> f64 {
-        self.pressed.solution.approach_error
-    }
-
-    /// Pitch about y, positive lowers the nose [rad].
-    #[getter]
-    fn pitch_rad(&self) -> f64 {
-        self.pressed.solution.pitch
-    }
-
-    /// Error of the pitch [rad].
-    #[getter]
-    fn pitch_error_rad(&self) -> f64 {
-        self.pressed.solution.pitch_error
-    }
-
-    /// Roll about x [rad].
-    #[getter]
-    fn roll_rad(&self) -> f64 {
-        self.pressed.solution.roll
-    }
-
-    /// Error of the roll [rad].
-    #[getter]
-    fn roll_error_rad(&self) -> f64 {
-        self.pressed.solution.roll_error
-    }
-
-    /// Integrated normal force [N].
-    #[getter]
-    fn fz_n(&self) -> f64 {
-        self.pressed.solution.fz
-    }
-
-    /// Largest shear stress in the ice under the peak; `None` where it was not requested or does
-    /// not lie under the surface [Pa].
-    #[getter]
-    fn max_shear_pa(&self) -> Option<f64> {
-        self.pressed.solution.under_peak.map(|u| u.shear)
-    }
-
-    /// Error of the largest shear stress [Pa].
-    #[getter]
-    fn max_shear_error_pa(&self) -> Option<f64> {
-        self.pressed.solution.under_peak.map(|u| u.shear_error)
-    }
-
-    /// Depth of the largest shear stress [m].
-    #[getter]
-    fn max_shear_depth_m(&self) -> Option<f64> {
-        self.pressed.solution.under_peak.map(|u| u.depth)
-    }
-
-    /// Error of the depth of the largest shear stress [m].
-    #[getter]
-    fn max_shear_depth_error_m(&self) -> Option<f64> {
-        self.pressed.solution.under_peak.map(|u| u.depth_error)
-    }
-
     /// Node coordinates along the runner, increasing [m].
     #[getter]
     fn x_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.pressed.solution.surface.x.clone().into_pyarray(py)
+        self.solved().solution.surface.x.clone().into_pyarray(py)
     }
 
     /// Node coordinates across the runner, increasing [m].
     #[getter]
     fn y_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.pressed.solution.surface.y.clone().into_pyarray(py)
+        self.solved().solution.surface.y.clone().into_pyarray(py)
     }
 
     /// Contact pressure at the nodes, `len(y_m)` rows of `len(x_m)` [Pa].
     #[getter]
     fn pressure_pa<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.on_surface(py, &self.pressed.solution.surface.pressure)
+        self.on_surface(py, &self.solved().solution.surface.pressure)
     }
 
     /// Gap at the nodes, 0 in contact, infinite where there is no hull [m].
     #[getter]
     fn gap_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.on_surface(py, &self.pressed.solution.surface.gap)
+        self.on_surface(py, &self.solved().solution.surface.gap)
     }
 
     /// Vertical displacement of the ice's surface at the nodes, upwards positive [m].
     #[getter]
     fn uz_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.on_surface(py, &self.pressed.solution.surface.uz)
+        self.on_surface(py, &self.solved().solution.surface.uz)
     }
 
     /// Plastic depth of the ice at the nodes, `None` for a runner at rest [m].
     #[getter]
     fn groove_m<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        let slid = self.pressed.sliding.as_ref();
+        let slid = self.solved().sliding.as_ref();
         slid.map(|slid| self.on_surface(py, &slid.groove.depth))
             .transpose()
     }
 
-    /// What the reader of the result should know.
+    /// Warnings and remarks.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.pressed.warnings.clone()
+        self.solved().warnings.clone()
     }
 
     /// Writes what `kufe press` writes into `folder`, which must be new or empty; all files or
     /// none. `mat` adds `result.mat`.
     #[pyo3(signature = (folder, *, mat = false))]
     fn write(&self, py: Python<'_>, folder: PathBuf, mat: bool) -> PyResult<()> {
-        let pressed = self.pressed.clone();
+        let pressed = self.solved().clone();
         let worked = work(py, None, move |watch, _| {
             write_folder(&folder, watch, |files| write_contact(files, &pressed, mat))
         })?;
@@ -479,11 +429,11 @@ impl Contact {
     /// What the command writes to `result.json`, the case and the history included.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, &self.pressed.result())
+        to_python(py, &self.solved().result())
     }
 
     fn __repr__(&self) -> String {
-        let solution = &self.pressed.solution;
+        let solution = &self.solved().solution;
         format!(
             "<kufe.Contact p_max {:.2} MPa +- {:.2}, {:.3} mm x {:.4} mm>",
             solution.p_max / 1e6,
@@ -495,7 +445,7 @@ impl Contact {
 }
 
 /// Calls a function of `kufe/_views.py`.
-fn view<'py>(
+pub fn view<'py>(
     py: Python<'py>,
     name: &str,
     arguments: impl pyo3::call::PyCallArgs<'py>,
@@ -509,7 +459,7 @@ impl Contact {
         py: Python<'py>,
         values: &[f64],
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let surface = &self.pressed.solution.surface;
+        let surface = &self.solved().solution.surface;
         PyArray1::from_slice(py, values).reshape([surface.y.len(), surface.x.len()])
     }
 }

@@ -4,12 +4,11 @@ use std::path::PathBuf;
 
 use kufe::jobs::runs::RunSelection;
 use kufe_sled::{DrivingForce, RunEvaluation, groups};
-use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::{no_such_run, raised};
-use crate::json::to_python;
+use crate::json::{Column, arrays, to_python};
 use crate::work::work;
 
 /// What drivers lose compared with a straight glide.
@@ -61,7 +60,7 @@ pub fn evaluate(
         let loaded = selection.load(watch, |_| true)?;
         let runs = kufe_sled::evaluate(&loaded.prepared, &loaded.vehicle);
         let groups = groups(&runs, seed);
-        Ok((runs, groups, loaded.left_out))
+        Ok((runs, groups, loaded.used.left_out))
     })?;
     let (runs, groups, left_out) = worked.value.map_err(raised)?;
     Ok(Evaluation {
@@ -93,7 +92,7 @@ impl Evaluation {
         self.left_out.clone()
     }
 
-    /// What the reader of the runs should know.
+    /// Remarks on the runs.
     #[getter]
     fn remarks(&self) -> Vec<String> {
         self.remarks.clone()
@@ -106,8 +105,7 @@ impl Evaluation {
             let known = self.runs.iter().map(|run| run.run.as_str());
             return Err(no_such_run(run, known));
         };
-        type Column = (&'static str, fn(&DrivingForce) -> f64);
-        let columns: [Column; 8] = [
+        let columns: [Column<DrivingForce>; 8] = [
             ("t_s", |sample| sample.t_s),
             ("s_m", |sample| sample.s_m),
             ("actual_n", |sample| sample.actual_n),
@@ -117,12 +115,7 @@ impl Evaluation {
             ("delta_rad", |sample| sample.delta_rad),
             ("beta_rad", |sample| sample.beta_rad),
         ];
-        let arrays = PyDict::new(py);
-        for (name, of) in columns {
-            let values = found.series.iter().map(of);
-            arrays.set_item(name, PyArray1::from_iter(py, values))?;
-        }
-        Ok(arrays)
+        arrays(py, &found.series, &columns)
     }
 
     fn __repr__(&self) -> String {

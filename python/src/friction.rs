@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use kufe::jobs::simulate::stated_conditions;
 use kufe::jobs::slide::friction_table as solved_table;
 use kufe::jobs::{DrivingConditions, FrictionLaw};
 use kufe::results::FrictionRow;
@@ -46,13 +47,11 @@ pub fn friction<'py>(
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let loaded = loaded_case(case)?;
+    let stated = [ice_c, air_c, air_pa, humidity_pct, None, None];
     let conditions = DrivingConditions {
         v_mps,
         alpha_rad,
-        ice_c,
-        air_c,
-        air_pa,
-        humidity_pct,
+        conditions: stated_conditions(stated).map_err(raised)?,
     };
     let worked = work(py, progress, move |watch, _| {
         let law = match &model {
@@ -78,9 +77,9 @@ pub fn friction_table<'py>(
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let loaded = loaded_case(case)?;
-    let worked = work(py, progress, move |watch, teller| {
+    let worked = work(py, progress, move |watch, reporter| {
         let options = Options {
-            stop: Some(teller.stop.clone()),
+            stop: Some(reporter.stop.clone()),
             ..Options::default()
         };
         let points = solved_table(&loaded, &v_mps, &ice_c, watch, &options)?;

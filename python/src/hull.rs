@@ -211,7 +211,7 @@ impl Hull {
         self.report.volume
     }
 
-    /// What is odd about the hull.
+    /// Warnings about the hull.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.report
@@ -277,7 +277,7 @@ impl HullCheck {
         to_python(py, &self.examined.result)
     }
 
-    /// What is odd about the hull.
+    /// Warnings about the hull.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.examined.result.warnings.clone()
@@ -324,7 +324,7 @@ fn tessellated(swept: Result<Swept, MeshError>, edge_length: f64) -> Result<Hull
 }
 
 impl Hull {
-    /// A hull with what is odd about it.
+    /// A hull with its warnings.
     pub fn checked(hull: kufe_mesh::Hull) -> Result<Hull, MeshError> {
         let report = kufe_mesh::check_hull(&hull)?;
         let hull = Arc::new(hull);

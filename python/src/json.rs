@@ -1,6 +1,8 @@
-//! Rust values as Python's dictionaries and lists, by way of JSON.
+//! Rust values as Python's dictionaries and lists, by way of JSON, and as NumPy arrays.
 
+use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use serde::Serialize;
 
 use crate::error::bad_input;
@@ -9,4 +11,20 @@ use crate::error::bad_input;
 pub fn to_python<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = serde_json::to_string(value).map_err(bad_input)?;
     py.import("json")?.call_method1("loads", (text,))
+}
+
+/// A column: its name, and its value in a row.
+pub type Column<T> = (&'static str, fn(&T) -> f64);
+
+/// Columns of rows as arrays by name.
+pub fn arrays<'py, T>(
+    py: Python<'py>,
+    rows: &[T],
+    columns: &[Column<T>],
+) -> PyResult<Bound<'py, PyDict>> {
+    let arrays = PyDict::new(py);
+    for (name, of) in columns {
+        arrays.set_item(name, PyArray1::from_iter(py, rows.iter().map(of)))?;
+    }
+    Ok(arrays)
 }

@@ -6,12 +6,11 @@ use kufe::jobs::lateral::{FittedLaws, fit_lateral, validate_runs};
 use kufe::jobs::runs::RunSelection;
 use kufe::results::{LateralFitDocument, Validation as ValidationDocument};
 use kufe_sled::{FitOptions, LateralForce};
-use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::{no_such_run, raised};
-use crate::json::to_python;
+use crate::json::{Column, arrays, to_python};
 use crate::work::work;
 
 /// Lateral friction of both runners, fitted to recorded runs.
@@ -104,7 +103,7 @@ impl Fit {
         &self.model
     }
 
-    /// What the reader of the runs should know.
+    /// Remarks on the runs.
     #[getter]
     fn remarks(&self) -> Vec<String> {
         self.remarks.clone()
@@ -204,7 +203,7 @@ impl Validation {
         to_python(py, &self.document)
     }
 
-    /// What the reader of the runs should know.
+    /// Remarks on the runs.
     #[getter]
     fn remarks(&self) -> Vec<String> {
         self.remarks.clone()
@@ -217,20 +216,14 @@ impl Validation {
         let Some(found) = runs.iter().find(|compared| compared.run == run) else {
             return Err(no_such_run(run, runs.iter().map(|run| run.run.as_str())));
         };
-        type Column = (&'static str, fn(&LateralForce) -> f64);
-        let columns: [Column; 5] = [
+        let columns: [Column<LateralForce>; 5] = [
             ("t_s", |sample| sample.t_s),
             ("s_m", |sample| sample.s_m),
             ("measured_n", |sample| sample.measured_n),
             ("model_n", |sample| sample.model_n),
             ("braghin_n", |sample| sample.braghin_n),
         ];
-        let arrays = PyDict::new(py);
-        for (name, of) in columns {
-            let values = found.series.iter().map(of);
-            arrays.set_item(name, PyArray1::from_iter(py, values))?;
-        }
-        Ok(arrays)
+        arrays(py, &found.series, &columns)
     }
 
     fn __repr__(&self) -> String {

@@ -124,7 +124,7 @@ impl Simulation {
         to_python(py, &self.document)
     }
 
-    /// What the reader of the runs should know.
+    /// Remarks on the runs.
     #[getter]
     fn remarks(&self) -> Vec<String> {
         self.remarks.clone()
@@ -150,9 +150,10 @@ impl Simulation {
     #[pyo3(signature = (folder, *, parquet = false))]
     fn write(&self, py: Python<'_>, folder: PathBuf, parquet: bool) -> PyResult<()> {
         let (runs, track) = (self.runs.clone(), self.track.clone());
-        let format = match parquet {
-            true => RunFormat::Parquet,
-            false => RunFormat::Csv,
+        let format = if parquet {
+            RunFormat::Parquet
+        } else {
+            RunFormat::Csv
         };
         let worked = work(py, None, move |watch, _| {
             write_folder(&folder, watch, |files| {

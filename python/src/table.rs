@@ -11,6 +11,7 @@ use numpy::{
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyBytes, PyTuple};
 
+use crate::contact::view;
 use crate::error::{InputError, bad_input, raised};
 use crate::work::work;
 
@@ -147,22 +148,19 @@ impl Table {
     /// Breakpoints of the rocker radius, where the table has that axis [m].
     #[getter]
     fn rocker_radius_m<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        let radii = self.table.axes().rocker_radius();
-        radii.map(|radii| PyArray1::from_slice(py, radii))
+        axis(py, self.table.axes().rocker_radius())
     }
 
     /// Breakpoints of the speed, where the table has that axis [m/s].
     #[getter]
     fn v_mps<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        let speeds = self.table.axes().speed();
-        speeds.map(|speeds| PyArray1::from_slice(py, speeds))
+        axis(py, self.table.axes().speed())
     }
 
     /// Breakpoints of the temperature of the ice, where the table has that axis [C].
     #[getter]
     fn ice_c<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        let temperatures = self.table.axes().ice_c();
-        temperatures.map(|temperatures| PyArray1::from_slice(py, temperatures))
+        axis(py, self.table.axes().ice_c())
     }
 
     /// Largest estimated solver error over the nodes, relative: of the peak pressure, or of mu
@@ -182,14 +180,12 @@ impl Table {
     /// One quantity at the nodes as an `xarray.DataArray` over the table's axes; needs xarray.
     #[pyo3(signature = (quantity = "p_max"))]
     fn to_xarray<'py>(slf: &Bound<'py, Self>, quantity: &str) -> PyResult<Bound<'py, PyAny>> {
-        let views = slf.py().import("kufe._views")?;
-        views.call_method1("table_to_xarray", (slf, quantity))
+        view(slf.py(), "table_to_xarray", (slf, quantity))
     }
 
     /// Every quantity as a `pandas.DataFrame`, one row a node; needs pandas.
     fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let views = slf.py().import("kufe._views")?;
-        views.call_method1("table_to_dataframe", (slf,))
+        view(slf.py(), "table_to_dataframe", (slf,))
     }
 
     /// Names of the quantities that the table holds.
@@ -246,7 +242,7 @@ impl Table {
     }
 }
 
-/// Solves every point of the table that a table file asks for and writes it to `out`, the file's
+/// Solves every point of the table that a table file specifies and writes it to `out`, the file's
 /// name with `.lut` where absent. Solved points are stored next to it: after Ctrl-C the same call
 /// resumes.
 #[pyfunction]
@@ -277,6 +273,11 @@ fn write(table: &kufe_lut::Table, path: &std::path::Path) -> PyResult<()> {
     let mut bytes = Vec::new();
     table.write(&mut bytes).map_err(bad_input)?;
     write_whole(path, |writer| writer.write_all(&bytes)).map_err(raised)
+}
+
+/// The breakpoints of an axis, where there is one.
+fn axis<'py>(py: Python<'py>, values: Option<&[f64]>) -> Option<Bound<'py, PyArray1<f64>>> {
+    values.map(|values| PyArray1::from_slice(py, values))
 }
 
 fn mode_of(name: &str) -> PyResult<Mode> {

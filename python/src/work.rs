@@ -20,28 +20,27 @@ const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Runs `job` on a thread of its own, without the interpreter's lock.
 ///
-/// The calling thread passes messages to `progress` and checks for Ctrl-C ten times a second. Then
-/// it asks the job to
-/// stop, waits a second for its end, and raises the interrupt. A job that does not stop by then
-/// ends in the background,
-/// and its result is dropped. An exception of `progress` stops the job likewise.
+/// The calling thread passes messages to `progress` and checks for Ctrl-C ten times a second. After
+/// Ctrl-C it stops the job, waits a second for its end, and raises the interrupt. A job that does
+/// not end by then ends in the background, and its result is dropped. An exception of `progress`
+/// stops the job likewise.
 pub fn work<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
-    job: impl FnOnce(&Watch, Teller) -> T + Send + 'static,
+    job: impl FnOnce(&Watch, Reporter) -> T + Send + 'static,
 ) -> PyResult<Worked<T>> {
     let stop = Arc::new(AtomicBool::new(false));
     let (sender, mut messages) = mpsc::channel::<Message>();
     let stopping = stop.clone();
     let worker = std::thread::spawn(move || {
         let watch = Watch {
-            progress: Some(&|text| tell(&sender, Message::Progress(text.to_owned()))),
-            warn: Some(&|text| tell(&sender, Message::Warning(text.to_owned()))),
+            progress: Some(&|text| send(&sender, Message::Progress(text.to_owned()))),
+            warn: Some(&|text| send(&sender, Message::Warning(text.to_owned()))),
             stop: Some(&stopping),
         };
         let sender = sender.clone();
         let stop = stopping.clone();
-        job(&watch, Teller { sender, stop })
+        job(&watch, Reporter { sender, stop })
     });
     let mut warnings = Vec::new();
     let mut raised: Option<(PyErr, Instant)> = None;
@@ -93,20 +92,20 @@ enum Message {
 }
 
 /// What a borrowed [`Watch`] offers, for closures that outlive it.
-pub struct Teller {
+pub struct Reporter {
     sender: mpsc::Sender<Message>,
     /// Once true, the job is to stop.
     pub stop: Arc<AtomicBool>,
 }
 
-impl Teller {
-    /// Tells how far the job is.
+impl Reporter {
+    /// Reports how far the job is.
     pub fn progress(&self, text: String) {
-        tell(&self.sender, Message::Progress(text));
+        send(&self.sender, Message::Progress(text));
     }
 }
 
 /// The receiver lives until every sender is gone, so sending cannot fail.
-fn tell(sender: &mpsc::Sender<Message>, message: Message) {
+fn send(sender: &mpsc::Sender<Message>, message: Message) {
     let _ = sender.send(message);
 }

@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use kufe::jobs::simulate::stated_conditions;
 use kufe::jobs::{DrivingConditions, Failure, FrictionLaw, case_file::LoadedCase};
 use kufe::results::FrictionByLaw;
 
@@ -133,10 +134,14 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let conditions = DrivingConditions {
         v_mps: speed,
         alpha_rad: args.alpha_rad,
-        ice_c: args.ice_c.first().copied(),
-        air_c: args.air_c,
-        air_pa: args.air_pa,
-        humidity_pct: args.humidity_pct,
+        conditions: stated_conditions([
+            args.ice_c.first().copied(),
+            args.air_c,
+            args.air_pa,
+            args.humidity_pct,
+            None,
+            None,
+        ])?,
     };
     let law = match &args.model {
         Some(path) => FrictionLaw::of_model(path)?,

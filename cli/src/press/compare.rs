@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
-use kufe::jobs::field::compared_maps::ComparedMaps;
-use kufe::jobs::field::read_exr::read_map;
+use kufe::jobs::field::ComparedMaps;
+use kufe::jobs::field::read_map;
 use kufe::report::{Picture, read_json, results_page};
 use kufe::results::{
     ComparedQuantity, Comparison, ContactResult, Datum, QUANTITIES, compared_quantities,

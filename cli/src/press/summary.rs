@@ -60,11 +60,6 @@ pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path, writing
     let (seconds, dofs, iterations) = (result.seconds, result.dofs, result.iterations);
     let solved = format!("{seconds:.3} s, {dofs} unknowns, {iterations} iterations");
     rows.push(("solved in", solved));
-    rows.extend(pressed.hull.as_ref().map(|hull| {
-        let [reading, fitting] = hull.seconds;
-        let text = format!("{reading:.3} s, its surface fitted in {fitting:.3} s");
-        ("hull read in", text)
-    }));
     rows.push(("written to", format!("{} in {writing:.3} s", out.display())));
     let rows = rows
         .iter()
@@ -185,8 +180,9 @@ fn sliding(slid: &SolvedSliding) -> Rows {
         _ => format!(", boundary {boundary} on {share:.1} % of the patch"),
     };
     let by = &slid.sensitivity;
-    let rough = by.boundary.map_or(String::new(), |by| {
-        let [roughness, shear] = by.map(|measure| measure.value);
+    let rough = by.roughness.zip(by.boundary_shear);
+    let rough = rough.map_or(String::new(), |(roughness, shear)| {
+        let (roughness, shear) = (roughness.value, shear.value);
         format!(", {roughness:+.2} % for roughness, {shear:+.2} % for boundary shear")
     });
     let [speed, hardness, viscosity] = [by.speed, by.hardness, by.viscosity].map(|m| m.value);

@@ -4,7 +4,7 @@ use std::io::BufWriter;
 use std::path::PathBuf;
 
 use kufe::jobs::Failure;
-use kufe::jobs::align::{AlignOptions, RunsToAlign};
+use kufe::jobs::align::AlignOptions;
 use kufe::jobs::runs::write_runs;
 use kufe::results::Alignment;
 use kufe_sled::{gaps_line, track_file};
@@ -47,9 +47,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         estimate: args.estimate,
         strict: args.strict,
     };
-    let read = global.during("reading the runs", || RunsToAlign::read(options))?;
-    let output = OutputDir::begin("runs align", &read.inputs(), &args.out, global.force)?;
-    let mut aligned = global.watched(|watch| read.align(watch))?;
+    let output = OutputDir::begin("runs align", &options.inputs(), &args.out, global.force)?;
+    let mut aligned = global.watched(|watch| options.align(watch))?;
     for (name, table) in &aligned.tracks {
         if let Some(table) = table {
             output.write(&track_file(name), |file| {

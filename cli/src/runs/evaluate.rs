@@ -3,7 +3,7 @@
 use kufe::charts::{angle_picture, energy_picture, force_picture, losses_picture};
 use kufe::jobs::Failure;
 use kufe::jobs::view_runs::ViewOptions;
-use kufe::results::{Evaluation, RunsUsed, write_evaluation_csv};
+use kufe::results::{Evaluation, write_evaluation_csv};
 use kufe_sled::{
     DriverLosses, Group, RunEvaluation, distinct, evaluate, file_stem, groups, losses_by_driver,
     table_samples,
@@ -48,7 +48,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         groups,
         drivers,
         interval: "95 % of the mean, bootstrap over runs".to_owned(),
-        used: RunsUsed::new(&loaded),
+        used: loaded.used.clone(),
     };
     let runs = &document.runs;
     let drawn = match &args.run {

@@ -7,9 +7,9 @@ use kufe_contact::Options;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::case::CaseError;
-use crate::case::table::{
-    AccuracyTable, IceTable, LoadTable, RunnerTable, SlidingTable, SolverTable, TrackTable,
+use crate::case::{
+    AccuracyTable, CaseError, IceTable, LoadTable, RunnerTable, SlidingTable, SolverTable,
+    TrackTable,
 };
 
 /// File of an output folder that holds the groove of a runner that slid.
@@ -59,10 +59,15 @@ impl Case {
     /// The accuracy and the form of the stiffness that the case requests; all else as
     /// [`Options::default`].
     pub fn options(&self) -> Options {
+        self.options_on(Options::default())
+    }
+
+    /// These options with the accuracy and the form of the stiffness that the case requests.
+    pub(crate) fn options_on(&self, options: Options) -> Options {
         Options {
             p_max_tolerance: self.accuracy.p_max,
             stiffness: self.solver.stiffness.into(),
-            ..Options::default()
+            ..options
         }
     }
 

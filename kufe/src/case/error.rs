@@ -1,10 +1,8 @@
 //! What can be wrong with a case file.
 
-use std::ops::Range;
-
 use toml::de::{DeTable, DeValue};
 
-use crate::case::check::range::RANGES;
+use crate::case::range::Range;
 
 /// Errors of a case file.
 #[derive(Debug, thiserror::Error)]
@@ -54,15 +52,14 @@ pub enum CaseError {
     /// The shape's dimensions do not fit together.
     #[error("runner.shape: {0}")]
     Shape(#[from] kufe_mesh::MeshError),
-    /// The hull cannot be read, or has no usable underside.
-    #[error("runner.hull: {0}")]
-    Hull(kufe_mesh::MeshError),
-    /// The runner's section cannot be read, or makes no runner.
-    #[error("runner.section: {0}")]
-    Section(kufe_mesh::MeshError),
-    /// The ice's surface cannot be read.
-    #[error("ice.surface: {0}")]
-    IceSurface(kufe_mesh::MeshError),
+    /// A file that the case names cannot be read, or makes no runner or no ice.
+    #[error("{key}: {source}")]
+    File {
+        /// Dotted key of the file.
+        key: &'static str,
+        /// What is wrong with it.
+        source: kufe_mesh::MeshError,
+    },
     /// The runner's mesh cannot be read, or makes no runner.
     #[error("runner.mesh: {reason}")]
     Mesh {
@@ -86,29 +83,25 @@ fn place(line: usize) -> String {
 }
 
 impl CaseError {
+    /// That the file of this key is at fault.
+    pub(super) fn in_file(key: &'static str) -> impl Fn(kufe_mesh::MeshError) -> CaseError {
+        move |source| CaseError::File { key, source }
+    }
+
     /// A reader's error as one line with its place.
     pub(super) fn from_toml(text: &str, error: &toml::de::Error) -> CaseError {
         let span = error.span().unwrap_or(0..0);
         let root = DeTable::parse(text).ok();
-        let number = root.and_then(|root| text_for_number(root.get_ref(), "", &span));
-        if let Some(wrong) = number {
+        if let Some(wrong) = root.and_then(|root| text_for_number(root.get_ref(), "", &span)) {
             return wrong.locate(text);
         }
         let line = line_at(text, span);
+        let found = text.lines().nth(line - 1).unwrap_or_default().trim();
+        let message: Vec<&str> = error.message().lines().collect();
         CaseError::Syntax {
             line,
-            found: text
-                .lines()
-                .nth(line - 1)
-                .unwrap_or_default()
-                .trim()
-                .chars()
-                .take(120)
-                .collect(),
-            message: error
-                .message()
-                .lines()
-                .collect::<Vec<_>>()
+            found: found.chars().take(120).collect(),
+            message: message
                 .join("; ")
                 .replace("invalid type: string", "found")
                 .replace("invalid value: string", "found")
@@ -118,37 +111,33 @@ impl CaseError {
 
     /// The same error with the line of its key in `text`.
     pub(super) fn locate(mut self, text: &str) -> CaseError {
-        match &mut self {
-            CaseError::OutOfRange { line, key, .. } | CaseError::Combination { line, key, .. } => {
-                *line = line_of(text, key).unwrap_or(0);
-            }
-            CaseError::Syntax { .. }
-            | CaseError::Effect { .. }
-            | CaseError::Shape(_)
-            | CaseError::Hull(_)
-            | CaseError::Section(_)
-            | CaseError::IceSurface(_)
-            | CaseError::Mesh { .. }
-            | CaseError::Unwritable { .. } => {}
+        if let CaseError::OutOfRange { line, key, .. } | CaseError::Combination { line, key, .. } =
+            &mut self
+        {
+            *line = line_of(text, key).unwrap_or(0);
         }
         self
     }
 }
 
 /// The first text within `span` in the place of a number that has a range.
-fn text_for_number(table: &DeTable, within: &str, span: &Range<usize>) -> Option<CaseError> {
+fn text_for_number(
+    table: &DeTable,
+    within: &str,
+    span: &std::ops::Range<usize>,
+) -> Option<CaseError> {
     table.iter().find_map(|(name, value)| {
         let key = format!("{within}{}", name.get_ref());
         let inside = span.start <= value.span().start && value.span().end <= span.end;
         match value.get_ref() {
             DeValue::String(text) if inside => {
-                let range = RANGES.iter().find(|range| range.key == key)?;
                 // A thickness may be a word.
-                (key != "ice.thickness_m").then(|| CaseError::OutOfRange {
+                let range = Range::find(&key).filter(|_| key != "ice.thickness_m")?;
+                Some(CaseError::OutOfRange {
                     line: 0,
                     key: range.key,
                     value: format!("{text:?}"),
-                    expected: format!("{} from {}", range.what, range.words()),
+                    expected: range.expected(),
                 })
             }
             DeValue::Table(inner) => text_for_number(inner, &format!("{key}."), span),
@@ -161,12 +150,9 @@ fn text_for_number(table: &DeTable, within: &str, span: &Range<usize>) -> Option
     })
 }
 
-fn line_at(text: &str, span: Range<usize>) -> usize {
-    let end = span.start.min(text.len());
-    1 + text.as_bytes()[..end]
-        .iter()
-        .filter(|&&byte| byte == b'\n')
-        .count()
+fn line_at(text: &str, span: std::ops::Range<usize>) -> usize {
+    let before = &text.as_bytes()[..span.start.min(text.len())];
+    1 + before.iter().filter(|&&byte| byte == b'\n').count()
 }
 
 /// Line of a dotted key, or of its nearest table.

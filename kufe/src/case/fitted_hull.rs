@@ -2,14 +2,13 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Instant;
 
 use kufe_mesh::{
     Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, MeshError, Noise, ScanFrame,
     Underside, check_hull, load_hull, noise_of_hull, strips_of_hull, strips_warning, unlike_runner,
 };
 
-use crate::case::table::{FileAxis, RunnerTable};
+use crate::case::{FileAxis, RunnerTable};
 
 /// The fitted underside of a hull, or of a mesh, and what that is like.
 #[derive(Clone)]
@@ -18,21 +17,39 @@ pub struct FittedHull {
     pub underside: Arc<FittedUnderside>,
     /// Size, holes and warnings.
     pub report: HullReport,
-    /// Standard deviation of its vertices that the fit was made with, found where none is stated,
-    /// and what would not be found [m].
+    /// Standard deviation of its vertices that the fit was made with, estimated where none is
+    /// stated, and what would not be found [m].
     pub noise: Noise,
     /// Length of its triangles along the runner where they are long strips [m].
     pub strips: Option<f64>,
-    /// Wall time of reading the file and of fitting the surface [s].
-    pub seconds: [f64; 2],
     /// Its triangles, where there is noise, or some would not show.
     pub scan: Option<Arc<Hull>>,
 }
 
-/// Reads the runner's hull and fits its underside; with what fills it where the runner deforms.
-pub(crate) fn read_hull(
+impl FittedHull {
+    /// The underside that was fitted to a hull with this noise.
+    pub(crate) fn new(
+        underside: FittedUnderside,
+        hull: Hull,
+        report: HullReport,
+        noise: Noise,
+    ) -> Self {
+        FittedHull {
+            underside: Arc::new(underside),
+            report,
+            noise,
+            strips: strips_of_hull(&hull),
+            scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(hull)),
+        }
+    }
+}
+
+/// Fits the underside of the runner's hull: of `hull` in runner axes, or else of the file at
+/// `path`; with what fills it where the runner deforms.
+pub(crate) fn fit_hull(
     runner: &RunnerTable,
     path: &Path,
+    hull: Option<&Hull>,
 ) -> Result<(FittedHull, Option<Filled>), MeshError> {
     let options = HullOptions {
         scale: runner.scale.unwrap_or(1.0),
@@ -41,34 +58,16 @@ pub(crate) fn read_hull(
         rotation: [runner.roll_rad, runner.pitch_rad, runner.yaw_rad]
             .map(|angle| angle.unwrap_or(0.0)),
     };
-    let started = Instant::now();
-    let (hull, report) = load_hull(path, &options)?;
-    fit(runner, hull, report, path, started.elapsed().as_secs_f64())
-}
-
-/// As [`read_hull`], of a hull in runner axes; messages call it `name`.
-pub(crate) fn fitted_hull(
-    runner: &RunnerTable,
-    hull: Hull,
-    name: &Path,
-) -> Result<(FittedHull, Option<Filled>), MeshError> {
-    let report = check_hull(&hull).map_err(|error| error.in_file(name))?;
-    fit(runner, hull, report, name, 0.0)
-}
-
-fn fit(
-    runner: &RunnerTable,
-    hull: Hull,
-    mut report: HullReport,
-    name: &Path,
-    reading: f64,
-) -> Result<(FittedHull, Option<Filled>), MeshError> {
-    let started = Instant::now();
-    let strips = strips_of_hull(&hull);
+    let (hull, mut report) = match hull {
+        Some(hull) => {
+            let report = check_hull(hull).map_err(|error| error.in_file(path))?;
+            (hull.clone(), report)
+        }
+        None => load_hull(path, &options)?,
+    };
     let unlike = unlike_runner(&hull, ScanFrame::of(&hull)?.as_ref());
-    report
-        .warnings
-        .extend(strips.map(strips_warning).or(unlike));
+    let strips = strips_of_hull(&hull).map(strips_warning);
+    report.warnings.extend(strips.or(unlike));
     let noise = runner.noise(&mut report, || noise_of_hull(&hull));
     let mut underside = FittedUnderside::new(&hull, noise.found)?;
     if runner.elastic && report.open_edges > 0 {
@@ -86,16 +85,8 @@ fn fit(
     }
     let fill = || Filled::of(&hull, &report, &underside, runner.height_m);
     let filled = runner.elastic.then(fill).transpose();
-    let filled = filled.map_err(|error| error.in_file(name))?;
-    let fitted = FittedHull {
-        underside: Arc::new(underside),
-        report,
-        noise,
-        strips,
-        seconds: [reading, started.elapsed().as_secs_f64()],
-        scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(hull)),
-    };
-    Ok((fitted, filled))
+    let filled = filled.map_err(|error| error.in_file(path))?;
+    Ok((FittedHull::new(underside, hull, report, noise), filled))
 }
 
 impl RunnerTable {
@@ -106,13 +97,11 @@ impl RunnerTable {
         report: &mut HullReport,
         found: impl Fn() -> Option<Noise>,
     ) -> Noise {
-        let stated = self.noise_m.map(|found| Noise { found, unseen: 0.0 });
-        let none = Noise {
-            found: 0.0,
-            unseen: 0.0,
-        };
-        let noise = stated.or_else(&found).unwrap_or(none);
-        if stated.is_none() && noise.found > 0.0 {
+        if let Some(found) = self.noise_m {
+            return Noise { found, unseen: 0.0 };
+        }
+        let noise = found().unwrap_or_default();
+        if noise.found > 0.0 {
             report.warnings.push(format!(
                 "the underside's vertices scatter by {:.3} µm about a smooth surface: taken for noise \
                  and smoothed; noise_m states another",
@@ -120,19 +109,5 @@ impl RunnerTable {
             ));
         }
         noise
-    }
-}
-
-impl FileAxis {
-    fn axis(self) -> Axis {
-        let (index, negative) = match self {
-            FileAxis::X => (0, false),
-            FileAxis::MinusX => (0, true),
-            FileAxis::Y => (1, false),
-            FileAxis::MinusY => (1, true),
-            FileAxis::Z => (2, false),
-            FileAxis::MinusZ => (2, true),
-        };
-        Axis { index, negative }
     }
 }

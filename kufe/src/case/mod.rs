@@ -27,15 +27,17 @@ pub mod effects;
 mod error;
 mod fitted_hull;
 mod problem;
-mod table;
+mod range;
+mod runner;
+mod tables;
 
-pub use check::range::{LARGEST_RADIUS, RANGES, Range};
 pub use document::{Case, GROOVE_FILE};
 pub use error::CaseError;
 pub use fitted_hull::FittedHull;
 pub use problem::StatedProblem;
-pub use table::{
-    AccuracyTable, BedTable, CarriesTable, FileAxis, Hardness, HardnessTable, HeldTable, IceTable,
-    LoadTable, MountTable, RunnerTable, SectionTable, Shape, SlidingTable, SolverTable,
-    StiffnessWord, Thickness, TiltWord, TrackTable, WavinessTable,
+pub use range::{LARGEST_RADIUS, RANGES, Range};
+pub use runner::{CarriesTable, FileAxis, HeldTable, MountTable, RunnerTable, SectionTable, Shape};
+pub use tables::{
+    AccuracyTable, BedTable, Hardness, HardnessTable, IceTable, LoadTable, SlidingTable,
+    SolverTable, StiffnessWord, Thickness, TiltWord, TrackTable, WavinessTable,
 };

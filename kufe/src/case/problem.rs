@@ -1,19 +1,19 @@
 //! From a case file to the problem it states.
 
+use std::fmt::Display;
 use std::path::Path;
 use std::sync::Arc;
 
+use kufe_contact::{ElasticRunner, Problem, Runner, RunnerSolid};
 use kufe_files::read_regular;
 use kufe_mesh::{
-    BobRunner, Filled, FittedUnderside, Hull, LugeSteel, Paraboloid, Rocker, Section, Underside,
+    BobRunner, FittedUnderside, Hull, LugeSteel, Paraboloid, Rocker, Section, Underside,
     check_hull, read_gmsh, read_vtu, size_warnings,
 };
 
-use crate::case::check::range::combination;
-use crate::case::fitted_hull::{FittedHull, fitted_hull, read_hull};
-use crate::case::table::{RunnerTable, SectionTable, Shape, mesh_error};
-use crate::case::{Case, CaseError};
-use kufe_contact::{ElasticRunner, Problem, Runner, RunnerSolid};
+use crate::case::fitted_hull::{FittedHull, fit_hull};
+use crate::case::range::combination;
+use crate::case::{Case, CaseError, SectionTable, Shape};
 
 /// Most bytes of a file of hexahedra.
 const MOST_BYTES: u64 = 1 << 31;
@@ -36,7 +36,7 @@ impl Case {
     /// The problem that the case states; a hull's path is taken from `base`, the case's folder.
     ///
     /// # Errors
-    /// [`CaseError`] where the case is out of range or the hull cannot be had.
+    /// [`CaseError`] where the case is out of range or the hull cannot be obtained.
     pub fn problem(&self, base: &Path) -> Result<Problem, CaseError> {
         Ok(self.stated(base, None)?.problem)
     }
@@ -64,18 +64,36 @@ impl Case {
         hull: Option<&Hull>,
     ) -> Result<(Runner, Option<FittedHull>), CaseError> {
         self.check()?;
-        let (underside, hull, elastic) = match &self.runner.mesh {
-            Some(path) => {
-                let (hull, elastic) = self.meshed(&base.join(path))?;
-                let underside: Arc<dyn Underside> = hull.underside.clone();
-                (underside, Some(hull), Some(elastic))
-            }
-            None => {
-                let (underside, hull, filled) = underside(&self.runner, base, hull)?;
-                let elastic = self.runner.elastic.then(|| self.elastic_runner(filled));
-                (underside, hull, elastic.transpose()?)
-            }
-        };
+        let table = &self.runner;
+        let (underside, hull, elastic): (Arc<dyn Underside>, _, _) =
+            match (&table.mesh, &table.shape, &table.hull) {
+                (Some(path), ..) => {
+                    let (hull, elastic) = self.meshed(&base.join(path))?;
+                    (hull.underside.clone(), Some(hull), Some(elastic))
+                }
+                (None, Some(shape), _) => {
+                    let section = table.section.clone().unwrap_or_default();
+                    let (top, flat) = match *shape {
+                        Shape::Bob { height_m, .. } => (height_m, false),
+                        Shape::Luge { height_m, .. } => (height_m, true),
+                        Shape::Paraboloid { .. } => (f64::INFINITY, false),
+                    };
+                    let elastic = table.elastic.then(|| self.elastic_runner(top, flat));
+                    let underside = shape_underside(shape, &section, base)?;
+                    (underside, None, elastic.transpose()?)
+                }
+                (None, None, Some(path)) => {
+                    let fitted = fit_hull(table, &base.join(path), hull);
+                    let (hull, filled) = fitted.map_err(CaseError::in_file("runner.hull"))?;
+                    let elastic = filled.map(|filled| {
+                        self.elastic_runner(filled.top, filled.gain(GENTLE) < LITTLE)
+                    });
+                    (hull.underside.clone(), Some(hull), elastic.transpose()?)
+                }
+                (None, None, None) => {
+                    return Err(combination("runner", "expected a hull, a shape or a mesh"));
+                }
+            };
         Ok((Runner { underside, elastic }, hull))
     }
 
@@ -106,27 +124,32 @@ impl Case {
     ///
     /// Its mount holds the nodes at its highest place, all of them or those over the fixed places.
     fn meshed(&self, path: &Path) -> Result<(FittedHull, ElasticRunner), CaseError> {
-        let named =
-            |reason: &dyn std::fmt::Display| mesh_error(format!("{}: {reason}", path.display()));
+        let named = |reason: &dyn Display| CaseError::Mesh {
+            reason: format!("{}: {reason}", path.display()),
+        };
         let bytes = read_regular(path, MOST_BYTES)
             .map_err(|error| named(&format!("cannot be read: {error}")))?;
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        let mut mesh = match ending.as_deref() {
-            Some("msh") => read_gmsh(&bytes).map_err(|error| named(&error))?,
-            Some("vtu") => read_vtu(&bytes).map_err(|error| named(&error))?,
+        let mesh = match ending.as_deref() {
+            Some("msh") => read_gmsh(&bytes),
+            Some("vtu") => read_vtu(&bytes),
             _ => return Err(named(&"expected hexahedra in a .msh or a .vtu file")),
         };
+        let mut mesh = mesh.map_err(|error| named(&error))?;
         let scale = self.runner.scale.unwrap_or(1.0);
         mesh.points.iter_mut().flatten().for_each(|v| *v *= scale);
-        let heights = || mesh.points.iter().map(|p| p[2]);
-        let top = heights().fold(f64::NEG_INFINITY, f64::max);
-        let lowest = heights().fold(f64::INFINITY, f64::min);
+        let ends = [0, 1, 2].map(|axis| {
+            let along = || mesh.points.iter().map(|p| p[axis]);
+            let low = along().fold(f64::INFINITY, f64::min);
+            [low, along().fold(f64::NEG_INFINITY, f64::max)]
+        });
+        let extent = ends.map(|[low, high]| high - low);
+        let top = ends[2][1];
         let mount = self.runner.mount.as_ref().map(|mount| mount.mount());
         let fixed = |p: [f64; 3]| {
-            top - p[2] <= 1e-6 * (top - lowest) && mount.as_ref().is_none_or(|m| m.over(p[0]))
+            top - p[2] <= 1e-6 * extent[2] && mount.as_ref().is_none_or(|m| m.over(p[0]))
         };
         let [modulus, ratio] = [self.runner.youngs_modulus_pa, self.runner.poissons_ratio];
-        let extent = extent(&mesh.points);
         let solid = RunnerSolid::new(mesh, modulus, ratio, fixed).map_err(|error| named(&error))?;
         let part = solid.underside();
         let mut report = check_hull(&part).map_err(|error| named(&error))?;
@@ -135,75 +158,31 @@ impl Case {
         report.extent = extent;
         let noise = self.runner.noise(&mut report, || solid.noise());
         let underside = FittedUnderside::new(&part, noise.found).map_err(|error| named(&error))?;
+        let hull = FittedHull {
+            strips: None,
+            ..FittedHull::new(underside, part, report, noise)
+        };
         let elastic = ElasticRunner {
             solid: Some(Arc::new(solid)),
             ..ElasticRunner::fixed_at_top(modulus, ratio, top)
         };
-        let hull = FittedHull {
-            underside: Arc::new(underside),
-            report,
-            noise,
-            strips: None,
-            seconds: [0.0; 2],
-            scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(part)),
-        };
         Ok((hull, elastic))
     }
 
-    /// The runner's elasticity and what holds its flat top; `filled` is a hull's.
-    fn elastic_runner(&self, filled: Option<Filled>) -> Result<ElasticRunner, CaseError> {
-        let (top, gentle) = match (&self.runner.shape, filled) {
-            (Some(Shape::Bob { height_m, .. }), _) => (*height_m, false),
-            (Some(Shape::Luge { height_m, .. }), _) => (*height_m, true),
-            (None, Some(filled)) => (filled.top, filled.gain(GENTLE) < LITTLE),
-            (Some(Shape::Paraboloid { .. }), _) | (None, None) => (f64::INFINITY, false),
-        };
+    /// The elasticity of a runner and what holds its flat top at this height; a runner that is flat
+    /// across gains steel over the radius of its edge alone.
+    fn elastic_runner(&self, top: f64, flat_across: bool) -> Result<ElasticRunner, CaseError> {
         let mount = self.runner.mount.as_ref().map(|mount| mount.mount());
         if mount.is_some() && top.is_infinite() {
-            return Err(combination(
-                "runner.mount",
-                "expected a shape with a top: a paraboloid has none",
-            ));
+            let expected = "expected a shape with a top: a paraboloid has none";
+            return Err(combination("runner.mount", expected));
         }
+        let [modulus, ratio] = [self.runner.youngs_modulus_pa, self.runner.poissons_ratio];
         Ok(ElasticRunner {
             mount: mount.unwrap_or_default(),
-            // A luge steel is flat across: a gentle limit adds steel over the radius of its edge
-            // alone.
-            flank: gentle.then_some(GENTLE),
-            ..ElasticRunner::fixed_at_top(
-                self.runner.youngs_modulus_pa,
-                self.runner.poissons_ratio,
-                top,
-            )
+            flank: flat_across.then_some(GENTLE),
+            ..ElasticRunner::fixed_at_top(modulus, ratio, top)
         })
-    }
-}
-
-/// Size of a mesh along x, y and z [m].
-fn extent(points: &[[f64; 3]]) -> [f64; 3] {
-    [0, 1, 2].map(|axis| {
-        let along = || points.iter().map(|p| p[axis]);
-        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-    })
-}
-
-type Surface = (Arc<dyn Underside>, Option<FittedHull>, Option<Filled>);
-
-fn underside(runner: &RunnerTable, base: &Path, hull: Option<&Hull>) -> Result<Surface, CaseError> {
-    match (&runner.shape, &runner.hull) {
-        (Some(shape), _) => {
-            let section = runner.section.clone().unwrap_or_default();
-            Ok((shape_underside(shape, &section, base)?, None, None))
-        }
-        (None, Some(path)) => {
-            let fitted = match hull {
-                Some(hull) => fitted_hull(runner, hull.clone(), path),
-                None => read_hull(runner, &base.join(path)),
-            };
-            let (hull, filled) = fitted.map_err(CaseError::Hull)?;
-            Ok((hull.underside.clone(), Some(hull), filled))
-        }
-        (None, None) => Err(combination("runner", "expected a hull or a shape")),
     }
 }
 
@@ -213,7 +192,11 @@ fn shape_underside(
     section: &SectionTable,
     base: &Path,
 ) -> Result<Arc<dyn Underside>, CaseError> {
-    let of = |own: Section| section.of(own, base).map_err(CaseError::Section);
+    let of = |own: Section| {
+        section
+            .of(own, base)
+            .map_err(CaseError::in_file("runner.section"))
+    };
     Ok(match *shape {
         Shape::Bob {
             length_m,
@@ -263,7 +246,7 @@ fn shape_underside(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::case::table::FileAxis;
+    use crate::case::FileAxis;
     use kufe_contact::{Foundation, Load, Tilt};
 
     fn case(shape: &str, rest: &str) -> Case {

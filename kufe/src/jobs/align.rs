@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use kufe_sled::{
-    Entry, Model, Needs, PrepareOptions, Prepared, Run, SampleCoverage, Track, TrackEstimate,
-    TrackShape, Vehicle, align, prepare_all, read_index, read_runs, state_places, track_file,
+    Entry, Model, Needs, PrepareOptions, Prepared, Run, Track, TrackEstimate, TrackShape, Vehicle,
+    align, prepare_all, read_index, read_runs, state_places, track_file,
 };
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::{failure, on_gaps, run_inputs};
+use crate::jobs::runs::{gaps_of, on_gaps, run_inputs};
 use crate::jobs::watch::Watch;
 use crate::results::{AlignedTrack, Alignment, TrackErrors};
 
@@ -24,15 +24,6 @@ pub struct AlignOptions {
     pub estimate: bool,
     /// Refuse runs with gaps.
     pub strict: bool,
-}
-
-/// Runs that are read, and what they are aligned with.
-pub struct RunsToAlign {
-    options: AlignOptions,
-    model: Model,
-    vehicle: Vehicle,
-    needs: Needs,
-    runs: Vec<Run>,
 }
 
 /// Runs with their places along the tracks.
@@ -67,76 +58,57 @@ impl TrackTable {
 }
 
 impl AlignOptions {
-    fn survey_file(&self, track: &str) -> PathBuf {
-        let folder = self.runs.parent().unwrap_or(Path::new(""));
-        folder.join(track_file(track))
+    /// The files that are read.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let mut inputs = run_inputs(&self.runs);
+        inputs.push(self.model.clone());
+        inputs
     }
-}
 
-impl RunsToAlign {
-    /// Reads model and runs.
+    /// The survey of a track, where there is one and the track is not to be estimated.
+    fn survey_file(&self, track: &str) -> Option<PathBuf> {
+        let folder = self.runs.parent().unwrap_or(Path::new(""));
+        let file = folder.join(track_file(track));
+        (!self.estimate && file.exists()).then_some(file)
+    }
+
+    /// Reads the runs and aligns them track by track.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] with file and place.
-    pub fn read(options: AlignOptions) -> Result<RunsToAlign, Failure> {
-        let model = Model::load(&options.model).map_err(failure)?;
-        let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
-        let surveyed =
-            |entry: &Entry| !options.estimate && options.survey_file(&entry.track).exists();
-        let entries = read_index(&options.runs).map_err(failure)?;
-        let needs = if entries.iter().all(surveyed) {
+    /// [`Failure::BadInput`] with file and place, and for a run that is not on its track, or on
+    /// several places of it.
+    pub fn align(&self, watch: &Watch) -> Result<AlignedRuns, Failure> {
+        watch.progress("reading the runs");
+        let model = Model::load(&self.model)?;
+        let vehicle = Vehicle::with_effects(&model)?;
+        let surveyed = |entry: &Entry| self.survey_file(&entry.track).is_some();
+        let needs = if read_index(&self.runs)?.iter().all(surveyed) {
             Needs::PLACE
         } else {
             Needs::TRACK
         };
-        let runs = read_runs(&options.runs, &needs, on_gaps(options.strict)).map_err(failure)?;
-        Ok(RunsToAlign {
-            options,
-            model,
-            vehicle,
-            needs,
-            runs,
-        })
-    }
-
-    /// The files that are read.
-    pub fn inputs(&self) -> Vec<PathBuf> {
-        let mut inputs = run_inputs(&self.options.runs);
-        inputs.push(self.options.model.clone());
-        inputs
-    }
-
-    /// Aligns the runs track by track.
-    ///
-    /// # Errors
-    /// [`Failure::BadInput`] for a run that is not on its track, or on several places of it.
-    pub fn align(mut self, watch: &Watch) -> Result<AlignedRuns, Failure> {
-        watch.progress(&format!("aligning {} runs", self.runs.len()));
+        let mut runs = read_runs(&self.runs, &needs, on_gaps(self.strict))?;
+        watch.progress(&format!("aligning {} runs", runs.len()));
         let options = PrepareOptions {
-            needs: self.needs,
+            needs,
             ..PrepareOptions::default()
         };
-        let noise = self.model.noise.as_ref();
-        let prepared = prepare_all(&self.runs, &self.vehicle, noise, &options).map_err(failure)?;
+        let noise = model.noise.as_ref();
+        let prepared = prepare_all(&runs, &vehicle, noise, &options)?;
         let mut members: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for (i, run) in prepared.iter().enumerate() {
             members.entry(&run.entry.track).or_default().push(i);
         }
-        let tolerances = self.model.tolerances.unwrap_or_default();
+        let tolerances = model.tolerances.unwrap_or_default();
         let (mut tracks, mut documents) = (Vec::new(), Vec::new());
         for (name, members) in members {
             let of: Vec<&Prepared> = members.iter().map(|i| &prepared[*i]).collect();
-            let path = self.options.survey_file(name);
-            let survey = if self.options.estimate || !path.exists() {
-                None
-            } else {
-                Some(Track::load(&path).map_err(failure)?)
-            };
+            let survey = self.survey_file(name);
+            let survey = survey.map(|path| Track::load(&path)).transpose()?;
             let shape = survey.as_ref().map(TrackShape::new);
-            let aligned =
-                align(&of, &self.vehicle, shape.as_ref(), &tolerances).map_err(failure)?;
+            let aligned = align(&of, &vehicle, shape.as_ref(), &tolerances)?;
             for (i, found) in members.iter().zip(&aligned.runs) {
-                state_places(&mut self.runs[*i], &found.warp).map_err(failure)?;
+                state_places(&mut runs[*i], &found.warp)?;
             }
             documents.push(AlignedTrack {
                 track: name.to_owned(),
@@ -153,13 +125,12 @@ impl RunsToAlign {
             }
             tracks.push((name.to_owned(), table));
         }
-        let coverage = prepared.iter().map(|run| run.taking_part.clone());
-        let gaps: Vec<SampleCoverage> = coverage.filter(|run| !run.gaps.is_none()).collect();
+        let gaps = gaps_of(&prepared);
         Ok(AlignedRuns {
-            runs: self.runs,
+            runs,
             tracks,
             document: Alignment {
-                index: self.options.runs.display().to_string(),
+                index: self.runs.display().to_string(),
                 tracks: documents,
                 version: env!("CARGO_PKG_VERSION").to_owned(),
                 gaps,

@@ -1,15 +1,16 @@
 //! A case and the file that it came from.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::case::{Case, FittedHull, StatedProblem};
 use kufe_contact::{Error, NUMERICS, Solution, SurfaceField};
-use kufe_files::sha256;
-use kufe_files::{read_regular, text_of_regular};
+use kufe_files::{read_regular, sha256, text_of_regular};
 use kufe_mesh::{Hull, hull_files, smaller_by};
 
+use crate::case::{Case, FittedHull, StatedProblem};
 use crate::jobs::failure::Failure;
+use crate::jobs::watch::Watch;
 
 /// The case that is solved where none is given.
 pub const EXAMPLE: &str = include_str!("../../assets/example.toml");
@@ -47,12 +48,10 @@ impl LoadedCase {
     /// # Errors
     /// [`Failure::BadInput`] naming the file, the line, the key, the value and what was expected.
     pub fn read(path: &Path) -> Result<LoadedCase, Failure> {
-        let name = path.display().to_string();
-        let failed = |reason: String| Failure::BadInput(format!("{name}: {reason}"));
-        let text = text_of_regular(path, LONGEST)
-            .map_err(|error| failed(format!("cannot be read: {error}")))?;
+        let text = text_of_regular(path, LONGEST);
+        let text = text.map_err(|error| Failure::unreadable(path, error))?;
         let base = path.parent().unwrap_or(Path::new(""));
-        LoadedCase::parse(&name, base, &text)
+        LoadedCase::parse(&path.display().to_string(), base, &text)
     }
 
     /// Parses a case's text; `name` is its name in messages, a hull's path starts from `base`.
@@ -70,24 +69,26 @@ impl LoadedCase {
         })
     }
 
+    /// Bad input in the case.
+    pub(crate) fn bad_input(&self, reason: impl Display) -> Failure {
+        Failure::BadInput(format!("{}: {reason}", self.name))
+    }
+
     /// Every file that is read for the case in addition to its own, with the key that names it:
     /// hull and its buffers, mesh, section, ice surface, groove.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where a hull that names further files cannot be read.
     pub fn files(&self) -> Result<Vec<(&'static str, PathBuf)>, Failure> {
-        let failed = |error| Failure::BadInput(format!("{}: runner.hull: {error}", self.name));
         let mut files = Vec::new();
         for (key, file) in self.case.files() {
-            if key == "runner.hull" && self.hull.is_some() {
-                continue;
-            }
             let path = self.base.join(file);
-            if key == "runner.hull" {
-                let parts = hull_files(&path).map_err(failed)?;
-                files.extend(parts.into_iter().map(|part| (key, part)));
-            } else {
+            if key != "runner.hull" {
                 files.push((key, path));
+            } else if self.hull.is_none() {
+                let parts = hull_files(&path);
+                let parts = parts.map_err(|e| self.bad_input(format_args!("{key}: {e}")))?;
+                files.extend(parts.into_iter().map(|part| (key, part)));
             }
         }
         Ok(files)
@@ -100,36 +101,33 @@ impl LoadedCase {
     /// # Errors
     /// [`Failure::BadInput`] where a file cannot be read.
     pub fn content(&self) -> Result<String, Failure> {
-        let mut digests = format!("numerics {NUMERICS}");
+        let mut digests = vec![format!("numerics {NUMERICS}")];
         if let Some(hull) = &self.hull {
             let numbers = hull.positions.as_flattened().iter();
             let mut bytes: Vec<u8> = numbers.flat_map(|v| v.to_le_bytes()).collect();
             let corners = hull.triangles.as_flattened().iter();
             bytes.extend(corners.flat_map(|k| k.to_le_bytes()));
-            digests += "\n";
-            digests += &sha256(&bytes);
+            digests.push(sha256(&bytes));
         }
         for (key, file) in self.files()? {
             let bytes = read_regular(&file, LARGEST).map_err(|error| {
-                let (case, file) = (&self.name, file.display());
-                Failure::BadInput(format!("{case}: {key}: {file}: cannot be read: {error}"))
+                let file = file.display();
+                self.bad_input(format_args!("{key}: {file}: cannot be read: {error}"))
             })?;
-            digests += "\n";
-            digests += &sha256(&bytes);
+            digests.push(sha256(&bytes));
         }
-        Ok(sha256(digests.as_bytes()))
+        Ok(sha256(digests.join("\n").as_bytes()))
     }
 
     /// The problem that the case states, of a contact at rest.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the hull cannot be had, and for a case that slides.
+    /// [`Failure::BadInput`] where the hull cannot be obtained, and for a case that slides.
     pub fn stated(&self) -> Result<StatedProblem, Failure> {
         if self.case.sliding.is_some() {
-            return Err(Failure::BadInput(format!(
-                "{}: [sliding]: expected a case at rest: `kufe press` and `kufe friction --groove` take one that slides",
-                self.name
-            )));
+            return Err(self.bad_input(
+                "[sliding]: expected a case at rest: `kufe press` and `kufe friction --groove` take one that slides",
+            ));
         }
         self.stated_sliding()
     }
@@ -139,9 +137,8 @@ impl LoadedCase {
     /// # Errors
     /// As [`stated`](Self::stated).
     pub fn stated_sliding(&self) -> Result<StatedProblem, Failure> {
-        self.case
-            .stated(&self.base, self.hull.as_deref())
-            .map_err(|error| Failure::BadInput(format!("{}: {error}", self.name)))
+        let stated = self.case.stated(&self.base, self.hull.as_deref());
+        stated.map_err(|error| self.bad_input(error))
     }
 
     /// The case with another value of a number of its runner's shape.
@@ -150,40 +147,34 @@ impl LoadedCase {
     /// [`Failure::BadInput`] for a runner without a shape, a key that the shape does not have, and
     /// a value out of range.
     pub fn with_shape(&self, key: &str, value: f64) -> Result<LoadedCase, Failure> {
-        let wrong = |text: String| Failure::BadInput(format!("{}: {text}", self.name));
+        let wrong =
+            |reason: &dyn Display| self.bad_input(format_args!("runner.shape.{key}: {reason}"));
         let Some(shape) = &self.case.runner.shape else {
-            return Err(wrong(format!(
-                "runner.shape.{key}: the runner is a hull, expected a shape"
-            )));
+            return Err(wrong(&"the runner is a hull, expected a shape"));
         };
-        let failed = |error: &dyn std::fmt::Display| wrong(format!("runner.shape.{key}: {error}"));
-        let mut table = toml::Table::try_from(shape).map_err(|error| failed(&error))?;
-        let numbers: Vec<&String> = table.keys().filter(|key| *key != "kind").collect();
-        let found = numbers.iter().any(|known| *known == key);
-        if !found {
-            let keys: Vec<&str> = numbers.iter().map(|key| key.as_str()).collect();
-            let expected = format!("found no such key, expected one of {}", keys.join(", "));
-            return Err(failed(&expected));
+        let mut table = toml::Table::try_from(shape).map_err(|error| wrong(&error))?;
+        if key == "kind" || !table.contains_key(key) {
+            let known = table.keys().map(String::as_str);
+            let known: Vec<&str> = known.filter(|key| *key != "kind").collect();
+            return Err(wrong(&format_args!(
+                "found no such key, expected one of {}",
+                known.join(", ")
+            )));
         }
         table.insert(key.to_owned(), value.into());
-        let mut case = self.case.clone();
-        case.runner.shape = Some(table.try_into().map_err(|error| failed(&error))?);
-        case.check()
-            .map_err(|error| wrong(format!("with {key} = {value}: {error}")))?;
-        Ok(LoadedCase {
-            name: format!("{} with {key} = {value}", self.name),
-            base: self.base.clone(),
-            case,
-            hull: self.hull.clone(),
-        })
+        let mut loaded = self.clone();
+        loaded.name = format!("{} with {key} = {value}", self.name);
+        loaded.case.runner.shape = Some(table.try_into().map_err(|error| wrong(&error))?);
+        let checked = loaded.case.check();
+        checked.map_err(|error| self.bad_input(format_args!("with {key} = {value}: {error}")))?;
+        Ok(loaded)
     }
 
-    /// What is odd about the hull, ready to be shown.
-    pub fn hull_warnings(&self, hull: Option<&FittedHull>) -> Vec<String> {
-        hull.iter()
-            .flat_map(|hull| &hull.report.warnings)
-            .map(|warning| format!("{}: {}: {warning}", self.name, self.hull_key()))
-            .collect()
+    /// Reports the warnings about the hull, and returns them.
+    pub(crate) fn hull_warnings(&self, hull: Option<&FittedHull>, watch: &Watch) -> Vec<String> {
+        let odd = hull.iter().flat_map(|hull| &hull.report.warnings);
+        let named = odd.map(|odd| format!("{}: {}: {odd}", self.name, self.hull_key()));
+        named.inspect(|warning| watch.warn(warning)).collect()
     }
 
     /// The key that names the hull or the mesh.
@@ -194,20 +185,16 @@ impl LoadedCase {
         }
     }
 
-    /// Refuses a hull whose fit is too uncertain for what was solved on it, where no error can say
-    /// so; a shape has no fit.
+    /// As [`fine_within`](Self::fine_within), of what was solved on the hull.
     ///
     /// # Errors
     /// As [`fine_within`](Self::fine_within).
-    pub fn fine_enough(
+    pub(crate) fn fine_enough(
         &self,
         hull: Option<&FittedHull>,
         solution: &Solution,
     ) -> Result<(), Failure> {
-        match hull {
-            Some(_) => self.fine_within(hull, depth(solution), patch(&solution.surface)),
-            None => Ok(()),
-        }
+        self.fine_within(hull, depth(solution), patch(&solution.surface))
     }
 
     /// Refuses a hull whose fit is uncertain by more than 5 per cent of how deep the ice gives,
@@ -228,10 +215,9 @@ impl LoadedCase {
         if error <= allowed {
             return Ok(());
         }
-        Err(Failure::BadInput(format!(
-            "{}: {}: too coarse for its load: the surface through its vertices is uncertain by {:.3} µm, \
+        Err(self.bad_input(format_args!(
+            "{}: too coarse for its load: the surface through its vertices is uncertain by {:.3} µm, \
              the ice is pressed in by {:.3} µm; expected at most {:.3} µm: {}",
-            self.name,
             self.hull_key(),
             1e6 * error,
             1e6 * depth,
@@ -280,7 +266,7 @@ impl LoadedCase {
     }
 }
 
-/// What would lower a hull's error by `factor`.
+/// The sampling that would lower a hull's error by `factor`.
 fn finer(hull: &FittedHull, factor: f64) -> String {
     let noise = hull.noise.found;
     // Upwards, so that what is named is enough.
@@ -291,15 +277,14 @@ fn finer(hull: &FittedHull, factor: f64) -> String {
             1e3 * length
         );
     }
-    if noise > 0.0 {
-        format!(
-            "noise of {:.2} µm in place of {:.2} µm, or vertices {closer:.1} times closer both ways, would do",
-            1e6 * noise / closer,
-            1e6 * noise
-        )
-    } else {
-        format!("vertices {closer:.1} times closer would do")
+    if noise == 0.0 {
+        return format!("vertices {closer:.1} times closer would do");
     }
+    format!(
+        "noise of {:.2} µm in place of {:.2} µm, or vertices {closer:.1} times closer both ways, would do",
+        1e6 * noise / closer,
+        1e6 * noise
+    )
 }
 
 /// How deep the ice gives, which a hull's fit is compared with: a runner that bends comes nearer to
@@ -312,22 +297,25 @@ pub(crate) fn depth(solution: &Solution) -> f64 {
     }
 }
 
+/// The rectangle `[x_min, x_max, y_min, y_max]` around no place.
+pub(crate) const EMPTY: [f64; 4] = [
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+];
+
+/// A rectangle `[x_min, x_max, y_min, y_max]`, extended to a place.
+pub(crate) fn around([x0, x1, y0, y1]: [f64; 4], [x, y]: [f64; 2]) -> [f64; 4] {
+    [x0.min(x), x1.max(x), y0.min(y), y1.max(y)]
+}
+
 /// The rectangle `[x_min, x_max, y_min, y_max]` that holds the nodes in contact [m].
 pub(crate) fn patch(field: &SurfaceField) -> [f64; 4] {
-    let mut patch = [
-        f64::INFINITY,
-        f64::NEG_INFINITY,
-        f64::INFINITY,
-        f64::NEG_INFINITY,
-    ];
+    let mut patch = EMPTY;
     for (k, _) in field.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0) {
         let (x, y) = (field.x[k % field.x.len()], field.y[k / field.x.len()]);
-        patch = [
-            patch[0].min(x),
-            patch[1].max(x),
-            patch[2].min(y),
-            patch[3].max(y),
-        ];
+        patch = around(patch, [x, y]);
     }
     patch
 }

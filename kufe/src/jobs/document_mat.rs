@@ -18,7 +18,7 @@ pub fn write_document_mat(
     document: &impl Serialize,
     more: Vec<(String, MatValue)>,
 ) -> Result<(), Failure> {
-    let document = Datum::of(document).map_err(Failure::bad_input)?;
+    let document = Datum::of(document)?;
     let keys = document.group().into_iter().flat_map(Data::iter);
     let mut variables: Vec<(String, MatValue)> = keys
         .map(|(key, datum)| (key.to_owned(), mat_value(datum)))
@@ -79,39 +79,49 @@ pub fn force_series(runs: &[RunValidation]) -> (String, MatValue) {
         ("model_n", |force| force.model_n),
         ("braghin_n", |force| force.braghin_n),
     ];
-    let row = |run: &RunValidation| {
-        let column = |(_, of): &(&str, Column)| MatValue::row(run.series.iter().map(of).collect());
-        let name = MatValue::Text(run.run.clone());
-        std::iter::once(name)
-            .chain(columns.iter().map(column))
-            .collect()
-    };
-    let names = std::iter::once("run").chain(columns.iter().map(|c| c.0));
-    let names = names.map(str::to_owned).collect();
-    let rows = runs.iter().map(row).collect();
-    ("series".to_owned(), MatValue::Structures(names, rows))
+    let series = runs.iter().map(|run| {
+        let column =
+            |(name, of): &(&str, Column)| (name.to_string(), run.series.iter().map(of).collect());
+        (run.run.as_str(), columns.iter().map(column).collect())
+    });
+    series_of(series.collect())
 }
 
 /// `series`: a structure a run, its channels over time.
 pub fn channel_series(runs: &[Run]) -> (String, MatValue) {
-    // All runs of one simulation have the same channels.
-    let known: Vec<&String> = runs
-        .first()
-        .map_or(Vec::new(), |run| run.columns.keys().collect());
-    let row = |run: &Run| {
-        let time = (0..run.len())
-            .map(|i| run.t0_s + i as f64 * run.dt_s)
-            .collect();
-        let first = [MatValue::Text(run.entry.run.clone()), MatValue::row(time)];
-        let channels = known
+    let series = runs.iter().map(|run| {
+        let time = (0..run.len()).map(|i| run.t0_s + i as f64 * run.dt_s);
+        let channels = run
+            .columns
             .iter()
-            .map(|name| MatValue::row(run.columns[*name].clone()));
-        first.into_iter().chain(channels).collect()
-    };
-    let names = ["run", "t_s"].map(str::to_owned).into_iter();
-    let names = names
-        .chain(known.iter().map(|name| name.to_string()))
-        .collect();
-    let rows = runs.iter().map(row).collect();
+            .map(|(name, values)| (name.clone(), values.clone()));
+        let time = ("t_s".to_owned(), time.collect());
+        (
+            run.entry.run.as_str(),
+            std::iter::once(time).chain(channels).collect(),
+        )
+    });
+    series_of(series.collect())
+}
+
+/// Columns by name.
+type Columns = Vec<(String, Vec<f64>)>;
+
+/// The columns of runs that all have the same ones.
+fn series_of(runs: Vec<(&str, Columns)>) -> (String, MatValue) {
+    let mut names = vec!["run".to_owned()];
+    names.extend(
+        runs.iter()
+            .take(1)
+            .flat_map(|(_, columns)| columns)
+            .map(|c| c.0.clone()),
+    );
+    let rows = runs.into_iter().map(|(run, columns)| {
+        let columns = columns.into_iter().map(|(_, values)| MatValue::row(values));
+        std::iter::once(MatValue::Text(run.to_owned()))
+            .chain(columns)
+            .collect()
+    });
+    let rows = rows.collect();
     ("series".to_owned(), MatValue::Structures(names, rows))
 }

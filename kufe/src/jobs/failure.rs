@@ -1,37 +1,57 @@
-//! How a job ends when it does not end well.
+//! How a job ends when it does not end well, and files that are written whole.
 
-use std::fmt;
+use std::fmt::Display;
+use std::io::Write;
+use std::path::Path;
 use std::process::ExitCode;
 
-/// A failed job: what to say, and of which kind it is.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A failed job: its kind, and the message for the user.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Failure {
     /// A combination of arguments is wrong (exit code 2).
+    #[error("{0}")]
     Usage(String),
     /// A file or a value in it is not what it must be, or a file cannot be written (exit code 3).
+    #[error("{0}")]
     BadInput(String),
     /// An iteration stopped short of its tolerance (exit code 4).
+    #[error("{0}")]
     NotConverged(String),
     /// Part of the work is done and stored; the rest can be resumed (exit code 5).
+    #[error("{0}")]
     Partial(String),
 }
 
 impl Failure {
     /// Bad input by a library's error.
-    pub fn bad_input(error: impl fmt::Display) -> Self {
+    pub fn bad_input(error: impl Display) -> Self {
         Failure::BadInput(error.to_string())
+    }
+
+    /// Bad input in a file or a folder.
+    pub fn in_file(path: &Path, reason: impl Display) -> Self {
+        Failure::BadInput(format!("{}: {reason}", path.display()))
+    }
+
+    /// A file or a folder that cannot be read.
+    pub fn unreadable(path: &Path, error: impl Display) -> Self {
+        Failure::in_file(path, format_args!("cannot be read: {error}"))
+    }
+
+    /// A file or a folder that cannot be written.
+    pub fn unwritable(path: &Path, error: impl Display) -> Self {
+        Failure::in_file(path, format_args!("cannot be written: {error}"))
     }
 
     /// The same failure at a place: `place: text`.
     #[must_use]
-    pub fn within(self, place: &str) -> Self {
-        let at = |text: String| format!("{place}: {text}");
-        match self {
-            Failure::Usage(text) => Failure::Usage(at(text)),
-            Failure::BadInput(text) => Failure::BadInput(at(text)),
-            Failure::NotConverged(text) => Failure::NotConverged(at(text)),
-            Failure::Partial(text) => Failure::Partial(at(text)),
-        }
+    pub fn within(mut self, place: &str) -> Self {
+        let (Failure::Usage(text)
+        | Failure::BadInput(text)
+        | Failure::NotConverged(text)
+        | Failure::Partial(text)) = &mut self;
+        *text = format!("{place}: {text}");
+        self
     }
 
     /// The process's exit code.
@@ -45,15 +65,44 @@ impl Failure {
     }
 }
 
-impl fmt::Display for Failure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Failure::Usage(text)
-            | Failure::BadInput(text)
-            | Failure::NotConverged(text)
-            | Failure::Partial(text) => f.write_str(text),
+impl From<kufe_sled::Error> for Failure {
+    fn from(error: kufe_sled::Error) -> Self {
+        match error {
+            kufe_sled::Error::NotConverged { .. } => Failure::NotConverged(error.to_string()),
+            _ => Failure::bad_input(error),
         }
     }
 }
 
-impl std::error::Error for Failure {}
+impl From<kufe_lut::Error> for Failure {
+    fn from(error: kufe_lut::Error) -> Self {
+        Failure::bad_input(error)
+    }
+}
+
+impl From<kufe_mesh::MeshError> for Failure {
+    fn from(error: kufe_mesh::MeshError) -> Self {
+        Failure::bad_input(error)
+    }
+}
+
+impl From<serde_json::Error> for Failure {
+    fn from(error: serde_json::Error) -> Self {
+        Failure::bad_input(error)
+    }
+}
+
+/// Writes `path`, whole or not at all; makes its folder where that is missing.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the path where the folder or the file cannot be written.
+pub fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<(), Failure> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let written = std::fs::create_dir_all(folder);
+    written
+        .and_then(|()| kufe_files::write_whole(path, write))
+        .map_err(|error| Failure::unwritable(path, error))
+}

@@ -7,13 +7,11 @@ use kufe_files::{leads_out, resolved, same_file};
 use kufe_sled::{Entry, read_columns, read_index, track_file};
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::failure;
 
 /// The name in an index of what is not stated.
 pub const UNNAMED: &str = "unnamed";
 
-/// The columns that every run has.
-const OF_A_RUN: [&str; 2] = ["t_s", "v_mps"];
+const NO_RUN: &str = "no run: expected the columns t_s and v_mps";
 
 /// Runs of several folders.
 #[derive(Default)]
@@ -41,7 +39,7 @@ pub fn gather(from: &[PathBuf]) -> Result<Gathered, Failure> {
             match kind(path)? {
                 Kind::Index => all.index(path)?,
                 Kind::Run => all.add(loose(path)),
-                Kind::Other(reason) => return Err(wrong(path, &reason)),
+                Kind::Other => return Err(Failure::in_file(path, NO_RUN)),
             }
         }
     }
@@ -55,14 +53,16 @@ impl Gathered {
         if index.is_file() {
             return self.index(&index);
         }
-        let unreadable = |error: std::io::Error| wrong(folder, &format!("cannot be read: {error}"));
+        let unreadable = |error: std::io::Error| Failure::unreadable(folder, error);
         let mut files = Vec::new();
-        for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        for entry in folder.read_dir().map_err(unreadable)? {
             let path = entry.map_err(unreadable)?.path();
-            let ending = path
-                .extension()
-                .map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-            if path.is_file() && ending.is_some_and(|e| ["csv", "parquet", "mat"].contains(&&*e)) {
+            let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+            if path.is_file()
+                && ["csv", "parquet", "mat"]
+                    .iter()
+                    .any(|known| ending == *known)
+            {
                 files.push(path);
             }
         }
@@ -72,26 +72,25 @@ impl Gathered {
             match kind(&file) {
                 Ok(Kind::Run) => self.add(loose(&file)),
                 Ok(Kind::Index) => self.index(&file)?,
-                Ok(Kind::Other(reason)) => self
+                Ok(Kind::Other) => self
                     .passed_over
-                    .push(format!("{}: {reason}", file.display())),
+                    .push(format!("{}: {NO_RUN}", file.display())),
                 Err(failure) => self.passed_over.push(failure.to_string()),
             }
         }
         if self.entries.len() == before {
             let reason = "no runs: expected runs.csv, or files with the columns t_s and v_mps";
-            return Err(wrong(folder, reason));
+            return Err(Failure::in_file(folder, reason));
         }
         Ok(())
     }
 
     fn index(&mut self, index: &Path) -> Result<(), Failure> {
-        for entry in read_index(index).map_err(failure)? {
+        for entry in read_index(index)? {
             if !entry.file.is_file() {
-                return Err(wrong(
-                    index,
-                    &format!("run {}: {}: no such file", entry.run, entry.file.display()),
-                ));
+                let (run, file) = (&entry.run, entry.file.display());
+                let text = format_args!("run {run}: {file}: no such file");
+                return Err(Failure::in_file(index, text));
             }
             self.add(entry);
         }
@@ -99,16 +98,13 @@ impl Gathered {
     }
 
     fn add(&mut self, entry: Entry) {
-        match self
-            .entries
-            .iter()
-            .find(|known| same_file(&known.file, &entry.file))
-        {
-            Some(known) => self.passed_over.push(format!(
-                "{}: it is run {} already",
-                entry.file.display(),
-                known.run
-            )),
+        let mut known = self.entries.iter();
+        match known.find(|known| same_file(&known.file, &entry.file)) {
+            Some(known) => {
+                let (file, run) = (entry.file.display(), &known.run);
+                self.passed_over
+                    .push(format!("{file}: it is run {run} already"));
+            }
             None => self.entries.push(entry),
         }
     }
@@ -117,35 +113,30 @@ impl Gathered {
 enum Kind {
     Index,
     Run,
-    /// Neither; why.
-    Other(String),
+    Other,
 }
 
 fn kind(path: &Path) -> Result<Kind, Failure> {
     let names: Vec<String> = if path.extension().is_some_and(|ending| ending == "csv") {
-        let file = kufe_files::open_regular(path)
-            .map_err(|error| wrong(path, &format!("cannot be read: {error}")))?;
+        let file = kufe_files::open_regular(path);
+        let file = file.map_err(|error| Failure::unreadable(path, error))?;
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_reader(std::io::Read::take(file, 1 << 16));
         let header = reader
             .headers()
-            .map_err(|error| wrong(path, &error.to_string()))?;
+            .map_err(|error| Failure::in_file(path, error))?;
         header.iter().map(str::to_owned).collect()
     } else {
-        let columns = read_columns(path, &[]).map_err(failure)?;
-        columns.into_keys().collect()
+        read_columns(path, &[])?.into_keys().collect()
     };
     let has = |name: &&str| names.iter().any(|known| known == name);
     Ok(if ["run", "file"].iter().all(has) {
         Kind::Index
-    } else if OF_A_RUN.iter().all(has) {
+    } else if ["t_s", "v_mps"].iter().all(has) {
         Kind::Run
     } else {
-        Kind::Other(format!(
-            "no run: expected the columns {}",
-            OF_A_RUN.join(" and ")
-        ))
+        Kind::Other
     })
 }
 
@@ -172,10 +163,6 @@ fn loose(file: &Path) -> Entry {
     }
 }
 
-fn wrong(path: &Path, reason: &str) -> Failure {
-    Failure::BadInput(format!("{}: {reason}", path.display()))
-}
-
 /// Puts the folder's name before every run's whose name another folder's run has; returns the new
 /// names.
 fn with_own_names(entries: &mut [Entry]) -> Result<Vec<String>, Failure> {
@@ -191,12 +178,13 @@ fn with_own_names(entries: &mut [Entry]) -> Result<Vec<String>, Failure> {
     let mut seen: BTreeMap<&str, &Entry> = BTreeMap::new();
     for entry in entries.iter() {
         if let Some(first) = seen.insert(&entry.run, entry) {
-            return Err(Failure::BadInput(format!(
-                "{}: run {:?} is {} too: expected names that differ, or folders whose names do",
-                entry.file.display(),
-                entry.run,
-                first.file.display()
-            )));
+            let (run, first) = (&entry.run, first.file.display());
+            return Err(Failure::in_file(
+                &entry.file,
+                format_args!(
+                    "run {run:?} is {first} too: expected names that differ, or folders whose names do"
+                ),
+            ));
         }
     }
     Ok(renamed)
@@ -229,39 +217,37 @@ pub fn track_tables(
                 continue;
             }
             if leads_out(folder, &path) {
-                return Err(wrong(&path, "a link that leads out of its folder"));
+                return Err(Failure::in_file(
+                    &path,
+                    "a link that leads out of its folder",
+                ));
             }
-            let bytes = kufe_files::read_regular(&path, LONGEST).map_err(|error| {
-                Failure::BadInput(format!("{}: cannot be read: {error}", path.display()))
-            })?;
-            match tables.get(&name) {
-                Some((first, known)) if *known != bytes => {
-                    return Err(Failure::BadInput(format!(
-                        "{}: another table of track {} than {}: expected one of each track",
-                        path.display(),
-                        entry.track,
-                        first.display()
-                    )));
-                }
-                Some(_) => {}
-                None => {
-                    tables.insert(name.clone(), (path, bytes));
-                }
+            let bytes = kufe_files::read_regular(&path, LONGEST);
+            let bytes = bytes.map_err(|error| Failure::unreadable(&path, error))?;
+            let (first, known) = tables
+                .entry(name.clone())
+                .or_insert_with(|| (path.clone(), bytes.clone()));
+            if *known != bytes {
+                let (track, first) = (&entry.track, first.display());
+                return Err(Failure::in_file(
+                    &path,
+                    format_args!(
+                        "another table of track {track} than {first}: expected one of each track"
+                    ),
+                ));
             }
         }
     }
-    let missing = |(name, (path, bytes)): (String, (PathBuf, Vec<u8>))| {
-        (!same_file(&path, &folder.join(&name)) && !folder.join(&name).exists())
-            .then_some((name, bytes))
-    };
-    Ok(tables.into_iter().filter_map(missing).collect())
+    tables.retain(|name, _| !folder.join(name).exists());
+    let tables = tables.into_iter();
+    Ok(tables.map(|(name, (_, bytes))| (name, bytes)).collect())
 }
 
 /// The path from a folder to a file.
 pub fn relative(file: &Path, folder: &Path) -> PathBuf {
     let (file, folder) = (resolved(file), resolved(folder));
-    let (file, folder): (Vec<_>, Vec<_>) =
-        (file.components().collect(), folder.components().collect());
+    let file: Vec<_> = file.components().collect();
+    let folder: Vec<_> = folder.components().collect();
     let shared = file.iter().zip(&folder).take_while(|(a, b)| a == b).count();
     let up = folder[shared..].iter().map(|_| Component::ParentDir);
     up.chain(file[shared..].iter().copied()).collect()

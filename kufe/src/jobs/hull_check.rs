@@ -1,19 +1,18 @@
 //! Whether a hull from a scanner can be pressed, and how it is to be read.
 
-use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
 use kufe_contact::{Ice, Load, Problem, Runner, Tilt, hertz};
 use kufe_mesh::{
-    Axis, Estimate, FittedUnderside, Hull, HullOptions, Noise, Orientation, ScanFrame, Underside,
+    Axis, Estimate, FittedUnderside, Hull, HullOptions, Orientation, ScanFrame, Underside,
     keel_spacing, load_hull, noise_of_hull, smaller_by, strips_of_hull, strips_warning,
     unlike_runner,
 };
 
 use crate::case::FittedHull;
 use crate::jobs::failure::Failure;
-use crate::jobs::press::hull_error::{bootstrap_scans, found_noise, relative_peak_error};
+use crate::jobs::press::hull_error::{bootstrap_scans, relative_peak_error};
 use crate::results::{Angle, HullCheck, ResolvedLoad, Sampling};
 
 /// Relative error of the peak for which a hull is examined where none is requested.
@@ -25,12 +24,6 @@ const ICE_MODULUS: f64 = 9.0e9;
 const ICE_RATIO: f64 = 0.33;
 /// Plane-strain modulus of it [Pa].
 const ICE: f64 = ICE_MODULUS / (1.0 - ICE_RATIO * ICE_RATIO);
-/// Of vertices that are too few to show any [m].
-const NO_NOISE: Noise = Noise {
-    found: 0.0,
-    unseen: 0.0,
-};
-
 /// An examined hull, and how a case reads it.
 pub struct ExaminedHull {
     /// What was found.
@@ -59,24 +52,23 @@ pub fn check_hull(
         up: Some(Axis::Z),
         ..HullOptions::default()
     };
-    let (of_file, _) = load_hull(file, &as_it_is).map_err(Failure::bad_input)?;
-    let Some(mut frame) = ScanFrame::of(&of_file).map_err(Failure::bad_input)? else {
+    let (of_file, _) = load_hull(file, &as_it_is)?;
+    let Some(mut frame) = ScanFrame::of(&of_file)? else {
         return Err(not_rounded(file, &of_file));
     };
-    let mut hull = of_file.placed(&frame.options).map_err(Failure::bad_input)?;
-    let noise_of = |hull: &Hull| noise_of_hull(hull).unwrap_or(NO_NOISE);
+    let mut hull = of_file.placed(&frame.options)?;
+    let noise_of = |hull: &Hull| noise_of_hull(hull).unwrap_or_default();
     let mut noise = noise_of(&hull);
     let orientation = Orientation::of(&hull, noise.found).ok();
     frame.options.rotation = orientation.map_or([0.0; 3], |found| found.significant());
     if frame.options.rotation != [0.0; 3] {
-        hull = of_file.placed(&frame.options).map_err(Failure::bad_input)?;
+        hull = of_file.placed(&frame.options)?;
         noise = noise_of(&hull);
     }
-    let mut report = kufe_mesh::check_hull(&hull).map_err(Failure::bad_input)?;
-    let placed = ScanFrame::of(&hull).map_err(Failure::bad_input)?;
-    report
-        .warnings
-        .extend(unlike_runner(&hull, placed.as_ref()));
+    let mut report = kufe_mesh::check_hull(&hull)?;
+    let placed = ScanFrame::of(&hull)?;
+    let unlike = unlike_runner(&hull, placed.as_ref());
+    report.warnings.extend(unlike);
     if let Some(placed) = placed {
         frame.rocker_radius = placed.rocker_radius;
         frame.section_radius = placed.section_radius;
@@ -91,15 +83,8 @@ pub fn check_hull(
     let loads = FittedUnderside::new(&hull, noise.found)
         .map_err(|error| error.to_string())
         .and_then(|underside| {
-            let fitted = FittedHull {
-                underside: Arc::new(underside),
-                report: report.clone(),
-                noise,
-                strips,
-                seconds: [0.0; 2],
-                scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(hull)),
-            };
-            let scans = bootstrap_scans(&fitted, found_noise(&fitted));
+            let fitted = FittedHull::new(underside, hull, report.clone(), noise);
+            let scans = bootstrap_scans(&fitted);
             let known = |&fz: &f64| {
                 let radii = [frame.rocker_radius, frame.section_radius];
                 known_peak(&fitted, scans.as_deref(), radii, fz, share, spacing)
@@ -156,11 +141,9 @@ pub fn check_hull(
 
 /// The hull has no side that is rounded as a runner's underside is; long strips may be why.
 fn not_rounded(file: &Path, hull: &Hull) -> Failure {
-    let reason = strips_of_hull(hull).map(strips_warning);
-    let reason = reason
-        .or_else(|| unlike_runner(hull, None))
-        .unwrap_or_default();
-    Failure::BadInput(format!("{}: {reason}", file.display()))
+    let strips = strips_of_hull(hull).map(strips_warning);
+    let reason = strips.or_else(|| unlike_runner(hull, None));
+    Failure::in_file(file, reason.unwrap_or_default())
 }
 
 /// How well the peak is known under a force, as pressing it would state, and the noise and spacing
@@ -209,13 +192,9 @@ fn middle_if_outside([low, high]: [[f64; 3]; 2]) -> Option<[f64; 2]> {
 impl ExaminedHull {
     /// The axis opposite to [`forward`](HullCheck::forward), which the shape does not exclude.
     pub fn backward(&self) -> String {
-        let forward = self.options.forward;
-        let negative = !forward.negative;
-        Axis {
-            negative,
-            ..forward
-        }
-        .to_string()
+        let mut axis = self.options.forward;
+        axis.negative = !axis.negative;
+        axis.to_string()
     }
 
     /// The case that reads the hull so, written to `path`: with ice, track and load to edit, of the
@@ -227,45 +206,60 @@ impl ExaminedHull {
         let folder = path.parent().unwrap_or(Path::new(""));
         let hull = match self.result.file.strip_prefix(folder) {
             Ok(inside) => inside.to_path_buf(),
-            Err(_) => std::path::absolute(&self.result.file).map_err(|error| {
-                Failure::BadInput(format!("{}: {error}", self.result.file.display()))
-            })?,
+            Err(_) => std::path::absolute(&self.result.file)
+                .map_err(|error| Failure::in_file(&self.result.file, error))?,
         };
-        let mut text = format!(
-            "[runner]\nhull = {}\nscale = {}\nup = \"{}\"\nforward = \"{}\"   # or \"{}\": its shape does not tell\n",
-            toml::Value::from(hull.display().to_string()),
-            self.result.scale,
-            self.result.up,
-            self.result.forward,
-            self.backward(),
-        );
         let [roll, pitch, yaw] = self.options.rotation;
-        for (key, angle) in [("yaw_rad", yaw), ("pitch_rad", pitch), ("roll_rad", roll)] {
-            if angle != 0.0 {
-                let _ = writeln!(text, "{key} = {angle:.6e}");
-            }
-        }
-        if self.result.noise_m > 0.0 {
-            let _ = writeln!(text, "noise_m = {:.2e}", self.result.noise_m);
-        }
-        text += "\n[ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = 0.05\n\n[track]\nradius_m = inf\n";
+        let angles = [("yaw_rad", yaw), ("pitch_rad", pitch), ("roll_rad", roll)];
+        let angles = angles.iter().filter(|(_, angle)| *angle != 0.0);
+        let angles: String = angles
+            .map(|(key, angle)| format!("{key} = {angle:.6e}\n"))
+            .collect();
+        let noise = match self.result.noise_m {
+            0.0 => String::new(),
+            noise => format!("noise_m = {noise:.2e}\n"),
+        };
         let far = |fz: &f64| (fz - 1000.0).abs();
         let load = forces
             .iter()
             .copied()
             .min_by(|a, b| far(a).total_cmp(&far(b)));
-        let _ = writeln!(text, "\n[load]\nfz_n = {:?}", load.unwrap_or(1000.0));
         let [x, y] = self.offset_m;
-        if let Some(x) = x {
-            let _ = writeln!(
-                text,
-                "offset_x_m = {x:.4}   # over the hull's middle: the file's origin lies outside it"
-            );
-        }
-        if let Some(y) = y {
-            let _ = writeln!(text, "offset_y_m = {y:.6}   # over the keel");
-        }
-        let _ = writeln!(text, "\n[accuracy]\np_max = {}", self.p_max);
+        let x = x.map_or(String::new(), |x| {
+            format!("offset_x_m = {x:.4}   # over the hull's middle: the file's origin lies outside it\n")
+        });
+        let y = y.map_or(String::new(), |y| {
+            format!("offset_y_m = {y:.6}   # over the keel\n")
+        });
+        let text = format!(
+            "[runner]
+hull = {}
+scale = {}
+up = \"{}\"
+forward = \"{}\"   # or \"{}\": its shape does not tell
+{angles}{noise}
+[ice]
+youngs_modulus_pa = 9.0e9
+poissons_ratio = 0.33
+thickness_m = 0.05
+
+[track]
+radius_m = inf
+
+[load]
+fz_n = {:?}
+{x}{y}
+[accuracy]
+p_max = {}
+",
+            toml::Value::from(hull.display().to_string()),
+            self.result.scale,
+            self.result.up,
+            self.result.forward,
+            self.backward(),
+            load.unwrap_or(1000.0),
+            self.p_max,
+        );
         Ok(text)
     }
 }

@@ -29,7 +29,7 @@ pub struct RunImport {
     strict: bool,
 }
 
-/// What an import wrote.
+/// The result of an import.
 pub struct ImportedRuns {
     /// The document.
     pub list: ImportList,
@@ -45,8 +45,8 @@ impl RunImport {
     /// [`Failure::BadInput`] with file, key and value.
     pub fn read(mapping: &Path, strict: bool) -> Result<RunImport, Failure> {
         let file = mapping.display().to_string();
-        let text = kufe_files::text_of_regular(mapping, 1 << 24)
-            .map_err(|error| Failure::BadInput(format!("{file}: {error}")))?;
+        let text = kufe_files::text_of_regular(mapping, 1 << 24);
+        let text = text.map_err(|error| Failure::in_file(mapping, error))?;
         let importer = Importer::new(&text, &file).map_err(Failure::bad_input)?;
         let folder = mapping.parent().unwrap_or(Path::new(""));
         let Plan { runs, excluded } =
@@ -90,8 +90,9 @@ impl RunImport {
     pub fn write(mut self, output: NewFiles, watch: &Watch) -> Result<ImportedRuns, Failure> {
         watch.progress("importing the runs");
         let written = self.runs.par_iter();
-        let written = written.map(|run| self.write_run(run, output, watch));
-        let written: Vec<_> = written.collect();
+        let written: Vec<_> = written
+            .map(|run| self.write_run(run, output, watch))
+            .collect();
         let (mut notes, mut imported) = (Vec::new(), Vec::new());
         for (run, written) in self.runs.into_iter().zip(written) {
             match written? {
@@ -133,12 +134,8 @@ impl RunImport {
         output: NewFiles,
         watch: &Watch,
     ) -> Result<Result<Note, String>, Failure> {
-        if watch.stopped() {
-            let mapping = self.mapping.display();
-            return Err(Failure::Partial(format!(
-                "{mapping}: stopped before the end"
-            )));
-        }
+        let stopped = |failure: Failure| failure.within(&self.mapping.display().to_string());
+        watch.check().map_err(stopped)?;
         let imported = match self.importer.run(planned) {
             Ok(imported) => imported,
             Err(error) => return Ok(Err(error.to_string())),

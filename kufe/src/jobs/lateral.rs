@@ -1,15 +1,16 @@
 //! Lateral friction of recorded runs: fitted, and compared with what runs measured.
 
 use std::collections::BTreeSet;
+use std::fmt::Display;
 use std::path::Path;
 
 use kufe_sled::friction::MagicFormula;
 use kufe_sled::{FitOptions, Model, RunnerFitResult, SledFit, Vehicle, by_track, fit, validate};
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::{Loaded, RunSelection, failure};
+use crate::jobs::runs::{Loaded, RunSelection};
 use crate::jobs::watch::Watch;
-use crate::results::{LateralFitDocument, RunsUsed, Validation};
+use crate::results::{LateralFitDocument, Validation};
 
 /// A fit of the lateral friction of both runners, and its runs.
 pub struct FittedRuns {
@@ -35,15 +36,13 @@ pub fn fit_lateral(
 ) -> Result<FittedRuns, Failure> {
     let loaded = selection.load(watch, |_| true)?;
     watch.progress("fitting");
-    let fit = fit(&loaded.prepared, &loaded.vehicle, options).map_err(failure)?;
+    let fit = fit(&loaded.prepared, &loaded.vehicle, options)?;
     let model = fit.applied_to(&loaded.model).to_toml();
     // The written model is valid.
-    Model::from_toml(&model, "model.fit.toml")
-        .and_then(|model| Vehicle::with_effects(&model))
-        .map_err(failure)?;
+    Model::from_toml(&model, "model.fit.toml").and_then(|model| Vehicle::with_effects(&model))?;
     let document = LateralFitDocument {
         fit: fit.result(),
-        used: RunsUsed::new(&loaded),
+        used: loaded.used.clone(),
     };
     Ok(FittedRuns {
         loaded,
@@ -70,11 +69,9 @@ impl FittedLaws {
     /// # Errors
     /// [`Failure::BadInput`] with the file and the key.
     pub fn read(path: &Path) -> Result<FittedLaws, Failure> {
-        let bad = |found: &dyn std::fmt::Display| {
-            let file = path.display();
-            Failure::BadInput(format!(
-                "{file}: {found}; expected what kufe fit lateral writes"
-            ))
+        let bad = |found: &dyn Display| {
+            let expected = "expected what kufe fit lateral writes";
+            Failure::in_file(path, format_args!("{found}; {expected}"))
         };
         let text = kufe_files::text_of_regular(path, 1 << 24).map_err(|error| bad(&error))?;
         let document = serde_json::from_str(&text).map_err(|error| bad(&error))?;
@@ -87,8 +84,9 @@ impl FittedLaws {
     /// [`Failure::BadInput`] for a value of a law that is out of range.
     pub fn of(document: &LateralFitDocument) -> Result<FittedLaws, Failure> {
         let law = |name: &str, runner: &RunnerFitResult| {
-            let law = runner.law();
-            law.map_err(|error| Failure::BadInput(format!("{name}: {error}")))
+            runner
+                .law()
+                .map_err(|error| Failure::bad_input(error).within(name))
         };
         Ok(FittedLaws {
             front: law("front", &document.fit.front)?,
@@ -118,6 +116,6 @@ pub fn validate_runs(
         tracks: by_track(&runs),
         runs,
         left_out_as_fitted: fitted,
-        used: RunsUsed::new(&loaded),
+        used: loaded.used.clone(),
     })
 }

@@ -24,65 +24,45 @@ pub struct FrictionLaw {
     drag_area: f64,
 }
 
-/// How a runner is driven, and the air and ice around it. What is not stated is needed only by
-/// effects on it.
-#[derive(Clone, Copy, Debug, Default)]
+/// How a runner is driven, and the air and ice around it. Conditions that are not stated are needed
+/// only by effects on them.
+#[derive(Clone, Copy, Debug)]
 pub struct DrivingConditions {
     /// Speed [m/s].
     pub v_mps: f64,
     /// Slip angle [rad].
     pub alpha_rad: f64,
-    /// Ice temperature [C].
-    pub ice_c: Option<f64>,
-    /// Air temperature [C].
-    pub air_c: Option<f64>,
-    /// Air pressure [Pa].
-    pub air_pa: Option<f64>,
-    /// Relative humidity [%].
-    pub humidity_pct: Option<f64>,
+    /// Ice and air.
+    pub conditions: Conditions,
 }
 
 impl DrivingConditions {
-    /// Checks the ranges.
+    /// Checks the ranges of speed and slip angle.
     fn check(&self) -> Result<(), Failure> {
         let quarter = std::f64::consts::FRAC_PI_2;
-        let angle = "a slip angle in rad within a quarter turn";
-        let celsius = "degrees Celsius, -60 to 60";
-        let pressure = "an air pressure in Pa, 30000 to 120000";
-        for (name, value, low, high, expected) in [
-            ("v-mps", Some(self.v_mps), 0.0, 100.0, "0 to 100 m/s"),
-            ("alpha-rad", Some(self.alpha_rad), -quarter, quarter, angle),
-            ("ice-c", self.ice_c, -60.0, 60.0, celsius),
-            ("air-c", self.air_c, -60.0, 60.0, celsius),
-            ("air-pa", self.air_pa, 30e3, 120e3, pressure),
-            ("humidity-pct", self.humidity_pct, 0.0, 100.0, "0 to 100"),
-        ] {
-            if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
-                let text = format!("--{name} {value}: expected {expected}");
-                return Err(Failure::Usage(text));
-            }
-        }
-        Ok(())
+        let text = if !(0.0..=100.0).contains(&self.v_mps) {
+            format!("--v-mps {}: expected 0 to 100 m/s", self.v_mps)
+        } else if !(-quarter..=quarter).contains(&self.alpha_rad) {
+            let found = self.alpha_rad;
+            format!("--alpha-rad {found}: expected a slip angle in rad within a quarter turn")
+        } else {
+            return Ok(());
+        };
+        Err(Failure::Usage(text))
     }
 
     /// The same under a normal force [N], with the drag area of the sled [m2].
     fn operating_point(&self, fz: f64, drag_area: f64) -> OperatingPoint {
-        let stated = |value: Option<f64>| value.unwrap_or(f64::NAN);
-        let conditions = Conditions {
-            ice_c: stated(self.ice_c),
-            air_c: stated(self.air_c),
-            air_pa: stated(self.air_pa),
-            humidity_pct: stated(self.humidity_pct),
-            distance_m: 0.0,
-            mass_kg: f64::NAN,
-        };
         OperatingPoint {
             t: 0.0,
             s: 0.0,
             v: self.v_mps,
             fz,
-            conditions,
-            air_density: conditions.air_density(),
+            conditions: Conditions {
+                distance_m: 0.0,
+                ..self.conditions
+            },
+            air_density: self.conditions.air_density(),
             drag_area,
             film: f64::NAN,
             patch: Patch::UNKNOWN,
@@ -105,17 +85,12 @@ impl FrictionLaw {
     /// # Errors
     /// [`Failure::BadInput`] with file and place.
     pub fn of_model(path: &Path) -> Result<FrictionLaw, Failure> {
-        let failure = |error: &dyn std::fmt::Display| {
-            Failure::BadInput(format!("{}: {error}", path.display()))
-        };
-        let model = Model::load(path).map_err(Failure::bad_input)?;
+        let model = Model::load(path)?;
+        let law = model.friction.longitudinal.model();
+        let effects = Effects::from_tables(&model.effects);
         Ok(FrictionLaw {
-            law: model
-                .friction
-                .longitudinal
-                .model()
-                .map_err(|e| failure(&e))?,
-            effects: Effects::from_tables(&model.effects).map_err(|e| failure(&e))?,
+            law: law.map_err(|error| Failure::in_file(path, error))?,
+            effects: effects.map_err(|error| Failure::in_file(path, error))?,
             drag_area: model.sled.cda_m2,
         })
     }
@@ -124,7 +99,8 @@ impl FrictionLaw {
     ///
     /// # Errors
     /// [`Failure::Usage`] for a condition out of range, and for one that an effect needs and that
-    /// is not stated, [`Failure::BadInput`] for the case, [`Failure::NotConverged`] where the solver stops short.
+    /// is not stated, [`Failure::BadInput`] for the case, [`Failure::NotConverged`] where the
+    /// solver stops short.
     pub fn solve(
         &self,
         loaded: &LoadedCase,
@@ -138,9 +114,7 @@ impl FrictionLaw {
         let solution =
             solve(&problem, &loaded.case.options()).map_err(|error| loaded.failure(&error))?;
         loaded.fine_enough(hull.as_ref(), &solution)?;
-        for warning in loaded.hull_warnings(hull.as_ref()) {
-            watch.warn(&warning);
-        }
+        loaded.hull_warnings(hull.as_ref(), watch);
         let at = conditions.operating_point(solution.fz, self.drag_area);
         let (p_max, mu_base) = (solution.p_max, self.law.mu(solution.p_max));
         let (mu, effects, effects_not_concerned) = self.with_effects(mu_base, &at)?;
@@ -186,9 +160,8 @@ impl FrictionLaw {
             };
             let needs = |what: &str| {
                 let name = &active.name;
-                Err(Failure::Usage(format!(
-                    "the model's effect {name} needs {what}"
-                )))
+                let text = format!("the model's effect {name} needs {what}");
+                Err(Failure::Usage(text))
             };
             if let Kind::Custom(own) = &active.kind
                 && with.is_nan()
@@ -198,9 +171,11 @@ impl FrictionLaw {
                     "{names}: a condition is not given, or belongs to a run"
                 ));
             }
-            for column in active.columns() {
-                let stated = &at.conditions;
-                let missing = match column {
+            let stated = &at.conditions;
+            let missing = active
+                .columns()
+                .into_iter()
+                .find_map(|column| match column {
                     "ice_c" => stated.ice_c.is_nan().then_some("--ice-c"),
                     "air_c" => stated.air_c.is_nan().then_some("--air-c"),
                     "air_pa" => stated.air_pa.is_nan().then_some("--air-pa"),
@@ -208,10 +183,9 @@ impl FrictionLaw {
                     "film" => Some("the tables of a sled's runners"),
                     "contact_length_m" => Some("the contact of a friction experiment"),
                     _ => None,
-                };
-                if let Some(option) = missing {
-                    return needs(option);
-                }
+                });
+            if let Some(missing) = missing {
+                return needs(missing);
             }
             mu = with;
             if mu.is_nan() {

@@ -31,9 +31,7 @@ impl CaseMeshes {
     /// Those of the solver, and [`Failure::BadInput`] where no hexahedra fit into the hull.
     pub fn of(loaded: &LoadedCase, watch: &Watch) -> Result<CaseMeshes, Failure> {
         let stated = loaded.stated()?;
-        for warning in loaded.hull_warnings(stated.hull.as_ref()) {
-            watch.warn(&warning);
-        }
+        loaded.hull_warnings(stated.hull.as_ref(), watch);
         watch.progress("finding the contact that the grid is graded to");
         // In the volume, whatever it touches.
         let options = Options {
@@ -53,11 +51,10 @@ impl CaseMeshes {
             graded_levels(LAYERS, GROWTH)
                 .and_then(|levels| mapped_runner_mesh(&x, &y, underside.as_ref(), top, &levels))
         });
-        let failure =
-            |error: MeshError| Failure::BadInput(format!("{}: runner: {error}", loaded.name));
+        let runner = runner.transpose();
         Ok(CaseMeshes {
             ice: grid.hex_mesh(),
-            runner: runner.transpose().map_err(failure)?,
+            runner: runner.map_err(|error| loaded.bad_input(format_args!("runner: {error}")))?,
         })
     }
 }

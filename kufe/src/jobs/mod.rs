@@ -2,7 +2,7 @@
 //!
 //! A job takes the paths that a user gives, calls the libraries, and fails with the one sentence
 //! that the user reads. It prints nothing: progress and warnings go to closures. Which files are
-//! written is the caller's to say.
+//! written is up to the caller.
 //!
 //! | item | the job |
 //! |---|---|
@@ -44,10 +44,9 @@ pub mod slide;
 pub mod table;
 pub mod view_runs;
 mod watch;
-mod write_whole;
 
 pub use document_mat::{channel_series, force_series, write_document_mat};
-pub use failure::Failure;
+pub use failure::{Failure, write_whole};
 pub use hull_check::{ExaminedHull, check_hull};
 pub use law_friction::{DrivingConditions, FrictionLaw};
 pub use meshes::{CaseMeshes, write_mesh_quality};
@@ -56,7 +55,6 @@ pub use press::{
 };
 pub use series::Step;
 pub use watch::Watch;
-pub use write_whole::write_whole;
 
 /// A commented `table.toml` to start from; its case is `case.toml` in the same folder.
 pub const TABLE_EXAMPLE: &str = include_str!("../../assets/table.toml");

@@ -5,9 +5,9 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use kufe_sled::{
-    Error, Model, Needs, OnGaps, OutsideTable, PrepareOptions, Prepared, Run, RunFormat,
-    SampleCoverage, Track, Vehicle, gaps_line, outside_tables, prepare_all, read_index, run_file,
-    track_file, write_index, write_run,
+    Error, Model, Needs, OnGaps, PrepareOptions, Prepared, Run, RunFormat, SampleCoverage, Track,
+    Vehicle, gaps_line, outside_tables, prepare_all, read_good_runs, read_index, read_runs,
+    run_file, track_file, write_index, write_run,
 };
 use rayon::prelude::*;
 
@@ -43,24 +43,8 @@ pub struct Loaded {
     pub vehicle: Vehicle,
     /// The runs.
     pub prepared: Vec<Prepared>,
-    /// Excluded runs, each with the reason.
-    pub left_out: Vec<String>,
-    /// Runs with gaps: what is not there, and how much takes part.
-    pub gaps: Vec<SampleCoverage>,
-    /// Tables of the model that do not span every sample.
-    pub outside_tables: Vec<OutsideTable>,
-}
-
-impl RunsUsed {
-    /// Of runs that are read and prepared.
-    pub fn new(loaded: &Loaded) -> Self {
-        RunsUsed {
-            left_out: loaded.left_out.clone(),
-            outside_tables: loaded.outside_tables.clone(),
-            gaps: loaded.gaps.clone(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-        }
-    }
+    /// What results state of the runs.
+    pub used: RunsUsed,
 }
 
 /// The files that an index of runs names, itself among them: runs and tables of tracks.
@@ -105,10 +89,7 @@ pub fn write_track(output: NewFiles, track: &Track) -> Result<(), Failure> {
 
 /// The failure that a sled error is.
 pub fn failure(error: Error) -> Failure {
-    match error {
-        Error::NotConverged { .. } => Failure::NotConverged(error.to_string()),
-        _ => Failure::BadInput(error.to_string()),
-    }
+    error.into()
 }
 
 /// How runs with gaps are read: refused with `strict`, else without the samples next to a gap.
@@ -120,12 +101,16 @@ pub fn on_gaps(strict: bool) -> OnGaps {
     }
 }
 
-/// The tracks that runs are on, each once.
-fn tracks(runs: &[Run]) -> Vec<&str> {
-    let mut tracks: Vec<&str> = runs.iter().map(|run| run.entry.track.as_str()).collect();
-    tracks.sort_unstable();
-    tracks.dedup();
-    tracks
+/// Runs with gaps, and how much of them takes part.
+pub(crate) fn gaps_of(prepared: &[Prepared]) -> Vec<SampleCoverage> {
+    let coverage = prepared.iter().map(|run| run.taking_part.clone());
+    coverage.filter(|run| !run.gaps.is_none()).collect()
+}
+
+/// Words that runs have, each once, in order.
+fn words(runs: &[Run], of: fn(&Run) -> &String) -> Vec<&str> {
+    let words: BTreeSet<&str> = runs.iter().map(|run| of(run).as_str()).collect();
+    words.into_iter().collect()
 }
 
 impl RunSelection {
@@ -157,20 +142,17 @@ impl RunSelection {
                 self.cutoff_hz
             )));
         }
-        let model = Model::load(&self.model).map_err(failure)?;
-        let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
+        let model = Model::load(&self.model)?;
+        let vehicle = Vehicle::with_effects(&model)?;
         watch.progress(&format!("reading {}", self.runs.display()));
         let on_gaps = on_gaps(self.strict);
         let (mut runs, left_out) = if self.leave_out_bad_runs {
-            let (runs, bad) =
-                kufe_sled::read_good_runs(&self.runs, &Needs::FORCES, on_gaps).map_err(failure)?;
+            let (runs, bad) = read_good_runs(&self.runs, &Needs::FORCES, on_gaps)?;
             (runs, bad.iter().map(ToString::to_string).collect())
         } else {
-            let runs =
-                kufe_sled::read_runs(&self.runs, &Needs::FORCES, on_gaps).map_err(failure)?;
-            (runs, Vec::new())
+            (read_runs(&self.runs, &Needs::FORCES, on_gaps)?, Vec::new())
         };
-        let tracks = tracks(&runs);
+        let tracks = words(&runs, |run| &run.entry.track);
         for text in vehicle.effects_elsewhere(&tracks) {
             watch.warn(&format!("{}: {text}", self.model.display()));
         }
@@ -187,10 +169,8 @@ impl RunSelection {
                 0 => "none is of that session and track".to_owned(),
                 all => format!("the laws were fitted to all {all}; leave some out of the fit"),
             };
-            return Err(Failure::BadInput(format!(
-                "{}: no run remains of those requested: {why}",
-                self.runs.display()
-            )));
+            let text = format_args!("no run remains of those requested: {why}");
+            return Err(Failure::in_file(&self.runs, text));
         }
         for text in runs.iter().flat_map(Run::noticed).chain(left_out.clone()) {
             watch.warn(&text);
@@ -200,13 +180,8 @@ impl RunSelection {
             cutoff_hz: self.cutoff_hz,
             ..PrepareOptions::default()
         };
-        let prepared =
-            prepare_all(&runs, &vehicle, model.noise.as_ref(), &options).map_err(failure)?;
-        let gaps: Vec<SampleCoverage> = prepared
-            .iter()
-            .map(|run| run.taking_part.clone())
-            .filter(|run| !run.gaps.is_none())
-            .collect();
+        let prepared = prepare_all(&runs, &vehicle, model.noise.as_ref(), &options)?;
+        let gaps = gaps_of(&prepared);
         if !gaps.is_empty() {
             watch.warn(&gaps_line(&gaps));
         }
@@ -219,9 +194,12 @@ impl RunSelection {
             model,
             vehicle,
             prepared,
-            left_out,
-            gaps,
-            outside_tables,
+            used: RunsUsed {
+                left_out,
+                outside_tables,
+                gaps,
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+            },
         })
     }
 
@@ -234,13 +212,10 @@ impl RunSelection {
     ) -> Result<(), Failure> {
         for name in requested {
             if !runs.iter().any(|run| of(run) == name) {
-                let mut there: Vec<&str> = runs.iter().map(|run| of(run).as_str()).collect();
-                there.sort_unstable();
-                there.dedup();
                 return Err(Failure::BadInput(format!(
                     "--{option} {name}: {} has only {}",
                     self.runs.display(),
-                    there.join(", ")
+                    words(runs, of).join(", ")
                 )));
             }
         }

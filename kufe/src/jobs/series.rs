@@ -38,9 +38,10 @@ impl Step {
         for (k, varied) in varied.into_iter().enumerate() {
             let folder = format!("step-{:0digits$}", k + 1);
             let loaded = varied.applied_to(loaded)?;
+            let of_shape = loaded.case.runner.shape.is_some();
             let prepared = || {
-                let runner = match &fitted {
-                    Some(runner) => runner.clone(),
+                let runner = match fitted.clone().filter(|_| !of_shape) {
+                    Some(runner) => runner,
                     None => Arc::new(Prepared::of(&loaded, &Watch::default())?),
                 };
                 let problem = runner.problem(&loaded)?;
@@ -48,9 +49,7 @@ impl Step {
                 Ok::<_, Failure>(runner)
             };
             let runner = prepared().map_err(|failure| failure.within(&folder))?;
-            if loaded.case.runner.shape.is_none() {
-                fitted = Some(runner.clone());
-            }
+            fitted = Some(runner.clone());
             steps.push(Step {
                 number: k + 1,
                 folder,
@@ -113,10 +112,9 @@ impl VariedKeys {
         }
         if let Some(radius) = self.rocker_radius_m {
             let Some(shape) = &mut case.runner.shape else {
-                return Err(Failure::BadInput(format!(
-                    "{}: --rocker-radius-m: the runner is a hull, expected a shape with a rocker radius",
-                    loaded.name
-                )));
+                return Err(loaded.bad_input(
+                    "--rocker-radius-m: the runner is a hull, expected a shape with a rocker radius",
+                ));
             };
             *shape.rocker_radius_m() = radius;
         }

@@ -12,14 +12,13 @@ use kufe_sled::{
 use rayon::prelude::*;
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::failure;
 use crate::jobs::watch::Watch;
 use crate::results::{SimulatedRun, Simulation};
 
 /// Runs whose samples are placed on the model's tables.
 const SAMPLED: u32 = 20;
 
-/// What is simulated.
+/// A simulation of runs: model, track, driver and options.
 #[derive(Clone, Debug)]
 pub struct SimulatedDrives {
     /// Sled and friction.
@@ -108,13 +107,6 @@ pub struct DrivenRuns {
     pub samples: [Vec<Sample>; 2],
 }
 
-/// A simulated run as recorded, and what belongs to it.
-struct Driven {
-    run: Run,
-    row: SimulatedRun,
-    samples: [Vec<Sample>; 2],
-}
-
 impl SimulatedDrives {
     /// The files that are read.
     pub fn inputs(&self) -> [PathBuf; 2] {
@@ -127,9 +119,9 @@ impl SimulatedDrives {
     /// [`Failure::BadInput`] with file and place, and for options out of range.
     pub fn drive(&self, watch: &Watch) -> Result<DrivenRuns, Failure> {
         let begun = Instant::now();
-        let model = Model::load(&self.model).map_err(failure)?;
-        let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
-        let track = Track::load(&self.track).map_err(failure)?;
+        let model = Model::load(&self.model)?;
+        let vehicle = Vehicle::with_effects(&model)?;
+        let track = Track::load(&self.track)?;
         let shape = TrackShape::new(&track);
         let conditions = vehicle.conditions.complete(&self.options.conditions);
         for text in vehicle.effects_elsewhere(&[&track.name]) {
@@ -137,18 +129,15 @@ impl SimulatedDrives {
         }
         watch.progress("driving the runs");
         let tabled = vehicle.tables().iter().any(Option::is_some);
-        let drive = |number: u32| -> Result<Driven, Failure> {
-            if watch.stopped() {
-                return Err(Failure::Partial("stopped before the end".to_owned()));
-            }
+        let drive = |number: u32| -> Result<_, Failure> {
+            watch.check()?;
             let options = SimulateOptions {
                 conditions,
                 seed: self.options.seed.wrapping_add(u64::from(number)),
                 ..self.options.clone()
             };
             let driver = &self.driver;
-            let simulated =
-                simulate(&vehicle, &shape, &driver.driver, &options).map_err(failure)?;
+            let simulated = simulate(&vehicle, &shape, &driver.driver, &options)?;
             let name = format!("run_{:03}", number + 1);
             let mut entry = simulated_entry(&name, &track, &driver.name, conditions);
             entry.session.clone_from(&self.session);
@@ -156,25 +145,33 @@ impl SimulatedDrives {
             let run = record(&simulated, &vehicle, noise, entry, options.seed);
             let states = simulated.instants.iter().map(|instant| &instant.state);
             let outside = outside_tables(&vehicle, states.clone());
-            let (finished, energy) = (simulated.finished, &simulated.energy);
-            Ok(Driven {
-                row: SimulatedRun::new(&run, options.seed, finished, energy, outside),
-                run,
-                samples: match tabled && number < SAMPLED {
-                    true => table_samples(states),
-                    false => [Vec::new(), Vec::new()],
-                },
-            })
+            let energy = &simulated.energy;
+            let row = SimulatedRun {
+                run: name,
+                seed: options.seed,
+                finished: simulated.finished,
+                time_s: (run.len() - 1) as f64 * run.dt_s,
+                energy_balance_relative_error: energy.relative_error(),
+                gravity_j: energy.gravity_j,
+                ice_j: energy.ice_j,
+                air_j: energy.air_j,
+                outside_tables: outside,
+            };
+            let samples = if tabled && number < SAMPLED {
+                table_samples(states)
+            } else {
+                Default::default()
+            };
+            Ok((run, row, samples))
         };
-        let driven = (0..self.runs).into_par_iter().map(drive);
-        let driven: Vec<Result<Driven, Failure>> = driven.collect();
+        let driven: Vec<_> = (0..self.runs).into_par_iter().map(drive).collect();
         let (mut runs, mut rows) = (Vec::new(), Vec::new());
         let mut samples = [Vec::new(), Vec::new()];
         for driven in driven {
-            let driven = driven?;
-            runs.push(driven.run);
-            rows.push(driven.row);
-            for (all, own) in samples.iter_mut().zip(driven.samples) {
+            let (run, row, own) = driven?;
+            runs.push(run);
+            rows.push(row);
+            for (all, own) in samples.iter_mut().zip(own) {
                 all.extend(own);
             }
         }
@@ -182,10 +179,14 @@ impl SimulatedDrives {
         for (outside, count) in together(outside.collect()) {
             watch.warn(&format!("{outside}, in {count} of {} runs", self.runs));
         }
-        let simulated_s = runs.iter().map(|run| run.len() as f64 * run.dt_s).sum();
-        let seconds = begun.elapsed().as_secs_f64();
-        let name = &self.driver.name;
-        let document = Simulation::new(rows, &track.name, name, simulated_s, seconds);
+        let simulated_s: f64 = runs.iter().map(|run| run.len() as f64 * run.dt_s).sum();
+        let document = Simulation {
+            runs: rows,
+            track: track.name.clone(),
+            driver: self.driver.name.clone(),
+            times_real_time: simulated_s / begun.elapsed().as_secs_f64(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        };
         Ok(DrivenRuns {
             model,
             vehicle,

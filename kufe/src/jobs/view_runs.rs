@@ -1,5 +1,5 @@
 //! Recorded runs for a page that shows them: every channel at one rate, the model's curves at the
-//! same places, and what is odd.
+//! same places, and anomalies.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -11,7 +11,6 @@ use kufe_sled::{
 };
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::failure;
 use crate::jobs::watch::Watch;
 
 /// Rates at which channels are shown [Hz]: the first with which the page is short enough.
@@ -50,7 +49,7 @@ pub struct ViewedRuns {
 pub struct ViewedRun {
     /// Its row in the index.
     pub entry: Entry,
-    /// Its faults and what is odd.
+    /// Its faults and anomalies.
     pub examination: Examination,
     /// Time of the first sample, as recorded [s].
     pub t0_s: f64,
@@ -58,8 +57,8 @@ pub struct ViewedRun {
     pub rate_hz: f64,
     /// Every channel, `s_m` among them; NaN in gaps.
     pub columns: BTreeMap<String, Vec<f64>>,
-    /// What the model's sensors say at the same places, and `behind_s`, the time by which the run
-    /// comes later than the model; NaN where the model did not come. Empty without a model.
+    /// Readings of the model's sensors at the same places, and `behind_s`, the time by which the
+    /// run comes later than the model; NaN where the model did not come. Empty without a model.
     pub model: BTreeMap<String, Vec<f64>>,
     /// Where run and model part.
     pub sections: Vec<Section>,
@@ -84,20 +83,16 @@ struct Driven {
 /// [`Failure::BadInput`] for index, model and tracks that cannot be read, and where no run can be
 /// shown or they are too long.
 pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Failure> {
-    let wrong = |reason: String| {
-        let index = options.runs.display();
-        Failure::BadInput(format!("{index}: {reason}"))
-    };
-    let entries = read_index(&options.runs).map_err(failure)?;
+    let wrong = |reason: String| Failure::in_file(&options.runs, reason);
+    let entries = read_index(&options.runs)?;
     if let Some(name) = (options.only.iter()).find(|name| entries.iter().all(|e| e.run != **name)) {
         let names: Vec<&str> = entries.iter().map(|entry| entry.run.as_str()).collect();
         let names = names.join(", ");
         return Err(wrong(format!("--run {name}: the runs are {names}")));
     }
-    let driven = match &options.model {
-        Some(model) => Some(Driven::read(model, options, &entries, watch)?),
-        None => None,
-    };
+    let model = options.model.as_ref();
+    let driven = model.map(|model| Driven::read(model, options, &entries, watch));
+    let driven = driven.transpose()?;
     watch.progress(&format!("examining {} runs", entries.len()));
     let is_chosen = |run: &str| options.only.is_empty() || options.only.iter().any(|n| n == run);
     let examined = examine_with(&options.runs, |one, run| {
@@ -106,7 +101,7 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
     });
     let (mut runs, mut left_out) = (BTreeMap::new(), Vec::new());
     let mut prepared = Vec::new();
-    for (one, run) in examined.map_err(failure)? {
+    for (one, run) in examined? {
         match (one.refused, run) {
             (Some(reason), _) if is_chosen(&one.run) => left_out.push([one.run, reason]),
             (_, Some((run, states))) => {
@@ -128,9 +123,8 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
         .filter_map(|entry| runs.remove(&entry.run))
         .collect();
     if runs.is_empty() {
-        let reason = left_out
-            .first()
-            .map_or(String::new(), |[run, why]| format!(": run {run}: {why}"));
+        let reason = left_out.first();
+        let reason = reason.map_or(String::new(), |[run, why]| format!(": run {run}: {why}"));
         return Err(wrong(format!("no run can be shown{reason}")));
     }
     let fits = |rate: &&f64| count(&runs, **rate) <= options.most_values;
@@ -150,10 +144,7 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
     Ok(ViewedRuns {
         index: options.runs.display().to_string(),
         rate_hz,
-        model: options
-            .model
-            .as_ref()
-            .map(|path| path.display().to_string()),
+        model: model.map(|path| path.display().to_string()),
         runs,
         left_out,
     })
@@ -176,8 +167,8 @@ impl Driven {
         watch: &Watch,
     ) -> Result<Driven, Failure> {
         let file = model;
-        let model = Model::load(file).map_err(failure)?;
-        let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
+        let model = Model::load(file)?;
+        let vehicle = Vehicle::with_effects(&model)?;
         let names: BTreeSet<&str> = entries.iter().map(|entry| entry.track.as_str()).collect();
         let names: Vec<&str> = names.into_iter().collect();
         for text in vehicle.effects_elsewhere(&names) {
@@ -185,17 +176,14 @@ impl Driven {
         }
         let mut tracks = BTreeMap::new();
         if let Some(path) = &options.track {
-            let track = Track::load(path).map_err(failure)?;
+            let track = Track::load(path)?;
             tracks.insert(track.name.clone(), track);
         }
         for name in names.into_iter().filter(|_| options.track.is_none()) {
-            let path = options
-                .runs
-                .parent()
-                .unwrap_or(Path::new(""))
-                .join(track_file(name));
+            let folder = options.runs.parent().unwrap_or(Path::new(""));
+            let path = folder.join(track_file(name));
             if path.is_file() {
-                tracks.insert(name.to_owned(), Track::load(&path).map_err(failure)?);
+                tracks.insert(name.to_owned(), Track::load(&path)?);
             } else {
                 let path = path.display();
                 watch.warn(&format!("{path}: no such table: no model on track {name}"));
@@ -284,9 +272,8 @@ pub const BEHIND: &str = "behind_s";
 /// steps at a rate; the steering is the measured one.
 fn model_at(places: &[f64], t0_s: f64, rate_hz: f64, replayed: &Run) -> BTreeMap<String, Vec<f64>> {
     let passed = &replayed.columns[Column::Distance.name()];
-    let names = COLUMNS
-        .iter()
-        .filter(|name| **name != Column::Steering.name());
+    let names = COLUMNS.iter();
+    let names = names.filter(|name| **name != Column::Steering.name());
     let mut channels: Vec<(String, &[f64], Vec<f64>)> = names
         .map(|name| ((*name).to_owned(), &replayed.columns[*name][..], Vec::new()))
         .collect();

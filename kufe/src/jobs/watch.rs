@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::jobs::failure::Failure;
+
 /// Someone who receives progress and warnings, and may stop the job.
 ///
 /// The default hears nothing and never stops.
@@ -33,5 +35,13 @@ impl Watch<'_> {
     /// Whether the job is to stop.
     pub fn stopped(&self) -> bool {
         self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
+
+    /// Ends a job that is to stop.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        if self.stopped() {
+            return Err(Failure::Partial("stopped before the end".into()));
+        }
+        Ok(())
     }
 }

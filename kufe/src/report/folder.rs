@@ -9,7 +9,7 @@ use kufe_sled::{Section, read_index};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::jobs::field::read_exr::read_map;
+use crate::jobs::field::read_map;
 use crate::jobs::gather::relative;
 use crate::jobs::{Failure, runs::failure, table::read_table};
 use crate::report::contact::{ContactPage, SeriesPage};

@@ -63,7 +63,7 @@ pub struct HullCheck {
     pub loads: Option<Vec<ResolvedLoad>>,
     /// Why no smooth underside could be fitted.
     pub no_underside: Option<String>,
-    /// What a user of the hull should know.
+    /// Warnings about the hull.
     pub warnings: Vec<String>,
     /// The case that was written.
     pub written: Option<PathBuf>,
@@ -84,9 +84,9 @@ pub struct ResolvedLoad {
     pub p_max_error: f64,
     /// Estimated error of the surface where it touches [m].
     pub error_m: f64,
-    /// What would be enough, where it is not.
+    /// The sampling that would be enough, where this one is not.
     pub enough: Option<Sampling>,
-    /// What would halve the error of the peak.
+    /// The sampling that would halve the error of the peak.
     pub halves: Sampling,
 }
 

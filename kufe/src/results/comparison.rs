@@ -86,9 +86,11 @@ pub fn compared_quantities(
     let number = |data: &Data, key: &str| data.get(key).and_then(Datum::number);
     let row = |key: &str, error_key: &str| {
         let [first, second] = [number(a, key)?, number(b, key)?];
-        let error = |k: usize, data: &Data| match key == PeakPressure::DESCRIPTION.key {
-            true => Some(peaks[k]).filter(|error| error.is_finite()),
-            false => number(data, error_key),
+        let error = |k: usize, data: &Data| {
+            if key == PeakPressure::DESCRIPTION.key {
+                return Some(peaks[k]).filter(|error| error.is_finite());
+            }
+            number(data, error_key)
         };
         let (first_error, second_error) = (error(0, a), error(1, b));
         let difference = second - first;

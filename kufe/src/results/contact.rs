@@ -29,7 +29,7 @@ pub struct ContactResult {
     /// Largest compressive stress across the surface in `field.vtu` [Pa].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stress_max_pa: Option<f64>,
-    /// Relative error of the peak pressure that the case asks for.
+    /// Relative error of the peak pressure that the case requests.
     pub accuracy_asked: f64,
     /// Whether the error is within it.
     pub accuracy_reached: bool,
@@ -94,7 +94,7 @@ pub struct ContactResult {
     pub content_sha256: String,
     /// The surface fitted through a hull's vertices.
     pub hull_fit: Option<HullFit>,
-    /// What a reader of the result should know.
+    /// Warnings and remarks.
     pub warnings: Vec<String>,
     /// What happened on each mesh.
     pub history: Vec<MeshResult>,
@@ -120,19 +120,13 @@ pub struct ErrorPart {
 impl ContactResult {
     /// The parts of the error of the peak pressure [Pa].
     pub fn peak_error_parts(&self) -> Vec<ErrorPart> {
-        [
-            ("discretisation", Some(self.p_max.error)),
-            ("scan noise", self.p_max_noise_pa),
-            ("fit through the vertices", self.p_max_hull_pa),
-        ]
-        .into_iter()
-        .filter_map(|(source, error)| {
-            Some(ErrorPart {
-                source,
-                error: error?,
-            })
-        })
-        .collect()
+        let part = |source, error: Option<f64>| error.map(|error| ErrorPart { source, error });
+        let parts = [
+            part("discretisation", Some(self.p_max.error)),
+            part("scan noise", self.p_max_noise_pa),
+            part("fit through the vertices", self.p_max_hull_pa),
+        ];
+        parts.into_iter().flatten().collect()
     }
 
     /// The peak pressure with its total error: the sum of [its parts](Self::peak_error_parts).

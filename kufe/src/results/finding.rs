@@ -54,7 +54,7 @@ pub struct Fitted {
     pub unit: String,
 }
 
-/// What an installation is off by.
+/// An error of the installation within its tolerance.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Tolerated {
     /// What it is, such as the delay of a channel.
@@ -134,12 +134,12 @@ pub struct Step {
     /// Where runs meet a wall, each with a force of its own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<ContactPlace>,
-    /// What each kind of data of a campaign says of it by itself.
+    /// Evidence of each kind of data of a campaign by itself.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub evidence: Vec<OfKind>,
 }
 
-/// What one kind of data of a campaign says of an effect by itself.
+/// Evidence of one kind of data of a campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct OfKind {
     /// Kind of data.
@@ -242,7 +242,7 @@ pub struct ChannelGap {
     pub noise: f64,
 }
 
-/// What a model leaves of the misfit that repeats from run to run, in one channel.
+/// Residual misfit of a model that repeats from run to run, in one channel.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Remaining {
     /// Channel.
@@ -304,7 +304,7 @@ pub struct Withheld {
     pub reason: String,
 }
 
-/// What would have been seen.
+/// Smallest sizes of effects that would have been found.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Detectable {
     /// Effect.
@@ -409,7 +409,7 @@ pub struct Report {
     /// Base parameters that a refit moves out of their plausible range.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub implausible: Vec<Fitted>,
-    /// What would have been seen.
+    /// Smallest sizes of effects that would have been found.
     pub minimum_detectable: Vec<Detectable>,
     /// What to measure next.
     pub next_experiment: String,
@@ -435,7 +435,7 @@ pub struct Report {
     pub training: Vec<ChannelGap>,
     /// Effects that could not be tested, and why.
     pub untestable: Vec<(String, String)>,
-    /// What the reader should know.
+    /// Remarks.
     pub remarks: Vec<String>,
     /// Runs with gaps: what is not there, and how much takes part; absent where there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -455,7 +455,7 @@ pub struct NextRuns {
     pub runs: usize,
     /// Track.
     pub track: String,
-    /// What differs from the runs there are.
+    /// Difference from the runs at hand.
     pub change: String,
     /// Speed at the start \[m/s\].
     pub start_speed_mps: f64,
@@ -483,15 +483,15 @@ pub struct NextRuns {
 /// A picture for the page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// What it shows.
+    /// Title.
     pub title: String,
     /// What its marks mean; empty where its key says it.
     pub caption: String,
-    /// What is drawn.
+    /// Contents.
     pub plot: Plot,
 }
 
-/// What a picture draws.
+/// The contents of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Plot {
     /// Points over one column.
@@ -507,7 +507,7 @@ pub enum Plot {
 /// Points over one column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
-    /// What it is called for those who do not see it.
+    /// Alternative text.
     pub label: String,
     /// Column of `x`, whose suffix states the unit.
     pub x_name: String,

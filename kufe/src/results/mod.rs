@@ -1,8 +1,8 @@
 //! Results as typed documents.
 //!
 //! Each command writes one of these structs as JSON, and each command that reads it uses the same
-//! struct. The keys are those of the formats page. [`QUANTITIES`] states the key, the unit and
-//! the label of every number with an error once; text, tables and pages are made from it.
+//! struct. The keys are those of the formats page. [`QUANTITIES`] states the key, the unit and the
+//! label of every number with an error once; text, tables and pages are made from it.
 //!
 //! | item | document |
 //! |---|---|
@@ -37,7 +37,6 @@ mod datum;
 mod document;
 pub mod finding;
 mod friction;
-mod imported;
 mod quantity;
 mod record;
 mod runs;
@@ -50,7 +49,6 @@ pub use contact::*;
 pub use datum::{Data, Datum};
 pub use document::DocumentKind;
 pub use friction::*;
-pub use imported::*;
 pub use quantity::*;
 pub use record::{CaseRecord, write_csv};
 pub use runs::*;

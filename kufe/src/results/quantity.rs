@@ -8,7 +8,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-/// What a number is: its key in files, and how it is shown.
+/// Key, label and shown unit of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Description {
     /// Key of the value; its ending is the SI unit.

@@ -1,21 +1,22 @@
-//! Documents of recorded and simulated runs.
+//! Documents of recorded, simulated and imported runs.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::PathBuf;
 
 use kufe_sled::sample_data::{Planned, sample_drivers};
 use kufe_sled::{
-    AlignedRun, Driver, DriverLosses, EnergyBalance, Examination, FitResult, Group, OutsideTable,
-    Replay, RunEvaluation, RunValidation, SampleCoverage, TrackEstimate, TrackValidation,
-    WallContact,
+    AlignedRun, Driver, DriverLosses, Examination, FitResult, Group, OutsideTable, Replay,
+    RunEvaluation, RunValidation, SampleCoverage, TrackEstimate, TrackValidation, WallContact,
 };
+use kufe_telemetry::{ExcludedRun, Note};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::results::datum::{Data, Datum};
 use crate::results::record::write_csv;
 
-/// What a result made of recorded runs states of them.
+/// Exclusions, gaps and table limits of the runs of a result.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct RunsUsed {
@@ -60,53 +61,51 @@ pub struct Evaluation {
     pub used: RunsUsed,
 }
 
-/// A row of `evaluation.csv`.
-#[derive(Serialize)]
-struct EvaluationRow<'a> {
-    run: &'a str,
-    track: &'a str,
-    driver: &'a str,
-    driver_class: &'a str,
-    session: &'a str,
-    time_s: f64,
-    e_tot_loss_j: f64,
-    increase_front: f64,
-    increase_rear: f64,
-    increase_aero: f64,
-    increase_total: f64,
-    steering_above_2deg: f64,
-    steering_above_4deg: f64,
-    slip_front_above_2deg: f64,
-    slip_front_above_4deg: f64,
-    slip_rear_above_2deg: f64,
-    slip_rear_above_4deg: f64,
-}
+/// A column of numbers of `evaluation.csv`.
+type Column = (&'static str, fn(&RunEvaluation) -> f64);
+
+/// The columns after those of the run's names.
+const COLUMNS: [Column; 12] = [
+    ("time_s", |run| run.time_s),
+    ("e_tot_loss_j", |run| run.e_tot_loss_j),
+    ("increase_front", |run| run.increase_front),
+    ("increase_rear", |run| run.increase_rear),
+    ("increase_aero", |run| run.increase_aero),
+    ("increase_total", |run| run.increase_total),
+    ("steering_above_2deg", |run| run.steering.share_above_2deg),
+    ("steering_above_4deg", |run| run.steering.share_above_4deg),
+    ("slip_front_above_2deg", |run| {
+        run.slip_front.share_above_2deg
+    }),
+    ("slip_front_above_4deg", |run| {
+        run.slip_front.share_above_4deg
+    }),
+    ("slip_rear_above_2deg", |run| run.slip_rear.share_above_2deg),
+    ("slip_rear_above_4deg", |run| run.slip_rear.share_above_4deg),
+];
 
 /// Writes `evaluation.csv`: a row a run.
 ///
 /// # Errors
 /// Those of the writer.
 pub fn write_evaluation_csv(writer: impl Write, runs: &[RunEvaluation]) -> std::io::Result<()> {
-    let rows = runs.iter().map(|run| EvaluationRow {
-        run: &run.run,
-        track: &run.track,
-        driver: &run.driver,
-        driver_class: &run.driver_class,
-        session: &run.session,
-        time_s: run.time_s,
-        e_tot_loss_j: run.e_tot_loss_j,
-        increase_front: run.increase_front,
-        increase_rear: run.increase_rear,
-        increase_aero: run.increase_aero,
-        increase_total: run.increase_total,
-        steering_above_2deg: run.steering.share_above_2deg,
-        steering_above_4deg: run.steering.share_above_4deg,
-        slip_front_above_2deg: run.slip_front.share_above_2deg,
-        slip_front_above_4deg: run.slip_front.share_above_4deg,
-        slip_rear_above_2deg: run.slip_rear.share_above_2deg,
-        slip_rear_above_4deg: run.slip_rear.share_above_4deg,
+    let rows = runs.iter().map(|run| {
+        let names = [
+            ("run", &run.run),
+            ("track", &run.track),
+            ("driver", &run.driver),
+            ("driver_class", &run.driver_class),
+            ("session", &run.session),
+        ];
+        let names = names.map(|(key, name)| (key.to_owned(), Datum::Text(name.clone())));
+        let number = |(key, of): &Column| Ok((key.to_string(), Datum::of(&of(run))?));
+        let numbers = COLUMNS
+            .iter()
+            .map(number)
+            .collect::<std::io::Result<Vec<_>>>()?;
+        Ok(Data(names.into_iter().chain(numbers).collect()))
     });
-    write_csv(writer, &rows.collect::<Vec<_>>())
+    write_csv(writer, &rows.collect::<std::io::Result<Vec<_>>>()?)
 }
 
 /// `validation.json`: measured and modelled lateral force.
@@ -172,25 +171,6 @@ pub struct Simulation {
     pub version: String,
 }
 
-impl Simulation {
-    /// Of runs that took `seconds` to simulate `simulated_s`.
-    pub fn new(
-        runs: Vec<SimulatedRun>,
-        track: &str,
-        driver: &str,
-        simulated_s: f64,
-        seconds: f64,
-    ) -> Self {
-        Simulation {
-            runs,
-            track: track.to_owned(),
-            driver: driver.to_owned(),
-            times_real_time: simulated_s / seconds,
-            version: version(),
-        }
-    }
-}
-
 /// One simulated run.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct SimulatedRun {
@@ -212,29 +192,6 @@ pub struct SimulatedRun {
     pub air_j: f64,
     /// Tables of the model that do not span every sample.
     pub outside_tables: Vec<OutsideTable>,
-}
-
-impl SimulatedRun {
-    /// A run with its energies.
-    pub fn new(
-        run: &kufe_sled::Run,
-        seed: u64,
-        finished: bool,
-        energy: &EnergyBalance,
-        outside_tables: Vec<OutsideTable>,
-    ) -> Self {
-        SimulatedRun {
-            run: run.entry.run.clone(),
-            seed,
-            finished,
-            time_s: (run.len() - 1) as f64 * run.dt_s,
-            energy_balance_relative_error: energy.relative_error(),
-            gravity_j: energy.gravity_j,
-            ice_j: energy.ice_j,
-            air_j: energy.air_j,
-            outside_tables,
-        }
-    }
 }
 
 fn version() -> String {
@@ -397,6 +354,96 @@ impl SampleTruth {
             drivers: drivers.collect(),
             runs: runs.collect(),
             version: version(),
+        }
+    }
+}
+
+/// `import.json`: what was imported.
+#[derive(Clone, Debug, Serialize)]
+pub struct ImportList {
+    /// The mapping's file.
+    pub mapping: String,
+    /// Version of the program.
+    pub version: String,
+    /// Files of the folder.
+    pub files: Vec<String>,
+    /// Run by run.
+    pub runs: Vec<ImportedRun>,
+    /// Runs that are not imported, with the reason.
+    pub excluded: Vec<ExcludedRun>,
+}
+
+/// One imported run.
+#[derive(Clone, Debug, Serialize)]
+pub struct ImportedRun {
+    /// Its name.
+    pub run: String,
+    /// Its length [s].
+    pub seconds: f64,
+    /// Samples by channel.
+    pub samples: BTreeMap<String, SampleCount>,
+    /// Rows without a value by channel.
+    pub missing_rows: BTreeMap<String, usize>,
+    /// Delays that were found by logger.
+    pub delays: BTreeMap<String, FoundDelay>,
+    /// Further remarks.
+    pub remarks: Vec<String>,
+}
+
+/// Samples of a channel.
+#[derive(Clone, Debug, Serialize)]
+pub struct SampleCount {
+    /// Those that its rate makes.
+    pub expected: usize,
+    /// Those with a value.
+    pub read: usize,
+}
+
+/// The delay of a logger's clock.
+#[derive(Clone, Debug, Serialize)]
+pub struct FoundDelay {
+    /// Delay [s].
+    pub delay_s: f64,
+    /// Its standard error [s].
+    pub delay_sd_s: Option<f64>,
+    /// What else the delay contains.
+    pub delay_includes: Option<&'static str>,
+}
+
+impl ImportedRun {
+    /// Of a run that was made so.
+    pub fn of(note: &Note) -> ImportedRun {
+        let samples = note.channels.iter().map(|(name, channel)| {
+            let count = SampleCount {
+                expected: channel.expected_samples,
+                read: channel.samples,
+            };
+            (name.clone(), count)
+        });
+        let missing = note
+            .channels
+            .iter()
+            .map(|(name, c)| (name.clone(), c.missing_rows));
+        let clocks = note
+            .loggers
+            .iter()
+            .map(|(name, logger)| (name, &logger.clock));
+        let found = clocks.filter(|(_, clock)| clock.source == "found");
+        let delays = found.map(|(name, clock)| {
+            let delay = FoundDelay {
+                delay_s: clock.delay_s,
+                delay_sd_s: clock.delay_sd_s,
+                delay_includes: clock.delay_includes,
+            };
+            (name.clone(), delay)
+        });
+        ImportedRun {
+            run: note.run.clone(),
+            seconds: note.rows as f64 / note.rate_hz,
+            samples: samples.collect(),
+            missing_rows: missing.filter(|(_, rows)| *rows > 0).collect(),
+            delays: delays.collect(),
+            remarks: note.remarks.clone(),
         }
     }
 }

@@ -78,18 +78,17 @@ impl Radius {
 impl VariedKeys {
     /// The keys and their values, in order.
     pub fn named(&self) -> Vec<(&'static str, String)> {
-        let number = |value: Option<f64>| value.map(|value| value.to_string());
-        let radius = self.radius_m.as_ref().map(Radius::metres);
-        [
-            ("rocker_radius_m", number(self.rocker_radius_m)),
-            ("radius_m", number(radius)),
-            ("pitch_rad", number(self.pitch_rad)),
-            ("roll_rad", number(self.roll_rad)),
-            ("fz_n", number(self.fz_n)),
-        ]
-        .into_iter()
-        .filter_map(|(key, value)| Some((key, value?)))
-        .collect()
+        let keys = [
+            ("rocker_radius_m", self.rocker_radius_m),
+            ("radius_m", self.radius_m.as_ref().map(Radius::metres)),
+            ("pitch_rad", self.pitch_rad),
+            ("roll_rad", self.roll_rad),
+            ("fz_n", self.fz_n),
+        ];
+        let varied = keys.into_iter();
+        varied
+            .filter_map(|(key, value)| Some((key, value?.to_string())))
+            .collect()
     }
 }
 
@@ -186,10 +185,8 @@ impl SeriesResult {
 
 impl From<&ContactResult> for SeriesResult {
     fn from(result: &ContactResult) -> Self {
-        let shear = result
-            .subsurface
-            .as_ref()
-            .and_then(|line| line.shear.as_ref());
+        let line = result.subsurface.as_ref();
+        let shear = line.and_then(|line| line.shear.as_ref());
         let sliding = result.sliding.as_ref();
         SeriesResult {
             p_max: result.p_max,

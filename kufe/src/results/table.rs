@@ -1,11 +1,16 @@
 //! Documents of lookup tables: what one contains, and its values at one contact.
 
 use kufe_lut::{
-    Axes, AxisKind, Error, Interpolated, Interpolator, Method, Mode, Outside, Quantity, Sample,
-    Table,
+    Axes, AxisKind, Error, Interpolator, Method, Mode, Outside, Quantity, Sample, Table,
 };
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
+
+/// Largest relative error of an interpolation, where it was measured.
+fn error(table: &Table, quantity: Quantity, mode: Mode) -> Result<Option<f64>, Error> {
+    let measured = table.interpolation_error(quantity, mode)?;
+    Ok(measured.map(|measured| measured.max))
+}
 
 /// A table that was solved, and what it cost.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -53,10 +58,6 @@ impl TableSummary {
     /// # Errors
     /// Those of the interpolation at the checks.
     pub fn new(table: &Table, solves: usize, seconds: f64) -> Result<Self, Error> {
-        let error = |mode| {
-            let measured = table.interpolation_error(table.judged(), mode)?;
-            Ok::<_, Error>(measured.map(|measured| measured.max))
-        };
         let axes = table.axes();
         let solver = |of| (table.judged() == of).then(|| table.solver_error());
         Ok(TableSummary {
@@ -69,8 +70,8 @@ impl TableSummary {
             checks: table.checks().len(),
             by_boundary_elements: table.solved_by(Method::BoundaryElements),
             interpolation_requested: table.interpolation_requested,
-            interpolation_smooth: error(Mode::Smooth)?,
-            interpolation_bilinear: error(Mode::Bilinear)?,
+            interpolation_smooth: error(table, table.judged(), Mode::Smooth)?,
+            interpolation_bilinear: error(table, table.judged(), Mode::Bilinear)?,
             solver_p_max: solver(Quantity::PMax),
             solver_mu: solver(Quantity::Mu),
             solves,
@@ -126,7 +127,7 @@ pub struct AxisRange {
     pub from: f64,
     /// The last.
     pub to: f64,
-    /// What becomes of inputs outside: "hold", "linear" or "error".
+    /// Rule for inputs outside: "hold", "linear" or "error".
     pub outside: &'static str,
 }
 
@@ -135,14 +136,12 @@ impl AxisRange {
     pub(crate) fn of(axes: &Axes) -> impl Iterator<Item = (&'static str, AxisRange)> {
         AxisKind::ALL.into_iter().filter_map(|kind| {
             let values = axes.get(kind)?;
-            let [from, to] = match kind {
-                AxisKind::Curvature => axes.curvature_range(axes.fz()[0]),
-                _ => [values[0], values[values.len() - 1]],
-            };
-            // A rocker radius outside is refused.
-            let outside = match kind {
-                AxisKind::RockerRadius => Outside::Error,
-                _ => axes.outside(kind),
+            let ends = [values[0], values[values.len() - 1]];
+            let ([from, to], outside) = match kind {
+                AxisKind::Curvature => (axes.curvature_range(axes.fz()[0]), axes.outside(kind)),
+                // A rocker radius outside is refused.
+                AxisKind::RockerRadius => (ends, Outside::Error),
+                _ => (ends, axes.outside(kind)),
             };
             let range = AxisRange {
                 points: values.len(),
@@ -188,15 +187,11 @@ impl TableInfo {
         let mut quantities = Vec::new();
         for &quantity in table.quantities() {
             let values = || table.values(quantity).unwrap_or_default().iter().copied();
-            let error = |mode| {
-                let measured = table.interpolation_error(quantity, mode)?;
-                Ok::<_, Error>(measured.map(|measured| measured.max))
-            };
             let range = QuantityRange {
                 min: values().fold(f64::INFINITY, f64::min),
                 max: values().fold(f64::NEG_INFINITY, f64::max),
-                smooth_error: error(Mode::Smooth)?,
-                bilinear_error: error(Mode::Bilinear)?,
+                smooth_error: error(table, quantity, Mode::Smooth)?,
+                bilinear_error: error(table, quantity, Mode::Bilinear)?,
             };
             quantities.push((quantity.key(), range));
         }
@@ -262,13 +257,11 @@ fn by_key<S: Serializer>(values: &[LookupValue], serializer: S) -> Result<S::Ok,
     let mut map = serializer.serialize_map(None)?;
     for value in values {
         map.serialize_entry(value.quantity.key(), &value.value)?;
-        let key = value.quantity.error_key();
-        if value.includes_solver {
-            map.serialize_entry(key, &value.error)?;
-        } else {
-            let key = key.replacen("_error", "_interpolation_error", 1);
-            map.serialize_entry(&key, &value.error)?;
+        let mut key = value.quantity.error_key().to_owned();
+        if !value.includes_solver {
+            key = key.replacen("_error", "_interpolation_error", 1);
         }
+        map.serialize_entry(&key, &value.error)?;
     }
     map.end()
 }
@@ -288,18 +281,15 @@ impl TableLookup {
         let (mut values, mut out_of_range) = (Vec::new(), false);
         for &quantity in table.quantities() {
             let interpolator = Interpolator::new(table, quantity, mode, rocker_radius)?;
-            let Interpolated {
-                value,
-                out_of_range: outside,
-            } = interpolator.at(at);
-            out_of_range |= outside;
-            let measured = table.interpolation_error(quantity, mode)?.map(|m| m.max);
+            let found = interpolator.at(at);
+            out_of_range |= found.out_of_range;
+            let measured = error(table, quantity, mode)?;
             let solver = table.solver_error_of(quantity);
             let relative = solver.map_or(measured, |s| Some(s + measured.unwrap_or(0.0)));
             values.push(LookupValue {
                 quantity,
-                value,
-                error: relative.map(|relative| (relative * value).abs()),
+                value: found.value,
+                error: relative.map(|relative| (relative * found.value).abs()),
                 includes_solver: solver.is_some(),
             });
         }

@@ -49,7 +49,7 @@ const POWERS: [[i32; 2]; 15] = [
 ];
 
 /// Noise of an underside's nodes, estimated from their heights.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
     /// Standard deviation about a smooth surface [m]; 0 where it is no more than rounding.
     pub found: f64,

@@ -26,7 +26,7 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// What is known of it.
+    /// Name, formula, parameter and source.
     pub fn info(&'static self) -> &'static Info {
         &self.info
     }
@@ -127,7 +127,7 @@ pub enum Adds {
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Search {
-    /// Whether a peak pressure alone says next to nothing of it.
+    /// Whether a peak pressure alone does not determine it.
     pub needs_map: bool,
     /// How the maps follow its size.
     pub growth: Growth,

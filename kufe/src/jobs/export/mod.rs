@@ -1,7 +1,6 @@
 //! A contact problem for another solver: a deck of CalculiX, or the assembled stiffness.
 
 mod calculix;
-mod deck;
 mod stiffness;
 
 pub use calculix::{CalculixDeck, DeckResult};

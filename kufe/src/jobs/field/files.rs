@@ -1,8 +1,8 @@
-//! What one solved case is written to.
+//! The files of a solved case.
 
 use std::fmt::Display;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use kufe_contact::{PressureMap, Solution, pressure_maps};
@@ -12,13 +12,12 @@ use serde::Serialize;
 
 use crate::jobs::document_mat::write_document_mat;
 use crate::jobs::failure::Failure;
-use crate::jobs::field::groove_picture::groove_picture;
-use crate::jobs::field::map_picture::map_picture;
+use crate::jobs::field::groove::write_sliding;
+use crate::jobs::field::maps::map_picture;
 use crate::jobs::field::placed_hull::placed_hull;
 use crate::jobs::field::stress_picture::stress_picture;
-use crate::jobs::field::{contact_vtp, groove_map, subsurface, volume_vtu, write_exr};
+use crate::jobs::field::{exr, subsurface, vtk};
 use crate::jobs::press::{SolvedContact, newtons};
-use crate::jobs::slide::SolvedSliding;
 use crate::plot::Figure;
 use crate::results::{ContactResult, Length, Quantity};
 
@@ -48,10 +47,10 @@ impl NewFiles<'_> {
         name: &str,
         write: impl FnOnce(&File) -> Result<(), E>,
     ) -> Result<(), Failure> {
+        let failure = |error: &dyn Display| Failure::unwritable(&self.named.join(name), error);
         if !is_plain(name) {
-            return Err(self.failure(name, &"it is not the plain name of a file"));
+            return Err(failure(&"it is not the plain name of a file"));
         }
-        let failure = |error: &dyn Display| self.failure(name, error);
         let file = File::create_new(self.hidden.join(name)).map_err(|e| failure(&e))?;
         write(&file).map_err(|error| failure(&error))?;
         file.sync_all().map_err(|error| failure(&error))
@@ -78,13 +77,7 @@ impl NewFiles<'_> {
     /// # Errors
     /// As [`write`](Self::write).
     pub fn json(&self, name: &str, result: &impl Serialize) -> Result<(), Failure> {
-        let text = pretty(result)?;
-        self.bytes(name, text.as_bytes())
-    }
-
-    fn failure(&self, name: &str, reason: &dyn Display) -> Failure {
-        let path = self.named.join(name);
-        Failure::BadInput(format!("{}: cannot be written: {reason}", path.display()))
+        self.bytes(name, pretty(result)?.as_bytes())
     }
 }
 
@@ -93,8 +86,7 @@ impl NewFiles<'_> {
 /// # Errors
 /// [`Failure::BadInput`] for a result that JSON cannot state.
 pub fn pretty(result: &impl Serialize) -> Result<String, Failure> {
-    let text = serde_json::to_string_pretty(result).map_err(Failure::bad_input)?;
-    Ok(text + "\n")
+    Ok(serde_json::to_string_pretty(result)? + "\n")
 }
 
 /// The picture's title.
@@ -108,10 +100,12 @@ fn title(solution: &Solution) -> String {
         Length::DESCRIPTION.amount(solution.width),
     )
 }
+
 /// Writes result.json, pressure.exr, pressure.png, field.vtu where the ice was solved in its
-/// volume, contact.vtp, hull.glb where the shape has ends, and runner.vtu and stress.png where the runner deforms; where it slides groove.exr,
-/// groove.png and film.csv; with a centre line subsurface.csv and subsurface.png, and the maximum
-/// shear stress in the VTU files; with `mat` result.mat. Returns the document.
+/// volume, contact.vtp, hull.glb where the shape has ends, and runner.vtu and stress.png where the
+/// runner deforms; where it slides groove.exr, groove.png and film.csv; with a centre line
+/// subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files; with `mat`
+/// result.mat. Returns the document.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the file that cannot be written.
@@ -148,7 +142,7 @@ fn fields(output: NewFiles, pressed: &SolvedContact) -> Result<(f64, Option<f64>
     Ok((maps?, volumes?))
 }
 
-/// Writes what is a picture of the contact plane; returns the largest pressure [Pa].
+/// Writes the maps of the contact plane; returns the largest pressure [Pa].
 fn maps(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
     let solution = &pressed.solution;
     let parts = pressure_maps(solution);
@@ -156,22 +150,19 @@ fn maps(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
     let map = whole.as_ref().unwrap_or(&parts[0]);
     let largest = map.pressure.iter().copied().fold(0.0, f64::max);
     let numbers = || {
+        let figures = [
+            ("fz_n", solution.fz),
+            ("p_max_pa", solution.p_max),
+            ("p_max_error_pa", solution.p_max_error),
+            ("p_max_mesh_pa", solution.p_max_mesh),
+            ("p_max_map_pa", largest),
+        ];
+        let curvature = pressed.problem.track_curvature;
         output.write("pressure.exr", |mut file| {
-            let curvature = pressed.problem.track_curvature;
-            let figures = [
-                ("fz_n", solution.fz),
-                ("p_max_pa", solution.p_max),
-                ("p_max_error_pa", solution.p_max_error),
-                ("p_max_mesh_pa", solution.p_max_mesh),
-                ("p_max_map_pa", largest),
-            ];
-            write_exr::write(&mut file, map, curvature, &figures)
+            exr::write_map(&mut file, map, curvature, &figures)
         })
     };
-    let picture = || {
-        let title = title(solution);
-        output.picture("pressure.png", &map_picture(&parts, &title))
-    };
+    let picture = || output.picture("pressure.png", &map_picture(&parts, &title(solution)));
     let (numbers, picture) = rayon::join(numbers, picture);
     numbers.and(picture)?;
     if let Some(slid) = &pressed.sliding {
@@ -180,8 +171,8 @@ fn maps(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
     Ok(largest)
 }
 
-/// Writes the hexahedra of ice and runner, where they were solved; returns the largest compressive stress across the ice's
-/// surface [Pa].
+/// Writes the hexahedra of ice and runner, where they were solved; returns the largest compressive
+/// stress across the ice's surface [Pa].
 fn volumes(output: NewFiles, pressed: &SolvedContact) -> Result<Option<f64>, Failure> {
     let shear = pressed.line.is_some();
     let solution = &pressed.solution;
@@ -189,36 +180,34 @@ fn volumes(output: NewFiles, pressed: &SolvedContact) -> Result<Option<f64>, Fai
         return Ok(None);
     };
     let mut stress_max = 0.0;
+    let groove = pressed.sliding.as_ref().map(|slid| &slid.groove.depth[..]);
     output.write("field.vtu", |mut file| {
-        let groove = pressed.sliding.as_ref().map(|slid| &slid.groove.depth[..]);
-        stress_max = volume_vtu::write_ice(&mut file, (volume, solution), groove, shear)?;
+        stress_max = vtk::write_ice(&mut file, (volume, solution), groove, shear)?;
         Ok::<_, Failure>(())
     })?;
-    if let (Some(field), Some(elastic)) = (&solution.runner_volume, &pressed.problem.runner.elastic)
-    {
+    let elastic = &pressed.problem.runner.elastic;
+    if let (Some(field), Some(elastic)) = (&solution.runner_volume, elastic) {
         output.write("runner.vtu", |mut file| {
-            volume_vtu::write_runner(&mut file, field, elastic, solution.symmetry, shear)
+            vtk::write_runner(&mut file, field, elastic, solution.symmetry, shear)
         })?;
     }
     Ok(Some(stress_max))
 }
 
-/// Writes the patch, the sections of a runner that deforms, and the hull where it stands.
+/// Writes the patch, the sections of a runner that deforms, and the hull after approach and tilt.
 fn surfaces(output: NewFiles, pressed: &SolvedContact) -> Result<(), Failure> {
     let solution = &pressed.solution;
     output.write("contact.vtp", |mut file| {
-        contact_vtp::write(&mut file, &solution.surface, solution.fz)
+        vtk::write_contact(&mut file, &solution.surface, solution.fz)
     })?;
     if let (Some(field), Some(loads)) = (&solution.runner_volume, &pressed.runner) {
-        output.picture(
-            "stress.png",
-            &stress_picture(field, loads, solution.symmetry),
-        )?;
+        let picture = stress_picture(field, loads, solution.symmetry);
+        output.picture("stress.png", &picture)?;
     }
-    if let Some(hull) = placed_hull(&pressed.problem, solution) {
-        output.write("hull.glb", |file| HullFormat::Gltf.write(&hull, file))?;
+    match placed_hull(&pressed.problem, solution) {
+        Some(hull) => output.write("hull.glb", |file| HullFormat::Gltf.write(&hull, file)),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// Writes every key of result.json as a variable and the map of pressure.exr: `x_m` and `y_m`, the
@@ -250,52 +239,4 @@ fn write_mat(
     ];
     let fields = fields.map(|(name, value)| (name.to_owned(), value));
     write_document_mat(writer, result, fields.into())
-}
-
-const COMMENTS: &str = "depth: plastic depth of the ice [m]. Column i, row j of the pixels is centred at x = origin_x_m + i pixel_x_m \
-    (along the runner, which slides towards +x), y = origin_y_m + j pixel_y_m (across): column 0 is the groove that is left.";
-
-/// Writes groove.exr, groove.png and film.csv.
-///
-/// # Errors
-/// [`Failure::BadInput`] with the file that cannot be written.
-fn write_sliding(
-    output: NewFiles,
-    pressed: &SolvedContact,
-    map: &PressureMap,
-    slid: &SolvedSliding,
-) -> Result<(), Failure> {
-    let depths = groove_map::depths(map, &pressed.solution.surface, &slid.groove.depth);
-    let numbers = [
-        ("fz_n", pressed.solution.fz),
-        ("hardness_pa", slid.hardness.value),
-    ];
-    output.write("groove.exr", |mut file| {
-        write_exr::write_channels(&mut file, map, COMMENTS, &numbers, &[("depth", &depths)])
-    })?;
-    output.write("film.csv", |file| write_film(file, slid))?;
-    output.picture("groove.png", &groove_picture(pressed, slid))
-}
-
-/// The film station by station, from the front.
-fn write_film(mut file: impl Write, slid: &SolvedSliding) -> io::Result<()> {
-    writeln!(
-        file,
-        "x_m,width_m,pressure_pa,film_m,temperature_c,melt_mps,shear_pa,boundary_share"
-    )?;
-    for station in &slid.film.film.stations {
-        writeln!(
-            file,
-            "{:.9e},{:.6e},{:.6e},{:.6e},{:.6},{:.6e},{:.6e},{:.6e}",
-            slid.film.front - station.xi,
-            station.width,
-            station.pressure,
-            station.thickness,
-            station.temperature,
-            station.melt_rate,
-            station.shear,
-            station.boundary_share
-        )?;
-    }
-    Ok(())
 }

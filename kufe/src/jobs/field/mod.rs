@@ -1,19 +1,18 @@
-//! A solved contact's fields as files and pictures: the map of the pressure, the groove, what is in the bodies.
+//! A solved contact's fields as files and pictures: the map of the pressure, the groove, what is in
+//! the bodies.
 
-pub mod compared_maps;
-pub mod contact_vtp;
+mod exr;
 mod files;
-pub mod groove_map;
-pub mod groove_picture;
-#[cfg(test)]
-mod hertz_map;
-pub mod map_picture;
+mod groove;
+mod maps;
 mod placed_hull;
-pub mod read_exr;
-pub mod stress_picture;
-pub mod subsurface;
-pub mod volume_vtu;
-pub mod write_exr;
+mod stress_picture;
+mod subsurface;
+#[cfg(test)]
+mod tests;
+mod vtk;
 
+pub use exr::read_map;
 pub use files::{NewFiles, is_plain, pretty, write_contact};
+pub use maps::ComparedMaps;
 pub use placed_hull::placed_hull;

@@ -1,4 +1,4 @@
-//! `hull.glb`: the underside where it stands on the ice.
+//! `hull.glb`: the underside after approach and tilt.
 
 use kufe_contact::{Load, Problem, Solution, track_height};
 use kufe_mesh::Hull;
@@ -6,12 +6,12 @@ use kufe_mesh::Hull;
 /// Points along and across.
 const POINTS: [usize; 2] = [121, 25];
 
-/// The undeformed underside after approach and tilt, in the frame of `field.vtu`: z = 0 is the ice before it yields,
-/// a curved track and waves laid out flat.
+/// The undeformed underside after approach and tilt, in the frame of `field.vtu`: z = 0 is the ice
+/// before it yields, a curved track and waves laid out flat.
 ///
-/// `z = h(x, y) - t(x) - pitch (x - x0) + roll (y - y0) - d`, with `h` the underside, `t` the track and `(x0, y0)` the
-/// load's line of action; `d` puts the deepest point of the solved surface at the approach. `None` for a shape
-/// without ends.
+/// `z = h(x, y) - t(x) - pitch (x - x0) + roll (y - y0) - d`, with `h` the underside, `t` the track
+/// and `(x0, y0)` the load's line of action; `d` puts the deepest point of the solved surface at
+/// the approach. `None` for a shape without ends.
 pub fn placed_hull(problem: &Problem, solution: &Solution) -> Option<Hull> {
     let underside = &problem.runner.underside;
     let [x_min, x_max, y_min, y_max] = underside.extent();
@@ -78,7 +78,8 @@ mod tests {
         };
         let solution = solve(&problem, &Options::default())?;
         let placed = placed_hull(&problem, &solution).expect("a hull with ends");
-        // 1 m over 120 cells, 10 mm over 24: the patch, 60 mm long around x = 70 mm, holds nodes on its axis.
+        // 1 m over 120 cells, 10 mm over 24: the patch, 60 mm long around x = 70 mm, holds nodes on
+        // its axis.
         let surface = &solution.surface;
         let middle = surface.y.partition_point(|&y| y < 0.0);
         let mut met = 0;
@@ -90,7 +91,8 @@ mod tests {
             let (a, b) = (surface.x[i - 1], surface.x[i]);
             let row = &surface.uz[middle * surface.x.len()..][..surface.x.len()];
             let ice = row[i - 1] + (x - a) / (b - a) * (row[i] - row[i - 1]);
-            // The approach is extrapolated from two meshes, the ice's surface is that of the finer one.
+            // The approach is extrapolated from two meshes, the ice's surface is that of the finer
+            // one.
             assert!(
                 (z - ice).abs() < 0.03 * solution.approach,
                 "{x}: hull {z:e}, ice {ice:e}, approach {:e}",

@@ -1,9 +1,10 @@
-//! `stress.png`: the von Mises stress of an elastic runner in the sections through its largest value.
+//! `stress.png`: the von Mises stress of an elastic runner in the sections through its largest
+//! value.
 
 use kufe_contact::{RunnerField, RunnerLoads};
 use kufe_mesh::HexMesh;
 
-use crate::jobs::field::map_picture::GROUND;
+use crate::jobs::field::maps::GROUND;
 use crate::plot::{
     Axis, Cells, ColourBar, Figure, Layer, PALETTE, Panel, Rgb, Scales, Symbol, extent, number4,
 };
@@ -61,7 +62,7 @@ struct Section {
     triangles: Vec<[Corner; 3]>,
     /// Where the stress is largest.
     largest: [f64; 2],
-    /// The axis that lies in the section beside z.
+    /// The horizontal axis of the section.
     flat: usize,
 }
 

@@ -34,9 +34,10 @@ pub fn subsurface_picture(line: &CentreLine) -> Figure {
         .largest_shear()
         .map_or(last, |l| (REACH * l.depth).min(last));
     // Metres as millimetres, or micrometres for contacts as narrow as a hair.
-    let (scale, unit) = match reach < 1e-3 {
-        true => (1e6, "µm"),
-        false => (1e3, "mm"),
+    let (scale, unit) = if reach < 1e-3 {
+        (1e6, "µm")
+    } else {
+        (1e3, "mm")
     };
     type Of = fn([f64; 6]) -> f64;
     let curves: [(&str, Of); 3] = [

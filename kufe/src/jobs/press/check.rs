@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use kufe_contact::{BoundaryElements, CheckUnavailable, Problem, Solution, boundary_elements};
 
-/// What boundary elements say of a contact.
+use crate::results::{Approach, Measured, PeakPressure, Quantity};
+
+/// A contact by boundary elements.
 pub struct Check {
     /// Their figures, or why there are none.
     pub found: Result<BoundaryElements, CheckUnavailable>,
@@ -33,41 +35,31 @@ impl Check {
         let Ok(found) = &self.found else {
             return Vec::new();
         };
-        let pairs = [
-            (
-                "peak pressure",
-                (solution.p_max, &mut solution.p_max_error),
-                (found.p_max, found.p_max_error),
-                (1e-6, "MPa"),
-            ),
-            (
-                "approach",
-                (solution.approach, &mut solution.approach_error),
-                (found.approach, found.approach_error),
-                (1e6, "µm"),
-            ),
+        let peak = Measured::new(found.p_max, found.p_max_error);
+        let approach = Measured::new(found.approach, found.approach_error);
+        let widened = [
+            widened::<PeakPressure>(solution.p_max, &mut solution.p_max_error, peak),
+            widened::<Approach>(solution.approach, &mut solution.approach_error, approach),
         ];
-        let widened = |(name, (first, own), (second, theirs), (factor, unit)): Pair| {
-            let apart = (first - second).abs();
-            if apart <= *own + theirs {
-                return None;
-            }
-            let before = std::mem::replace(own, apart + theirs);
-            let [first, before, second, theirs, own] =
-                [first, before, second, theirs, *own].map(|value| value * factor);
-            Some(format!(
-                "two methods differ: {name} {first:.4} +- {before:.4} {unit} by finite elements, \
-                 {second:.4} +- {theirs:.4} {unit} by boundary elements: the error is widened to \
-                 {own:.4} {unit}"
-            ))
-        };
-        pairs.into_iter().filter_map(widened).collect()
+        widened.into_iter().flatten().collect()
     }
 }
 
-/// A figure's name, its first answer with an error to widen, its second answer with its error, and
-/// the factor to a unit.
-type Pair<'a> = (&'a str, (f64, &'a mut f64), (f64, f64), (f64, &'a str));
+/// Widens the error of a value so that it contains the second answer with its own error, where the
+/// two differ by more than both errors.
+fn widened<Q: Quantity>(value: f64, error: &mut f64, second: Measured<Q>) -> Option<String> {
+    let apart = (value - second.value).abs();
+    if apart <= *error + second.error {
+        return None;
+    }
+    let first = Measured::<Q>::new(value, *error);
+    *error = apart + second.error;
+    let (label, error) = (Q::DESCRIPTION.label, Q::DESCRIPTION.amount(*error));
+    Some(format!(
+        "two methods differ: {label} {first} by finite elements, {second} by boundary elements: \
+         the error is widened to {error}"
+    ))
+}
 
 #[cfg(test)]
 mod tests {

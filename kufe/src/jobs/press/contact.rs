@@ -9,17 +9,19 @@ use kufe_contact::{boundary_elements_to_compare, centre_line, runner_loads, solv
 use kufe_mesh::Underside;
 
 use crate::case::{
-    AccuracyTable, Case, CaseError, FittedHull, IceTable, LoadTable, RunnerTable, SlidingTable,
-    SolverTable, TiltWord, TrackTable,
+    AccuracyTable, Case, FittedHull, IceTable, LoadTable, RunnerTable, SlidingTable, SolverTable,
+    TrackTable,
 };
 use crate::jobs::case_file::{LoadedCase, depth, patch};
 use crate::jobs::failure::Failure;
 use crate::jobs::press::check::Check;
-use crate::jobs::press::hull_error::{
-    HullError, between_vertices, bootstrap_scans, found_noise, moved,
-};
+use crate::jobs::press::hull_error::{HullError, between_vertices, bootstrap_scans, moved};
 use crate::jobs::slide::{SolvedSliding, solve_sliding};
 use crate::jobs::watch::Watch;
+use crate::results::{
+    AsperitiesResult, CaseRecord, CheckResult, ContactResult, HullFit, Measured, MeshResult,
+    RunnerResult, ShearResult, SubsurfaceResult,
+};
 
 /// Where indentation tests see ice near 0 degrees Celsius begin to give way [Pa].
 const ICE_GIVES_WAY: f64 = 10e6;
@@ -60,11 +62,7 @@ impl Contact {
             track: TrackTable::default(),
             load: LoadTable {
                 fz_n: 1000.0,
-                offset_x_m: 0.0,
-                offset_y_m: 0.0,
-                tilt: TiltWord::Free,
-                pitch_rad: None,
-                roll_rad: None,
+                ..LoadTable::default()
             },
             sliding: None,
             accuracy: AccuracyTable::default(),
@@ -89,10 +87,8 @@ impl Contact {
     /// On a track of this radius in the vertical plane, positive in a valley [m].
     #[must_use]
     pub fn track_radius(mut self, radius_m: f64) -> Self {
-        self.loaded.case.track = TrackTable {
-            radius_m: Some(radius_m),
-            curvature_1pm: None,
-        };
+        self.loaded.case.track.radius_m = Some(radius_m);
+        self.loaded.case.track.curvature_1pm = None;
         self
     }
 
@@ -122,14 +118,12 @@ impl Contact {
     /// # Errors
     /// As [`best`](Self::best); [`Failure::NotConverged`] where the accuracy is not reached.
     pub fn solve(self) -> Result<SolvedContact, Failure> {
-        let solved = self.best(&Watch::default())?;
-        match solved.short {
-            Some(failure) => Err(failure),
-            None => Ok(solved),
-        }
+        let mut solved = self.best(&Watch::default())?;
+        solved.short.take().map_or(Ok(solved), Err)
     }
 
-    /// The best solution: where the accuracy is not reached, [`SolvedContact::short`] says why.
+    /// The best solution: where the accuracy is not reached, [`SolvedContact::short`] is the
+    /// reason.
     ///
     /// # Errors
     /// [`Failure::BadInput`] for the case and a hull that is too coarse for its load,
@@ -137,14 +131,12 @@ impl Contact {
     /// stopped.
     pub fn best(self, watch: &Watch) -> Result<SolvedContact, Failure> {
         let Contact { loaded, options } = self;
-        let checked = loaded.case.check();
-        checked.map_err(|error| Failure::BadInput(format!("{}: {error}", loaded.name)))?;
         let prepared = Prepared::of(&loaded, watch)?;
         press_prepared(loaded, &prepared, watch, options)
     }
 }
 
-/// A solved case with what there is to say about it.
+/// A solved case with its checks and warnings.
 pub struct SolvedContact {
     /// The case.
     pub loaded: LoadedCase,
@@ -154,16 +146,16 @@ pub struct SolvedContact {
     pub hull: Option<FittedHull>,
     /// Its solution.
     pub solution: Solution,
-    /// What an elastic runner bears.
+    /// Stress and mount loads of an elastic runner.
     pub runner: Option<RunnerLoads>,
-    /// What noise of the hull's vertices or the mesh's nodes moves by in 95 of 100 scans, where
+    /// Error by noise of the hull's vertices or the mesh's nodes, in 95 of 100 scans, where
     /// there is some and it is known.
     pub moved: Option<HullError>,
-    /// What the distances of a hull's vertices or a mesh's nodes leave, of a runner at rest.
+    /// Error by the distances between a hull's vertices or a mesh's nodes, of a runner at rest.
     pub between: Option<HullError>,
     /// The stress under the peak, where [`Options::subsurface`] requests it.
     pub line: Option<CentreLine>,
-    /// What boundary elements say of it; nothing where the runner slides.
+    /// The contact by boundary elements; none where the runner slides.
     pub check: Option<Check>,
     /// Groove, film and friction, where the case slides.
     pub sliding: Option<SolvedSliding>,
@@ -174,7 +166,7 @@ pub struct SolvedContact {
     pub short: Option<Failure>,
     /// The content of the case's files: [`LoadedCase::content`].
     pub content: String,
-    /// What the reader of the result should know.
+    /// Warnings and remarks.
     pub warnings: Vec<String>,
 }
 
@@ -182,10 +174,10 @@ pub struct SolvedContact {
 /// share one.
 pub struct Prepared {
     /// The content of the case's files: [`LoadedCase::content`].
-    content: String,
-    runner: Runner,
+    pub(crate) content: String,
+    pub(crate) runner: Runner,
     /// The hull, where the case names one.
-    hull: Option<FittedHull>,
+    pub(crate) hull: Option<FittedHull>,
     /// The hull as scans with its noise would have it; made where requested.
     scans: OnceLock<Option<Vec<Arc<dyn Underside>>>>,
 }
@@ -194,15 +186,14 @@ impl Prepared {
     /// Reads the case's files and fits its hull.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the hull cannot be had, or the case is out of range.
+    /// [`Failure::BadInput`] where the hull cannot be obtained, or the case is out of range.
     pub fn of(loaded: &LoadedCase, watch: &Watch) -> Result<Self, Failure> {
         let content = loaded.content()?;
-        let of_files = loaded.case.runner.hull.is_some() || loaded.case.runner.mesh.is_some();
-        if of_files {
+        if loaded.case.runner.hull.is_some() || loaded.case.runner.mesh.is_some() {
             watch.progress("reading the hull and fitting its underside");
         }
         let runner = loaded.case.runner(&loaded.base, loaded.hull.as_deref());
-        let (runner, hull) = named(loaded, runner)?;
+        let (runner, hull) = runner.map_err(|error| loaded.bad_input(error))?;
         Ok(Prepared {
             content,
             runner,
@@ -216,23 +207,15 @@ impl Prepared {
     /// # Errors
     /// [`Failure::BadInput`] where the case is out of range.
     pub fn problem(&self, loaded: &LoadedCase) -> Result<Problem, Failure> {
-        let runner = self.runner.clone();
-        named(loaded, loaded.case.problem_of(runner, &loaded.base))
+        let problem = loaded.case.problem_of(self.runner.clone(), &loaded.base);
+        problem.map_err(|error| loaded.bad_input(error))
     }
 
-    /// Scans of the hull made up with its noise.
+    /// Simulated scans of the hull with its noise.
     fn scans(&self) -> Option<&[Arc<dyn Underside>]> {
-        let fitted = || {
-            self.hull
-                .as_ref()
-                .and_then(|h| bootstrap_scans(h, found_noise(h)))
-        };
-        self.scans.get_or_init(fitted).as_deref()
+        let scans = || bootstrap_scans(self.hull.as_ref()?);
+        self.scans.get_or_init(scans).as_deref()
     }
-}
-
-fn named<T>(loaded: &LoadedCase, found: Result<T, CaseError>) -> Result<T, Failure> {
-    found.map_err(|error| Failure::BadInput(format!("{}: {error}", loaded.name)))
 }
 
 /// As [`Contact::best`], of a runner that is read and fitted already.
@@ -246,92 +229,70 @@ pub fn press_prepared(
     options: Options,
 ) -> Result<SolvedContact, Failure> {
     let problem = prepared.problem(&loaded)?;
-    let hull = prepared.hull.clone();
-    let mut warnings = loaded.hull_warnings(hull.as_ref());
-    warnings.iter().for_each(|warning| watch.warn(warning));
+    let hull = prepared.hull.as_ref();
+    let mut warnings = loaded.hull_warnings(hull, watch);
     let started = Instant::now();
-    let options = Options {
-        p_max_tolerance: loaded.case.accuracy.p_max,
-        stiffness: loaded.case.solver.stiffness.into(),
-        ..options
-    };
-    let (mut solution, sliding, short) = match &loaded.case.sliding {
-        None => match solve(&problem, &options) {
-            Ok(solution) => (solution, None, None),
-            Err(error) => {
-                let failure = loaded.failure(&error);
-                match error {
-                    Error::AccuracyNotReached { best, .. } => (*best, None, Some(failure)),
-                    Error::Stopped => return Err(failure),
-                    _ => {
-                        return Err(too_coarse(&loaded, hull.as_ref(), &problem).unwrap_or(failure));
-                    }
-                }
-            }
-        },
+    let options = loaded.case.options_on(options);
+    let (mut solution, sliding, mut short) = match &loaded.case.sliding {
+        None => {
+            let (solution, short) = best(&loaded, hull, &problem, &options)?;
+            (solution, None, short)
+        }
         Some(table) => {
             let (solution, slid) = solve_sliding(&loaded, table, &problem, &options)?;
+            // Its error does not contain that of the hull.
+            loaded.fine_enough(hull, &solution)?;
             (solution, Some(slid), None)
         }
     };
     let seconds = started.elapsed().as_secs_f64();
-    if sliding.is_some() {
-        // Its error does not hold what the hull leaves.
-        loaded.fine_enough(hull.as_ref(), &solution)?;
-    }
-    let noisy = hull.as_ref().filter(|hull| hull.noise.found > 0.0);
-    let scattered = noisy.or(hull.as_ref().filter(|hull| hull.noise.unseen > 0.0));
-    let exact = hull.as_ref().filter(|hull| hull.noise.found == 0.0);
-    let resting = hull.as_ref().filter(|_| sliding.is_none());
+    let requested = loaded.case.accuracy.p_max;
+    let resting = hull.filter(|_| sliding.is_none());
+    let noisy = hull.filter(|hull| hull.noise.found > 0.0);
     let between = resting
         .map(|hull| between_vertices(&problem, hull, patch(&solution.surface), depth(&solution)));
-    let moved_by = scattered.filter(|_| sliding.is_none()).and_then(|_| {
-        watch.progress("scans made up, to see how far noise moves the peak");
+    // There is a scan where there is noise, or some would not show.
+    let moved_by = resting.filter(|hull| hull.scan.is_some()).and_then(|_| {
+        watch.progress("simulating scans, to see how far noise moves the peak");
         moved(&problem, || prepared.scans())
     });
-    let unstated = noisy.is_some() && loaded.case.runner.noise_m.is_none();
-    let unknown = unstated && sliding.is_none() && moved_by.is_none();
-    let short = short.or_else(|| unknown.then(|| loaded.noise_effect_unknown()));
-    let of_hull = [moved_by, between].map(|by| by.map_or(0.0, |by| by.p_max));
-    let of_hull = of_hull[0].hypot(of_hull[1]);
-    let uncertain = resting.filter(|_| of_hull > loaded.case.accuracy.p_max);
-    let short = short.or_else(|| Some(loaded.peak_uncertain(uncertain?, of_hull)));
+    if let Some(hull) = resting {
+        let unstated = noisy.is_some() && loaded.case.runner.noise_m.is_none();
+        let errors = [moved_by, between].map(|by| by.map_or(0.0, |by| by.p_max));
+        let error = errors[0].hypot(errors[1]);
+        if unstated && moved_by.is_none() {
+            short.get_or_insert_with(|| loaded.noise_effect_unknown());
+        } else if error > requested {
+            short.get_or_insert_with(|| loaded.peak_uncertain(hull, error));
+        }
+    }
     let check = sliding.is_none().then(|| Check::of(&problem, &solution));
-    let stated = solution.p_max_error;
-    let mut differ = check
-        .as_ref()
-        .map_or_else(Vec::new, |check| check.widen(&mut solution));
-    let requested = loaded.case.accuracy.p_max * solution.p_max;
-    let short = short.or_else(|| {
-        (solution.p_max_error > requested.max(stated))
-            .then(|| Failure::NotConverged(format!("{}: {}", loaded.name, differ.remove(0))))
-    });
+    let allowed = solution.p_max_error.max(requested * solution.p_max);
+    let checked = check.as_ref().map(|check| check.widen(&mut solution));
+    let mut differ = checked.unwrap_or_default();
+    if short.is_none() && solution.p_max_error > allowed {
+        let text = format!("{}: {}", loaded.name, differ.remove(0));
+        short = Some(Failure::NotConverged(text));
+    }
     // Not reported now: the command ends with it.
-    warnings.extend(
-        short
-            .as_ref()
-            .map(|short| format!("the requested accuracy was not reached: {short}")),
-    );
-    let scanned = hull.as_ref().filter(|_| loaded.case.runner.hull.is_some());
+    let missed = short
+        .iter()
+        .map(|short| format!("the requested accuracy was not reached: {short}"));
+    warnings.extend(missed);
+    let scanned = hull.filter(|_| loaded.case.runner.hull.is_some());
     let remarks = [
         above_ice_strength(&problem, &solution),
         own_hexahedra(&loaded),
         noisy.map(|hull| beyond_discretisation(hull, &solution, moved_by)),
-        exact.and_then(|hull| not_shown(hull, moved_by, solution.approach)),
+        hull.filter(|_| noisy.is_none())
+            .and_then(|hull| not_shown(hull, moved_by, solution.approach)),
         between
-            .filter(|between| between.p_max > loaded.case.accuracy.p_max)
+            .filter(|between| between.p_max > requested)
             .map(|between| far_apart(between, solution.approach)),
         scanned.and_then(|hull| at_rim(hull, &solution)),
     ];
-    for warning in remarks.into_iter().flatten() {
-        watch.warn(&warning);
-        warnings.push(warning);
-    }
-    for warning in differ {
-        watch.warn(&warning);
-        warnings.push(warning);
-    }
-    if let Some(warning) = sliding.as_ref().and_then(SolvedSliding::too_deep) {
+    let deep = sliding.as_ref().and_then(SolvedSliding::too_deep);
+    for warning in remarks.into_iter().flatten().chain(differ).chain(deep) {
         watch.warn(&warning);
         warnings.push(warning);
     }
@@ -341,7 +302,7 @@ pub fn press_prepared(
         runner: runner_loads(&problem, &solution).map_err(|error| loaded.failure(&error))?,
         loaded,
         problem,
-        hull,
+        hull: hull.cloned(),
         moved: moved_by,
         between,
         solution,
@@ -354,15 +315,29 @@ pub fn press_prepared(
     })
 }
 
-/// That the hull is too coarse for its load, by the contact that boundary elements find on it: why
-/// there is no answer, then.
-fn too_coarse(
+/// The best solution of a contact at rest, and why it is short of the requested accuracy. Where
+/// there is none, the hull may be too coarse for its load, by the contact that boundary elements
+/// find on it.
+fn best(
     loaded: &LoadedCase,
     hull: Option<&FittedHull>,
     problem: &Problem,
-) -> Option<Failure> {
-    let found = boundary_elements_to_compare(problem).ok()?;
-    loaded.fine_within(hull, found.approach, found.patch).err()
+    options: &Options,
+) -> Result<(Solution, Option<Failure>), Failure> {
+    let error = match solve(problem, options) {
+        Ok(solution) => return Ok((solution, None)),
+        Err(error) => error,
+    };
+    let failure = loaded.failure(&error);
+    match error {
+        Error::AccuracyNotReached { best, .. } => return Ok((*best, Some(failure))),
+        Error::Stopped => return Err(failure),
+        _ => {}
+    }
+    if let Ok(found) = boundary_elements_to_compare(problem) {
+        loaded.fine_within(hull, found.approach, found.patch)?;
+    }
+    Err(failure)
 }
 
 /// A warning where the elastic answer is above what ice bears.
@@ -376,7 +351,7 @@ fn above_ice_strength(problem: &Problem, solution: &Solution) -> Option<String> 
     })
 }
 
-/// What stated errors of a runner's own hexahedra rest on.
+/// The remark that a runner's own hexahedra are not refined.
 fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
     loaded.case.runner.mesh.is_some().then(|| {
         "the runner's own hexahedra stay as they are: the stated errors hold what hexahedra of their size leave under a smooth contact; \
@@ -385,7 +360,7 @@ fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
     })
 }
 
-/// What stated errors do not hold: the noise of vertices or nodes.
+/// The warning that stated errors do not include the noise of vertices or nodes.
 fn beyond_discretisation(
     hull: &FittedHull,
     solution: &Solution,
@@ -408,7 +383,7 @@ fn beyond_discretisation(
     )
 }
 
-/// What noise moves that a hull may have and its vertices do not show.
+/// The warning that a hull may have noise which its vertices do not show.
 fn not_shown(hull: &FittedHull, moved: Option<HullError>, approach: f64) -> Option<String> {
     let moved = moved?;
     Some(format!(
@@ -453,4 +428,102 @@ fn at_rim(hull: &FittedHull, solution: &Solution) -> Option<String> {
         1e3 * x,
         1e3 * y
     ))
+}
+
+impl SolvedContact {
+    /// The document of the contact, without what is measured on exported files.
+    pub fn result(&self) -> ContactResult {
+        let solution = &self.solution;
+        let check = self.check.as_ref();
+        let found = check.and_then(|check| Some((check.found.as_ref().ok()?, check.seconds)));
+        let reason = check.and_then(|check| check.found.as_ref().err());
+        let (noise, spacing) = (self.moved, self.between);
+        let by_surface = solution.volume.is_none();
+        let asperities = by_surface.then(|| solution.surface.asperities());
+        ContactResult {
+            p_max: Measured::new(solution.p_max, solution.p_max_error),
+            p_max_noise_pa: noise.map(|error| error.p_max * solution.p_max),
+            p_max_hull_pa: spacing.map(|error| error.p_max * solution.p_max),
+            p_max_mesh_pa: solution.p_max_mesh,
+            p_max_map_pa: None,
+            stress_max_pa: None,
+            accuracy_asked: self.loaded.case.accuracy.p_max,
+            accuracy_reached: self.short.is_none(),
+            check: found.map(|(bem, check_seconds)| CheckResult {
+                p_max: Measured::new(bem.p_max, bem.p_max_error),
+                approach: Measured::new(bem.approach, bem.approach_error),
+                check_seconds,
+            }),
+            check_absent: reason.map(ToString::to_string),
+            p_mean: Measured::new(solution.p_mean, solution.p_mean_error),
+            area: Measured::new(solution.area, solution.area_error),
+            length: Measured::new(solution.length, solution.length_error),
+            width: Measured::new(solution.width, solution.width_error),
+            approach: Measured::new(solution.approach, solution.approach_error),
+            approach_noise_m: noise.map(|error| error.approach),
+            approach_hull_m: spacing.map(|error| error.approach),
+            pitch: Measured::new(solution.pitch, solution.pitch_error),
+            roll: Measured::new(solution.roll, solution.roll_error),
+            fz_n: solution.fz,
+            runner: self.runner.as_ref().map(RunnerResult::from),
+            asperities: asperities.map(|found| AsperitiesResult::of(&found)),
+            kkt_residual: solution.kkt_residual,
+            stiffness: match &solution.volume {
+                None => "boundary elements".into(),
+                Some(_) if solution.assembled.is_empty() => "matrix-free".into(),
+                Some(_) => "assembled".into(),
+            },
+            symmetry: solution.symmetry,
+            dofs: solution.dofs,
+            iterations: solution.iterations,
+            seconds: self.seconds,
+            peak_memory_bytes: peak_memory(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            content_sha256: self.content.clone(),
+            hull_fit: self.hull.as_ref().map(|hull| {
+                let quality = hull.underside.quality();
+                HullFit {
+                    residual_rms_m: quality.residual_rms,
+                    residual_max_m: quality.residual_max,
+                    resolution_error_m: quality.resolution_error,
+                    residual_over_approach: quality.residual_rms / solution.approach,
+                    vertices: quality.vertices,
+                    noise_m: hull.noise.found,
+                    unseen_noise_m: hull.noise.unseen,
+                }
+            }),
+            warnings: self.warnings.clone(),
+            history: solution
+                .history
+                .chunk_by(|a, b| a.level == b.level)
+                .filter_map(MeshResult::of)
+                .collect(),
+            case: CaseRecord::of(&self.loaded.case),
+            sliding: self.sliding.as_ref().map(|sliding| sliding.result()),
+            subsurface: self.line.as_ref().map(|line| SubsurfaceResult {
+                x_m: line.at[0],
+                y_m: line.at[1],
+                shear: ShearResult::of(solution),
+                max_shear_mesh_pa: line.largest_shear().map(|largest| largest.value),
+            }),
+        }
+    }
+}
+
+impl From<&RunnerLoads> for RunnerResult {
+    fn from(loads: &RunnerLoads) -> Self {
+        RunnerResult {
+            runner_von_mises_max_pa: loads.von_mises,
+            runner_von_mises_at_m: loads.at,
+            mounts: loads.mounts.iter().map(Into::into).collect(),
+        }
+    }
+}
+
+/// Largest resident memory of this process so far, where the system reports it [bytes].
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(1024 * kilobytes)
 }

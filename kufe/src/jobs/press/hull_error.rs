@@ -1,4 +1,4 @@
-//! What a hull's vertices leave in peak pressure and approach: their noise, and their distances.
+//! Errors of peak pressure and approach by a hull's vertices: their noise and their distances.
 
 use std::sync::Arc;
 
@@ -8,14 +8,14 @@ use kufe_contact::{boundary_elements, boundary_elements_to_compare};
 use kufe_mesh::{Noise, Underside};
 use rayon::prelude::*;
 
-/// Scans that are made up.
+/// Simulated scans.
 const SCANS: u64 = 12;
 
 /// Student's t: so many times the root mean square of twelve deviations hold the next one in 95 of
 /// 100.
 const HOLDS: f64 = 2.179;
 
-/// What a hull's vertices move figures by.
+/// Errors that a hull's vertices cause.
 #[derive(Clone, Copy, Debug)]
 pub struct HullError {
     /// The peak pressure, over it.
@@ -24,17 +24,14 @@ pub struct HullError {
     pub approach: f64,
 }
 
-/// The largest of a hull's noise, what would not show of it and what its fit has found [m].
-pub(crate) fn found_noise(hull: &FittedHull) -> f64 {
-    let Noise { found, unseen } = hull.noise;
-    found.max(unseen).max(hull.underside.quality().residual_rms)
-}
-
-/// The hull scanned again and again: vertices on its fitted surface, moved by noise of standard
-/// deviation `noise` [m] and fitted on the scan's knots. None where there is no scan, or no fit of
-/// one.
-pub(crate) fn bootstrap_scans(hull: &FittedHull, noise: f64) -> Option<Vec<Arc<dyn Underside>>> {
+/// The hull scanned again and again: vertices on its fitted surface, moved by noise and fitted on
+/// the scan's knots. None where there is no scan, or no fit of one.
+///
+/// The noise is the largest of the hull's, of what would not show of it and of the fit's residual.
+pub(crate) fn bootstrap_scans(hull: &FittedHull) -> Option<Vec<Arc<dyn Underside>>> {
     let scan = hull.scan.as_ref()?;
+    let Noise { found, unseen } = hull.noise;
+    let noise = found.max(unseen).max(hull.underside.quality().residual_rms);
     let scans = hull.underside.scans(scan, noise).ok()?;
     let fit = |seed| scans.fit(seed).ok();
     (0..SCANS).into_par_iter().map(fit).collect()
@@ -99,9 +96,9 @@ pub(super) fn between_vertices(
     }
 }
 
-/// Relative error of the peak by the noise in `scans` and the vertices' distances, for a contact that
-/// is not solved otherwise: [`moved`] and [`between_vertices`] added in quadrature, `None` where
-/// boundary elements do not answer.
+/// Relative error of the peak by the noise in `scans` and the vertices' distances, for a contact
+/// that is not solved otherwise: [`moved`] and [`between_vertices`] added in quadrature, `None`
+/// where boundary elements do not answer.
 pub(crate) fn relative_peak_error(
     problem: &Problem,
     hull: &FittedHull,
@@ -200,12 +197,19 @@ mod tests {
                     unseen: 0.0,
                 },
                 strips: None,
-                seconds: [0.0; 2],
                 scan: Some(Arc::new(scanned)),
             };
             let off = (peak(&pressed)? / truth - 1.0).abs();
             let peak_moved = |noise| -> Result<f64, &str> {
-                let scans = bootstrap_scans(&hull, noise).ok_or("no scans")?;
+                let noise = Noise {
+                    found: noise,
+                    ..hull.noise
+                };
+                let hull = FittedHull {
+                    noise,
+                    ..hull.clone()
+                };
+                let scans = bootstrap_scans(&hull).ok_or("no scans")?;
                 let moved = moved(&pressed, || Some(&scans)).ok_or("nothing was said")?;
                 Ok(moved.p_max)
             };

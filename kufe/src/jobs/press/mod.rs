@@ -4,7 +4,6 @@ mod check;
 mod contact;
 pub(crate) mod hull_error;
 mod progress;
-mod result;
 
 pub use contact::{Contact, Prepared, SolvedContact, press_prepared};
 pub use progress::{newtons, percent, time_left, with_progress};

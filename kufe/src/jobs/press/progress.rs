@@ -1,7 +1,6 @@
-//! Progress of a contact, and the time that remains.
+//! Progress of a contact, and remaining times in words.
 
-use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::sync::Arc;
 
 use kufe_contact::{Iterate, NextMesh, Options, SlidingIterate, SlidingWatcher};
 use kufe_sled::friction::film::FilmConditions;
@@ -9,55 +8,45 @@ use kufe_sled::friction::film::FilmConditions;
 use crate::case::Case;
 use crate::jobs::slide::{conditions, film_on};
 
-/// Options that report how far the contact of a case is, a line at a time: the mesh in hand, the
-/// error of those before it, and about how long the rest takes where that is known and matters; of
-/// a runner that slides the friction after each correction of a mesh.
+/// Options that report how far the contact of a case is, a line at a time: the mesh in hand and the
+/// error of those before it; of a runner that slides the friction after each correction of a mesh.
 pub fn with_progress(
     options: Options,
     case: &Case,
-    tell: impl Fn(String) + Send + Sync + 'static,
+    report: impl Fn(String) + Send + Sync + 'static,
 ) -> Options {
     let requested = case.accuracy.p_max;
     let film = case.sliding.as_ref().map(conditions);
-    let (since, meshes) = (Instant::now(), Arc::new(Mutex::new(Vec::new())));
-    let (known, tell) = (meshes.clone(), Arc::new(tell));
-    let (said, slid) = (tell.clone(), tell.clone());
-    let ending = move |meshes: &[MeshStart], error: Option<f64>| {
-        let so_far = error.map_or("not known yet".to_owned(), percent);
-        let rest = remaining(meshes, since.elapsed().as_secs_f64(), requested);
-        let rest = rest.and_then(time_left);
-        let rest = rest.map_or(String::new(), |time| format!("; {time}"));
-        format!("error {so_far}, requested {}{rest}", percent(requested))
-    };
+    let report = Arc::new(report);
+    let (by_mesh, by_groove) = (report.clone(), report.clone());
     Options {
         next_mesh: Some(Arc::new(move |mesh: &NextMesh| {
-            let mut meshes = meshes.lock().unwrap_or_else(PoisonError::into_inner);
-            meshes.push(MeshStart {
-                at: since.elapsed().as_secs_f64(),
-                dofs: mesh.dofs as f64,
-                error_before: mesh.error_before,
-            });
             let (number, dofs) = (mesh.level + 1, mesh.dofs);
-            let end = ending(&meshes, mesh.error_before);
-            said(format!("mesh {number}: {dofs} unknowns; {end}"));
+            let error = errors(mesh.error_before, requested);
+            by_mesh(format!("mesh {number}: {dofs} unknowns; {error}"));
         })),
         progress: Some(Arc::new(move |state: &Iterate| {
-            let meshes = known.lock().unwrap_or_else(PoisonError::into_inner);
-            tell(format!(
+            report(format!(
                 "mesh {}: {} unknowns, {} nodes touch, p_max {:.1} MPa, residual {:.0e}; {}",
                 state.level + 1,
                 state.dofs,
                 state.contact_nodes,
                 state.p_max / 1e6,
                 state.residual,
-                ending(&meshes, state.error_before)
+                errors(state.error_before, requested)
             ));
         })),
         sliding_progress: film.map(|film| -> SlidingWatcher {
-            Arc::new(move |state| slid(sliding_line(state, &film, requested)))
+            Arc::new(move |state| by_groove(sliding_line(state, &film, requested)))
         }),
         ..options
     }
+}
+
+/// The error of the meshes so far, where it is known, and the requested one.
+fn errors(so_far: Option<f64>, requested: f64) -> String {
+    let so_far = so_far.map_or("not known yet".to_owned(), percent);
+    format!("error {so_far}, requested {}", percent(requested))
 }
 
 /// One correction of a sliding contact: its mesh, the friction with the film of this moment.
@@ -74,17 +63,14 @@ fn sliding_line(state: &SlidingIterate, film: &FilmConditions, requested: f64) -
             )
         },
     );
-    let error = state
-        .error_before
-        .map_or("not known yet".to_owned(), percent);
     format!(
-        "groove in ice of {:.2} MPa, mesh {}: {} unknowns, correction {}, forces change by {:.0e}, {friction}; error {error}, requested {}",
+        "groove in ice of {:.2} MPa, mesh {}: {} unknowns, correction {}, forces change by {:.0e}, {friction}; {}",
         state.hardness / 1e6,
         state.level + 1,
         state.dofs,
         state.corrections,
         state.residual,
-        percent(requested)
+        errors(state.error_before, requested)
     )
 }
 
@@ -107,61 +93,6 @@ pub fn percent(share: f64) -> String {
         _ => 2,
     };
     format!("{percent:.digits$} %")
-}
-
-/// When a mesh was begun.
-#[derive(Clone, Copy, Debug)]
-struct MeshStart {
-    /// When [s].
-    pub at: f64,
-    /// Its unknowns.
-    pub dofs: f64,
-    /// Relative error that those before it leave, where it is known.
-    pub error_before: Option<f64>,
-}
-
-/// Powers of the cells' size with which errors fall, where they fall fast and slowly.
-const ORDERS: [f64; 2] = [2.5, 1.5];
-
-/// Powers of the unknowns with which a mesh's time grows, at least and at most.
-const GROWTHS: [f64; 2] = [0.9, 1.3];
-
-/// So many meshes ahead are not foreseen.
-const FORESEEN: usize = 4;
-
-/// How much longer the most may be than the least that is still worth saying.
-const OPEN: f64 = 8.0;
-
-/// Least and most time [s] from `now` on until meshes as these have the relative error `requested`:
-/// as if each were finer than the one before it by what the last is. `None` before their error is
-/// known, and where too much is open.
-fn remaining(meshes: &[MeshStart], now: f64, requested: f64) -> Option<[f64; 2]> {
-    let [.., before, last] = meshes else {
-        return None;
-    };
-    let error = last.error_before?;
-    let (took, grows) = (last.at - before.at, last.dofs / before.dofs);
-    let spent = now - last.at;
-    let range = [0, 1].map(|case| {
-        let mesh = grows.powf(GROWTHS[case]);
-        let falls = grows.powf(-ORDERS[case] / 3.0);
-        let (mut time, mut total, mut error) = (took, 0.0, error);
-        for _ in 0..FORESEEN {
-            time *= mesh;
-            error *= falls;
-            total += time;
-            if error <= requested {
-                return Some(total);
-            }
-        }
-        None
-    });
-    match range {
-        [Some(least), Some(most)] if most <= OPEN * least => {
-            Some([least, most].map(|total| (total - spent).max(0.0)))
-        }
-        _ => None,
-    }
 }
 
 /// Waiting that is worth a word [s].
@@ -190,6 +121,7 @@ pub fn time_left([least, most]: [f64; 2]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use std::path::Path;
+    use std::sync::Mutex;
 
     use super::*;
     use crate::Contact;
@@ -223,33 +155,6 @@ mod tests {
         let fourth = &reported[fourth.expect("a fourth mesh")..];
         assert!(fourth[0].contains("unknowns; error 0.2") && fourth.len() > 1);
         assert!(fourth[1].contains(" nodes touch, p_max "), "{fourth:?}");
-    }
-
-    fn begun(at: f64, dofs: f64, error_before: Option<f64>) -> MeshStart {
-        MeshStart {
-            at,
-            dofs,
-            error_before,
-        }
-    }
-
-    #[test]
-    fn the_time_left_holds_what_meshes_of_second_order_take_and_shrinks_as_it_passes() {
-        // Each mesh has 2.83 times the unknowns and time and half the error: from 1 % to 0.45 % two
-        // take 2.83 and 8 s.
-        let meshes = [begun(0.0, 1e5, None), begun(1.0, 2.83e5, Some(0.01))];
-        let [least, most] = remaining(&meshes, 1.0, 0.0045).expect("an estimate");
-        assert!(least < 10.8 && most > 10.8, "{least} {most}");
-        let [later, _] = remaining(&meshes, 3.0, 0.0045).expect("an estimate");
-        assert!((least - later - 2.0).abs() < 1e-12);
-        let [least, most] = remaining(&meshes, 1.0, 0.009).expect("an estimate");
-        assert!(
-            least < 2.83 && most > 2.83 && most < 2.0 * least,
-            "{least} {most}"
-        );
-        // Far from what is requested, and before there are two meshes, too much is open.
-        assert!(remaining(&meshes, 1.0, 0.001).is_none());
-        assert!(remaining(&meshes[..1], 1.0, 0.009).is_none());
     }
 
     #[test]

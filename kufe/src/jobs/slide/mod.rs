@@ -1,22 +1,13 @@
 //! Sliding: a case's groove, its melt film, and the friction that they make.
 
-mod film;
-mod groove;
-mod hardness;
-mod optimum;
-mod result;
+mod ploughing;
 mod sensitivity;
 mod sliding;
 mod table;
 
-pub use film::{FilmAlong, film_along};
-pub(crate) use film::{conditions, film_failure, film_on};
-pub use groove::Hardness;
-pub(crate) use groove::{Grooved, Ploughing};
-pub use hardness::HardnessFrom;
-pub use optimum::{Optimum, Parameter, fastest, optimise};
-pub use sensitivity::Sensitivity;
-pub(crate) use sliding::solve_sliding;
-pub use sliding::{Friction, SolvedSliding};
-pub(crate) use table::at;
-pub use table::{FrictionPoint, friction_table};
+pub(crate) use ploughing::{Grooved, Ploughing};
+pub use ploughing::{Hardness, HardnessFrom};
+pub use sliding::{FilmAlong, Friction, SolvedSliding};
+pub(crate) use sliding::{conditions, film_along, film_on, solve_sliding};
+pub use table::{FrictionPoint, Optimum, Parameter, fastest, friction_table, optimise};
+pub(crate) use table::{at, sliding_of};

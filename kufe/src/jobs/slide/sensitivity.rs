@@ -1,40 +1,12 @@
 //! How friction changes with hardness, speed, temperature, viscosity and boundary contact.
 
-use kufe_contact::{Measure, Options, SlidingSolution};
+use kufe_contact::{Measure, Options};
 use kufe_sled::friction::film::{BoundaryContact, FilmConditions, HARDNESS_EXPONENT};
 
 use crate::jobs::failure::Failure;
-use crate::jobs::slide::film::{FilmAlong, conditions, film_along, film_failure};
-use crate::jobs::slide::groove::{Grooved, Hardness, Ploughing};
-use crate::jobs::slide::hardness::HardnessFrom;
-use crate::jobs::slide::sliding::Friction;
-
-/// Relative change of the coefficient of friction over that of what it depends on: elasticities d
-/// ln mu/d ln x, of the temperature d ln mu/dT [1/K].
-///
-/// Those of speed and temperature are what a change of the weather or of the speed makes: where a
-/// law states the hardness, it follows. Where the hardness is the melting pressure or a case's own,
-/// that is what it stays. The ice's elasticity is fixed.
-///
-/// ```text
-/// e_V = d ln mu/d ln V at one hardness + e_H d ln H/d ln V,    e_T = d ln mu/dT at one hardness + e_H d ln H/dT
-/// law of creep: t = l/V with l ~ H^a, so that d ln H/d ln V = (1/3)/(1 + a/3) and d ln H/dT is that at one time over 1 + a/3
-/// ```
-///
-/// Central differences: of grooves in ice harder and softer by a quarter, of films on one groove.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sensitivity {
-    /// To the hardness.
-    pub hardness: Measure,
-    /// To the speed.
-    pub speed: Measure,
-    /// To the film's viscosity.
-    pub viscosity: Measure,
-    /// To roughness and boundary shear, where the case has both.
-    pub boundary: Option<[Measure; 2]>,
-    /// To the temperature of the ice [1/K].
-    pub temperature: Measure,
-}
+use crate::jobs::slide::ploughing::{Grooved, Hardness, HardnessFrom, Ploughing};
+use crate::jobs::slide::sliding::{FilmAlong, Friction, conditions, film_along, film_failure};
+use crate::results::SensitivityResult;
 
 /// Logarithm of the ratio of hardnesses to either side: so wide that the scatter of two meshes is a
 /// small part of the difference, so narrow that the third derivative is.
@@ -46,28 +18,41 @@ const STEP: f64 = 0.01;
 /// Difference of temperatures [K].
 const TEMPERATURE_STEP: f64 = 0.05;
 
-impl Sensitivity {
-    /// Of a groove and the film on it.
+impl Ploughing<'_> {
+    /// Relative change of the coefficient of friction over that of what it depends on: elasticities
+    /// d ln mu/d ln x, of the temperature d ln mu/dT [1/K].
+    ///
+    /// Those of speed and temperature are what a change of the weather or of the speed makes: where
+    /// a law states the hardness, it follows. Where the hardness is the melting pressure or a
+    /// case's own, that is what it stays. The ice's elasticity is fixed.
+    ///
+    /// ```text
+    /// e_V = d ln mu/d ln V at one hardness + e_H d ln H/d ln V,    e_T = d ln mu/dT at one hardness + e_H d ln H/dT
+    /// law of creep: t = l/V with l ~ H^a, so that d ln H/d ln V = (1/3)/(1 + a/3) and d ln H/dT is that at one time over 1 + a/3
+    /// ```
+    ///
+    /// Central differences: of grooves in ice harder and softer by a quarter, of films on one
+    /// groove.
     ///
     /// # Errors
-    /// As [`Ploughing::at`] and [`film_along`].
-    pub(crate) fn of(
-        ploughing: &Ploughing<'_>,
+    /// As [`at`](Self::at) and [`film_along`].
+    pub fn sensitivity(
+        &self,
         grooved: &Grooved,
         along: &FilmAlong,
         options: &Options,
-    ) -> Result<Self, Failure> {
-        let own = conditions(ploughing.sliding);
+    ) -> Result<SensitivityResult, Failure> {
+        let own = conditions(self.sliding);
         let mu = Friction::of(&grooved.solution, along).mu;
         let side = Options {
             p_max_tolerance: options.p_max_tolerance.max(SIDE_ACCURACY),
             ..options.clone()
         };
         let harder = |step: f64| {
-            let solution = ploughing.at(grooved.hardness.value * step.exp(), &side)?;
-            let along = ploughing.film(&solution, &own)?;
+            let solution = self.at(grooved.hardness.value * step.exp(), &side)?;
+            let along = film_along(self.loaded, &solution, &own)?;
             let length = solution.groove.front.value - solution.groove.back.value;
-            Ok((Friction::of(&solution, &along).mu, length))
+            Ok::<_, Failure>((Friction::of(&solution, &along).mu, length))
         };
         // Side by side: each is too small for two processors.
         let (harder, softer) = rayon::join(|| harder(HARDNESS_STEP), || harder(-HARDNESS_STEP));
@@ -82,10 +67,10 @@ impl Sensitivity {
             let side = |sign: f64| -> Result<f64, Failure> {
                 let mut conditions = own;
                 change(&mut conditions, sign * step);
-                let along = ploughing.film(&grooved.solution, &conditions)?;
+                let along = film_along(self.loaded, &grooved.solution, &conditions)?;
                 Ok(along.film.totals.friction)
             };
-            Ok((side(1.0)? - side(-1.0)?) / (2.0 * step * mu.value))
+            Ok::<_, Failure>((side(1.0)? - side(-1.0)?) / (2.0 * step * mu.value))
         };
         let speed = film(&|c, step| c.v *= step.exp(), STEP)?;
         let viscosity = film(&|c, step| c.viscosity_factor *= step.exp(), STEP)?;
@@ -101,24 +86,25 @@ impl Sensitivity {
             c.steel_c += step;
         };
         let temperature = film(&warmer, TEMPERATURE_STEP)?;
-        let [by_speed, by_temperature] = ploughing.hardness_slopes(&grooved.hardness, stretch)?;
-        // The films differ on one groove alone; how far off that is, the friction's own error says.
+        let [by_speed, by_temperature] = self.hardness_slopes(&grooved.hardness, stretch)?;
+        // The films are on one groove: the relative error of the friction holds for the
+        // differences.
         let share = mu.error / mu.value;
         let with = |fixed: f64, by: f64| Measure {
             value: fixed + by * hardness.value,
             error: share * fixed.abs() + by.abs() * hardness.error,
         };
-        Ok(Sensitivity {
-            hardness,
-            speed: with(speed, by_speed),
-            viscosity: with(viscosity, 0.0),
-            boundary: boundary.map(|both| both.map(|value| with(value, 0.0))),
-            temperature: with(temperature, by_temperature),
+        let boundary = boundary.map(|both| both.map(|value| with(value, 0.0)));
+        Ok(SensitivityResult {
+            hardness: hardness.into(),
+            speed: with(speed, by_speed).into(),
+            viscosity: with(viscosity, 0.0).into(),
+            roughness: boundary.map(|[roughness, _]| roughness.into()),
+            boundary_shear: boundary.map(|[_, shear]| shear.into()),
+            temperature: with(temperature, by_temperature).into(),
         })
     }
-}
 
-impl Ploughing<'_> {
     /// d ln H/d ln V, and d ln H/dT [1/K], where the patch's length goes as the hardness to the
     /// power `stretch`.
     fn hardness_slopes(&self, hardness: &Hardness, stretch: f64) -> Result<[f64; 2], Failure> {
@@ -131,13 +117,9 @@ impl Ploughing<'_> {
             let ice_c = self.sliding.ice_c + step;
             let found = self.law.at(ice_c, hardness.contact_time.value);
             let (pressure, _) = found.map_err(|error| film_failure(self.loaded, &error))?;
-            Ok(pressure.ln())
+            Ok::<_, Failure>(pressure.ln())
         };
         let warmer = (at(TEMPERATURE_STEP)? - at(-TEMPERATURE_STEP)?) / (2.0 * TEMPERATURE_STEP);
         Ok([exponent / fed_back, warmer / fed_back])
-    }
-
-    fn film(&self, solution: &SlidingSolution, at: &FilmConditions) -> Result<FilmAlong, Failure> {
-        film_along(solution, at).map_err(|error| film_failure(self.loaded, &error))
     }
 }

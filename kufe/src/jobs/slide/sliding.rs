@@ -1,15 +1,100 @@
-//! A case's steady sliding, and the friction of it.
+//! A case's steady sliding: the melt film on its patch, and the friction.
+
+use kufe_contact::{Groove, Measure, Options, Problem, Section, SlidingSolution, Solution};
+use kufe_sled::friction::film::{
+    BoundaryContact, Film, FilmConditions, FilmOptions, FilmTotals, Properties, Strip, film,
+};
 
 use crate::case::SlidingTable;
-use kufe_contact::{Groove, Measure, Options, Problem, SlidingSolution, Solution};
-use kufe_sled::friction::film::FilmTotals;
-
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
-use crate::jobs::slide::film::{FilmAlong, conditions, film_along, film_failure};
-use crate::jobs::slide::groove::{Grooved, Hardness, Ploughing};
-use crate::jobs::slide::sensitivity::Sensitivity;
+use crate::jobs::slide::ploughing::{Grooved, Hardness, Ploughing};
 use crate::results::{Measured, Quantity, SensitivityResult, SlidingMeshResult, SlidingResult};
+
+/// The film along the patch, with the places of its stations.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FilmAlong {
+    /// Front end of the patch along the runner, where the film begins [m].
+    pub front: f64,
+    /// The film by its distance from there.
+    pub film: Film,
+}
+
+impl FilmAlong {
+    /// Error of a total, of the integration and of the stations.
+    pub fn error(&self, of: impl Fn(&FilmTotals) -> f64) -> f64 {
+        of(&self.film.errors) + self.film.sampling.as_ref().map_or(0.0, of)
+    }
+}
+
+/// The film under these conditions on the patch of a case's solution.
+///
+/// # Errors
+/// [`Failure::BadInput`] and [`Failure::NotConverged`] as [`film_on`].
+pub(crate) fn film_along(
+    loaded: &LoadedCase,
+    solution: &SlidingSolution,
+    conditions: &FilmConditions,
+) -> Result<FilmAlong, Failure> {
+    let film = film_on(&solution.groove.sections, solution.contact.fz, conditions);
+    film.map_err(|error| film_failure(loaded, &error))
+}
+
+/// The film on stations of a patch under `fz` [N], as a strip that bears the whole load: what
+/// stations leave out of it is made up by their widths, which are known to a part of a cell, for
+/// pressures are bounded by what the ice bears.
+///
+/// # Errors
+/// [`kufe_sled::Error`] for conditions out of range, and for a patch that is no strip.
+pub(crate) fn film_on(
+    sections: &[Section],
+    fz: f64,
+    conditions: &FilmConditions,
+) -> Result<FilmAlong, kufe_sled::Error> {
+    let front = sections.first().map_or(0.0, |s| s.x);
+    let share = fz / load(sections);
+    let strip = Strip::new(
+        sections.iter().map(|s| front - s.x).collect(),
+        sections.iter().map(|s| share * s.width).collect(),
+        sections.iter().map(|s| s.pressure).collect(),
+    )?;
+    let options = FilmOptions::default();
+    let film = film(&strip, conditions, &Properties::WATER_AND_ICE, &options)?;
+    Ok(FilmAlong { front, film })
+}
+
+/// What the stations bear, with pressure and squared width linear in between, by Simpson's rule
+/// [N].
+fn load(sections: &[Section]) -> f64 {
+    let between = |pair: &[Section]| {
+        let [a, b] = [pair[0], pair[1]];
+        let width = (0.5 * (a.width.powi(2) + b.width.powi(2))).sqrt();
+        let middle = width * 0.5 * (a.pressure + b.pressure);
+        (a.x - b.x) / 6.0 * (a.width * a.pressure + 4.0 * middle + b.width * b.pressure)
+    };
+    sections.windows(2).map(between).sum()
+}
+
+/// Speed, temperature, viscosity and boundary contact of a case.
+pub(crate) fn conditions(sliding: &SlidingTable) -> FilmConditions {
+    FilmConditions {
+        viscosity_factor: sliding.viscosity_factor.unwrap_or(1.0),
+        boundary: BoundaryContact {
+            roughness: sliding.roughness_m.unwrap_or(0.0),
+            shear: sliding.boundary_shear_pa.unwrap_or(0.0),
+        },
+        ..FilmConditions::new(sliding.v_mps, sliding.ice_c)
+    }
+}
+
+/// The film's error as the job's.
+pub(crate) fn film_failure(loaded: &LoadedCase, error: &kufe_sled::Error) -> Failure {
+    let text = format!("{}: the melt film: {error}", loaded.name);
+    match error {
+        kufe_sled::Error::NotConverged { .. } => Failure::NotConverged(text),
+        _ => Failure::BadInput(text),
+    }
+}
 
 /// The coefficient of friction and its parts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +153,7 @@ pub struct SolvedSliding {
     /// The film.
     pub film: FilmAlong,
     /// Change of the coefficient with what it depends on.
-    pub sensitivity: Sensitivity,
+    pub sensitivity: SensitivityResult,
     /// Pressure at which the ice yielded.
     pub hardness: Hardness,
     /// The groove.
@@ -81,11 +166,10 @@ const STEEP: f64 = 0.2;
 impl SolvedSliding {
     /// The document's part on sliding.
     pub fn result(&self) -> SlidingResult {
-        let (friction, groove, by) = (&self.friction, &self.groove, &self.sensitivity);
+        let (friction, groove) = (&self.friction, &self.groove);
         let film = &self.film.film;
-        let (thickest, thickest_error) = film
-            .thickest()
-            .map_or((0.0, 0.0), |s| (s.thickness, s.thickness_error));
+        let thickest = film.thickest().map(|s| (s.thickness, s.thickness_error));
+        let (thickest, thickest_error) = thickest.unwrap_or_default();
         SlidingResult {
             mu: friction.mu.into(),
             mu_ploughing: friction.ploughing.into(),
@@ -102,14 +186,7 @@ impl SolvedSliding {
             contact_time: self.hardness.contact_time.into(),
             hardness_pa: self.hardness.value,
             hardness_from: self.hardness.from.name().into(),
-            mu_sensitivity: SensitivityResult {
-                hardness: by.hardness.into(),
-                speed: by.speed.into(),
-                viscosity: by.viscosity.into(),
-                roughness: by.boundary.map(|[roughness, _]| roughness.into()),
-                boundary_shear: by.boundary.map(|[_, shear]| shear.into()),
-                temperature: by.temperature.into(),
-            },
+            mu_sensitivity: self.sensitivity.clone(),
             groove_area_m2: groove.profile.area(),
             sliding_history: groove.meshes.iter().map(SlidingMeshResult::from).collect(),
         }
@@ -123,12 +200,8 @@ impl SolvedSliding {
     /// A warning where the groove is too deep for what the model takes a contact to be: a height
     /// over a plane.
     pub(crate) fn too_deep(&self) -> Option<String> {
-        let widest = self
-            .groove
-            .sections
-            .iter()
-            .map(|s| s.width)
-            .fold(0.0, f64::max);
+        let widths = self.groove.sections.iter().map(|s| s.width);
+        let widest = widths.fold(0.0, f64::max);
         let depth = self.groove.deepest.value;
         (depth > STEEP * widest).then(|| {
             format!(
@@ -150,9 +223,8 @@ pub(crate) fn solve_sliding(
 ) -> Result<(Solution, SolvedSliding), Failure> {
     let ploughing = Ploughing::new(loaded, sliding, problem)?;
     let grooved = ploughing.groove(options)?;
-    let film = film_along(&grooved.solution, &conditions(sliding))
-        .map_err(|error| film_failure(loaded, &error))?;
-    let sensitivity = Sensitivity::of(&ploughing, &grooved, &film, options)?;
+    let film = film_along(loaded, &grooved.solution, &conditions(sliding))?;
+    let sensitivity = ploughing.sensitivity(&grooved, &film, options)?;
     let Grooved { solution, hardness } = grooved;
     let slid = SolvedSliding {
         friction: Friction::of(&solution, &film),

@@ -1,18 +1,25 @@
 //! Lookup tables: the file that specifies one, and the contacts that fill it.
 
-mod anchors;
-mod best;
-mod fill;
 mod plan_file;
 mod points;
-mod read;
-mod slide;
 mod solver;
 mod spec;
 
-pub use fill::{Filled, fill};
+use std::path::Path;
+
+use crate::jobs::failure::Failure;
+
 pub use plan_file::PlanFile;
 pub use points::{PointStore, same_origin};
-pub use read::read_table;
-pub use solver::{SolveError, Solver};
+pub use solver::{Filled, Solver, fill};
 pub use spec::{TableSpec, schema};
+
+/// Reads a `.lut` file.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the file and the place in it.
+pub fn read_table(path: &Path) -> Result<kufe_lut::Table, Failure> {
+    let file = kufe_files::open_regular(path);
+    let mut file = file.map_err(|error| Failure::unreadable(path, error))?;
+    kufe_lut::Table::read(&mut file).map_err(|error| Failure::in_file(path, error))
+}

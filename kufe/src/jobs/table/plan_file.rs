@@ -1,6 +1,7 @@
 //! The folder of a plan: `plan.json` with the points of one round, the scripts that run its shards,
 //! and `points/` with their results.
 
+use std::fmt::Display;
 use std::path::Path;
 
 use kufe_lut::{Origin, Point, parallel_script, slurm_script};
@@ -57,15 +58,12 @@ impl PlanFile {
     /// # Errors
     /// [`Failure::BadInput`] where the folder does not exist or the scripts cannot name it.
     pub fn files(&self, folder: &Path) -> Result<[(&'static str, String); 3], Failure> {
-        let failed =
-            |error: std::io::Error| Failure::BadInput(format!("{}: {error}", folder.display()));
+        let failed = |error: std::io::Error| Failure::in_file(folder, error);
         let absolute = folder.canonicalize().map_err(failed)?;
         let kufe = std::env::current_exe().map_err(failed)?;
-        let slurm = slurm_script(&kufe, &absolute, self.shards).map_err(Failure::bad_input)?;
-        let parallel =
-            parallel_script(&kufe, &absolute, self.shards).map_err(Failure::bad_input)?;
-        let mut plan = serde_json::to_string(self).map_err(Failure::bad_input)?;
-        plan.push('\n');
+        let plan = serde_json::to_string(self)? + "\n";
+        let slurm = slurm_script(&kufe, &absolute, self.shards)?;
+        let parallel = parallel_script(&kufe, &absolute, self.shards)?;
         let [first, second, third] = PlanFile::NAMES;
         Ok([(first, plan), (second, slurm), (third, parallel)])
     }
@@ -76,14 +74,14 @@ impl PlanFile {
     /// [`Failure::BadInput`] with the file and the place in it.
     pub fn read(folder: &Path) -> Result<Self, Failure> {
         let path = folder.join(PlanFile::NAMES[0]);
-        let failed = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
         let bytes = kufe_files::read_regular(&path, MAX_BYTES);
-        let bytes = bytes.map_err(|error| failed(format!("cannot be read: {error}")))?;
-        let plan: PlanFile =
-            serde_json::from_slice(&bytes).map_err(|error| failed(format!("damaged: {error}")))?;
+        let bytes = bytes.map_err(|error| Failure::unreadable(&path, error))?;
+        let damaged =
+            |reason: &dyn Display| Failure::in_file(&path, format_args!("damaged: {reason}"));
+        let plan: PlanFile = serde_json::from_slice(&bytes).map_err(|error| damaged(&error))?;
         if plan.format != FORMAT || plan.round == 0 || plan.shards == 0 {
-            let expected = format!("damaged: expected the format {FORMAT}, a round and shards");
-            return Err(failed(expected));
+            let expected = format_args!("expected the format {FORMAT}, a round and shards");
+            return Err(damaged(&expected));
         }
         Ok(plan)
     }

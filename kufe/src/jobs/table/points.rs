@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
-use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, Write};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -17,8 +17,6 @@ use serde_json::value::RawValue;
 
 use crate::jobs::failure::Failure;
 
-/// Most bytes of a line.
-const MAX_LINE: u64 = 1 << 14;
 /// How a file of points begins.
 const BEGINNING: &[u8] = br#"{"origin":{"#;
 /// Ending of the files of points in a folder.
@@ -37,13 +35,10 @@ struct Line {
 /// A point by the bits of its coordinates.
 type Key = [u64; AxisKind::ALL.len()];
 
-fn key(point: &Point) -> Key {
-    // Adding 0 turns -0 into 0: one key for one point.
-    AxisKind::ALL.map(|kind| {
-        point
-            .get(kind)
-            .map_or(u64::MAX, |value| (value + 0.0).to_bits())
-    })
+/// The key of a point; -0 has that of 0.
+pub(super) fn key(point: &Point) -> Key {
+    let bits = |value: f64| (value + 0.0).to_bits();
+    AxisKind::ALL.map(|kind| point.get(kind).map_or(u64::MAX, bits))
 }
 
 /// The solved points of one sweep.
@@ -95,8 +90,8 @@ impl PointStore {
         let mut store = PointStore::of_file(&own, origin)?;
         let mut files = Vec::new();
         if folder.exists() {
-            for entry in folder.read_dir().map_err(cannot("be read", folder))? {
-                files.push(entry.map_err(cannot("be read", folder))?.path());
+            for entry in folder.read_dir().map_err(unreadable(folder))? {
+                files.push(entry.map_err(unreadable(folder))?.path());
             }
         }
         files.sort();
@@ -109,37 +104,28 @@ impl PointStore {
     }
 
     fn read(&mut self, path: &Path) -> Result<(), Failure> {
-        let foreign = |found: &str| {
-            let expected = "expected a file of solved points, or none";
-            Err(Failure::BadInput(format!(
-                "{}: {found}; {expected}",
-                path.display()
-            )))
-        };
         if path.is_symlink() {
             return Err(link(path));
         }
-        let mut file = match kufe_files::open_regular(path) {
+        let file = match kufe_files::open_regular(path) {
             // An equal command has finished and removed it.
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-            opened => opened.map_err(cannot("be read", path))?,
+            opened => opened.map_err(unreadable(path))?,
         };
-        let mut begins = Vec::new();
-        let mut head = Read::by_ref(&mut file).take(BEGINNING.len() as u64);
-        head.read_to_end(&mut begins)
-            .map_err(cannot("be read", path))?;
-        if !BEGINNING.starts_with(&begins) {
-            return foreign("kufe did not write it");
-        }
-        file.rewind().map_err(cannot("be read", path))?;
         let mut reader = BufReader::new(file);
+        let beginning = reader.fill_buf().map_err(unreadable(path))?;
+        let length = beginning.len().min(BEGINNING.len());
+        if beginning[..length] != BEGINNING[..length] {
+            let reason = "kufe did not write it; expected a file of solved points, or none";
+            return Err(Failure::in_file(path, reason));
+        }
+        let mut line = Vec::new();
         for number in 1.. {
-            let mut line = Vec::new();
-            let mut bounded = reader.by_ref().take(MAX_LINE);
-            let read = bounded.read_until(b'\n', &mut line);
-            read.map_err(cannot("be read", path))?;
-            if line.last() != Some(&b'\n') && (line.len() as u64) < MAX_LINE {
-                return Ok(());
+            line.clear();
+            let read = reader.read_until(b'\n', &mut line);
+            read.map_err(unreadable(path))?;
+            if line.last() != Some(&b'\n') {
+                break;
             }
             let place = format!("{}, line {number}", path.display());
             match read_line(&line) {
@@ -178,13 +164,13 @@ impl PointStore {
     /// # Errors
     /// [`Failure::BadInput`] with the file where it cannot be written, on a full disk for one.
     pub fn append(&self, solve: &Solve) -> Result<(), Failure> {
-        let text = serde_json::to_string(solve).map_err(Failure::bad_input)?;
+        let text = serde_json::to_string(solve)?;
         let line = Line {
             origin: self.origin.clone(),
             sha256: sha256(text.as_bytes()),
-            solve: RawValue::from_string(text).map_err(Failure::bad_input)?,
+            solve: RawValue::from_string(text)?,
         };
-        let mut line = serde_json::to_vec(&line).map_err(Failure::bad_input)?;
+        let mut line = serde_json::to_vec(&line)?;
         line.push(b'\n');
         let mut state = self.lock();
         let mut file = match state.file.take() {
@@ -192,7 +178,7 @@ impl PointStore {
             None => self.open_to_append()?,
         };
         let written = file.write_all(&line).and_then(|()| file.sync_data());
-        written.map_err(cannot("be written", &self.path))?;
+        written.map_err(unwritable(&self.path))?;
         state.file = Some(file);
         state.solved.insert(key(&solve.point), solve.figures);
         Ok(())
@@ -201,40 +187,30 @@ impl PointStore {
     /// Opens the file to append, without an interrupted last line.
     fn open_to_append(&self) -> Result<File, Failure> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        if !folder.as_os_str().is_empty() {
-            std::fs::create_dir_all(folder).map_err(cannot("be written", folder))?;
-        }
+        std::fs::create_dir_all(folder).map_err(unwritable(folder))?;
         // A link may have been put in the way since the file was read.
         if folder.is_symlink() || self.path.is_symlink() {
             return Err(link(&self.path));
         }
         let mut options = OpenOptions::new();
-        let open = options
+        let file = options
             .read(true)
             .append(true)
             .create(true)
             .open(&self.path);
-        let whole = open.and_then(|file| {
-            let (mut whole, mut read) = (0, 0);
-            let mut reader = BufReader::new(&file);
-            loop {
-                let chunk = reader.fill_buf()?;
-                if chunk.is_empty() {
-                    break;
-                }
-                if let Some(end) = chunk.iter().rposition(|byte| *byte == b'\n') {
-                    whole = read + end as u64 + 1;
-                }
-                let length = chunk.len();
-                read += length as u64;
-                reader.consume(length);
-            }
-            if whole < read {
-                file.set_len(whole)?;
+        let whole = file.and_then(|mut file| {
+            let mut bytes = Vec::new();
+            file.read_to_end(&mut bytes)?;
+            let whole = bytes
+                .iter()
+                .rposition(|byte| *byte == b'\n')
+                .map_or(0, |end| end + 1);
+            if whole < bytes.len() {
+                file.set_len(whole as u64)?;
             }
             Ok(file)
         });
-        whole.map_err(cannot("be written", &self.path))
+        whole.map_err(unwritable(&self.path))
     }
 
     /// Removes the file: its points are no longer needed.
@@ -246,7 +222,7 @@ impl PointStore {
         match std::fs::remove_file(&self.path) {
             // No point was appended, or an equal command has removed it.
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
-            removed => removed.map_err(cannot("be removed", &self.path)),
+            removed => removed.map_err(unwritable(&self.path)),
         }
     }
 
@@ -286,14 +262,18 @@ pub fn same_origin(place: &str, stored: &Origin, now: &Origin) -> Result<(), Fai
 }
 
 fn link(path: &Path) -> Failure {
-    Failure::BadInput(format!(
-        "{}: a link is in the way; expected solved points, or none",
-        path.display()
-    ))
+    Failure::in_file(
+        path,
+        "a link is in the way; expected solved points, or none",
+    )
 }
 
-fn cannot<'a>(what: &'a str, path: &'a Path) -> impl Fn(std::io::Error) -> Failure + 'a {
-    move |error| Failure::BadInput(format!("{}: cannot {what}: {error}", path.display()))
+fn unreadable(path: &Path) -> impl Fn(std::io::Error) -> Failure {
+    move |error| Failure::unreadable(path, error)
+}
+
+fn unwritable(path: &Path) -> impl Fn(std::io::Error) -> Failure {
+    move |error| Failure::unwritable(path, error)
 }
 
 #[cfg(test)]

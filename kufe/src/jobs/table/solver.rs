@@ -1,54 +1,52 @@
-//! The contact solver of a sweep: solves points of one case.
+//! The contact solver of a sweep: solves points of one case, and fills a table with them.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use crate::case::{Case, CaseError, FittedHull, TrackTable};
-use kufe_contact::{Load, Options, Problem, Runner, Solution};
+use kufe_contact::{
+    BoundaryElements, Load, Options, Problem, Solution, VerifiedBem, boundary_elements,
+};
 use kufe_files::sha256;
-use kufe_lut::{AxisKind, Figures, Origin, Outside, Point, Solve, SweepResult, check_finite, each};
+use kufe_lut::{
+    AxisKind, Figures, Method, Origin, Outside, Point, Progress, Quantity, Solve, SweepResult,
+    check_finite, each, replay,
+};
 
+use crate::case::TrackTable;
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
-use crate::jobs::slide::at;
-use crate::jobs::table::anchors::Anchors;
-use crate::jobs::table::best::{best, by_boundary_elements, figures};
-use crate::jobs::table::points::PointStore;
+use crate::jobs::press::Prepared;
+use crate::jobs::slide::{Friction, Grooved, Ploughing, at, conditions, film_along, sliding_of};
+use crate::jobs::table::points::{PointStore, key};
 use crate::jobs::table::spec::TableSpec;
 use crate::jobs::watch::Watch;
 use crate::results::CaseRecord;
 
-/// Why a point has no result.
-#[derive(Debug, thiserror::Error)]
-pub enum SolveError {
-    /// The user stopped it.
-    #[error("interrupted")]
-    Interrupted,
-    /// The solver's own error.
-    #[error(transparent)]
-    Contact(#[from] kufe_contact::Error),
-    /// The case at this point is no case.
-    #[error(transparent)]
-    Case(#[from] CaseError),
-    /// The hull is too coarse for the load there, or no groove or film is had.
-    #[error(transparent)]
-    Failed(#[from] Failure),
-}
+/// Largest estimated error of the peak pressure of a point short of its tolerance, relative.
+const LARGEST_ERROR: f64 = 0.2;
 
 /// Solves points of one case.
 pub struct Solver {
-    pub(crate) loaded: LoadedCase,
-    pub(crate) base: Problem,
-    pub(crate) runner: Runner,
-    pub(crate) hull: Option<FittedHull>,
-    pub(crate) tolerance: f64,
-    content: String,
+    loaded: LoadedCase,
+    prepared: Prepared,
+    /// The problem of the case as it is stated.
+    base: Problem,
+    tolerance: f64,
     /// The rules of the table's axes.
     outside: Vec<(AxisKind, Outside)>,
-    anchors: Vec<Point>,
-    anchored: OnceLock<Anchors>,
+    /// The points at the ends of the plan's axes.
+    ends: Vec<Point>,
+    anchors: OnceLock<Anchors>,
+}
+
+/// Verification of boundary elements by finite elements at the ends of the axes.
+#[derive(Debug, Default)]
+struct Anchors {
+    /// The points at the ends, by finite elements; none where each point is solved by itself.
+    solved: Vec<(Point, Figures)>,
+    verified: Option<VerifiedBem>,
 }
 
 impl Solver {
@@ -59,33 +57,30 @@ impl Solver {
     /// solver's error.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the case cannot be had or has no rocker radius to sweep.
+    /// [`Failure::BadInput`] where the case cannot be obtained or has no rocker radius to sweep.
     pub fn new(spec: &TableSpec, watch: &Watch) -> Result<Solver, Failure> {
         let loaded = LoadedCase::read(&spec.case)?;
+        let case = spec.case.display();
         if spec.plan.get(AxisKind::RockerRadius).is_some() && loaded.case.runner.shape.is_none() {
-            return Err(Failure::BadInput(format!(
-                "{}: axes.rocker_radius_m: the runner of {} is a hull, expected a shape with a rocker radius",
-                spec.path.display(),
-                spec.case.display()
-            )));
+            return Err(Failure::in_file(
+                &spec.path,
+                format_args!(
+                    "axes.rocker_radius_m: the runner of {case} is a hull, expected a shape with a rocker radius"
+                ),
+            ));
         }
         if spec.plan.is_sliding() && loaded.case.sliding.is_none() {
-            return Err(Failure::BadInput(format!(
-                "{}: axes: {} has no [sliding]: expected a runner that slides where an axis is v_mps or ice_c",
-                spec.path.display(),
-                spec.case.display()
-            )));
+            return Err(Failure::in_file(
+                &spec.path,
+                format_args!(
+                    "axes: {case} has no [sliding]: expected a runner that slides where an axis is v_mps or ice_c"
+                ),
+            ));
         }
         check_axes(spec, &loaded)?;
-        let content = loaded.content()?;
-        let named = |error: CaseError| Failure::BadInput(format!("{}: {error}", loaded.name));
-        let found = loaded.case.runner(&loaded.base, loaded.hull.as_deref());
-        let (runner, hull) = found.map_err(named)?;
-        let base = loaded.case.problem_of(runner.clone(), &loaded.base);
-        let base = base.map_err(named)?;
-        for warning in loaded.hull_warnings(hull.as_ref()) {
-            watch.warn(&warning);
-        }
+        let prepared = Prepared::of(&loaded, watch)?;
+        let base = prepared.problem(&loaded)?;
+        loaded.hull_warnings(prepared.hull.as_ref(), watch);
         let own = loaded.case.accuracy.p_max;
         let requested = if spec.plan.is_fixed() {
             own
@@ -95,13 +90,11 @@ impl Solver {
         Ok(Solver {
             tolerance: spec.p_max.unwrap_or(requested),
             loaded,
+            prepared,
             base,
-            runner,
-            hull,
-            content,
             outside: spec.outside.clone(),
-            anchors: spec.plan.anchors().map_err(Failure::bad_input)?,
-            anchored: OnceLock::new(),
+            ends: spec.plan.anchors()?,
+            anchors: OnceLock::new(),
         })
     }
 
@@ -130,7 +123,7 @@ impl Solver {
         // Load and track are replaced point by point: results do not have them in common.
         let mut case = self.loaded.case.clone();
         case.load.fz_n = 1.0;
-        case.track = Default::default();
+        case.track = TrackTable::default();
         case.accuracy.p_max = self.tolerance;
         case.runner.hull = None;
         case.runner.mesh = None;
@@ -141,43 +134,34 @@ impl Solver {
         if let Some(sliding) = &mut case.sliding {
             sliding.previous = None;
         }
-        let marks = format!("{}\n{}", CaseRecord::of(&case), self.content);
+        let marks = format!("{}\n{}", CaseRecord::of(&case), self.prepared.content);
         let version = env!("CARGO_PKG_VERSION").into();
-        Origin::new(version, sha256(marks.as_bytes())).map_err(Failure::bad_input)
+        Ok(Origin::new(version, sha256(marks.as_bytes()))?)
     }
 
-    /// Points that differ in speed alone.
-    fn solve(&self, points: &[Point], watch: &Watch) -> Vec<Result<Figures, SolveError>> {
-        if self.loaded.case.sliding.is_some() {
-            return self.slide(points, watch);
-        }
-        let solved = points.iter().map(|point| self.press(point, watch));
-        solved.collect()
-    }
-
-    fn press(&self, point: &Point, watch: &Watch) -> Result<Figures, SolveError> {
-        if watch.stopped() {
-            return Err(SolveError::Interrupted);
-        }
-        let anchors = self.anchored.get_or_init(Anchors::none);
-        if let Some(solved) = anchors.figures(point) {
-            return Ok(solved);
+    fn press(&self, point: &Point, watch: &Watch) -> Result<Figures, Failure> {
+        watch.check()?;
+        let anchors = self.anchors.get_or_init(Anchors::default);
+        if let Some((_, solved)) = anchors.solved.iter().find(|(anchor, _)| anchor == point) {
+            return Ok(*solved);
         }
         let problem = self.problem(point)?;
-        if let Some(found) = anchors.answer(&problem) {
-            let hull = self.hull.as_ref();
+        if let Some(found) = anchors.verified.and_then(|bem| bem.answer(&problem)) {
+            let hull = self.prepared.hull.as_ref();
             self.loaded.fine_within(hull, found.approach, found.patch)?;
             return Ok(by_boundary_elements(point, &found));
         }
         Ok(figures(&self.solution(&problem, watch)?))
     }
 
-    /// What is pressed at a point.
-    fn problem(&self, point: &Point) -> Result<Problem, SolveError> {
-        let mut problem = match point.rocker_radius {
-            None => self.base.clone(),
-            Some(radius) => with_rocker(&self.loaded.case, radius).problem(&self.loaded.base)?,
-        };
+    /// The problem at a point.
+    fn problem(&self, point: &Point) -> Result<Problem, Failure> {
+        if point.rocker_radius.is_some() {
+            let case = case_at(&self.loaded, point)?;
+            let problem = case.case.problem(&case.base);
+            return problem.map_err(|error| case.bad_input(error));
+        }
+        let mut problem = self.base.clone();
         problem.track_curvature = point.curvature;
         if let Load::Force { fz, .. } = &mut problem.load {
             *fz = point.fz;
@@ -186,37 +170,123 @@ impl Solver {
     }
 
     /// A contact by finite elements.
-    fn solution(&self, problem: &Problem, watch: &Watch) -> Result<Solution, SolveError> {
-        if watch.stopped() {
-            return Err(SolveError::Interrupted);
-        }
+    fn solution(&self, problem: &Problem, watch: &Watch) -> Result<Solution, Failure> {
+        watch.check()?;
         let options = Options {
             p_max_tolerance: self.tolerance,
             ..self.loaded.case.options()
         };
-        let solution = best(problem, &options)?;
-        self.loaded.fine_enough(self.hull.as_ref(), &solution)?;
+        let solution = best(problem, &options).map_err(|error| self.loaded.failure(&error))?;
+        let hull = self.prepared.hull.as_ref();
+        self.loaded.fine_enough(hull, &solution)?;
         Ok(solution)
     }
 
-    /// Solves the plan's anchors, once.
-    ///
-    /// A runner that slides has none.
-    fn anchor(&self, store: &PointStore, watch: &Watch) -> Result<(), Failure> {
-        if self.anchored.get().is_some() || self.loaded.case.sliding.is_some() {
+    /// Solves the ends of the axes, once; a runner that slides has none.
+    fn anchor(&self, watch: &Watch) -> Result<(), Failure> {
+        if self.anchors.get().is_some() || self.loaded.case.sliding.is_some() {
             return Ok(());
         }
-        let failed = |point, error| self.failure(store, &point, error);
         let problem = |point: &Point| {
-            let problem = self.problem(point);
-            Ok((*point, problem.map_err(|error| failed(*point, error))?))
+            let problem = self
+                .problem(point)
+                .map_err(|failure| at_point(point, failure))?;
+            Ok((*point, problem))
         };
-        let points: Result<Vec<_>, Failure> = self.anchors.iter().map(problem).collect();
-        let solve = |problem: &Problem| self.solution(problem, watch);
-        let anchors = Anchors::at(points?, self.tolerance, solve);
-        let anchors = anchors.map_err(|(point, error)| failed(point, error))?;
-        self.anchored.get_or_init(|| anchors);
+        let points: Result<Vec<_>, Failure> = self.ends.iter().map(problem).collect();
+        let points = points?;
+        let mut anchors = Anchors::default();
+        if points
+            .iter()
+            .all(|(_, problem)| boundary_elements(problem).is_ok())
+        {
+            let solutions = each(&points, |(point, problem)| {
+                let solution = self.solution(problem, watch);
+                solution.map_err(|failure| at_point(point, failure))
+            });
+            let solutions = solutions.into_iter().collect::<Result<Vec<_>, _>>()?;
+            let solved = points.iter().zip(&solutions);
+            let solved = solved.map(|((point, _), solution)| (*point, figures(solution)));
+            anchors.solved = solved.collect();
+            let problems = points.into_iter().map(|(_, problem)| problem);
+            let pairs: Vec<(Problem, Solution)> = problems.zip(solutions).collect();
+            anchors.verified = VerifiedBem::at(&pairs, self.tolerance);
+        }
+        self.anchors.get_or_init(|| anchors);
         Ok(())
+    }
+
+    /// Points that differ in speed alone; after a failure the rest is omitted.
+    fn slide(&self, points: &[Point], watch: &Watch) -> Vec<Result<Figures, Failure>> {
+        // A hardness over contact time is another at every speed.
+        let of_time = sliding_of(&self.loaded).hardness.is_some();
+        let mut last: Option<Grooved> = None;
+        let mut solved = Vec::with_capacity(points.len());
+        for point in points {
+            let found = match last.take().filter(|_| !of_time) {
+                Some(grooved) => Ok(grooved),
+                None => self.grooved(point, watch),
+            };
+            match found {
+                Ok(found) => {
+                    solved.push(self.film(&found, point));
+                    last = Some(found);
+                }
+                Err(failure) => {
+                    solved.push(Err(failure));
+                    break;
+                }
+            }
+        }
+        solved
+    }
+
+    /// The groove at a point.
+    fn grooved(&self, point: &Point, watch: &Watch) -> Result<Grooved, Failure> {
+        watch.check()?;
+        let case = case_at(&self.loaded, point)?;
+        let named = |error| case.bad_input(error);
+        let runner = match point.rocker_radius {
+            None => self.prepared.runner.clone(),
+            Some(_) => case.case.runner(&case.base, None).map_err(named)?.0,
+        };
+        let problem = case.case.problem_of(runner, &case.base).map_err(named)?;
+        let ploughing = Ploughing::new(&case, sliding_of(&case), &problem)?;
+        let mut tolerance = self.tolerance;
+        loop {
+            let options = Options {
+                p_max_tolerance: tolerance,
+                ..case.case.options()
+            };
+            match ploughing.groove(&options) {
+                // The best answer that there is, with its error, as of contacts at rest.
+                Err(Failure::NotConverged(_)) if 2.0 * tolerance < LARGEST_ERROR => {
+                    tolerance *= 2.0;
+                }
+                found => {
+                    let found = found?;
+                    let hull = self.prepared.hull.as_ref();
+                    case.fine_enough(hull, &found.solution.contact)?;
+                    return Ok(found);
+                }
+            }
+        }
+    }
+
+    /// The film on a groove, at a point's speed.
+    fn film(&self, grooved: &Grooved, point: &Point) -> Result<Figures, Failure> {
+        let case = case_at(&self.loaded, point)?;
+        let solution = &grooved.solution;
+        let along = film_along(&case, solution, &conditions(sliding_of(&case)))?;
+        let friction = Friction::of(solution, &along);
+        Ok(figures(&solution.contact)
+            .with(Quantity::Mu, friction.mu.value)
+            .with_error(Quantity::Mu, friction.mu.error)
+            .with(Quantity::MuPloughing, friction.ploughing.value)
+            .with(Quantity::MuViscous, friction.viscous.value)
+            .with(Quantity::MuBoundary, friction.boundary.value)
+            .with(Quantity::GrooveDepth, solution.groove.deepest.value)
+            .with(Quantity::FilmMean, along.film.totals.mean_thickness))
     }
 
     /// Solves the points that have no result in the store, in parallel, and stores each as soon as
@@ -236,10 +306,17 @@ impl Solver {
         label: &str,
         watch: &Watch,
     ) -> Result<usize, Failure> {
+        let interrupted = |failure: Failure| match failure {
+            Failure::Partial(_) => Failure::Partial(format!(
+                "interrupted; finished points are stored in {}, the same command resumes",
+                store.path().display()
+            )),
+            other => other,
+        };
         let missing = points.iter().filter(|point| store.get(point).is_none());
         let groups = groups(missing);
         if !groups.is_empty() {
-            self.anchor(store, watch)?;
+            self.anchor(watch).map_err(interrupted)?;
         }
         let solved = AtomicUsize::new(0);
         let show = |n: usize| watch.progress(&format!("{label}: {n} of {} points", points.len()));
@@ -249,12 +326,15 @@ impl Solver {
             if broken.load(Ordering::Relaxed) {
                 return Ok(0);
             }
-            let results = self.solve(group, watch);
-            show(solved.fetch_add(results.len(), Ordering::Relaxed) + results.len());
+            let results = match self.loaded.case.sliding {
+                Some(_) => self.slide(group, watch),
+                None => group.iter().map(|point| self.press(point, watch)).collect(),
+            };
             let count = results.len();
+            show(solved.fetch_add(count, Ordering::Relaxed) + count);
             for (&point, result) in group.iter().zip(results) {
-                let figures = result.map_err(|error| self.failure(store, &point, error))?;
-                check_finite(&point, &figures).map_err(Failure::bad_input)?;
+                let figures = result.map_err(|failure| interrupted(at_point(&point, failure)))?;
+                check_finite(&point, &figures)?;
                 let stored = store.append(&Solve { point, figures });
                 broken.fetch_or(stored.is_err(), Ordering::Relaxed);
                 stored?;
@@ -277,77 +357,167 @@ impl Solver {
         });
         Ok(swept)
     }
+}
 
-    fn failure(&self, store: &PointStore, point: &Point, error: SolveError) -> Failure {
-        match error {
-            SolveError::Interrupted => Failure::Partial(format!(
-                "interrupted; finished points are stored in {}, the same command resumes",
-                store.path().display()
-            )),
-            SolveError::Contact(error) => at_point(point, self.loaded.failure(&error)),
-            SolveError::Failed(failure) => at_point(point, failure),
-            SolveError::Case(error) => Failure::BadInput(format!("{point}: {error}")),
+/// A filled table, and the points on disk that it makes needless.
+pub struct Filled {
+    /// The table and whether its interpolation is as accurate as requested.
+    pub swept: SweepResult,
+    /// Contacts solved now; the others were on disk.
+    pub solves: usize,
+    store: PointStore,
+}
+
+/// Solves every point that is not on disk yet. Points are stored in `OUT.points` until
+/// [`Filled::clear`], so that the same call resumes after an interrupt.
+///
+/// # Errors
+/// [`Failure::BadInput`] for files and cases, [`Failure::NotConverged`] where a contact stays far
+/// from its accuracy, [`Failure::Partial`] where the watch stops it.
+pub fn fill(
+    spec: &TableSpec,
+    solver: &Solver,
+    out: &Path,
+    watch: &Watch,
+) -> Result<Filled, Failure> {
+    let mut path = out.as_os_str().to_owned();
+    path.push(".points");
+    let store = PointStore::of_file(Path::new(&path), solver.origin()?)?;
+    for damage in store.damaged() {
+        watch.warn(&format!("{damage}; its point is solved again"));
+    }
+    let mut solves = 0;
+    let swept = loop {
+        match replay(&spec.plan, |point| store.get(point))? {
+            Progress::Finished(swept) => break solver.finished(*swept)?,
+            Progress::Batch { points, round, .. } => {
+                let label = format!("round {round}");
+                solves += solver.solve_missing(&store, &points, &label, watch)?;
+            }
         }
+    };
+    Ok(Filled {
+        swept,
+        solves,
+        store,
+    })
+}
+
+impl Filled {
+    /// Removes the points on disk: the table is written.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] where the file cannot be removed.
+    pub fn clear(&self) -> Result<(), Failure> {
+        self.store.remove()
     }
 }
 
-/// Points that differ in speed alone, together, in the order of their first ones.
-fn groups<'a>(points: impl Iterator<Item = &'a Point>) -> Vec<Vec<Point>> {
-    let mut groups: Vec<Vec<Point>> = Vec::new();
-    let mut places: HashMap<String, usize> = HashMap::new();
-    for &point in points {
-        let alike = Point {
-            speed: None,
-            ..point
-        };
-        let place = *places.entry(alike.to_string()).or_insert_with(|| {
-            groups.push(Vec::new());
-            groups.len() - 1
-        });
-        groups[place].push(point);
+/// The solution at this tolerance or, where the largest mesh does not reach it, the best available
+/// one.
+///
+/// Its `p_max_error` shows which of the two it is. Refusing such a point would refuse the whole
+/// table.
+fn best(problem: &Problem, options: &Options) -> Result<Solution, kufe_contact::Error> {
+    match kufe_contact::solve(problem, options) {
+        Err(kufe_contact::Error::AccuracyNotReached { best, estimate, .. })
+            if estimate < LARGEST_ERROR =>
+        {
+            Ok(*best)
+        }
+        other => other,
     }
-    groups
+}
+
+/// The figures of a contact.
+fn figures(found: &Solution) -> Figures {
+    at_rest([
+        [found.p_max, found.p_max_error],
+        [found.p_mean, found.p_mean_error],
+        [found.area, found.area_error],
+        [found.length, found.length_error],
+        [found.width, found.width_error],
+        [found.approach, found.approach_error],
+    ])
+}
+
+/// The figures of a contact by boundary elements.
+fn by_boundary_elements(point: &Point, found: &BoundaryElements) -> Figures {
+    let p_mean = point.fz / found.area;
+    let figures = at_rest([
+        [found.p_max, found.p_max_error],
+        [p_mean, p_mean * found.area_error / found.area],
+        [found.area, found.area_error],
+        [found.length, found.length_error],
+        [found.width, found.width_error],
+        [found.approach, found.approach_error],
+    ]);
+    figures.by(Method::BoundaryElements)
+}
+
+/// The values and errors of the first six quantities.
+fn at_rest(measured: [[f64; 2]; 6]) -> Figures {
+    let figures = Figures::at_rest(measured.map(|[value, _]| value));
+    let errors = Quantity::ALL.into_iter().zip(measured);
+    errors.fold(figures, |figures, (quantity, [_, error])| {
+        figures.with_error(quantity, error)
+    })
+}
+
+/// The case at a point.
+fn case_at(loaded: &LoadedCase, point: &Point) -> Result<LoadedCase, Failure> {
+    let mut loaded = loaded.clone();
+    loaded.case.load.fz_n = point.fz;
+    loaded.case.track = TrackTable {
+        curvature_1pm: Some(point.curvature),
+        radius_m: None,
+    };
+    if let (Some(shape), Some(radius)) = (&mut loaded.case.runner.shape, point.rocker_radius) {
+        *shape.rocker_radius_m() = radius;
+    }
+    if let Some(own) = &loaded.case.sliding {
+        let speed = point.speed.unwrap_or(own.v_mps);
+        return at(&loaded, speed, point.ice_c.unwrap_or(own.ice_c));
+    }
+    let checked = loaded.case.check();
+    checked.map_err(|error| loaded.bad_input(error))?;
+    Ok(loaded)
 }
 
 /// Checks that the case is one at every end and value of the axes.
 fn check_axes(spec: &TableSpec, loaded: &LoadedCase) -> Result<(), Failure> {
-    let failed = |kind: AxisKind, reason: String| {
-        let path = spec.path.display();
-        Failure::BadInput(format!("{path}: axes.{}: {reason}", kind.key()))
+    let own = Point {
+        fz: loaded.case.load.fz_n,
+        curvature: loaded.case.track.curvature(),
+        ..Point::default()
     };
     for kind in AxisKind::ALL {
         for value in spec.plan.get(kind).iter().flat_map(|axis| axis.ends()) {
-            let checked = match (kind, &loaded.case.sliding) {
-                (AxisKind::Speed, Some(sliding)) => {
-                    let slides = at(loaded, value, sliding.ice_c);
-                    slides.map(|_| ()).map_err(|error| error.to_string())
-                }
-                (AxisKind::IceTemperature, Some(sliding)) => {
-                    let slides = at(loaded, sliding.v_mps, value);
-                    slides.map(|_| ()).map_err(|error| error.to_string())
-                }
-                _ => {
-                    let mut case = loaded.case.clone();
-                    match kind {
-                        AxisKind::Fz => case.load.fz_n = value,
-                        AxisKind::RockerRadius => case = with_rocker(&case, value),
-                        _ => case.track = track(value),
-                    }
-                    case.check().map_err(|error| error.to_string())
-                }
-            };
-            checked.map_err(|reason| failed(kind, reason))?;
+            case_at(loaded, &own.with(kind, value)).map_err(|failure| {
+                let key = kind.key();
+                Failure::in_file(&spec.path, format_args!("axes.{key}: {failure}"))
+            })?;
         }
     }
     Ok(())
 }
 
-/// A track of this curvature [1/m].
-pub(crate) fn track(curvature: f64) -> TrackTable {
-    TrackTable {
-        curvature_1pm: Some(curvature),
-        ..TrackTable::default()
+/// Points that differ in speed alone, together, in the order of their first ones.
+fn groups<'a>(points: impl Iterator<Item = &'a Point>) -> Vec<Vec<Point>> {
+    let mut groups: Vec<Vec<Point>> = Vec::new();
+    let mut places = HashMap::new();
+    for &point in points {
+        let alike = Point {
+            speed: None,
+            ..point
+        };
+        let place = *places.entry(key(&alike)).or_insert(groups.len());
+        if place == groups.len() {
+            groups.push(Vec::new());
+        }
+        groups[place].push(point);
     }
+    groups
 }
 
 /// A failure with the point that it happened at.
@@ -359,10 +529,45 @@ fn at_point(point: &Point, failure: Failure) -> Failure {
     }
 }
 
-pub(crate) fn with_rocker(case: &Case, radius: f64) -> Case {
-    let mut case = case.clone();
-    if let Some(shape) = &mut case.runner.shape {
-        *shape.rocker_radius_m() = radius;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::Case;
+    use std::path::Path;
+
+    fn paraboloid() -> Problem {
+        let text = "[runner]\nshape = { kind = \"paraboloid\", rocker_radius_m = 30, section_radius_m = 0.005 }\n\
+                    [ice]\nyoungs_modulus_pa = 9e9\npoissons_ratio = 0.33\nthickness_m = \"half-space\"\n[load]\nfz_n = 1000";
+        let case = Case::parse(text).unwrap_or_else(|error| panic!("{error}"));
+        case.problem(Path::new(""))
+            .unwrap_or_else(|error| panic!("{error}"))
     }
-    case
+
+    #[test]
+    fn a_point_short_of_its_tolerance_keeps_the_best_answer_with_its_error() {
+        let tolerance = 1e-4;
+        let small = Options {
+            max_dofs: 100_000,
+            p_max_tolerance: tolerance,
+            ..Options::default()
+        };
+        let solution = best(&paraboloid(), &small).expect("an answer");
+        let error = solution.p_max_error / solution.p_max;
+        assert!(error > tolerance && error < LARGEST_ERROR, "{error}");
+        // Hertz's peak of this contact.
+        assert!((solution.p_max / 138.52e6 - 1.0).abs() < error);
+    }
+
+    #[test]
+    fn a_point_that_no_mesh_comes_near_is_an_error() {
+        let tiny = Options {
+            max_dofs: 100,
+            p_max_tolerance: 1e-4,
+            ..Options::default()
+        };
+        assert!(matches!(
+            best(&paraboloid(), &tiny),
+            Err(kufe_contact::Error::AccuracyNotReached { .. })
+        ));
+    }
 }

@@ -1,5 +1,6 @@
 //! `table.toml`: the axes and the accuracy of a table.
 
+use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +40,7 @@ struct AxesToml {
     /// Normal force [N].
     fz_n: AxisToml,
     /// Track curvature, positive in a valley, 0 on a straight [1/m].
-    curvature_1pm: Option<CurvatureToml>,
+    curvature_1pm: Option<AxisToml>,
     /// Track radius instead, positive in a valley, inf on a straight [m].
     radius_m: Option<AxisToml>,
     /// Rocker radius of a parametric runner [m].
@@ -60,33 +61,12 @@ struct AxisToml {
     from: Option<f64>,
     /// Where it ends.
     to: Option<f64>,
-    /// What becomes of inputs outside; `hold` where absent.
-    outside: Option<OutsideToml>,
-}
-
-/// The end of the axis takes the input's place, the interpolant continues straight, or there is no
-/// value.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-enum OutsideToml {
-    Hold,
-    Linear,
-    Error,
-}
-
-/// An axis of curvatures, perhaps seen from where the runner lies flush.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct CurvatureToml {
-    /// The values, and no others.
-    values: Option<Vec<f64>>,
-    /// Where the range begins.
-    from: Option<f64>,
-    /// Where it ends.
-    to: Option<f64>,
-    /// What becomes of inputs outside; `hold` where absent.
-    outside: Option<OutsideToml>,
-    /// Where the runner lies flush on the track: the table is made over reduced curvatures.
+    /// Rule for inputs outside: the end of the axis takes the input's place, the interpolant
+    /// continues straight, or there is no value; `hold` where absent.
+    #[schemars(with = "Option<String>", extend("enum" = Outside::ALL.map(Outside::name)))]
+    outside: Option<Outside>,
+    /// Of curvatures alone: where the runner lies flush on the track. The table is made over
+    /// reduced curvatures then.
     flush: Option<FlushToml>,
 }
 
@@ -144,7 +124,7 @@ pub struct TableSpec {
     pub plan: Plan,
     /// Solver tolerance of the peak pressure, where the file states one.
     pub p_max: Option<f64>,
-    /// What becomes of inputs outside the axes of which the file says so.
+    /// Rule for inputs outside, for the axes of which the file states it.
     pub outside: Vec<(AxisKind, Outside)>,
 }
 
@@ -154,65 +134,69 @@ impl TableSpec {
     /// # Errors
     /// [`Failure::BadInput`] naming the file, the key, what was found and what was expected.
     pub fn read(path: &Path) -> Result<TableSpec, Failure> {
-        let failed = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
-        let unreadable = |error: std::io::Error| failed(format!("cannot be read: {error}"));
-        let text = text_of_regular(path, LONGEST).map_err(unreadable)?;
+        let failed = |reason: String| Failure::in_file(path, reason);
+        let text = text_of_regular(path, LONGEST);
+        let text = text.map_err(|error| Failure::unreadable(path, error))?;
         let file: TableToml = toml::from_str(&text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start.min(text.len()));
             let line = text[..start].matches('\n').count() + 1;
             failed(format!("line {line}: {}", error.message()))
         })?;
         let plan = plan(&file).map_err(failed)?;
-        let outside = outside(&file.axes).map_err(failed)?;
+        let outside = file.axes.outside().map_err(failed)?;
         plan.check().map_err(|error| {
             failed(match line_of(&text, &error) {
                 Some(line) => format!("line {line}: {error}"),
                 None => error.to_string(),
             })
         })?;
-        if let Some(p_max) = file.accuracy.p_max
-            && !(1e-5..=0.5).contains(&p_max)
-        {
-            return Err(failed(format!(
-                "accuracy.p_max = {p_max}: expected a relative error between 1e-5 and 0.5"
-            )));
-        }
+        let p_max = file.accuracy.p_max;
+        within("accuracy.p_max", "a relative error", p_max, 1e-5..=0.5).map_err(failed)?;
         let base = path.parent().unwrap_or(Path::new(""));
         Ok(TableSpec {
             path: path.to_path_buf(),
             case: base.join(&file.case),
             plan,
-            p_max: file.accuracy.p_max,
+            p_max,
             outside,
         })
     }
 }
 
-/// The rules of the axes that state one.
-fn outside(axes: &AxesToml) -> Result<Vec<(AxisKind, Outside)>, String> {
-    let curvature = axes.curvature_1pm.as_ref().and_then(|axis| axis.outside);
-    let of = |axis: &Option<AxisToml>| axis.as_ref().and_then(|axis| axis.outside);
-    if of(&axes.rocker_radius_m).is_some() {
-        return Err(
-            "axes.rocker_radius_m.outside: expected no such key: a radius outside is refused"
-                .into(),
-        );
-    }
-    let rules = [
-        (AxisKind::Fz, axes.fz_n.outside),
-        (AxisKind::Curvature, curvature.or(of(&axes.radius_m))),
-        (AxisKind::Speed, of(&axes.v_mps)),
-        (AxisKind::IceTemperature, of(&axes.ice_c)),
-    ];
-    let stated = rules.into_iter().filter_map(|(kind, rule)| {
-        let rule = match rule? {
-            OutsideToml::Hold => Outside::Hold,
-            OutsideToml::Linear => Outside::Linear,
-            OutsideToml::Error => Outside::Error,
+impl AxesToml {
+    /// The axis of a kind, where there is one: its key and what is stated of it. Curvatures may be
+    /// given as radii.
+    fn get(&self, kind: AxisKind) -> Option<(&'static str, &AxisToml)> {
+        let (key, axis) = match kind {
+            AxisKind::Fz => ("fz_n", Some(&self.fz_n)),
+            AxisKind::Curvature if self.radius_m.is_some() => ("radius_m", self.radius_m.as_ref()),
+            AxisKind::Curvature => ("curvature_1pm", self.curvature_1pm.as_ref()),
+            AxisKind::RockerRadius => ("rocker_radius_m", self.rocker_radius_m.as_ref()),
+            AxisKind::Speed => ("v_mps", self.v_mps.as_ref()),
+            AxisKind::IceTemperature => ("ice_c", self.ice_c.as_ref()),
         };
-        Some((kind, rule))
-    });
-    Ok(stated.collect())
+        Some((key, axis?))
+    }
+
+    /// The rules of the axes that state one.
+    fn outside(&self) -> Result<Vec<(AxisKind, Outside)>, String> {
+        let mut rules = Vec::new();
+        for kind in AxisKind::ALL {
+            let Some((key, axis)) = self.get(kind) else {
+                continue;
+            };
+            if kind == AxisKind::RockerRadius && axis.outside.is_some() {
+                return Err(format!(
+                    "axes.{key}.outside: expected no such key: a radius outside is refused"
+                ));
+            }
+            if axis.flush.is_some() && key != "curvature_1pm" {
+                return Err(format!("axes.{key}.flush: belongs to axes.curvature_1pm"));
+            }
+            rules.extend(axis.outside.map(|rule| (kind, rule)));
+        }
+        Ok(rules)
+    }
 }
 
 /// The line of the axis that an error is about.
@@ -230,34 +214,29 @@ fn line_of(text: &str, error: &Error) -> Option<usize> {
 }
 
 fn plan(file: &TableToml) -> Result<Plan, String> {
-    let curvature = match (&file.axes.curvature_1pm, &file.axes.radius_m) {
-        (Some(axis), None) => spacing("axes.curvature_1pm", &axis.spacing())?,
-        (None, Some(axis)) => as_curvature(spacing("axes.radius_m", axis)?)?,
+    let axes = &file.axes;
+    let curvature = match (&axes.curvature_1pm, &axes.radius_m) {
+        (Some(axis), None) => spacing("curvature_1pm", axis)?,
+        (None, Some(axis)) => as_curvature(spacing("radius_m", axis)?)?,
         _ => return Err("axes: expected either curvature_1pm or radius_m".into()),
     };
-    let mut plan = Plan::new(spacing("axes.fz_n", &file.axes.fz_n)?, curvature);
-    let flush = file.axes.curvature_1pm.as_ref().and_then(|axis| axis.flush);
+    let mut plan = Plan::new(spacing("fz_n", &axes.fz_n)?, curvature);
+    let flush = axes.curvature_1pm.as_ref().and_then(|axis| axis.flush);
     plan.flush = flush.map(|flush| [flush.curvature_1pm, flush.scale_1pm_per_n]);
-    for (kind, axis) in [
-        (AxisKind::RockerRadius, &file.axes.rocker_radius_m),
-        (AxisKind::Speed, &file.axes.v_mps),
-        (AxisKind::IceTemperature, &file.axes.ice_c),
+    for kind in [
+        AxisKind::RockerRadius,
+        AxisKind::Speed,
+        AxisKind::IceTemperature,
     ] {
-        if let Some(axis) = axis {
-            plan = plan.with(kind, spacing(&format!("axes.{}", kind.key()), axis)?);
+        if let Some((key, axis)) = axes.get(kind) {
+            plan = plan.with(kind, spacing(key, axis)?);
         }
     }
     let accuracy = &file.accuracy;
-    if let Some(requested) = accuracy.interpolation {
-        if !INTERPOLATIONS.contains(&requested) {
-            return Err(format!(
-                "accuracy.interpolation = {requested}: expected a relative error between {} and {}: contacts are solved to half of it",
-                INTERPOLATIONS.start(),
-                INTERPOLATIONS.end()
-            ));
-        }
-        plan.interpolation = requested;
-    }
+    let what = "a relative error, of which contacts are solved to half,";
+    let requested = accuracy.interpolation;
+    let requested = within("accuracy.interpolation", what, requested, INTERPOLATIONS)?;
+    plan.interpolation = requested.unwrap_or(plan.interpolation);
     plan.modes = match accuracy.evaluation.unwrap_or(Evaluation::Both) {
         Evaluation::Both => Mode::ALL.to_vec(),
         Evaluation::Smooth => vec![Mode::Smooth],
@@ -270,40 +249,31 @@ fn plan(file: &TableToml) -> Result<Plan, String> {
         let grooves: usize = kinds.into_iter().map(count).product();
         plan.checks = grooves.div_ceil(8).max(4);
     }
-    plan.checks = within("accuracy.checks", accuracy.checks, plan.checks, 100_000)?;
-    plan.max_nodes = within(
-        "accuracy.max_nodes",
-        accuracy.max_nodes,
-        plan.max_nodes,
-        kufe_lut::MAX_NODES,
-    )?;
-    if let Some(smallest) = accuracy.smallest_interval {
-        if !(1e-6..=0.25).contains(&smallest) {
-            return Err(format!(
-                "accuracy.smallest_interval = {smallest}: expected a part of an axis between 1e-6 and 0.25"
-            ));
-        }
-        plan.smallest_interval = smallest;
-    }
+    let checks = within("accuracy.checks", "a number", accuracy.checks, 0..=100_000)?;
+    plan.checks = checks.unwrap_or(plan.checks);
+    let most = 0..=kufe_lut::MAX_NODES;
+    let nodes = within("accuracy.max_nodes", "a number", accuracy.max_nodes, most)?;
+    plan.max_nodes = nodes.unwrap_or(plan.max_nodes);
+    let (key, smallest) = ("accuracy.smallest_interval", accuracy.smallest_interval);
+    let smallest = within(key, "a part of an axis", smallest, 1e-6..=0.25)?;
+    plan.smallest_interval = smallest.unwrap_or(plan.smallest_interval);
     Ok(plan)
 }
 
-impl CurvatureToml {
-    fn spacing(&self) -> AxisToml {
-        AxisToml {
-            values: self.values.clone(),
-            from: self.from,
-            to: self.to,
-            outside: self.outside,
-        }
-    }
-}
-
-fn within(key: &str, found: Option<usize>, default: usize, most: usize) -> Result<usize, String> {
+/// A stated value, which must be in its range.
+fn within<T: Display + PartialOrd>(
+    key: &str,
+    what: &str,
+    found: Option<T>,
+    range: RangeInclusive<T>,
+) -> Result<Option<T>, String> {
     match found {
-        Some(found) if found > most => Err(format!("{key} = {found}: expected at most {most}")),
-        Some(found) => Ok(found),
-        None => Ok(default),
+        Some(found) if !range.contains(&found) => Err(format!(
+            "{key} = {found}: expected {what} between {} and {}",
+            range.start(),
+            range.end()
+        )),
+        found => Ok(found),
     }
 }
 
@@ -312,7 +282,7 @@ fn spacing(key: &str, axis: &AxisToml) -> Result<Spacing, String> {
         (Some(values), None, None) => Ok(Spacing::Values(values.clone())),
         (None, Some(from), Some(to)) => Ok(Spacing::Range { from, to }),
         _ => Err(format!(
-            "{key}: expected either values = [...], or from and to"
+            "axes.{key}: expected either values = [...], or from and to"
         )),
     }
 }

@@ -1,6 +1,7 @@
-//! `pressure.exr`: the map as 32-bit floats with its place in metres.
+//! Maps as EXR images, 32-bit floats with their place in metres: `pressure.exr`, `groove.exr`.
 
 use std::io::{Cursor, Write};
+use std::path::Path;
 
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::prelude::{
@@ -8,6 +9,9 @@ use exr::prelude::{
     WritableImage,
 };
 use kufe_contact::PressureMap;
+use kufe_mesh::ExrImage;
+
+use crate::jobs::failure::Failure;
 
 const COMMENTS: &str = "p: contact pressure on the last mesh [Pa], whose peak is p_max_mesh_pa; p_max_pa: the peak in the limit of fine meshes; gap [m]; uz: vertical displacement of the ice [m]. Column i, \
     row j of the pixels is centred at x = origin_x_m + i pixel_x_m (along the runner), y = origin_y_m + j pixel_y_m (across).";
@@ -18,16 +22,15 @@ const COMMENTS: &str = "p: contact pressure on the last mesh [Pa], whose peak is
 ///
 /// # Errors
 /// The EXR writer's, which are those of `writer`.
-pub fn write(
+pub fn write_map(
     writer: &mut dyn Write,
     map: &PressureMap,
     track_curvature: f64,
     figures: &[(&str, f64)],
 ) -> exr::error::UnitResult {
-    let radius = if track_curvature == 0.0 {
-        f64::INFINITY
-    } else {
-        1.0 / track_curvature
+    let radius = match track_curvature {
+        0.0 => f64::INFINITY,
+        curvature => 1.0 / curvature,
     };
     let numbers = [("radius_m", radius), ("curvature_1pm", track_curvature)];
     let numbers = [&numbers[..], figures].concat();
@@ -38,10 +41,11 @@ pub fn write(
 /// Writes channels on the pixels of `map`, one pixel a cell, as ZIP-compressed scanlines.
 ///
 /// Row `j`, column `i` is centred at (`origin_x_m + i pixel_x_m`, `origin_y_m + j pixel_y_m`); the
-/// attributes are doubles, these and the other `numbers`. The pixel's aspect stays 1, or viewers would show a needle as a line.
+/// attributes are doubles, these and the other `numbers`. The pixel's aspect stays 1, or viewers
+/// would show a needle as a line.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write_map`].
 pub fn write_channels(
     writer: &mut dyn Write,
     map: &PressureMap,
@@ -60,37 +64,29 @@ pub fn write_channels(
         ("pixel_x_m", map.dx),
         ("pixel_y_m", map.dy),
     ];
-    for (name, value) in place.iter().chain(numbers) {
-        attributes
-            .other
-            .insert(Text::from(*name), AttributeValue::F64(*value));
-    }
+    let numbers = place.iter().chain(numbers);
+    let numbers = numbers.map(|(name, value)| (Text::from(*name), AttributeValue::F64(*value)));
+    attributes.other.extend(numbers);
     let channel = |(name, values): &(&str, &[f64])| {
         let samples = values.iter().map(|&value| value as f32).collect();
         AnyChannel::new(*name, FlatSamples::F32(samples))
     };
     let channels = AnyChannels::sort(channels.iter().map(channel).collect::<SmallVec<_>>());
-    let layer = Layer::new(
-        (map.nx, map.ny),
-        attributes,
-        Encoding::SMALL_LOSSLESS,
-        channels,
-    );
+    let (size, encoding) = ((map.nx, map.ny), Encoding::SMALL_LOSSLESS);
+    let image = Image::from_layer(Layer::new(size, attributes, encoding, channels));
     let mut file = Cursor::new(Vec::new());
-    Image::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut file)?;
+    image.write().non_parallel().to_buffered(&mut file)?;
     let mut bytes = file.into_inner();
     sort_attributes(&mut bytes);
     Ok(writer.write_all(&bytes)?)
 }
 
-/// Sorts the header's attributes by name: the EXR library holds them in a table of random order, and the same
-/// map is to be the same bytes.
+/// Sorts the header's attributes by name: the EXR library holds them in a table of random order,
+/// and the same map is to be the same bytes.
 ///
-/// After magic number and version (8 bytes) each attribute is a name and a type, both closed by a zero, the value's
-/// size as 4 bytes and the value; a zero ends the header. Sorting keeps its length, so all offsets stay.
+/// After magic number and version (8 bytes) each attribute is a name and a type, both closed by a
+/// zero, the value's size as 4 bytes and the value; a zero ends the header. Sorting keeps its
+/// length, so all offsets stay.
 fn sort_attributes(bytes: &mut [u8]) {
     const START: usize = 8;
     let zero = |from: usize| bytes[from..].iter().position(|&b| b == 0).map(|k| from + k);
@@ -111,17 +107,46 @@ fn sort_attributes(bytes: &mut [u8]) {
     bytes[START..at].copy_from_slice(&attributes.concat());
 }
 
+/// Reads the channels `p`, `gap` and `uz` with their place in metres.
+///
+/// # Errors
+/// [`Failure::BadInput`] where the file is no EXR image with a place, has fewer than 2 x 2 pixels,
+/// lacks a channel or an attribute, or holds values that are no numbers.
+pub fn read_map(path: &Path) -> Result<PressureMap, Failure> {
+    let image = ExrImage::load(path)?;
+    let [nx, ny] = image.size;
+    if nx < 2 || ny < 2 {
+        let text = format_args!("{nx} x {ny} pixels: expected at least 2 x 2");
+        return Err(Failure::in_file(path, text));
+    }
+    let channel = |name: &str| {
+        let values = image.channel(name).map(|values| values.to_vec());
+        values.map_err(|error| Failure::in_file(path, error))
+    };
+    Ok(PressureMap {
+        x0: image.origin_m[0],
+        y0: image.origin_m[1],
+        dx: image.pixel_m[0],
+        dy: image.pixel_m[1],
+        nx,
+        ny,
+        pressure: channel("p")?,
+        gap: channel("gap")?,
+        uz: channel("uz")?,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jobs::field::hertz_map::hertz_map;
+    use crate::jobs::field::tests::hertz_map;
     use exr::prelude::read_first_flat_layer_from_file;
 
     #[test]
     fn an_exr_gives_back_its_channels_and_its_place() -> Result<(), Box<dyn std::error::Error>> {
         let map = hertz_map();
         let file = tempfile::Builder::new().suffix(".exr").tempfile()?;
-        write(&mut file.as_file(), &map, 0.0, &[("fz_n", 1000.0)])?;
+        write_map(&mut file.as_file(), &map, 0.0, &[("fz_n", 1000.0)])?;
         let image = read_first_flat_layer_from_file(file.path())?;
         let names: Vec<String> = image
             .layer_data
@@ -151,6 +176,26 @@ mod tests {
             other.get(&Text::from("radius_m")),
             Some(&AttributeValue::F64(f64::INFINITY))
         );
+        Ok(())
+    }
+
+    #[test]
+    fn a_map_comes_back_as_it_was_written() -> Result<(), Box<dyn std::error::Error>> {
+        let map = hertz_map();
+        let file = tempfile::Builder::new().suffix(".exr").tempfile()?;
+        write_map(&mut file.as_file(), &map, 0.0, &[])?;
+        let back = read_map(file.path()).map_err(|failure| failure.to_string())?;
+        assert_eq!(
+            (back.nx, back.ny, back.x0, back.y0, back.dx, back.dy),
+            (map.nx, map.ny, map.x0, map.y0, map.dx, map.dy)
+        );
+        for (a, b) in [
+            (&back.pressure, &map.pressure),
+            (&back.gap, &map.gap),
+            (&back.uz, &map.uz),
+        ] {
+            assert!(a.iter().zip(b).all(|(a, b)| *a == f64::from(*b as f32)));
+        }
         Ok(())
     }
 }

@@ -30,13 +30,14 @@ pub const LARGEST_RADIUS: f64 = 1e6;
 const ANY_RADIUS: f64 = f64::INFINITY;
 
 impl Range {
-    /// The range of a key.
-    ///
-    /// # Panics
-    /// Where the key has none.
-    pub(crate) fn of(key: &str) -> &'static Range {
-        let range = RANGES.iter().find(|range| range.key == key);
-        range.unwrap_or_else(|| panic!("{key} has no range"))
+    /// The range of a key, where it has one.
+    pub(crate) fn find(key: &str) -> Option<&'static Range> {
+        RANGES.iter().find(|range| range.key == key)
+    }
+
+    /// What a value must be, for messages.
+    pub(crate) fn expected(&self) -> String {
+        format!("{} from {}", self.what, self.words())
     }
 
     /// The range in words, as `0.001 to 100` or `0.05 to 1e6, or inf`.
@@ -54,12 +55,6 @@ impl Range {
         let infinite = value == f64::INFINITY || value <= LARGEST_RADIUS;
         (self.low..=self.high).contains(&value) && (self.high.is_finite() || infinite)
     }
-
-    /// The bounds as a schema has them: the smallest and the largest value, where there is one.
-    fn bounds(&self) -> [(&'static str, Option<f64>); 2] {
-        let largest = Some(self.high).filter(|high| high.is_finite());
-        [("minimum", Some(self.low)), ("maximum", largest)]
-    }
 }
 
 /// Writes the ranges of a table's keys into its schema.
@@ -76,23 +71,21 @@ impl Transform for Bounds {
 impl Bounds {
     fn bound(&self, object: &mut Map<String, Value>) {
         let variants = object.get_mut("oneOf").and_then(Value::as_array_mut);
-        for variant in variants.into_iter().flatten() {
-            variant
-                .as_object_mut()
-                .into_iter()
-                .for_each(|v| self.bound(v));
-        }
+        let variants = variants.into_iter().flatten();
+        variants
+            .filter_map(Value::as_object_mut)
+            .for_each(|variant| self.bound(variant));
         let properties = object.get_mut("properties").and_then(Value::as_object_mut);
         for (name, property) in properties.into_iter().flatten() {
-            let key = format!("{}.{name}", self.0);
-            let range = RANGES.iter().find(|range| range.key == key);
             // A key of several forms has a schema of its own, with the bounds of its number.
             let property = property.as_object_mut().filter(|p| p.contains_key("type"));
+            let range = Range::find(&format!("{}.{name}", self.0));
             let (Some(range), Some(property)) = (range, property) else {
                 continue;
             };
-            for (word, bound) in range.bounds() {
-                property.extend(bound.map(|bound| (word.to_owned(), bound.into())));
+            property.insert("minimum".into(), range.low.into());
+            if range.high.is_finite() {
+                property.insert("maximum".into(), range.high.into());
             }
         }
     }
@@ -181,10 +174,8 @@ pub(crate) fn check_ranges(case: &Case) -> Checked {
 /// Checks the numbers of the value of a dotted key; those in lists have the list's key.
 fn check_under(key: &str, value: &toml::Value) -> Checked {
     match value {
-        toml::Value::Float(number) => match RANGES.iter().find(|range| range.key == key) {
-            Some(range) => require_else(range.holds(*number), range.key, *number, || {
-                format!("{} from {}", range.what, range.words())
-            }),
+        toml::Value::Float(number) => match Range::find(key) {
+            Some(range) => require(range.holds(*number), range.key, *number, range.expected()),
             None => Ok(()),
         },
         toml::Value::Array(items) => items.iter().try_for_each(|item| check_under(key, item)),
@@ -196,28 +187,11 @@ fn check_under(key: &str, value: &toml::Value) -> Checked {
     }
 }
 
-/// Refuses two keys that exclude each other, or one that needs the other.
-pub(crate) fn refuse_if(wrong: bool, key: &'static str, expected: &'static str) -> Checked {
-    if wrong {
-        return Err(combination(key, expected));
-    }
-    Ok(())
-}
-
 pub(crate) fn require(
     holds: bool,
     key: &'static str,
     value: f64,
-    expected: &'static str,
-) -> Checked {
-    require_else(holds, key, value, || expected.to_owned())
-}
-
-fn require_else(
-    holds: bool,
-    key: &'static str,
-    value: f64,
-    expected: impl Fn() -> String,
+    expected: impl Into<String>,
 ) -> Checked {
     if holds {
         return Ok(());
@@ -226,7 +200,7 @@ fn require_else(
         line: 0,
         key,
         value: plain(value),
-        expected: expected(),
+        expected: expected.into(),
     })
 }
 

@@ -1,13 +1,8 @@
 //! What the values of a case must fulfil: each its range, and together what is stated here.
 
-pub(crate) mod range;
-
 use crate::case::document::Case;
-use crate::case::table::{
-    Hardness, IceTable, LoadTable, RunnerTable, Shape, SlidingTable, Thickness, TiltWord,
-    TrackTable,
-};
-use range::{Checked, LARGEST_RADIUS, check_ranges, refuse_if, require};
+use crate::case::range::{Checked, LARGEST_RADIUS, check_ranges, combination, require};
+use crate::case::{Hardness, Shape, Thickness, TiltWord};
 
 impl Case {
     /// Checks every value against its range, and that the values fit together.
@@ -16,47 +11,59 @@ impl Case {
     /// [`CaseError`](crate::case::CaseError) naming the first key that is wrong.
     pub fn check(&self) -> Checked {
         check_ranges(self)?;
-        check_runner(&self.runner)?;
-        check_mount(&self.runner, &self.load)?;
-        check_ice(&self.ice)?;
-        check_track(&self.track)?;
-        check_load(&self.load)?;
-        match &self.sliding {
-            Some(sliding) => check_sliding(sliding, self),
-            None => Ok(()),
+        let contradictions = [
+            runner_contradiction(self),
+            mount_contradiction(self),
+            ice_contradiction(self),
+            load_contradiction(self),
+            sliding_contradiction(self),
+        ];
+        if let Some(text) = contradictions.into_iter().flatten().next() {
+            let (key, expected) = text.split_once(": ").unwrap_or(("", text));
+            return Err(combination(key, expected));
         }
+        check_keys_of_hulls(self)?;
+        check_shape(self)?;
+        check_shares(self)?;
+        check_track_radius(self)
     }
 }
 
-fn check_runner(runner: &RunnerTable) -> Checked {
-    let (hull, shape, mesh) = (
-        runner.hull.is_some(),
-        runner.shape.is_some(),
-        runner.mesh.is_some(),
-    );
-    let two = mesh && (hull || shape);
-    refuse_if(
-        two,
-        "runner.mesh",
-        "either hull, shape or mesh, not two of them",
-    )?;
-    refuse_if(
-        !(hull || shape || mesh),
-        "runner",
-        "expected a hull, a shape or a mesh",
-    )?;
-    refuse_if(
-        hull && shape,
-        "runner.shape",
-        "either hull or shape, not both",
-    )?;
-    refuse_if(
-        mesh && !runner.elastic,
-        "runner.mesh",
-        "given only with elastic = true: expected hull for a rigid runner",
-    )?;
-    // A mesh may state its scale and its noise.
-    let of_files = [
+/// Keys of the runner that exclude or need each other: `key: what is expected`.
+fn runner_contradiction(case: &Case) -> Option<&'static str> {
+    let runner = &case.runner;
+    let (hull, shape) = (runner.hull.is_some(), runner.shape.is_some());
+    let mesh = runner.mesh.is_some();
+    let text = if mesh && (hull || shape) {
+        "runner.mesh: either hull, shape or mesh, not two of them"
+    } else if !(hull || shape || mesh) {
+        "runner: expected a hull, a shape or a mesh"
+    } else if hull && shape {
+        "runner.shape: either hull or shape, not both"
+    } else if mesh && !runner.elastic {
+        "runner.mesh: given only with elastic = true: expected hull for a rigid runner"
+    } else if runner.height_m.is_some() && !runner.elastic {
+        "runner.height_m: given only with elastic = true"
+    } else if let Some(section) = &runner.section {
+        if !matches!(runner.shape, Some(Shape::Bob { .. } | Shape::Luge { .. })) {
+            "runner.section: belongs to a shape of kind \"bob\" or \"luge\""
+        } else if section.profile.is_some() && section.points_m.is_some() {
+            "runner.section.points_m: either profile or points_m, not both"
+        } else {
+            return None;
+        }
+    } else {
+        return None;
+    };
+    Some(text)
+}
+
+/// Refuses the keys that describe the file of a hull, for a shape and for a mesh; a mesh may state
+/// its scale and its noise.
+fn check_keys_of_hulls(case: &Case) -> Checked {
+    let runner = &case.runner;
+    let mesh = runner.mesh.is_some();
+    let given = [
         ("runner.scale", runner.scale.is_some() && !mesh),
         ("runner.up", runner.up.is_some()),
         ("runner.forward", runner.forward.is_some()),
@@ -66,101 +73,76 @@ fn check_runner(runner: &RunnerTable) -> Checked {
         ("runner.noise_m", runner.noise_m.is_some() && !mesh),
         ("runner.height_m", runner.height_m.is_some()),
     ];
-    for (key, given) in of_files {
-        refuse_if(given && shape, key, "belongs to a hull, not to a shape")?;
-        refuse_if(given && mesh, key, "belongs to a hull, not to a mesh")?;
+    match given.into_iter().find(|(_, given)| *given) {
+        Some((key, _)) if mesh => Err(combination(key, "belongs to a hull, not to a mesh")),
+        Some((key, _)) if runner.shape.is_some() => {
+            Err(combination(key, "belongs to a hull, not to a shape"))
+        }
+        _ => Ok(()),
     }
-    refuse_if(
-        runner.height_m.is_some() && !runner.elastic,
-        "runner.height_m",
-        "given only with elastic = true",
-    )?;
-    if let Some(shape) = &runner.shape {
-        check_shape(shape)?;
-    }
-    let Some(section) = &runner.section else {
-        return Ok(());
+}
+
+fn check_shape(case: &Case) -> Checked {
+    let (length, rocker_radius) = match case.runner.shape {
+        Some(Shape::Bob {
+            length_m,
+            rocker_radius_m,
+            section_radius_m,
+            width_m,
+            ..
+        }) => {
+            require(
+                section_radius_m.is_finite(),
+                "runner.shape.section_radius_m",
+                section_radius_m,
+                "a finite radius in metres: a bobsled runner's section is round",
+            )?;
+            require(
+                width_m <= 2.0 * section_radius_m,
+                "runner.shape.width_m",
+                width_m,
+                "at most twice section_radius_m",
+            )?;
+            (length_m, rocker_radius_m)
+        }
+        Some(Shape::Luge {
+            length_m,
+            rocker_radius_m,
+            ..
+        }) => (length_m, rocker_radius_m),
+        Some(Shape::Paraboloid { .. }) | None => return Ok(()),
     };
-    refuse_if(
-        !matches!(runner.shape, Some(Shape::Bob { .. } | Shape::Luge { .. })),
-        "runner.section",
-        "belongs to a shape of kind \"bob\" or \"luge\"",
-    )?;
-    refuse_if(
-        section.profile.is_some() && section.points_m.is_some(),
-        "runner.section.points_m",
-        "either profile or points_m, not both",
+    require(
+        length <= 2.0 * rocker_radius,
+        "runner.shape.length_m",
+        length,
+        "at most twice rocker_radius_m",
     )
 }
 
-fn check_shape(shape: &Shape) -> Checked {
-    if let Shape::Bob {
-        section_radius_m,
-        width_m,
-        ..
-    } = *shape
-    {
-        require(
-            section_radius_m.is_finite(),
-            "runner.shape.section_radius_m",
-            section_radius_m,
-            "a finite radius in metres: a bobsled runner's section is round",
-        )?;
-        require(
-            width_m <= 2.0 * section_radius_m,
-            "runner.shape.width_m",
-            width_m,
-            "at most twice section_radius_m",
-        )?;
-    }
-    match *shape {
-        Shape::Bob {
-            length_m,
-            rocker_radius_m,
-            ..
-        }
-        | Shape::Luge {
-            length_m,
-            rocker_radius_m,
-            ..
-        } => require(
-            length_m <= 2.0 * rocker_radius_m,
-            "runner.shape.length_m",
-            length_m,
-            "at most twice rocker_radius_m",
-        ),
-        Shape::Paraboloid { .. } => Ok(()),
+fn mount_contradiction(case: &Case) -> Option<&'static str> {
+    let mount = case.runner.mount.as_ref()?;
+    if !case.runner.elastic {
+        Some("runner.mount: given only with elastic = true")
+    } else if mount.held.is_empty() == mount.carries.is_empty() {
+        Some("runner.mount: expected either held or carries, with one place at least")
+    } else if mount.carries.is_empty() {
+        None
+    } else if case.runner.mesh.is_some() {
+        Some("runner.mount.carries: a mesh is fixed: expected held, or no mount for its whole top")
+    } else if case.load.tilt != TiltWord::Free {
+        Some("load.tilt: expected \"free\": a runner without a fixed place tilts under its load")
+    } else {
+        None
     }
 }
 
-/// Checks a runner's mount, and that it agrees with the load.
-fn check_mount(runner: &RunnerTable, load: &LoadTable) -> Checked {
-    let Some(mount) = &runner.mount else {
+/// Checks that the shares of a mount carry the whole load along its line of action.
+fn check_shares(case: &Case) -> Checked {
+    let mount = case.runner.mount.as_ref();
+    let Some(mount) = mount.filter(|mount| !mount.carries.is_empty()) else {
         return Ok(());
     };
-    refuse_if(
-        !runner.elastic,
-        "runner.mount",
-        "given only with elastic = true",
-    )?;
-    refuse_if(
-        mount.held.is_empty() == mount.carries.is_empty(),
-        "runner.mount",
-        "expected either held or carries, with one place at least",
-    )?;
-    if mount.carries.is_empty() {
-        return Ok(());
-    }
-    refuse_if(
-        runner.mesh.is_some(),
-        "runner.mount.carries",
-        "a mesh is fixed: expected held, or no mount for all of its top",
-    )?;
-    refuse_if(
-        load.tilt != TiltWord::Free,
-        "load.tilt",
-        "expected \"free\": a runner that nothing holds tilts as its load says",
-    )?;
     let sum: f64 = mount.carries.iter().map(|p| p.share).sum();
     require(
         (sum - 1.0).abs() < 1e-6,
@@ -169,90 +151,71 @@ fn check_mount(runner: &RunnerTable, load: &LoadTable) -> Checked {
         "shares that sum to 1",
     )?;
     let line: f64 = mount.carries.iter().map(|p| p.share * p.x_m).sum();
+    let offset = case.load.offset_x_m;
     require(
-        (line - load.offset_x_m).abs() < 1e-6,
+        (line - offset).abs() < 1e-6,
         "load.offset_x_m",
-        load.offset_x_m,
+        offset,
         "the shares' line of action, sum of share times x_m",
     )
 }
 
-fn check_ice(ice: &IceTable) -> Checked {
-    let without = ice.temperature_c.is_none();
-    refuse_if(
-        without && ice.youngs_modulus_pa.is_none(),
-        "ice",
-        "expected youngs_modulus_pa, or temperature_c to take it from",
-    )?;
-    refuse_if(
-        without && ice.poissons_ratio.is_none(),
-        "ice",
-        "expected poissons_ratio, or temperature_c to take it from",
-    )?;
-    refuse_if(
-        ice.bed.is_some() && ice.thickness_m == Thickness::HalfSpace,
-        "ice.bed",
-        "a half-space of ice has no bed",
-    )?;
-    refuse_if(
-        without && ice.hardness_pa == Some(Hardness::FromTemperature),
-        "ice.hardness_pa",
-        "\"from-temperature\" needs temperature_c",
-    )?;
-    refuse_if(
-        ice.waviness.is_some() && ice.surface.is_some(),
-        "ice.surface",
-        "either waviness or surface, not both",
-    )
-}
-
-fn check_track(track: &TrackTable) -> Checked {
-    if let Some(radius) = track.radius_m {
-        require(
-            (1.0..=LARGEST_RADIUS).contains(&radius.abs()) || radius.is_infinite(),
-            "track.radius_m",
-            radius,
-            "a radius in metres from 1 to 1e6 in size, positive in a valley, negative on a crest, \
-             or inf",
-        )?;
+fn ice_contradiction(case: &Case) -> Option<&'static str> {
+    let ice = &case.ice;
+    let cold = ice.temperature_c.is_some();
+    if !cold && ice.youngs_modulus_pa.is_none() {
+        Some("ice: expected youngs_modulus_pa, or temperature_c to take it from")
+    } else if !cold && ice.poissons_ratio.is_none() {
+        Some("ice: expected poissons_ratio, or temperature_c to take it from")
+    } else if ice.bed.is_some() && ice.thickness_m == Thickness::HalfSpace {
+        Some("ice.bed: a half-space of ice has no bed")
+    } else if !cold && ice.hardness_pa == Some(Hardness::FromTemperature) {
+        Some("ice.hardness_pa: \"from-temperature\" needs temperature_c")
+    } else if ice.waviness.is_some() && ice.surface.is_some() {
+        Some("ice.surface: either waviness or surface, not both")
+    } else {
+        None
     }
-    refuse_if(
-        track.curvature_1pm.is_some() && track.radius_m.is_some(),
-        "track.curvature_1pm",
-        "either radius_m or curvature_1pm, not both",
+}
+
+fn check_track_radius(case: &Case) -> Checked {
+    let radius = case.track.radius_m.unwrap_or(f64::INFINITY);
+    require(
+        (1.0..=LARGEST_RADIUS).contains(&radius.abs()) || radius.is_infinite(),
+        "track.radius_m",
+        radius,
+        "a radius in metres from 1 to 1e6 in size, positive in a valley, negative on a crest, or inf",
     )
 }
 
-fn check_load(load: &LoadTable) -> Checked {
-    let free = load.tilt == TiltWord::Free;
-    let expected = "given only with tilt = \"fixed\"";
-    refuse_if(free && load.pitch_rad.is_some(), "load.pitch_rad", expected)?;
-    refuse_if(free && load.roll_rad.is_some(), "load.roll_rad", expected)
+fn load_contradiction(case: &Case) -> Option<&'static str> {
+    let free = case.load.tilt == TiltWord::Free;
+    if case.track.curvature_1pm.is_some() && case.track.radius_m.is_some() {
+        Some("track.curvature_1pm: either radius_m or curvature_1pm, not both")
+    } else if free && case.load.pitch_rad.is_some() {
+        Some("load.pitch_rad: given only with tilt = \"fixed\"")
+    } else if free && case.load.roll_rad.is_some() {
+        Some("load.roll_rad: given only with tilt = \"fixed\"")
+    } else {
+        None
+    }
 }
 
-fn check_sliding(sliding: &SlidingTable, case: &Case) -> Checked {
-    let anchored = sliding.hardness.is_some();
-    refuse_if(
-        anchored && case.ice.hardness_pa.is_some(),
-        "sliding.hardness",
-        "either ice.hardness_pa or sliding.hardness, not both",
-    )?;
-    refuse_if(
-        anchored && case.effects.contains_key("hardness"),
-        "sliding.hardness",
-        "either sliding.hardness or the effect hardness, not both",
-    )?;
-    refuse_if(
-        case.ice.temperature_c.is_some_and(|t| t != sliding.ice_c),
-        "sliding.ice_c",
-        "the same temperature as ice.temperature_c",
-    )?;
-    refuse_if(
-        case.ice.waviness.is_some() || case.ice.surface.is_some(),
-        "sliding",
-        "even ice: on ice of varying height no sliding is steady, expected no ice.waviness and no \
-         ice.surface",
-    )
+fn sliding_contradiction(case: &Case) -> Option<&'static str> {
+    let sliding = case.sliding.as_ref()?;
+    let measured = sliding.hardness.is_some();
+    let temperature = case.ice.temperature_c;
+    if measured && case.ice.hardness_pa.is_some() {
+        Some("sliding.hardness: either ice.hardness_pa or sliding.hardness, not both")
+    } else if measured && case.effects.contains_key("hardness") {
+        Some("sliding.hardness: either sliding.hardness or the effect hardness, not both")
+    } else if temperature.is_some_and(|t| t != sliding.ice_c) {
+        Some("sliding.ice_c: the same temperature as ice.temperature_c")
+    } else if case.ice.waviness.is_some() || case.ice.surface.is_some() {
+        Some("sliding: steady only on even ice, expected no ice.waviness and no ice.surface")
+    } else {
+        None
+    }
 }
 
 #[cfg(test)]
