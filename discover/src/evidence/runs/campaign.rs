@@ -22,6 +22,9 @@ use crate::procedure::evidence::{Account, Selection};
 use crate::procedure::rules::RunRules;
 use crate::procedure::shared_effects::Chance;
 
+/// Effects that change what sensors read: names and parameters.
+pub type SensorEffects = Vec<(String, Vec<f64>)>;
+
 /// A campaign of runs.
 pub struct Campaign<'a> {
     /// The runs as they are read.
@@ -37,7 +40,7 @@ pub struct Campaign<'a> {
     /// Contacts that the last screen selected.
     pub selected_contacts: Option<Found>,
     /// The track channel, and the effects on sensors with which it is so.
-    pub survey: Option<(Vec<(String, Vec<f64>)>, Option<Surveyed>)>,
+    pub survey: Option<(SensorEffects, Option<Surveyed>)>,
     /// The effect of the catalogue that a law was selected instead of, by first-order scores.
     pub runner_up: Option<Selection<Amplitude>>,
     /// Runs that are locked away.
