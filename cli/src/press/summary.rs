@@ -185,7 +185,7 @@ fn sliding(slid: &SolvedSliding) -> Rows {
         let (roughness, shear) = (roughness.value, shear.value);
         format!(", {roughness:+.2} % for roughness, {shear:+.2} % for boundary shear")
     });
-    let [speed, hardness, viscosity] = [by.speed, by.hardness, by.viscosity].map(|m| m.value);
+    let (speed, hardness, viscosity) = (by.speed.value, by.hardness.value, by.viscosity.value);
     let warmer = 1e2 * by.temperature.value;
     let changes = format!(
         "by {speed:+.2} % for 1 % more speed, {hardness:+.2} % for hardness, {viscosity:+.2} % for viscosity{rough}; {warmer:+.1} % on ice 1 K warmer"
