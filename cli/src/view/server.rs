@@ -75,7 +75,10 @@ fn respond(server: &Server, mut request: Request) -> std::io::Result<()> {
     let own = [("Content-Type", kind), ("Content-Security-Policy", &policy)];
     let headers = own.into_iter().chain(HEADERS);
     let headers = headers.filter_map(|(name, value)| Header::from_bytes(name, value).ok());
-    let plain = Response::from_data(body).with_status_code(status);
+    // Every length is known: no answer is sent in chunks.
+    let plain = Response::from_data(body)
+        .with_status_code(status)
+        .with_chunked_threshold(usize::MAX);
     request.respond(headers.fold(plain, Response::with_header))
 }
 

@@ -97,7 +97,7 @@ fn threads_are_bounded() {
     let output = Command::new(env!("CARGO_BIN_EXE_kufe"))
         .env("RAYON_NUM_THREADS", "1000000")
         .current_dir(bench.folder.path())
-        .args(["init", "--json"])
+        .args(["schema", "case"])
         .output()
         .expect("the command runs");
     assert!(output.status.success(), "{}", errors(&output));

@@ -76,7 +76,7 @@ fn a_rocker_with_a_word_in_it_is_named_with_its_row() {
     assert_eq!(output.status.code(), Some(3));
     let said = errors(&output);
     assert!(
-        said.contains("row 2") && said.contains("z_m") && said.contains("low"),
+        said.contains("row 3") && said.contains("z_m") && said.contains("low"),
         "{said}"
     );
     assert!(!bench.path("a.obj").exists());
