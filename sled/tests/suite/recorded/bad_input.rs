@@ -260,7 +260,7 @@ fn text_in_any_column_of_a_run_is_refused_and_other_words_for_no_value_are_not()
 
 #[test]
 fn three_samples_and_standstill_are_refused() {
-    has(&reported(3, &plain), &["3 samples", "at least 64"]);
+    has(&reported(3, &plain), &["samples: 3", "at least 64"]);
     let message = reported(200, &|i, name, value| {
         (if name == "v_mps" && i < 20 {
             0.0
