@@ -447,16 +447,23 @@ impl Breakpoints {
     #[inline]
     fn place(&self, value: f64) -> Place {
         let last = self.plain.len() - 1;
-        let above = value >= self.plain[last];
-        if above || value <= self.plain[0] {
-            let end = self.plain[if above { last } else { 0 }];
-            let outside = value != end;
+        if value >= self.plain[last] {
+            let outside = value > self.plain[last];
             let continued = outside && self.outside == Outside::Linear;
-            let inner = last.saturating_sub(usize::from(continued));
             return Place {
-                low: if above { inner } else { 0 },
-                high: if above { last } else { 1.min(last) },
-                at: if continued { value } else { end },
+                low: last.saturating_sub(usize::from(continued)),
+                high: last,
+                at: if continued { value } else { self.plain[last] },
+                outside,
+            };
+        }
+        if value <= self.plain[0] {
+            let outside = value < self.plain[0];
+            let continued = outside && self.outside == Outside::Linear;
+            return Place {
+                low: 0,
+                high: 1.min(last),
+                at: if continued { value } else { self.plain[0] },
                 outside,
             };
         }
