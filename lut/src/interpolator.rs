@@ -489,8 +489,11 @@ impl Breakpoints {
         if place.outside {
             return self.straight(place);
         }
-        let t = fraction(&self.scaled, place, self.kind.scaled(place.at));
-        hermite(t, self.scaled[place.high] - self.scaled[place.low])
+        let [low, high] = [place.low, place.high].map(|k| self.scaled[k]);
+        let (h, at) = (high - low, self.kind.scaled(place.at));
+        // An axis of one breakpoint has no way along it.
+        let t = if h > 0.0 { (at - low) / h } else { 0.0 };
+        hermite(t, h)
     }
 
     /// The same outside the axis, straight; logarithms continue below it along the tangent.
