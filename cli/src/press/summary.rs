@@ -60,6 +60,11 @@ pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path, writing
     let (seconds, dofs, iterations) = (result.seconds, result.dofs, result.iterations);
     let solved = format!("{seconds:.3} s, {dofs} unknowns, {iterations} iterations");
     rows.push(("solved in", solved));
+    rows.extend(pressed.hull.as_ref().map(|hull| {
+        let [reading, fitting] = hull.seconds;
+        let text = format!("{reading:.3} s, its surface fitted in {fitting:.3} s");
+        ("hull read in", text)
+    }));
     rows.push(("written to", format!("{} in {writing:.3} s", out.display())));
     let rows = rows
         .iter()

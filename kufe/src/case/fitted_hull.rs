@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 
 use kufe_mesh::{
     Axis, Filled, FittedUnderside, Hull, HullOptions, HullReport, MeshError, Noise, ScanFrame,
@@ -22,23 +23,28 @@ pub struct FittedHull {
     pub noise: Noise,
     /// Length of its triangles along the runner where they are long strips [m].
     pub strips: Option<f64>,
+    /// Wall time of reading the file and of fitting the surface [s].
+    pub seconds: [f64; 2],
     /// Its triangles, where there is noise, or some would not show.
     pub scan: Option<Arc<Hull>>,
 }
 
 impl FittedHull {
-    /// The underside that was fitted to a hull with this noise.
+    /// The underside that was fitted to a hull with this noise, whose triangles are strips of this
+    /// length.
     pub(crate) fn new(
         underside: FittedUnderside,
         hull: Hull,
         report: HullReport,
         noise: Noise,
+        strips: Option<f64>,
     ) -> Self {
         FittedHull {
             underside: Arc::new(underside),
             report,
             noise,
-            strips: strips_of_hull(&hull),
+            strips,
+            seconds: [0.0; 2],
             scan: (noise.found.max(noise.unseen) > 0.0).then(|| Arc::new(hull)),
         }
     }
@@ -58,6 +64,7 @@ pub(crate) fn fit_hull(
         rotation: [runner.roll_rad, runner.pitch_rad, runner.yaw_rad]
             .map(|angle| angle.unwrap_or(0.0)),
     };
+    let started = Instant::now();
     let (hull, mut report) = match hull {
         Some(hull) => {
             let report = check_hull(hull).map_err(|error| error.in_file(path))?;
@@ -65,9 +72,12 @@ pub(crate) fn fit_hull(
         }
         None => load_hull(path, &options)?,
     };
+    let read = Instant::now();
     let unlike = unlike_runner(&hull, ScanFrame::of(&hull)?.as_ref());
-    let strips = strips_of_hull(&hull).map(strips_warning);
-    report.warnings.extend(strips.or(unlike));
+    let strips = strips_of_hull(&hull);
+    report
+        .warnings
+        .extend(strips.map(strips_warning).or(unlike));
     let noise = runner.noise(&mut report, || noise_of_hull(&hull));
     let mut underside = FittedUnderside::new(&hull, noise.found)?;
     if runner.elastic && report.open_edges > 0 {
@@ -86,7 +96,11 @@ pub(crate) fn fit_hull(
     let fill = || Filled::of(&hull, &report, &underside, runner.height_m);
     let filled = runner.elastic.then(fill).transpose();
     let filled = filled.map_err(|error| error.in_file(path))?;
-    Ok((FittedHull::new(underside, hull, report, noise), filled))
+    let fitted = FittedHull {
+        seconds: [read - started, read.elapsed()].map(|time| time.as_secs_f64()),
+        ..FittedHull::new(underside, hull, report, noise, strips)
+    };
+    Ok((fitted, filled))
 }
 
 impl RunnerTable {

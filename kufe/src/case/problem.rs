@@ -158,10 +158,7 @@ impl Case {
         report.extent = extent;
         let noise = self.runner.noise(&mut report, || solid.noise());
         let underside = FittedUnderside::new(&part, noise.found).map_err(|error| named(&error))?;
-        let hull = FittedHull {
-            strips: None,
-            ..FittedHull::new(underside, part, report, noise)
-        };
+        let hull = FittedHull::new(underside, part, report, noise, None);
         let elastic = ElasticRunner {
             solid: Some(Arc::new(solid)),
             ..ElasticRunner::fixed_at_top(modulus, ratio, top)

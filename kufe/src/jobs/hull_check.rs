@@ -83,7 +83,7 @@ pub fn check_hull(
     let loads = FittedUnderside::new(&hull, noise.found)
         .map_err(|error| error.to_string())
         .and_then(|underside| {
-            let fitted = FittedHull::new(underside, hull, report.clone(), noise);
+            let fitted = FittedHull::new(underside, hull, report.clone(), noise, strips);
             let scans = bootstrap_scans(&fitted);
             let known = |&fz: &f64| {
                 let radii = [frame.rocker_radius, frame.section_radius];

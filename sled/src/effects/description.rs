@@ -223,9 +223,6 @@ pub enum Judged {
     BySlope,
     /// In the same balance, place by place.
     ByProfile,
-    /// Sample by sample within runs, where the installation is off by more than its tolerances:
-    /// else sessions that differ resemble it.
-    BeyondTolerance,
     /// By measured pressures: no effect on runs.
     ByPressure,
 }
@@ -260,7 +257,7 @@ impl Judged {
     /// What varies as one piece.
     pub fn level(self) -> Level {
         match self {
-            Judged::WithinRuns | Judged::BeyondTolerance | Judged::ByPressure => Level::Sample,
+            Judged::WithinRuns | Judged::ByPressure => Level::Sample,
             Judged::BetweenRuns => Level::Run,
             Judged::BetweenSessions => Level::Session,
             Judged::InWindow | Judged::BySlope | Judged::ByProfile => Level::Track,

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LawRules {
-    /// What each number of a formula must lower the rows' log-likelihood by in a full refit. Derived: Schwarz's half of the logarithm of
-    /// some thousands of rows.
+    /// What each number of a formula must raise the rows' log-likelihood by, and a law, fitted in full, against the effect that it was
+    /// selected instead of. Derived: Schwarz's half of the logarithm of some thousands of rows.
     pub number: f64,
     /// Standard errors, with everything else free, that a number of a law must be. Derived: the normal law at the largest p-value of a column
     /// outside the catalogue.
@@ -16,8 +16,7 @@ pub struct LawRules {
     pub as_good: f64,
     /// The same within which another column is of a law's class. Derived: two, as for rivals.
     pub alike: f64,
-    /// Smooth laws, the best first, whose columns' formulas are tried, and effects of the catalogue, the strongest first, that a law must leave
-    /// less than in full refits. Chosen.
+    /// Smooth laws, the best first, whose columns' formulas are tried. Chosen.
     pub tried: usize,
 }
 

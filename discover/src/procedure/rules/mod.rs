@@ -124,8 +124,8 @@ pub struct RunRules {
     pub window_competes: f64,
     /// Contacts with walls, each run's own.
     pub contacts: ContactRules,
-    /// Standard deviations above which no part of an installation is merely off by its tolerance. Derived: of 25 parts within theirs, one is
-    /// in 1.6 of 1000 campaigns.
+    /// Standard deviations of its tolerance above which a tilt of the accelerometer comes before the forces. Derived: of 25 parts within their
+    /// tolerances one exceeds it in 1.6 of 1000 campaigns.
     pub belief: f64,
     /// t that a catalogue effect must lose, and a column outside the catalogue keep, for the column to be named instead.
     /// Chosen.

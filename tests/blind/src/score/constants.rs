@@ -45,7 +45,7 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on selections, by the kind of data that they act on. Those that
 /// only size what is shown, and what else of the lock is chosen, are left out.
-const RUN_KEYS: [&str; 49] = [
+const RUN_KEYS: [&str; 44] = [
     "lock.every",
     "search.superfluous_t",
     "search.beyond_scatter",
@@ -89,11 +89,6 @@ const RUN_KEYS: [&str; 49] = [
     "runs.contacts.most_of_a_row",
     "runs.contacts.inside",
     "runs.contacts.over",
-    "runs.large",
-    "runs.less_beyond",
-    "runs.leads",
-    "runs.leaders",
-    "runs.finalists",
     "runs.belief",
 ];
 const LAW_KEYS: [&str; 5] = [

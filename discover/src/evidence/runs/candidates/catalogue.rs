@@ -88,7 +88,7 @@ pub fn list(data: &Data, own: &Effects, along: bool, options: &Options) -> Candi
                 Judged::BySlope | Judged::ByProfile => out.track.push(candidate),
                 Judged::InWindow => out.local.push(candidate),
                 Judged::BetweenSessions | Judged::BetweenRuns => out.levels.push(candidate),
-                Judged::WithinRuns | Judged::BeyondTolerance => {
+                Judged::WithinRuns => {
                     if against_slope(effect, index) {
                         out.track.push(candidate.clone());
                     }

@@ -50,6 +50,14 @@ impl Campaign<'_> {
                 selection = again;
                 break;
             }
+            // Another amplitude of an effect that is named already belongs to that step: the next screen selects it.
+            if account
+                .steps
+                .iter()
+                .any(|s| s.effect == again.candidate.effect)
+            {
+                break;
+            }
             let next = self.add(before, &again, step)?;
             if self.gained(&added.fit, &next.fit) <= 0.0 {
                 if !selection.class.contains(&again.candidate.effect) {

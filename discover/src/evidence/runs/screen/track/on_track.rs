@@ -89,6 +89,9 @@ impl Campaign<'_> {
         simulator: &RunSimulator,
         account: &mut Account,
     ) -> Option<Surveyed> {
+        if !residual_model.frozen.is_empty() {
+            return None;
+        }
         let active = residual_model.effects.active.iter();
         let on_sensors = active.filter(|e| e.moves_signals());
         let own: Vec<_> = on_sensors
@@ -102,7 +105,6 @@ impl Campaign<'_> {
                 survey
             }
         }
-        .filter(|_| residual_model.frozen.is_empty())
     }
 
     fn survey_of(
@@ -111,7 +113,7 @@ impl Campaign<'_> {
         simulator: &RunSimulator,
         account: &mut Account,
     ) -> Option<Surveyed> {
-        if !self.used[3] || !residual_model.frozen.is_empty() {
+        if !self.used[3] {
             return None;
         }
         let list: Vec<Candidate<Amplitude>> = self
