@@ -11,6 +11,8 @@ pub struct Prior {
     pub precision: DVector<f64>,
     /// Parameters of the model that is differentiated.
     pub at: DVector<f64>,
+    /// How many of the last parameters have products that are free of noise, and a precision above 0.
+    pub smooth: usize,
 }
 
 impl Prior {
@@ -19,6 +21,7 @@ impl Prior {
         Self {
             precision: DVector::zeros(count),
             at: DVector::zeros(count),
+            smooth: 0,
         }
     }
 
@@ -32,7 +35,30 @@ impl Prior {
         for (k, precision) in self.precision.iter().enumerate() {
             products[(k, k)] += precision;
         }
-        ridge_inverse(products)
+        let first = self.count() - self.smooth;
+        let smooth = products.view((first, first), (self.smooth, self.smooth));
+        let Some(smooth) = smooth.into_owned().cholesky().filter(|_| self.smooth > 0) else {
+            return ridge_inverse(products);
+        };
+        // By blocks: with C the products of the others with the smooth ones S, the others' inverse is that of their products less C inv(S) C'.
+        let (smooth, cross) = (
+            smooth.inverse(),
+            products.view((0, first), (first, self.smooth)),
+        );
+        let shares = cross * &smooth;
+        let own = products.view((0, 0), (first, first)) - &shares * cross.transpose();
+        let own = ridge_inverse(own);
+        let both = &own * &shares;
+        let rest = smooth + shares.tr_mul(&both);
+        let mut inverse = DMatrix::zeros(self.count(), self.count());
+        inverse.view_mut((0, 0), (first, first)).copy_from(&own);
+        let mut upper = inverse.view_mut((0, first), (first, self.smooth));
+        upper.copy_from(&-&both);
+        let mut lower = inverse.view_mut((first, 0), (self.smooth, first));
+        lower.copy_from(&-both.transpose());
+        let mut last = inverse.view_mut((first, first), (self.smooth, self.smooth));
+        last.copy_from(&rest);
+        inverse
     }
 
     /// What is added to the scores `J'r` at these parameters: `-P a`.

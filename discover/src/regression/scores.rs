@@ -73,28 +73,20 @@ impl Scores {
             let jr = gram.g.view((0, m - 1), (base, 1)).into_owned();
             // J'r' of this run.
             let jr_left = jr - jj * &by_residual;
+            let mut jc = DMatrix::zeros(base, count);
+            jc.columns_mut(0, regular)
+                .copy_from(&gram.g.view((0, base), (base, regular)));
+            jc.columns_mut(regular, windows)
+                .copy_from(&gram.windows.columns(0, base).transpose());
+            let jb = jj * &betas;
             for c in 0..count {
-                let (jc, cr, cc): (DVector<f64>, f64, f64) = if c < regular {
-                    (
-                        gram.g.view((0, base + c), (base, 1)).column(0).into_owned(),
-                        gram.g[(base + c, m - 1)],
-                        gram.g[(base + c, base + c)],
-                    )
-                } else {
-                    let w = c - regular;
-                    (
-                        gram.windows
-                            .view((w, 0), (1, base))
-                            .transpose()
-                            .column(0)
-                            .into_owned(),
-                        gram.windows[(w, m - 1)],
-                        gram.window_norms[w],
-                    )
+                let (cr, cc) = match c.checked_sub(regular) {
+                    None => (gram.g[(base + c, m - 1)], gram.g[(base + c, base + c)]),
+                    Some(w) => (gram.windows[(w, m - 1)], gram.window_norms[w]),
                 };
-                let beta = betas.column(c);
+                let (beta, jc) = (betas.column(c), jc.column(c));
                 u[(c, i)] = cr - jc.dot(&by_residual) - beta.dot(&jr_left.column(0));
-                information[(c, i)] = cc - 2.0 * beta.dot(&jc) + beta.dot(&(jj * beta));
+                information[(c, i)] = cc - 2.0 * beta.dot(&jc) + beta.dot(&jb.column(c));
                 raw[c] += cc;
             }
         }

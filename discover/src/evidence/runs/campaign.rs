@@ -209,7 +209,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// Fits base and effects, and what the installation is off by with them.
+    /// Fits base and effects, and with them what the installation is off by and the discrepancy.
     ///
     /// # Errors
     /// [`Error::BaseFit`] where a residual is not finite.
@@ -219,7 +219,8 @@ impl Campaign<'_> {
         owners: Vec<usize>,
     ) -> Result<RunFit, Error> {
         let plain = self.least_squares(residual_model, owners)?;
-        if residual_model.installation.directions.is_empty() {
+        let random = residual_model.discrepancy.count();
+        if residual_model.installation.directions.is_empty() && random == 0 {
             return Ok(plain);
         }
         // By corrected scores: least squares would shrink what scales the residual's own noise.

@@ -12,7 +12,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, outside, remarks_on_channels};
 use crate::evidence::runs::contacts::model::Contacts;
-use crate::evidence::runs::fit::gauss_newton::{free_base, residuals};
+use crate::evidence::runs::fit::gauss_newton::{beyond_discrepancy, free_base};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::residual_model::{BASE, CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
@@ -141,7 +141,10 @@ impl Evidence for Campaign<'_> {
     fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>, Error> {
         self.runner_up = None;
         let residual_model = &fit.residual_model.hold(false);
-        let whitener = Whitener::estimate(&residuals(residual_model, &self.training), self.used);
+        let whitener = Whitener::estimate(
+            &beyond_discrepancy(residual_model, &self.training),
+            self.used,
+        );
         let simulator = self.simulator(residual_model);
         let free = self.free.clone();
         let at = Current::new(residual_model, &whitener, &free, &simulator);

@@ -122,6 +122,8 @@ pub struct RunRules {
     pub least_signal: f64,
     /// Share of the strongest selected effect's gain from which a window competes with it. Chosen.
     pub window_competes: f64,
+    /// Distance between the knots of the discrepancy over place \[m\]. Chosen: half a bend.
+    pub discrepancy_m: f64,
     /// Contacts with walls, each run's own.
     pub contacts: ContactRules,
     /// Standard deviations of its tolerance above which a tilt of the accelerometer comes before the forces. Derived: of 25 parts within their
@@ -223,6 +225,7 @@ impl Default for RunRules {
             least_left_installed: 1e-6,
             least_signal: 0.2,
             window_competes: 0.3,
+            discrepancy_m: 40.0,
             contacts: ContactRules::default(),
             belief: 4.0,
             column_wins: [2.0, 3.0],

@@ -1,4 +1,4 @@
-//! Fitted parameters with intervals: bias of noisy inputs taken off, errors from the scatter of whole runs.
+//! Fitted parameters with intervals: bias of noisy inputs taken off, errors from the scatter of whole sessions or runs.
 
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -10,6 +10,7 @@ use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::null::clusters::members;
 use crate::regression::prior::Prior;
 
 /// A parameter in its own unit (base parameters: as multipliers).
@@ -70,9 +71,9 @@ pub const FIRST_ROUND: u64 = 4_000_037;
 /// Estimates of all fitted parameters (base, amplitudes, installation), and the model that holds them.
 ///
 /// Newton steps on the corrected scores lead from least squares to the unbiased estimate. With C the corrected products,
-/// errors are the sandwich over runs, `(R - 1)/R inv(C_JJ) sum_i s_i s_i' inv(C_JJ)`, `s_i = inv(1 - C_i,JJ inv(C_JJ)) u_i` the
-/// corrected score of run i as the fit without it leaves it (the jackknife: R. M. Bell and D. F. McCaffrey, Survey Methodology
-/// 28 (2002) 169), with Student's t of R - 1; `trust` of the way from least squares is added to them. With `settle` false the
+/// errors are the sandwich over sessions (over runs where there are fewer than five), `(R - 1)/R inv(C_JJ) sum_i s_i s_i' inv(C_JJ)`,
+/// `s_i = inv(1 - C_i,JJ inv(C_JJ)) u_i` the corrected score of session i as the fit without it leaves it (the jackknife: R. M. Bell and
+/// D. F. McCaffrey, Survey Methodology 28 (2002) 169), with Student's t of R - 1; `trust` of the way from least squares is added to them. With `settle` false the
 /// values stay at least squares. `pairs` says how many pairs of twins are behind each step: a single one leaves a tenth of what
 /// it takes off in doubt.
 pub fn estimate(
@@ -89,9 +90,10 @@ pub fn estimate(
         simulator,
     } = *rows;
     let mut settled = residual_model.clone();
+    let (clusters, rounds) = (clusters(frames), pairs.len());
     let mut errors = Vec::new();
     let mut drawn = FIRST_ROUND;
-    for pairs in pairs.iter().copied() {
+    for (round, pairs) in pairs.iter().copied().enumerate() {
         let design = Design {
             residual_model: &settled,
             whitener,
@@ -113,9 +115,12 @@ pub fn estimate(
                     .into_owned()
             })
             .collect();
-        let (step, e) = solve(&runs, &design.prior());
-        errors = e;
-        settled = stepped(&settled, free, step.as_slice(), 1.0);
+        let prior = design.prior();
+        let solved = solve(&runs, &prior);
+        if round + 1 == rounds {
+            errors = standard_errors(&runs, &clusters, &prior, &solved);
+        }
+        settled = stepped(&settled, free, solved.0.as_slice(), 1.0);
     }
     let scales: Vec<f64> = vec![1.0; free.len()]
         .into_iter()
@@ -141,11 +146,11 @@ pub fn estimate(
         values(residual_model, residual_model),
         values(&settled, residual_model),
     );
-    let n = frames.len() as f64;
+    let n = clusters.len() as f64;
     let quantile =
         StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0)).map_or(2.0, |law| law.inverse_cdf(0.975));
-    let known = errors[fitted.len()..].to_vec();
-    let parts = settled.installation.found(&known).into_iter();
+    let known = &errors[fitted.len()..][..settled.installation.fitted()];
+    let parts = settled.installation.found(known).into_iter();
     let parts = parts.map(|(value, error)| Estimate {
         value,
         error,
@@ -175,8 +180,8 @@ pub fn estimate(
     )
 }
 
-/// One step and its sandwich errors, with what the prior leaves open.
-pub fn solve(grams: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, Vec<f64>) {
+/// One step, and the inverse of the products with the prior's precision.
+pub fn solve(grams: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, DMatrix<f64>) {
     let p = prior.count();
     let mut total = DMatrix::zeros(p + 1, p + 1);
     for gram in grams {
@@ -184,20 +189,43 @@ pub fn solve(grams: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, Vec<f64>) 
     }
     let inverse = prior.inverse(total.view((0, 0), (p, p)).into_owned());
     let step = &inverse * (total.view((0, p), (p, 1)).column(0) + prior.scores(&prior.at));
+    (step, inverse)
+}
+
+/// Sandwich errors of a step over clusters of runs, with what the prior leaves open.
+fn standard_errors(
+    grams: &[DMatrix<f64>],
+    clusters: &[Vec<usize>],
+    prior: &Prior,
+    (step, inverse): &(DVector<f64>, DMatrix<f64>),
+) -> Vec<f64> {
+    let p = prior.count();
     let mut meat = DMatrix::zeros(p, p);
-    for gram in grams {
+    for cluster in clusters {
+        let mut gram = DMatrix::zeros(p + 1, p + 1);
+        cluster.iter().for_each(|i| gram += &grams[*i]);
         let own = gram.view((0, 0), (p, p));
-        let score = gram.view((0, p), (p, 1)) - own * &step;
-        // A run without which nothing could be fitted has no score of its own.
-        let without = DMatrix::identity(p, p) - own * &inverse;
+        let score = gram.view((0, p), (p, 1)) - own * step;
+        // A cluster without which nothing could be fitted has no score of its own.
+        let without = DMatrix::identity(p, p) - own * inverse;
         let score = without.lu().solve(&score).unwrap_or(score);
         meat += &score * score.transpose();
     }
-    let n = grams.len() as f64;
+    let n = clusters.len() as f64;
     let random = DMatrix::from_diagonal(&prior.precision);
-    let covariance = &inverse * (meat * ((n - 1.0) / n) + random) * &inverse;
-    let errors = (0..p).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect();
-    (step, errors)
+    let covariance = inverse * (meat * ((n - 1.0) / n) + random) * inverse;
+    (0..p).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect()
+}
+
+/// Runs whose errors are independent of other runs': those of a session, where there are enough of them.
+fn clusters(frames: &[Frame]) -> Vec<Vec<usize>> {
+    /// Fewest sessions. Derived: with fewer than four degrees of freedom errors from their scatter say next to nothing.
+    const FEWEST: usize = 5;
+    let sessions = members(frames.iter().map(|frame| frame.session.as_str()));
+    match sessions.len() >= FEWEST {
+        true => sessions.into_values().collect(),
+        false => (0..frames.len()).map(|i| vec![i]).collect(),
+    }
 }
 
 #[cfg(test)]

@@ -22,6 +22,15 @@ pub fn residuals(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<Channe
         .collect()
 }
 
+/// Residuals of all runs beyond the model's discrepancy.
+pub fn beyond_discrepancy(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
+    let mut runs = residuals(model, frames);
+    for (frame, rows) in frames.iter().zip(&mut runs) {
+        model.discrepancy.take_off(frame, rows);
+    }
+    runs
+}
+
 /// Which base parameters the data can move: a coefficient whose rows hardly change stays as it is given.
 pub fn free_base(
     residual_model: &ResidualModel,
@@ -194,8 +203,15 @@ pub fn stepped(
             value.clamp(low, high)
         };
     }
-    let first = step.len() - trial.installation.fitted();
-    let installed: Vec<f64> = step[first..].iter().map(|step| share * step).collect();
+    let smooth = step.len() - trial.discrepancy.fitted();
+    let first = smooth - trial.installation.fitted();
+    let installed: Vec<f64> = step[first..smooth]
+        .iter()
+        .map(|step| share * step)
+        .collect();
     trial.installation.step(&installed);
+    for (size, step) in trial.discrepancy.sizes.iter_mut().zip(&step[smooth..]) {
+        *size += share * step;
+    }
     trial
 }

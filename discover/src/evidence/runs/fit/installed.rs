@@ -5,10 +5,11 @@ use nalgebra::{DMatrix, DVector};
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, INSTALLATION_PAIRS, RunFit};
 use crate::evidence::runs::fit::estimate::{FIRST_ROUND, solve};
-use crate::evidence::runs::fit::gauss_newton::stepped;
+use crate::evidence::runs::fit::gauss_newton::{residuals, stepped};
 use crate::evidence::runs::fit::noise_products::mean_noise_products;
 use crate::evidence::runs::fit::row_noise::beyond_noise;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS, Products};
+use crate::evidence::runs::model::discrepancy::Discrepancy;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
@@ -27,7 +28,7 @@ struct PartProducts {
 }
 
 impl Campaign<'_> {
-    /// A model fitted from the given base, with what its installation is off by, and what its balances leave above noise.
+    /// A model fitted from the given base, with what its installation is off by, its discrepancy, and what its balances leave above noise.
     ///
     /// # Errors
     /// Those of the fit.
@@ -35,9 +36,16 @@ impl Campaign<'_> {
         let bare = ResidualModel {
             base: self.given.base,
             installation: Installation::default(),
-            ..model.clone()
+            ..model.without_discrepancy()
         };
         let mut fit = self.installed(&self.least_squares(&bare, owners)?)?;
+        let left = residuals(&fit.residual_model, &self.training);
+        let knots_m = self.rules().discrepancy_m;
+        let model = ResidualModel {
+            discrepancy: Discrepancy::estimate(&self.training, &left, &self.used, knots_m),
+            ..fit.residual_model.hold(false)
+        };
+        fit = self.fitted(&model, fit.owners)?;
         let beyond_noise = beyond_noise(&fit.residual_model, &self.training);
         for model in [&mut fit.residual_model, &mut fit.settled] {
             model.beyond_noise = beyond_noise;
@@ -143,7 +151,7 @@ impl Campaign<'_> {
         let count = installation.parts.len();
         let all = ResidualModel {
             installation: installation.part_by_part(),
-            ..model.clone()
+            ..model.without_discrepancy()
         };
         let design = self.fit_design(&all, whitener);
         let known = design.fitted() - count;
@@ -182,7 +190,8 @@ impl Campaign<'_> {
         whitener: &Whitener,
         frames: &[Frame],
     ) -> DMatrix<f64> {
-        let design = self.fit_design(model, whitener);
+        let model = model.without_discrepancy();
+        let design = self.fit_design(&model, whitener);
         beyond_base(&design, &design.products(frames))
     }
 

@@ -7,25 +7,30 @@ use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
 
 impl Campaign<'_> {
-    /// The negative log-likelihood of the training runs with a model, but for a constant and what its installation costs.
+    /// The negative log-likelihood of the training runs with a model, the discrepancy integrated out, but for a constant and what its
+    /// installation costs.
     pub fn misfit(&self, model: &ResidualModel, whitener: &Whitener) -> f64 {
         let all = residuals(model, &self.training);
-        let runs = self.training.iter().zip(&all).map(|(frame, rows)| {
-            let squares: f64 = whitener.apply(rows).iter().map(|x| x * x).sum();
+        let white: Vec<Vec<f64>> = all.iter().map(|rows| whitener.apply(rows)).collect();
+        let runs = self.training.iter().zip(&white).map(|(frame, rows)| {
+            let squares: f64 = rows.iter().map(|x| x * x).sum();
             let noise = log_noise_of(model, frame, self.used);
             0.5 * squares + frame.row_count() as f64 * (whitener.log_scale() - noise)
         });
-        runs.sum()
+        let explained = (model.discrepancy).explained(&self.training, &white, whitener);
+        runs.sum::<f64>() - explained
     }
 
     /// By how much the negative log posterior is lower with the second fit than with the first.
     pub fn gained(&self, from: &RunFit, to: &RunFit) -> f64 {
-        let [a, b] = [from, to].map(|fit| fit.residual_model.beyond_noise);
+        let [a, b] = [&from.residual_model, &to.residual_model];
         // With a large effect both leave as little as the one that has it.
-        let beyond_noise = std::array::from_fn(|c| a[c].min(b[c]));
+        let beyond_noise = std::array::from_fn(|c| a.beyond_noise[c].min(b.beyond_noise[c]));
+        let discrepancy = a.discrepancy.least(&b.discrepancy);
         let [before, after] = [from, to].map(|fit| {
             let model = ResidualModel {
                 beyond_noise,
+                discrepancy: discrepancy.clone(),
                 ..fit.residual_model.clone()
             };
             self.misfit(&model, &fit.whitener) + model.installation.cost()

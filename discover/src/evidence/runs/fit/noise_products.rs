@@ -43,7 +43,7 @@ pub fn noise_products(
             };
             let mean = (square(&pair.plus) + square(&pair.minus)) * 0.5;
             let share = frame.row_count() as f64 / piece.row_count().max(1) as f64;
-            (mean - square(&pair.truth)) * share
+            design.without_noise((mean - square(&pair.truth)) * share)
         })
         .collect()
 }

@@ -82,7 +82,8 @@ pub fn expected(model: &ResidualModel, frame: &Frame) -> Matrix3<f64> {
 /// What each balance leaves above the noise, over the square of what it takes of its acceleration.
 pub fn beyond_noise(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] {
     let of_run = |frame: &Frame| -> [[f64; 2]; BALANCES] {
-        let (noise, residual) = (own_noise(model, frame), model.residuals(frame));
+        let (noise, mut residual) = (own_noise(model, frame), model.residuals(frame));
+        model.discrepancy.take_off(frame, &mut residual);
         std::array::from_fn(|c| {
             let gain = (noise.gain[c] * noise.gain[c]).max(1e-300);
             let squares: f64 = residual[c].iter().map(|r| r * r).sum();

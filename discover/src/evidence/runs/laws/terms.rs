@@ -111,13 +111,13 @@ impl<'a> Terms<'a> {
             .runs
             .par_iter()
             .map(|run| {
-                let square = |frame: &Frame, on: &TermsOnRun| {
-                    let x = on.with(self.design, frame, terms);
-                    squares(&x)
-                };
-                let [plus, minus, truth] = run.twins.each_ref().map(|(f, on)| square(f, on));
+                let with = |frame: &Frame, on: &TermsOnRun| on.with(self.design, frame, terms);
+                let twins = run.twins.each_ref();
+                let [plus, minus, truth] = twins.map(|(f, on)| squares(&with(f, on)));
                 let noise = ((plus + minus) * 0.5 - truth) * run.share;
-                [square(run.frame, &run.own), noise]
+                let own = with(run.frame, &run.own);
+                let products = self.design.squares(run.frame, &own);
+                [products, self.design.without_noise(noise)]
             })
             .collect();
         let prior = self.design.prior();

@@ -14,7 +14,7 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::model::windows::Window;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
-use crate::regression::gram::{Gram, squares};
+use crate::regression::gram::Gram;
 use crate::regression::prior::Prior;
 
 /// Columns that represent each run's own level: of friction and of lateral grip.
@@ -36,8 +36,13 @@ pub struct Design<'a> {
 }
 
 impl Design<'_> {
-    /// Number of fitted parameters: base, amplitudes, installation.
+    /// Number of fitted parameters: base, amplitudes, installation, discrepancy.
     pub fn fitted(&self) -> usize {
+        self.before_discrepancy() + self.residual_model.discrepancy.fitted()
+    }
+
+    /// Number of those before the discrepancy.
+    fn before_discrepancy(&self) -> usize {
         self.free_base.len()
             + self.residual_model.free().len()
             + self.residual_model.installation.fitted()
@@ -45,17 +50,24 @@ impl Design<'_> {
 
     /// What is known of the fitted parameters before the data are: nothing of base and amplitudes.
     pub fn prior(&self) -> Prior {
-        let installation = &self.residual_model.installation;
-        let known = self.fitted() - installation.fitted();
+        let ResidualModel {
+            installation,
+            discrepancy,
+            ..
+        } = self.residual_model;
+        let random = (0..installation.fitted()).map(|k| installation.along(k));
+        let smooth = discrepancy.sizes.iter().take(discrepancy.fitted()).copied();
         let mut prior = Prior::none(self.fitted());
-        for k in 0..installation.fitted() {
-            prior.precision[known + k] = 1.0;
-            prior.at[known + k] = installation.along(k);
+        prior.smooth = discrepancy.fitted();
+        let known = self.before_discrepancy() - installation.fitted();
+        for (k, at) in (known..).zip(random.chain(smooth)) {
+            (prior.precision[k], prior.at[k]) = (1.0, at);
         }
         prior
     }
 
-    /// Columns of one run: its levels, fitted parameters, candidates, and the residual last; all whitened.
+    /// Columns of one run: its levels, fitted parameters but for the discrepancy, candidates, and the residual beyond the discrepancy last;
+    /// all whitened.
     pub fn columns(&self, frame: &Frame) -> DMatrix<f64> {
         self.with_locals(frame, &[]).0
     }
@@ -182,6 +194,9 @@ impl Design<'_> {
         // Low-passed, thinned and whitened, the channels one below the other.
         let white = |k: usize| {
             let mut white: [Vec<f64>; BALANCES] = std::array::from_fn(|c| frame.rows(&raw[c][k]));
+            if k == count - 1 {
+                residual_model.discrepancy.take_off(frame, &mut white);
+            }
             self.whitener.mix(&mut white);
             white.concat()
         };
@@ -255,7 +270,13 @@ impl Design<'_> {
             .par_iter()
             .map(|frame| {
                 let (columns, locals) = self.columns_and_locals(frame);
-                let (windows, window_norms) = self.window_products(frame, &columns, &locals);
+                let (windows, window_norms) = match self.windows.is_empty() {
+                    true => (DMatrix::zeros(0, self.fitted()), Vec::new()),
+                    false => {
+                        let all = self.with_discrepancy(frame, &columns);
+                        self.window_products(frame, &all, &locals)
+                    }
+                };
                 let place = frame.rows(&frame.s);
                 let shares = self
                     .windows
@@ -268,13 +289,42 @@ impl Design<'_> {
                     })
                     .collect();
                 Products {
-                    full: squares(&columns),
+                    full: self.squares(frame, &columns),
                     windows,
                     window_norms,
                     shares,
                 }
             })
             .collect()
+    }
+
+    /// Products of columns with each other and with those of the discrepancy, which come behind the other fitted ones.
+    pub fn squares(&self, frame: &Frame, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let at = OWN_LEVELS + self.before_discrepancy();
+        let discrepancy = &self.residual_model.discrepancy;
+        discrepancy.products(frame, self.whitener, columns, at)
+    }
+
+    /// What noise adds to products of columns as what it adds to those with the discrepancy among them: where a run is has no noise
+    /// that matters.
+    pub fn without_noise(&self, added: DMatrix<f64>) -> DMatrix<f64> {
+        let at = OWN_LEVELS + self.before_discrepancy();
+        let count = self.residual_model.discrepancy.fitted();
+        let rows = added.insert_rows(at, count, 0.0);
+        rows.insert_columns(at, count, 0.0)
+    }
+
+    fn with_discrepancy(&self, frame: &Frame, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let at = OWN_LEVELS + self.before_discrepancy();
+        let discrepancy = &self.residual_model.discrepancy;
+        let mut all = columns
+            .clone()
+            .insert_columns(at, discrepancy.fitted(), 0.0);
+        if discrepancy.fitted() > 0 {
+            let (first, own) = discrepancy.columns(frame, self.whitener);
+            all.columns_mut(at + first, own.ncols()).copy_from(&own);
+        }
+        all
     }
 
     /// Products of the windows' directions with all columns: sums over bins, then over each window's bins.

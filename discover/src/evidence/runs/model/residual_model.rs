@@ -5,6 +5,7 @@ use kufe_sled::effects::{Active, Effects, Kind, Sensor};
 use kufe_sled::friction::MagicFormula;
 
 use crate::evidence::runs::contacts::model::Contacts;
+use crate::evidence::runs::model::discrepancy::Discrepancy;
 use crate::evidence::runs::model::installation::Installation;
 
 /// Number of residual channels.
@@ -44,6 +45,8 @@ pub struct ResidualModel {
     pub effects: Effects,
     /// What the installation may be off by, and by how much it is.
     pub installation: Installation,
+    /// What the balances leave over place on every run of a track alike.
+    pub discrepancy: Discrepancy,
     /// Contacts with walls that each run has its own of.
     pub contacts: Option<Contacts>,
     /// Variance that each balance leaves above the sensors' noise, over the square of what it takes of its acceleration.
@@ -56,13 +59,14 @@ pub struct ResidualModel {
 pub type ChannelRows = [Vec<f64>; CHANNELS];
 
 impl ResidualModel {
-    /// A model with nothing wrong with its installation and no contacts with walls.
+    /// A model with nothing wrong with its installation, no discrepancy and no contacts with walls.
     pub fn new(vehicle: Vehicle, base: [f64; BASE], effects: Effects) -> Self {
         Self {
             vehicle,
             base,
             effects,
             installation: Installation::default(),
+            discrepancy: Discrepancy::default(),
             contacts: None,
             beyond_noise: [0.0; BALANCES],
             frozen: Vec::new(),
@@ -111,10 +115,19 @@ impl ResidualModel {
         vehicle
     }
 
-    /// The same, with the installation fixed or not.
+    /// The same, with installation and discrepancy fixed or not.
     pub fn hold(&self, fixed: bool) -> Self {
         Self {
             installation: self.installation.hold(fixed),
+            discrepancy: self.discrepancy.hold(fixed),
+            ..self.clone()
+        }
+    }
+
+    /// The same without a discrepancy.
+    pub fn without_discrepancy(&self) -> Self {
+        Self {
+            discrepancy: Discrepancy::default(),
             ..self.clone()
         }
     }

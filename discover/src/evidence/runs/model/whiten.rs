@@ -87,6 +87,11 @@ impl Whitener {
         other
     }
 
+    /// What a unit of a balance adds to the rows of each.
+    pub fn shares(&self, balance: usize) -> [f64; BALANCES] {
+        std::array::from_fn(|c| self.mix[(c, balance)])
+    }
+
     /// `ln(det S) / 2`.
     pub fn log_scale(&self) -> f64 {
         -self.mix.diagonal().map(f64::ln).sum()

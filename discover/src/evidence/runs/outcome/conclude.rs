@@ -139,7 +139,7 @@ impl Campaign<'_> {
         if steps.is_empty() || base.whitener.count() == 0 || self.held_out.is_empty() {
             return Vec::new();
         }
-        let base_model = &base.residual_model;
+        let base_model = &base.residual_model.without_discrepancy();
         let simulator = self.simulator(&last.settled);
         let locals: Vec<Candidate<Amplitude>> = last.residual_model.effects.active
             [last.already()..]

@@ -42,7 +42,7 @@ impl Campaign<'_> {
         };
         let refitted = self.fitted(&sized, fit.owners.clone())?;
         let (base, written) = self.newton(
-            &refitted.residual_model,
+            &refitted.residual_model.hold(false),
             &refitted.whitener,
             &BESIDE_INSTALLATION,
             self.settles(),

@@ -13,7 +13,7 @@ use nalgebra::DMatrix;
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::gauss_newton::residuals;
+use crate::evidence::runs::fit::gauss_newton::beyond_discrepancy;
 use crate::evidence::runs::model::design::OWN_LEVELS;
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::screen::residual_screen::{Tested, screen_runs};
@@ -86,7 +86,7 @@ impl Campaign<'_> {
             typical: scale,
             ..named.clone()
         };
-        let whitener = Whitener::estimate(&residuals(model, &self.training), self.used);
+        let whitener = Whitener::estimate(&beyond_discrepancy(model, &self.training), self.used);
         let simulator = self.simulator(model);
         let at = Current::new(model, &whitener, &self.free, &simulator);
         let others = self.everywhere(model);

@@ -1,0 +1,278 @@
+//! What the balances leave over place on every run of a track alike and no part of the model explains: a random effect.
+//!
+//! On track t the rows of balance c hold `d_tc(s)`, a cubic spline whose coefficients are independent normal with a standard
+//! deviation of each balance. With D the columns of all coefficients in units of it, fits and scores are those of
+//!
+//! ```text
+//! r = J b + D u + e,   u ~ N(0, 1)        V = 1 + D D'
+//! ```
+//!
+//! An effect is then judged by what it explains beyond a model that is wrong in some other way at the same places: by how runs and
+//! places differ, not by how often the same misfit is repeated.
+//!
+//! Source: M. C. Kennedy, A. O'Hagan, Bayesian calibration of computer models, Journal of the Royal Statistical Society B 63 (2001) 425;
+//! P. H. C. Eilers, B. D. Marx, Flexible smoothing with B-splines and penalties, Statistical Science 11 (1996) 89.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::evidence::runs::model::repeatable::Means;
+use crate::evidence::runs::model::residual_model::{BALANCES, ChannelRows};
+use crate::evidence::runs::model::whiten::Whitener;
+use crate::evidence::runs::recordings::frame::Frame;
+use crate::regression::gram::squares;
+
+/// Mean over place of the sum of the squares of all splines: 151/315.
+const SUM_OF_SQUARES: f64 = 151.0 / 315.0;
+
+/// The splines of a track.
+#[derive(Clone, Debug, PartialEq)]
+struct Span {
+    track: String,
+    /// Where the first piece begins \[m\].
+    from_m: f64,
+    /// Splines of a balance.
+    splines: usize,
+}
+
+/// The discrepancy of every track and balance.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Discrepancy {
+    spans: Arc<[Span]>,
+    /// Length of a piece \[m\].
+    knots_m: f64,
+    /// Standard deviation of the coefficients of each balance, in its unit; 0 where nothing repeats.
+    sd: [f64; BALANCES],
+    /// Coefficients in standard deviations: track by track, in each balance by balance.
+    pub sizes: Vec<f64>,
+    /// Whether fits leave the coefficients as they are.
+    fixed: bool,
+}
+
+impl Discrepancy {
+    /// From what rows of runs leave: the variance of each balance is the mean product of two runs at the same place.
+    pub fn estimate(frames: &[Frame], rows: &[ChannelRows], used: &[bool], knots_m: f64) -> Self {
+        let mut spans: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
+        for frame in frames {
+            let ends = spans
+                .entry(&frame.track)
+                .or_insert([f64::INFINITY, f64::NEG_INFINITY]);
+            for s in frame.rows(&frame.s) {
+                *ends = [ends[0].min(s), ends[1].max(s)];
+            }
+        }
+        let span = |(track, [from, to]): (&str, [f64; 2])| Span {
+            track: track.to_owned(),
+            from_m: from,
+            splines: ((to - from) / knots_m).ceil().max(1.0) as usize + 3,
+        };
+        let variance = |c: usize| match used[c] {
+            true => Means::new(c, frames, rows, 0.5 * knots_m).repeatable(None),
+            false => 0.0,
+        };
+        let spans = spans.into_iter().filter(|(_, [from, to])| from <= to);
+        Self {
+            spans: spans.map(span).collect(),
+            knots_m,
+            sd: std::array::from_fn(|c| (variance(c).max(0.0) / SUM_OF_SQUARES).sqrt()),
+            sizes: Vec::new(),
+            fixed: false,
+        }
+        .at_zero()
+    }
+
+    /// The same with the smaller deviation of two.
+    pub fn least(&self, other: &Self) -> Self {
+        Self {
+            sd: std::array::from_fn(|c| self.sd[c].min(other.sd[c])),
+            ..self.clone()
+        }
+        .at_zero()
+    }
+
+    /// The same, fixed or not.
+    pub fn hold(&self, fixed: bool) -> Self {
+        Self {
+            fixed,
+            ..self.clone()
+        }
+    }
+
+    fn at_zero(self) -> Self {
+        let splines: usize = self.spans.iter().map(|span| span.splines).sum();
+        Self {
+            sizes: vec![0.0; splines * self.balances().count()],
+            ..self
+        }
+    }
+
+    /// Balances of which something repeats.
+    fn balances(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..BALANCES).filter(|c| self.sd[*c] > 0.0)
+    }
+
+    /// Number of coefficients.
+    pub fn count(&self) -> usize {
+        self.sizes.len()
+    }
+
+    /// Number of coefficients that are fitted.
+    pub fn fitted(&self) -> usize {
+        match self.fixed {
+            true => 0,
+            false => self.count(),
+        }
+    }
+
+    /// The first coefficient of a track and its splines.
+    fn of_track(&self, track: &str) -> Option<(usize, &Span)> {
+        let balances = self.balances().count();
+        let at = self.spans.iter().position(|span| span.track == track)?;
+        let before: usize = self.spans[..at].iter().map(|span| span.splines).sum();
+        Some((before * balances, &self.spans[at]))
+    }
+
+    /// The first spline at each row of a run, and the values of it and the next three.
+    fn splines(&self, frame: &Frame, span: &Span) -> Vec<(usize, [f64; 4])> {
+        let at = |s: &f64| {
+            let u = ((s - span.from_m) / self.knots_m).clamp(0.0, (span.splines - 3) as f64);
+            let first = (u as usize).min(span.splines - 4);
+            let t = u - first as f64;
+            let values = [
+                (1.0 - t).powi(3),
+                3.0 * t.powi(3) - 6.0 * t * t + 4.0,
+                -3.0 * t.powi(3) + 3.0 * t * t + 3.0 * t + 1.0,
+                t.powi(3),
+            ];
+            (first, values.map(|value| value / 6.0))
+        };
+        frame.rows(&frame.s).iter().map(at).collect()
+    }
+
+    /// The columns of a run, whitened, the balances in use one below the other, and the place of the first of them among all coefficients.
+    pub fn columns(&self, frame: &Frame, whitener: &Whitener) -> (usize, DMatrix<f64>) {
+        let (n, used) = (frame.row_count(), whitener.count());
+        let Some((first, span)) = self.of_track(&frame.track).filter(|_| self.count() > 0) else {
+            return (0, DMatrix::zeros(n * used, 0));
+        };
+        let splines = self.splines(frame, span);
+        let balances: Vec<usize> = self.balances().collect();
+        let mut columns = DMatrix::zeros(n * used, balances.len() * span.splines);
+        for (b, c) in balances.iter().enumerate() {
+            let shares = whitener.shares(*c);
+            for block in 0..used {
+                let by = self.sd[*c] * shares[whitener.channel(block)];
+                for (i, (spline, values)) in splines.iter().enumerate() {
+                    for (k, value) in values.iter().enumerate() {
+                        columns[(block * n + i, b * span.splines + spline + k)] = by * value;
+                    }
+                }
+            }
+        }
+        (first, columns)
+    }
+
+    /// Products of whitened columns with each other, and with those of the coefficients in their midst.
+    pub fn products(
+        &self,
+        frame: &Frame,
+        whitener: &Whitener,
+        columns: &DMatrix<f64>,
+        at: usize,
+    ) -> DMatrix<f64> {
+        let (n, m, count) = (frame.row_count(), columns.ncols(), self.fitted());
+        let products = squares(columns);
+        if count == 0 {
+            return products;
+        }
+        let mut all = products
+            .insert_rows(at, count, 0.0)
+            .insert_columns(at, count, 0.0);
+        let Some((first, span)) = self.of_track(&frame.track) else {
+            return all;
+        };
+        let splines = self.splines(frame, span);
+        let mut own = DMatrix::<f64>::zeros(span.splines, span.splines);
+        for (spline, values) in &splines {
+            for (a, x) in values.iter().enumerate() {
+                for (b, y) in values.iter().enumerate() {
+                    own[(spline + a, spline + b)] += x * y;
+                }
+            }
+        }
+        let balances: Vec<[f64; BALANCES]> = self
+            .balances()
+            .map(|c| whitener.shares(c).map(|share| self.sd[c] * share))
+            .collect();
+        let blocks: Vec<usize> = (0..whitener.count()).map(|k| whitener.channel(k)).collect();
+        let of_balance = |b: usize| at + first + b * span.splines;
+        for (b, shares) in balances.iter().enumerate() {
+            for (b2, others) in balances.iter().enumerate() {
+                let by: f64 = blocks.iter().map(|c| shares[*c] * others[*c]).sum();
+                all.view_mut(
+                    (of_balance(b), of_balance(b2)),
+                    (span.splines, span.splines),
+                )
+                .copy_from(&(&own * by));
+            }
+            for k in 0..m {
+                let mut sums = vec![0.0; span.splines];
+                for (block, c) in blocks.iter().enumerate() {
+                    let rows = &columns.column(k).data.into_slice()[block * n..][..n];
+                    for (row, (spline, values)) in rows.iter().zip(&splines) {
+                        let row = shares[*c] * row;
+                        for (sum, value) in sums[*spline..].iter_mut().zip(values) {
+                            *sum += row * value;
+                        }
+                    }
+                }
+                let place = if k < at { k } else { k + count };
+                for (j, sum) in sums.into_iter().enumerate() {
+                    all[(of_balance(b) + j, place)] = sum;
+                    all[(place, of_balance(b) + j)] = sum;
+                }
+            }
+        }
+        all
+    }
+
+    /// Takes it off a run's rows.
+    pub fn take_off(&self, frame: &Frame, rows: &mut [Vec<f64>]) {
+        let Some((first, span)) = self.of_track(&frame.track).filter(|_| self.count() > 0) else {
+            return;
+        };
+        let splines = self.splines(frame, span);
+        for (b, c) in self.balances().enumerate() {
+            let own = &self.sizes[first + b * span.splines..][..span.splines];
+            for (row, (spline, values)) in rows[c].iter_mut().zip(&splines) {
+                let both = own[*spline..].iter().zip(values);
+                *row -= self.sd[c] * both.map(|(size, value)| size * value).sum::<f64>();
+            }
+        }
+    }
+
+    /// By how much it lowers the negative log-likelihood of rows without it, all its coefficients integrated out:
+    ///
+    /// ```text
+    /// (r'D inv(D'D + 1) D'r - ln det(D'D + 1)) / 2
+    /// ```
+    pub fn explained(&self, frames: &[Frame], white: &[Vec<f64>], whitener: &Whitener) -> f64 {
+        let mut sums: BTreeMap<&str, (DMatrix<f64>, DVector<f64>)> = BTreeMap::new();
+        for (frame, rows) in frames.iter().zip(white) {
+            let (_, columns) = self.columns(frame, whitener);
+            let n = columns.ncols();
+            let own = || (DMatrix::identity(n, n), DVector::zeros(n));
+            let (products, scores) = sums.entry(&frame.track).or_insert_with(own);
+            *products += columns.tr_mul(&columns);
+            *scores += columns.tr_mul(&DVector::from_column_slice(rows));
+        }
+        let of_track = |(products, scores): (DMatrix<f64>, DVector<f64>)| {
+            let root = products.cholesky()?;
+            let log_root: f64 = root.l().diagonal().map(f64::ln).sum();
+            Some(0.5 * scores.dot(&root.solve(&scores)) - log_root)
+        };
+        sums.into_values().filter_map(of_track).sum()
+    }
+}
