@@ -325,13 +325,14 @@ fn over_mirror(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
 ///
 /// `before` is the groove in which the ice comes, that of an earlier runner. Meshes are refined
 /// until the estimated errors of peak pressure, groove depth and ploughing force are below
-/// `options.p_max_tolerance`; `options.sliding_progress` is called in place of `options.progress`. The load's line of action stays
-/// where it is: a runner that is free to tilt turns until the pressure is under it, and the drag's
-/// own moment is not in the balance. What the runner's sides push up is not in it either.
+/// `options.p_max_tolerance`; `options.sliding_progress` is called in place of `options.progress`.
+/// The load's line of action stays where it is: a runner that is free to tilt turns until the
+/// pressure is under it, and the drag's own moment is not in the balance. What the runner's sides
+/// push up is not in it either.
 ///
 /// # Errors
-/// [`Error::NotSliding`] for ice without a hardness or of varying height, a checking method; those
-/// of [`solve`](crate::solve()) for problems without an answer and answers that are none:
+/// [`Error::NotSliding`] for ice without a hardness or of varying height; those of
+/// [`solve`](crate::solve()) for problems without an answer and answers that are none:
 /// [`Error::LoadExceedsHardness`] too where the hull bears the load at rest but not sliding;
 /// [`Error::NotConverged`], [`Error::Unsolved`], and [`Error::SlidingAccuracyNotReached`] where the
 /// largest mesh allowed does not do.
