@@ -182,7 +182,7 @@ fn mark(points: &[[f64; 3]], set: &[usize], side: &mut [u8], axis: usize, cut: f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_block::block;
+    use crate::body::tests::block;
 
     #[test]
     fn inner_nodes_of_a_block_have_27_neighbours_and_8_cells() {

@@ -140,9 +140,9 @@ impl PartialEq for SparseStiffness {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::body::tests::mixed;
     use crate::constraints::{to_components, to_nodes};
     use crate::sparse::assembly::assemble;
-    use crate::test_block::mixed;
 
     #[test]
     fn product_is_that_of_the_blocks_over_several_tasks_and_for_any_number_of_threads() {
