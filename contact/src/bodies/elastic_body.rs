@@ -227,8 +227,8 @@ pub(crate) fn fixed_faces(symmetry: [bool; 2], all_round: bool, z: [bool; 2]) ->
 pub(crate) enum Stiffness {
     /// Hexahedra of a tensor grid.
     Tensor(TensorOperator),
-    /// Hexahedra in the columns and layers of a tensor grid, but of other heights; the grid says
-    /// what its faces hold.
+    /// Hexahedra in the columns and layers of a tensor grid, but of other heights; the grid has
+    /// the fixed faces.
     Mapped {
         grid: TensorOperator,
         hexahedra: MatrixFree,
