@@ -88,7 +88,7 @@ pub use closed_forms::{Hertz, hertz};
 pub use error::Error;
 pub use groove::sequence::slide;
 pub use groove::solution::{
-    Groove, GrooveProfile, Measure, Section, SlidingIterate, SlidingMesh, SlidingSolution,
+    Groove, GrooveProfile, Section, SlidingIterate, SlidingMesh, SlidingSolution,
 };
 pub use map::pressure_map::{PressureMap, parted, pressure_maps};
 pub use map::rim::squared_pressure;
@@ -107,5 +107,5 @@ pub use problem::runner_solid::RunnerSolid;
 pub use result::asperity::Asperity;
 pub use result::centre_line::{CentreLine, LargestShear, UnderPeak, centre_line};
 pub use result::runner_loads::{MountForce, RunnerLoads, runner_loads};
-pub use result::solution::{Iterate, RunnerField, Solution, SurfaceField, VolumeField};
+pub use result::solution::{Iterate, Measure, RunnerField, Solution, SurfaceField, VolumeField};
 pub use solve::{check_problem, solve};

@@ -13,11 +13,29 @@ pub(crate) struct Motion {
     pub balance: [f64; 3],
 }
 
+/// The forces f = (G^-1 N) q - G^-1 g, and the motion q for which N^T f meets the balance.
+///
+/// Arguments as of [`solve_motion`].
+pub(crate) fn forces_and_motion(
+    motion: &Motion,
+    rows: &[[f64; 3]],
+    solved: &Mat<f64>,
+    balance: [f64; 3],
+    current: [f64; 3],
+) -> (Vec<f64>, [f64; 3]) {
+    let turn = solve_motion(motion, rows, solved, balance, current);
+    let force = |i: usize| {
+        let moved = (1..4).map(|j| solved[(i, j)] * turn[j - 1]);
+        moved.sum::<f64>() - solved[(i, 0)]
+    };
+    ((0..rows.len()).map(force).collect(), turn)
+}
+
 /// The motion for which N^T f meets the balance, where f = (G^-1 N) q - G^-1 g.
 ///
 /// `solved` holds G^-1 g and G^-1 N, node by row. Motions that the contact set cannot feel (the
 /// roll of a single row of nodes) keep the value they have in `current`.
-pub(crate) fn solve_motion(
+fn solve_motion(
     motion: &Motion,
     rows: &[[f64; 3]],
     solved: &Mat<f64>,

@@ -35,14 +35,14 @@ fn chunk_dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// `a` += `factor` `b`.
-pub(crate) fn add(a: &mut [f64], factor: f64, b: &[f64]) {
+/// `a` += `b`.
+pub(crate) fn add(a: &mut [f64], b: &[f64]) {
     a.par_chunks_mut(CHUNK)
         .zip(b.par_chunks(CHUNK))
         .for_each(|(a, b)| {
             pulp::Arch::new().dispatch(
                 #[inline(always)]
-                || a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * b),
+                || a.iter_mut().zip(b).for_each(|(a, b)| *a += b),
             );
         });
 }

@@ -52,8 +52,6 @@ mod precondition;
 mod sparse;
 mod stress;
 mod tensor;
-#[cfg(test)]
-mod test_block;
 
 pub use body::{Body, ElementKind, Material, Section};
 pub use closed_form::{boussinesq, love_depth};

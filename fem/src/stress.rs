@@ -294,7 +294,7 @@ fn slopes(nodes: &[f64]) -> Vec<[f64; 2]> {
 mod tests {
     use super::*;
     use crate::body::Section;
-    use crate::test_block::block;
+    use crate::body::tests::block;
 
     #[test]
     fn a_box_has_at_its_corners_what_its_gauss_points_continue_to() {

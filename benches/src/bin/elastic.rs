@@ -1,10 +1,8 @@
-//! Elastic runners: iterations, unknowns and time of one mesh each, over shapes, tracks, mounts and
-//! elements.
+//! Elastic runners: iterations, unknowns and time of one mesh each, over shapes, tracks and mounts.
 //!
 //! ```sh
 //! elastic                # 8 cells over half the patch
 //! elastic 6              # another number
-//! elastic --elements     # a bobsled runner and a luge steel on two places, meshed with each element
 //! elastic --large        # a luge steel on its bridges on finer and finer meshes: time, memory
 //! ```
 
@@ -14,7 +12,6 @@ use kufe_benches::{again, best_of, cpu_seconds, on_half_space, peak_bytes};
 use kufe_contact::{
     ElasticRunner, Load, LoadedPlace, Mount, Options, Place, Problem, Runner, Tilt, solve,
 };
-use kufe_fem::ElementKind;
 use kufe_mesh::{BobRunner, LugeSteel, MeshError, Underside};
 
 /// A runner of the gallery.
@@ -70,7 +67,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["--large"] => large(),
         ["--large", cells] => one(cells.parse()?),
-        ["--elements"] => elements(8),
         [cells] => gallery(cells.parse()?),
         _ => gallery(8),
     }
@@ -101,33 +97,6 @@ fn gallery(cells: usize) -> Result<(), Box<dyn std::error::Error>> {
         "\nPeak memory of all of them: {:.2} GB",
         peak_bytes() as f64 / 1e9
     );
-    Ok(())
-}
-
-/// The same runners meshed with each element: what locks is too stiff, and what is softened in
-/// every plane loses its preconditioner.
-fn elements(cells: usize) -> Result<(), Box<dyn std::error::Error>> {
-    let rows = [bob("bob", 30.0, 0.005, 0.0)?, luge("luge", 0.02, 0.0)?];
-    println!("### Elements of a runner on two places, 1 kN, residual 1e-9\n");
-    println!(
-        "| runner, element, cells over half the patch | iterations | unknowns | p_max | time | CPU |"
-    );
-    println!("|---|---|---|---|---|---|");
-    for row in &rows {
-        for kind in [
-            ElementKind::Hex8,
-            ElementKind::Hex8Incompatible,
-            ElementKind::Hex8Axial,
-        ] {
-            for cells in [cells / 2, cells] {
-                let (_, mut problem) = problem(row, 1, false);
-                if let Some(elastic) = &mut problem.runner.elastic {
-                    elastic.element = Some(kind);
-                }
-                line(&format!("{}, {kind:?}, {cells}", row.name), &problem, cells)?;
-            }
-        }
-    }
     Ok(())
 }
 

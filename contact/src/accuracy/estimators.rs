@@ -1,6 +1,7 @@
 //! Estimators of the discretisation error: Richardson extrapolation with an observed order, the
 //! grid convergence index, and the range of values that show no order.
 
+use crate::Measure;
 use crate::bisection::bisect;
 
 /// A figure on one mesh.
@@ -10,13 +11,6 @@ pub(crate) struct MeshValue {
     pub cells: f64,
     /// The figure, in its own unit.
     pub value: f64,
-}
-
-/// The limit of fine meshes and what is not known of it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Limit {
-    pub value: f64,
-    pub error: f64,
 }
 
 /// Order of trilinear cells: what the meshes are expected to converge with, and the highest order
@@ -34,7 +28,7 @@ const SAFETY_FACTOR: f64 = 1.6;
 /// Comput. Phys. 228, 2009).
 const RANGE_FACTOR: f64 = 3.0;
 
-impl Limit {
+impl Measure {
     /// The limit of three similar meshes, from coarse to fine.
     ///
     /// Errors c h^p make the order p known from the three values, and with it the limit f3 + d, d =
@@ -42,15 +36,15 @@ impl Limit {
     /// that limit is (SAFETY_FACTOR - 1) |d|, and what the order is uncertain by: the difference of
     /// what observed and formal order make of d. An order above the formal one is taken for the
     /// formal one, and its d has to agree with what the coarser two meshes make of it. Meshes that
-    /// show no order between [`LOWEST_ORDER`] and infinity (they go to and fro, or do not settle)
-    /// have [`Limit::of_range`], at least what the lowest order leaves.
-    pub fn richardson(meshes: [MeshValue; 3]) -> Self {
+    /// show no order between [`LOWEST_ORDER`] and infinity (they oscillate, or do not settle)
+    /// have [`Measure::of_range`], at least what the lowest order leaves.
+    pub(crate) fn richardson(meshes: [MeshValue; 3]) -> Self {
         let [h1, h2, h3] = meshes.map(|mesh| 1.0 / mesh.cells);
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
         let rest = |order: f64| (f3 - f2) * h3.powf(order) / (h2.powf(order) - h3.powf(order));
         let steps = [f2 - f1, f3 - f2];
         if steps == [0.0; 2] {
-            return Limit {
+            return Measure {
                 value: f3,
                 error: 0.0,
             };
@@ -59,27 +53,27 @@ impl Limit {
             |order: f64| (h2.powf(order) - h3.powf(order)) / (h1.powf(order) - h2.powf(order));
         let observed = steps[1] / steps[0];
         if observed.is_nan() || observed < 0.0 || observed > ratio(LOWEST_ORDER) {
-            let spread = Limit::of_range(&[f1, f2, f3]);
+            let spread = Measure::of_range(&[f1, f2, f3]);
             let slow = if observed > 0.0 {
                 SAFETY_FACTOR * rest(LOWEST_ORDER).abs()
             } else {
                 0.0
             };
-            return Limit {
+            return Measure {
                 error: spread.error.max(slow),
                 ..spread
             };
         }
         let formal = rest(FORMAL_ORDER);
         if observed <= ratio(FORMAL_ORDER) {
-            return Limit {
+            return Measure {
                 value: f3 + formal,
                 error: (SAFETY_FACTOR - 1.0) * formal.abs()
                     + (expected(meshes) - formal.abs()).abs(),
             };
         }
         let step = rest(order_of(observed, ratio));
-        Limit {
+        Measure {
             value: f3 + step,
             error: (SAFETY_FACTOR - 1.0) * step.abs() + (step - formal).abs(),
         }
@@ -87,14 +81,14 @@ impl Limit {
 
     /// The same for a figure that the place of a rim or a ridge between nodes moves by as much as
     /// the cells do: values that settle faster than the order `highest` lets them do so by
-    /// accident, and have [`Limit::of_range`].
-    pub fn richardson_at_rim(meshes: [MeshValue; 3], highest: f64) -> Self {
+    /// accident, and have [`Measure::of_range`].
+    pub(crate) fn richardson_at_rim(meshes: [MeshValue; 3], highest: f64) -> Self {
         let [h1, h2, h3] = meshes.map(|mesh| mesh.cells.powf(-highest));
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
         let settled = (f3 - f2) * (h1 - h2) / ((f2 - f1) * (h2 - h3));
         match settled {
-            0.0..1.0 => Limit::of_range(&[f1, f2, f3]),
-            _ => Limit::richardson(meshes),
+            0.0..1.0 => Measure::of_range(&[f1, f2, f3]),
+            _ => Measure::richardson(meshes),
         }
     }
 
@@ -104,7 +98,7 @@ impl Limit {
     /// The errors of two meshes with opposite signs differ by |a - b| and share it as their cell
     /// sizes h: the scatter of the last mesh is the largest |a - b| h_last / (h_a + h_b) of all
     /// pairs, half of their difference where cells are alike. So it is where contacts are smooth.
-    pub fn of_alternating(meshes: &[MeshValue]) -> Self {
+    pub(crate) fn of_alternating(meshes: &[MeshValue]) -> Self {
         let apart = |a: &MeshValue, b: &MeshValue| {
             (a.value - b.value).abs() / (1.0 / a.cells + 1.0 / b.cells)
         };
@@ -112,20 +106,20 @@ impl Limit {
             .iter()
             .flat_map(|a| meshes.iter().map(move |b| apart(a, b)));
         let last = meshes.last();
-        Limit {
+        Measure {
             value: last.map_or(f64::NAN, |mesh| mesh.value),
             error: RANGE_FACTOR * pairs.fold(0.0, f64::max) / last.map_or(0.0, |mesh| mesh.cells),
         }
     }
 
     /// The last of three meshes whose values scatter, and as its error what first order, the
-    /// slowest that was seen, leaves of [`Limit::of_range`]: R h3 / (h1 - h3).
+    /// slowest that was seen, leaves of [`Measure::of_range`]: R h3 / (h1 - h3).
     ///
-    /// Their errors may have one sign or either: how far apart they are says no less than that.
-    pub fn of_scatter(meshes: [MeshValue; 3]) -> Self {
+    /// Their errors may have one sign or either: their range is no smaller estimate than that.
+    pub(crate) fn of_scatter(meshes: [MeshValue; 3]) -> Self {
         let [first, _, last] = meshes;
-        let Limit { value, error } = Limit::of_range(&meshes.map(|mesh| mesh.value));
-        Limit {
+        let Measure { value, error } = Measure::of_range(&meshes.map(|mesh| mesh.value));
+        Measure {
             value,
             error: error * first.cells / (last.cells - first.cells),
         }
@@ -133,15 +127,15 @@ impl Limit {
 
     /// The last of some values, and as its error a multiple of their range; infinite for a single
     /// one.
-    pub fn of_range(values: &[f64]) -> Self {
-        Limit {
+    pub(crate) fn of_range(values: &[f64]) -> Self {
+        Measure {
             value: values.last().copied().unwrap_or(f64::NAN),
             error: RANGE_FACTOR * range(values),
         }
     }
 
     /// The error of the `value` of a mesh by this limit.
-    pub fn error_of(&self, value: f64) -> f64 {
+    pub(crate) fn error_of(&self, value: f64) -> f64 {
         (value - self.value).abs() + self.error
     }
 }
@@ -190,10 +184,10 @@ enum Settling {
     ByOrder,
     /// By an order, or oscillating: the peak of a smooth contact.
     Alternating,
-    /// By an order, or to and fro with errors of one sign or either: a peak at a ridge, as along a
+    /// By an order, or oscillating with errors of one sign or either: a peak at a ridge, as along a
     /// rounded edge, which lies anywhere between nodes.
     AtRidge,
-    /// To and fro: the highest of many peaks, each of few cells, is sometimes one and sometimes
+    /// Oscillating: the highest of many peaks, each of few cells, is sometimes one and sometimes
     /// another.
     Scatter,
 }
@@ -254,32 +248,32 @@ impl Sequence {
 
     /// The limit of fine meshes. `None` before there are three, and where all have the same cells.
     ///
-    /// Three similar meshes give it by their order. A peak that goes to and fro over all similar
+    /// Three similar meshes give it by their order. A peak that oscillates over all similar
     /// meshes, whatever order three of them show, has the last one's value with
-    /// [`Limit::of_alternating`], at a ridge and of many peaks with [`Limit::of_scatter`] of the
+    /// [`Measure::of_alternating`], at a ridge and of many peaks with [`Measure::of_scatter`] of the
     /// last three. Without three similar meshes it is the last one's value with the spread of the
     /// last three and of those between them and the last coarser one.
-    pub fn limit(&self) -> Option<Limit> {
+    pub fn limit(&self) -> Option<Measure> {
         let Some((three, used)) = self.three() else {
             return self.spread();
         };
         match (self.settling, is_monotone(used)) {
             (Settling::ByOrder, _) | (Settling::Alternating, true) => {
-                Some(Limit::richardson(three))
+                Some(Measure::richardson(three))
             }
-            (Settling::Alternating, false) => Some(Limit::of_alternating(used)),
-            (Settling::AtRidge, true) => Some(Limit::richardson_at_rim(three, HIGHEST_ORDER)),
+            (Settling::Alternating, false) => Some(Measure::of_alternating(used)),
+            (Settling::AtRidge, true) => Some(Measure::richardson_at_rim(three, HIGHEST_ORDER)),
             (Settling::AtRidge, false) | (Settling::Scatter, _) => {
-                self.meshes.last_chunk().copied().map(Limit::of_scatter)
+                self.meshes.last_chunk().copied().map(Measure::of_scatter)
             }
         }
     }
 
     /// As [`last`](Sequence::last), of a figure that the rim moves by as much as the cells do, with
     /// this largest order.
-    pub fn last_at_rim(&self, highest: f64) -> Limit {
+    pub fn last_at_rim(&self, highest: f64) -> Measure {
         match self.three() {
-            Some((three, _)) => Limit::richardson_at_rim(three, highest),
+            Some((three, _)) => Measure::richardson_at_rim(three, highest),
             None => self.last(),
         }
     }
@@ -306,7 +300,7 @@ impl Sequence {
 
     /// The last mesh's value with the spread of the last three and of what lies between them and
     /// the last coarser one.
-    fn spread(&self) -> Option<Limit> {
+    fn spread(&self) -> Option<Measure> {
         let third = self.meshes.last()?;
         let third_last = self.meshes.len().checked_sub(3)?;
         let coarser = self.meshes.iter().rposition(|m| m.cells < third.cells)?;
@@ -315,7 +309,7 @@ impl Sequence {
 
     /// The same where nothing shows the limit: the last mesh's value with the spread of up to
     /// three.
-    pub fn last(&self) -> Limit {
+    pub fn last(&self) -> Measure {
         self.limit()
             .unwrap_or_else(|| self.spread_from(self.meshes.len().saturating_sub(3)))
     }
@@ -325,8 +319,8 @@ impl Sequence {
         range(&self.values_from(self.meshes.len().saturating_sub(3)))
     }
 
-    fn spread_from(&self, start: usize) -> Limit {
-        Limit::of_range(&self.values_from(start))
+    fn spread_from(&self, start: usize) -> Measure {
+        Measure::of_range(&self.values_from(start))
     }
 
     fn values_from(&self, start: usize) -> Vec<f64> {
@@ -381,11 +375,11 @@ mod tests {
     #[test]
     fn the_limit_of_a_pure_power_up_to_the_formal_order_is_exact() {
         for order in [0.6, 1.0, 1.37, 2.0] {
-            let limit = Limit::richardson(meshes([3.0, 4.0, 6.0], |h| 5.0 - h.powf(order)));
+            let limit = Measure::richardson(meshes([3.0, 4.0, 6.0], |h| 5.0 - h.powf(order)));
             assert!((limit.value - 5.0).abs() < 1e-9, "{order} {limit:?}");
             assert!(limit.error > 0.0);
         }
-        let limit = Limit::richardson(meshes([3.0, 4.0, 6.0], |h| 5.0 - h.powi(3)));
+        let limit = Measure::richardson(meshes([3.0, 4.0, 6.0], |h| 5.0 - h.powi(3)));
         assert!((limit.value - 5.0).abs() < limit.error, "{limit:?}");
     }
 
@@ -397,13 +391,13 @@ mod tests {
                 cells,
                 value: next.next().unwrap(),
             });
-            let limit = Limit::richardson(raw);
+            let limit = Measure::richardson(raw);
             assert_eq!(limit.value, values[2]);
             assert!(limit.error >= RANGE_FACTOR * range(&values) - 1e-12);
         }
-        assert_eq!(Limit::of_range(&[1.0]).error, f64::INFINITY);
+        assert_eq!(Measure::of_range(&[1.0]).error, f64::INFINITY);
         assert_eq!(
-            Limit::richardson(meshes([4.0, 6.0, 8.0], |_| 7.0)).error,
+            Measure::richardson(meshes([4.0, 6.0, 8.0], |_| 7.0)).error,
             0.0
         );
     }
@@ -418,8 +412,8 @@ mod tests {
             value: 100.0 + off.next().unwrap(),
         });
         let (limit, smooth) = (
-            Limit::richardson_at_rim(raw, HIGHEST_ORDER),
-            Limit::richardson(raw),
+            Measure::richardson_at_rim(raw, HIGHEST_ORDER),
+            Measure::richardson(raw),
         );
         assert!((limit.value - 100.0).abs() < limit.error, "{limit:?}");
         assert!((smooth.value - 100.0).abs() > smooth.error, "{smooth:?}");
@@ -427,8 +421,8 @@ mod tests {
         for order in [1.0, 2.0, 2.9] {
             let raw = meshes([4.0, 5.0, 7.0], |h| 5.0 - h.powf(order));
             let (limit, smooth) = (
-                Limit::richardson_at_rim(raw, HIGHEST_ORDER),
-                Limit::richardson(raw),
+                Measure::richardson_at_rim(raw, HIGHEST_ORDER),
+                Measure::richardson(raw),
             );
             assert_eq!((limit.value, limit.error), (smooth.value, smooth.error));
         }
@@ -451,7 +445,7 @@ mod tests {
     fn values_that_scatter_with_their_cells_have_it_as_error() {
         for (first, second, third) in [(-1.0, -0.9, 1.0), (0.5, -1.0, 1.0), (-0.2, -0.3, 0.5)] {
             let scattered = [(4.0, first), (6.0, second), (9.0, third)];
-            let limit = Limit::of_alternating(&scattered.map(|(cells, part)| MeshValue {
+            let limit = Measure::of_alternating(&scattered.map(|(cells, part)| MeshValue {
                 cells,
                 value: 5.0 + part / cells,
             }));
@@ -464,7 +458,7 @@ mod tests {
     fn values_at_a_ridge_that_scatter_with_their_cells_have_it_as_error() {
         for (first, second, third) in [(-1.0, -0.9, 1.0), (0.5, -1.0, 1.0), (-0.2, -0.3, 0.5)] {
             let scattered = [(4.0, first), (6.0, second), (9.0, third)];
-            let limit = Limit::of_scatter(scattered.map(|(cells, part)| MeshValue {
+            let limit = Measure::of_scatter(scattered.map(|(cells, part)| MeshValue {
                 cells,
                 value: 5.0 + part / cells,
             }));

@@ -162,14 +162,52 @@ impl MeshSolve<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use std::sync::Arc;
 
     use kufe_mesh::Paraboloid;
 
     use super::*;
-    use crate::accuracy::one_mesh::MeshProblem;
+    use crate::accuracy::find_patch::find_patch;
+    use crate::grid::grading::Resolution;
+    use crate::grid::patch::Patch;
+    use crate::mesh::discretise::Reach;
     use crate::{Ice, Options, Problem, Runner};
+
+    /// A mesh of a problem's patch as found, and what it is solved from.
+    pub(crate) struct MeshProblem {
+        pub problem: Problem,
+        pub patch: Patch,
+        pub forces: Forces,
+        pub mesh: Discretisation,
+    }
+
+    impl MeshProblem {
+        /// With so many cells over half the patch.
+        pub fn new(problem: Problem, cells: f64) -> Result<Self, Error> {
+            let options = Options::default();
+            let checked = CheckedProblem::bearable(&problem, &options)?;
+            let (patch, forces) = find_patch(&checked)?;
+            let mesh = checked.mesh(&patch, Resolution::of(cells), Reach::Patch)?;
+            Ok(MeshProblem {
+                problem,
+                patch,
+                forces,
+                mesh,
+            })
+        }
+
+        /// Solved with Green's matrices of so many nodes stored.
+        pub fn solve(&self, stored: StorageLimit) -> Result<(State, Progress), Error> {
+            MeshSolve {
+                checked: &CheckedProblem::new(&self.problem, &Options::default())?,
+                mesh: &self.mesh,
+                stored,
+                report: &|_, _| {},
+            }
+            .solve(self.patch.motion, &self.forces)
+        }
+    }
 
     #[test]
     fn a_far_field_that_does_not_settle_with_the_force_is_refused()

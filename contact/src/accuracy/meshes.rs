@@ -283,8 +283,8 @@ impl Meshes<'_> {
             return verdict;
         }
         let mut found = self.gap_of(contact).penetrations();
-        // What was searched late and stayed open is no place of contact, whatever a mesh says
-        // that no longer includes it.
+        // A place that was added late and stayed open is none of contact, though meshes that no
+        // longer include it penetrate there.
         found.retain(|place| {
             let [x, y] = place.at;
             // Where contact is expected it lies between the nodes.
@@ -378,10 +378,10 @@ mod tests {
 
     use kufe_mesh::Paraboloid;
 
-    use crate::accuracy::estimators::{HIGHEST_ORDER, Limit, MeshValue};
+    use crate::accuracy::estimators::{HIGHEST_ORDER, MeshValue};
     use crate::accuracy::meshes::{Meshes, Verdict};
     use crate::problem::check::CheckedProblem;
-    use crate::{Error, Ice, Load, Options, Problem, Runner, Tilt};
+    use crate::{Error, Ice, Load, Measure, Options, Problem, Runner, Tilt};
 
     /// The order as it is, at half and at twice.
     const ORDERS: [f64; 3] = [0.5 * HIGHEST_ORDER, HIGHEST_ORDER, 2.0 * HIGHEST_ORDER];
@@ -428,7 +428,7 @@ mod tests {
 
     /// The approach of a contact solved to an accuracy, by each of [`ORDERS`]: what decides when
     /// meshes do is the area, whatever these say.
-    fn approaches(problem: &Problem, tolerance: f64) -> Result<[Limit; 3], Error> {
+    fn approaches(problem: &Problem, tolerance: f64) -> Result<[Measure; 3], Error> {
         let options = Options {
             p_max_tolerance: tolerance,
             ..Options::default()
@@ -448,8 +448,8 @@ mod tests {
 
     /// The share of limits that hold 1, known to so much, and the median of what they state over
     /// what they are off by.
-    fn reported(limits: &mut [(Limit, f64)]) -> [f64; 2] {
-        let off = |(limit, _): &(Limit, f64)| (limit.value - 1.0).abs();
+    fn reported(limits: &mut [(Measure, f64)]) -> [f64; 2] {
+        let off = |(limit, _): &(Measure, f64)| (limit.value - 1.0).abs();
         let covered = limits.iter().filter(|l| off(l) <= l.0.error + l.1).count();
         let mut ratios: Vec<f64> = limits
             .iter()
@@ -502,11 +502,11 @@ mod tests {
         let mut random = Random(0x2545_f491_4f6c_dd1d);
         let sequences: Vec<[MeshValue; 3]> = (0..20_000).map(|_| sequence(&mut random)).collect();
         let rows = rows();
-        let solved: Vec<Vec<([Limit; 3], f64)>> = TOLERANCES
+        let solved: Vec<Vec<([Measure; 3], f64)>> = TOLERANCES
             .iter()
             .map(|&tolerance| {
                 let of = |row: &Row| {
-                    let part = |l: Limit| Limit {
+                    let part = |l: Measure| Measure {
                         value: l.value / row.approach,
                         error: l.error / row.approach,
                     };
@@ -525,14 +525,14 @@ mod tests {
         );
         println!("|---|---|---|---|---|---|---|");
         for (k, &order) in ORDERS.iter().enumerate() {
-            let mut made: Vec<(Limit, f64)> = sequences
+            let mut made: Vec<(Measure, f64)> = sequences
                 .iter()
-                .map(|&meshes| (Limit::richardson_at_rim(meshes, order), 0.0))
+                .map(|&meshes| (Measure::richardson_at_rim(meshes, order), 0.0))
                 .collect();
             let [covered, ratio] = reported(&mut made);
             print!("| {order} | {:.1} % | {ratio:.1} |", 100.0 * covered);
             for of in &solved {
-                let mut limits: Vec<(Limit, f64)> =
+                let mut limits: Vec<(Measure, f64)> =
                     of.iter().map(|(l, known)| (l[k], *known)).collect();
                 let [covered, ratio] = reported(&mut limits);
                 print!(

@@ -5,8 +5,6 @@ pub(crate) mod estimators;
 pub(crate) mod find_patch;
 pub(crate) mod mesh_solve;
 pub(crate) mod meshes;
-#[cfg(test)]
-pub(crate) mod one_mesh;
 pub(crate) mod own_cells;
 pub(crate) mod penetration_check;
 pub(crate) mod watched;

@@ -1,6 +1,7 @@
 //! The figures that accuracy watches, mesh by mesh.
 
-use crate::accuracy::estimators::{HIGHEST_ORDER, Limit, MeshValue, Sequence};
+use crate::Measure;
+use crate::accuracy::estimators::{HIGHEST_ORDER, MeshValue, Sequence};
 use crate::options::AREA_WEIGHT;
 use crate::result::measure::Figures;
 use crate::{LargestShear, UnderPeak};
@@ -40,9 +41,9 @@ pub(crate) struct ErrorFloor {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
     /// Peak pressure [Pa].
-    pub peak: Limit,
+    pub peak: Measure,
     /// Approach [m].
-    pub approach: Limit,
+    pub approach: Measure,
     /// Error of the last mesh's area [m2].
     pub area_error: f64,
     /// Error of the last mesh's length [m].
@@ -187,11 +188,11 @@ impl FigureHistory {
     pub fn unjudged(&self) -> Limits {
         let judged = self.last();
         Limits {
-            peak: Limit {
+            peak: Measure {
                 value: self.peak.value(),
                 error: f64::INFINITY,
             },
-            approach: Limit {
+            approach: Measure {
                 value: self.approach.value(),
                 ..judged.approach
             },
@@ -204,9 +205,9 @@ impl FigureHistory {
 
     /// The approach with its error where ice yields, by this largest order.
     #[cfg(test)]
-    pub fn approach_by_rim_up_to(&self, highest: f64) -> Limit {
-        let Limit { value, error } = self.approach.last_at_rim(highest);
-        Limit {
+    pub fn approach_by_rim_up_to(&self, highest: f64) -> Measure {
+        let Measure { value, error } = self.approach.last_at_rim(highest);
+        Measure {
             value,
             error: error.hypot(self.floor.approach * value) + self.missed * value,
         }
@@ -231,7 +232,7 @@ impl FigureHistory {
     /// The limit of the approach. Where the pressure ends at the hardness, it is as far from 0 at a
     /// rim as anywhere, and the rim's place between nodes moves the approach by as much as the
     /// cells do.
-    fn approach(&self) -> Limit {
+    fn approach(&self) -> Measure {
         if self.is_fixed() {
             self.approach.last_at_rim(HIGHEST_ORDER)
         } else {
@@ -254,7 +255,7 @@ impl FigureHistory {
         found.hypot(0.5 * self.floor.peak * extent.value())
     }
 
-    fn of(&self, peak: Limit) -> Option<Limits> {
+    fn of(&self, peak: Measure) -> Option<Limits> {
         let last = self.last?;
         let [_, length_off, width_off] = last.off;
         let area_error = rims_error(&self.area, self.area_off());
@@ -269,14 +270,14 @@ impl FigureHistory {
             (value, error, error / value)
         };
         let mesh = self.approach.value();
-        let Limit {
+        let Measure {
             value: approach,
             error: by_meshes,
         } = self.approach();
         let tilt_error = |figure: &Sequence| figure.last().error_of(figure.value());
         Some(Limits {
-            peak: Limit { value, error },
-            approach: Limit {
+            peak: Measure { value, error },
+            approach: Measure {
                 value: approach,
                 error: by_meshes.hypot(self.floor.approach * mesh) + self.missed * mesh,
             },

@@ -7,7 +7,7 @@ use crate::bodies::elastic_body::BodyWork;
 use crate::green::closed_set::{ClosedSet, ITERATIONS};
 use crate::green::matrix::Green;
 use crate::mesh::contact_mesh::{ContactMesh, Sets, State};
-use crate::motion::{dot, solve_motion};
+use crate::motion::{dot, forces_and_motion};
 use crate::precondition::dense::DenseCholesky;
 use crate::vector;
 
@@ -193,7 +193,7 @@ impl ContactMesh {
 
     /// Enters the subspace: closes what is open inside, balances the load. Leaves the residual of
     /// the new state.
-    pub(crate) fn enter(&self, constraint: &Constraint, state: &mut State, work: &mut Workspace) {
+    fn enter(&self, constraint: &Constraint, state: &mut State, work: &mut Workspace) {
         self.residual(state, &mut work.residual, &mut work.bodies);
         let closing = self.closing(&state.displacement);
         let defect: Vec<f64> = constraint
@@ -208,8 +208,9 @@ impl ContactMesh {
                 *b -= r * force;
             }
         }
-        let (turn, force) = self.precondition(constraint, &defect, balance, work);
-        self.advance(1.0, turn, state, &work.step);
+        let (force, turn) = self.precondition(constraint, &defect, balance, work);
+        state.motion = [0, 1, 2].map(|a| state.motion[a] + turn[a]);
+        vector::add(&mut state.displacement, &work.step);
         add_to(constraint, &force, state);
         self.residual(state, &mut work.residual, &mut work.bodies);
     }
@@ -218,7 +219,7 @@ impl ContactMesh {
     ///
     /// The multipliers' increment goes into the forces, which leaves the residual what truly is out
     /// of equilibrium.
-    pub(crate) fn equilibrate(
+    fn equilibrate(
         &self,
         constraint: &Constraint,
         state: &mut State,
@@ -226,7 +227,7 @@ impl ContactMesh {
         progress: &mut Progress,
     ) -> ([f64; 3], f64) {
         let none = vec![0.0; constraint.inside.len()];
-        let (turn, force) = self.precondition(constraint, &none, [0.0; 3], work);
+        let (force, turn) = self.precondition(constraint, &none, [0.0; 3], work);
         let rho = vector::dot(&work.residual, &work.step).max(0.0);
         add_to(constraint, &force, state);
         let opposite = forces_on(constraint, &force, -1.0);
@@ -238,7 +239,7 @@ impl ContactMesh {
 
     /// Whether the tolerance is reached and the signs confirm the set, or contradict it; checked at
     /// whenever the residual has fallen a hundredfold.
-    pub(crate) fn settled(
+    fn settled(
         &self,
         set: &SetProblem,
         state: &State,
@@ -258,13 +259,6 @@ impl ContactMesh {
         reached.then_some(true)
     }
 
-    fn advance(&self, factor: f64, turn: [f64; 3], state: &mut State, step: &[f64]) {
-        for (q, t) in state.motion.iter_mut().zip(turn) {
-            *q += factor * t;
-        }
-        vector::add(&mut state.displacement, factor, step);
-    }
-
     /// Solves P z + B^T m = r, N^T m = `balance`, B z + N q = `defect` for the step z (into
     /// `work.step`), the turn q and the multipliers m of the nodes inside.
     fn precondition(
@@ -273,28 +267,28 @@ impl ContactMesh {
         defect: &[f64],
         balance: [f64; 3],
         work: &mut Workspace,
-    ) -> ([f64; 3], Vec<f64>) {
+    ) -> (Vec<f64>, [f64; 3]) {
         let mut closing = vec![0.0; self.gap.len()];
         for ((body, part), body_work) in self.parts().zip(&mut work.bodies) {
             body.begin(&work.residual[part], &mut closing, body_work);
         }
-        let (turn, multipliers) = self.multipliers(constraint, &closing, defect, balance);
+        let (multipliers, turn) = self.multipliers(constraint, &closing, defect, balance);
         let forces = forces_on(constraint, &multipliers, 1.0);
         for ((body, part), body_work) in self.parts().zip(&mut work.bodies) {
             body.finish(&forces, &mut work.step[part], body_work);
         }
-        (turn, multipliers)
+        (multipliers, turn)
     }
 
-    /// The turn and the multipliers that close `defect` less `closing` = B P^-1 r; not finite where
+    /// The multipliers and the turn that close `defect` less `closing` = B P^-1 r; not finite where
     /// an inner iteration fails.
-    pub(crate) fn multipliers(
+    fn multipliers(
         &self,
         constraint: &Constraint,
         closing: &[f64],
         defect: &[f64],
         balance: [f64; 3],
-    ) -> ([f64; 3], Vec<f64>) {
+    ) -> (Vec<f64>, [f64; 3]) {
         let n = constraint.inside.len();
         let side = Mat::from_fn(n, 1, |i, _| defect[i] - closing[constraint.inside[i]]);
         let solved = match &constraint.closed {
@@ -303,37 +297,29 @@ impl ContactMesh {
                 motion_columns,
             } => {
                 let solved_side = factor.solve(&side);
-                Mat::from_fn(n, 4, |i, j| {
-                    if j == 0 {
-                        solved_side[(i, 0)]
-                    } else {
-                        motion_columns[(i, j - 1)]
-                    }
+                Mat::from_fn(n, 4, |i, j| match j {
+                    0 => solved_side[(i, 0)],
+                    _ => motion_columns[(i, j - 1)],
                 })
             }
             Closed::Iterated(set) => {
                 let gap: Vec<f64> = side.col(0).iter().copied().collect();
                 let found = set.solve(ITERATIONS, &gap, [balance, [0.0; 3]], &vec![0.0; n]);
-                let (multipliers, turn) = found.unwrap_or((vec![f64::NAN; n], [f64::NAN; 3]));
-                return (turn, multipliers);
+                return found.unwrap_or((vec![f64::NAN; n], [f64::NAN; 3]));
             }
         };
-        let turn = solve_motion(&self.motion, &constraint.rows, &solved, balance, [0.0; 3]);
-        let multipliers: Vec<f64> = (0..n)
-            .map(|i| (1..4).map(|j| solved[(i, j)] * turn[j - 1]).sum::<f64>() - solved[(i, 0)])
-            .collect();
-        (turn, multipliers)
+        forces_and_motion(&self.motion, &constraint.rows, &solved, balance, [0.0; 3])
     }
 }
 
 /// The forces on the nodes inside, times `factor`, with their nodes.
-pub(crate) fn forces_on(constraint: &Constraint, force: &[f64], factor: f64) -> Vec<(usize, f64)> {
+fn forces_on(constraint: &Constraint, force: &[f64], factor: f64) -> Vec<(usize, f64)> {
     let nodes = constraint.inside.iter().copied();
     nodes.zip(force.iter().map(|f| factor * f)).collect()
 }
 
 /// Adds the forces on the nodes inside to the state's.
-pub(crate) fn add_to(constraint: &Constraint, force: &[f64], state: &mut State) {
+fn add_to(constraint: &Constraint, force: &[f64], state: &mut State) {
     for (&node, f) in constraint.inside.iter().zip(force) {
         state.force[node] += f;
     }

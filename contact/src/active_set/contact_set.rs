@@ -392,7 +392,7 @@ mod tests {
 
     use kufe_mesh::Paraboloid;
 
-    use crate::accuracy::one_mesh::MeshProblem;
+    use crate::accuracy::mesh_solve::tests::MeshProblem;
     use crate::active_set::constrained_cg::SetProblem;
     use crate::active_set::contact_set::{Control, Counts, SetUpdate};
     use crate::green::matrix::StorageLimit;

@@ -7,7 +7,7 @@ use crate::active_set::contact_set::Counts;
 use crate::green::closed_set::{ClosedSet, ITERATIONS};
 use crate::green::matrix::Green;
 use crate::mesh::contact_mesh::{Sets, clip};
-use crate::motion::{Motion, dot, solve_motion};
+use crate::motion::{Motion, dot, forces_and_motion};
 use crate::precondition::dense::DenseCholesky;
 
 /// The contact problem on the contact plane alone.
@@ -263,64 +263,51 @@ impl PlaneProblem<'_> {
         let slack = self.green.precision();
         let out_of_bounds =
             |i: &usize| force[*i] < -slack * largest || force[*i] > self.bound[*i] * (1.0 + slack);
-        let before = (state.force.clone(), state.motion);
+        let clamped = force.iter().zip(self.bound).map(|(f, b)| f.clamp(0.0, *b));
+        let clamped: Vec<f64> = clamped.collect();
         if !set.inside.iter().any(out_of_bounds) {
             // D is no higher there: the forces before are of this set.
-            let clamped = force.iter().zip(self.bound).map(|(f, b)| f.clamp(0.0, *b));
-            state.force = clamped.collect();
-            state.motion = motion;
-            let image = self.deflection(&state.force);
-            let fall = self.fall(&before, deflection, &state.force, &image);
-            *deflection = image;
-            self.record(state, fall);
+            let step = self.step(state, deflection, clamped, motion);
+            step.take(state, deflection);
             return Acceleration::Arrived;
         }
         // Back to the bounds and to balance, with the forces of this set alone.
         let mut may = vec![false; force.len()];
         set.inside.iter().for_each(|&i| may[i] = true);
-        let clamped = force.iter().zip(self.bound).map(|(f, b)| f.clamp(0.0, *b));
-        let clamped: Vec<f64> = clamped.collect();
-        let mut answer = self.balanced(&clamped, &vec![0.0; force.len()], &may);
+        let answer = self.balanced(&clamped, &vec![0.0; force.len()], &may);
         if answer.met {
-            let image = self.deflection(&answer.force);
-            let fall = self.fall(&before, deflection, &answer.force, &image);
-            if fall < 0.0 {
-                state.force = std::mem::take(&mut answer.force);
-                state.motion = [0, 1, 2].map(|a| motion[a] + answer.turn[a]);
-                *deflection = image;
-                self.record(state, fall);
+            let turned = [0, 1, 2].map(|a| motion[a] + answer.turn[a]);
+            let step = self.step(state, deflection, answer.force, turned);
+            if step.fall < 0.0 {
+                step.take(state, deflection);
                 return Acceleration::Short;
             }
         }
-        let (part, force) = clip(&before.0, &force, self.bound);
-        state.motion = [0, 1, 2].map(|a| before.1[a] + part * (motion[a] - before.1[a]));
-        let image = self.deflection(&force);
-        let fall = self.fall(&before, deflection, &force, &image);
-        state.force = force;
-        *deflection = image;
-        self.record(state, fall);
+        let (part, force) = clip(&state.force, &force, self.bound);
+        let motion = [0, 1, 2].map(|a| state.motion[a] + part * (motion[a] - state.motion[a]));
+        let step = self.step(state, deflection, force, motion);
+        step.take(state, deflection);
         Acceleration::Short
     }
 
-    /// The change of D between balanced forces.
-    fn fall(
+    /// From balanced forces to others.
+    fn step(
         &self,
-        (force, motion): &(Vec<f64>, [f64; 3]),
+        from: &PlaneState,
         deflection: &[f64],
-        next: &[f64],
-        image: &[f64],
-    ) -> f64 {
-        (0..force.len())
-            .map(|i| {
-                let gap = self.gap[i] - dot(self.rows[i], *motion);
-                (next[i] - force[i]) * (gap + 0.5 * (deflection[i] + image[i]))
-            })
-            .sum()
-    }
-
-    fn record(&self, state: &mut PlaneState, fall: f64) {
-        if let Some(&before) = state.energies.last().filter(|_| fall < 0.0) {
-            state.energies.push(before + fall);
+        force: Vec<f64>,
+        motion: [f64; 3],
+    ) -> Step {
+        let image = self.deflection(&force);
+        let fall = |i: usize| {
+            let gap = self.gap[i] - dot(self.rows[i], from.motion);
+            (force[i] - from.force[i]) * (gap + 0.5 * (deflection[i] + image[i]))
+        };
+        Step {
+            fall: (0..force.len()).map(fall).sum(),
+            force,
+            motion,
+            image,
         }
     }
 
@@ -364,10 +351,9 @@ impl PlaneProblem<'_> {
             _ => self.rows[inside[i]][j - 1],
         });
         let solved = factor.solve(&sides);
-        let motion = solve_motion(self.motion, &rows, &solved, balance, state.motion);
-        for (i, &node) in inside.iter().enumerate() {
-            force[node] =
-                (1..4).map(|j| solved[(i, j)] * motion[j - 1]).sum::<f64>() - solved[(i, 0)];
+        let (found, motion) = forces_and_motion(self.motion, &rows, &solved, balance, state.motion);
+        for (&node, f) in inside.iter().zip(found) {
+            force[node] = f;
         }
         Some((force, motion))
     }
@@ -385,6 +371,27 @@ impl PlaneProblem<'_> {
             f if f > 0.0 => true,
             _ => gaps[i] >= -slack * depth,
         })
+    }
+}
+
+/// Balanced forces and their motion, to be taken.
+struct Step {
+    force: Vec<f64>,
+    motion: [f64; 3],
+    /// G f.
+    image: Vec<f64>,
+    /// The change of D.
+    fall: f64,
+}
+
+impl Step {
+    fn take(self, state: &mut PlaneState, deflection: &mut Vec<f64>) {
+        state.force = self.force;
+        state.motion = self.motion;
+        *deflection = self.image;
+        if let Some(&before) = state.energies.last().filter(|_| self.fall < 0.0) {
+            state.energies.push(before + self.fall);
+        }
     }
 }
 

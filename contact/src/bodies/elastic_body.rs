@@ -227,8 +227,8 @@ pub(crate) fn fixed_faces(symmetry: [bool; 2], all_round: bool, z: [bool; 2]) ->
 pub(crate) enum Stiffness {
     /// Hexahedra of a tensor grid.
     Tensor(TensorOperator),
-    /// Hexahedra in the columns and layers of a tensor grid, but of other heights; the grid says
-    /// what its faces hold.
+    /// Hexahedra in the columns and layers of a tensor grid, but of other heights; the grid has
+    /// the fixed faces.
     Mapped {
         grid: TensorOperator,
         hexahedra: MatrixFree,
@@ -280,23 +280,16 @@ impl Stiffness {
 
     /// `out` = K `u`, with 0 on entries that faces or a solid's own clamps fix.
     fn apply(&self, u: &[f64], out: &mut [f64], work: &mut BodyWork) {
+        to_nodes(u, &mut work.displacement);
         match self {
-            Stiffness::Tensor(grid) => grid.apply(u, out),
-            Stiffness::Mapped { grid, hexahedra } => {
-                to_nodes(u, &mut work.displacement);
+            Stiffness::Tensor(grid) => return grid.apply(u, out),
+            Stiffness::Mapped { hexahedra, .. } => {
                 hexahedra.apply_with(&work.displacement, &mut work.force, &mut work.corners);
-                to_components(&work.force, out);
-                grid.mask(out);
             }
-            Stiffness::Solid(solid) => {
-                to_nodes(u, &mut work.displacement);
-                solid.stiffness.apply(&work.displacement, &mut work.force);
-                let free = solid.map.restrict(&work.force);
-                work.force.fill(0.0);
-                solid.map.extend(&free, &mut work.force);
-                to_components(&work.force, out);
-            }
+            Stiffness::Solid(solid) => solid.stiffness.apply(&work.displacement, &mut work.force),
         }
+        to_components(&work.force, out);
+        self.mask(out);
     }
 }
 

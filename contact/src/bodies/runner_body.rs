@@ -227,7 +227,7 @@ fn solid(mesh: &HexMesh, material: Material, kind: ElementKind) -> Result<Solid,
 /// The beam motions of a body of `length` and `height` [m] whose rigid motions nothing holds.
 ///
 /// Rigid motions get a hundredth of the stiffness of the first bending mode of a free beam, E H^2 /
-/// 12 (4.73 / L)^4 a volume: well above rounding; the mount says what they are.
+/// 12 (4.73 / L)^4 a volume: well above rounding; the mount determines them.
 fn beam_space(
     solid: &Solid,
     operator: &TensorOperator,

@@ -111,8 +111,8 @@ impl<'a> Asperities<'a> {
     /// of cells in contact does not settle on one of them, or no window has all of the contact.
     ///
     /// # Errors
-    /// [`Error::AccuracyNotReached`] where the finest cells allowed are too coarse, [`Error::Unsolved`]
-    /// where the coarsest are too many, [`Error::Stopped`].
+    /// [`Error::AccuracyNotReached`] where the finest cells allowed are too coarse,
+    /// [`Error::Unsolved`] where the coarsest are too many, [`Error::Stopped`].
     pub fn solve(&self, history: &mut Vec<Iterate>) -> Result<Option<Solution>, Error> {
         let options = self.checked.options;
         let tolerance = options.p_max_tolerance;

@@ -2,12 +2,11 @@
 
 use rayon::prelude::*;
 
-use crate::accuracy::estimators::Limit;
 use crate::boundary_elements::active_set::Precision;
 use crate::boundary_elements::window::{CheckUnavailable, Surface};
 use crate::boundary_elements::window_contact::Search;
 use crate::problem::check::CheckedProblem;
-use crate::{Options, Problem, Solution};
+use crate::{Measure, Options, Problem, Solution};
 
 /// Figures of a contact from its plane alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,7 +105,7 @@ pub fn boundary_elements_to_compare(
     solved(problem, f64::INFINITY).map(|(found, _)| found)
 }
 
-/// How well pressures are solved for: far better than the grids tell.
+/// Precision of the pressures: far below the error of the grids.
 const PRECISION: Precision = Precision {
     residual: 1e-6,
     slack: 1e-5,
@@ -170,10 +169,10 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
 fn error(found: &[[f64; 5]], figure: usize) -> f64 {
     let finest = &found[found.len().saturating_sub(COMPARED)..];
     let values: Vec<f64> = finest.iter().map(|figures| figures[figure]).collect();
-    Limit::of_range(&values).error
+    Measure::of_range(&values).error
 }
 
-// Boundary elements for a family of contacts, where finite elements have said the same at its ends.
+// Boundary elements for a family of contacts, where finite elements agree with them at its ends.
 
 /// What boundary elements may be trusted with: contacts between *anchors*, contacts of their kind
 /// that finite elements have solved too.

@@ -1,10 +1,9 @@
 //! The rectangle of the contact plane that is divided into cells.
 
 use crate::bisection::{bisect, bisect_scales};
-use crate::boundary_elements::operator::Layer;
 use crate::problem::gap::Gap;
 use crate::symmetry::copies;
-use crate::{Foundation, Load, Problem};
+use crate::{Bed, Foundation, Load, Problem};
 
 /// How far along x contact is searched under a hull without ends [m].
 const REACH: f64 = 2.0;
@@ -456,7 +455,7 @@ pub(super) struct Surface {
     /// 1 / E* of both as half-spaces [1/Pa].
     pub compliance: f64,
     /// The ice and its foundation, from the top down; empty for a half-space.
-    pub layers: Vec<Layer>,
+    pub layers: Vec<Bed>,
 }
 
 impl Surface {
@@ -464,12 +463,12 @@ impl Surface {
     pub fn of(problem: &Problem) -> Result<Self, CheckUnavailable> {
         let ice = &problem.ice;
         if let Some(elastic) = &problem.runner.elastic {
-            let unbounded = problem.runner.underside.extent();
-            if elastic.solid.is_some() || unbounded.iter().any(|end| end.is_finite()) {
+            let extent = problem.runner.underside.extent();
+            if elastic.solid.is_some() || extent.iter().any(|end| end.is_finite()) {
                 return Err(CheckUnavailable::ElasticRunner);
             }
         }
-        let top = |thickness: f64| Layer {
+        let top = |thickness: f64| Bed {
             youngs_modulus: ice.youngs_modulus,
             poissons_ratio: ice.poissons_ratio,
             thickness,
@@ -477,14 +476,7 @@ impl Surface {
         let layers = match ice.foundation {
             Foundation::HalfSpace => Vec::new(),
             Foundation::RigidBed { thickness } => vec![top(thickness)],
-            Foundation::ElasticBed { thickness, bed } => vec![
-                top(thickness),
-                Layer {
-                    youngs_modulus: bed.youngs_modulus,
-                    poissons_ratio: bed.poissons_ratio,
-                    thickness: bed.thickness,
-                },
-            ],
+            Foundation::ElasticBed { thickness, bed } => vec![top(thickness), bed],
         };
         Ok(Surface {
             compliance: problem.compliance(),

@@ -166,7 +166,7 @@ mod tests {
     use super::*;
     use kufe_mesh::Paraboloid;
 
-    use crate::accuracy::one_mesh::MeshProblem;
+    use crate::accuracy::mesh_solve::tests::MeshProblem;
     use crate::green::matrix::{Green, StorageLimit};
     use crate::{Ice, Load, Problem, Runner, Tilt};
 

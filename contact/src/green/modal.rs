@@ -166,7 +166,7 @@ mod tests {
     use faer::Mat;
     use kufe_mesh::{BobRunner, HexMesh, Paraboloid, graded_levels, mapped_runner_mesh};
 
-    use crate::accuracy::one_mesh::MeshProblem;
+    use crate::accuracy::mesh_solve::tests::MeshProblem;
     use crate::green::matrix::{Green, StorageLimit};
     use crate::{
         ElasticRunner, Foundation, Ice, Load, LoadedPlace, Mount, Place, Problem, Runner,

@@ -40,7 +40,7 @@ fn guess(problem: &CheckedProblem, most: &dyn Fn(f64, f64) -> f64) -> Patch {
     let y = gap.line_of_action[1];
     let corners = match &problem.ice_surface {
         None => corners(|x, y| underside.height(x, y), underside.extent(), y),
-        // The ice may have corners too, and under an unbounded hull nothing else says where to
+        // The ice may have corners too, and under an unbounded hull the guess alone bounds the
         // search.
         Some(_) => corners(|x, y| gap.at(x, y), within(&guess, underside.extent()), y),
     };

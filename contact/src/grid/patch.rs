@@ -81,7 +81,7 @@ impl Patch {
     }
 
     /// This patch, refined where the keel's curvature jumps: the peaks there are too narrow for a
-    /// mesh that does not know of them, whatever it says of the pressure.
+    /// mesh without cells for them, whatever its pressures.
     pub fn refined_at_corners(mut self) -> Self {
         let width = self.y.half();
         for stretch in &mut self.x {
@@ -144,7 +144,7 @@ const INTERVALS: usize = 1000;
 /// Smallest change of the curvature that counts, over the curvature across: it moves a pressure by
 /// a few times as much.
 const LEAST: f64 = 2e-3;
-/// As many corners as are heeded, the largest changes first: a rough hull may have one everywhere.
+/// Most corners that are used, the largest changes first: a rough hull may have one everywhere.
 const MOST: usize = 12;
 /// A jump is searched down to this step [m]: differences over shorter ones are rounding.
 const SHORTEST: f64 = 1e-5;

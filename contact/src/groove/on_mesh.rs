@@ -1,4 +1,5 @@
-//! Steady sliding on one mesh: the plane with memory, and the bodies that correct its response.
+//! Steady sliding on one mesh: the plane with plastic memory, and the bodies that correct its
+//! response.
 
 use std::borrow::Cow;
 
@@ -41,7 +42,7 @@ impl MeshContact<'_> {
     /// Solves with the bodies' own response, from the far field of `forces`.
     ///
     /// The plane's response G is corrected by what the bodies answer to the forces found last, S
-    /// f - G f, until the forces stay. Then they are those of S, whatever G: it only says how fast.
+    /// f - G f, until the forces stay. Then they are those of S: G determines the rate alone.
     /// Full nodes' parts of the plane add up to the area that yields below the cell,
     /// [`Rims::full_area`], so that the load does not depend on where nodes lie next to the rim.
     /// Returns the solution and the residual without that correction; `report` receives the states

@@ -1,7 +1,7 @@
 //! Finer and finer meshes of one sliding contact.
 
 use crate::accuracy::answer::SolvedMesh;
-use crate::accuracy::estimators::{Limit, grid_convergence_index};
+use crate::accuracy::estimators::grid_convergence_index;
 use crate::accuracy::mesh_solve::Forces;
 use crate::accuracy::watched::{Limits, ShearHistory};
 use crate::grid::first_guess::{fitted, sliding_guess};
@@ -11,14 +11,14 @@ use crate::groove::measures::{GrooveReading, Measures};
 use crate::groove::on_mesh::{MeshContact, SlidingState, Start, WarmStart};
 use crate::groove::plastic_contact::Kind;
 use crate::groove::solution::{
-    Groove, GrooveProfile, Measure, SlidingIterate, SlidingMesh, SlidingSolution,
+    Groove, GrooveProfile, SlidingIterate, SlidingMesh, SlidingSolution,
 };
 use crate::mesh::discretise::{Discretisation, Reach};
 use crate::problem::check::CheckedProblem;
 use crate::result::pressure::{Field, Pressure};
 use crate::solve::check_answer;
 use crate::symmetry::unfolded;
-use crate::{Error, Options, Problem};
+use crate::{Error, Measure, Options, Problem};
 
 /// Cells over half the patch while it is being found.
 const COARSE_MESH: Resolution = Resolution {
@@ -250,15 +250,10 @@ impl<'a> SlidingMeshes<'a> {
             }
         };
         let [_, pitch, roll] = slid.state.motion;
+        let of = |value, error| Measure { value, error };
         let limits = Limits {
-            peak: Limit {
-                value: m.p_max,
-                error: errors.p_max,
-            },
-            approach: Limit {
-                value: m.approach,
-                error: m.approach * relative,
-            },
+            peak: of(m.p_max, errors.p_max),
+            approach: of(m.approach, m.approach * relative),
             // The width is taken to be as uncertain as the length.
             area_error: 2.0 * length_error / (m.front - m.back) * figures.area,
             length_error,
@@ -275,7 +270,6 @@ impl<'a> SlidingMeshes<'a> {
         let mut contact = solved.solution(self.checked, limits, Vec::new());
         contact.under_peak = history.under.under_peak(0.0, 0.0);
         contact.surface.yielded = yielded;
-        let of = |value, error| Measure { value, error };
         SlidingSolution {
             contact,
             groove: Groove {
@@ -325,13 +319,14 @@ fn over_mirror(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
 ///
 /// `before` is the groove in which the ice comes, that of an earlier runner. Meshes are refined
 /// until the estimated errors of peak pressure, groove depth and ploughing force are below
-/// `options.p_max_tolerance`; `options.sliding_progress` is called in place of `options.progress`. The load's line of action stays
-/// where it is: a runner that is free to tilt turns until the pressure is under it, and the drag's
-/// own moment is not in the balance. What the runner's sides push up is not in it either.
+/// `options.p_max_tolerance`; `options.sliding_progress` is called in place of `options.progress`.
+/// The load's line of action stays where it is: a runner that is free to tilt turns until the
+/// pressure is under it, and the drag's own moment is not in the balance. What the runner's sides
+/// push up is not in it either.
 ///
 /// # Errors
-/// [`Error::NotSliding`] for ice without a hardness or of varying height, a checking method; those
-/// of [`solve`](crate::solve()) for problems without an answer and answers that are none:
+/// [`Error::NotSliding`] for ice without a hardness or of varying height; those of
+/// [`solve`](crate::solve()) for problems without an answer and answers that are none:
 /// [`Error::LoadExceedsHardness`] too where the hull bears the load at rest but not sliding;
 /// [`Error::NotConverged`], [`Error::Unsolved`], and [`Error::SlidingAccuracyNotReached`] where the
 /// largest mesh allowed does not do.

@@ -1,15 +1,6 @@
 //! What steady sliding comes to.
 
-use crate::{Error, Solution};
-
-/// A figure with its estimated discretisation error, in the same unit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measure {
-    /// The figure.
-    pub value: f64,
-    /// Its error.
-    pub error: f64,
-}
+use crate::{Error, Measure, Solution};
 
 /// The patch at one place along the runner.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,4 @@
 //! The pressure map: the fields of a solved contact on a regular grid of pixels.
 
-#[cfg(test)]
-pub(crate) mod hertz_field;
 pub(crate) mod pressure_map;
 pub(crate) mod rim;

@@ -218,8 +218,8 @@ impl Nodes<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::hertz_field::ellipse;
     use crate::map::pressure_map::PressureMap;
+    use crate::map::pressure_map::tests::ellipse;
 
     #[test]
     fn a_hertz_contact_is_continued_by_its_own_paraboloid() {

@@ -36,7 +36,7 @@ pub(crate) fn assemble(
     let mut remaining = limit;
     let mut of = |body: &Body| {
         let made = SparseStiffness::assemble(body, remaining).map_err(named)?;
-        remaining = remaining.saturating_sub(made.bytes() as u64);
+        remaining = remaining.saturating_sub(made.bytes());
         Ok::<_, Error>(Some(Arc::new(made)))
     };
     for body in &mut mesh.contact.bodies {

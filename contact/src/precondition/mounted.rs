@@ -37,7 +37,7 @@ impl MountedInverse {
         beam: BeamSpace,
         fixed: [Vec<[usize; 2]>; 3],
     ) -> Option<Self> {
-        let fast = FastDiagonal::with_first_axis(operator, first);
+        let fast = FastDiagonal::new(operator, first);
         let response = surface_response(operator, material);
         let top = operator.shape()[2] - 1;
         Some(MountedInverse {
@@ -372,7 +372,7 @@ pub(crate) struct BeamSpace {
 impl BeamSpace {
     /// For a body of `shape` whose contact plane is the lowest.
     pub fn new(modes: BeamModes, shape: [usize; 3]) -> Self {
-        let n = modes.len();
+        let n = modes.count();
         let [nx, ny, nz] = shape;
         let columns: Vec<Vec<f64>> = (0..n)
             .into_par_iter()
@@ -395,7 +395,7 @@ impl BeamSpace {
 
     /// Number of motions.
     fn len(&self) -> usize {
-        self.modes.len()
+        self.modes.count()
     }
 
     /// The motions Z^T r of `work`, for r by components.

@@ -196,7 +196,7 @@ impl PlaneBasis {
         green
     }
 
-    /// G between each row of `to` and those that `from` says for it.
+    /// G between each row of `to` and the rows `from` gives for it.
     fn blocks<'a>(
         &self,
         table: MatRef<'_, f64>,

@@ -150,9 +150,6 @@ pub struct ElasticRunner {
     /// Where the hull is steeper the solid goes on straight at this slope: it gains steel next to
     /// the contact, the gap does not change.
     pub flank: Option<f64>,
-    /// The element of the hexahedra on the ice's columns, where its mount's own
-    /// ([`Mount::element`]) is not to be taken.
-    pub element: Option<ElementKind>,
     /// A runner on hexahedra of its own.
     pub solid: Option<Arc<RunnerSolid>>,
 }
@@ -171,18 +168,15 @@ impl ElasticRunner {
             top,
             mount: Mount::Top,
             flank: None,
-            element: None,
             solid: None,
         }
     }
 
-    /// The element of its hexahedra.
+    /// The element of its hexahedra: on the ice's columns that of its mount.
     pub fn element_kind(&self) -> ElementKind {
         match self.solid {
             Some(_) => ElementKind::Hex8Incompatible,
-            None => self
-                .element
-                .unwrap_or(self.mount.element(self.poissons_ratio)),
+            None => self.mount.element(self.poissons_ratio),
         }
     }
 }

@@ -126,7 +126,7 @@ impl Mount {
             of_place.fold((high - low) / (CELLS_ALONG * cells), f64::min)
         };
         // Neighbours that are too long are divided as one, so that cells of finer meshes are
-        // smaller by as much as their number says.
+        // smaller in proportion to their number.
         let limit = |pair: &[f64]| {
             let middle = 0.5 * (pair[0] + pair[1]);
             let on_runner = (low..=high).contains(&middle);

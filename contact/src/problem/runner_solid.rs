@@ -50,7 +50,7 @@ const BATCH: usize = 32;
 impl RunnerSolid {
     /// A solid of one material whose nodes where `fixed` are clamped; z points up.
     ///
-    /// The underside is what faces down and hangs together with the lowest face.
+    /// The underside is what faces down and is connected with the lowest face.
     ///
     /// # Errors
     /// [`Error::Unsuitable`] where a cell is inside out, no node is fixed, the fixed nodes leave a
@@ -62,8 +62,8 @@ impl RunnerSolid {
         fixed: impl Fn([f64; 3]) -> bool,
     ) -> Result<Self, Error> {
         let bad = Error::runner_mesh::<String>;
-        let said = Error::runner_mesh::<kufe_fem::Error>;
-        let material = Material::new(youngs_modulus, poissons_ratio).map_err(said)?;
+        let unsuitable = Error::runner_mesh::<kufe_fem::Error>;
+        let material = Material::new(youngs_modulus, poissons_ratio).map_err(unsuitable)?;
         if let Some(wrong) = wrong_in(&mesh) {
             return Err(bad(wrong));
         }
@@ -78,12 +78,13 @@ impl RunnerSolid {
             return Err(bad("its mount holds no node of its mesh".into()));
         }
         let heights = heights(&mesh, &faces);
-        let body = Body::uniform(mesh, material, ElementKind::Hex8Incompatible).map_err(said)?;
+        let body =
+            Body::uniform(mesh, material, ElementKind::Hex8Incompatible).map_err(unsuitable)?;
         let mut constraints = Constraints::new(body.node_count());
-        constraints.clamp(clamped).map_err(said)?;
+        constraints.clamp(clamped).map_err(unsuitable)?;
         let map = constraints.dof_map();
         let stiffness = assemble(&body);
-        let factor = Factor::of_body(&stiffness, &map, &body.mesh().points).map_err(said)?;
+        let factor = Factor::of_body(&stiffness, &map, &body.mesh().points).map_err(unsuitable)?;
         let mut surface: Vec<usize> = faces.iter().flatten().copied().collect();
         surface.sort_unstable();
         surface.dedup();
@@ -192,7 +193,7 @@ fn wrong_in(mesh: &HexMesh) -> Option<String> {
     ))
 }
 
-/// Faces that face down and hang together, over edges, with the one whose centre is lowest.
+/// Faces that face down and are connected, over edges, with the one whose centre is lowest.
 fn underside(mesh: &HexMesh) -> Vec<[usize; 4]> {
     let down: Vec<[usize; 4]> = boundary_faces(mesh)
         .into_iter()

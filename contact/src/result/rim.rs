@@ -88,7 +88,7 @@ fn rim_by_shape(inside: &[(f64, f64)], outside: f64, bound: f64) -> Option<f64> 
 /// Along a line from X' to X a contact's pressure is p = sqrt(u) (c0 + c1 u + ...) with u = (X - x)
 /// (x - X'): c0 alone in Hertz' contact, while c1 grows on layers (`tests/data/layered.py`). c0 and
 /// c1 follow from the two inner nodes, X from what the outermost one bears: its `value` is the mean
-/// of p over its hat function, which reaches out of the contact. `other` says X' for X.
+/// of p over its hat function, which reaches out of the contact. `other` is X' for X.
 fn rim_by_load(
     inside: &[(f64, f64)],
     outside: f64,
@@ -276,8 +276,8 @@ impl Line<'_> {
     /// neither it nor the next one within bears all it can.
     ///
     /// The ice bears the hardness wherever the runner overlaps with its elastic surface. The
-    /// overlap goes through zero steeply at a rim; the pressure says no more than which nodes it
-    /// lies between.
+    /// overlap goes through zero steeply at a rim; the pressure shows only which nodes it lies
+    /// between.
     fn rim_of_yielding(&self, end: usize, outwards: isize) -> Option<f64> {
         let end = end as isize;
         // Before a mirror plane lie images.

@@ -52,9 +52,11 @@ pub fn runner_loads(problem: &Problem, solution: &Solution) -> Result<Option<Run
     let (Some(elastic), Some(field)) = (&problem.runner.elastic, &solution.runner_volume) else {
         return Ok(None);
     };
-    let said = Error::runner_mesh::<kufe_fem::Error>;
-    let material = Material::new(elastic.youngs_modulus, elastic.poissons_ratio).map_err(said)?;
-    let body = Body::uniform(field.mesh.clone(), material, elastic.element_kind()).map_err(said)?;
+    let unsuitable = Error::runner_mesh::<kufe_fem::Error>;
+    let material =
+        Material::new(elastic.youngs_modulus, elastic.poissons_ratio).map_err(unsuitable)?;
+    let body =
+        Body::uniform(field.mesh.clone(), material, elastic.element_kind()).map_err(unsuitable)?;
     let displacement: Vec<f64> = field.displacement.iter().flatten().copied().collect();
     let mises: Vec<f64> = nodal_stresses(&body, &displacement)
         .into_iter()
@@ -104,7 +106,7 @@ fn on_mount(elastic: &ElasticRunner, field: &RunnerField) -> Vec<bool> {
     points.iter().map(fixed).collect()
 }
 
-/// Nodes that hang together over faces of which all corners are `on`; the remaining nodes, within
+/// Nodes that are connected over faces of which all corners are `on`; the remaining nodes, within
 /// cells.
 fn parts(mesh: &HexMesh, on: &[bool]) -> Vec<Vec<usize>> {
     let mut above: Vec<usize> = (0..on.len()).collect();
@@ -134,7 +136,7 @@ fn parts(mesh: &HexMesh, on: &[bool]) -> Vec<Vec<usize>> {
     parts.into_values().collect()
 }
 
-/// The node that represents all that a node hangs together with.
+/// The node that represents all that a node is connected with.
 fn root(above: &mut [usize], mut node: usize) -> usize {
     while above[node] != node {
         above[node] = above[above[node]];

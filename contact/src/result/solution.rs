@@ -6,6 +6,15 @@ use kufe_mesh::{HexMesh, TensorGrid};
 use crate::result::measure::ROUNDED;
 use crate::{AssembledBody, Bed, UnderPeak};
 
+/// A figure with its estimated discretisation error, in the same unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measure {
+    /// The figure; in the limit of finer and finer meshes, where that is estimated.
+    pub value: f64,
+    /// Its error.
+    pub error: f64,
+}
+
 /// The solved contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
@@ -213,7 +222,7 @@ pub struct RunnerField {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::map::hertz_field::ellipse;
+    use crate::map::pressure_map::tests::ellipse;
 
     #[test]
     fn balanced_pressures_integrate_to_the_load_and_differ_at_the_rim_only() {

@@ -294,8 +294,8 @@ mod tests {
     use super::*;
     use crate::body::Material;
     use crate::body::Section;
+    use crate::body::tests::block;
     use crate::sparse::assembly::assemble;
-    use crate::test_block::block;
 
     fn body(kind: impl Fn(usize) -> ElementKind) -> Body {
         let mesh = block([5, 7, 6], [1.0, 2.0, 0.1], 0.25);

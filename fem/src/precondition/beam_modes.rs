@@ -46,7 +46,7 @@ impl BeamModes {
     ///
     /// `points` are the nodes' positions, whose x are among `lines` (ascending) [m]; about
     /// `knot_count` of the lines, evenly spread, become knots. `axis` = (y_0, z_0) is the beam's
-    /// axis [m]; `fixed` says which displacements are zero; `apply` writes K u. It is called 24
+    /// axis [m]; `fixed` marks the displacements that are zero; `apply` writes K u. It is called 24
     /// times. Fails where a list's length is wrong.
     ///
     /// # Panics
@@ -104,13 +104,8 @@ impl BeamModes {
     }
 
     /// Number of motions.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.inverse.nrows()
-    }
-
-    /// Never: there are at least two knots.
-    pub fn is_empty(&self) -> bool {
-        self.inverse.nrows() == 0
     }
 
     /// `c` = (Z^T K Z)^+ `c`.
@@ -290,8 +285,8 @@ mod tests {
     use crate::body::Body;
     use crate::body::ElementKind;
     use crate::body::Material;
+    use crate::body::tests::block;
     use crate::sparse::assembly::assemble;
-    use crate::test_block::block;
 
     fn modes_of_a_cantilever() -> (BeamModes, crate::BlockMatrix) {
         let mesh = block([24, 3, 2], [0.6, 0.02, 0.008], 0.0);
@@ -312,7 +307,7 @@ mod tests {
     #[test]
     fn the_correction_is_exact_in_the_coarse_space() {
         let (modes, stiffness) = modes_of_a_cantilever();
-        let amplitudes: Vec<f64> = (0..modes.len())
+        let amplitudes: Vec<f64> = (0..modes.count())
             .map(|i| {
                 if i < MOTIONS {
                     0.0
@@ -325,7 +320,7 @@ mod tests {
         let (mut u, mut force, mut back) = (vec![0.0; dofs], vec![0.0; dofs], vec![0.0; dofs]);
         modes.add_motion(&amplitudes, &mut u);
         stiffness.apply(&u, &mut force);
-        let mut projected = vec![0.0; modes.len()];
+        let mut projected = vec![0.0; modes.count()];
         modes.project(&force, &mut projected, &mut Vec::new());
         modes.solve(&mut projected);
         modes.add_motion(&projected, &mut back);
@@ -340,7 +335,7 @@ mod tests {
         let (modes, _) = modes_of_a_cantilever();
         let [y0, z0] = modes.axis;
         // Turning about y: w = x at every knot with slope 1; u = (-(z - z_0), 0, x).
-        let mut c = vec![0.0; modes.len()];
+        let mut c = vec![0.0; modes.count()];
         for (k, &x) in modes.knots.iter().enumerate() {
             c[MOTIONS * k] = x;
             c[MOTIONS * k + 1] = 1.0;

@@ -39,16 +39,11 @@ struct Component {
 }
 
 impl FastDiagonal {
-    /// Diagonalises every axis once for each pair of fixed ends that occurs.
-    pub fn new(operator: &TensorOperator) -> Self {
-        Self::with_first_axis(operator, None)
-    }
-
-    /// As [`FastDiagonal::new`]; where `first` is given, component x has that axis along x instead
-    /// of the operator's own.
+    /// Diagonalises every axis once for each pair of fixed ends that occurs. Where `first` is
+    /// given, component x has that axis along x instead of the operator's own.
     ///
     /// For [`crate::element::hex8_axial`] `first` is the operator's first axis, [`Axis::averaged`].
-    pub fn with_first_axis(operator: &TensorOperator, first: Option<&Axis>) -> Self {
+    pub fn new(operator: &TensorOperator, first: Option<&Axis>) -> Self {
         // Two layers give the vertical component a z axis of its own, an axis from outside
         // component x one of x.
         let variant = |c: usize, axis: usize| match (c, axis) {

@@ -1,6 +1,8 @@
 //! The preconditioner of [`crate::FastDiagonal`] with less work: x and y by eigenvectors, z by
 //! elimination.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use faer::{Mat, MatMut, MatRef};
 use rayon::prelude::*;
 
@@ -46,30 +48,19 @@ impl PlanewiseDiagonal {
     /// # Panics
     /// Where the plane at `end` is fixed in z: nothing could act there.
     pub fn new(operator: &TensorOperator, end: End) -> Self {
-        let mut wanted: Vec<(usize, [bool; 2])> = Vec::new();
-        for fixed in &operator.fixed {
-            for (axis, &fixed) in fixed.iter().enumerate().take(2) {
-                if !wanted.contains(&(axis, fixed)) {
-                    wanted.push((axis, fixed));
-                }
-            }
-        }
-        let solved: Vec<AxisModes> = wanted
-            .par_iter()
-            .map(|&(axis, fixed)| operator.axes[axis].modes(fixed))
+        let key = |c: usize, axis: usize| (axis, operator.fixed[c][axis]);
+        let keys: BTreeSet<_> = (0..6).map(|k| key(k / 2, k % 2)).collect();
+        let solved: BTreeMap<_, AxisModes> = keys
+            .into_par_iter()
+            .map(|(axis, fixed)| ((axis, fixed), operator.axes[axis].modes(fixed)))
             .collect();
-        let modes = |axis: usize, fixed: [bool; 2]| {
-            let place = wanted.iter().position(|key| *key == (axis, fixed));
-            solved[place.unwrap_or_else(|| unreachable!("every pair was collected"))].clone()
-        };
         let mut start = 0;
         let components = std::array::from_fn(|c| {
-            let fixed = operator.fixed[c];
             let coefficients = operator.scalar_coefficients(c);
             let component = Component::new(
-                [modes(0, fixed[0]), modes(1, fixed[1])],
+                [0, 1].map(|axis| solved[&key(c, axis)].clone()),
                 &operator.preconditioned_z(c),
-                fixed[2],
+                operator.fixed[c][2],
                 coefficients,
                 end,
                 start,
@@ -387,7 +378,7 @@ mod tests {
     fn elimination_and_eigenvectors_invert_the_same_operator_to_single_precision() {
         for (end, fixed_high) in [(End::High, false), (End::Low, true)] {
             let operator = operator(fixed_high);
-            let plain = FastDiagonal::new(&operator);
+            let plain = FastDiagonal::new(&operator, None);
             let layered = PlanewiseDiagonal::new(&operator, end);
             let n = 3 * operator.node_count();
             let r: Vec<f64> = (0..n).map(|i| (0.7 * i as f64).sin()).collect();

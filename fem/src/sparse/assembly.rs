@@ -236,8 +236,8 @@ pub fn write_matrix_market(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::body::tests::mixed;
     use crate::constraints::Constraints;
-    use crate::test_block::mixed;
 
     #[test]
     fn assembled_product_is_the_sum_over_elements() {

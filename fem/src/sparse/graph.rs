@@ -58,14 +58,15 @@ impl NodeGraph {
     pub fn new(mesh: &HexMesh) -> Self {
         let node_count = mesh.points.len();
         let cells = NodeCells::new(mesh);
-        let rows: Vec<Vec<u32>> = (0..node_count)
+        // Without the room of the up to 64 corners that a row is found from.
+        let rows: Vec<Box<[u32]>> = (0..node_count)
             .into_par_iter()
             .map(|node| {
                 let around = cells.of(node).flat_map(|(cell, _)| &mesh.cells[cell]);
                 let mut row: Vec<u32> = around.map(|&n| n as u32).collect();
                 row.sort_unstable();
                 row.dedup();
-                row
+                row.into_boxed_slice()
             })
             .collect();
         let mut row_start = vec![0];
@@ -181,7 +182,7 @@ fn mark(points: &[[f64; 3]], set: &[usize], side: &mut [u8], axis: usize, cut: f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_block::block;
+    use crate::body::tests::block;
 
     #[test]
     fn inner_nodes_of_a_block_have_27_neighbours_and_8_cells() {

@@ -25,8 +25,6 @@ pub struct Axis {
     pub mass: Tridiagonal,
     /// D, dimensionless.
     pub gradient: Tridiagonal,
-    /// D transposed.
-    pub gradient_transposed: Tridiagonal,
     /// Row sums of M, [m].
     pub lumped_mass: Vec<f64>,
 }
@@ -56,7 +54,6 @@ impl Axis {
             stiffness: vec![[0.0; 3]; n],
             mass: vec![[0.0; 3]; n],
             gradient: vec![[0.0; 3]; n],
-            gradient_transposed: vec![[0.0; 3]; n],
             lumped_mass: vec![0.0; n],
         };
         for e in 0..n - 1 {
@@ -66,7 +63,6 @@ impl Axis {
             add_element(&mut axis.stiffness, e, [[k, -k], [-k, k]]);
             add_element(&mut axis.mass, e, [[h / 3.0, h / 6.0], [h / 6.0, h / 3.0]]);
             add_element(&mut axis.gradient, e, [[-0.5, -0.5], [0.5, 0.5]]);
-            add_element(&mut axis.gradient_transposed, e, [[-0.5, 0.5], [-0.5, 0.5]]);
             axis.lumped_mass[e] += h / 2.0;
             axis.lumped_mass[e + 1] += h / 2.0;
         }

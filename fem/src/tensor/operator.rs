@@ -565,7 +565,7 @@ mod tests {
         let fixed = [[[true; 2], [true; 2], [true, false]]; 3];
         let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), fixed)
             .on_layer(layer);
-        let fast = FastDiagonal::new(&operator);
+        let fast = FastDiagonal::new(&operator, None);
         let nodes = grid.node_count();
         for c in 0..3 {
             let mut u = vec![0.0; 3 * nodes];

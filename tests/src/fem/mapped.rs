@@ -43,7 +43,7 @@ impl MappedPreconditioner {
                 k[d] += shift * m[d];
             }
         }
-        let fast = FastDiagonal::new(&operator);
+        let fast = FastDiagonal::new(&operator, None);
         let dofs = 3 * operator.node_count();
         Self {
             modal: vec![0.0; fast.mode_count()],
@@ -66,7 +66,7 @@ impl MappedPreconditioner {
             .apply(&self.r, &mut self.z, &mut self.modal, &mut self.scratch);
         to_nodes(&self.z, z);
         if let Some(beam) = &self.beam {
-            let mut motion = vec![0.0; beam.len()];
+            let mut motion = vec![0.0; beam.count()];
             beam.project(r, &mut motion, &mut Vec::new());
             beam.solve(&mut motion);
             beam.add_motion(&motion, z);

@@ -9,7 +9,6 @@ use kufe_tests::contact::{ICE_E, contact_modulus, on_half_space};
 const STEEL: ElasticRunner = ElasticRunner {
     mount: kufe_contact::Mount::Top,
     flank: None,
-    element: None,
     solid: None,
     youngs_modulus: 210e9,
     poissons_ratio: 0.30,
