@@ -626,9 +626,13 @@ impl FilmTotals {
     }
 }
 
-/// The larger of two errors; what is no number is no small error.
+/// The larger of two errors; what is no number is larger than any.
 fn larger(largest: f64, error: f64) -> f64 {
-    if error <= largest { largest } else { error }
+    if error.is_nan() {
+        f64::INFINITY
+    } else {
+        largest.max(error)
+    }
 }
 
 /// The melt film along a strip.
