@@ -16,26 +16,6 @@ use crate::motion::balance::BalanceResidual;
 use crate::motion::one_track::{inverse, share_of_laws};
 use crate::signals::prepare::Prepared;
 
-/// Both runners' fits and what they rest on.
-#[derive(Clone, Debug)]
-pub struct SledFit {
-    /// Front runner.
-    pub front: LateralFit,
-    /// Rear runner.
-    pub rear: LateralFit,
-    /// Runs used.
-    pub runs: Vec<String>,
-    /// Samples excluded for their roll acceleration.
-    pub excluded: usize,
-    /// Samples excluded because something outside pushed.
-    pub contacts: usize,
-    /// Samples before any was excluded.
-    pub total: usize,
-    /// Root mean square residuals of the balances of all runs with the fitted laws, contacts and
-    /// effects included.
-    pub residual: BalanceResidual,
-}
-
 /// Fits both runners to prepared runs.
 ///
 /// The forces come from [`crate::one_track::inverse`], which takes the longitudinal friction from
@@ -45,7 +25,7 @@ pub struct SledFit {
 /// # Errors
 /// [`Error::Undetermined`] where the data do not determine a runner's stiffness; [`Error::TooFew`]
 /// without runs.
-pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result<SledFit, Error> {
+pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result<FitResult, Error> {
     if runs.is_empty() {
         return Err(Error::too_few("runs to fit", 0, 1));
     }
@@ -87,41 +67,27 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
         }
         (front, rear, _) = both(&marked, &fitted)?;
     }
-    let residual = balance_residuals(runs, &vehicle.with_lateral(front.model, rear.model));
-    Ok(SledFit {
-        front,
-        rear,
+    let fitted = vehicle.with_lateral(front.model, rear.model);
+    Ok(FitResult {
+        front: RunnerFitResult::new(&front),
+        rear: RunnerFitResult::new(&rear),
+        confidence: LateralFitOptions::default().confidence,
         runs: runs.iter().map(|run| run.entry.run.clone()).collect(),
-        excluded,
-        contacts,
-        residual,
-        total: runs.iter().map(|run| run.states.len()).sum(),
+        samples: runs.iter().map(|run| run.states.len()).sum(),
+        excluded_roll_acceleration: excluded,
+        excluded_contacts: contacts,
+        balances_left_rms: balance_residuals(runs, &fitted),
+        identifiability: IDENTIFIABILITY.to_owned(),
     })
 }
 
-impl SledFit {
+impl FitResult {
     /// The model with the fitted lateral laws in place of its own.
     pub fn applied_to(&self, model: &Model) -> Model {
         let mut fitted = model.clone();
-        fitted.friction.front = self.front.model;
-        fitted.friction.rear = self.rear.model;
+        fitted.friction.front = self.front.law();
+        fitted.friction.rear = self.rear.law();
         fitted
-    }
-
-    /// `fit.json`: for `front` and `rear` the model's keys with value, low and high, what is
-    /// identifiable, and the runs.
-    pub fn result(&self) -> FitResult {
-        FitResult {
-            front: RunnerFitResult::new(&self.front),
-            rear: RunnerFitResult::new(&self.rear),
-            confidence: 0.95,
-            runs: self.runs.clone(),
-            samples: self.total,
-            excluded_roll_acceleration: self.excluded,
-            excluded_contacts: self.contacts,
-            balances_left_rms: self.residual,
-            identifiability: IDENTIFIABILITY.to_owned(),
-        }
     }
 }
 
@@ -226,18 +192,13 @@ impl RunnerFitResult {
     }
 
     /// The fitted law.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] for values that are none of a lateral law.
-    pub fn law(&self) -> Result<MagicFormula, Error> {
-        let law = MagicFormula {
+    pub fn law(&self) -> MagicFormula {
+        MagicFormula {
             mu_zeta: self.mu_zeta.value,
             c: self.c.value,
             e: self.e.value,
             k_n_per_rad: self.k_n_per_rad.value,
-        };
-        law.check()?;
-        Ok(law)
+        }
     }
 }
 

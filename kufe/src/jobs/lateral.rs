@@ -5,7 +5,7 @@ use std::fmt::Display;
 use std::path::Path;
 
 use kufe_sled::friction::MagicFormula;
-use kufe_sled::{FitOptions, Model, RunnerFitResult, SledFit, Vehicle, by_track, fit, validate};
+use kufe_sled::{FitOptions, Model, RunnerFitResult, Vehicle, by_track, fit, validate};
 
 use crate::jobs::failure::Failure;
 use crate::jobs::runs::{Loaded, RunSelection};
@@ -16,9 +16,7 @@ use crate::results::{LateralFitDocument, Validation};
 pub struct FittedRuns {
     /// The runs, and the model before the fit.
     pub loaded: Loaded,
-    /// The fit.
-    pub fit: SledFit,
-    /// The document.
+    /// The fit, and what it rests on.
     pub document: LateralFitDocument,
     /// The model with the fitted laws, as its file's text.
     pub model: String,
@@ -41,12 +39,11 @@ pub fn fit_lateral(
     // The written model is valid.
     Model::from_toml(&model, "model.fit.toml").and_then(|model| Vehicle::with_effects(&model))?;
     let document = LateralFitDocument {
-        fit: fit.result(),
+        fit,
         used: loaded.used.clone(),
     };
     Ok(FittedRuns {
         loaded,
-        fit,
         document,
         model,
     })
@@ -84,9 +81,10 @@ impl FittedLaws {
     /// [`Failure::BadInput`] for a value of a law that is out of range.
     pub fn of(document: &LateralFitDocument) -> Result<FittedLaws, Failure> {
         let law = |name: &str, runner: &RunnerFitResult| {
-            runner
-                .law()
-                .map_err(|error| Failure::bad_input(error).within(name))
+            let law = runner.law();
+            let checked = law.check();
+            checked.map_err(|error| Failure::bad_input(error).within(name))?;
+            Ok::<_, Failure>(law)
         };
         Ok(FittedLaws {
             front: law("front", &document.fit.front)?,

@@ -109,7 +109,7 @@ fn every_effect_changes_fit_validation_and_evaluation_and_a_slope_no_balance_of_
     let answers = |runs: &[Prepared], vehicle: &Vehicle| {
         let fitted = fit(runs, vehicle, &FitOptions::default()).unwrap();
         [
-            serde_json::to_value(fitted.result()).unwrap(),
+            serde_json::to_value(fitted).unwrap(),
             serde_json::to_value(validate(runs, vehicle)).unwrap(),
             serde_json::to_value(evaluate(runs, vehicle)).unwrap(),
         ]

@@ -1,10 +1,10 @@
 //! Simulated with known friction, recorded with noise, fitted: the friction must come back.
 
-use kufe_sled::friction::{LateralFit, MagicFormula};
+use kufe_sled::friction::MagicFormula;
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
-    Driver, FitOptions, Model, PrepareOptions, Run, SimulateOptions, TrackShape, Vehicle, fit,
-    prepare_all, record, simulate, simulated_entry,
+    Driver, FitOptions, Model, PrepareOptions, Run, RunnerFitResult, SimulateOptions, TrackShape,
+    Vehicle, fit, prepare_all, record, simulate, simulated_entry,
 };
 
 /// Eight runs of a driver who steers hard, on a track without walls.
@@ -71,7 +71,7 @@ fn twenty_seeds_return_product_and_stiffness_within_five_percent_and_their_inter
         )
         .unwrap();
         let fitted = fit(&prepared, &vehicle, &FitOptions::default()).unwrap();
-        let pairs = |fit: &LateralFit, truth: &MagicFormula| {
+        let pairs = |fit: &RunnerFitResult, truth: &MagicFormula| {
             [
                 (fit.k_n_per_rad, truth.k_n_per_rad),
                 (fit.mu_zeta_c, truth.mu_zeta_c()),
@@ -83,7 +83,9 @@ fn twenty_seeds_return_product_and_stiffness_within_five_percent_and_their_inter
         for (i, (estimate, truth)) in found.enumerate() {
             let off = estimate.value / truth - 1.0;
             within[i] += usize::from(off.abs() < 0.05);
-            covered[i] += usize::from(estimate.covers(truth));
+            let high = estimate.high.unwrap_or(f64::INFINITY);
+            let covers = (estimate.low.unwrap()..=high).contains(&truth);
+            covered[i] += usize::from(covers);
         }
     }
     let names = ["front K", "front mu_zeta c", "rear K", "rear mu_zeta c"];
