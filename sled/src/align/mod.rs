@@ -10,11 +10,11 @@ use serde::Serialize;
 use crate::align::estimate::{TrackEstimate, estimate, mean_profile, over_track};
 use crate::align::signature::{DistanceWarp, Line, ReferenceProfile, TrackSignature, search};
 use crate::error::Error;
-use crate::model::sled::Tolerances;
 use crate::model::vehicle::Vehicle;
 use crate::record::run::Run;
 use crate::series::{bridged, integral, median};
 use crate::signals::prepare::Prepared;
+use crate::sled::Tolerances;
 use crate::track::table::TrackShape;
 
 /// Share of a track's variance that a run which is on it may leave at most; half of what two unlike

@@ -10,8 +10,8 @@ use crate::effects::Parameter;
 use crate::effects::catalogue::{CATALOGUE, find};
 use crate::effects::custom::{Channel, Custom};
 use crate::effects::expression::ExpressionError;
-use crate::effects::{Constants, Forces, OperatingPoint, Signals, State};
-use crate::effects::{Effect, Fault, Reading};
+use crate::effects::{Effect, Fault, Forces, OperatingPoint, Reading, Signals, State};
+use crate::sled::Sled;
 
 /// All active effects, in the order of their names.
 #[derive(Clone, Debug, Default)]
@@ -135,7 +135,7 @@ impl Effects {
     }
 
     /// From the stated constants of the sled to the true ones.
-    pub fn find_constants(&self, sled: &mut Constants) {
+    pub fn find_constants(&self, sled: &mut Sled) {
         for effect in &self.active {
             if let Some(kind) = effect.catalogue() {
                 kind.find_constants(&effect.values, sled);

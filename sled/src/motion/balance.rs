@@ -15,10 +15,10 @@
 
 use crate::effects::{self as effects, Forces, OperatingPoint};
 use crate::friction::{LateralDerivatives, sin_cos_near};
-use crate::model::sled::Sled;
 use crate::model::vehicle::{RunnerFriction, Vehicle};
 use crate::motion::aero;
 use crate::motion::state::{AxleForces, Motion, Resultant, State, turned};
+use crate::sled::Sled;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 

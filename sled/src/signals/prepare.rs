@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 use crate::effects::{Active, Effects, Relaxed};
 use crate::error::Error;
-use crate::model::sled::Noise;
 use crate::model::vehicle::Vehicle;
 use crate::motion::one_track::{forward, inverse};
 use crate::motion::state::{AxleForces, Motion, State, from_sensors};
@@ -17,6 +16,7 @@ use crate::record::needs::Needs;
 use crate::record::run::Run;
 use crate::series::{HALF_WIDTH, bridged, integral, noise_gain, ratio, resample_from};
 use crate::signals::sensed::{Sensed, estimate_noise, no_number, slip_noise};
+use crate::sled::Noise;
 
 /// A run as a series of states with the motion measured at each.
 #[derive(Clone, Debug)]

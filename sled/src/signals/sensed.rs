@@ -7,12 +7,12 @@ use crate::conditions::Conditions;
 use crate::effects::{Active, Effects, OperatingPoint, Signals, ahead};
 use crate::error::Error;
 use crate::friction::film::Patch;
-use crate::model::sled::{Noise, Sled};
 use crate::model::vehicle::{Vehicle, refuse_effects};
 use crate::record::needs::{Needs, refuse_drag_without_air};
 use crate::record::run::Run;
 use crate::series::{LEAST_SAMPLES, derivative, low_pass, noise_sd_within};
 use crate::signals::prepare::{Distance, Resampling};
+use crate::sled::{Noise, Sled};
 
 /// The sensors of one stretch at the rate of the states, those next to a gap included.
 pub(crate) struct Sensed<'a> {

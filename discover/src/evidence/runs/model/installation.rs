@@ -17,8 +17,8 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use kufe_sled::Tolerances;
-use kufe_sled::effects::{Constants, Fault, Sensor};
+use kufe_sled::effects::{Fault, Sensor};
+use kufe_sled::{Sled, Tolerances};
 use nalgebra::{DMatrix, DVector};
 
 use crate::evidence::runs::model::channels::Channels;
@@ -397,21 +397,23 @@ impl Installation {
     }
 
     /// From the stated constants of a sled to the true ones.
-    pub fn find_constants(&self, sled: &mut Constants) {
+    pub fn find_constants(&self, sled: &mut Sled) {
         for (part, size) in self.parts.iter().zip(&self.sizes) {
             let size = size * part.sd;
             match part.wrong {
-                Wrong::Accelerometer(axis) => sled.accelerometer[axis] += size,
-                Wrong::SlipSensor => sled.slip_sensor += size,
+                Wrong::Accelerometer(0) => sled.accel_x_m += size,
+                Wrong::Accelerometer(1) => sled.accel_y_m += size,
+                Wrong::Accelerometer(_) => sled.accel_z_m += size,
+                Wrong::SlipSensor => sled.slip_x_m += size,
                 Wrong::Centre => {
-                    sled.axles[0] -= size;
-                    sled.axles[1] += size;
-                    sled.accelerometer[0] -= size;
-                    sled.slip_sensor -= size;
+                    sled.l_f_m -= size;
+                    sled.l_r_m += size;
+                    sled.accel_x_m -= size;
+                    sled.slip_x_m -= size;
                 }
-                Wrong::Mass => sled.mass *= 1.0 + size,
-                Wrong::PitchInertia => sled.pitch_inertia *= 1.0 + size,
-                Wrong::YawInertia => sled.yaw_inertia *= 1.0 + size,
+                Wrong::Mass => sled.mass_kg *= 1.0 + size,
+                Wrong::PitchInertia => sled.j_yy_kgm2 *= 1.0 + size,
+                Wrong::YawInertia => sled.j_zz_kgm2 *= 1.0 + size,
                 Wrong::Late(_) | Wrong::Scaled(_) | Wrong::Biased(_) => {}
                 Wrong::Misaligned(_) | Wrong::GSensitive(_) => {}
             }
