@@ -42,9 +42,7 @@ pub use error::Error;
 pub use guess::guess_mapping;
 pub use import::{ChannelNote, Imported, Importer, LoggerNote, Note, model_fragment};
 pub use log::{Channel, Log};
-pub use mapping::{
-    ChannelSource, ClockWord, IndexValues, LoggerFiles, Mapping, RunFormatWord, RunTable,
-};
+pub use mapping::{ChannelSource, ClockWord, IndexValues, LoggerFiles, Mapping, RunTable};
 pub use mdf4::read_mdf4;
 pub use plan::{ExcludedRun, Plan, PlannedRun, index_csv, plan};
 pub use recording::{read_log, read_matlab73, read_recording};

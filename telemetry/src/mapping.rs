@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use kufe_sled::CONDITIONS;
+use kufe_sled::{CONDITIONS, RunFormat};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -21,7 +21,7 @@ pub struct Mapping {
     pub rate_hz: f64,
     /// How the runs are written: "csv" or "parquet".
     #[serde(default)]
-    pub format: RunFormatWord,
+    pub format: RunFormat,
     /// The logger whose clock the runs keep; needed where there are several.
     pub clock: Option<String>,
     /// The loggers by name.
@@ -40,17 +40,6 @@ pub struct Mapping {
 
 fn default_rate() -> f64 {
     100.0
-}
-
-/// The form of the imported runs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum RunFormatWord {
-    /// Text.
-    #[default]
-    Csv,
-    /// Parquet.
-    Parquet,
 }
 
 /// The files of one logger, and its clock.
