@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use crate::effects::{Active, Effects, Relaxed};
 use crate::error::Error;
 use crate::model::vehicle::Vehicle;
-use crate::motion::one_track::{forward, inverse};
-use crate::motion::state::{AxleForces, Motion, State, from_sensors};
+use crate::motion::one_track::forward;
+use crate::motion::state::{Motion, State, from_sensors};
 use crate::record::check::LEAST_SAMPLES;
 use crate::record::gaps::SampleCoverage;
 use crate::record::index::Entry;
@@ -50,13 +50,6 @@ impl Prepared {
             [first, .., last] if self.pieces.len() > 1 => last.t_s - first.t_s + self.dt_s,
             _ => self.used_s(),
         }
-    }
-
-    /// Forces on the runners as the motion demands them, one a state.
-    pub fn measured_forces(&self, vehicle: &Vehicle) -> Vec<AxleForces> {
-        let instants = self.states.iter().zip(&self.motions);
-        let inverse = |(state, motion)| inverse(vehicle, state, motion);
-        instants.map(inverse).collect()
     }
 }
 

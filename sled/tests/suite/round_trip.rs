@@ -1,6 +1,7 @@
 //! Simulated with known friction, recorded with noise, fitted: the friction must come back.
 
 use kufe_sled::friction::MagicFormula;
+use kufe_sled::one_track::inverse;
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
     Driver, FitOptions, Model, PrepareOptions, Run, RunnerFitResult, SimulateOptions, TrackShape,
@@ -131,7 +132,9 @@ fn measured_forces_are_within_one_percent_without_noise() {
     let run = record(&simulated, &vehicle, None, entry, 1);
     // The whole chain: low pass, down-sampling, 20 Hz, derivatives, transfer, inverse.
     let prepared = prepare_all(&[run], &vehicle, None, &PrepareOptions::default()).unwrap();
-    let forces = prepared[0].measured_forces(&vehicle);
+    let instants = prepared[0].states.iter().zip(&prepared[0].motions);
+    let measured = instants.map(|(state, motion)| inverse(&vehicle, state, motion));
+    let forces: Vec<_> = measured.collect();
     for (front, axis) in [(true, 1), (true, 2), (false, 1), (false, 2)] {
         let pick = |f: &kufe_sled::AxleForces| if front { f.front[axis] } else { f.rear[axis] };
         let (mut squares, mut size) = (0.0, 0.0);
