@@ -8,7 +8,7 @@ use crate::contacts::{find_contacts, with_own_contacts};
 use crate::error::Error;
 use crate::evaluate::validate::balance_residuals;
 use crate::friction::{
-    Estimate, LateralFit, LateralFitOptions, LateralSample, MagicFormula, fit_lateral,
+    CONFIDENCE, Estimate, LateralFit, LateralFitOptions, LateralSample, MagicFormula, fit_lateral,
 };
 use crate::model::model_toml::Model;
 use crate::model::vehicle::{RunnerFriction, Vehicle};
@@ -20,12 +20,17 @@ use crate::signals::prepare::Prepared;
 ///
 /// The forces come from [`crate::one_track::inverse`], which takes the longitudinal friction from
 /// `vehicle`; its lateral laws play no part but for C, fixed where the data do not determine it.
-/// Noise in the slip angles is corrected for as each run states it.
+/// Noise in the slip angles is corrected for as each run states it. With `leave_out_contacts`
+/// stretches with a force from outside, such as a wall, are found ([`find_contacts`]) and excluded.
 ///
 /// # Errors
 /// [`Error::Undetermined`] where the data do not determine a runner's stiffness; [`Error::TooFew`]
 /// without runs.
-pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result<FitResult, Error> {
+pub fn fit(
+    runs: &[Prepared],
+    vehicle: &Vehicle,
+    leave_out_contacts: bool,
+) -> Result<FitResult, Error> {
     if runs.is_empty() {
         return Err(Error::too_few("runs to fit", 0, 1));
     }
@@ -35,7 +40,6 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
     };
     let fit_one = |samples: &[LateralSample], runner: &RunnerFriction, axle: usize| {
         let options = LateralFitOptions {
-            e: options.e,
             c: runner.lateral.c,
             slip_sd: slip_sd(axle),
             ..LateralFitOptions::default()
@@ -43,7 +47,7 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
         fit_lateral(samples, &options)
     };
     let both = |contacts: &[Vec<bool>], fitted: &Vehicle| {
-        let ([front, rear], excluded) = lateral_samples(runs, fitted, contacts, options);
+        let ([front, rear], excluded) = lateral_samples(runs, fitted, contacts);
         let (front, rear) = rayon::join(
             || fit_one(&front, &vehicle.front, 0),
             || fit_one(&rear, &vehicle.rear, 1),
@@ -55,10 +59,10 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
     let mut marked = Vec::new();
     // The first fit is biased by what it is to find; the second round finds with a better one.
     // Effects that grow with the stiffness of the laws are taken off with that of the round before.
-    let refine = options.leave_out_contacts || !vehicle.effects.is_empty();
+    let refine = leave_out_contacts || !vehicle.effects.is_empty();
     for _ in 0..if refine { 2 } else { 0 } {
         let fitted = vehicle.with_lateral(front.model, rear.model);
-        if options.leave_out_contacts {
+        if leave_out_contacts {
             marked = find_contacts(runs, &fitted);
             contacts = marked.iter().flatten().filter(|marked| **marked).count();
         }
@@ -71,7 +75,7 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
     Ok(FitResult {
         front: RunnerFitResult::new(&front),
         rear: RunnerFitResult::new(&rear),
-        confidence: LateralFitOptions::default().confidence,
+        confidence: CONFIDENCE,
         runs: runs.iter().map(|run| run.entry.run.clone()).collect(),
         samples: runs.iter().map(|run| run.states.len()).sum(),
         excluded_roll_acceleration: excluded,
@@ -202,27 +206,8 @@ impl RunnerFitResult {
     }
 }
 
-/// How samples are chosen and fitted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FitOptions {
-    /// Samples with a larger roll acceleration are excluded [rad/s2]; the paper's 100 degrees/s2.
-    pub most_roll_accel_radps2: f64,
-    /// Predefined curvature factor E of both runners.
-    pub e: f64,
-    /// Whether stretches with a force from outside, such as a wall, are found and excluded
-    /// ([`crate::find_contacts`]).
-    pub leave_out_contacts: bool,
-}
-
-impl Default for FitOptions {
-    fn default() -> Self {
-        FitOptions {
-            most_roll_accel_radps2: 100.0_f64.to_radians(),
-            e: 0.99,
-            leave_out_contacts: true,
-        }
-    }
-}
+/// Samples with a larger roll acceleration are excluded [rad/s2]: the paper's 100 degrees/s2.
+const MOST_ROLL_ACCEL: f64 = 100.0 * std::f64::consts::PI / 180.0;
 
 /// Samples of both runners (front, rear): the remainder for the base laws once the vehicle's
 /// effects have given their share, and how many were excluded for their roll acceleration.
@@ -233,7 +218,6 @@ pub fn lateral_samples(
     runs: &[Prepared],
     vehicle: &Vehicle,
     contacts: &[Vec<bool>],
-    options: &FitOptions,
 ) -> ([Vec<LateralSample>; 2], usize) {
     let by_run = runs.len() >= 12;
     let of_run = |(number, run): (usize, &Prepared)| {
@@ -241,7 +225,7 @@ pub fn lateral_samples(
         let stretch = (4.0 / run.dt_s) as usize;
         let (mut samples, mut excluded) = ([Vec::new(), Vec::new()], 0);
         for (i, (state, motion)) in run.states.iter().zip(&run.motions).enumerate() {
-            if state.roll_accel_radps2.abs() > options.most_roll_accel_radps2 {
+            if state.roll_accel_radps2.abs() > MOST_ROLL_ACCEL {
                 excluded += 1;
                 continue;
             }

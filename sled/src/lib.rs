@@ -68,7 +68,7 @@ pub use evaluate::validate::{
     root_mean_square, validate,
 };
 pub use fault::{Fault, FaultKind};
-pub use fit::{FitOptions, FitResult, Interval, RunnerFitResult, fit, lateral_samples};
+pub use fit::{FitResult, Interval, RunnerFitResult, fit, lateral_samples};
 pub use model::model_toml::{Friction, MODEL_EXAMPLE, Model};
 pub use model::vehicle::{RunnerFriction, RunnerLaw, RunnerTable, Vehicle, refuse_effects};
 pub use motion::balance::{Balance, BalanceResidual, LawForces};
@@ -93,7 +93,7 @@ pub use record::index::{
 pub use record::needs::{Needs, refuse_unstated_air};
 pub use record::run::Run;
 pub use replay::compared::{Compared, Difference, Section};
-pub use replay::drive::{Replay, beside_measured, replay};
+pub use replay::drive::{Replay, add_measured_columns, replay};
 pub use replay::inputs::{Inputs, READ, Reading, read_for_replay};
 pub use series::{
     bridged, correlation, derivative, distinct, integral, low_pass, resample, resample_stretches,

@@ -4,7 +4,7 @@ use kufe::charts::fit_picture;
 use kufe::jobs::lateral::fit_lateral;
 use kufe::jobs::{Failure, runs::Loaded};
 use kufe_sled::friction::MagicFormula;
-use kufe_sled::{FitOptions, Interval, RunnerFitResult, find_contacts, lateral_samples};
+use kufe_sled::{Interval, RunnerFitResult, find_contacts, lateral_samples};
 
 use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
@@ -39,14 +39,11 @@ pub struct LateralArgs {
 /// [`Failure::BadInput`] with file and place, [`Failure::NotConverged`], [`Failure::Usage`].
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let What::Lateral(args) = &args.what;
-    let options = FitOptions {
-        leave_out_contacts: !args.keep_contacts,
-        ..FitOptions::default()
-    };
+    let leave_out_contacts = !args.keep_contacts;
     let inputs = args.runs.inputs();
     let output = OutputDir::begin("fit lateral", &inputs, &args.runs.out, global.force)?;
     let selection = args.runs.selection();
-    let fitted = global.watched(|watch| fit_lateral(&selection, &options, watch))?;
+    let fitted = global.watched(|watch| fit_lateral(&selection, leave_out_contacts, watch))?;
     let (document, written) = (&fitted.document, &fitted.model);
     let fit = &document.fit;
     let Loaded {
@@ -58,12 +55,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     output.text("model.fit.toml", written)?;
     let [front_law, rear_law] = [&fit.front, &fit.rear].map(RunnerFitResult::law);
     let fitted = vehicle.with_lateral(front_law, rear_law);
-    let marked = if options.leave_out_contacts {
+    let marked = if leave_out_contacts {
         find_contacts(prepared, &fitted)
     } else {
         Vec::new()
     };
-    let ([front, rear], _) = lateral_samples(prepared, vehicle, &marked, &options);
+    let ([front, rear], _) = lateral_samples(prepared, vehicle, &marked);
     let pictures = [("front", &front, &front_law), ("rear", &rear, &rear_law)];
     for (runner, samples, law) in pictures {
         let name = format!("fit_{runner}.png");

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use std::path::Path;
 
 use kufe_sled::friction::MagicFormula;
-use kufe_sled::{FitOptions, Model, RunnerFitResult, Vehicle, by_track, fit, validate};
+use kufe_sled::{Model, RunnerFitResult, Vehicle, by_track, fit, validate};
 
 use crate::jobs::failure::Failure;
 use crate::jobs::runs::{Loaded, RunSelection};
@@ -22,19 +22,20 @@ pub struct FittedRuns {
     pub model: String,
 }
 
-/// Fits the lateral friction of both runners to the selected runs.
+/// Fits the lateral friction of both runners to the selected runs; `leave_out_contacts` excludes
+/// samples with an external force.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with file and place, and where the runs do not determine the stiffness of
 /// a runner; [`Failure::NotConverged`].
 pub fn fit_lateral(
     selection: &RunSelection,
-    options: &FitOptions,
+    leave_out_contacts: bool,
     watch: &Watch,
 ) -> Result<FittedRuns, Failure> {
     let loaded = selection.load(watch, |_| true)?;
     watch.progress("fitting");
-    let fit = fit(&loaded.prepared, &loaded.vehicle, options)?;
+    let fit = fit(&loaded.prepared, &loaded.vehicle, leave_out_contacts)?;
     let model = fit.applied_to(&loaded.model).to_toml();
     // The written model is valid.
     Model::from_toml(&model, "model.fit.toml").and_then(|model| Vehicle::with_effects(&model))?;

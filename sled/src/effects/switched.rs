@@ -144,16 +144,21 @@ impl Effects {
     }
 
     /// Changes the forces of the base law.
-    pub fn act(&self, track: &str, at: &State, forces: &mut Forces) {
-        for effect in self.active.iter().filter(|effect| effect.acts_on(track)) {
+    ///
+    /// An effect of one track does not act here: [`Effects::on_track`] frees it of its name.
+    pub fn act(&self, at: &State, forces: &mut Forces) {
+        for effect in self.everywhere() {
             effect.act(at, forces);
         }
     }
 
-    /// What is added to the track's slope at `s` [m], downhill positive [rad].
-    pub fn slope(&self, track: &str, s: f64) -> f64 {
-        let own = self.active.iter().filter(|effect| effect.acts_on(track));
-        own.map(|effect| effect.slope(s)).sum()
+    /// What is added to the track's slope at `s` [m], downhill positive [rad]; as [`Effects::act`].
+    pub fn slope(&self, s: f64) -> f64 {
+        self.everywhere().map(|effect| effect.slope(s)).sum()
+    }
+
+    fn everywhere(&self) -> impl Iterator<Item = &Active> {
+        self.active.iter().filter(|effect| effect.track.is_none())
     }
 }
 

@@ -127,7 +127,7 @@ impl Balance {
         let mut forces = laws.forces;
         if !vehicle.effects.is_empty() {
             let seen = self.seen(vehicle, laws.load_n);
-            vehicle.effects.act("", &seen, &mut forces);
+            vehicle.effects.act(&seen, &mut forces);
         }
         forces
     }

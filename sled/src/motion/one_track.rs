@@ -97,7 +97,7 @@ fn changed(
         ..Forces::default()
     };
     let seen = at.seen(vehicle, load);
-    vehicle.effects.act("", &seen, &mut forces);
+    vehicle.effects.act(&seen, &mut forces);
     forces
 }
 

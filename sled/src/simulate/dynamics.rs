@@ -139,7 +139,7 @@ impl World<'_> {
         let delta = self.steering.angle(s, integrated);
         let [mut theta, mut theta_s, _] = self.shape.slope.at(s);
         if !self.vehicle.effects.is_empty() {
-            let added = |s: f64| self.vehicle.effects.slope("", s);
+            let added = |s: f64| self.vehicle.effects.slope(s);
             theta += added(s);
             theta_s += added(s + 0.5) - added(s - 0.5);
         }

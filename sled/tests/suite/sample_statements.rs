@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{
-    FitOptions, FitResult, Group, Model, PrepareOptions, Prepared, RunEvaluation, Vehicle,
-    by_track, evaluate, fit, groups, prepare_all, validate,
+    FitResult, Group, Model, PrepareOptions, Prepared, RunEvaluation, Vehicle, by_track, evaluate,
+    fit, groups, prepare_all, validate,
 };
 
 struct Sample {
@@ -32,7 +32,7 @@ static SAMPLE: LazyLock<Sample> = LazyLock::new(|| {
         .filter(|run| days.contains(&run.entry.session.as_str()))
         .cloned()
         .collect();
-    let fit = fit(&fitted, &vehicle, &FitOptions::default()).unwrap();
+    let fit = fit(&fitted, &vehicle, true).unwrap();
     Sample {
         model,
         vehicle,

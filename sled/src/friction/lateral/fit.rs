@@ -52,6 +52,8 @@ pub struct LateralFit {
     pub clusters: usize,
 }
 
+/// Probability that the intervals are to cover.
+pub(crate) const CONFIDENCE: f64 = 0.95;
 /// Fewest samples a fit accepts.
 const FEWEST: usize = 20;
 /// Factor on the product above which the data lie on the straight part of the curve.
@@ -114,7 +116,7 @@ pub fn fit_lateral(
         Err(other) => return Err(other),
     };
     let clusters = by_cluster(&used, &model, options.slip_sd).len();
-    let quantile = student_quantile(options.confidence, clusters - 1);
+    let quantile = student_quantile(CONFIDENCE, clusters - 1);
     let estimate = |log: f64, variance: f64| {
         let half = quantile * variance.max(0.0).sqrt();
         Estimate {
@@ -167,9 +169,6 @@ fn check(samples: &[LateralSample], options: &LateralFitOptions) -> Result<(), E
     in_range("c", options.c, c, "above 0, below 2")?;
     let slip_sd = (0.0..0.1).contains(&options.slip_sd);
     in_range("slip_sd", options.slip_sd, slip_sd, "0 to 0.1 rad")?;
-    let confidence = options.confidence;
-    let holds = confidence > 0.0 && confidence < 1.0;
-    in_range("confidence", confidence, holds, "above 0, below 1")?;
     for LateralSample { alpha, fz, fy, .. } in samples {
         let slip = alpha.abs() < std::f64::consts::FRAC_PI_2;
         in_range("slip angle", *alpha, slip, "radians within a quarter turn")?;
@@ -229,8 +228,6 @@ pub struct LateralFitOptions {
     /// Standard deviation of the noise in the slip angles as given, after any filter [rad]; 0 where
     /// they are exact.
     pub slip_sd: f64,
-    /// Probability that the intervals are to cover.
-    pub confidence: f64,
 }
 
 impl Default for LateralFitOptions {
@@ -239,7 +236,6 @@ impl Default for LateralFitOptions {
             e: 0.99,
             c: 0.05,
             slip_sd: 0.0,
-            confidence: 0.95,
         }
     }
 }

@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{
-    FitOptions, Gaps, Interval, Model, OnGaps, PrepareOptions, Prepared, Run, RunFormat, State,
-    Vehicle, evaluate, fit, prepare, prepare_all, read_run, validate, write_run,
+    Gaps, Interval, Model, OnGaps, PrepareOptions, Prepared, Run, RunFormat, State, Vehicle,
+    evaluate, fit, prepare, prepare_all, read_run, validate, write_run,
 };
 
 /// Samples of a state, and states next to a gap that are excluded: two periods of 20 Hz at 100 Hz and
@@ -88,7 +88,7 @@ fn fits_of_runs_with_a_twentieth_gone_agree_with_those_of_whole_ones_within_thei
         .map(|(k, run)| a_twentieth_gone(run, k))
         .collect();
     let (whole, holed) = (prepared(&RUNS), prepared(&holed));
-    let of = |runs: &[Prepared]| fit(runs, &vehicle, &FitOptions::default()).unwrap();
+    let of = |runs: &[Prepared]| fit(runs, &vehicle, true).unwrap();
     let (clean, gaps) = (of(&whole), of(&holed));
     for (a, b) in [(&clean.front, &gaps.front), (&clean.rear, &gaps.rear)] {
         for (a, b) in [(a.k_n_per_rad, b.k_n_per_rad), (a.mu_zeta_c, b.mu_zeta_c)] {

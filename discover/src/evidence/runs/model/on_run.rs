@@ -260,7 +260,7 @@ impl<'a> ModelOnRun<'a> {
         let mut forces = laws.forces;
         if !self.vehicle.effects.is_empty() {
             let seen = balance.seen(&self.vehicle, laws.load_n);
-            self.vehicle.effects.act("", &seen, &mut forces);
+            self.vehicle.effects.act(&seen, &mut forces);
         }
         balance.residual(&forces).values()
     }
@@ -300,7 +300,7 @@ impl<'a> ModelOnRun<'a> {
     /// These forces with the model's effects.
     fn with_effects(&self, at: &Instant, mut forces: Forces) -> Forces {
         if !self.vehicle.effects.is_empty() {
-            self.vehicle.effects.act("", &at.seen, &mut forces);
+            self.vehicle.effects.act(&at.seen, &mut forces);
         }
         forces
     }
@@ -327,7 +327,7 @@ impl<'a> ModelOnRun<'a> {
         let Some(slope) = self.slopes().get(i) else {
             return 0.0;
         };
-        let slope = slope + self.vehicle.effects.slope("", self.frame.s[i]);
+        let slope = slope + self.vehicle.effects.slope(self.frame.s[i]);
         residual_along_track(balance, signals, slope)
     }
 
