@@ -15,7 +15,7 @@ use crate::record::index::Entry;
 use crate::record::needs::Needs;
 use crate::record::run::Run;
 use crate::series::{HALF_WIDTH, bridged, integral, noise_gain, ratio, resample_from};
-use crate::signals::sensed::{Sensed, estimate_noise, no_number, slip_noise};
+use crate::signals::filtered::{FilteredSignals, estimate_noise, no_number, slip_noise};
 use crate::sled::Noise;
 
 /// A run as a series of states with the motion measured at each.
@@ -80,7 +80,7 @@ pub fn prepare(
     let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
     let (sled, effects) = (&vehicle.sled, &vehicle.effects);
     let base = Resampling::of(run, options);
-    let stretches = Sensed::stretches(run, vehicle, effects, &options.needs, &base)?;
+    let stretches = FilteredSignals::stretches(run, vehicle, effects, &options.needs, &base)?;
     let (mut states, mut motions, mut pieces) = (Vec::new(), Vec::new(), Vec::new());
     let mut speeds: (f64, usize) = (0.0, 0);
     let along = run.columns.contains_key("ax_mps2");
