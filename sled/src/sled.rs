@@ -109,24 +109,6 @@ pub struct Tolerances {
     pub session_offset_rad: f64,
 }
 
-impl Tolerances {
-    /// An installation that is exactly as stated.
-    pub const EXACT: Tolerances = Tolerances {
-        delay_s: 0.0,
-        place_m: 0.0,
-        gyro_scale: 0.0,
-        gyro_bias_radps: 0.0,
-        accel_scale: 0.0,
-        accel_bias_mps2: 0.0,
-        mass: 0.0,
-        inertia: 0.0,
-        steer_scale: 0.0,
-        misalignment_rad: 0.0,
-        gyro_g_sensitivity_radps_per_mps2: 0.0,
-        session_offset_rad: 0.0,
-    };
-}
-
 impl Default for Tolerances {
     fn default() -> Self {
         Self {

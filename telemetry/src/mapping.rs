@@ -349,8 +349,8 @@ impl Check<'_> {
     }
 
     fn index(&self, at: &str, values: &IndexValues) -> Result<(), Error> {
-        for (name, low, high) in CONDITIONS {
-            self.within(format!("{at}.{name}"), values.number(name), low, high)?;
+        for ((name, low, high), value) in CONDITIONS.iter().zip(values.clone().numbers()) {
+            self.within(format!("{at}.{name}"), *value, *low, *high)?;
         }
         let (_, low, high) = CONDITIONS[0];
         for (place, value) in &values.ice_c_at {

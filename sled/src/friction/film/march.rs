@@ -665,3 +665,24 @@ impl Film {
         stations.min_by(|a, b| a.thickness.total_cmp(&b.thickness))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_that_is_no_number_is_the_largest_whatever_follows_it() {
+        let value = FilmTotals {
+            viscous_drag: 1.0,
+            mean_thickness: 1.0,
+            dissipated: 1.0,
+            ..FilmTotals::default()
+        };
+        let errors = FilmTotals {
+            viscous_drag: f64::NAN,
+            mean_thickness: 0.1,
+            ..FilmTotals::default()
+        };
+        assert_eq!(errors.largest_share(&value, [1.0; 2]), f64::INFINITY);
+    }
+}

@@ -185,7 +185,7 @@ impl RelationRules {
     }
 
     /// The best single remedy that is shown to be right.
-    fn one(&self, slow: &Slow, before: &Agreement) -> Option<RemediedBy> {
+    fn one(&self, slow: &Slow, before: &Agreement) -> Option<RemedyTrial> {
         let there = REMEDIES.iter().filter(|mend| mend.applies(slow));
         let mended = there.map(|mend| (vec![mend], Agreement::of(&mend.applied(slow))));
         let shown = mended.filter(|(_, after)| self.shows(before, after));
@@ -194,7 +194,7 @@ impl RelationRules {
 
     /// Two faults of which neither shows while the other is there; searched where the relations
     /// across or up are not satisfied.
-    fn two_at_once(&self, slow: &Slow, before: &Agreement) -> Option<RemediedBy> {
+    fn two_at_once(&self, slow: &Slow, before: &Agreement) -> Option<RemedyTrial> {
         if before.is_below(self.holds) {
             return None;
         }
@@ -206,7 +206,7 @@ impl RelationRules {
             let mended = other.applied(&there[one].applied(slow));
             (vec![there[one], other], Agreement::of(&mended))
         };
-        let mut judged: Vec<RemediedBy> = pairs.into_par_iter().map(mend_both).collect();
+        let mut judged: Vec<RemedyTrial> = pairs.into_par_iter().map(mend_both).collect();
         judged.retain(|(_, after)| {
             after.is_below(self.holds) && before.score() - after.score() >= 2.0 * self.least_gain
         });
@@ -235,10 +235,10 @@ impl RelationRules {
 }
 
 /// Remedies and how well the channels then agree.
-type RemediedBy = (Vec<&'static Remedy>, Agreement);
+type RemedyTrial = (Vec<&'static Remedy>, Agreement);
 
 /// The one with the lower score; the first of equals.
-fn better(a: RemediedBy, b: RemediedBy) -> RemediedBy {
+fn better(a: RemedyTrial, b: RemedyTrial) -> RemedyTrial {
     if b.1.score() < a.1.score() - 1e-9 {
         b
     } else {

@@ -472,12 +472,28 @@ impl Installation {
 mod tests {
     use super::*;
 
+    /// An installation that is exactly as stated.
+    const EXACT: Tolerances = Tolerances {
+        delay_s: 0.0,
+        place_m: 0.0,
+        gyro_scale: 0.0,
+        gyro_bias_radps: 0.0,
+        accel_scale: 0.0,
+        accel_bias_mps2: 0.0,
+        mass: 0.0,
+        inertia: 0.0,
+        steer_scale: 0.0,
+        misalignment_rad: 0.0,
+        gyro_g_sensitivity_radps_per_mps2: 0.0,
+        session_offset_rad: 0.0,
+    };
+
     #[test]
     fn what_is_exact_has_no_part_and_the_rest_one_each() {
-        assert_eq!(Installation::new(&Tolerances::EXACT, ["1"]).fitted(), 0);
+        assert_eq!(Installation::new(&EXACT, ["1"]).fitted(), 0);
         let delays = Tolerances {
             delay_s: 0.002,
-            ..Tolerances::EXACT
+            ..EXACT
         };
         let parts = Installation::new(&delays, []).parts;
         assert_eq!(parts.len(), Sensor::ALL.len());
@@ -488,7 +504,7 @@ mod tests {
     fn an_offset_of_one_session_corrects_that_session_alone() {
         let remounted = Tolerances {
             session_offset_rad: 0.002,
-            ..Tolerances::EXACT
+            ..EXACT
         };
         let none = Installation::new(&remounted, ["b", "a", "b"]);
         let what: Vec<&str> = none.parts.iter().map(|part| part.what.as_str()).collect();
@@ -506,7 +522,7 @@ mod tests {
         let places = Tolerances {
             mass: 0.01,
             steer_scale: 0.03,
-            ..Tolerances::EXACT
+            ..EXACT
         };
         let both = Installation::new(&places, []);
         // Only the sum of the two shows.

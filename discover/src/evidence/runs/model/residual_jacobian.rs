@@ -323,11 +323,11 @@ mod tests {
 
     /// What the balances leave.
     fn residual(vehicle: &Vehicle, signals: &Signals) -> [f64; 3] {
-        let balance = balance(vehicle, signals);
+        let balance = balance(signals);
         balance.residual(&balance.laws(vehicle).forces).values()
     }
 
-    fn balance(vehicle: &Vehicle, signals: &Signals) -> Balance {
+    fn balance(signals: &Signals) -> Balance {
         let sled = signals.sled;
         let at = OperatingPoint {
             air_density: 1.2,
@@ -379,7 +379,7 @@ mod tests {
         ]);
         for k in 0..12 {
             let at = signals(&vehicle.sled, k);
-            let here = balance(&vehicle, &at);
+            let here = balance(&at);
             let laws = here.laws(&vehicle);
             let by = ResidualJacobian::new(&here, &vehicle, &laws, &at);
             for (name, step, moved) in &moves {
