@@ -8,7 +8,7 @@ use crate::contacts::{find_contacts, with_own_contacts};
 use crate::error::Error;
 use crate::evaluate::validate::balance_residuals;
 use crate::friction::{
-    CONFIDENCE, Estimate, LateralFit, LateralFitOptions, LateralSample, MagicFormula, fit_lateral,
+    CONFIDENCE, LateralFit, LateralFitOptions, LateralSample, MagicFormula, fit_lateral,
 };
 use crate::model::model_toml::Model;
 use crate::model::vehicle::{RunnerFriction, Vehicle};
@@ -61,7 +61,7 @@ pub fn fit(
     // Effects that grow with the stiffness of the laws are taken off with that of the round before.
     let refine = leave_out_contacts || !vehicle.effects.is_empty();
     for _ in 0..if refine { 2 } else { 0 } {
-        let fitted = vehicle.with_lateral(front.model, rear.model);
+        let fitted = vehicle.with_lateral(front.law(), rear.law());
         if leave_out_contacts {
             marked = find_contacts(runs, &fitted);
             contacts = marked.iter().flatten().filter(|marked| **marked).count();
@@ -71,10 +71,10 @@ pub fn fit(
         }
         (front, rear, _) = both(&marked, &fitted)?;
     }
-    let fitted = vehicle.with_lateral(front.model, rear.model);
+    let fitted = vehicle.with_lateral(front.law(), rear.law());
     Ok(FitResult {
-        front: RunnerFitResult::new(&front),
-        rear: RunnerFitResult::new(&rear),
+        front,
+        rear,
         confidence: CONFIDENCE,
         runs: runs.iter().map(|run| run.entry.run.clone()).collect(),
         samples: runs.iter().map(|run| run.states.len()).sum(),
@@ -101,9 +101,9 @@ const IDENTIFIABILITY: &str = "mu_y and zeta_y act only as their product mu_zeta
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct FitResult {
     /// Front runner.
-    pub front: RunnerFitResult,
+    pub front: LateralFit,
     /// Rear runner.
-    pub rear: RunnerFitResult,
+    pub rear: LateralFit,
     /// Probability that the intervals are to cover.
     pub confidence: f64,
     /// Runs used.
@@ -118,92 +118,6 @@ pub struct FitResult {
     pub balances_left_rms: BalanceResidual,
     /// What the data can determine, in words.
     pub identifiability: String,
-}
-
-/// The lateral friction of one runner as `fit.json` states it.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct RunnerFitResult {
-    /// Peak factor over load, mu_y zeta_y.
-    pub mu_zeta: Interval,
-    /// Shape factor C.
-    pub c: Interval,
-    /// Curvature factor E, predefined.
-    pub e: Interval,
-    /// Stiffness at zero slip [N/rad].
-    pub k_n_per_rad: Interval,
-    /// Product of `mu_zeta` and `c`.
-    pub mu_zeta_c: Interval,
-    /// Whether C is fixed at the model's.
-    pub c_held: bool,
-    /// Whether the data determine `mu_zeta_c`.
-    pub mu_zeta_c_determined: bool,
-    /// Number of parameter combinations that the data determine.
-    pub rank: usize,
-    /// Standard deviation of the noise in the slip angles [rad].
-    pub slip_sd_rad: f64,
-    /// Share of the stiffness that plain least squares finds.
-    pub attenuation_of_plain_least_squares: f64,
-    /// The law by plain least squares, without correction for noise in the slip.
-    pub plain_least_squares: MagicFormula,
-    /// Root mean square residual [N].
-    pub residual_rms_n: f64,
-    /// Samples used.
-    pub samples: usize,
-    /// Runs or stretches that are resampled as one.
-    pub clusters: usize,
-}
-
-/// An estimate with its confidence interval; an end that the data do not bound is absent.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Interval {
-    /// Best value.
-    pub value: f64,
-    /// Lower end.
-    pub low: Option<f64>,
-    /// Upper end.
-    pub high: Option<f64>,
-}
-
-impl From<&Estimate> for Interval {
-    fn from(estimate: &Estimate) -> Self {
-        let bounded = |end: f64| end.is_finite().then_some(end);
-        Interval {
-            value: estimate.value,
-            low: bounded(estimate.low),
-            high: bounded(estimate.high),
-        }
-    }
-}
-
-impl RunnerFitResult {
-    fn new(fit: &LateralFit) -> Self {
-        RunnerFitResult {
-            mu_zeta: (&fit.mu_zeta).into(),
-            c: (&fit.c).into(),
-            e: (&Estimate::fixed(fit.model.e)).into(),
-            k_n_per_rad: (&fit.k_n_per_rad).into(),
-            mu_zeta_c: (&fit.mu_zeta_c).into(),
-            c_held: fit.c_held,
-            mu_zeta_c_determined: fit.product_determined,
-            rank: fit.identifiability.rank(),
-            slip_sd_rad: fit.slip_sd,
-            attenuation_of_plain_least_squares: fit.attenuation,
-            plain_least_squares: fit.least_squares,
-            residual_rms_n: fit.residual_rms,
-            samples: fit.samples,
-            clusters: fit.clusters,
-        }
-    }
-
-    /// The fitted law.
-    pub fn law(&self) -> MagicFormula {
-        MagicFormula {
-            mu_zeta: self.mu_zeta.value,
-            c: self.c.value,
-            e: self.e.value,
-            k_n_per_rad: self.k_n_per_rad.value,
-        }
-    }
 }
 
 /// Samples with a larger roll acceleration are excluded [rad/s2]: the paper's 100 degrees/s2.

@@ -3,8 +3,8 @@
 use kufe::charts::fit_picture;
 use kufe::jobs::lateral::fit_lateral;
 use kufe::jobs::{Failure, runs::Loaded};
-use kufe_sled::friction::MagicFormula;
-use kufe_sled::{Interval, RunnerFitResult, find_contacts, lateral_samples};
+use kufe_sled::friction::{Interval, LateralFit, MagicFormula};
+use kufe_sled::{find_contacts, lateral_samples};
 
 use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
@@ -53,7 +53,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ..
     } = &fitted.loaded;
     output.text("model.fit.toml", written)?;
-    let [front_law, rear_law] = [&fit.front, &fit.rear].map(RunnerFitResult::law);
+    let [front_law, rear_law] = [&fit.front, &fit.rear].map(LateralFit::law);
     let fitted = vehicle.with_lateral(front_law, rear_law);
     let marked = if leave_out_contacts {
         find_contacts(prepared, &fitted)
@@ -84,7 +84,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     })
 }
 
-fn line(runner: &str, fit: &RunnerFitResult, before: &MagicFormula) -> String {
+fn line(runner: &str, fit: &LateralFit, before: &MagicFormula) -> String {
     let ends = |of: &Interval| [of.low, of.high].map(|end| end.unwrap_or(f64::INFINITY));
     let (k, p, c) = (&fit.k_n_per_rad, &fit.mu_zeta_c, &fit.c);
     let product = if fit.mu_zeta_c_determined {

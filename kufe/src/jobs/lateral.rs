@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::path::Path;
 
-use kufe_sled::friction::MagicFormula;
-use kufe_sled::{Model, RunnerFitResult, Vehicle, by_track, fit, validate};
+use kufe_sled::friction::{LateralFit, MagicFormula};
+use kufe_sled::{Model, Vehicle, by_track, fit, validate};
 
 use crate::jobs::failure::Failure;
 use crate::jobs::runs::{Loaded, RunSelection};
@@ -81,7 +81,7 @@ impl FittedLaws {
     /// # Errors
     /// [`Failure::BadInput`] for a value of a law that is out of range.
     pub fn of(document: &LateralFitDocument) -> Result<FittedLaws, Failure> {
-        let law = |name: &str, runner: &RunnerFitResult| {
+        let law = |name: &str, runner: &LateralFit| {
             let law = runner.law();
             let checked = law.check();
             checked.map_err(|error| Failure::bad_input(error).within(name))?;

@@ -1,11 +1,11 @@
 //! Simulated with known friction, recorded with noise, fitted: the friction must come back.
 
-use kufe_sled::friction::MagicFormula;
+use kufe_sled::friction::{LateralFit, MagicFormula};
 use kufe_sled::one_track::inverse;
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
-    Driver, Model, PrepareOptions, Run, RunnerFitResult, SimulateOptions, TrackShape, Vehicle, fit,
-    prepare_all, record, simulate, simulated_entry,
+    Driver, Model, PrepareOptions, Run, SimulateOptions, TrackShape, Vehicle, fit, prepare_all,
+    record, simulate, simulated_entry,
 };
 
 /// Eight runs of a driver who steers hard, on a track without walls.
@@ -72,7 +72,7 @@ fn twenty_seeds_return_product_and_stiffness_within_five_percent_and_their_inter
         )
         .unwrap();
         let fitted = fit(&prepared, &vehicle, true).unwrap();
-        let pairs = |fit: &RunnerFitResult, truth: &MagicFormula| {
+        let pairs = |fit: &LateralFit, truth: &MagicFormula| {
             [
                 (fit.k_n_per_rad, truth.k_n_per_rad),
                 (fit.mu_zeta_c, truth.mu_zeta_c()),

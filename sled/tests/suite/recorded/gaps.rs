@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{
-    Gaps, Interval, Model, OnGaps, PrepareOptions, Prepared, Run, RunFormat, State, Vehicle,
-    evaluate, fit, prepare, prepare_all, read_run, validate, write_run,
+    Gaps, Model, OnGaps, PrepareOptions, Prepared, Run, RunFormat, State, Vehicle, evaluate, fit,
+    prepare, prepare_all, read_run, validate, write_run,
 };
 
 /// Samples of a state, and states next to a gap that are excluded: two periods of 20 Hz at 100 Hz and
@@ -94,7 +94,7 @@ fn fits_of_runs_with_a_twentieth_gone_agree_with_those_of_whole_ones_within_thei
         for (a, b) in [(a.k_n_per_rad, b.k_n_per_rad), (a.mu_zeta_c, b.mu_zeta_c)] {
             // Nine tenths of the samples are the same, so the two differ by less than either's own
             // interval.
-            let ends = |of: Interval| [of.low.unwrap(), of.high.unwrap()];
+            let ends = |of: kufe_sled::friction::Interval| [of.low.unwrap(), of.high.unwrap()];
             let ([low, high], [b_low, b_high]) = (ends(a), ends(b));
             assert!((low..high).contains(&b.value), "{a:?} {b:?}");
             let wider = (b_high - b_low) / (high - low);
