@@ -7,9 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::contacts::{find_contacts, with_own_contacts};
 use crate::error::Error;
 use crate::evaluate::validate::balance_residuals;
-use crate::friction::{
-    CONFIDENCE, LateralFit, LateralFitOptions, LateralSample, MagicFormula, fit_lateral,
-};
+use crate::friction::{CONFIDENCE, LateralFit, LateralFitOptions, LateralSample, fit_lateral};
 use crate::model::model_toml::Model;
 use crate::model::vehicle::{RunnerFriction, Vehicle};
 use crate::motion::balance::BalanceResidual;
