@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use kufe::jobs::lateral::{FittedLaws, fit_lateral, validate_runs};
 use kufe::jobs::runs::RunSelection;
 use kufe::results::{LateralFitDocument, Validation as ValidationDocument};
-use kufe_sled::{FitOptions, LateralForce};
+use kufe_sled::LateralForce;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -61,12 +61,8 @@ pub fn fit(
         strict,
         cutoff_hz,
     };
-    let options = FitOptions {
-        leave_out_contacts: !keep_contacts,
-        ..FitOptions::default()
-    };
     let worked = work(py, progress, move |watch, _| {
-        let fitted = fit_lateral(&selection, &options, watch)?;
+        let fitted = fit_lateral(&selection, !keep_contacts, watch)?;
         Ok((fitted.document, fitted.model))
     })?;
     let (document, model) = worked.value.map_err(raised)?;

@@ -103,8 +103,9 @@ pub fn push_within(
     // strong hits a weak push is noise.
     let variance = error_n * error_n;
     let as_hit = || likelier(contact.force_n, variance, hit_n, HITS_DIFFER * hit_n);
-    let stands_out = push_n > stands_out(ways) * error_n && (hit_n == 0.0 || as_hit() > ways.ln());
-    stands_out.then(|| Push {
+    let significant =
+        push_n > least_significant(ways) * error_n && (hit_n == 0.0 || as_hit() > ways.ln());
+    significant.then(|| Push {
         contact,
         error_n,
         is_hit: hit_n == 0.0 || push_n <= HARDEST * hit_n.abs(),
@@ -137,7 +138,7 @@ fn ways(stretch_m: [f64; 2], one_side: bool) -> f64 {
 
 /// Standard errors that the largest force of a run that misses exceeds by chance in
 /// [`TAKEN_FOR_HITS`] of all runs.
-fn stands_out(ways: f64) -> f64 {
+fn least_significant(ways: f64) -> f64 {
     let least = Normal::standard().inverse_cdf(1.0 - TAKEN_FOR_HITS / ways);
     if least.is_finite() {
         least

@@ -7,45 +7,28 @@ use serde::{Deserialize, Serialize};
 use crate::contacts::{find_contacts, with_own_contacts};
 use crate::error::Error;
 use crate::evaluate::validate::balance_residuals;
-use crate::friction::{
-    Estimate, LateralFit, LateralFitOptions, LateralSample, MagicFormula, fit_lateral,
-};
+use crate::friction::{CONFIDENCE, LateralFit, LateralFitOptions, LateralSample, fit_lateral};
 use crate::model::model_toml::Model;
 use crate::model::vehicle::{RunnerFriction, Vehicle};
 use crate::motion::balance::BalanceResidual;
 use crate::motion::one_track::{inverse, share_of_laws};
 use crate::signals::prepare::Prepared;
 
-/// Both runners' fits and what they rest on.
-#[derive(Clone, Debug)]
-pub struct SledFit {
-    /// Front runner.
-    pub front: LateralFit,
-    /// Rear runner.
-    pub rear: LateralFit,
-    /// Runs used.
-    pub runs: Vec<String>,
-    /// Samples excluded for their roll acceleration.
-    pub excluded: usize,
-    /// Samples excluded because something outside pushed.
-    pub contacts: usize,
-    /// Samples before any was excluded.
-    pub total: usize,
-    /// Root mean square residuals of the balances of all runs with the fitted laws, contacts and
-    /// effects included.
-    pub residual: BalanceResidual,
-}
-
 /// Fits both runners to prepared runs.
 ///
 /// The forces come from [`crate::one_track::inverse`], which takes the longitudinal friction from
 /// `vehicle`; its lateral laws play no part but for C, fixed where the data do not determine it.
-/// Noise in the slip angles is corrected for as each run states it.
+/// Noise in the slip angles is corrected for as each run states it. With `leave_out_contacts`
+/// stretches with a force from outside, such as a wall, are found ([`find_contacts`]) and excluded.
 ///
 /// # Errors
 /// [`Error::Undetermined`] where the data do not determine a runner's stiffness; [`Error::TooFew`]
 /// without runs.
-pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result<SledFit, Error> {
+pub fn fit(
+    runs: &[Prepared],
+    vehicle: &Vehicle,
+    leave_out_contacts: bool,
+) -> Result<FitResult, Error> {
     if runs.is_empty() {
         return Err(Error::too_few("runs to fit", 0, 1));
     }
@@ -55,7 +38,6 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
     };
     let fit_one = |samples: &[LateralSample], runner: &RunnerFriction, axle: usize| {
         let options = LateralFitOptions {
-            e: options.e,
             c: runner.lateral.c,
             slip_sd: slip_sd(axle),
             ..LateralFitOptions::default()
@@ -63,7 +45,7 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
         fit_lateral(samples, &options)
     };
     let both = |contacts: &[Vec<bool>], fitted: &Vehicle| {
-        let ([front, rear], excluded) = lateral_samples(runs, fitted, contacts, options);
+        let ([front, rear], excluded) = lateral_samples(runs, fitted, contacts);
         let (front, rear) = rayon::join(
             || fit_one(&front, &vehicle.front, 0),
             || fit_one(&rear, &vehicle.rear, 1),
@@ -75,10 +57,10 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
     let mut marked = Vec::new();
     // The first fit is biased by what it is to find; the second round finds with a better one.
     // Effects that grow with the stiffness of the laws are taken off with that of the round before.
-    let refine = options.leave_out_contacts || !vehicle.effects.is_empty();
+    let refine = leave_out_contacts || !vehicle.effects.is_empty();
     for _ in 0..if refine { 2 } else { 0 } {
-        let fitted = vehicle.with_lateral(front.model, rear.model);
-        if options.leave_out_contacts {
+        let fitted = vehicle.with_lateral(front.law(), rear.law());
+        if leave_out_contacts {
             marked = find_contacts(runs, &fitted);
             contacts = marked.iter().flatten().filter(|marked| **marked).count();
         }
@@ -87,41 +69,27 @@ pub fn fit(runs: &[Prepared], vehicle: &Vehicle, options: &FitOptions) -> Result
         }
         (front, rear, _) = both(&marked, &fitted)?;
     }
-    let residual = balance_residuals(runs, &vehicle.with_lateral(front.model, rear.model));
-    Ok(SledFit {
+    let fitted = vehicle.with_lateral(front.law(), rear.law());
+    Ok(FitResult {
         front,
         rear,
+        confidence: CONFIDENCE,
         runs: runs.iter().map(|run| run.entry.run.clone()).collect(),
-        excluded,
-        contacts,
-        residual,
-        total: runs.iter().map(|run| run.states.len()).sum(),
+        samples: runs.iter().map(|run| run.states.len()).sum(),
+        excluded_roll_acceleration: excluded,
+        excluded_contacts: contacts,
+        balances_left_rms: balance_residuals(runs, &fitted),
+        identifiability: IDENTIFIABILITY.to_owned(),
     })
 }
 
-impl SledFit {
+impl FitResult {
     /// The model with the fitted lateral laws in place of its own.
     pub fn applied_to(&self, model: &Model) -> Model {
         let mut fitted = model.clone();
-        fitted.friction.front = self.front.model;
-        fitted.friction.rear = self.rear.model;
+        fitted.friction.front = self.front.law();
+        fitted.friction.rear = self.rear.law();
         fitted
-    }
-
-    /// `fit.json`: for `front` and `rear` the model's keys with value, low and high, what is
-    /// identifiable, and the runs.
-    pub fn result(&self) -> FitResult {
-        FitResult {
-            front: RunnerFitResult::new(&self.front),
-            rear: RunnerFitResult::new(&self.rear),
-            confidence: 0.95,
-            runs: self.runs.clone(),
-            samples: self.total,
-            excluded_roll_acceleration: self.excluded,
-            excluded_contacts: self.contacts,
-            balances_left_rms: self.residual,
-            identifiability: IDENTIFIABILITY.to_owned(),
-        }
     }
 }
 
@@ -131,9 +99,9 @@ const IDENTIFIABILITY: &str = "mu_y and zeta_y act only as their product mu_zeta
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct FitResult {
     /// Front runner.
-    pub front: RunnerFitResult,
+    pub front: LateralFit,
     /// Rear runner.
-    pub rear: RunnerFitResult,
+    pub rear: LateralFit,
     /// Probability that the intervals are to cover.
     pub confidence: f64,
     /// Runs used.
@@ -150,118 +118,8 @@ pub struct FitResult {
     pub identifiability: String,
 }
 
-/// The lateral friction of one runner as `fit.json` states it.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct RunnerFitResult {
-    /// Peak factor over load, mu_y zeta_y.
-    pub mu_zeta: Interval,
-    /// Shape factor C.
-    pub c: Interval,
-    /// Curvature factor E, predefined.
-    pub e: Interval,
-    /// Stiffness at zero slip [N/rad].
-    pub k_n_per_rad: Interval,
-    /// Product of `mu_zeta` and `c`.
-    pub mu_zeta_c: Interval,
-    /// Whether C is fixed at the model's.
-    pub c_held: bool,
-    /// Whether the data determine `mu_zeta_c`.
-    pub mu_zeta_c_determined: bool,
-    /// Number of parameter combinations that the data determine.
-    pub rank: usize,
-    /// Standard deviation of the noise in the slip angles [rad].
-    pub slip_sd_rad: f64,
-    /// Share of the stiffness that plain least squares finds.
-    pub attenuation_of_plain_least_squares: f64,
-    /// The law by plain least squares, without correction for noise in the slip.
-    pub plain_least_squares: MagicFormula,
-    /// Root mean square residual [N].
-    pub residual_rms_n: f64,
-    /// Samples used.
-    pub samples: usize,
-    /// Runs or stretches that are resampled as one.
-    pub clusters: usize,
-}
-
-/// An estimate with its confidence interval; an end that the data do not bound is absent.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
-pub struct Interval {
-    /// Best value.
-    pub value: f64,
-    /// Lower end.
-    pub low: Option<f64>,
-    /// Upper end.
-    pub high: Option<f64>,
-}
-
-impl From<&Estimate> for Interval {
-    fn from(estimate: &Estimate) -> Self {
-        let bounded = |end: f64| end.is_finite().then_some(end);
-        Interval {
-            value: estimate.value,
-            low: bounded(estimate.low),
-            high: bounded(estimate.high),
-        }
-    }
-}
-
-impl RunnerFitResult {
-    fn new(fit: &LateralFit) -> Self {
-        RunnerFitResult {
-            mu_zeta: (&fit.mu_zeta).into(),
-            c: (&fit.c).into(),
-            e: (&Estimate::fixed(fit.model.e)).into(),
-            k_n_per_rad: (&fit.k_n_per_rad).into(),
-            mu_zeta_c: (&fit.mu_zeta_c).into(),
-            c_held: fit.c_held,
-            mu_zeta_c_determined: fit.product_determined,
-            rank: fit.identifiability.rank(),
-            slip_sd_rad: fit.slip_sd,
-            attenuation_of_plain_least_squares: fit.attenuation,
-            plain_least_squares: fit.least_squares,
-            residual_rms_n: fit.residual_rms,
-            samples: fit.samples,
-            clusters: fit.clusters,
-        }
-    }
-
-    /// The fitted law.
-    ///
-    /// # Errors
-    /// [`Error::OutOfRange`] for values that are none of a lateral law.
-    pub fn law(&self) -> Result<MagicFormula, Error> {
-        let law = MagicFormula {
-            mu_zeta: self.mu_zeta.value,
-            c: self.c.value,
-            e: self.e.value,
-            k_n_per_rad: self.k_n_per_rad.value,
-        };
-        law.check()?;
-        Ok(law)
-    }
-}
-
-/// How samples are chosen and fitted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FitOptions {
-    /// Samples with a larger roll acceleration are excluded [rad/s2]; the paper's 100 degrees/s2.
-    pub most_roll_accel_radps2: f64,
-    /// Predefined curvature factor E of both runners.
-    pub e: f64,
-    /// Whether stretches with a force from outside, such as a wall, are found and excluded
-    /// ([`crate::find_contacts`]).
-    pub leave_out_contacts: bool,
-}
-
-impl Default for FitOptions {
-    fn default() -> Self {
-        FitOptions {
-            most_roll_accel_radps2: 100.0_f64.to_radians(),
-            e: 0.99,
-            leave_out_contacts: true,
-        }
-    }
-}
+/// Samples with a larger roll acceleration are excluded [rad/s2]: the paper's 100 degrees/s2.
+const MOST_ROLL_ACCEL: f64 = 100.0 * std::f64::consts::PI / 180.0;
 
 /// Samples of both runners (front, rear): the remainder for the base laws once the vehicle's
 /// effects have given their share, and how many were excluded for their roll acceleration.
@@ -272,7 +130,6 @@ pub fn lateral_samples(
     runs: &[Prepared],
     vehicle: &Vehicle,
     contacts: &[Vec<bool>],
-    options: &FitOptions,
 ) -> ([Vec<LateralSample>; 2], usize) {
     let by_run = runs.len() >= 12;
     let of_run = |(number, run): (usize, &Prepared)| {
@@ -280,7 +137,7 @@ pub fn lateral_samples(
         let stretch = (4.0 / run.dt_s) as usize;
         let (mut samples, mut excluded) = ([Vec::new(), Vec::new()], 0);
         for (i, (state, motion)) in run.states.iter().zip(&run.motions).enumerate() {
-            if state.roll_accel_radps2.abs() > options.most_roll_accel_radps2 {
+            if state.roll_accel_radps2.abs() > MOST_ROLL_ACCEL {
                 excluded += 1;
                 continue;
             }

@@ -42,6 +42,7 @@ mod replay;
 mod series;
 mod signals;
 mod simulate;
+mod sled;
 mod track;
 
 pub use friction::GRAVITY;
@@ -51,7 +52,6 @@ pub use align::signature::DistanceWarp;
 pub use align::{Aligned, AlignedRun, align, state_places};
 pub use column::{COLUMNS, Column, Sensor};
 pub use columns::matlab::{LONGEST_MATLAB, MatlabVariables, matlab_remark, read_matlab};
-pub use columns::mdf4::Mdf4;
 pub use columns::parquet::{read_parquet, write_parquet};
 pub use columns::{Columns, MOST_NUMBERS, read_columns, read_csv, write_csv};
 pub use conditions::{CONDITIONS, Conditions};
@@ -68,9 +68,8 @@ pub use evaluate::validate::{
     root_mean_square, validate,
 };
 pub use fault::{Fault, FaultKind};
-pub use fit::{FitOptions, FitResult, Interval, RunnerFitResult, SledFit, fit, lateral_samples};
+pub use fit::{FitResult, fit, lateral_samples};
 pub use model::model_toml::{Friction, MODEL_EXAMPLE, Model};
-pub use model::sled::{ModelConditions, Noise, Sled, Survey, Tolerances};
 pub use model::vehicle::{RunnerFriction, RunnerLaw, RunnerTable, Vehicle, refuse_effects};
 pub use motion::balance::{Balance, BalanceResidual, LawForces};
 pub use motion::outside::{OutsideTable, outside_tables, table_samples, together};
@@ -94,10 +93,11 @@ pub use record::index::{
 pub use record::needs::{Needs, refuse_unstated_air};
 pub use record::run::Run;
 pub use replay::compared::{Compared, Difference, Section};
-pub use replay::drive::{Replay, beside_measured, replay};
+pub use replay::drive::{Replay, add_measured_columns, replay};
 pub use replay::inputs::{Inputs, READ, Reading, read_for_replay};
 pub use series::{
-    bridged, correlation, derivative, distinct, integral, low_pass, resample, resample_stretches,
+    bridged, correlation, derivative, distinct, integral, low_pass, median, resample,
+    resample_stretches,
 };
 pub use signals::prepare::{PrepareOptions, Prepared, prepare, prepare_all};
 pub use simulate::drive::{EnergyBalance, SimulateOptions, Simulated, simulate};
@@ -105,5 +105,6 @@ pub use simulate::driver::Driver;
 pub use simulate::dynamics::{Instant, WallContact};
 pub use simulate::sample_data;
 pub use simulate::sensors::{record, simulated_entry};
+pub use sled::{ModelConditions, Noise, Sled, Survey, Tolerances};
 pub use track::spline::Spline;
 pub use track::table::{IceAlong, Track, TrackShape};

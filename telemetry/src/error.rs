@@ -1,5 +1,7 @@
 //! What can be wrong with a mapping or with the files that it names.
 
+use kufe_sled::MOST_NUMBERS;
+
 /// Errors of mappings and recordings.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -80,6 +82,15 @@ impl Error {
             found,
             expected,
         }
+    }
+
+    /// The refusal of recordings with more than [`MOST_NUMBERS`].
+    pub(crate) fn too_many(file: &str) -> Self {
+        let reason = format!(
+            "the recordings of this run hold more than {MOST_NUMBERS} numbers in the channels that are read, expected \
+             fewer; split them, or name fewer channels"
+        );
+        Error::file(file, reason)
     }
 
     /// An error of the system or of a format's reader, with its file.

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use kufe_sled::{COLUMNS, Sensor, correlation};
+use kufe_sled::{COLUMNS, Sensor, correlation, median};
 
 use crate::log::{Channel, Log};
 use crate::plan::index_help;
@@ -403,12 +403,6 @@ fn finite(values: &[f64]) -> Vec<f64> {
     values.iter().copied().filter(|x| x.is_finite()).collect()
 }
 
-/// The middle one of some values.
-fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
-}
-
 /// Sum of the slope's changes from sample to sample, as a share of the sum of the slopes.
 fn roughness(values: &[f64]) -> f64 {
     let finite = finite(values);
@@ -425,8 +419,8 @@ pub(crate) struct UnitGuess {
 
 /// Middle and largest magnitude of the finite values; `None` where there are none.
 pub(crate) fn extent(values: &[f64]) -> Option<[f64; 2]> {
-    let mut finite = finite(values);
-    let median = median(&mut finite)?;
+    let finite = finite(values);
+    let median = median(finite.iter().copied())?;
     let largest = finite.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     Some([median, largest])
 }
@@ -475,7 +469,7 @@ pub(crate) fn time_unit(values: &[f64]) -> Option<UnitGuess> {
         return None;
     }
     steps.retain(|step| *step > 0.0);
-    let step = median(&mut steps)?;
+    let step = median(steps)?;
     let (units, per_second): (&[&str], f64) = match step {
         _ if step < 0.6 => (&["s"], 1.0),
         _ if (1000.0..1e6).contains(&step) => (&["us"], 1e6),

@@ -35,7 +35,7 @@ pub struct Imported {
 }
 
 /// A channel before it is resampled.
-struct Read {
+struct ImportedChannel {
     own: LoggerSeries,
     recipe: Recipe,
     /// Whether the run has it as a column, rather than its logger's clock only.
@@ -71,7 +71,7 @@ impl Importer {
     pub fn run(&self, planned: &PlannedRun) -> Result<Imported, Error> {
         let mut remarks = Vec::new();
         let mut files: BTreeMap<&str, (String, String)> = BTreeMap::new();
-        let mut read: Vec<Read> = Vec::new();
+        let mut read: Vec<ImportedChannel> = Vec::new();
         let mut room = MOST_NUMBERS;
         for (name, path) in &planned.files {
             let file = path.display().to_string();
@@ -92,7 +92,7 @@ impl Importer {
                     column: column.clone(),
                     series,
                 };
-                read.push(Read {
+                read.push(ImportedChannel {
                     own,
                     recipe,
                     written,
@@ -217,7 +217,7 @@ impl Importer {
     }
 
     /// The rows of the run: from the last logger's first sample to the first logger's last one.
-    fn base(&self, planned: &PlannedRun, read: &[Read]) -> Result<Base, Error> {
+    fn base(&self, planned: &PlannedRun, read: &[ImportedChannel]) -> Result<Base, Error> {
         let mut spans: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
         for own in read.iter().map(|read| &read.own) {
             // A channel that is late does not move the logger's first sample.
@@ -261,7 +261,7 @@ impl Importer {
 
     fn resampled(
         &self,
-        Read { own, recipe, .. }: Read,
+        ImportedChannel { own, recipe, .. }: ImportedChannel,
         base: &Base,
         columns: &mut Columns,
         file: &str,

@@ -29,6 +29,7 @@ mod guess;
 mod import;
 mod log;
 mod mapping;
+mod mdf4;
 mod plan;
 mod recording;
 mod relation;
@@ -41,11 +42,10 @@ pub use error::Error;
 pub use guess::guess_mapping;
 pub use import::{ChannelNote, Imported, Importer, LoggerNote, Note, model_fragment};
 pub use log::{Channel, Log};
-pub use mapping::{
-    ChannelSource, ClockWord, IndexValues, LoggerFiles, Mapping, RunFormatWord, RunTable,
-};
+pub use mapping::{ChannelSource, ClockWord, IndexValues, LoggerFiles, Mapping, RunTable};
+pub use mdf4::read_mdf4;
 pub use plan::{ExcludedRun, Plan, PlannedRun, index_csv, plan};
-pub use recording::{read_log, read_matlab73, read_mdf4, read_recording};
+pub use recording::{read_log, read_matlab73, read_recording};
 pub use relation::Relation;
 pub use resample::{Base, Gap, Resampled, resample};
 pub use text::{TextOptions, read_text};

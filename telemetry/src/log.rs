@@ -72,6 +72,17 @@ impl Log {
         })
     }
 
+    /// Places of the channels `wanted` by name, or of all.
+    ///
+    /// # Errors
+    /// As [`Log::find`].
+    pub(crate) fn places(&self, wanted: Option<&[&str]>, file: &str) -> Result<Vec<usize>, Error> {
+        match wanted {
+            Some(names) => names.iter().map(|name| self.find(name, file)).collect(),
+            None => Ok((0..self.channels.len()).collect()),
+        }
+    }
+
     /// Puts a label after every name that several channels have: `speed (100: gps)`.
     pub(crate) fn distinguish(&mut self, label: impl Fn(usize) -> String) {
         let mut places: BTreeMap<String, Vec<usize>> = BTreeMap::new();

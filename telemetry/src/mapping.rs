@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use kufe_sled::CONDITIONS;
+use kufe_sled::{CONDITIONS, RunFormat};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -21,7 +21,7 @@ pub struct Mapping {
     pub rate_hz: f64,
     /// How the runs are written: "csv" or "parquet".
     #[serde(default)]
-    pub format: RunFormatWord,
+    pub format: RunFormat,
     /// The logger whose clock the runs keep; needed where there are several.
     pub clock: Option<String>,
     /// The loggers by name.
@@ -40,17 +40,6 @@ pub struct Mapping {
 
 fn default_rate() -> f64 {
     100.0
-}
-
-/// The form of the imported runs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum RunFormatWord {
-    /// Text.
-    #[default]
-    Csv,
-    /// Parquet.
-    Parquet,
 }
 
 /// The files of one logger, and its clock.
@@ -360,8 +349,8 @@ impl Check<'_> {
     }
 
     fn index(&self, at: &str, values: &IndexValues) -> Result<(), Error> {
-        for (name, low, high) in CONDITIONS {
-            self.within(format!("{at}.{name}"), values.number(name), low, high)?;
+        for ((name, low, high), value) in CONDITIONS.iter().zip(values.clone().numbers()) {
+            self.within(format!("{at}.{name}"), *value, *low, *high)?;
         }
         let (_, low, high) = CONDITIONS[0];
         for (place, value) in &values.ice_c_at {

@@ -179,14 +179,8 @@ fn matching(folder: &Path, pattern: &str) -> Result<Vec<(String, PathBuf)>, Stri
 }
 
 impl IndexValues {
-    /// A number by its column's name.
-    pub fn number(&self, name: &str) -> Option<f64> {
-        let place = CONDITIONS.iter().position(|known| known.0 == name)?;
-        *self.clone().numbers()[place]
-    }
-
     /// Numbers in the order of [`CONDITIONS`].
-    fn numbers(&mut self) -> [&mut Option<f64>; 6] {
+    pub(crate) fn numbers(&mut self) -> [&mut Option<f64>; 6] {
         [
             &mut self.ice_c,
             &mut self.air_c,

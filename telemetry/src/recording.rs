@@ -1,15 +1,15 @@
 //! Recordings of any format: text, Parquet, MATLAB and MDF 4.
 
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use hdf5_pure::{AttrValue, DType, Dataset, File as Hdf5, Group, ReadSeekSource};
-use kufe_sled::{LONGEST_MATLAB, MOST_NUMBERS, Mdf4, matlab_remark, read_matlab, read_parquet};
+use kufe_sled::{LONGEST_MATLAB, MOST_NUMBERS, matlab_remark, read_matlab, read_parquet};
 
 use crate::error::Error;
 use crate::log::{Channel, Log, alike};
+use crate::mdf4::read_mdf4;
 use crate::text::{TextOptions, read_text};
 use crate::unit::name_unit;
 
@@ -64,7 +64,7 @@ pub fn read_log(
         _ => read_text(open()?, options, wanted, most, &file)?,
     };
     if log.numbers() > most {
-        return Err(too_many(&file));
+        return Err(Error::too_many(&file));
     }
     Ok(log)
 }
@@ -75,15 +75,6 @@ pub fn read_log(
 /// As [`read_log`].
 pub fn read_recording(path: &Path, options: TextOptions) -> Result<Log, Error> {
     read_log(path, options, None, MOST_NUMBERS)
-}
-
-/// The refusal of recordings with more than [`MOST_NUMBERS`].
-pub(crate) fn too_many(file: &str) -> Error {
-    let reason = format!(
-        "the recordings of this run hold more than {MOST_NUMBERS} numbers in the channels that are read, expected \
-         fewer; split them, or name fewer channels"
-    );
-    Error::file(file, reason)
 }
 
 /// An error of the readers that runs share.
@@ -116,92 +107,9 @@ fn of_vectors(vectors: impl IntoIterator<Item = (String, Vec<f64>)>, remarks: Ve
     log
 }
 
-/// Places of the channels to read.
-fn places(log: &Log, wanted: Option<&[&str]>, file: &str) -> Result<Vec<usize>, Error> {
-    match wanted {
-        Some(names) => names.iter().map(|name| log.find(name, file)).collect(),
-        None => Ok((0..log.channels.len()).collect()),
-    }
-}
-
 /// Numbers of an array of this shape, as many as can be counted; 1 without one.
 fn numbers_of(shape: &[u64]) -> u64 {
     shape.iter().fold(1, |n: u64, k| n.saturating_mul(*k))
-}
-
-/// Reads an MDF 4 log; of the channels only those `wanted` by name, or all that hold numbers.
-///
-/// Values are physical: the file's own conversion is done. Samples that the file marks invalid are
-/// NaN.
-///
-/// # Errors
-/// [`Error::File`] where it is no MDF 4, a channel that is wanted cannot be decoded, or they hold
-/// more than [`MOST_NUMBERS`].
-pub fn read_mdf4(
-    reader: impl Read + Seek + Send + 'static,
-    wanted: Option<&[&str]>,
-    file: &str,
-) -> Result<Log, Error> {
-    let mdf = Mdf4::open(reader, file).map_err(of_sled(file))?;
-    let of = mdf.channels();
-    let channels = of.iter().map(|channel| Channel {
-        name: channel.name.clone(),
-        unit: Some(channel.unit.clone()).filter(|unit| !unit.trim().is_empty()),
-        ..Channel::default()
-    });
-    let mut log = Log {
-        channels: channels.collect(),
-        ..Log::default()
-    };
-    let group = |place: usize| (of[place].data_group_index, of[place].channel_group_index);
-    log.distinguish(|place| {
-        let (data, channels) = group(place);
-        match channels {
-            0 => format!("group {data}"),
-            _ => format!("group {data}.{channels}"),
-        }
-    });
-    log.remarks.clear();
-    let mut groups: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
-    for place in places(&log, wanted, file)? {
-        groups.entry(group(place)).or_default().push(place);
-    }
-    let mut read = vec![false; of.len()];
-    for places in groups.into_values() {
-        let clock = mdf.clock_of(of[places[0]]);
-        let of_group = places.iter().map(|place| of[*place]).chain(clock);
-        let mut values = match mdf.values(&of_group.collect::<Vec<_>>()) {
-            Ok(values) => values,
-            Err(error) if wanted.is_some() => return Err(of_sled(file)(error)),
-            // Groups of other things than numbers are left out.
-            Err(_) => continue,
-        };
-        let times = clock.and_then(|_| values.pop().flatten());
-        let clock = times.is_some().then_some(log.clocks.len());
-        log.clocks.extend(times);
-        for (place, values) in places.into_iter().zip(values) {
-            let channel = &mut log.channels[place];
-            match values {
-                Some(values) => {
-                    (channel.values, channel.clock) = (values, clock);
-                    read[place] = true;
-                }
-                None if wanted.is_some() => {
-                    let reason = format!("channel {}: it holds no numbers", channel.name);
-                    return Err(Error::file(file, reason));
-                }
-                None => {}
-            }
-        }
-        if log.numbers() > MOST_NUMBERS {
-            return Err(too_many(file));
-        }
-    }
-    if wanted.is_none() {
-        let mut read = read.iter();
-        log.channels.retain(|_| *read.next().unwrap_or(&false));
-    }
-    log.with_channels(file, "no group has one")
 }
 
 /// Reads a MATLAB v7.3 file, which is HDF5: vectors, and vectors in structs as `struct.field`; only
@@ -233,7 +141,7 @@ pub fn read_matlab73(
     let names = found.vectors.iter();
     let names = names.map(|(name, _)| (name.clone(), Vec::new()));
     let mut log = of_vectors(names, found.remarks);
-    for place in places(&log, wanted, file)? {
+    for place in log.places(wanted, file)? {
         let (_, data) = &found.vectors[place];
         let chunk = data.chunk_shape().map_err(failure)?.unwrap_or_default();
         if numbers_of(&chunk) > LONGEST_CHUNK {
@@ -243,7 +151,9 @@ pub fn read_matlab73(
             return Err(Error::file(file, reason));
         }
         let count = numbers_of(&data.shape().map_err(failure)?);
-        room = room.checked_sub(count).ok_or_else(|| too_many(file))?;
+        room = room
+            .checked_sub(count)
+            .ok_or_else(|| Error::too_many(file))?;
         log.channels[place].values = numbers(data).map_err(failure)?;
     }
     log.with_channels(file, "no variable is a vector of more than one number")

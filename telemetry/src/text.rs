@@ -5,7 +5,6 @@ use std::io::Read;
 
 use crate::error::Error;
 use crate::log::{Channel, Log};
-use crate::recording::too_many;
 use crate::unit::{is_unit, name_unit};
 
 /// Rows in which names, units and the separator are searched for.
@@ -771,7 +770,7 @@ impl<'a> Columns<'a> {
         self.room = match self.room.checked_sub(count) {
             Some(room) => room,
             None if self.any => return Ok(false),
-            None => return Err(too_many(self.file)),
+            None => return Err(Error::too_many(self.file)),
         };
         for (i, cell) in cells[..width].iter().enumerate() {
             if !self.read[i] {

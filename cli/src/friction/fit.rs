@@ -6,8 +6,7 @@ use kufe::charts::mu_picture;
 use kufe::jobs::{Failure, runs::failure};
 use kufe::results::PressureFit;
 use kufe_sled::friction::{
-    Longitudinal, LongitudinalKeys, MuFit, PressureLaw, Weighting, ZetaActsOn, fit_mu,
-    read_experiments,
+    LongitudinalKeys, MuFit, PressureLaw, Weighting, ZetaActsOn, fit_mu, read_experiments,
 };
 
 use crate::friction::open;
@@ -67,7 +66,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 /// `[friction.longitudinal]` as a model file has it.
 fn model_form(law: &PressureLaw) -> Result<String, toml::ser::Error> {
-    let keys = toml::to_string(&LongitudinalKeys::from(Longitudinal::Pressure(*law)))?;
+    let keys = toml::to_string(&LongitudinalKeys::from(*law))?;
     Ok(format!("[friction.longitudinal]\n{keys}"))
 }
 

@@ -3,8 +3,8 @@
 use kufe::charts::fit_picture;
 use kufe::jobs::lateral::fit_lateral;
 use kufe::jobs::{Failure, runs::Loaded};
-use kufe_sled::friction::{LateralFit, MagicFormula};
-use kufe_sled::{FitOptions, find_contacts, lateral_samples};
+use kufe_sled::friction::{Interval, LateralFit, MagicFormula};
+use kufe_sled::{find_contacts, lateral_samples};
 
 use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
@@ -39,15 +39,13 @@ pub struct LateralArgs {
 /// [`Failure::BadInput`] with file and place, [`Failure::NotConverged`], [`Failure::Usage`].
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let What::Lateral(args) = &args.what;
-    let options = FitOptions {
-        leave_out_contacts: !args.keep_contacts,
-        ..FitOptions::default()
-    };
+    let leave_out_contacts = !args.keep_contacts;
     let inputs = args.runs.inputs();
     let output = OutputDir::begin("fit lateral", &inputs, &args.runs.out, global.force)?;
     let selection = args.runs.selection();
-    let fitted = global.watched(|watch| fit_lateral(&selection, &options, watch))?;
-    let (fit, document, written) = (&fitted.fit, &fitted.document, &fitted.model);
+    let fitted = global.watched(|watch| fit_lateral(&selection, leave_out_contacts, watch))?;
+    let (document, written) = (&fitted.document, &fitted.model);
+    let fit = &document.fit;
     let Loaded {
         model,
         vehicle,
@@ -55,17 +53,15 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ..
     } = &fitted.loaded;
     output.text("model.fit.toml", written)?;
-    let fitted = vehicle.with_lateral(fit.front.model, fit.rear.model);
-    let marked = if options.leave_out_contacts {
+    let [front_law, rear_law] = [&fit.front, &fit.rear].map(LateralFit::law);
+    let fitted = vehicle.with_lateral(front_law, rear_law);
+    let marked = if leave_out_contacts {
         find_contacts(prepared, &fitted)
     } else {
         Vec::new()
     };
-    let ([front, rear], _) = lateral_samples(prepared, vehicle, &marked, &options);
-    let pictures = [
-        ("front", &front, &fit.front.model),
-        ("rear", &rear, &fit.rear.model),
-    ];
+    let ([front, rear], _) = lateral_samples(prepared, vehicle, &marked);
+    let pictures = [("front", &front, &front_law), ("rear", &rear, &rear_law)];
     for (runner, samples, law) in pictures {
         let name = format!("fit_{runner}.png");
         output.picture(&name, &fit_picture(runner, samples, law))?;
@@ -77,8 +73,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             line("front", &fit.front, &model.friction.front),
             line("rear", &fit.rear, &model.friction.rear),
         ];
-        let (runs, total, out) = (fit.runs.len(), fit.total, args.runs.out.display());
-        let (excluded, contacts) = (fit.excluded, fit.contacts);
+        let (runs, total, out) = (fit.runs.len(), fit.samples, args.runs.out.display());
+        let (excluded, contacts) = (fit.excluded_roll_acceleration, fit.excluded_contacts);
         format!(
             "{runs} runs, {total} samples, {excluded} excluded for roll acceleration, {contacts} for an external force\n\
              {front}{rear}\
@@ -89,9 +85,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 }
 
 fn line(runner: &str, fit: &LateralFit, before: &MagicFormula) -> String {
+    let ends = |of: &Interval| [of.low, of.high].map(|end| end.unwrap_or(f64::INFINITY));
     let (k, p, c) = (&fit.k_n_per_rad, &fit.mu_zeta_c, &fit.c);
-    let product = if fit.product_determined {
-        format!("{:.4} ({:.4} to {:.4})", p.value, p.low, p.high)
+    let product = if fit.mu_zeta_c_determined {
+        let [low, high] = ends(p);
+        format!("{:.4} ({low:.4} to {high:.4})", p.value)
     } else {
         "not determined: the slips are too small for the curve to bend".to_owned()
     };
@@ -101,11 +99,13 @@ fn line(runner: &str, fit: &LateralFit, before: &MagicFormula) -> String {
             c.value
         )
     } else {
-        format!("{:.4} ({:.4} to {:.4})", c.value, c.low, c.high)
+        let [low, high] = ends(c);
+        format!("{:.4} ({low:.4} to {high:.4})", c.value)
     };
     let (k_before, product_before) = (before.k_n_per_rad, before.mu_zeta_c());
-    let (residual, plain, noise) = (fit.residual_rms, 100.0 * fit.attenuation, fit.slip_sd);
-    let (k, low, high) = (k.value, k.low, k.high);
+    let plain = 100.0 * fit.attenuation_of_plain_least_squares;
+    let (residual, noise) = (fit.residual_rms_n, fit.slip_sd_rad);
+    let (k, [low, high]) = (k.value, ends(k));
     format!(
         "{runner:5}  K {k:.0} N/rad ({low:.0} to {high:.0}; model {k_before:.0})   mu_zeta c {product} (model {product_before:.4})   residual {residual:.0} N\n       \
          c {shape}; plain least squares gives {plain:.2} % of K (slip noise {noise:.2e} rad)\n"

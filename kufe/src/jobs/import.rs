@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use kufe_sled::{RunFormat, file_stem, run_file, write_run};
 use kufe_telemetry::{
-    ExcludedRun, Importer, Note, Plan, PlannedRun, RunFormatWord, index_csv, model_fragment, plan,
+    ExcludedRun, Importer, Note, Plan, PlannedRun, index_csv, model_fragment, plan,
 };
 use rayon::prelude::*;
 
@@ -54,10 +54,7 @@ impl RunImport {
         if let Some(first) = excluded.first().filter(|_| strict) {
             return Err(Failure::BadInput(first.reason.clone()));
         }
-        let format = match importer.mapping().format {
-            RunFormatWord::Csv => RunFormat::Csv,
-            RunFormatWord::Parquet => RunFormat::Parquet,
-        };
+        let format = importer.mapping().format;
         let fragment = model_fragment(importer.mapping(), &file).map_err(Failure::bad_input)?;
         Ok(RunImport {
             mapping: mapping.to_path_buf(),

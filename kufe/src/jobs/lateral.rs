@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::path::Path;
 
-use kufe_sled::friction::MagicFormula;
-use kufe_sled::{FitOptions, Model, RunnerFitResult, SledFit, Vehicle, by_track, fit, validate};
+use kufe_sled::friction::{LateralFit, MagicFormula};
+use kufe_sled::{Model, Vehicle, by_track, fit, validate};
 
 use crate::jobs::failure::Failure;
 use crate::jobs::runs::{Loaded, RunSelection};
@@ -16,37 +16,35 @@ use crate::results::{LateralFitDocument, Validation};
 pub struct FittedRuns {
     /// The runs, and the model before the fit.
     pub loaded: Loaded,
-    /// The fit.
-    pub fit: SledFit,
-    /// The document.
+    /// The fit, and what it rests on.
     pub document: LateralFitDocument,
     /// The model with the fitted laws, as its file's text.
     pub model: String,
 }
 
-/// Fits the lateral friction of both runners to the selected runs.
+/// Fits the lateral friction of both runners to the selected runs; `leave_out_contacts` excludes
+/// samples with an external force.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with file and place, and where the runs do not determine the stiffness of
 /// a runner; [`Failure::NotConverged`].
 pub fn fit_lateral(
     selection: &RunSelection,
-    options: &FitOptions,
+    leave_out_contacts: bool,
     watch: &Watch,
 ) -> Result<FittedRuns, Failure> {
     let loaded = selection.load(watch, |_| true)?;
     watch.progress("fitting");
-    let fit = fit(&loaded.prepared, &loaded.vehicle, options)?;
+    let fit = fit(&loaded.prepared, &loaded.vehicle, leave_out_contacts)?;
     let model = fit.applied_to(&loaded.model).to_toml();
     // The written model is valid.
     Model::from_toml(&model, "model.fit.toml").and_then(|model| Vehicle::with_effects(&model))?;
     let document = LateralFitDocument {
-        fit: fit.result(),
+        fit,
         used: loaded.used.clone(),
     };
     Ok(FittedRuns {
         loaded,
-        fit,
         document,
         model,
     })
@@ -83,10 +81,11 @@ impl FittedLaws {
     /// # Errors
     /// [`Failure::BadInput`] for a value of a law that is out of range.
     pub fn of(document: &LateralFitDocument) -> Result<FittedLaws, Failure> {
-        let law = |name: &str, runner: &RunnerFitResult| {
-            runner
-                .law()
-                .map_err(|error| Failure::bad_input(error).within(name))
+        let law = |name: &str, runner: &LateralFit| {
+            let law = runner.law();
+            let checked = law.check();
+            checked.map_err(|error| Failure::bad_input(error).within(name))?;
+            Ok::<_, Failure>(law)
         };
         Ok(FittedLaws {
             front: law("front", &document.fit.front)?,

@@ -118,12 +118,13 @@ impl FrictionLaw {
         let at = conditions.operating_point(solution.fz, self.drag_area);
         let (p_max, mu_base) = (solution.p_max, self.law.mu(solution.p_max));
         let (mu, effects, effects_not_concerned) = self.with_effects(mu_base, &at)?;
-        let (capped, mu_error) = match self.law {
+        let (depends_on_pressure, capped, mu_error) = match self.law {
             Longitudinal::Pressure(law) => (
+                true,
                 law.uncapped(p_max) > law.mu_cap,
                 law.slope(p_max).abs() * solution.p_max_error,
             ),
-            Longitudinal::Fixed(_) => (false, 0.0),
+            Longitudinal::Fixed(_) => (false, false, 0.0),
         };
         let alpha_rad = conditions.alpha_rad;
         let fx_n = longitudinal_force(solution.fz, alpha_rad, mu);
@@ -133,7 +134,7 @@ impl FrictionLaw {
             mu,
             mu_base,
             mu_error,
-            depends_on_pressure: self.law.needs_pressure(),
+            depends_on_pressure,
             capped,
             alpha_rad,
             fx_n,

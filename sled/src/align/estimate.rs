@@ -4,7 +4,7 @@ use crate::align::AlignedRun;
 use crate::align::signature::{ReferenceProfile, TrackSignature};
 use crate::columns::write_csv;
 use crate::friction::GRAVITY;
-use crate::model::sled::Tolerances;
+use crate::sled::Tolerances;
 use crate::track::table::{IceAlong, Track};
 
 /// A track made of runs, with the standard errors of each row.

@@ -10,16 +10,16 @@ use serde::Serialize;
 use crate::align::estimate::{TrackEstimate, estimate, mean_profile, over_track};
 use crate::align::signature::{DistanceWarp, Line, ReferenceProfile, TrackSignature, search};
 use crate::error::Error;
-use crate::model::sled::Tolerances;
 use crate::model::vehicle::Vehicle;
 use crate::record::run::Run;
 use crate::series::{bridged, integral, median};
 use crate::signals::prepare::Prepared;
+use crate::sled::Tolerances;
 use crate::track::table::TrackShape;
 
 /// Share of a track's variance that a run which is on it may leave at most; half of what two unlike
 /// tracks leave.
-const MOST_LEFT: f64 = 0.5;
+const MOST_UNEXPLAINED: f64 = 0.5;
 /// Elsewhere must fit worse by this, else the place is not known.
 const ELSEWHERE: f64 = 1.5;
 /// Rounds of runs on the mean of runs: the first run's own drift is out of it after two.
@@ -121,7 +121,7 @@ fn place(
     };
     let found = search(measured, reference);
     let (line, elsewhere) = found.ok_or_else(|| unplaced(f64::NAN, f64::NAN))?;
-    if line.misfit > MOST_LEFT || elsewhere < ELSEWHERE * line.misfit {
+    if line.misfit > MOST_UNEXPLAINED || elsewhere < ELSEWHERE * line.misfit {
         return Err(unplaced(line.misfit, elsewhere));
     }
     let warp = refine(measured, reference, &line);

@@ -1,9 +1,9 @@
 //! What a run measures of the track, metre by metre of its own distance.
 
-use crate::model::sled::Sled;
 use crate::motion::state::State;
 use crate::series::{HALF_WIDTH, derivative};
 use crate::signals::prepare::Prepared;
+use crate::sled::Sled;
 use crate::track::table::TrackShape;
 
 /// The slope is a mean over this way on either side [m]: it hangs on the derivative of the speed,

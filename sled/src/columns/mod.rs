@@ -1,7 +1,6 @@
-//! Columns of numbers by name, read from CSV, Parquet and MATLAB files; MDF 4 logs.
+//! Columns of numbers by name, read from CSV, Parquet and MATLAB files.
 
 pub(crate) mod matlab;
-pub(crate) mod mdf4;
 pub(crate) mod parquet;
 pub(crate) mod table;
 
@@ -185,10 +184,12 @@ fn ending(path: &Path) -> String {
 /// Whether a file of text ends within a line: a recorder that lost its power writes such, and its
 /// last cell may be cut.
 pub(crate) fn is_cut_short(path: &Path) -> bool {
+    if ["parquet", "mat"].contains(&ending(path).as_str()) {
+        return false;
+    }
     let lengths = kufe_files::open_regular(path)
         .and_then(|mut text| Ok((whole_lines(&mut text)?, text.metadata()?.len())));
-    let is_text = !["parquet", "mat"].contains(&ending(path).as_str());
-    is_text && lengths.is_ok_and(|(whole, length)| whole < length)
+    lengths.is_ok_and(|(whole, length)| whole < length)
 }
 
 /// Length of a text up to the end of its last whole line, or of all of it where no line ends

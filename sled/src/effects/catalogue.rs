@@ -185,17 +185,17 @@ pub(super) const ON_FORCES: &[(&str, ForceLaw)] = &[
 /// Laws for the constants of the sled.
 pub(super) const ON_SLED: &[(&str, SledLaw)] = &[
     ("cg-place", |p, sled| {
-        sled.axles[0] -= p[0];
-        sled.axles[1] += p[0];
-        sled.accelerometer[0] -= p[0];
-        sled.slip_sensor -= p[0];
+        sled.l_f_m -= p[0];
+        sled.l_r_m += p[0];
+        sled.accel_x_m -= p[0];
+        sled.slip_x_m -= p[0];
     }),
     ("lever-arm", |p, sled| {
-        sled.accelerometer[0] += p[0];
-        sled.accelerometer[2] += p[1];
+        sled.accel_x_m += p[0];
+        sled.accel_z_m += p[1];
     }),
-    ("mass", |p, sled| sled.mass += p[0]),
-    ("yaw-inertia", |p, sled| sled.yaw_inertia *= 1.0 + p[0]),
+    ("mass", |p, sled| sled.mass_kg += p[0]),
+    ("yaw-inertia", |p, sled| sled.j_zz_kgm2 *= 1.0 + p[0]),
 ];
 
 /// Laws for the track's slope.

@@ -4,7 +4,8 @@ use serde::Deserialize;
 
 use crate::column::Sensor;
 use crate::effects::catalogue::{ON_FORCES, ON_FRICTION, ON_SLED, ON_SLOPE};
-use crate::effects::{Constants, Forces, Info, OperatingPoint, Signals, State};
+use crate::effects::{Forces, Info, OperatingPoint, Signals, State};
+use crate::sled::Sled;
 
 /// The friction coefficient from an effect's parameters, the coefficient without it, and the
 /// operating point.
@@ -14,7 +15,7 @@ pub type FrictionLaw = fn(&[f64], f64, &OperatingPoint) -> f64;
 pub type ForceLaw = fn(&[f64], &State, &mut Forces);
 
 /// Changes the constants of the sled, from parameters.
-pub type SledLaw = fn(&[f64], &mut Constants);
+pub type SledLaw = fn(&[f64], &mut Sled);
 
 /// What is added to the track's slope [rad], from parameters and distance [m].
 pub type SlopeLaw = fn(&[f64], f64) -> f64;
@@ -121,7 +122,7 @@ impl Effect {
     }
 
     /// From the stated constants of the sled to the true ones.
-    pub fn find_constants(&self, parameters: &[f64], sled: &mut Constants) {
+    pub fn find_constants(&self, parameters: &[f64], sled: &mut Sled) {
         if let Some(law) = self.on_sled {
             law(parameters, sled);
         }

@@ -13,7 +13,7 @@
 //! |---|---|
 //! | [`Effect`], [`Info`], [`CATALOGUE`] | one effect, its description, all of them |
 //! | [`OperatingPoint`], [`State`], [`Signals`] | input of an effect: of a runner, of a sled, of the sensors |
-//! | [`Forces`], [`Constants`] | what it may change besides signals |
+//! | [`Forces`], [`Sled`](crate::Sled) | what it may change besides signals |
 //! | [`Effects`], [`Active`], [`Custom`] | the effects that a model switches on, expressions among them |
 //!
 //! ```
@@ -41,5 +41,5 @@ pub use description::{ActsOn, Edge, Experiments, Form, Info, Judged, Level, Para
 pub use effect::{Effect, Fault, Reading};
 pub use expression::{Expression, ExpressionError};
 pub use series::{Relaxed, ahead};
-pub use state::{Constants, Forces, OperatingPoint, Signals, State};
+pub use state::{Forces, OperatingPoint, Signals, State};
 pub use switched::{Active, EffectError, Effects, Kind, schema};

@@ -1,10 +1,9 @@
-//! State of a sled as effects see it, and the forces, signals and constants that they may change.
-
-use std::ops::Sub;
+//! State of a sled as effects see it, and the forces and signals that they may change.
 
 use crate::column::{SENSORS, Sensor};
 use crate::conditions::Conditions;
 use crate::friction::film::Patch;
+use crate::sled::Sled;
 
 /// The sled at one instant, true as far as the effects on sensors have been taken out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -83,39 +82,6 @@ pub struct OperatingPoint {
     pub patch: Patch,
 }
 
-/// Mass, inertia and places of a sled, in vehicle axes (x forward, y left, z up, from the centre
-/// of gravity).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Constants {
-    /// Mass with crew [kg].
-    pub mass: f64,
-    /// Pitch moment of inertia [kg m2].
-    pub pitch_inertia: f64,
-    /// Yaw moment of inertia [kg m2].
-    pub yaw_inertia: f64,
-    /// Front axle before the centre of gravity, rear axle behind it [m].
-    pub axles: [f64; 2],
-    /// Accelerometer [m].
-    pub accelerometer: [f64; 3],
-    /// Slip sensor, forward [m].
-    pub slip_sensor: f64,
-}
-
-impl Sub for Constants {
-    type Output = Constants;
-
-    fn sub(self, other: Constants) -> Constants {
-        Constants {
-            mass: self.mass - other.mass,
-            pitch_inertia: self.pitch_inertia - other.pitch_inertia,
-            yaw_inertia: self.yaw_inertia - other.yaw_inertia,
-            axles: std::array::from_fn(|k| self.axles[k] - other.axles[k]),
-            accelerometer: std::array::from_fn(|k| self.accelerometer[k] - other.accelerometer[k]),
-            slip_sensor: self.slip_sensor - other.slip_sensor,
-        }
-    }
-}
-
 /// The readings of all sensors, or the true values: the faults of sensors lie between the two.
 ///
 /// Indexed by [`Sensor`]: `signals[Sensor::YawRate]` [rad/s].
@@ -126,7 +92,7 @@ pub struct Signals {
     /// Their derivatives by time [1/s], where they are known; 0 elsewhere.
     pub rate: [f64; SENSORS],
     /// The sled that carries the sensors.
-    pub sled: Constants,
+    pub sled: Sled,
 }
 
 impl Signals {

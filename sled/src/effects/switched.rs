@@ -10,8 +10,8 @@ use crate::effects::Parameter;
 use crate::effects::catalogue::{CATALOGUE, find};
 use crate::effects::custom::{Channel, Custom};
 use crate::effects::expression::ExpressionError;
-use crate::effects::{Constants, Forces, OperatingPoint, Signals, State};
-use crate::effects::{Effect, Fault, Reading};
+use crate::effects::{Effect, Fault, Forces, OperatingPoint, Reading, Signals, State};
+use crate::sled::Sled;
 
 /// All active effects, in the order of their names.
 #[derive(Clone, Debug, Default)]
@@ -135,7 +135,7 @@ impl Effects {
     }
 
     /// From the stated constants of the sled to the true ones.
-    pub fn find_constants(&self, sled: &mut Constants) {
+    pub fn find_constants(&self, sled: &mut Sled) {
         for effect in &self.active {
             if let Some(kind) = effect.catalogue() {
                 kind.find_constants(&effect.values, sled);
@@ -144,16 +144,21 @@ impl Effects {
     }
 
     /// Changes the forces of the base law.
-    pub fn act(&self, track: &str, at: &State, forces: &mut Forces) {
-        for effect in self.active.iter().filter(|effect| effect.acts_on(track)) {
+    ///
+    /// An effect of one track does not act here: [`Effects::on_track`] frees it of its name.
+    pub fn act(&self, at: &State, forces: &mut Forces) {
+        for effect in self.everywhere() {
             effect.act(at, forces);
         }
     }
 
-    /// What is added to the track's slope at `s` [m], downhill positive [rad].
-    pub fn slope(&self, track: &str, s: f64) -> f64 {
-        let own = self.active.iter().filter(|effect| effect.acts_on(track));
-        own.map(|effect| effect.slope(s)).sum()
+    /// What is added to the track's slope at `s` [m], downhill positive [rad]; as [`Effects::act`].
+    pub fn slope(&self, s: f64) -> f64 {
+        self.everywhere().map(|effect| effect.slope(s)).sum()
+    }
+
+    fn everywhere(&self) -> impl Iterator<Item = &Active> {
+        self.active.iter().filter(|effect| effect.track.is_none())
     }
 }
 

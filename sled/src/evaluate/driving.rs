@@ -217,7 +217,7 @@ fn straight_glide(vehicle: &Vehicle, at: &Balance, forces: &AxleForces) -> Force
         roll_split: 0.0,
         ..at.seen(vehicle, laws.load_n)
     };
-    vehicle.effects.act("", &seen, &mut straight);
+    vehicle.effects.act(&seen, &mut straight);
     straight
 }
 

@@ -4,9 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::evaluate::driving::RunEvaluation;
-use crate::model::sled::Sled;
 use crate::motion::state::State;
 use crate::series::distinct;
+use crate::sled::Sled;
 
 /// Length of the stretches [m], which begin at its multiples: a third of a curve.
 const STRETCH_M: f64 = 25.0;

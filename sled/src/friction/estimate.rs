@@ -200,15 +200,6 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// A value that was fixed, not estimated.
-    pub fn fixed(value: f64) -> Self {
-        Estimate {
-            value,
-            low: value,
-            high: value,
-        }
-    }
-
     /// A value give or take `half`.
     pub(crate) fn about(value: f64, half: f64) -> Self {
         Estimate {

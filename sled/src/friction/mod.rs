@@ -31,7 +31,8 @@ pub use experiments::{Experiment, read_experiments, write_experiments};
 pub use glide_run::{
     GRAVITY, GlideRun, LineFit, SHARE_LEFT_OUT, air_density, evaluate_glide, fit_line,
 };
-pub use lateral::fit::{LateralFit, fit_lateral};
+pub(crate) use lateral::fit::CONFIDENCE;
+pub use lateral::fit::{Interval, LateralFit, fit_lateral};
 pub use lateral::law::{Braghin, LateralAngles, LateralDerivatives, MagicFormula, sin_cos_near};
 pub use lateral::{Combination, Identifiability, LateralFitOptions, LateralSample};
 pub use longitudinal::law::{

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::model::sled::{ModelConditions, Noise, Sled, Survey, Tolerances};
+use crate::sled::{ModelConditions, Noise, Sled, Survey, Tolerances};
 
 /// A whole model file: what simulations, fits and evaluations are made with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -12,7 +12,7 @@ use crate::effects::{Active, Effects};
 use crate::error::Error;
 use crate::friction::{Longitudinal, MagicFormula, PressureLaw};
 use crate::model::model_toml::Model;
-use crate::model::sled::{ModelConditions, Sled};
+use crate::sled::{ModelConditions, Sled};
 
 /// A sled with the friction of both runners.
 #[derive(Clone, Debug)]
@@ -96,14 +96,14 @@ impl Vehicle {
         // Experiments alone state the contact.
         let contact = Column::ContactLength.name();
         refuse_effects(&vehicle.effects, &[contact], &model.name())?;
-        let mut constants = model.sled.constants();
-        vehicle.effects.find_constants(&mut constants);
-        vehicle.sled.set_constants(&constants);
-        let inertia = [
-            constants.mass,
-            constants.pitch_inertia,
-            constants.yaw_inertia,
-        ];
+        vehicle.effects.find_constants(&mut vehicle.sled);
+        let Sled {
+            mass_kg,
+            j_yy_kgm2,
+            j_zz_kgm2,
+            ..
+        } = vehicle.sled;
+        let inertia = [mass_kg, j_yy_kgm2, j_zz_kgm2];
         let mut keys = ["mass_kg", "j_yy_kgm2", "j_zz_kgm2"]
             .into_iter()
             .zip(inertia);
@@ -131,11 +131,13 @@ impl Vehicle {
     pub fn on_run(&self, track: &str, conditions: &Conditions) -> Vehicle {
         let mut vehicle = self.on_track(track);
         if conditions.mass_kg.is_finite() {
-            let mut constants = vehicle.sled.constants();
-            constants.mass = conditions.mass_kg;
+            let mut sled = Sled {
+                mass_kg: conditions.mass_kg,
+                ..vehicle.sled
+            };
             // What effects add to the model's mass they add to this one.
-            self.effects.find_constants(&mut constants);
-            vehicle.sled.mass_kg = constants.mass;
+            self.effects.find_constants(&mut sled);
+            vehicle.sled.mass_kg = sled.mass_kg;
         }
         vehicle
     }

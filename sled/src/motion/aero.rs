@@ -2,7 +2,7 @@
 
 pub use crate::friction::air_density;
 
-use crate::model::sled::Sled;
+use crate::sled::Sled;
 
 /// Drag area [m2] at the chassis slip angle `beta` [rad]: `c_d A (1 + k |beta in degrees|)`.
 ///

@@ -15,10 +15,10 @@
 
 use crate::effects::{self as effects, Forces, OperatingPoint};
 use crate::friction::{LateralDerivatives, sin_cos_near};
-use crate::model::sled::Sled;
 use crate::model::vehicle::{RunnerFriction, Vehicle};
 use crate::motion::aero;
 use crate::motion::state::{AxleForces, Motion, Resultant, State, turned};
+use crate::sled::Sled;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -127,7 +127,7 @@ impl Balance {
         let mut forces = laws.forces;
         if !vehicle.effects.is_empty() {
             let seen = self.seen(vehicle, laws.load_n);
-            vehicle.effects.act("", &seen, &mut forces);
+            vehicle.effects.act(&seen, &mut forces);
         }
         forces
     }

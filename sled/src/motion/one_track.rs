@@ -17,9 +17,9 @@
 use crate::effects::Forces;
 use crate::friction::Braghin;
 
-use crate::model::sled::Sled;
 use crate::model::vehicle::Vehicle;
 use crate::motion::balance::Balance;
+use crate::sled::Sled;
 
 pub use crate::motion::state::{AxleForces, Motion, Resultant, State};
 pub use crate::motion::state::{body_to_front, front_to_body, normal_forces};
@@ -97,7 +97,7 @@ fn changed(
         ..Forces::default()
     };
     let seen = at.seen(vehicle, load);
-    vehicle.effects.act("", &seen, &mut forces);
+    vehicle.effects.act(&seen, &mut forces);
     forces
 }
 

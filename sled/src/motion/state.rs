@@ -7,7 +7,7 @@ use crate::column::Sensor;
 use crate::conditions::Conditions;
 use crate::effects::{OperatingPoint, Relaxed, Signals};
 use crate::friction::film::Patch;
-use crate::model::sled::Sled;
+use crate::sled::Sled;
 
 /// One instant of a sled, measured or simulated: all that friction and air depend on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

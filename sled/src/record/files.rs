@@ -6,6 +6,8 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 use crate::column::COLUMNS;
 use crate::columns::parquet::write_parquet;
@@ -191,7 +193,8 @@ pub(crate) fn find_copy(runs: &[Run]) -> Option<(usize, usize)> {
 }
 
 /// File formats that runs are written in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum RunFormat {
     /// Text, nine decimals.
     #[default]

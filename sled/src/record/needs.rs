@@ -3,7 +3,7 @@
 use crate::column::COLUMNS;
 use crate::conditions::Conditions;
 use crate::error::Error;
-use crate::model::sled::Sled;
+use crate::sled::Sled;
 
 /// What a computation needs of a run besides `t_s`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

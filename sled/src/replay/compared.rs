@@ -143,9 +143,9 @@ const WINDOW_M: usize = 20;
 const EDGE_M: usize = 5;
 /// Times the root mean square of all windows from which a window is exceptional, as in the other
 /// comparisons with runs.
-const STANDS_OUT: f64 = 2.0;
+const EXCEPTIONAL: f64 = 2.0;
 /// Standard deviations that noise does not reach: once in 10^4 windows.
-const BEYOND_NOISE: f64 = 4.0;
+const NOISE_LIMIT: f64 = 4.0;
 /// Force over weight below which a window is not reported: a fiftieth of the friction on ice, still
 /// above what steps and filters err.
 const LEAST_MU: f64 = 1e-4;
@@ -184,11 +184,11 @@ pub(crate) fn sections(
         let floor = |window: &Window| match k {
             0 => {
                 let force = 2.0_f64.sqrt() * mass_kg * window.v_mps * noise / WINDOW_M as f64;
-                (BEYOND_NOISE * force).max(LEAST_MU * mass_kg * GRAVITY)
+                (NOISE_LIMIT * force).max(LEAST_MU * mass_kg * GRAVITY)
             }
-            _ => (BEYOND_NOISE * noise).max(LEAST_SHARE * own),
+            _ => (NOISE_LIMIT * noise).max(LEAST_SHARE * own),
         };
-        windows.retain(|window| window.size.abs() > (STANDS_OUT * rms).max(floor(window)));
+        windows.retain(|window| window.size.abs() > (EXCEPTIONAL * rms).max(floor(window)));
         let mut sections: Vec<Section> = Vec::new();
         let mut late_before = 0.0;
         for window in windows {

@@ -171,7 +171,7 @@ const MEASURED: [(&str, Of); 5] = [
 /// and outside the ends.
 ///
 /// Between readings on a straight line; only what was recorded. The run must have `s_m`.
-pub fn beside_measured(run: &mut Run, inputs: &Inputs) {
+pub fn add_measured_columns(run: &mut Run, inputs: &Inputs) {
     let Some(places) = run.columns.get("s_m").cloned() else {
         return;
     };

@@ -14,8 +14,8 @@ use crate::record::index::Entry;
 use crate::record::needs::Needs;
 use crate::record::run::Run;
 use crate::series::{noise_gain, noise_sd_within};
+use crate::signals::filtered::FilteredSignals;
 use crate::signals::prepare::{PrepareOptions, Resampling, refuse_short};
-use crate::signals::sensed::Sensed;
 use crate::track::spline::Spline;
 
 /// What a replay needs; the weather is read by what drives.
@@ -102,7 +102,7 @@ impl Inputs {
         let recorded = run.columns.contains_key("s_m");
         let from = if recorded { 0.0 } else { start_m };
         let (mut readings, mut pieces) = (Vec::new(), Vec::new());
-        for (sensed, valid) in Sensed::stretches(run, vehicle, &effects, &NEEDS, &base)? {
+        for (sensed, valid) in FilteredSignals::stretches(run, vehicle, &effects, &NEEDS, &base)? {
             let start = readings.len();
             for i in valid {
                 let (signals, at) = (sensed.signals(i), sensed.operating_point(i));

@@ -6,17 +6,17 @@ use rayon::prelude::*;
 
 use crate::effects::{Active, Effects, Relaxed};
 use crate::error::Error;
-use crate::model::sled::Noise;
 use crate::model::vehicle::Vehicle;
-use crate::motion::one_track::{forward, inverse};
-use crate::motion::state::{AxleForces, Motion, State, from_sensors};
+use crate::motion::one_track::forward;
+use crate::motion::state::{Motion, State, from_sensors};
 use crate::record::check::LEAST_SAMPLES;
 use crate::record::gaps::SampleCoverage;
 use crate::record::index::Entry;
 use crate::record::needs::Needs;
 use crate::record::run::Run;
 use crate::series::{HALF_WIDTH, bridged, integral, noise_gain, ratio, resample_from};
-use crate::signals::sensed::{Sensed, estimate_noise, no_number, slip_noise};
+use crate::signals::filtered::{FilteredSignals, estimate_noise, no_number, slip_noise};
+use crate::sled::Noise;
 
 /// A run as a series of states with the motion measured at each.
 #[derive(Clone, Debug)]
@@ -51,13 +51,6 @@ impl Prepared {
             _ => self.used_s(),
         }
     }
-
-    /// Forces on the runners as the motion demands them, one a state.
-    pub fn measured_forces(&self, vehicle: &Vehicle) -> Vec<AxleForces> {
-        let instants = self.states.iter().zip(&self.motions);
-        let inverse = |(state, motion)| inverse(vehicle, state, motion);
-        instants.map(inverse).collect()
-    }
 }
 
 /// Prepares one run.
@@ -87,7 +80,7 @@ pub fn prepare(
     let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
     let (sled, effects) = (&vehicle.sled, &vehicle.effects);
     let base = Resampling::of(run, options);
-    let stretches = Sensed::stretches(run, vehicle, effects, &options.needs, &base)?;
+    let stretches = FilteredSignals::stretches(run, vehicle, effects, &options.needs, &base)?;
     let (mut states, mut motions, mut pieces) = (Vec::new(), Vec::new(), Vec::new());
     let mut speeds: (f64, usize) = (0.0, 0);
     let along = run.columns.contains_key("ax_mps2");

@@ -7,8 +7,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::friction::GRAVITY;
-use crate::model::sled::Sled;
 use crate::motion::state::State;
+use crate::sled::Sled;
 use crate::track::spline::Spline;
 use crate::track::table::TrackShape;
 

@@ -101,8 +101,6 @@ pub struct Instant {
     pub angular_accel_radps2: [f64; 3],
     /// Slip angle at the slip sensor [rad].
     pub alpha_sensor_rad: f64,
-    /// Lateral force of contacts with the wall [N].
-    pub wall_n: f64,
     /// Growth of the speed at the sensor [m/s2].
     pub speed_growth: f64,
     /// Rate of the slip angle at the sensor [rad/s].
@@ -139,7 +137,7 @@ impl World<'_> {
         let delta = self.steering.angle(s, integrated);
         let [mut theta, mut theta_s, _] = self.shape.slope.at(s);
         if !self.vehicle.effects.is_empty() {
-            let added = |s: f64| self.vehicle.effects.slope("", s);
+            let added = |s: f64| self.vehicle.effects.slope(s);
             theta += added(s);
             theta_s += added(s + 0.5) - added(s - 0.5);
         }
@@ -297,7 +295,6 @@ impl World<'_> {
             forces,
             angular_accel_radps2: [roll_accel, pitch_accel, yaw_accel],
             alpha_sensor_rad: alpha,
-            wall_n: wall,
             speed_growth,
             alpha_sensor_rate_radps: alpha_t,
             steering_rate_radps: steering_t,

@@ -10,7 +10,6 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::model::sled::{Noise, Sled};
 use crate::model::vehicle::Vehicle;
 use crate::motion::state::lever_acceleration;
 use crate::record::gaps::Gaps;
@@ -19,6 +18,7 @@ use crate::record::run::Run;
 use crate::series::{HALF_WIDTH, derivative};
 use crate::simulate::drive::Simulated;
 use crate::simulate::dynamics::Instant;
+use crate::sled::{Noise, Sled};
 use crate::track::table::Track;
 
 /// What the sensors of the sled record of a simulated run, in the format of a measured one.
@@ -98,7 +98,7 @@ fn true_signals(sled: &Sled, instant: &Instant) -> Signals {
     let angular = instant.angular_accel_radps2;
     let lever = lever_acceleration(rates, angular, place);
     let mut signals = Signals {
-        sled: sled.constants(),
+        sled: *sled,
         ..Signals::default()
     };
     for i in 0..3 {

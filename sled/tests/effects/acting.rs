@@ -10,13 +10,14 @@ fn local_effects_act_in_their_window_on_their_track() {
     let effects = effects(text).unwrap();
     assert_eq!(effects.active[0].effect_name(), "wall-contact");
     let mut f = forces();
-    effects.act("a", &state(), &mut f);
+    effects.on_track("a").act(&state(), &mut f);
     assert_eq!(f.body_across, 500.0);
-    effects.act("b", &state(), &mut f);
+    effects.act(&state(), &mut f);
+    effects.on_track("b").act(&state(), &mut f);
     assert_eq!(f.body_across, 500.0);
     let mut later = state();
     later.point.s = 31.0;
-    effects.act("a", &later, &mut f);
+    effects.on_track("a").act(&later, &mut f);
     assert_eq!(f.body_across, 500.0);
     assert!(effects.on_track("b").is_empty());
     assert_eq!(effects.on_track("a").active[0].track, None);
@@ -36,7 +37,7 @@ fn a_contact_that_varies_from_run_to_run_is_half_a_wave_with_its_lever() {
     ] {
         let (mut at, mut f) = (state(), forces());
         at.point.s = s;
-        effects.act("a", &at, &mut f);
+        effects.act(&at, &mut f);
         assert!((f.body_across - 500.0 * share).abs() < 1e-9, "{s}: {f:?}");
         assert!((f.body_yaw - 100.0 * share).abs() < 1e-9, "{s}: {f:?}");
     }
@@ -46,7 +47,7 @@ fn a_contact_that_varies_from_run_to_run_is_half_a_wave_with_its_lever() {
 fn an_effect_on_the_coefficient_acts_on_both_runners() {
     let effects = effects("[effects.warm-up]\nexcess = 1.0\ntime_s = 3.0").unwrap();
     let mut f = forces();
-    effects.act("a", &state(), &mut f);
+    effects.act(&state(), &mut f);
     let factor = 1.0 + (-1.0_f64).exp();
     for (with, without) in f.along.iter().zip(forces().along) {
         assert!((with - factor * without).abs() < 1e-12, "{with}");
@@ -54,7 +55,7 @@ fn an_effect_on_the_coefficient_acts_on_both_runners() {
     // A slope is none of the forces: the speed feels it.
     let slope = crate::tables::effects("[effects.slope]\noffset_rad = 0.01").unwrap();
     let mut f = forces();
-    slope.act("a", &state(), &mut f);
+    slope.act(&state(), &mut f);
     assert_eq!(f, forces());
-    assert_eq!(slope.slope("a", 3.0), 0.01);
+    assert_eq!(slope.slope(3.0), 0.01);
 }

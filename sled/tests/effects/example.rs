@@ -6,7 +6,8 @@
 //! a derivative by time.
 
 use kufe_sled::Conditions;
-use kufe_sled::effects::{Constants, Effect, Forces, OperatingPoint, Sensor, Signals, State};
+use kufe_sled::Sled;
+use kufe_sled::effects::{Effect, Forces, OperatingPoint, Sensor, Signals, State};
 
 /// An example of an effect.
 pub struct Example {
@@ -164,12 +165,12 @@ fn force<'a>(forces: &'a mut Forces, name: &str) -> Option<&'a mut f64> {
     })
 }
 
-fn constant<'a>(sled: &'a mut Constants, name: &str) -> Option<&'a mut f64> {
+fn constant<'a>(sled: &'a mut Sled, name: &str) -> Option<&'a mut f64> {
     Some(match name {
-        "mass_kg" => &mut sled.mass,
-        "j_zz_kgm2" => &mut sled.yaw_inertia,
-        "l_r_m" => &mut sled.axles[1],
-        "accel_x_m" => &mut sled.accelerometer[0],
+        "mass_kg" => &mut sled.mass_kg,
+        "j_zz_kgm2" => &mut sled.j_zz_kgm2,
+        "l_r_m" => &mut sled.l_r_m,
+        "accel_x_m" => &mut sled.accel_x_m,
         _ => return None,
     })
 }

@@ -9,7 +9,7 @@ use crate::tables::effects;
 fn effects_of_ones_own_are_expressions_of_columns() {
     let text = "[effects.mine]\nexpression = \"v_mps^2 * abs(delta_rad)\"\nchannel = \"longitudinal\"\nvalue = -2.0";
     let mut f = forces();
-    effects(text).unwrap().act("a", &state(), &mut f);
+    effects(text).unwrap().act(&state(), &mut f);
     let expected = -80.0 - 2.0 * 21.0 * 21.0 * 0.01;
     assert!((f.body_along - expected).abs() < 1e-12);
 }

@@ -1,6 +1,7 @@
 //! Between what is true and what is read there is a way back.
 
-use kufe_sled::effects::{Active, CATALOGUE, Channel, Constants, Custom, Kind, Sensor, Signals};
+use kufe_sled::Sled;
+use kufe_sled::effects::{Active, CATALOGUE, Channel, Custom, Kind, Sensor, Signals};
 
 use crate::state::{point, signals};
 
@@ -86,8 +87,8 @@ fn constants_of_the_sled_change_once() {
     inertia.disturb(&[0.1], &mut read);
     assert_eq!(read, signals(), "a sensor does not feel a constant");
     inertia.correct(&[0.1], &mut read);
-    let expected = Constants {
-        yaw_inertia: 150.0 * (1.0 + 0.1),
+    let expected = Sled {
+        j_zz_kgm2: 150.0 * (1.0 + 0.1),
         ..signals().sled
     };
     assert_eq!(read.sled, expected);

@@ -1,7 +1,8 @@
 //! A sled in a curve, for effects to act on.
 
 use kufe_sled::Conditions;
-use kufe_sled::effects::{Constants, Forces, OperatingPoint, Sensor, Signals, State};
+use kufe_sled::Sled;
+use kufe_sled::effects::{Forces, OperatingPoint, Sensor, Signals, State};
 use kufe_sled::friction::film::Patch;
 
 pub fn point() -> OperatingPoint {
@@ -62,13 +63,17 @@ pub fn forces() -> Forces {
 
 pub fn signals() -> Signals {
     let mut signals = Signals {
-        sled: Constants {
-            mass: 390.0,
-            pitch_inertia: 145.0,
-            yaw_inertia: 150.0,
-            axles: [0.82, 0.88],
-            accelerometer: [-0.35, 0.0, 0.12],
-            slip_sensor: -0.6,
+        sled: Sled {
+            mass_kg: 390.0,
+            j_yy_kgm2: 145.0,
+            j_zz_kgm2: 150.0,
+            l_f_m: 0.82,
+            l_r_m: 0.88,
+            accel_x_m: -0.35,
+            accel_y_m: 0.0,
+            accel_z_m: 0.12,
+            slip_x_m: -0.6,
+            ..Sled::default()
         },
         ..Signals::default()
     };

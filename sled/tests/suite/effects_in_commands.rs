@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 use kufe_sled::effects::{ActsOn, CATALOGUE, Effect, Experiments};
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
-    Driver, FitOptions, Model, Prepared, Run, SimulateOptions, Track, TrackShape, Vehicle,
-    evaluate, fit, prepare_all, record, simulate, simulated_entry, validate,
+    Driver, Model, Prepared, Run, SimulateOptions, Track, TrackShape, Vehicle, evaluate, fit,
+    prepare_all, record, simulate, simulated_entry, validate,
 };
 
 use serde_json::Value;
@@ -107,9 +107,9 @@ fn every_effect_changes_fit_validation_and_evaluation_and_a_slope_no_balance_of_
     let plain = Vehicle::new(&base).unwrap();
     let run = driven(&plain).unwrap();
     let answers = |runs: &[Prepared], vehicle: &Vehicle| {
-        let fitted = fit(runs, vehicle, &FitOptions::default()).unwrap();
+        let fitted = fit(runs, vehicle, true).unwrap();
         [
-            serde_json::to_value(fitted.result()).unwrap(),
+            serde_json::to_value(fitted).unwrap(),
             serde_json::to_value(validate(runs, vehicle)).unwrap(),
             serde_json::to_value(evaluate(runs, vehicle)).unwrap(),
         ]

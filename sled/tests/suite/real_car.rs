@@ -77,13 +77,14 @@ fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
     for (axle, samples) in ["front", "rear"].iter().zip(&samples) {
         let fit = fit_lateral(samples, &LateralFitOptions::default()).unwrap();
         let k = fit.k_n_per_rad;
+        let [low, high] = [k.low, k.high].map(Option::unwrap);
         println!(
             "{axle}: cornering stiffness per mass {:.1} m/s2/rad ({:.1} to {:.1}), residual {:.2} m/s2",
-            k.value, k.low, k.high, fit.residual_rms
+            k.value, low, high, fit.residual_rms_n
         );
-        assert!(k.low < k.value && k.value < k.high && k.low > 0.0);
+        assert!(low < k.value && k.value < high && low > 0.0);
         // Within 30 %: ten-second clusters of a nine-minute record.
-        assert!(k.high - k.low < 0.6 * k.value);
+        assert!(high - low < 0.6 * k.value);
         // A race car of a tonne has some 50 to 200 kN/rad an axle.
         assert!((30.0..300.0).contains(&k.value), "{axle}: {}", k.value);
         stiffness.push((fit, samples));
@@ -92,6 +93,6 @@ fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
     // the very least.
     for (fit, samples) in &stiffness {
         let power = samples.iter().map(|s| s.fy * s.fy).sum::<f64>() / samples.len() as f64;
-        assert!(fit.residual_rms.powi(2) < 0.5 * power);
+        assert!(fit.residual_rms_n.powi(2) < 0.5 * power);
     }
 }

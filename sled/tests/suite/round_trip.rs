@@ -1,10 +1,11 @@
 //! Simulated with known friction, recorded with noise, fitted: the friction must come back.
 
 use kufe_sled::friction::{LateralFit, MagicFormula};
+use kufe_sled::one_track::inverse;
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
-    Driver, FitOptions, Model, PrepareOptions, Run, SimulateOptions, TrackShape, Vehicle, fit,
-    prepare_all, record, simulate, simulated_entry,
+    Driver, Model, PrepareOptions, Run, SimulateOptions, TrackShape, Vehicle, fit, prepare_all,
+    record, simulate, simulated_entry,
 };
 
 /// Eight runs of a driver who steers hard, on a track without walls.
@@ -70,7 +71,7 @@ fn twenty_seeds_return_product_and_stiffness_within_five_percent_and_their_inter
             &PrepareOptions::default(),
         )
         .unwrap();
-        let fitted = fit(&prepared, &vehicle, &FitOptions::default()).unwrap();
+        let fitted = fit(&prepared, &vehicle, true).unwrap();
         let pairs = |fit: &LateralFit, truth: &MagicFormula| {
             [
                 (fit.k_n_per_rad, truth.k_n_per_rad),
@@ -83,7 +84,9 @@ fn twenty_seeds_return_product_and_stiffness_within_five_percent_and_their_inter
         for (i, (estimate, truth)) in found.enumerate() {
             let off = estimate.value / truth - 1.0;
             within[i] += usize::from(off.abs() < 0.05);
-            covered[i] += usize::from(estimate.covers(truth));
+            let high = estimate.high.unwrap_or(f64::INFINITY);
+            let covers = (estimate.low.unwrap()..=high).contains(&truth);
+            covered[i] += usize::from(covers);
         }
     }
     let names = ["front K", "front mu_zeta c", "rear K", "rear mu_zeta c"];
@@ -129,7 +132,9 @@ fn measured_forces_are_within_one_percent_without_noise() {
     let run = record(&simulated, &vehicle, None, entry, 1);
     // The whole chain: low pass, down-sampling, 20 Hz, derivatives, transfer, inverse.
     let prepared = prepare_all(&[run], &vehicle, None, &PrepareOptions::default()).unwrap();
-    let forces = prepared[0].measured_forces(&vehicle);
+    let instants = prepared[0].states.iter().zip(&prepared[0].motions);
+    let measured = instants.map(|(state, motion)| inverse(&vehicle, state, motion));
+    let forces: Vec<_> = measured.collect();
     for (front, axis) in [(true, 1), (true, 2), (false, 1), (false, 2)] {
         let pick = |f: &kufe_sled::AxleForces| if front { f.front[axis] } else { f.rear[axis] };
         let (mut squares, mut size) = (0.0, 0.0);

@@ -4,15 +4,15 @@ use std::sync::LazyLock;
 
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{
-    FitOptions, Group, Model, PrepareOptions, Prepared, RunEvaluation, SledFit, Vehicle, by_track,
-    evaluate, fit, groups, prepare_all, validate,
+    FitResult, Group, Model, PrepareOptions, Prepared, RunEvaluation, Vehicle, by_track, evaluate,
+    fit, groups, prepare_all, validate,
 };
 
 struct Sample {
     model: Model,
     vehicle: Vehicle,
     prepared: Vec<Prepared>,
-    fit: SledFit,
+    fit: FitResult,
 }
 
 static SAMPLE: LazyLock<Sample> = LazyLock::new(|| {
@@ -32,7 +32,7 @@ static SAMPLE: LazyLock<Sample> = LazyLock::new(|| {
         .filter(|run| days.contains(&run.entry.session.as_str()))
         .cloned()
         .collect();
-    let fit = fit(&fitted, &vehicle, &FitOptions::default()).unwrap();
+    let fit = fit(&fitted, &vehicle, true).unwrap();
     Sample {
         model,
         vehicle,
@@ -49,7 +49,7 @@ fn unseen() -> Vec<Prepared> {
 fn fitted_vehicle() -> Vehicle {
     SAMPLE
         .vehicle
-        .with_lateral(SAMPLE.fit.front.model, SAMPLE.fit.rear.model)
+        .with_lateral(SAMPLE.fit.front.law(), SAMPLE.fit.rear.law())
 }
 
 #[test]

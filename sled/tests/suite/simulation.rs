@@ -213,7 +213,9 @@ fn inverse_recovers_the_simulated_forces_from_clean_sensors() {
         }
     }
     let prepared = recorded(&simulated, &vehicle, &track, None);
-    let forces = prepared.measured_forces(&vehicle);
+    let instants = prepared.states.iter().zip(&prepared.motions);
+    let measured = instants.map(|(state, motion)| inverse(&vehicle, state, motion));
+    let forces: Vec<_> = measured.collect();
     let mut worst = 0.0_f64;
     let most = |pick: &dyn Fn(&kufe_sled::AxleForces) -> f64| {
         simulated

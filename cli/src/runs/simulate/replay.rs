@@ -9,8 +9,9 @@ use kufe::jobs::{Failure, channel_series};
 use kufe::plot::unit_of;
 use kufe::results::ReplayResult;
 use kufe_sled::{
-    Entry, Inputs, Model, Replay, SimulateOptions, Track, TrackShape, Vehicle, beside_measured,
-    gaps_line, outside_tables, read_for_replay, read_index, record, replay, table_samples,
+    Entry, Inputs, Model, Replay, SimulateOptions, Track, TrackShape, Vehicle,
+    add_measured_columns, gaps_line, outside_tables, read_for_replay, read_index, record, replay,
+    table_samples,
 };
 
 use crate::output::OutputDir;
@@ -56,7 +57,7 @@ pub fn run(
     driven.t0_s = measured.readings[0].t_s;
     let states = done.simulated.instants.iter().map(|instant| &instant.state);
     let outside = outside_tables(&vehicle, states.clone());
-    beside_measured(&mut driven, &measured);
+    add_measured_columns(&mut driven, &measured);
     let document = ReplayResult::new(&done, run.entry.file.clone(), outside.clone());
     write_runs(
         output.files(),

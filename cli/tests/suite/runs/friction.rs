@@ -93,8 +93,9 @@ fn fit_reproduces_the_papers_figures_and_writes_a_models_table() -> Outcome {
     }
     let text = std::fs::read_to_string(at.join("o/friction.toml"))?;
     let table: toml::Table = text.parse()?;
-    let law: kufe_sled::friction::Longitudinal =
+    let keys: kufe_sled::friction::LongitudinalKeys =
         table["friction"]["longitudinal"].clone().try_into()?;
+    let law = keys.model()?;
     let least = number(&fit, "/least_friction/mu/value");
     let place = number(&fit, "/least_friction/p_pa/value");
     assert!((law.mu(place) - least).abs() < 1e-12);

@@ -626,9 +626,13 @@ impl FilmTotals {
     }
 }
 
-/// The larger of two errors; what is no number is no small error.
+/// The larger of two errors; what is no number is larger than any.
 fn larger(largest: f64, error: f64) -> f64 {
-    if error <= largest { largest } else { error }
+    if error.is_nan() {
+        f64::INFINITY
+    } else {
+        largest.max(error)
+    }
 }
 
 /// The melt film along a strip.
@@ -659,5 +663,26 @@ impl Film {
     pub fn thinnest(&self) -> Option<&FilmStation> {
         let stations = self.stations.iter();
         stations.min_by(|a, b| a.thickness.total_cmp(&b.thickness))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_that_is_no_number_is_the_largest_whatever_follows_it() {
+        let value = FilmTotals {
+            viscous_drag: 1.0,
+            mean_thickness: 1.0,
+            dissipated: 1.0,
+            ..FilmTotals::default()
+        };
+        let errors = FilmTotals {
+            viscous_drag: f64::NAN,
+            mean_thickness: 0.1,
+            ..FilmTotals::default()
+        };
+        assert_eq!(errors.largest_share(&value, [1.0; 2]), f64::INFINITY);
     }
 }

@@ -11,47 +11,74 @@ use std::collections::BTreeMap;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector, Dyn, Matrix3, U1, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, in_range};
-use crate::friction::estimate::{Estimate, student_quantile};
+use crate::friction::estimate::student_quantile;
 use crate::friction::lateral::law::MagicFormula;
 
-/// The fitted model and what is known of its parameters.
-#[derive(Clone, Debug, PartialEq)]
+/// The fitted law of one runner and what is known of its parameters, as `fit.json` states it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LateralFit {
-    /// The model with attenuation corrected.
-    pub model: MagicFormula,
-    /// Cornering stiffness K [N/rad].
-    pub k_n_per_rad: Estimate,
-    /// The product of mu_zeta and C, which saturation determines.
-    pub mu_zeta_c: Estimate,
-    /// mu_zeta; conditional on C where C is fixed.
-    pub mu_zeta: Estimate,
+    /// Peak factor over load, mu_y zeta_y; conditional on C where C is fixed.
+    pub mu_zeta: Interval,
     /// Shape factor C.
-    pub c: Estimate,
-    /// Whether C was fixed at the options' value because the data do not determine it.
+    pub c: Interval,
+    /// Curvature factor E, predefined.
+    pub e: Interval,
+    /// Stiffness at zero slip [N/rad].
+    pub k_n_per_rad: Interval,
+    /// Product of `mu_zeta` and `c`, which saturation determines.
+    pub mu_zeta_c: Interval,
+    /// Whether C is fixed at the model's, because the data do not determine it.
     pub c_held: bool,
-    /// Whether the data saturate enough to determine the product; if not, its interval is 0 to
-    /// infinity and only K counts.
-    pub product_determined: bool,
-    /// Covariance of `(ln K, ln(mu_zeta C), ln C)`; zero rows where C is fixed.
-    pub covariance: Matrix3<f64>,
-    /// What the data determine, judged with all three free.
-    pub identifiability: Identifiability,
-    /// Plain least squares, which slip noise biases.
-    pub least_squares: MagicFormula,
-    /// K of plain least squares over the corrected K.
-    pub attenuation: f64,
-    /// Slip noise that was corrected for [rad].
-    pub slip_sd: f64,
-    /// Root mean square of the residual force [N].
-    pub residual_rms: f64,
+    /// Whether the data determine `mu_zeta_c`; if not, it is 0 or more and only K counts.
+    pub mu_zeta_c_determined: bool,
+    /// Number of parameter combinations that the data determine.
+    pub rank: usize,
+    /// Standard deviation of the noise in the slip angles [rad].
+    pub slip_sd_rad: f64,
+    /// Share of the stiffness that plain least squares finds.
+    pub attenuation_of_plain_least_squares: f64,
+    /// The law by plain least squares, without correction for noise in the slip.
+    pub plain_least_squares: MagicFormula,
+    /// Root mean square residual [N].
+    pub residual_rms_n: f64,
     /// Samples used.
     pub samples: usize,
-    /// Clusters that the intervals rest on.
+    /// Runs or stretches that are resampled as one.
     pub clusters: usize,
+    /// What the data determine, judged with all three parameters free; not part of the document.
+    #[serde(skip)]
+    pub identifiability: Identifiability,
 }
 
+impl LateralFit {
+    /// The fitted law, with attenuation corrected.
+    pub fn law(&self) -> MagicFormula {
+        MagicFormula {
+            mu_zeta: self.mu_zeta.value,
+            c: self.c.value,
+            e: self.e.value,
+            k_n_per_rad: self.k_n_per_rad.value,
+        }
+    }
+}
+
+/// An estimate with its confidence interval; an end that the data do not bound is absent.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Interval {
+    /// Best value.
+    pub value: f64,
+    /// Lower end.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+}
+
+/// Probability that the intervals are to cover.
+pub(crate) const CONFIDENCE: f64 = 0.95;
 /// Fewest samples a fit accepts.
 const FEWEST: usize = 20;
 /// Factor on the product above which the data lie on the straight part of the curve.
@@ -114,36 +141,36 @@ pub fn fit_lateral(
         Err(other) => return Err(other),
     };
     let clusters = by_cluster(&used, &model, options.slip_sd).len();
-    let quantile = student_quantile(options.confidence, clusters - 1);
+    let quantile = student_quantile(CONFIDENCE, clusters - 1);
+    let interval = |value: f64, low: f64, high: f64| {
+        let [low, high] = [low, high].map(|end| Some(end).filter(|end| end.is_finite()));
+        Interval { value, low, high }
+    };
     let estimate = |log: f64, variance: f64| {
         let half = quantile * variance.max(0.0).sqrt();
-        Estimate {
-            value: log.exp(),
-            low: (log - half).exp(),
-            high: (log + half).exp(),
-        }
+        interval(log.exp(), (log - half).exp(), (log + half).exp())
     };
-    let or_unknown = |mut estimate: Estimate| {
+    let or_unknown = |mut estimate: Interval| {
         if !product_determined {
-            (estimate.low, estimate.high) = (0.0, f64::INFINITY);
+            (estimate.low, estimate.high) = (Some(0.0), None);
         }
         estimate
     };
     let mu_zeta_variance = covariance[(1, 1)] + covariance[(2, 2)] - 2.0 * covariance[(1, 2)];
     Ok(LateralFit {
-        model,
+        e: interval(options.e, options.e, options.e),
         k_n_per_rad: estimate(theta[0], covariance[(0, 0)]),
         mu_zeta_c: or_unknown(estimate(theta[1], covariance[(1, 1)])),
         mu_zeta: or_unknown(estimate(theta[1] - theta[2], mu_zeta_variance)),
         c: estimate(theta[2], covariance[(2, 2)]),
         c_held: !free[2],
-        product_determined,
-        covariance,
+        mu_zeta_c_determined: product_determined,
+        rank: identifiability.rank(),
         identifiability,
-        least_squares: least_squares_model,
-        attenuation: least_squares_model.k_n_per_rad / model.k_n_per_rad,
-        slip_sd: options.slip_sd,
-        residual_rms: (squares(&used, &model) / used.len() as f64).sqrt(),
+        plain_least_squares: least_squares_model,
+        attenuation_of_plain_least_squares: least_squares_model.k_n_per_rad / model.k_n_per_rad,
+        slip_sd_rad: options.slip_sd,
+        residual_rms_n: (squares(&used, &model) / used.len() as f64).sqrt(),
         samples: used.len(),
         clusters,
     })
@@ -167,9 +194,6 @@ fn check(samples: &[LateralSample], options: &LateralFitOptions) -> Result<(), E
     in_range("c", options.c, c, "above 0, below 2")?;
     let slip_sd = (0.0..0.1).contains(&options.slip_sd);
     in_range("slip_sd", options.slip_sd, slip_sd, "0 to 0.1 rad")?;
-    let confidence = options.confidence;
-    let holds = confidence > 0.0 && confidence < 1.0;
-    in_range("confidence", confidence, holds, "above 0, below 1")?;
     for LateralSample { alpha, fz, fy, .. } in samples {
         let slip = alpha.abs() < std::f64::consts::FRAC_PI_2;
         in_range("slip angle", *alpha, slip, "radians within a quarter turn")?;
@@ -229,8 +253,6 @@ pub struct LateralFitOptions {
     /// Standard deviation of the noise in the slip angles as given, after any filter [rad]; 0 where
     /// they are exact.
     pub slip_sd: f64,
-    /// Probability that the intervals are to cover.
-    pub confidence: f64,
 }
 
 impl Default for LateralFitOptions {
@@ -239,7 +261,6 @@ impl Default for LateralFitOptions {
             e: 0.99,
             c: 0.05,
             slip_sd: 0.0,
-            confidence: 0.95,
         }
     }
 }
@@ -351,7 +372,7 @@ impl Score {
 }
 
 /// A direction in `(ln K, ln(mu_zeta C), ln C)` and how well it is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Combination {
     /// Exponents of K, of the product mu_zeta C and of C apart from that product, of unit length.
     pub exponents: [f64; 3],
@@ -367,7 +388,7 @@ impl Combination {
 }
 
 /// The three combinations, best determined first.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Identifiability {
     /// Right singular vectors of the Jacobian, in falling order of their singular values.
     pub combinations: [Combination; 3],

@@ -93,12 +93,6 @@ impl PressureLaw {
         1e-9 * on_mu * on_pressure * (2.0 * self.b * p - self.c)
     }
 
-    /// Pressure of least friction [Pa], where the parabola opens upwards.
-    pub fn best_pressure(&self) -> Option<f64> {
-        let (_, on_pressure) = self.factors();
-        (self.b > 0.0).then(|| 1e6 * self.c / (2.0 * self.b) / on_pressure)
-    }
-
     /// Checks that every number is finite, cap and zeta positive and the parabola not open
     /// downwards.
     ///
@@ -121,9 +115,8 @@ impl PressureLaw {
     }
 }
 
-/// Longitudinal friction of one runner; `[friction.longitudinal]` of a model file.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "LongitudinalKeys", into = "LongitudinalKeys")]
+/// Longitudinal friction of one runner.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Longitudinal {
     /// The same coefficient everywhere, dimensionless.
     Fixed(f64),
@@ -132,8 +125,6 @@ pub enum Longitudinal {
 }
 
 impl Longitudinal {
-    /// The paper's substitute for runners whose pressures are not published: mu = 0.004.
-    pub const PUBLISHED_FIXED: Longitudinal = Longitudinal::Fixed(0.004);
     /// The paper's quadratic in the pressure.
     pub const PUBLISHED: Longitudinal = Longitudinal::Pressure(PressureLaw::PUBLISHED);
 
@@ -143,11 +134,6 @@ impl Longitudinal {
             Longitudinal::Fixed(mu) => *mu,
             Longitudinal::Pressure(law) => law.mu(p_pa),
         }
-    }
-
-    /// Whether the coefficient depends on the pressure, so that a table or a solve is needed.
-    pub fn needs_pressure(&self) -> bool {
-        matches!(self, Longitudinal::Pressure(_))
     }
 }
 
@@ -310,30 +296,16 @@ impl LongitudinalKeys {
     }
 }
 
-impl TryFrom<LongitudinalKeys> for Longitudinal {
-    type Error = Error;
-
-    fn try_from(keys: LongitudinalKeys) -> Result<Self, Error> {
-        keys.model()
-    }
-}
-
-impl From<Longitudinal> for LongitudinalKeys {
-    fn from(model: Longitudinal) -> Self {
-        match model {
-            Longitudinal::Fixed(mu) => LongitudinalKeys {
-                mu: Some(mu),
-                ..Default::default()
-            },
-            Longitudinal::Pressure(law) => LongitudinalKeys {
-                b: Some(law.b),
-                c: Some(law.c),
-                d: Some(law.d),
-                mu_cap: Some(law.mu_cap),
-                zeta: Some(law.zeta),
-                zeta_acts_on: Some(law.zeta_acts_on),
-                ..Default::default()
-            },
+impl From<PressureLaw> for LongitudinalKeys {
+    fn from(law: PressureLaw) -> Self {
+        LongitudinalKeys {
+            b: Some(law.b),
+            c: Some(law.c),
+            d: Some(law.d),
+            mu_cap: Some(law.mu_cap),
+            zeta: Some(law.zeta),
+            zeta_acts_on: Some(law.zeta_acts_on),
+            ..Default::default()
         }
     }
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::column::Sensor;
 use crate::error::Error;
 use crate::fault::{Fault, FaultKind};
-use crate::record::check::mends::{MENDS, Mend};
+use crate::record::check::remedies::{REMEDIES, Remedy};
 use crate::record::check::response::response_faults;
 use crate::record::check::rigid_body::{Agreement, Slow, factor};
 use crate::record::check::rotation::{BoxRotation, is_complete};
@@ -128,7 +128,7 @@ pub(crate) fn remark(runs: &mut [Run], suspected: &[Fault]) {
 impl RelationRules {
     /// Mends the faults that the relations show, and appends them to `faults`.
     fn mend_all(&self, run: &Run, mut slow: Slow, faults: &mut Vec<Fault>) -> Slow {
-        let fault = |mend: &Mend, proven: bool, evidence: String| {
+        let fault = |mend: &Remedy, proven: bool, evidence: String| {
             let (kind, looks_like, line) = mend.describe();
             let columns = mend.columns();
             Fault::proven(run, &columns, kind, looks_like, evidence, line).proven_if(proven)
@@ -151,7 +151,7 @@ impl RelationRules {
         // The factor of `ay` is often too small to show in the residual of its relation, and known
         // well enough all the same. That of `ax` is not: gravity along the sled is far larger, and
         // where a record's pitch rate misses changes of slope, it has any sign.
-        for mend in MENDS.iter().filter(|mend| mend.0 == [Sensor::Ay]) {
+        for mend in REMEDIES.iter().filter(|mend| mend.0 == [Sensor::Ay]) {
             let axis = Sensor::Ay as usize;
             let (Some(wanted), Some((found, error))) = (mend.factor(), factor(&slow, axis)) else {
                 continue;
@@ -185,8 +185,8 @@ impl RelationRules {
     }
 
     /// The best single remedy that is shown to be right.
-    fn one(&self, slow: &Slow, before: &Agreement) -> Option<Mended> {
-        let there = MENDS.iter().filter(|mend| mend.applies(slow));
+    fn one(&self, slow: &Slow, before: &Agreement) -> Option<RemedyTrial> {
+        let there = REMEDIES.iter().filter(|mend| mend.applies(slow));
         let mended = there.map(|mend| (vec![mend], Agreement::of(&mend.applied(slow))));
         let shown = mended.filter(|(_, after)| self.shows(before, after));
         shown.reduce(better)
@@ -194,18 +194,19 @@ impl RelationRules {
 
     /// Two faults of which neither shows while the other is there; searched where the relations
     /// across or up are not satisfied.
-    fn two_at_once(&self, slow: &Slow, before: &Agreement) -> Option<Mended> {
+    fn two_at_once(&self, slow: &Slow, before: &Agreement) -> Option<RemedyTrial> {
         if before.is_below(self.holds) {
             return None;
         }
-        let there: Vec<&'static Mend> = MENDS.iter().filter(|mend| mend.applies(slow)).collect();
+        let there: Vec<&'static Remedy> =
+            REMEDIES.iter().filter(|mend| mend.applies(slow)).collect();
         let with_later = |k: usize| there[k + 1..].iter().map(move |other| (k, *other));
-        let pairs: Vec<(usize, &'static Mend)> = (0..there.len()).flat_map(with_later).collect();
-        let mend_both = |(one, other): (usize, &'static Mend)| {
+        let pairs: Vec<(usize, &'static Remedy)> = (0..there.len()).flat_map(with_later).collect();
+        let mend_both = |(one, other): (usize, &'static Remedy)| {
             let mended = other.applied(&there[one].applied(slow));
             (vec![there[one], other], Agreement::of(&mended))
         };
-        let mut judged: Vec<Mended> = pairs.into_par_iter().map(mend_both).collect();
+        let mut judged: Vec<RemedyTrial> = pairs.into_par_iter().map(mend_both).collect();
         judged.retain(|(_, after)| {
             after.is_below(self.holds) && before.score() - after.score() >= 2.0 * self.least_gain
         });
@@ -234,10 +235,10 @@ impl RelationRules {
 }
 
 /// Remedies and how well the channels then agree.
-type Mended = (Vec<&'static Mend>, Agreement);
+type RemedyTrial = (Vec<&'static Remedy>, Agreement);
 
 /// The one with the lower score; the first of equals.
-fn better(a: Mended, b: Mended) -> Mended {
+fn better(a: RemedyTrial, b: RemedyTrial) -> RemedyTrial {
     if b.1.score() < a.1.score() - 1e-9 {
         b
     } else {

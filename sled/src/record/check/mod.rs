@@ -4,9 +4,9 @@
 pub(crate) mod columns;
 pub(crate) mod examine;
 pub(crate) mod judge;
-mod mends;
 pub(crate) mod odd_stretch;
 pub(crate) mod profile;
+mod remedies;
 mod response;
 mod rigid_body;
 mod rotation;

@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use kufe_sled::effects::{Constants, Fault, Reading, Sensor, Signals, ahead};
+use kufe_sled::Sled;
+use kufe_sled::effects::{Fault, Reading, Sensor, Signals, ahead};
 
 use crate::evidence::runs::recordings::frame::Frame;
 
@@ -104,7 +105,7 @@ impl<'a> Channels<'a> {
     }
 
     /// The signals of a sample.
-    pub fn signals(&self, i: usize, sled: Constants) -> Signals {
+    pub fn signals(&self, i: usize, sled: Sled) -> Signals {
         let mut signals = Signals {
             sled,
             ..Signals::default()

@@ -17,8 +17,8 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use kufe_sled::Tolerances;
-use kufe_sled::effects::{Constants, Fault, Sensor};
+use kufe_sled::effects::{Fault, Sensor};
+use kufe_sled::{Sled, Tolerances};
 use nalgebra::{DMatrix, DVector};
 
 use crate::evidence::runs::model::channels::Channels;
@@ -397,21 +397,23 @@ impl Installation {
     }
 
     /// From the stated constants of a sled to the true ones.
-    pub fn find_constants(&self, sled: &mut Constants) {
+    pub fn find_constants(&self, sled: &mut Sled) {
         for (part, size) in self.parts.iter().zip(&self.sizes) {
             let size = size * part.sd;
             match part.wrong {
-                Wrong::Accelerometer(axis) => sled.accelerometer[axis] += size,
-                Wrong::SlipSensor => sled.slip_sensor += size,
+                Wrong::Accelerometer(0) => sled.accel_x_m += size,
+                Wrong::Accelerometer(1) => sled.accel_y_m += size,
+                Wrong::Accelerometer(_) => sled.accel_z_m += size,
+                Wrong::SlipSensor => sled.slip_x_m += size,
                 Wrong::Centre => {
-                    sled.axles[0] -= size;
-                    sled.axles[1] += size;
-                    sled.accelerometer[0] -= size;
-                    sled.slip_sensor -= size;
+                    sled.l_f_m -= size;
+                    sled.l_r_m += size;
+                    sled.accel_x_m -= size;
+                    sled.slip_x_m -= size;
                 }
-                Wrong::Mass => sled.mass *= 1.0 + size,
-                Wrong::PitchInertia => sled.pitch_inertia *= 1.0 + size,
-                Wrong::YawInertia => sled.yaw_inertia *= 1.0 + size,
+                Wrong::Mass => sled.mass_kg *= 1.0 + size,
+                Wrong::PitchInertia => sled.j_yy_kgm2 *= 1.0 + size,
+                Wrong::YawInertia => sled.j_zz_kgm2 *= 1.0 + size,
                 Wrong::Late(_) | Wrong::Scaled(_) | Wrong::Biased(_) => {}
                 Wrong::Misaligned(_) | Wrong::GSensitive(_) => {}
             }
@@ -470,12 +472,28 @@ impl Installation {
 mod tests {
     use super::*;
 
+    /// An installation that is exactly as stated.
+    const EXACT: Tolerances = Tolerances {
+        delay_s: 0.0,
+        place_m: 0.0,
+        gyro_scale: 0.0,
+        gyro_bias_radps: 0.0,
+        accel_scale: 0.0,
+        accel_bias_mps2: 0.0,
+        mass: 0.0,
+        inertia: 0.0,
+        steer_scale: 0.0,
+        misalignment_rad: 0.0,
+        gyro_g_sensitivity_radps_per_mps2: 0.0,
+        session_offset_rad: 0.0,
+    };
+
     #[test]
     fn what_is_exact_has_no_part_and_the_rest_one_each() {
-        assert_eq!(Installation::new(&Tolerances::EXACT, ["1"]).fitted(), 0);
+        assert_eq!(Installation::new(&EXACT, ["1"]).fitted(), 0);
         let delays = Tolerances {
             delay_s: 0.002,
-            ..Tolerances::EXACT
+            ..EXACT
         };
         let parts = Installation::new(&delays, []).parts;
         assert_eq!(parts.len(), Sensor::ALL.len());
@@ -486,7 +504,7 @@ mod tests {
     fn an_offset_of_one_session_corrects_that_session_alone() {
         let remounted = Tolerances {
             session_offset_rad: 0.002,
-            ..Tolerances::EXACT
+            ..EXACT
         };
         let none = Installation::new(&remounted, ["b", "a", "b"]);
         let what: Vec<&str> = none.parts.iter().map(|part| part.what.as_str()).collect();
@@ -504,7 +522,7 @@ mod tests {
         let places = Tolerances {
             mass: 0.01,
             steer_scale: 0.03,
-            ..Tolerances::EXACT
+            ..EXACT
         };
         let both = Installation::new(&places, []);
         // Only the sum of the two shows.

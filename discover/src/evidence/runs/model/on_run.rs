@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-use kufe_sled::effects::{Active, Constants, Forces, OperatingPoint, Relaxed, Sensor, Signals};
+use kufe_sled::effects::{Active, Forces, OperatingPoint, Relaxed, Sensor, Signals};
 use kufe_sled::friction::film::Patch;
 use kufe_sled::{
     Balance, Conditions, GRAVITY, LawForces, Motion, Sled, State, Vehicle, aero, from_sensors,
@@ -76,7 +76,8 @@ pub struct ModelOnRun<'a> {
     residual_model: &'a ResidualModel,
     frame: &'a Frame,
     channels: Channels<'a>,
-    constants: Constants,
+    /// With the constants as the installation corrects them.
+    sled: Sled,
     vehicle: Vehicle,
     air_density: f64,
     /// Whether an effect changes what a sensor reads.
@@ -103,9 +104,9 @@ impl<'a> ModelOnRun<'a> {
         if let Some(contacts) = &residual_model.contacts {
             vehicle.effects.active.extend(contacts.of_run(frame));
         }
-        let mut constants = vehicle.sled.constants();
+        let mut sled = vehicle.sled;
         let installation = &residual_model.installation;
-        installation.find_constants(&mut constants);
+        installation.find_constants(&mut sled);
         let mut channels = Channels::new(frame);
         for (sensor, delay) in Sensor::ALL.into_iter().zip(delays) {
             installation.correct(sensor, &frame.session, delay, &mut channels);
@@ -115,7 +116,7 @@ impl<'a> ModelOnRun<'a> {
             residual_model,
             frame,
             channels,
-            constants,
+            sled,
             corrects: vehicle.effects.active.iter().any(Active::moves_signals),
             relaxation: vehicle.effects.relaxation(),
             vehicle,
@@ -165,7 +166,7 @@ impl<'a> ModelOnRun<'a> {
 
     /// The signals of a sample, corrected by the active effects.
     pub fn measured(&self, i: usize) -> Signals {
-        self.corrected(i, self.channels.signals(i, self.constants))
+        self.corrected(i, self.channels.signals(i, self.sled))
     }
 
     /// What the sensors said of a sample, corrected by the active effects.
@@ -225,8 +226,7 @@ impl<'a> ModelOnRun<'a> {
 
     /// The same with forces that follow the slip at once.
     fn as_told(&self, i: usize, signals: &Signals) -> (Sled, State, Motion) {
-        let mut sled = self.vehicle.sled;
-        sled.set_constants(&signals.sled);
+        let sled = signals.sled;
         let mut moving = *signals;
         moving[Sensor::Speed] = signals[Sensor::Speed].max(LEAST_SPEED);
         let at = self.operating_point(i, moving[Sensor::Speed]);
@@ -260,7 +260,7 @@ impl<'a> ModelOnRun<'a> {
         let mut forces = laws.forces;
         if !self.vehicle.effects.is_empty() {
             let seen = balance.seen(&self.vehicle, laws.load_n);
-            self.vehicle.effects.act("", &seen, &mut forces);
+            self.vehicle.effects.act(&seen, &mut forces);
         }
         balance.residual(&forces).values()
     }
@@ -285,7 +285,7 @@ impl<'a> ModelOnRun<'a> {
         if let (Some(by), false) = (by, self.corrects) {
             return reads.residual_change(i, by);
         }
-        let mut read = self.channels.signals(i, self.constants);
+        let mut read = self.channels.signals(i, self.sled);
         reads.add(i, &mut read);
         let signals = self.corrected(i, read);
         match by {
@@ -300,7 +300,7 @@ impl<'a> ModelOnRun<'a> {
     /// These forces with the model's effects.
     fn with_effects(&self, at: &Instant, mut forces: Forces) -> Forces {
         if !self.vehicle.effects.is_empty() {
-            self.vehicle.effects.act("", &at.seen, &mut forces);
+            self.vehicle.effects.act(&at.seen, &mut forces);
         }
         forces
     }
@@ -327,7 +327,7 @@ impl<'a> ModelOnRun<'a> {
         let Some(slope) = self.slopes().get(i) else {
             return 0.0;
         };
-        let slope = slope + self.vehicle.effects.slope("", self.frame.s[i]);
+        let slope = slope + self.vehicle.effects.slope(self.frame.s[i]);
         residual_along_track(balance, signals, slope)
     }
 
@@ -340,7 +340,7 @@ impl<'a> ModelOnRun<'a> {
 
     /// The signals of a sample, then with a little more of the acceleration of each balance.
     fn more_acceleration(&self, i: usize) -> [Signals; 1 + BALANCES] {
-        let read = self.channels.signals(i, self.constants);
+        let read = self.channels.signals(i, self.sled);
         std::array::from_fn(|k| {
             let mut more = read;
             match k.checked_sub(1).map(|c| ACCELERATIONS[c]) {

@@ -1,6 +1,7 @@
 //! What the sensors of a run would say, and what its sled would be, were something else off a little.
 
-use kufe_sled::effects::{Constants, Sensor, Signals};
+use kufe_sled::Sled;
+use kufe_sled::effects::{Sensor, Signals};
 
 use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::residual_jacobian::ResidualJacobian;
@@ -20,7 +21,8 @@ const UNIT: [Sensor; 6] = [
 /// By how much values, their derivatives and constants differ between two models' corrections of a run.
 pub struct Differences {
     sensors: Vec<(Sensor, [Vec<f64>; 2])>,
-    constants: Constants,
+    /// The constants of the sled by both models.
+    sleds: [Sled; 2],
 }
 
 impl Differences {
@@ -61,18 +63,18 @@ impl Differences {
             });
             (sensor, by)
         };
-        let sled = own.vehicle.sled.constants();
-        let [a, b] = models.map(|model| {
-            let mut constants = Constants {
-                mass: frame.mass_kg.unwrap_or(sled.mass),
+        let sled = own.vehicle.sled;
+        let sleds = models.map(|model| {
+            let mut sled = Sled {
+                mass_kg: frame.mass_kg.unwrap_or(sled.mass_kg),
                 ..sled
             };
-            model.installation.find_constants(&mut constants);
-            constants
+            model.installation.find_constants(&mut sled);
+            sled
         });
         Self {
             sensors: Sensor::ALL.into_iter().filter(moved).map(between).collect(),
-            constants: b - a,
+            sleds,
         }
     }
 
@@ -99,14 +101,14 @@ impl Differences {
         };
         Self {
             sensors: UNIT.into_iter().map(between).collect(),
-            constants: Constants::default(),
+            sleds: [models[0].vehicle.sled; 2],
         }
     }
 
     /// What the balances of a sample leave more, from their derivatives.
     pub fn residual_change(&self, i: usize, by: &ResidualJacobian) -> [f64; BALANCES] {
         let mut residual = match self.sensors.is_empty() {
-            true => by.of_constants(&self.constants),
+            true => by.of_constants(&self.sleds[0], &self.sleds[1]),
             false => [0.0; BALANCES],
         };
         for (sensor, [value, rate]) in &self.sensors {
@@ -125,12 +127,15 @@ impl Differences {
                 signals.rate[*sensor as usize] += rate;
             }
         }
-        let (sled, by) = (&mut signals.sled, &self.constants);
-        sled.mass += by.mass;
-        sled.pitch_inertia += by.pitch_inertia;
-        sled.yaw_inertia += by.yaw_inertia;
-        (0..2).for_each(|k| sled.axles[k] += by.axles[k]);
-        (0..3).for_each(|k| sled.accelerometer[k] += by.accelerometer[k]);
-        sled.slip_sensor += by.slip_sensor;
+        let (sled, [from, to]) = (&mut signals.sled, &self.sleds);
+        sled.mass_kg += to.mass_kg - from.mass_kg;
+        sled.j_yy_kgm2 += to.j_yy_kgm2 - from.j_yy_kgm2;
+        sled.j_zz_kgm2 += to.j_zz_kgm2 - from.j_zz_kgm2;
+        sled.l_f_m += to.l_f_m - from.l_f_m;
+        sled.l_r_m += to.l_r_m - from.l_r_m;
+        sled.accel_x_m += to.accel_x_m - from.accel_x_m;
+        sled.accel_y_m += to.accel_y_m - from.accel_y_m;
+        sled.accel_z_m += to.accel_z_m - from.accel_z_m;
+        sled.slip_x_m += to.slip_x_m - from.slip_x_m;
     }
 }

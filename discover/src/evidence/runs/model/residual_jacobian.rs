@@ -10,7 +10,7 @@
 //!
 //! the laws to first order, the front runner's load as [`Balance::laws_near`] has it.
 
-use kufe_sled::effects::{Constants, SENSORS, Sensor, Signals};
+use kufe_sled::effects::{SENSORS, Sensor, Signals};
 use kufe_sled::{Balance, LawForces, RunnerFriction, Sled, Vehicle};
 
 /// Derivatives of the balances along, aside and about the vertical, in the shape of what they are
@@ -55,20 +55,20 @@ impl ResidualJacobian {
         }
     }
 
-    /// What the sled's constants do, moved by so much.
+    /// What the sled's constants do, moved from those of one to those of another.
     #[inline]
-    pub fn of_constants(&self, by: &Constants) -> [f64; 3] {
+    pub fn of_constants(&self, from: &Sled, to: &Sled) -> [f64; 3] {
         let [x, y, z] = &self.accelerometer;
         sum([
-            (by.mass, &self.mass),
-            (by.pitch_inertia, &self.pitch_inertia),
-            (by.yaw_inertia, &self.yaw_inertia),
-            (by.axles[0], &self.axles[0]),
-            (by.axles[1], &self.axles[1]),
-            (by.accelerometer[0], x),
-            (by.accelerometer[1], y),
-            (by.accelerometer[2], z),
-            (by.slip_sensor, &self.slip_sensor),
+            (to.mass_kg - from.mass_kg, &self.mass),
+            (to.j_yy_kgm2 - from.j_yy_kgm2, &self.pitch_inertia),
+            (to.j_zz_kgm2 - from.j_zz_kgm2, &self.yaw_inertia),
+            (to.l_f_m - from.l_f_m, &self.axles[0]),
+            (to.l_r_m - from.l_r_m, &self.axles[1]),
+            (to.accel_x_m - from.accel_x_m, x),
+            (to.accel_y_m - from.accel_y_m, y),
+            (to.accel_z_m - from.accel_z_m, z),
+            (to.slip_x_m - from.slip_x_m, &self.slip_sensor),
         ])
     }
 
@@ -86,8 +86,8 @@ impl ResidualJacobian {
         if from.sled == to.sled {
             return total;
         }
-        let by = to.sled - from.sled;
-        sum([(1.0, &total), (1.0, &self.of_constants(&by))])
+        let by = self.of_constants(&from.sled, &to.sled);
+        sum([(1.0, &total), (1.0, &by)])
     }
 
     /// Derivatives of [`Balance::residual`] of the base laws' forces `of`, by what the sensors say
@@ -299,10 +299,12 @@ mod tests {
     fn signals(sled: &Sled, k: usize) -> Signals {
         let wave = |c: usize| (1.7 * c as f64 + 0.9 * k as f64).sin();
         let mut signals = Signals {
-            sled: Constants {
-                accelerometer: [0.3, -0.1, 0.25],
-                slip_sensor: -0.6,
-                ..sled.constants()
+            sled: Sled {
+                accel_x_m: 0.3,
+                accel_y_m: -0.1,
+                accel_z_m: 0.25,
+                slip_x_m: -0.6,
+                ..*sled
             },
             ..Signals::default()
         };
@@ -321,13 +323,12 @@ mod tests {
 
     /// What the balances leave.
     fn residual(vehicle: &Vehicle, signals: &Signals) -> [f64; 3] {
-        let balance = balance(vehicle, signals);
+        let balance = balance(signals);
         balance.residual(&balance.laws(vehicle).forces).values()
     }
 
-    fn balance(vehicle: &Vehicle, signals: &Signals) -> Balance {
-        let mut sled = vehicle.sled;
-        sled.set_constants(&signals.sled);
+    fn balance(signals: &Signals) -> Balance {
+        let sled = signals.sled;
         let at = OperatingPoint {
             air_density: 1.2,
             ..OperatingPoint::default()
@@ -341,21 +342,15 @@ mod tests {
         let vehicle = Vehicle::new(&Model::published()).unwrap();
         type Move = (&'static str, f64, fn(&mut Signals, f64));
         let mut moves: Vec<Move> = vec![
-            ("mass", 1.0, |s, by| s.sled.mass += by),
-            ("pitch inertia", 1.0, |s, by| s.sled.pitch_inertia += by),
-            ("yaw inertia", 1.0, |s, by| s.sled.yaw_inertia += by),
-            ("front axle", 1e-3, |s, by| s.sled.axles[0] += by),
-            ("rear axle", 1e-3, |s, by| s.sled.axles[1] += by),
-            ("accelerometer x", 1e-3, |s, by| {
-                s.sled.accelerometer[0] += by
-            }),
-            ("accelerometer y", 1e-3, |s, by| {
-                s.sled.accelerometer[1] += by
-            }),
-            ("accelerometer z", 1e-3, |s, by| {
-                s.sled.accelerometer[2] += by
-            }),
-            ("slip sensor", 1e-3, |s, by| s.sled.slip_sensor += by),
+            ("mass", 1.0, |s, by| s.sled.mass_kg += by),
+            ("pitch inertia", 1.0, |s, by| s.sled.j_yy_kgm2 += by),
+            ("yaw inertia", 1.0, |s, by| s.sled.j_zz_kgm2 += by),
+            ("front axle", 1e-3, |s, by| s.sled.l_f_m += by),
+            ("rear axle", 1e-3, |s, by| s.sled.l_r_m += by),
+            ("accelerometer x", 1e-3, |s, by| s.sled.accel_x_m += by),
+            ("accelerometer y", 1e-3, |s, by| s.sled.accel_y_m += by),
+            ("accelerometer z", 1e-3, |s, by| s.sled.accel_z_m += by),
+            ("slip sensor", 1e-3, |s, by| s.sled.slip_x_m += by),
             ("roll acceleration", 1e-3, |s, by| {
                 s.rate[Sensor::RollRate as usize] += by
             }),
@@ -384,7 +379,7 @@ mod tests {
         ]);
         for k in 0..12 {
             let at = signals(&vehicle.sled, k);
-            let here = balance(&vehicle, &at);
+            let here = balance(&at);
             let laws = here.laws(&vehicle);
             let by = ResidualJacobian::new(&here, &vehicle, &laws, &at);
             for (name, step, moved) in &moves {

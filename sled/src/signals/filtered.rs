@@ -7,22 +7,22 @@ use crate::conditions::Conditions;
 use crate::effects::{Active, Effects, OperatingPoint, Signals, ahead};
 use crate::error::Error;
 use crate::friction::film::Patch;
-use crate::model::sled::{Noise, Sled};
 use crate::model::vehicle::{Vehicle, refuse_effects};
 use crate::record::needs::{Needs, refuse_drag_without_air};
 use crate::record::run::Run;
 use crate::series::{LEAST_SAMPLES, derivative, low_pass, noise_sd_within};
 use crate::signals::prepare::{Distance, Resampling};
+use crate::sled::{Noise, Sled};
 
 /// The sensors of one stretch at the rate of the states, those next to a gap included.
-pub(crate) struct Sensed<'a> {
+pub(crate) struct FilteredSignals<'a> {
     run: &'a Run,
     first: usize,
     dt_s: f64,
     value: Vec<Vec<f64>>,
     rate: Vec<Vec<f64>>,
     distance: Vec<f64>,
-    further: Further,
+    conditions: Vec<Conditions>,
 }
 
 /// The error of an effect that gives no number at a sample of a run.
@@ -34,30 +34,40 @@ pub(crate) fn no_number(run: &Run, effect: Option<&Active>, t_s: f64, s_m: f64) 
     Error::file(&run.entry.file.display().to_string(), reason)
 }
 
-impl<'a> Sensed<'a> {
+impl<'a> FilteredSignals<'a> {
     /// Every stretch that is long enough for the filters, with the range of its states that take
     /// part.
     ///
     /// # Errors
-    /// Those of [`Further::of`] and [`Sensed::of`], [`Error::MissingColumn`].
+    /// [`Error::MissingColumn`], those of [`refuse_unstated`] and [`FilteredSignals::of`].
     pub(crate) fn stretches(
         run: &'a Run,
         vehicle: &Vehicle,
         effects: &Effects,
         needs: &Needs,
         base: &Resampling,
-    ) -> Result<Vec<(Sensed<'a>, Range<usize>)>, Error> {
+    ) -> Result<Vec<(FilteredSignals<'a>, Range<usize>)>, Error> {
         for name in needs.columns {
             run.column(name).map_err(|error| needs.explain(error))?;
         }
-        let further = Further::of(run, vehicle, effects, needs)?;
+        refuse_unstated(run, vehicle, effects, needs)?;
+        let stated = vehicle.conditions.complete(&run.entry.conditions);
+        let recorded = BY_SAMPLE.map(|(column, _)| recorded(run, column));
         let mut distance = Distance::of(run)?;
         let mut all = Vec::new();
         let pieces = &run.gaps.pieces;
         for (number, piece) in pieces.iter().enumerate() {
             let count = base.samples(piece).len();
             if count >= LEAST_SAMPLES {
-                let sensed = Sensed::of(run, piece, base, effects, &further, &mut distance)?;
+                let sensed = FilteredSignals::of(
+                    run,
+                    piece,
+                    base,
+                    effects,
+                    stated,
+                    &recorded,
+                    &mut distance,
+                )?;
                 all.push((sensed, base.valid_range(number, pieces.len(), count)));
             }
         }
@@ -74,9 +84,10 @@ impl<'a> Sensed<'a> {
         piece: &Range<usize>,
         base: &Resampling,
         effects: &Effects,
-        further: &Further,
+        stated: Conditions,
+        recorded: &[Option<&Vec<f64>>; 3],
         distance: &mut Distance,
-    ) -> Result<Sensed<'a>, Error> {
+    ) -> Result<FilteredSignals<'a>, Error> {
         let rate = base.rate_hz;
         let dt_s = 1.0 / rate;
         let samples = base.samples(piece);
@@ -85,14 +96,25 @@ impl<'a> Sensed<'a> {
             None => vec![0.0; samples.len()],
         });
         let distance = distance.of_piece(base, piece, &value[Sensor::Speed as usize]);
-        let mut sensed = Sensed {
+        let at_place = |s: &f64| Conditions {
+            ice_c: run.entry.ice_at(*s).unwrap_or(stated.ice_c),
+            ..stated
+        };
+        let mut conditions: Vec<Conditions> = distance.iter().map(at_place).collect();
+        for ((_, quantity), column) in BY_SAMPLE.iter().zip(recorded) {
+            let values = column.map(|values| base.resampled(values, piece));
+            for (conditions, value) in conditions.iter_mut().zip(values.unwrap_or_default()) {
+                *quantity(conditions) = value;
+            }
+        }
+        let mut sensed = FilteredSignals {
             run,
             first: samples.start,
             dt_s,
             value: value.to_vec(),
             rate: Vec::new(),
             distance,
-            further: further.piece(|column| base.resampled(column, piece)),
+            conditions,
         };
         for (channel, delay) in sensed.value.iter_mut().zip(effects.delays()) {
             if delay != 0.0 {
@@ -143,10 +165,17 @@ impl<'a> Sensed<'a> {
 
     /// Time, place, speed and weather at state `i`.
     pub(crate) fn operating_point(&self, i: usize) -> OperatingPoint {
-        let t = self.run.t0_s + (self.first + i) as f64 * self.dt_s;
-        let v = self.value[Sensor::Speed as usize][i];
-        self.further
-            .operating_point(self.run, i, t, self.distance[i], v)
+        OperatingPoint {
+            t: self.run.t0_s + (self.first + i) as f64 * self.dt_s,
+            s: self.distance[i],
+            v: self.value[Sensor::Speed as usize][i],
+            fz: f64::NAN,
+            conditions: self.conditions[i],
+            air_density: self.run.entry.conditions.air_density(),
+            drag_area: f64::NAN,
+            film: f64::NAN,
+            patch: Patch::UNKNOWN,
+        }
     }
 
     fn rates(&self) -> Vec<Vec<f64>> {
@@ -155,118 +184,55 @@ impl<'a> Sensed<'a> {
     }
 }
 
-/// What a run's file may state sample by sample, `runs.csv` once.
-const FURTHER: [&str; 3] = [
-    Column::Humidity.name(),
-    Column::Wear.name(),
-    Column::IceTemperature.name(),
+/// A quantity of [`Conditions`].
+type Quantity = fn(&mut Conditions) -> &mut f64;
+
+/// What a run's file may state sample by sample; else `runs.csv` states it, else the model's
+/// `[conditions]`.
+const BY_SAMPLE: [(Column, Quantity); 3] = [
+    (Column::Humidity, |c| &mut c.humidity_pct),
+    (Column::Wear, |c| &mut c.distance_m),
+    (Column::IceTemperature, |c| &mut c.ice_c),
 ];
 
-/// Place of the ice temperature in [`FURTHER`].
-const ICE: usize = 2;
-
-/// Values of [`FURTHER`]: from the run's file, else from `runs.csv`, else from the model's
-/// `[conditions]`.
-pub struct Further {
-    values: [Stated; 3],
+/// The column of a run's file that states a quantity at every sample that takes part.
+fn recorded(run: &Run, column: Column) -> Option<&Vec<f64>> {
+    let values = run.columns.get(column.name())?;
+    let mut used = run.gaps.within(values).flatten();
+    used.all(|x| x.is_finite()).then_some(values)
 }
 
-#[derive(Clone)]
-enum Stated {
-    /// NaN where nothing states it.
-    Once(f64),
-    /// By the place: [`Entry::ice_at`](crate::Entry::ice_at) of the run.
-    ByPlace,
-    BySample(Vec<f64>),
-}
-
-impl Stated {
-    fn at(&self, i: usize, by_place: Option<f64>) -> f64 {
-        match self {
-            Stated::Once(value) => *value,
-            Stated::ByPlace => by_place.unwrap_or(f64::NAN),
-            Stated::BySample(values) => values[i],
+/// Refuses effects, and what else `needs` ice and air, that need what is stated nowhere.
+///
+/// # Errors
+/// [`Error::File`] with the run's file, the effect and the column.
+fn refuse_unstated(
+    run: &Run,
+    vehicle: &Vehicle,
+    effects: &Effects,
+    needs: &Needs,
+) -> Result<(), Error> {
+    let own = &run.entry.conditions;
+    let mut stated = vehicle.conditions.complete(own);
+    stated.ice_c = run.entry.ice_at(0.0).unwrap_or(stated.ice_c);
+    for (column, quantity) in BY_SAMPLE {
+        if recorded(run, column).is_some() {
+            *quantity(&mut stated) = 0.0;
         }
     }
-}
-
-impl Further {
-    /// Finds the values and refuses effects, and what else `needs` ice and air, that need what is
-    /// stated nowhere.
-    ///
-    /// # Errors
-    /// [`Error::File`] with the run's file, the effect and the column.
-    pub fn of(
-        run: &Run,
-        vehicle: &Vehicle,
-        effects: &Effects,
-        needs: &Needs,
-    ) -> Result<Further, Error> {
-        let (own, model) = (&run.entry.conditions, &vehicle.conditions);
-        let stated = model.complete(own);
-        let once = [stated.humidity_pct, stated.distance_m, stated.ice_c];
-        let mut values = once.map(Stated::Once);
-        if run.entry.ice_at(0.0).is_some() {
-            values[ICE] = Stated::ByPlace;
-        }
-        for (name, value) in FURTHER.iter().zip(&mut values) {
-            if let Some(column) = run.columns.get(*name)
-                && run.gaps.within(column).flatten().all(|x| x.is_finite())
-            {
-                *value = Stated::BySample(column.clone());
-            }
-        }
-        let further = Further { values };
-        let nowhere = |value: &Stated| matches!(value, Stated::Once(value) if value.is_nan());
-        let nowhere = FURTHER
-            .iter()
-            .zip(&further.values)
-            .filter(|(_, value)| nowhere(value));
-        let mut absent: Vec<&str> = nowhere.map(|(name, _)| *name).collect();
-        let weather = own.absent().into_iter();
-        absent.extend(weather.filter(|name| name.starts_with("air")));
-        // Balances of forces do not contain the track's slope; replays take it from its table.
-        let recorded = |name: &&str| run.columns.contains_key(*name);
-        absent.extend(COLUMNS.into_iter().filter(|name| !recorded(name)));
-        let file = run.entry.file.display().to_string();
-        refuse_effects(effects, &absent, &file)?;
-        if needs.forces {
-            vehicle.refuse_unstated_ice(!absent.contains(&"ice_c"), &file)?;
-            refuse_drag_without_air(&vehicle.sled, own, &file)?;
-        }
-        Ok(further)
+    let mut absent = stated.absent();
+    // The mass is the model's where a run states none.
+    absent.retain(|name| *name != "mass_kg");
+    // Balances of forces do not contain the track's slope; replays take it from its table.
+    let is_recorded = |name: &&str| run.columns.contains_key(*name);
+    absent.extend(COLUMNS.into_iter().filter(|name| !is_recorded(name)));
+    let file = run.entry.file.display().to_string();
+    refuse_effects(effects, &absent, &file)?;
+    if needs.forces {
+        vehicle.refuse_unstated_ice(!absent.contains(&"ice_c"), &file)?;
+        refuse_drag_without_air(&vehicle.sled, own, &file)?;
     }
-
-    /// The same for the states of one stretch; `resampled` brings a column of the file to their
-    /// rate.
-    pub fn piece(&self, resampled: impl Fn(&[f64]) -> Vec<f64>) -> Further {
-        let values = self.values.each_ref().map(|value| match value {
-            Stated::BySample(column) => Stated::BySample(resampled(column)),
-            other => other.clone(),
-        });
-        Further { values }
-    }
-
-    /// Time [s], place [m], speed [m/s] and weather of sample `i`.
-    pub fn operating_point(&self, run: &Run, i: usize, t: f64, s: f64, v: f64) -> OperatingPoint {
-        let stated = &run.entry.conditions;
-        OperatingPoint {
-            t,
-            s,
-            v,
-            fz: f64::NAN,
-            conditions: Conditions {
-                humidity_pct: self.values[0].at(i, None),
-                distance_m: self.values[1].at(i, None),
-                ice_c: self.values[ICE].at(i, run.entry.ice_at(s)),
-                ..*stated
-            },
-            air_density: stated.air_density(),
-            drag_area: f64::NAN,
-            film: f64::NAN,
-            patch: Patch::UNKNOWN,
-        }
-    }
+    Ok(())
 }
 
 /// Noise of every sensor of a run at its own rate, from third differences; 0 for those that

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::conditions::Conditions;
 
 /// `[sled]`: a rigid one-track sled in vehicle axes (x forward, y left, z up).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sled {
     /// Mass with crew [kg].
@@ -44,28 +44,6 @@ fn published_yaw_drag() -> f64 {
 }
 
 impl Sled {
-    /// The constants that effects may correct.
-    pub fn constants(&self) -> crate::effects::Constants {
-        crate::effects::Constants {
-            mass: self.mass_kg,
-            pitch_inertia: self.j_yy_kgm2,
-            yaw_inertia: self.j_zz_kgm2,
-            axles: [self.l_f_m, self.l_r_m],
-            accelerometer: [self.accel_x_m, self.accel_y_m, self.accel_z_m],
-            slip_sensor: self.slip_x_m,
-        }
-    }
-
-    /// Takes them over.
-    pub fn set_constants(&mut self, to: &crate::effects::Constants) {
-        self.mass_kg = to.mass;
-        self.j_yy_kgm2 = to.pitch_inertia;
-        self.j_zz_kgm2 = to.yaw_inertia;
-        [self.l_f_m, self.l_r_m] = to.axles;
-        [self.accel_x_m, self.accel_y_m, self.accel_z_m] = to.accelerometer;
-        self.slip_x_m = to.slip_sensor;
-    }
-
     /// Distance between the axles [m].
     pub fn wheelbase_m(&self) -> f64 {
         self.l_f_m + self.l_r_m
@@ -129,24 +107,6 @@ pub struct Tolerances {
     pub gyro_g_sensitivity_radps_per_mps2: f64,
     /// Offset of sensors that are mounted anew for each session: slip and steering [rad].
     pub session_offset_rad: f64,
-}
-
-impl Tolerances {
-    /// An installation that is exactly as stated.
-    pub const EXACT: Tolerances = Tolerances {
-        delay_s: 0.0,
-        place_m: 0.0,
-        gyro_scale: 0.0,
-        gyro_bias_radps: 0.0,
-        accel_scale: 0.0,
-        accel_bias_mps2: 0.0,
-        mass: 0.0,
-        inertia: 0.0,
-        steer_scale: 0.0,
-        misalignment_rad: 0.0,
-        gyro_g_sensitivity_radps_per_mps2: 0.0,
-        session_offset_rad: 0.0,
-    };
 }
 
 impl Default for Tolerances {

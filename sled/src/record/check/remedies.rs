@@ -35,43 +35,43 @@ enum Act {
 
 /// One possible fault, undone: the channels and what is done to them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Mend(pub &'static [Sensor], Act);
+pub(super) struct Remedy(pub &'static [Sensor], Act);
 
 /// All remedies that are tried, the likelier of two that fit equally first.
-pub(super) static MENDS: [Mend; 30] = [
-    Mend(&[Ax], Act::Convert(G)),
-    Mend(&[Ay], Act::Convert(G)),
-    Mend(&[Az], Act::Convert(G)),
-    Mend(&[Ax, Ay], Act::Convert(G)),
-    Mend(&[Ax, Ay, Az], Act::Convert(G)),
-    Mend(&[RollRate], Act::Convert(DEGREES_PER_SECOND)),
-    Mend(&[PitchRate], Act::Convert(DEGREES_PER_SECOND)),
-    Mend(&[YawRate], Act::Convert(DEGREES_PER_SECOND)),
-    Mend(&Sensor::GYROSCOPE, Act::Convert(DEGREES_PER_SECOND)),
-    Mend(&[Speed], Act::Convert(KM_PER_HOUR)),
-    Mend(&[Speed], Act::Convert(MILES_PER_HOUR)),
-    Mend(&[Speed], Act::Convert(KNOTS)),
-    Mend(&[Slip], Act::Convert(DEGREES)),
-    Mend(&[Ax], Act::Negate),
-    Mend(&[Ay], Act::Negate),
-    Mend(&[Az], Act::Negate),
-    Mend(&[RollRate], Act::Negate),
-    Mend(&[PitchRate], Act::Negate),
-    Mend(&[YawRate], Act::Negate),
-    Mend(&[Slip], Act::Negate),
-    Mend(&[Ax, Ay], Act::Swap),
-    Mend(&[Ax, Az], Act::Swap),
-    Mend(&[Ay, Az], Act::Swap),
-    Mend(&[RollRate, PitchRate], Act::Swap),
-    Mend(&[RollRate, YawRate], Act::Swap),
-    Mend(&[PitchRate, YawRate], Act::Swap),
-    Mend(&[Slip, Steering], Act::Swap),
-    Mend(&[Slip, RollSplit], Act::Swap),
-    Mend(&[Az], Act::Weigh),
-    Mend(&[], Act::Clock),
+pub(super) static REMEDIES: [Remedy; 30] = [
+    Remedy(&[Ax], Act::Convert(G)),
+    Remedy(&[Ay], Act::Convert(G)),
+    Remedy(&[Az], Act::Convert(G)),
+    Remedy(&[Ax, Ay], Act::Convert(G)),
+    Remedy(&[Ax, Ay, Az], Act::Convert(G)),
+    Remedy(&[RollRate], Act::Convert(DEGREES_PER_SECOND)),
+    Remedy(&[PitchRate], Act::Convert(DEGREES_PER_SECOND)),
+    Remedy(&[YawRate], Act::Convert(DEGREES_PER_SECOND)),
+    Remedy(&Sensor::GYROSCOPE, Act::Convert(DEGREES_PER_SECOND)),
+    Remedy(&[Speed], Act::Convert(KM_PER_HOUR)),
+    Remedy(&[Speed], Act::Convert(MILES_PER_HOUR)),
+    Remedy(&[Speed], Act::Convert(KNOTS)),
+    Remedy(&[Slip], Act::Convert(DEGREES)),
+    Remedy(&[Ax], Act::Negate),
+    Remedy(&[Ay], Act::Negate),
+    Remedy(&[Az], Act::Negate),
+    Remedy(&[RollRate], Act::Negate),
+    Remedy(&[PitchRate], Act::Negate),
+    Remedy(&[YawRate], Act::Negate),
+    Remedy(&[Slip], Act::Negate),
+    Remedy(&[Ax, Ay], Act::Swap),
+    Remedy(&[Ax, Az], Act::Swap),
+    Remedy(&[Ay, Az], Act::Swap),
+    Remedy(&[RollRate, PitchRate], Act::Swap),
+    Remedy(&[RollRate, YawRate], Act::Swap),
+    Remedy(&[PitchRate, YawRate], Act::Swap),
+    Remedy(&[Slip, Steering], Act::Swap),
+    Remedy(&[Slip, RollSplit], Act::Swap),
+    Remedy(&[Az], Act::Weigh),
+    Remedy(&[], Act::Clock),
 ];
 
-impl Mend {
+impl Remedy {
     /// Names of the channels.
     pub fn columns(&self) -> Vec<&'static str> {
         match self.1 {
