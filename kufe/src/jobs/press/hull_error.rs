@@ -185,28 +185,17 @@ mod tests {
         let (mut covered, mut stated) = (0, Vec::new());
         const TRIALS: u64 = 10;
         for trial in 0..TRIALS {
-            // Seeds apart from those of the scans that are made up.
+            // Seeds apart from those of the simulated scans.
             let scanned = smooth.scanned(&exact, noise, 1000 + trial);
-            let underside = Arc::new(FittedUnderside::new(&scanned, noise)?);
-            let pressed = problem((*underside).clone());
-            let hull = FittedHull {
-                underside,
-                report: check_hull(&scanned)?,
-                noise: Noise {
-                    found: noise,
-                    unseen: 0.0,
-                },
-                strips: None,
-                scan: Some(Arc::new(scanned)),
-            };
+            let underside = FittedUnderside::new(&scanned, noise)?;
+            let pressed = problem(underside.clone());
+            let report = check_hull(&scanned)?;
+            let noise_of = |found| Noise { found, unseen: 0.0 };
+            let hull = FittedHull::new(underside, scanned, report, noise_of(noise), None);
             let off = (peak(&pressed)? / truth - 1.0).abs();
             let peak_moved = |noise| -> Result<f64, &str> {
-                let noise = Noise {
-                    found: noise,
-                    ..hull.noise
-                };
                 let hull = FittedHull {
-                    noise,
+                    noise: noise_of(noise),
                     ..hull.clone()
                 };
                 let scans = bootstrap_scans(&hull).ok_or("no scans")?;

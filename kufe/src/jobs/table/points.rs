@@ -17,6 +17,8 @@ use serde_json::value::RawValue;
 
 use crate::jobs::failure::Failure;
 
+/// Most bytes of a line.
+const LONGEST_LINE: u64 = 1 << 14;
 /// How a file of points begins.
 const BEGINNING: &[u8] = br#"{"origin":{"#;
 /// Ending of the files of points in a folder.
@@ -122,9 +124,10 @@ impl PointStore {
         let mut line = Vec::new();
         for number in 1.. {
             line.clear();
-            let read = reader.read_until(b'\n', &mut line);
+            let mut bounded = reader.by_ref().take(LONGEST_LINE);
+            let read = bounded.read_until(b'\n', &mut line);
             read.map_err(unreadable(path))?;
-            if line.last() != Some(&b'\n') {
+            if line.last() != Some(&b'\n') && (line.len() as u64) < LONGEST_LINE {
                 break;
             }
             let place = format!("{}, line {number}", path.display());
