@@ -77,8 +77,8 @@ impl HardnessLaw {
         matches!(self, HardnessLaw::OfTime(_))
     }
 
-    /// Hardness [Pa] of ice at `ice_c` [C] that is `contact_time` [s] under the runner, and what
-    /// says so.
+    /// Hardness [Pa] of ice at `ice_c` [C] that is `contact_time` [s] under the runner, and its
+    /// source.
     ///
     /// # Errors
     /// [`kufe_sled::Error::OutOfRange`] for a time that is not positive.

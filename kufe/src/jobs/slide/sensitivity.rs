@@ -5,8 +5,8 @@ use kufe_sled::friction::film::{BoundaryContact, FilmConditions, HARDNESS_EXPONE
 
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::ploughing::{Grooved, Hardness, HardnessFrom, Ploughing};
-use crate::jobs::slide::sliding::{FilmAlong, Friction, conditions, film_along, film_failure};
-use crate::results::SensitivityResult;
+use crate::jobs::slide::sliding::{FilmAlong, conditions, film_along, film_failure};
+use crate::results::{Friction, SensitivityResult};
 
 /// Logarithm of the ratio of hardnesses to either side: so wide that the scatter of two meshes is a
 /// small part of the difference, so narrow that the third derivative is.

@@ -18,11 +18,11 @@ use crate::case::TrackTable;
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::press::Prepared;
-use crate::jobs::slide::{Friction, Grooved, Ploughing, at, conditions, film_along, sliding_of};
+use crate::jobs::slide::{Grooved, Ploughing, at, conditions, film_along, sliding_of};
 use crate::jobs::table::points::{PointStore, key};
 use crate::jobs::table::spec::TableSpec;
 use crate::jobs::watch::Watch;
-use crate::results::CaseRecord;
+use crate::results::{CaseRecord, Friction};
 
 /// Largest estimated error of the peak pressure of a point short of its tolerance, relative.
 const LARGEST_ERROR: f64 = 0.2;
