@@ -347,9 +347,10 @@ impl SlidingTable {
         }
     }
 
-    /// The pressure at which the ice yields [Pa]: `stated` where there is one, the anchor of the
-    /// law of creep, which does not say more without a contact time, or what its temperature says;
-    /// at most that at which it melts.
+    /// The pressure at which the ice yields [Pa], at most that at which it melts.
+    ///
+    /// It is `stated`, or else the measured hardness, to which the law of creep adds nothing
+    /// without a contact time, or else that of the ice's temperature.
     pub fn hardness(&self, stated: Option<f64>) -> f64 {
         let anchor = self.hardness.map(|anchor| anchor.pressure_pa);
         let own = stated

@@ -340,7 +340,7 @@ fn best(
     Err(failure)
 }
 
-/// A warning where the elastic answer is above what ice bears.
+/// A warning where the elastic peak is above the strength of ice.
 fn above_ice_strength(problem: &Problem, solution: &Solution) -> Option<String> {
     (problem.ice.hardness.is_none() && solution.p_max > ICE_GIVES_WAY).then(|| {
         format!(
