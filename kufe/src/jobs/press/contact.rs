@@ -283,12 +283,12 @@ pub fn press_prepared(
     let remarks = [
         above_ice_strength(&problem, &solution),
         own_hexahedra(&loaded),
-        noisy.map(|hull| beyond_discretisation(hull, &solution, moved_by)),
+        noisy.map(|hull| noise_not_included(hull, &solution, moved_by)),
         hull.filter(|_| noisy.is_none())
-            .and_then(|hull| not_shown(hull, moved_by, solution.approach)),
+            .and_then(|hull| undetected_noise(hull, moved_by, solution.approach)),
         between
             .filter(|between| between.p_max > requested)
-            .map(|between| far_apart(between, solution.approach)),
+            .map(|between| coarse_vertices(between, solution.approach)),
         scanned.and_then(|hull| at_rim(hull, &solution)),
     ];
     let deep = sliding.as_ref().and_then(SolvedSliding::too_deep);
@@ -354,18 +354,14 @@ fn above_ice_strength(problem: &Problem, solution: &Solution) -> Option<String> 
 /// The remark that a runner's own hexahedra are not refined.
 fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
     loaded.case.runner.mesh.is_some().then(|| {
-        "the runner's own hexahedra stay as they are: the stated errors hold what hexahedra of their size leave under a smooth contact; \
-         finer ones there lower them"
+        "the runner's own hexahedra are not refined: the stated errors include the discretisation error of hexahedra of their size under a \
+         smooth contact; finer ones there lower them"
             .into()
     })
 }
 
 /// The warning that stated errors do not include the noise of vertices or nodes.
-fn beyond_discretisation(
-    hull: &FittedHull,
-    solution: &Solution,
-    moved: Option<HullError>,
-) -> String {
+fn noise_not_included(hull: &FittedHull, solution: &Solution, moved: Option<HullError>) -> String {
     let residual = hull.underside.quality().residual_rms;
     let moved = moved.map_or(String::new(), |moved| {
         format!(
@@ -376,7 +372,7 @@ fn beyond_discretisation(
         )
     });
     format!(
-        "the stated errors do not hold what noise leaves in the hull: {:.3} µm taken and {:.3} µm found, {:.2} % of the approach{moved}",
+        "the stated errors do not include the noise of the hull: {:.3} µm assumed and {:.3} µm found, {:.2} % of the approach{moved}",
         1e6 * hull.noise.found,
         1e6 * residual,
         100.0 * residual / solution.approach
@@ -384,11 +380,11 @@ fn beyond_discretisation(
 }
 
 /// The warning that a hull may have noise which its vertices do not show.
-fn not_shown(hull: &FittedHull, moved: Option<HullError>, approach: f64) -> Option<String> {
+fn undetected_noise(hull: &FittedHull, moved: Option<HullError>, approach: f64) -> Option<String> {
     let moved = moved?;
     Some(format!(
         "noise of up to {:.3} µm does not show between vertices so far apart; so much moves the peak by less than {:.2} % in 95 of 100 scans \
-         (p_max_noise_pa), the approach by less than {:.2} % (approach_noise_m); runner.noise_m = 0 says that there is none",
+         (p_max_noise_pa), the approach by less than {:.2} % (approach_noise_m); runner.noise_m = 0 states that there is none",
         1e6 * hull.noise.unseen,
         100.0 * moved.p_max,
         100.0 * moved.approach / approach
@@ -396,10 +392,10 @@ fn not_shown(hull: &FittedHull, moved: Option<HullError>, approach: f64) -> Opti
 }
 
 /// The error that the distances of vertices cause, where it is more than requested.
-fn far_apart(between: HullError, approach: f64) -> String {
+fn coarse_vertices(between: HullError, approach: f64) -> String {
     format!(
-        "the stated errors do not hold what the distances of the hull's vertices leave: up to {:.2} % of the peak (p_max_hull_pa), {:.2} % of \
-         the approach (approach_hull_m); vertices closer together lower that",
+        "the stated errors do not include that of the distances between the hull's vertices: up to {:.2} % of the peak (p_max_hull_pa), \
+         {:.2} % of the approach (approach_hull_m); vertices closer together lower that",
         100.0 * between.p_max,
         100.0 * between.approach / approach
     )

@@ -37,23 +37,22 @@ pub(crate) fn bootstrap_scans(hull: &FittedHull) -> Option<Vec<Arc<dyn Underside
     (0..SCANS).into_par_iter().map(fit).collect()
 }
 
-/// What the noise in `scans`, as [`bootstrap_scans`] of the problem's hull, moves in 95 of 100
-/// scans.
+/// Errors by the noise in `scans`, as [`bootstrap_scans`] of the problem's hull, in 95 of 100 scans.
 ///
 /// A bootstrap by the fitted surface (B. Efron and R. J. Tibshirani, An Introduction to the
-/// Bootstrap, 1993, 6.5): each is pressed by boundary elements, rigid, on ice that gives for a
-/// steel too. None where there are none, or where boundary elements do not answer.
+/// Bootstrap, 1993, 6.5): each is pressed by boundary elements, rigid, on ice that has the
+/// compliance of the steel too. None without scans, or where boundary elements do not apply.
 pub(super) fn moved<'a>(
     problem: &Problem,
     scans: impl FnOnce() -> Option<&'a [Arc<dyn Underside>]>,
 ) -> Option<HullError> {
     let problem = rigid(problem);
-    let pressed = |underside| pressed(&problem, underside, boundary_elements);
-    let expected = pressed(problem.runner.underside.clone())?;
+    let figures = |underside| peak_and_approach(&problem, underside, boundary_elements);
+    let expected = figures(problem.runner.underside.clone())?;
     let squares: Option<Vec<[f64; 2]>> = scans()?
         .par_iter()
         .map(|scan| {
-            let found = pressed(scan.clone())?;
+            let found = figures(scan.clone())?;
             Some([0, 1].map(|k| (found[k] - expected[k]).powi(2)))
         })
         .collect();
@@ -68,9 +67,9 @@ pub(super) fn moved<'a>(
     })
 }
 
-/// What the vertices' distances leave: by how much the fits with half the knots press otherwise, by
-/// boundary elements as in [`moved`]. Where they do not answer, the fit's own error on the
-/// contact's `patch`, and that over how deep the ice gives there, `depth` [m].
+/// Errors by the vertices' distances: the differences of the fits with half the knots, by boundary
+/// elements as in [`moved`]. Where these do not apply, the fit's own error on the contact's `patch`,
+/// and that over the depth of the ice's surface there, `depth` [m].
 pub(super) fn between_vertices(
     problem: &Problem,
     hull: &FittedHull,
@@ -78,9 +77,9 @@ pub(super) fn between_vertices(
     depth: f64,
 ) -> HullError {
     let problem = rigid(problem);
-    let pressed = |underside| pressed(&problem, underside, boundary_elements_to_compare);
-    let fine = pressed(problem.runner.underside.clone());
-    let [one, other] = hull.underside.with_half_the_knots().map(pressed);
+    let figures = |underside| peak_and_approach(&problem, underside, boundary_elements_to_compare);
+    let fine = figures(problem.runner.underside.clone());
+    let [one, other] = hull.underside.with_half_the_knots().map(figures);
     let (Some(fine), Some(one), Some(other)) = (fine, one, other) else {
         let error = hull.underside.error_within(patch);
         return HullError {
@@ -98,7 +97,7 @@ pub(super) fn between_vertices(
 
 /// Relative error of the peak by the noise in `scans` and the vertices' distances, for a contact
 /// that is not solved otherwise: [`moved`] and [`between_vertices`] added in quadrature, `None`
-/// where boundary elements do not answer.
+/// where boundary elements do not apply.
 pub(crate) fn relative_peak_error(
     problem: &Problem,
     hull: &FittedHull,
@@ -113,7 +112,7 @@ pub(crate) fn relative_peak_error(
     Some(between.p_max.hypot(moved_by))
 }
 
-/// The problem with a rigid runner, on ice that gives for a steel too.
+/// The problem with a rigid runner, on ice that has the compliance of the steel too.
 fn rigid(problem: &Problem) -> Problem {
     let mut problem = problem.clone();
     problem.ice.youngs_modulus *= problem.ice.compliance() / problem.compliance();
@@ -123,7 +122,7 @@ fn rigid(problem: &Problem) -> Problem {
 
 /// Peak pressure [Pa] and approach [m] under another underside, by one of the ways to boundary
 /// elements.
-fn pressed(
+fn peak_and_approach(
     problem: &Problem,
     underside: Arc<dyn Underside>,
     solved: impl Fn(&Problem) -> Result<BoundaryElements, CheckUnavailable>,
