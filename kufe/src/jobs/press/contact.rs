@@ -95,7 +95,11 @@ impl Contact {
     /// Sliding at this speed [m/s] on ice of this temperature [C].
     #[must_use]
     pub fn sliding(mut self, v_mps: f64, ice_c: f64) -> Self {
-        self.loaded.case.sliding = Some(SlidingTable::new(v_mps, ice_c));
+        self.loaded.case.sliding = Some(SlidingTable {
+            v_mps,
+            ice_c,
+            ..SlidingTable::default()
+        });
         self
     }
 
