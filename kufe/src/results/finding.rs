@@ -5,6 +5,9 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+/// A value with its 95 % interval.
+pub use kufe_sled::friction::Estimate as Interval;
+
 use crate::case::effects::Map;
 
 /// The outcome in one word.
@@ -28,17 +31,6 @@ pub enum Verdict {
     None,
     /// Something differs, but these data cannot say what.
     NotIdentifiable,
-}
-
-/// A value with its 95 % interval.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
-pub struct Interval {
-    /// Value.
-    pub value: f64,
-    /// Lower end.
-    pub low: f64,
-    /// Upper end.
-    pub high: f64,
 }
 
 /// A fitted parameter.
