@@ -66,10 +66,10 @@ fn write_csv(file: impl Write, found: &Optimum) -> io::Result<()> {
         "mu_viscous",
         "mu_boundary",
     ];
-    let found_at = &found.result.parameters;
+    let parameters = &found.result.parameters;
     let mut csv = csv::Writer::from_writer(file);
-    csv.write_record(found_at.iter().map(|p| p.key.as_str()).chain(figures))?;
-    let best: Vec<f64> = found_at.iter().map(|p| p.value).collect();
+    csv.write_record(parameters.iter().map(|p| p.key.as_str()).chain(figures))?;
+    let best: Vec<f64> = parameters.iter().map(|p| p.value).collect();
     let solved = found.result.solved.iter().map(|runner| &runner.values);
     for (values, point) in solved.chain([&best]).zip(&found.points) {
         let f = &point.friction;

@@ -2,7 +2,7 @@
 
 use kufe::charts::fit_picture;
 use kufe::jobs::lateral::fit_lateral;
-use kufe::jobs::{Failure, runs::Loaded};
+use kufe::jobs::{Failure, runs::PreparedRuns};
 use kufe_sled::friction::{LateralFit, MagicFormula};
 use kufe_sled::{FitOptions, find_contacts, lateral_samples};
 
@@ -48,7 +48,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let selection = args.runs.selection();
     let fitted = global.watched(|watch| fit_lateral(&selection, &options, watch))?;
     let (fit, document, written) = (&fitted.fit, &fitted.document, &fitted.model);
-    let Loaded {
+    let PreparedRuns {
         model,
         vehicle,
         prepared,

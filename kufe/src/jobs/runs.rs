@@ -36,7 +36,7 @@ pub struct RunSelection {
 }
 
 /// Runs ready for use, and what they are used with.
-pub struct Loaded {
+pub struct PreparedRuns {
     /// Sled and friction.
     pub model: Model,
     /// The same with its tables opened.
@@ -128,7 +128,11 @@ impl RunSelection {
     /// # Errors
     /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no
     /// filter.
-    pub fn load(&self, watch: &Watch, unseen: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
+    pub fn load(
+        &self,
+        watch: &Watch,
+        unseen: impl Fn(&Run) -> bool,
+    ) -> Result<PreparedRuns, Failure> {
         // A corner below a tenth of a hertz removes every curve, and a run of some ten seconds has
         // no period of it.
         if !(0.1..=1e4).contains(&self.cutoff_hz) {
@@ -185,7 +189,7 @@ impl RunSelection {
         for outside in &outside_tables {
             watch.warn(&outside.to_string());
         }
-        Ok(Loaded {
+        Ok(PreparedRuns {
             model,
             vehicle,
             prepared,

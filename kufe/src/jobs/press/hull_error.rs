@@ -42,7 +42,7 @@ pub(crate) fn bootstrap_scans(hull: &FittedHull) -> Option<Vec<Arc<dyn Underside
 /// A bootstrap by the fitted surface (B. Efron and R. J. Tibshirani, An Introduction to the
 /// Bootstrap, 1993, 6.5): each is pressed by boundary elements, rigid, on ice that has the
 /// compliance of the steel too. None without scans, or where boundary elements do not apply.
-pub(super) fn moved<'a>(
+pub(super) fn noise_error<'a>(
     problem: &Problem,
     scans: impl FnOnce() -> Option<&'a [Arc<dyn Underside>]>,
 ) -> Option<HullError> {
@@ -68,9 +68,9 @@ pub(super) fn moved<'a>(
 }
 
 /// Errors by the vertices' distances: the differences of the fits with half the knots, by boundary
-/// elements as in [`moved`]. Where these do not apply, the fit's own error on the contact's `patch`,
+/// elements as in [`noise_error`]. Where these do not apply, the fit's own error on the contact's `patch`,
 /// and that over the depth of the ice's surface there, `depth` [m].
-pub(super) fn between_vertices(
+pub(super) fn spacing_error(
     problem: &Problem,
     hull: &FittedHull,
     patch: [f64; 4],
@@ -96,7 +96,7 @@ pub(super) fn between_vertices(
 }
 
 /// Relative error of the peak by the noise in `scans` and the vertices' distances, for a contact
-/// that is not solved otherwise: [`moved`] and [`between_vertices`] added in quadrature, `None`
+/// that is not solved otherwise: [`noise_error`] and [`spacing_error`] added in quadrature, `None`
 /// where boundary elements do not apply.
 pub(crate) fn relative_peak_error(
     problem: &Problem,
@@ -104,12 +104,12 @@ pub(crate) fn relative_peak_error(
     scans: Option<&[Arc<dyn Underside>]>,
 ) -> Option<f64> {
     let found = boundary_elements_to_compare(problem).ok()?;
-    let between = between_vertices(problem, hull, found.patch, found.approach);
-    let moved_by = match scans {
-        Some(_) => moved(problem, || scans)?.p_max,
+    let by_spacing = spacing_error(problem, hull, found.patch, found.approach);
+    let by_noise = match scans {
+        Some(_) => noise_error(problem, || scans)?.p_max,
         None => 0.0,
     };
-    Some(between.p_max.hypot(moved_by))
+    Some(by_spacing.p_max.hypot(by_noise))
 }
 
 /// The problem with a rigid runner, on ice that has the compliance of the steel too.
@@ -198,8 +198,8 @@ mod tests {
                     ..hull.clone()
                 };
                 let scans = bootstrap_scans(&hull).ok_or("no scans")?;
-                let moved = moved(&pressed, || Some(&scans)).ok_or("nothing was said")?;
-                Ok(moved.p_max)
+                let error = noise_error(&pressed, || Some(&scans)).ok_or("no error")?;
+                Ok(error.p_max)
             };
             let said = peak_moved(noise)?;
             covered += u64::from(off <= said);

@@ -5,8 +5,8 @@ mod sensitivity;
 mod sliding;
 mod table;
 
-pub(crate) use ploughing::{Grooved, Ploughing};
 pub use ploughing::{Hardness, HardnessFrom};
+pub(crate) use ploughing::{Ploughing, SolvedGroove};
 pub use sliding::{FilmAlong, SolvedSliding};
 pub(crate) use sliding::{conditions, film_along, film_on, solve_sliding};
 pub use table::{Optimum, Parameter, fastest, friction_table, optimise};

@@ -8,7 +8,7 @@ use kufe_sled::friction::film::{
 use crate::case::SlidingTable;
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
-use crate::jobs::slide::ploughing::{Grooved, Hardness, Ploughing};
+use crate::jobs::slide::ploughing::{Hardness, Ploughing, SolvedGroove};
 use crate::results::{
     Friction, Measured, Quantity, SensitivityResult, SlidingMeshResult, SlidingResult,
 };
@@ -207,10 +207,10 @@ pub(crate) fn solve_sliding(
     options: &Options,
 ) -> Result<(Solution, SolvedSliding), Failure> {
     let ploughing = Ploughing::new(loaded, sliding, problem)?;
-    let grooved = ploughing.groove(options)?;
-    let film = film_along(loaded, &grooved.solution, &conditions(sliding))?;
-    let sensitivity = ploughing.sensitivity(&grooved, &film, options)?;
-    let Grooved { solution, hardness } = grooved;
+    let groove = ploughing.groove(options)?;
+    let film = film_along(loaded, &groove.solution, &conditions(sliding))?;
+    let sensitivity = ploughing.sensitivity(&groove, &film, options)?;
+    let SolvedGroove { solution, hardness } = groove;
     let slid = SolvedSliding {
         friction: Friction::of(&solution, &film),
         sensitivity,

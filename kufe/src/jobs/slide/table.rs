@@ -6,7 +6,7 @@ use kufe_sled::friction::{Response, Span};
 use crate::case::{SlidingTable, StatedProblem};
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
-use crate::jobs::slide::ploughing::{Grooved, Ploughing};
+use crate::jobs::slide::ploughing::{Ploughing, SolvedGroove};
 use crate::jobs::slide::sliding::{conditions, film_along};
 use crate::jobs::watch::Watch;
 use crate::results::{
@@ -34,15 +34,15 @@ pub fn friction_table(
         }
     }
     let mut points = Vec::new();
-    let mut last: Option<(f64, Grooved)> = None;
+    let mut last: Option<(f64, SolvedGroove)> = None;
     for (ice_c, case) in &cases {
         let table = sliding_of(case);
         // A hardness over contact time is another at every speed.
         let reused = last
             .take()
             .filter(|(at, _)| at == ice_c && table.hardness.is_none());
-        let grooved = match reused {
-            Some((_, grooved)) => grooved,
+        let groove = match reused {
+            Some((_, groove)) => groove,
             None => {
                 watch
                     .check()
@@ -55,7 +55,7 @@ pub fn friction_table(
                 found
             }
         };
-        let Grooved { solution, hardness } = &grooved;
+        let SolvedGroove { solution, hardness } = &groove;
         let along = film_along(case, solution, &conditions(table))?;
         points.push(FrictionRow {
             case: loaded.name.clone(),
@@ -66,7 +66,7 @@ pub fn friction_table(
             film_mean_m: along.film.totals.mean_thickness,
             hardness_pa: hardness.value,
         });
-        last = Some((*ice_c, grooved));
+        last = Some((*ice_c, groove));
     }
     Ok(points)
 }
