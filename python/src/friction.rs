@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use kufe::jobs::simulate::stated_conditions;
 use kufe::jobs::slide::friction_table as solved_table;
 use kufe::jobs::{DrivingConditions, FrictionLaw};
-use kufe::results::FrictionRow;
 use kufe_contact::Options;
 use pyo3::prelude::*;
 
@@ -82,9 +81,7 @@ pub fn friction_table<'py>(
             stop: Some(reporter.stop.clone()),
             ..Options::default()
         };
-        let points = solved_table(&loaded, &v_mps, &ice_c, watch, &options)?;
-        let row = |point| FrictionRow::new(&loaded.name, point);
-        Ok(points.iter().map(row).collect::<Vec<_>>())
+        solved_table(&loaded, &v_mps, &ice_c, watch, &options)
     })?;
     to_python(py, &worked.value.map_err(raised)?)
 }

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use kufe::jobs::{ExaminedHull, Failure, check_hull};
-use kufe::results::{Angle, ResolvedLoad, Sampling};
-use kufe_mesh::strips_warning;
+use kufe::results::{ResolvedLoad, Sampling};
+use kufe_mesh::{Estimate, strips_warning};
 
 use crate::output::OutputFiles;
 use crate::terminal::Global;
@@ -53,7 +53,7 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
 }
 
 /// Degrees with as many digits as the uncertainty has.
-fn degrees(angle: Angle) -> String {
+fn degrees(angle: Estimate) -> String {
     let [value, error] = [angle.value, angle.error].map(f64::to_degrees);
     let digits = (1.0 - error.log10().floor()).clamp(0.0, 6.0) as usize;
     format!("{value:.digits$} +- {error:.digits$} degrees")
@@ -80,7 +80,8 @@ fn text(examined: &ExaminedHull) -> String {
         ),
     ];
     if examined.oriented {
-        let shown = |angle: Option<Angle>| angle.map_or("not shown by its shape".into(), degrees);
+        let shown =
+            |angle: Option<Estimate>| angle.map_or("not shown by its shape".into(), degrees);
         let [yaw, pitch, roll] = [found.yaw_rad, found.pitch_rad, found.roll_rad].map(shown);
         lines.push(format!(
             "into runner axes by yaw {yaw}, pitch {pitch}, roll {roll}"

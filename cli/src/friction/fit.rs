@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use kufe::charts::mu_picture;
-use kufe::jobs::{Failure, runs::failure};
+use kufe::jobs::Failure;
 use kufe::results::PressureFit;
 use kufe_sled::friction::{
     LongitudinalKeys, MuFit, PressureLaw, Weighting, ZetaActsOn, fit_mu, read_experiments,
@@ -43,16 +43,17 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         return Err(Failure::Usage(text));
     }
     let name = args.experiments.display().to_string();
-    let experiments = read_experiments(&name, open(&args.experiments)?).map_err(failure)?;
+    let experiments = read_experiments(&name, open(&args.experiments)?)?;
     let weighting = if args.unweighted {
         Weighting::None
     } else {
         Weighting::Both
     };
     let fit = fit_mu(&experiments, weighting, args.confidence)
-        .map_err(|error| failure(error).within(&name))?;
+        .map_err(|error| Failure::from(error).within(&name))?;
     let law = fit.law(PressureLaw::PUBLISHED.mu_cap, 1.0, ZetaActsOn::Mu);
-    law.check().map_err(|error| failure(error).within(&name))?;
+    law.check()
+        .map_err(|error| Failure::from(error).within(&name))?;
     let result = PressureFit::new(&fit, &law, &experiments, args.confidence);
     let inputs = std::slice::from_ref(&args.experiments);
     let output = OutputDir::begin("friction fit", inputs, &args.out, global.force)?;

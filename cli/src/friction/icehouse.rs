@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::{Failure, runs::failure};
+use kufe::jobs::Failure;
 use kufe::results::IceHouseResult;
 use kufe_sled::friction::{
     GlideEntry, GlideRun, IceHouse, SHARE_LEFT_OUT, evaluate_glide, evaluate_ice_house, read_glide,
@@ -29,7 +29,7 @@ pub struct Args {
 /// [`Failure::BadInput`] naming file, row, column, value and what was expected.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let index = args.glides.display().to_string();
-    let entries = read_glide_index(&index, open(&args.glides)?).map_err(failure)?;
+    let entries = read_glide_index(&index, open(&args.glides)?)?;
     let folder = args.glides.parent().unwrap_or(Path::new(""));
     let runs = entries
         .iter()
@@ -58,7 +58,7 @@ fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, 
     let reader =
         open(&path).map_err(|failure| failure.within(&format!("{index}, run {}", entry.run)))?;
     let name = path.display().to_string();
-    let trace = read_glide(&name, reader).map_err(failure)?;
+    let trace = read_glide(&name, reader)?;
     evaluate_glide(entry, &trace).map_err(|error| Failure::BadInput(format!("{name}: {error}")))
 }
 

@@ -31,14 +31,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let options = Options::default();
     let found =
         global.watched(|watch| optimise(&loaded, [v_mps, ice_c], &parameters, watch, &options))?;
-    let result = FrictionOptimum::new(&found, &loaded.case);
     if let Some(output) = output {
         output.write("friction.csv", |file| write_csv(file, &found))?;
         output.picture("friction.png", &optimum_picture(&found))?;
-        output.json("friction.json", &result)?;
+        output.json("friction.json", &found.result)?;
         output.commit()?;
     }
-    global.print(&result, || text(&found))
+    global.print(&found.result, || text(&found.result))
 }
 
 /// `KEY=LOW:HIGH`.
@@ -67,12 +66,12 @@ fn write_csv(file: impl Write, found: &Optimum) -> io::Result<()> {
         "mu_viscous",
         "mu_boundary",
     ];
-    let keys = found.parameters.iter().map(|p| p.key.as_str());
+    let parameters = &found.result.parameters;
     let mut csv = csv::Writer::from_writer(file);
-    csv.write_record(keys.chain(figures))?;
-    let best = (&found.values, &found.point);
-    let solved = found.solved.iter().map(|(values, point)| (values, point));
-    for (values, point) in solved.chain([best]) {
+    csv.write_record(parameters.iter().map(|p| p.key.as_str()).chain(figures))?;
+    let best: Vec<f64> = parameters.iter().map(|p| p.value).collect();
+    let solved = found.result.solved.iter().map(|runner| &runner.values);
+    for (values, point) in solved.chain([&best]).zip(&found.points) {
         let f = &point.friction;
         let parts = [f.ploughing.value, f.viscous.value, f.boundary.value];
         let figures = [f.mu.value, f.mu.error].into_iter().chain(parts);
@@ -82,28 +81,28 @@ fn write_csv(file: impl Write, found: &Optimum) -> io::Result<()> {
     csv.flush()
 }
 
-fn text(found: &Optimum) -> String {
-    let (speed, ice, f) = (found.point.v_mps, found.point.ice_c, &found.point.friction);
-    let [mu, error, ploughing, viscous, boundary] = [
-        f.mu.value,
-        f.mu.error,
-        f.ploughing.value,
-        f.viscous.value,
-        f.boundary.value,
-    ]
-    .map(|mu| 1e3 * mu);
+fn text(found: &FrictionOptimum) -> String {
+    let (speed, ice) = (found.v_mps, found.ice_c);
+    let [mu, error] = [found.mu.value, found.mu.error].map(|mu| 1e3 * mu);
+    let [ploughing, viscous, boundary] =
+        [found.mu_ploughing, found.mu_viscous, found.mu_boundary].map(|mu| 1e3 * mu);
     let mut text = format!(
         "least friction at {speed} m/s and {ice} C: mu {mu:.3} +- {error:.3}e-3 (ploughing {ploughing:.3}, film {viscous:.3}, boundary {boundary:.3})\n"
     );
-    for (k, (parameter, [from, to])) in found.parameters.iter().zip(found.flat()).enumerate() {
-        let bound = found.on_bound(k).map_or("", |_| ", on its bound");
-        let (key, value) = (&parameter.key, found.values[k]);
+    for parameter in &found.parameters {
+        let bound = if parameter.on_bound {
+            ", on its bound"
+        } else {
+            ""
+        };
+        let (key, value) = (&parameter.key, parameter.value);
+        let (from, to) = (parameter.flat_from, parameter.flat_to);
         text += &format!(
             "  {key} = {value:.4}{bound}; from {from:.4} to {to:.4} is as good within the errors\n"
         );
     }
-    let (count, scatter) = (found.solved.len() + 1, 1e2 * found.response.misfit());
-    let miss = 1e2 * found.miss();
+    let (count, scatter) = (found.solved.len() + 1, 1e2 * found.response_scatter);
+    let miss = 1e2 * found.response_miss;
     text + &format!(
         "  {count} runners solved; they scatter by {scatter:.2} % about a smooth surface, which misses the best by {miss:.2} %\n"
     )

@@ -6,21 +6,13 @@ use std::path::PathBuf;
 
 use kufe::jobs::Failure;
 use kufe::jobs::case_file::LoadedCase;
-use kufe::jobs::slide::{FrictionPoint, fastest, friction_table};
+use kufe::jobs::slide::{fastest, friction_table};
 use kufe::results::{CaseRecord, FastestRunners, FrictionRow, FrictionTable, write_csv};
 use kufe_contact::Options;
 
 use crate::friction::point::Args;
 use crate::friction::sliding_picture::sliding_picture;
 use crate::terminal::Global;
-
-/// One runner with its points, temperature by temperature.
-pub struct Runner {
-    /// Its name.
-    pub name: String,
-    /// Its friction.
-    pub points: Vec<FrictionPoint>,
-}
 
 /// Most points of a table, so that a slip of the hand does not run for days.
 const MOST: usize = 10_000;
@@ -45,22 +37,19 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let names = names(&args.cases);
     let runners = global.watched(|watch| {
         let solved = cases.iter().zip(names).map(|(loaded, name)| {
-            let points = friction_table(loaded, speeds, temperatures, watch, &options)?;
-            Ok(Runner { name, points })
+            let mut points = friction_table(loaded, speeds, temperatures, watch, &options)?;
+            points.iter_mut().for_each(|row| row.case.clone_from(&name));
+            Ok(points)
         });
-        solved.collect::<Result<Vec<Runner>, Failure>>()
+        solved.collect::<Result<Vec<_>, Failure>>()
     })?;
-    let points = runners.iter().flat_map(|runner| {
-        let row = |point| FrictionRow::new(&runner.name, point);
-        runner.points.iter().map(row)
-    });
     // A single runner is compared with none.
     let fastest = match runners.len() {
         ..2 => Vec::new(),
         _ => fastest_runners(&runners),
     };
     let result = FrictionTable {
-        points: points.collect(),
+        points: runners.concat(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         cases: cases
             .iter()
@@ -96,15 +85,15 @@ fn names(cases: &[PathBuf]) -> Vec<String> {
 }
 
 /// The runners with the least friction at each speed and temperature.
-fn fastest_runners(runners: &[Runner]) -> Vec<FastestRunners> {
-    let count = runners.first().map_or(0, |runner| runner.points.len());
+fn fastest_runners(runners: &[Vec<FrictionRow>]) -> Vec<FastestRunners> {
+    let count = runners.first().map_or(0, Vec::len);
     let at = |k: usize| {
-        let points: Vec<FrictionPoint> = runners.iter().map(|r| r.points[k]).collect();
+        let points: Vec<&FrictionRow> = runners.iter().map(|points| &points[k]).collect();
         let fastest = fastest(&points).into_iter();
         FastestRunners {
             v_mps: points[0].v_mps,
             ice_c: points[0].ice_c,
-            cases: fastest.map(|i| runners[i].name.clone()).collect(),
+            cases: fastest.map(|i| points[i].case.clone()).collect(),
         }
     };
     (0..count).map(at).collect()
@@ -119,9 +108,9 @@ fn text(result: &FrictionTable) -> String {
     );
     for row in &result.points {
         let (case, ice, speed) = (&row.case, row.ice_c, row.v_mps);
-        let [mu, error, ploughing] =
-            [row.mu.value, row.mu.error, row.mu_ploughing.value].map(|mu| 1e3 * mu);
-        let [viscous, boundary] = [row.mu_viscous.value, row.mu_boundary.value].map(|mu| 1e3 * mu);
+        let f = &row.friction;
+        let [mu, error, ploughing] = [f.mu.value, f.mu.error, f.ploughing.value].map(|mu| 1e3 * mu);
+        let [viscous, boundary] = [f.viscous.value, f.boundary.value].map(|mu| 1e3 * mu);
         let (groove, film) = (1e6 * row.groove_depth.value, 1e6 * row.film_mean_m);
         text += &format!(
             "{case:wide$}  {ice:7.1}  {speed:11.1}  {mu:6.3} +- {error:5.3}  {ploughing:9.3}  {viscous:5.3}  {boundary:8.3}  {groove:11.2}  {film:9.3}\n"

@@ -1,9 +1,7 @@
 //! `friction.png`: mu of each runner over speed, over temperature, or runner by runner.
 
-use kufe::jobs::slide::FrictionPoint;
 use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, extent};
-
-use crate::friction::sliding::Runner;
+use kufe::results::FrictionRow;
 
 /// What the points of a line differ by.
 #[derive(Clone, Copy, PartialEq)]
@@ -13,11 +11,12 @@ enum Over {
     Runner,
 }
 
-/// Mu over speed where there are several, else over temperature, else runner by runner.
-pub fn sliding_picture(runners: &[Runner]) -> Figure {
-    let points = || runners.iter().flat_map(|runner| &runner.points);
+/// Mu of the points of each runner over speed where there are several, else over temperature, else
+/// runner by runner.
+pub fn sliding_picture(runners: &[Vec<FrictionRow>]) -> Figure {
+    let points = || runners.iter().flatten();
     let differ =
-        |of: fn(&FrictionPoint) -> f64| points().any(|p| Some(of(p)) != points().next().map(of));
+        |of: fn(&FrictionRow) -> f64| points().any(|p| Some(of(p)) != points().next().map(of));
     let over = match (differ(|p| p.v_mps), differ(|p| p.ice_c)) {
         (true, _) => Over::Speed,
         (_, true) => Over::Temperature,
@@ -30,7 +29,10 @@ pub fn sliding_picture(runners: &[Runner]) -> Figure {
     let x = match over {
         Over::Speed => Axis::new("speed [m/s]").within([0.0, 1.05 * right]),
         Over::Temperature => Axis::new("temperature of the ice [C]").within([1.05 * left, 0.0]),
-        Over::Runner => Axis::names("runner", runners.iter().map(|runner| &*runner.name)),
+        Over::Runner => {
+            let first = runners.iter().filter_map(|points| points.first());
+            Axis::names("runner", first.map(|point| &*point.case))
+        }
     };
     // Runner by runner the differences matter, else the size.
     let room = 0.2 * (most - least);
@@ -59,14 +61,14 @@ pub fn sliding_picture(runners: &[Runner]) -> Figure {
 type Line = (String, Vec<[f64; 3]>);
 
 /// A line for each runner, and over speed for each of its temperatures.
-fn lines(runners: &[Runner], over: Over) -> Vec<Line> {
+fn lines(runners: &[Vec<FrictionRow>], over: Over) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
-    for (k, runner) in runners.iter().enumerate() {
-        for point in &runner.points {
+    for (k, points) in runners.iter().enumerate() {
+        for point in points {
             let name = match (over, runners.len()) {
                 (Over::Speed, 1) => format!("ice of {} C", point.ice_c),
-                (Over::Speed, _) => format!("{}, {} C", runner.name, point.ice_c),
-                _ => runner.name.clone(),
+                (Over::Speed, _) => format!("{}, {} C", point.case, point.ice_c),
+                _ => point.case.clone(),
             };
             let place = match over {
                 Over::Speed => point.v_mps,

@@ -166,17 +166,18 @@ fn steel(runner: &RunnerResult) -> Rows {
 
 /// What sliding adds.
 fn sliding(slid: &SolvedSliding) -> Rows {
-    let with = |m: Measure, factor: f64, digits: usize| {
-        let (value, error) = (factor * m.value, factor.abs() * m.error);
+    let with = |[value, error]: [f64; 2], factor: f64, digits: usize| {
+        let (value, error) = (factor * value, factor.abs() * error);
         format!("{value:.digits$} +- {error:.digits$}")
     };
+    let of = |m: Measure, factor: f64, digits: usize| with([m.value, m.error], factor, digits);
     let (friction, groove) = (&slid.friction, &slid.groove);
     let film = &slid.film.film;
     let [mu, ploughing, viscous, boundary] = [
-        friction.mu,
-        friction.ploughing,
-        friction.viscous,
-        friction.boundary,
+        [friction.mu.value, friction.mu.error],
+        [friction.ploughing.value, friction.ploughing.error],
+        [friction.viscous.value, friction.viscous.error],
+        [friction.boundary.value, friction.boundary.error],
     ]
     .map(|part| with(part, 1e3, 3));
     let share = 1e2 * film.totals.boundary_share;
@@ -197,13 +198,13 @@ fn sliding(slid: &SolvedSliding) -> Rows {
     );
     let (pressure, from) = (slid.hardness.value / 1e6, slid.hardness.from.in_words());
     let time = 1e3 * slid.hardness.contact_time.value;
-    let [front, ahead] = [groove.front, groove.load_ahead].map(|m| with(m, 1e3, 2));
+    let [front, ahead] = [groove.front, groove.load_ahead].map(|m| of(m, 1e3, 2));
     let back = if groove.back.value < 0.0 {
-        format!("{} mm behind it", with(groove.back, -1e3, 2))
+        format!("{} mm behind it", of(groove.back, -1e3, 2))
     } else {
-        format!("{} mm ahead of it", with(groove.back, 1e3, 2))
+        format!("{} mm ahead of it", of(groove.back, 1e3, 2))
     };
-    let (depth, area) = (with(groove.deepest, 1e6, 2), 1e6 * groove.profile.area());
+    let (depth, area) = (of(groove.deepest, 1e6, 2), 1e6 * groove.profile.area());
     let thickest = film
         .thickest()
         .map_or(0.0, |station| 1e6 * station.thickness);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use kufe::charts::odd_curves;
 use kufe::jobs::Failure;
-use kufe::jobs::runs::{failure, run_inputs};
+use kufe::jobs::runs::run_inputs;
 use kufe::report::record_page;
 use kufe::results::RunCheck;
 use kufe_sled::{Examination, examine_with};
@@ -40,7 +40,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             run.map_or_else(Vec::new, |run| odd_curves(one, run))
         })
     });
-    let (runs, curves): (Vec<_>, Vec<_>) = examined.map_err(failure)?.into_iter().unzip();
+    let (runs, curves): (Vec<_>, Vec<_>) = examined?.into_iter().unzip();
     let check = RunCheck::new(args.runs.display().to_string(), runs);
     let viewer = if args.view {
         write_view(&output, &all_runs(args.runs.clone()), global)?

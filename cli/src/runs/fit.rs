@@ -2,7 +2,7 @@
 
 use kufe::charts::fit_picture;
 use kufe::jobs::lateral::fit_lateral;
-use kufe::jobs::{Failure, runs::Loaded};
+use kufe::jobs::{Failure, runs::PreparedRuns};
 use kufe_sled::friction::{Interval, LateralFit, MagicFormula};
 use kufe_sled::{find_contacts, lateral_samples};
 
@@ -46,7 +46,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let fitted = global.watched(|watch| fit_lateral(&selection, leave_out_contacts, watch))?;
     let (document, written) = (&fitted.document, &fitted.model);
     let fit = &document.fit;
-    let Loaded {
+    let PreparedRuns {
         model,
         vehicle,
         prepared,

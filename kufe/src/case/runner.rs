@@ -185,7 +185,7 @@ pub struct SectionTable {
     pub worn_edge: Option<f64>,
 }
 
-/// Radius of the edges that wear leaves, over the section's own: it rounds them too.
+/// Radius of the edges of a worn flat, over the section's own: wear rounds them too.
 const WORN_EDGE: f64 = 0.2;
 
 impl SectionTable {

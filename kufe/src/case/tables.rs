@@ -79,15 +79,6 @@ impl IceTable {
         }
     }
 
-    /// Ice of this thickness on a rigid bed [m].
-    #[must_use]
-    pub fn on_rigid_bed(self, thickness_m: f64) -> Self {
-        IceTable {
-            thickness_m: Thickness::Layer(thickness_m),
-            ..self
-        }
-    }
-
     /// The material and what carries it; the table has been checked.
     pub(crate) fn ice(&self) -> Ice {
         let of_temperature =
@@ -338,18 +329,10 @@ pub struct HardnessTable {
 }
 
 impl SlidingTable {
-    /// Speed [m/s] and temperature [C]; every other key is absent.
-    pub fn new(v_mps: f64, ice_c: f64) -> Self {
-        SlidingTable {
-            v_mps,
-            ice_c,
-            ..SlidingTable::default()
-        }
-    }
-
-    /// The pressure at which the ice yields [Pa]: `stated` where there is one, the anchor of the
-    /// law of creep, which does not say more without a contact time, or what its temperature says;
-    /// at most that at which it melts.
+    /// The pressure at which the ice yields [Pa], at most that at which it melts.
+    ///
+    /// It is `stated`, or else the measured hardness, to which the law of creep adds nothing
+    /// without a contact time, or else that of the ice's temperature.
     pub fn hardness(&self, stated: Option<f64>) -> f64 {
         let anchor = self.hardness.map(|anchor| anchor.pressure_pa);
         let own = stated

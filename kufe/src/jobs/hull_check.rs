@@ -13,7 +13,7 @@ use kufe_mesh::{
 use crate::case::FittedHull;
 use crate::jobs::failure::Failure;
 use crate::jobs::press::hull_error::{bootstrap_scans, relative_peak_error};
-use crate::results::{Angle, HullCheck, ResolvedLoad, Sampling};
+use crate::results::{HullCheck, ResolvedLoad, Sampling};
 
 /// Relative error of the peak for which a hull is examined where none is requested.
 const USUAL_SHARE: f64 = 0.05;
@@ -91,10 +91,6 @@ pub fn check_hull(
             };
             forces.iter().map(known).collect::<Result<Vec<_>, String>>()
         });
-    let angle = |of: fn(Orientation) -> Option<Estimate>| {
-        let Estimate { value, error } = orientation.and_then(of)?;
-        Some(Angle { value, error })
-    };
     let middle = middle_if_outside(bounds);
     let keel = orientation.and_then(|found| found.middle[1]);
     let keel = keel.filter(Estimate::significant).map(|y| y.value);
@@ -105,9 +101,9 @@ pub fn check_hull(
         scale: frame.options.scale,
         up: frame.options.up.unwrap_or(Axis::Z).to_string(),
         forward: frame.options.forward.to_string(),
-        yaw_rad: angle(|found| found.yaw),
-        pitch_rad: angle(|found| found.pitch),
-        roll_rad: angle(|found| found.roll),
+        yaw_rad: orientation.and_then(|found| found.yaw),
+        pitch_rad: orientation.and_then(|found| found.pitch),
+        roll_rad: orientation.and_then(|found| found.roll),
         strips_m: strips,
         length_m,
         width_m,

@@ -8,14 +8,14 @@ use kufe_sled::friction::{LateralFit, MagicFormula};
 use kufe_sled::{Model, Vehicle, by_track, fit, validate};
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::{Loaded, RunSelection};
+use crate::jobs::runs::{PreparedRuns, RunSelection};
 use crate::jobs::watch::Watch;
 use crate::results::{LateralFitDocument, Validation};
 
 /// A fit of the lateral friction of both runners, and its runs.
 pub struct FittedRuns {
     /// The runs, and the model before the fit.
-    pub loaded: Loaded,
+    pub loaded: PreparedRuns,
     /// The fit, and what it rests on.
     pub document: LateralFitDocument,
     /// The model with the fitted laws, as its file's text.

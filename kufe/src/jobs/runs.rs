@@ -5,9 +5,9 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use kufe_sled::{
-    Error, Model, Needs, OnGaps, PrepareOptions, Prepared, Run, RunFormat, SampleCoverage, Track,
-    Vehicle, gaps_line, outside_tables, prepare_all, read_good_runs, read_index, read_runs,
-    run_file, track_file, write_index, write_run,
+    Model, Needs, OnGaps, PrepareOptions, Prepared, Run, RunFormat, SampleCoverage, Track, Vehicle,
+    gaps_line, outside_tables, prepare_all, read_good_runs, read_index, read_runs, run_file,
+    track_file, write_index, write_run,
 };
 use rayon::prelude::*;
 
@@ -36,7 +36,7 @@ pub struct RunSelection {
 }
 
 /// Runs ready for use, and what they are used with.
-pub struct Loaded {
+pub struct PreparedRuns {
     /// Sled and friction.
     pub model: Model,
     /// The same with its tables opened.
@@ -87,11 +87,6 @@ pub fn write_track(output: NewFiles, track: &Track) -> Result<(), Failure> {
     })
 }
 
-/// The failure that a sled error is.
-pub fn failure(error: Error) -> Failure {
-    error.into()
-}
-
 /// How runs with gaps are read: refused with `strict`, else without the samples next to a gap.
 pub fn on_gaps(strict: bool) -> OnGaps {
     if strict {
@@ -133,7 +128,11 @@ impl RunSelection {
     /// # Errors
     /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no
     /// filter.
-    pub fn load(&self, watch: &Watch, unseen: impl Fn(&Run) -> bool) -> Result<Loaded, Failure> {
+    pub fn load(
+        &self,
+        watch: &Watch,
+        unseen: impl Fn(&Run) -> bool,
+    ) -> Result<PreparedRuns, Failure> {
         // A corner below a tenth of a hertz removes every curve, and a run of some ten seconds has
         // no period of it.
         if !(0.1..=1e4).contains(&self.cutoff_hz) {
@@ -190,7 +189,7 @@ impl RunSelection {
         for outside in &outside_tables {
             watch.warn(&outside.to_string());
         }
-        Ok(Loaded {
+        Ok(PreparedRuns {
             model,
             vehicle,
             prepared,

@@ -67,7 +67,7 @@ pub struct ViewedRun {
 }
 
 /// The model and the tracks that it drives on.
-struct Driven {
+struct ReplayModel {
     model: Model,
     vehicle: Vehicle,
     tracks: BTreeMap<String, Track>,
@@ -91,7 +91,7 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
         return Err(wrong(format!("--run {name}: the runs are {names}")));
     }
     let model = options.model.as_ref();
-    let driven = model.map(|model| Driven::read(model, options, &entries, watch));
+    let driven = model.map(|model| ReplayModel::read(model, options, &entries, watch));
     let driven = driven.transpose()?;
     watch.progress(&format!("examining {} runs", entries.len()));
     let is_chosen = |run: &str| options.only.is_empty() || options.only.iter().any(|n| n == run);
@@ -159,13 +159,13 @@ fn count(runs: &[ViewedRun], rate_hz: f64) -> usize {
     runs.iter().map(values).sum::<f64>() as usize
 }
 
-impl Driven {
+impl ReplayModel {
     fn read(
         model: &Path,
         options: &ViewOptions,
         entries: &[Entry],
         watch: &Watch,
-    ) -> Result<Driven, Failure> {
+    ) -> Result<ReplayModel, Failure> {
         let file = model;
         let model = Model::load(file)?;
         let vehicle = Vehicle::with_effects(&model)?;
@@ -189,7 +189,7 @@ impl Driven {
                 watch.warn(&format!("{path}: no such table: no model on track {name}"));
             }
         }
-        Ok(Driven {
+        Ok(ReplayModel {
             model,
             vehicle,
             tracks,
@@ -214,7 +214,7 @@ impl Driven {
 fn viewed(
     run: &Run,
     examination: &Examination,
-    driven: Option<&Driven>,
+    driven: Option<&ReplayModel>,
     watch: &Watch,
 ) -> (ViewedRun, Option<Prepared>) {
     let rate_hz = RATES_HZ[0].min(run.rate_hz());

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::jobs::field::read_map;
 use crate::jobs::gather::relative;
-use crate::jobs::{Failure, runs::failure, table::read_table};
+use crate::jobs::{Failure, table::read_table};
 use crate::report::contact::{ContactPage, SeriesPage};
 use crate::report::index::index_page;
 use crate::report::page::{Kind, page};
@@ -65,16 +65,9 @@ const MOST_PICTURES: usize = 12;
 /// # Errors
 /// [`Failure::BadInput`] with the file and the key.
 pub fn read_json<T: DeserializeOwned>(path: &Path, longest: u64) -> Result<T, Failure> {
-    let text = text_of_regular(path, longest).map_err(|error| unreadable(path, &error))?;
-    serde_json::from_str(&text).map_err(|error| wrong(path, &error))
-}
-
-fn wrong(path: &Path, reason: &dyn std::fmt::Display) -> Failure {
-    Failure::BadInput(format!("{}: {reason}", path.display()))
-}
-
-fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
-    wrong(path, &format!("cannot be read: {error}"))
+    let text = text_of_regular(path, longest);
+    let text = text.map_err(|error| Failure::unreadable(path, error))?;
+    serde_json::from_str(&text).map_err(|error| Failure::in_file(path, error))
 }
 
 /// The folder's own name, also where the path ends in `.`.
@@ -102,7 +95,7 @@ pub struct ResultPage {
 /// # Errors
 /// [`Failure::BadInput`] where there is nothing to report on, or a file of it is broken.
 pub fn result_page(result: &Path, out: Option<&Path>) -> Result<ResultPage, Failure> {
-    let wrong = |reason: &str| Failure::BadInput(format!("{}: {reason}", result.display()));
+    let wrong = |reason: &str| Failure::in_file(result, reason);
     let file = |default: PathBuf| out.map_or(default, Path::to_path_buf);
     if !result.exists() {
         return Err(wrong("cannot be read: there is no such file or folder"));
@@ -121,10 +114,8 @@ pub fn result_page(result: &Path, out: Option<&Path>) -> Result<ResultPage, Fail
     }
     let files = files_of(result);
     if let Some(link) = files.iter().find(|path| leads_out(result, path)) {
-        return Err(Failure::BadInput(format!(
-            "{}: a link that leads out of the folder; expected a file in it",
-            link.display()
-        )));
+        let reason = "a link that leads out of the folder; expected a file in it";
+        return Err(Failure::in_file(link, reason));
     }
     let has = |name: &str| result.join(name).is_file();
     let file = file(result.join(PAGE));
@@ -198,7 +189,8 @@ fn without_page(folder: &Path, files: &[PathBuf]) -> String {
 /// The page `name` that a command has written itself, with its links to the viewer's address.
 fn written(folder: &Path, name: &str, viewer: Option<&str>) -> Result<String, Failure> {
     let path = folder.join(name);
-    let page = text_of_regular(&path, LONGEST_PAGE).map_err(|error| unreadable(&path, &error))?;
+    let page = text_of_regular(&path, LONGEST_PAGE);
+    let page = page.map_err(|error| Failure::unreadable(&path, error))?;
     Ok(viewer.map_or_else(|| page.clone(), |viewer| linked_to(&page, viewer)))
 }
 
@@ -210,8 +202,7 @@ fn contact(folder: &Path) -> Result<String, Failure> {
     let hull = glb
         .is_file()
         .then(|| load_hull(&glb, &HullOptions::default()));
-    let hull = hull.transpose().map_err(Failure::bad_input)?;
-    let hull = hull.map(|(hull, _)| hull);
+    let hull = hull.transpose()?.map(|(hull, _)| hull);
     let hull = hull.filter(|hull| hull.triangles.len() <= MOST_TRIANGLES);
     let data = ContactPage::new(result, &maps, hull.as_ref(), POINTS, folder_name(folder));
     Ok(page(Kind::Press, &data.title, &data))
@@ -223,7 +214,7 @@ fn series(folder: &Path) -> Result<String, Failure> {
     let rows: Vec<SeriesRow> = read_json(&path, LONGEST)?;
     if !(1..=MOST_CONTACTS).contains(&rows.len()) {
         let reason = format!("{} steps: expected 1 to {MOST_CONTACTS}", rows.len());
-        return Err(wrong(&path, &reason));
+        return Err(Failure::in_file(&path, reason));
     }
     let name = folder_name(folder);
     let title = format!("{name}, series");
@@ -234,7 +225,7 @@ fn series(folder: &Path) -> Result<String, Failure> {
 fn table(path: &Path) -> Result<String, Failure> {
     let table = read_table(path)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let data = TablePage::new(&table, &name).map_err(|error| wrong(path, &error))?;
+    let data = TablePage::new(&table, &name).map_err(|error| Failure::in_file(path, error))?;
     Ok(page(Kind::Table, &format!("{name}, lookup table"), &data))
 }
 
@@ -262,7 +253,7 @@ fn evaluation(folder: &Path, viewer: Option<&str>) -> Result<String, Failure> {
     let count = evaluation.runs.len();
     if count > MOST_RUNS {
         let reason = format!("{count} runs: a page shows at most {MOST_RUNS}");
-        return Err(wrong(&path, &reason));
+        return Err(Failure::in_file(&path, reason));
     }
     let mut tables = Vec::new();
     for (name, runner) in TABLE_PICTURES.iter().zip(["front runner", "rear runner"]) {
@@ -282,8 +273,8 @@ fn evaluation(folder: &Path, viewer: Option<&str>) -> Result<String, Failure> {
 
 /// The page of an index of runs.
 fn index(folder: &Path) -> Result<String, Failure> {
-    let entries = read_index(&folder.join(INDEX)).map_err(failure)?;
-    index_page(&folder_name(folder), folder, &entries).map_err(Failure::bad_input)
+    let entries = read_index(&folder.join(INDEX))?;
+    Ok(index_page(&folder_name(folder), folder, &entries)?)
 }
 
 /// The picture in a file; nothing without a file, and where its first bytes are not those of a PNG.
@@ -291,7 +282,8 @@ fn picture(path: &Path) -> Result<Option<Vec<u8>>, Failure> {
     if !path.is_file() {
         return Ok(None);
     }
-    let bytes = read_regular(path, LONGEST_PICTURE).map_err(|error| unreadable(path, &error))?;
+    let bytes = read_regular(path, LONGEST_PICTURE);
+    let bytes = bytes.map_err(|error| Failure::unreadable(path, error))?;
     Ok(Some(bytes).filter(|bytes| bytes.starts_with(b"\x89PNG\r\n\x1a\n")))
 }
 
@@ -329,7 +321,7 @@ fn documents(folder: &Path, files: &[PathBuf], viewer: Option<&str>) -> Result<S
     ))
 }
 
-/// What a `simulation.json` says of a replay.
+/// The replay in a `simulation.json`.
 #[derive(Deserialize)]
 struct ReplayRecord {
     replay: Option<ReplayedRun>,

@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use kufe_sled::Entry;
+use kufe_sled::{Entry, distinct};
 use serde::Serialize;
 
 use crate::jobs::gather::UNNAMED;
-use crate::report::distinct;
 use crate::report::results::results_page;
 use crate::results::{Data, Datum};
 

@@ -53,14 +53,3 @@ pub use results::{Picture, picture_url, results_page};
 pub use runs::RunsPage;
 pub use table::TablePage;
 pub use viewer::{Stretch, VIEWER, ViewedPart};
-
-/// The items in the order in which they come, each once.
-fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
-    let mut distinct = Vec::new();
-    for item in items {
-        if !distinct.contains(&item) {
-            distinct.push(item);
-        }
-    }
-    distinct
-}

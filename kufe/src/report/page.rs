@@ -78,7 +78,7 @@ impl Kind {
     }
 }
 
-/// What made a page, as its head says.
+/// The generator that a page's head states.
 const VERSION: &str = concat!("kufe ", env!("CARGO_PKG_VERSION"));
 
 /// The whole page: one HTML file with its data, style and scripts.

@@ -2,12 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use kufe_sled::{COLUMNS, Fault, Note, OddStretch, Section};
+use kufe_sled::{COLUMNS, Fault, Note, OddStretch, Section, distinct};
 use serde::Serialize;
 
 use crate::jobs::gather::UNNAMED;
 use crate::jobs::view_runs::{BEHIND, ViewedRun, ViewedRuns};
-use crate::report::distinct;
 use crate::report::pack::{Packed, pack};
 use crate::report::results::label::{name_of, unit_of};
 use crate::report::sign::sign;

@@ -2,18 +2,9 @@
 
 use std::path::PathBuf;
 
-use kufe_mesh::HexMesh;
+use kufe_mesh::{Estimate, HexMesh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-/// A value with its uncertainty (95 %).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Angle {
-    /// The value [rad].
-    pub value: f64,
-    /// Its uncertainty [rad].
-    pub error: f64,
-}
 
 /// A scanned hull: its frame, its sampling, and the loads that it resolves.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -27,12 +18,12 @@ pub struct HullCheck {
     pub up: String,
     /// The file's axis that points forward, or backward: the shape does not show which.
     pub forward: String,
-    /// Rotation about z into runner axes; none where the shape does not show it.
-    pub yaw_rad: Option<Angle>,
-    /// Rotation about y.
-    pub pitch_rad: Option<Angle>,
-    /// Rotation about x.
-    pub roll_rad: Option<Angle>,
+    /// Rotation about z into runner axes; none where the shape does not show it [rad].
+    pub yaw_rad: Option<Estimate>,
+    /// Rotation about y [rad].
+    pub pitch_rad: Option<Estimate>,
+    /// Rotation about x [rad].
+    pub roll_rad: Option<Estimate>,
     /// Length of the triangles where they are long strips [m].
     pub strips_m: Option<f64>,
     /// Extent along the runner [m].

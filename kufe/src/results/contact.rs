@@ -343,22 +343,31 @@ impl ShearResult {
     }
 }
 
+/// The coefficient of friction and its parts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[non_exhaustive]
+pub struct Friction {
+    /// All parts together.
+    #[serde(flatten)]
+    pub mu: Measured<Mu>,
+    /// Force that ploughs the groove over the load.
+    #[serde(flatten)]
+    pub ploughing: Measured<MuPloughing>,
+    /// Drag of the melt film over the load.
+    #[serde(flatten)]
+    pub viscous: Measured<MuViscous>,
+    /// Drag where steel and ice touch through the film over the load.
+    #[serde(flatten)]
+    pub boundary: Measured<MuBoundary>,
+}
+
 /// Friction, groove and melt film of steady sliding.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[non_exhaustive]
 pub struct SlidingResult {
-    /// Coefficient of friction.
+    /// Coefficient of friction with its parts.
     #[serde(flatten)]
-    pub mu: Measured<Mu>,
-    /// Its part of ploughing.
-    #[serde(flatten)]
-    pub mu_ploughing: Measured<MuPloughing>,
-    /// Its part of the melt film.
-    #[serde(flatten)]
-    pub mu_viscous: Measured<MuViscous>,
-    /// Its part of boundary contact.
-    #[serde(flatten)]
-    pub mu_boundary: Measured<MuBoundary>,
+    pub friction: Friction,
     /// Share of the patch where steel and ice touch through the film.
     #[serde(flatten)]
     pub boundary_share: Measured<BoundaryShare>,

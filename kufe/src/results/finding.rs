@@ -5,6 +5,11 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+/// A value with its 95 % interval.
+pub use kufe_sled::friction::Estimate as Interval;
+
+use crate::case::effects::Map;
+
 /// The outcome in one word.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -26,17 +31,6 @@ pub enum Verdict {
     None,
     /// Something differs, but these data cannot say what.
     NotIdentifiable,
-}
-
-/// A value with its 95 % interval.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
-pub struct Interval {
-    /// Value.
-    pub value: f64,
-    /// Lower end.
-    pub low: f64,
-    /// Upper end.
-    pub high: f64,
 }
 
 /// A fitted parameter.
@@ -543,20 +537,8 @@ pub struct Strip {
 /// A measured map and the simulated ones on its pixels, row by row from the lower left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Maps {
-    /// Pixels along x.
-    pub nx: usize,
-    /// Pixels along y.
-    pub ny: usize,
-    /// Centre of the first pixel [m].
-    pub x0: f64,
-    /// Centre of the first pixel [m].
-    pub y0: f64,
-    /// Pixel length [m].
-    pub dx: f64,
-    /// Pixel width [m].
-    pub dy: f64,
-    /// Measured pressure [Pa].
-    pub measured: Vec<f64>,
+    /// Measured map.
+    pub measured: Map,
     /// Simulated before any effect was added [Pa].
     pub before: Vec<f64>,
     /// Simulated after [Pa]; empty where nothing was added.

@@ -7,6 +7,7 @@ use kufe_sled::friction::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::results::contact::Friction;
 use crate::results::quantity::*;
 use crate::results::record::CaseRecord;
 
@@ -19,18 +20,9 @@ pub struct FrictionRow {
     pub ice_c: f64,
     /// Speed [m/s].
     pub v_mps: f64,
-    /// Coefficient of friction.
+    /// Coefficient of friction with its parts.
     #[serde(flatten)]
-    pub mu: Measured<Mu>,
-    /// Its part of ploughing.
-    #[serde(flatten)]
-    pub mu_ploughing: Measured<MuPloughing>,
-    /// Its part of the melt film.
-    #[serde(flatten)]
-    pub mu_viscous: Measured<MuViscous>,
-    /// Its part of boundary contact.
-    #[serde(flatten)]
-    pub mu_boundary: Measured<MuBoundary>,
+    pub friction: Friction,
     /// Depth of the groove.
     #[serde(flatten)]
     pub groove_depth: Measured<GrooveDepth>,

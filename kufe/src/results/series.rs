@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::results::contact::ContactResult;
+use crate::results::contact::{ContactResult, Friction};
 use crate::results::quantity::*;
 
 /// One contact of a series.
@@ -146,18 +146,9 @@ pub struct SeriesResult {
     /// Peak pressure by boundary elements.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub check_p_max: Option<Measured<CheckPeak>>,
-    /// Coefficient of friction.
+    /// Coefficient of friction with its parts.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    pub mu: Option<Measured<Mu>>,
-    /// Friction of ploughing.
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    pub mu_ploughing: Option<Measured<MuPloughing>>,
-    /// Friction of the melt film.
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    pub mu_viscous: Option<Measured<MuViscous>>,
-    /// Friction of boundary contact.
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    pub mu_boundary: Option<Measured<MuBoundary>>,
+    pub friction: Option<Friction>,
     /// Depth of the groove.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub groove_depth: Option<Measured<GrooveDepth>>,
@@ -207,10 +198,7 @@ impl From<&ContactResult> for SeriesResult {
             approach_noise_m: result.approach_noise_m,
             runner_von_mises_max_pa: result.runner.as_ref().map(|r| r.runner_von_mises_max_pa),
             check_p_max: result.check.as_ref().map(|check| check.p_max),
-            mu: sliding.map(|s| s.mu),
-            mu_ploughing: sliding.map(|s| s.mu_ploughing),
-            mu_viscous: sliding.map(|s| s.mu_viscous),
-            mu_boundary: sliding.map(|s| s.mu_boundary),
+            friction: sliding.map(|s| s.friction),
             groove_depth: sliding.map(|s| s.groove_depth),
             film_mean: sliding.map(|s| s.film_mean),
         }

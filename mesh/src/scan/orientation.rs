@@ -42,7 +42,7 @@ const ROUNDING: f64 = 1e-6;
 const UNKNOWN: f64 = 0.02;
 
 /// A value and its uncertainty (95 %).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Estimate {
     /// The value.
     pub value: f64,

@@ -1,6 +1,8 @@
 //! Estimates with intervals, and the least of what is computed point by point.
 
 use nalgebra::{DMatrix, DVector};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::error::{Error, in_range};
@@ -187,9 +189,7 @@ fn terms(u: &[f64]) -> Vec<f64> {
 }
 
 /// An estimate with its confidence interval.
-#[derive(
-    Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
-)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Estimate {
     /// Best value.
     pub value: f64,

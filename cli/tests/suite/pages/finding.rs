@@ -44,13 +44,15 @@ fn a_findings_pictures_are_whole_and_legible_on_a_phone() {
         curve: None,
     };
     let maps = Maps {
-        nx: 2,
-        ny: 2,
-        x0: 0.0,
-        y0: 0.0,
-        dx: 1e-3,
-        dy: 1e-5,
-        measured: vec![1e6, 2e6, 3e6, 4e6],
+        measured: kufe::case::effects::Map {
+            nx: 2,
+            ny: 2,
+            x0: 0.0,
+            y0: 0.0,
+            dx: 1e-3,
+            dy: 1e-5,
+            pressure: vec![1e6, 2e6, 3e6, 4e6],
+        },
         before: vec![1e6, 2e6, 3e6, 3e6],
         after: vec![1e6, 2e6, 3e6, 4e6],
     };

@@ -37,13 +37,7 @@ pub fn pictures(
                 title: format!("{}, {kind}", simulations.rows[k].name),
                 caption: String::new(),
                 plot: Plot::Maps(Maps {
-                    nx: measured.nx,
-                    ny: measured.ny,
-                    x0: measured.x0,
-                    y0: measured.y0,
-                    dx: measured.dx,
-                    dy: measured.dy,
-                    measured: measured.pressure.clone(),
+                    measured: measured.clone(),
                     before: before.pressure.clone(),
                     after: match active.is_empty() {
                         true => Vec::new(),

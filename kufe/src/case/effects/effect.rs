@@ -55,7 +55,7 @@ impl Effect {
         self.on_peak.map_or(1.0, |law| law(size))
     }
 
-    /// Relative standard deviation of its size that its own form leaves open, whatever the noise.
+    /// Relative standard deviation of its size by the uncertainty of its form, without noise.
     pub fn form_error(&self) -> f64 {
         match self.info.form {
             Form::Open(deviation) => deviation,
@@ -123,7 +123,7 @@ pub enum Adds {
 }
 
 /// How a search for the best size follows an effect: straight from 0, sizes add up, peaks are
-/// enough, unless its entry says otherwise.
+/// enough, unless its entry states otherwise.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Search {

@@ -15,7 +15,7 @@ use crate::case::{
 use crate::jobs::case_file::{LoadedCase, depth, patch};
 use crate::jobs::failure::Failure;
 use crate::jobs::press::check::Check;
-use crate::jobs::press::hull_error::{HullError, between_vertices, bootstrap_scans, moved};
+use crate::jobs::press::hull_error::{HullError, bootstrap_scans, noise_error, spacing_error};
 use crate::jobs::slide::{SolvedSliding, solve_sliding};
 use crate::jobs::watch::Watch;
 use crate::results::{
@@ -95,7 +95,11 @@ impl Contact {
     /// Sliding at this speed [m/s] on ice of this temperature [C].
     #[must_use]
     pub fn sliding(mut self, v_mps: f64, ice_c: f64) -> Self {
-        self.loaded.case.sliding = Some(SlidingTable::new(v_mps, ice_c));
+        self.loaded.case.sliding = Some(SlidingTable {
+            v_mps,
+            ice_c,
+            ..SlidingTable::default()
+        });
         self
     }
 
@@ -150,9 +154,9 @@ pub struct SolvedContact {
     pub runner: Option<RunnerLoads>,
     /// Error by noise of the hull's vertices or the mesh's nodes, in 95 of 100 scans, where
     /// there is some and it is known.
-    pub moved: Option<HullError>,
+    pub noise_error: Option<HullError>,
     /// Error by the distances between a hull's vertices or a mesh's nodes, of a runner at rest.
-    pub between: Option<HullError>,
+    pub spacing_error: Option<HullError>,
     /// The stress under the peak, where [`Options::subsurface`] requests it.
     pub line: Option<CentreLine>,
     /// The contact by boundary elements; none where the runner slides.
@@ -249,18 +253,18 @@ pub fn press_prepared(
     let requested = loaded.case.accuracy.p_max;
     let resting = hull.filter(|_| sliding.is_none());
     let noisy = hull.filter(|hull| hull.noise.found > 0.0);
-    let between = resting
-        .map(|hull| between_vertices(&problem, hull, patch(&solution.surface), depth(&solution)));
+    let by_spacing = resting
+        .map(|hull| spacing_error(&problem, hull, patch(&solution.surface), depth(&solution)));
     // There is a scan where there is noise, or some would not show.
-    let moved_by = resting.filter(|hull| hull.scan.is_some()).and_then(|_| {
+    let by_noise = resting.filter(|hull| hull.scan.is_some()).and_then(|_| {
         watch.progress("simulating scans, to see how far noise moves the peak");
-        moved(&problem, || prepared.scans())
+        noise_error(&problem, || prepared.scans())
     });
     if let Some(hull) = resting {
         let unstated = noisy.is_some() && loaded.case.runner.noise_m.is_none();
-        let errors = [moved_by, between].map(|by| by.map_or(0.0, |by| by.p_max));
+        let errors = [by_noise, by_spacing].map(|by| by.map_or(0.0, |by| by.p_max));
         let error = errors[0].hypot(errors[1]);
-        if unstated && moved_by.is_none() {
+        if unstated && by_noise.is_none() {
             short.get_or_insert_with(|| loaded.noise_effect_unknown());
         } else if error > requested {
             short.get_or_insert_with(|| loaded.peak_uncertain(hull, error));
@@ -283,12 +287,12 @@ pub fn press_prepared(
     let remarks = [
         above_ice_strength(&problem, &solution),
         own_hexahedra(&loaded),
-        noisy.map(|hull| beyond_discretisation(hull, &solution, moved_by)),
+        noisy.map(|hull| noise_not_included(hull, &solution, by_noise)),
         hull.filter(|_| noisy.is_none())
-            .and_then(|hull| not_shown(hull, moved_by, solution.approach)),
-        between
-            .filter(|between| between.p_max > requested)
-            .map(|between| far_apart(between, solution.approach)),
+            .and_then(|hull| undetected_noise(hull, by_noise, solution.approach)),
+        by_spacing
+            .filter(|error| error.p_max > requested)
+            .map(|error| coarse_vertices(error, solution.approach)),
         scanned.and_then(|hull| at_rim(hull, &solution)),
     ];
     let deep = sliding.as_ref().and_then(SolvedSliding::too_deep);
@@ -303,8 +307,8 @@ pub fn press_prepared(
         loaded,
         problem,
         hull: hull.cloned(),
-        moved: moved_by,
-        between,
+        noise_error: by_noise,
+        spacing_error: by_spacing,
         solution,
         check,
         sliding,
@@ -340,7 +344,7 @@ fn best(
     Err(failure)
 }
 
-/// A warning where the elastic answer is above what ice bears.
+/// A warning where the elastic peak is above the strength of ice.
 fn above_ice_strength(problem: &Problem, solution: &Solution) -> Option<String> {
     (problem.ice.hardness.is_none() && solution.p_max > ICE_GIVES_WAY).then(|| {
         format!(
@@ -354,29 +358,25 @@ fn above_ice_strength(problem: &Problem, solution: &Solution) -> Option<String> 
 /// The remark that a runner's own hexahedra are not refined.
 fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
     loaded.case.runner.mesh.is_some().then(|| {
-        "the runner's own hexahedra stay as they are: the stated errors hold what hexahedra of their size leave under a smooth contact; \
-         finer ones there lower them"
+        "the runner's own hexahedra are not refined: the stated errors include the discretisation error of hexahedra of their size under a \
+         smooth contact; finer ones there lower them"
             .into()
     })
 }
 
 /// The warning that stated errors do not include the noise of vertices or nodes.
-fn beyond_discretisation(
-    hull: &FittedHull,
-    solution: &Solution,
-    moved: Option<HullError>,
-) -> String {
+fn noise_not_included(hull: &FittedHull, solution: &Solution, error: Option<HullError>) -> String {
     let residual = hull.underside.quality().residual_rms;
-    let moved = moved.map_or(String::new(), |moved| {
+    let moved = error.map_or(String::new(), |error| {
         format!(
             "; in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa), the approach by less than {:.2} % \
              (approach_noise_m)",
-            100.0 * moved.p_max,
-            100.0 * moved.approach / solution.approach
+            100.0 * error.p_max,
+            100.0 * error.approach / solution.approach
         )
     });
     format!(
-        "the stated errors do not hold what noise leaves in the hull: {:.3} µm taken and {:.3} µm found, {:.2} % of the approach{moved}",
+        "the stated errors do not include the noise of the hull: {:.3} µm assumed and {:.3} µm found, {:.2} % of the approach{moved}",
         1e6 * hull.noise.found,
         1e6 * residual,
         100.0 * residual / solution.approach
@@ -384,24 +384,24 @@ fn beyond_discretisation(
 }
 
 /// The warning that a hull may have noise which its vertices do not show.
-fn not_shown(hull: &FittedHull, moved: Option<HullError>, approach: f64) -> Option<String> {
-    let moved = moved?;
+fn undetected_noise(hull: &FittedHull, error: Option<HullError>, approach: f64) -> Option<String> {
+    let error = error?;
     Some(format!(
         "noise of up to {:.3} µm does not show between vertices so far apart; so much moves the peak by less than {:.2} % in 95 of 100 scans \
-         (p_max_noise_pa), the approach by less than {:.2} % (approach_noise_m); runner.noise_m = 0 says that there is none",
+         (p_max_noise_pa), the approach by less than {:.2} % (approach_noise_m); runner.noise_m = 0 states that there is none",
         1e6 * hull.noise.unseen,
-        100.0 * moved.p_max,
-        100.0 * moved.approach / approach
+        100.0 * error.p_max,
+        100.0 * error.approach / approach
     ))
 }
 
 /// The error that the distances of vertices cause, where it is more than requested.
-fn far_apart(between: HullError, approach: f64) -> String {
+fn coarse_vertices(error: HullError, approach: f64) -> String {
     format!(
-        "the stated errors do not hold what the distances of the hull's vertices leave: up to {:.2} % of the peak (p_max_hull_pa), {:.2} % of \
-         the approach (approach_hull_m); vertices closer together lower that",
-        100.0 * between.p_max,
-        100.0 * between.approach / approach
+        "the stated errors do not include that of the distances between the hull's vertices: up to {:.2} % of the peak (p_max_hull_pa), \
+         {:.2} % of the approach (approach_hull_m); vertices closer together lower that",
+        100.0 * error.p_max,
+        100.0 * error.approach / approach
     )
 }
 
@@ -437,7 +437,7 @@ impl SolvedContact {
         let check = self.check.as_ref();
         let found = check.and_then(|check| Some((check.found.as_ref().ok()?, check.seconds)));
         let reason = check.and_then(|check| check.found.as_ref().err());
-        let (noise, spacing) = (self.moved, self.between);
+        let (noise, spacing) = (self.noise_error, self.spacing_error);
         let by_surface = solution.volume.is_none();
         let asperities = by_surface.then(|| solution.surface.asperities());
         ContactResult {

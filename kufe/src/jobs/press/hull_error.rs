@@ -37,23 +37,22 @@ pub(crate) fn bootstrap_scans(hull: &FittedHull) -> Option<Vec<Arc<dyn Underside
     (0..SCANS).into_par_iter().map(fit).collect()
 }
 
-/// What the noise in `scans`, as [`bootstrap_scans`] of the problem's hull, moves in 95 of 100
-/// scans.
+/// Errors by the noise in `scans`, as [`bootstrap_scans`] of the problem's hull, in 95 of 100 scans.
 ///
 /// A bootstrap by the fitted surface (B. Efron and R. J. Tibshirani, An Introduction to the
-/// Bootstrap, 1993, 6.5): each is pressed by boundary elements, rigid, on ice that gives for a
-/// steel too. None where there are none, or where boundary elements do not answer.
-pub(super) fn moved<'a>(
+/// Bootstrap, 1993, 6.5): each is pressed by boundary elements, rigid, on ice that has the
+/// compliance of the steel too. None without scans, or where boundary elements do not apply.
+pub(super) fn noise_error<'a>(
     problem: &Problem,
     scans: impl FnOnce() -> Option<&'a [Arc<dyn Underside>]>,
 ) -> Option<HullError> {
     let problem = rigid(problem);
-    let pressed = |underside| pressed(&problem, underside, boundary_elements);
-    let expected = pressed(problem.runner.underside.clone())?;
+    let figures = |underside| peak_and_approach(&problem, underside, boundary_elements);
+    let expected = figures(problem.runner.underside.clone())?;
     let squares: Option<Vec<[f64; 2]>> = scans()?
         .par_iter()
         .map(|scan| {
-            let found = pressed(scan.clone())?;
+            let found = figures(scan.clone())?;
             Some([0, 1].map(|k| (found[k] - expected[k]).powi(2)))
         })
         .collect();
@@ -68,19 +67,19 @@ pub(super) fn moved<'a>(
     })
 }
 
-/// What the vertices' distances leave: by how much the fits with half the knots press otherwise, by
-/// boundary elements as in [`moved`]. Where they do not answer, the fit's own error on the
-/// contact's `patch`, and that over how deep the ice gives there, `depth` [m].
-pub(super) fn between_vertices(
+/// Errors by the vertices' distances: the differences of the fits with half the knots, by boundary
+/// elements as in [`noise_error`]. Where these do not apply, the fit's own error on the contact's `patch`,
+/// and that over the depth of the ice's surface there, `depth` [m].
+pub(super) fn spacing_error(
     problem: &Problem,
     hull: &FittedHull,
     patch: [f64; 4],
     depth: f64,
 ) -> HullError {
     let problem = rigid(problem);
-    let pressed = |underside| pressed(&problem, underside, boundary_elements_to_compare);
-    let fine = pressed(problem.runner.underside.clone());
-    let [one, other] = hull.underside.with_half_the_knots().map(pressed);
+    let figures = |underside| peak_and_approach(&problem, underside, boundary_elements_to_compare);
+    let fine = figures(problem.runner.underside.clone());
+    let [one, other] = hull.underside.with_half_the_knots().map(figures);
     let (Some(fine), Some(one), Some(other)) = (fine, one, other) else {
         let error = hull.underside.error_within(patch);
         return HullError {
@@ -97,23 +96,23 @@ pub(super) fn between_vertices(
 }
 
 /// Relative error of the peak by the noise in `scans` and the vertices' distances, for a contact
-/// that is not solved otherwise: [`moved`] and [`between_vertices`] added in quadrature, `None`
-/// where boundary elements do not answer.
+/// that is not solved otherwise: [`noise_error`] and [`spacing_error`] added in quadrature, `None`
+/// where boundary elements do not apply.
 pub(crate) fn relative_peak_error(
     problem: &Problem,
     hull: &FittedHull,
     scans: Option<&[Arc<dyn Underside>]>,
 ) -> Option<f64> {
     let found = boundary_elements_to_compare(problem).ok()?;
-    let between = between_vertices(problem, hull, found.patch, found.approach);
-    let moved_by = match scans {
-        Some(_) => moved(problem, || scans)?.p_max,
+    let by_spacing = spacing_error(problem, hull, found.patch, found.approach);
+    let by_noise = match scans {
+        Some(_) => noise_error(problem, || scans)?.p_max,
         None => 0.0,
     };
-    Some(between.p_max.hypot(moved_by))
+    Some(by_spacing.p_max.hypot(by_noise))
 }
 
-/// The problem with a rigid runner, on ice that gives for a steel too.
+/// The problem with a rigid runner, on ice that has the compliance of the steel too.
 fn rigid(problem: &Problem) -> Problem {
     let mut problem = problem.clone();
     problem.ice.youngs_modulus *= problem.ice.compliance() / problem.compliance();
@@ -123,7 +122,7 @@ fn rigid(problem: &Problem) -> Problem {
 
 /// Peak pressure [Pa] and approach [m] under another underside, by one of the ways to boundary
 /// elements.
-fn pressed(
+fn peak_and_approach(
     problem: &Problem,
     underside: Arc<dyn Underside>,
     solved: impl Fn(&Problem) -> Result<BoundaryElements, CheckUnavailable>,
@@ -185,33 +184,22 @@ mod tests {
         let (mut covered, mut stated) = (0, Vec::new());
         const TRIALS: u64 = 10;
         for trial in 0..TRIALS {
-            // Seeds apart from those of the scans that are made up.
+            // Seeds apart from those of the simulated scans.
             let scanned = smooth.scanned(&exact, noise, 1000 + trial);
-            let underside = Arc::new(FittedUnderside::new(&scanned, noise)?);
-            let pressed = problem((*underside).clone());
-            let hull = FittedHull {
-                underside,
-                report: check_hull(&scanned)?,
-                noise: Noise {
-                    found: noise,
-                    unseen: 0.0,
-                },
-                strips: None,
-                scan: Some(Arc::new(scanned)),
-            };
+            let underside = FittedUnderside::new(&scanned, noise)?;
+            let pressed = problem(underside.clone());
+            let report = check_hull(&scanned)?;
+            let noise_of = |found| Noise { found, unseen: 0.0 };
+            let hull = FittedHull::new(underside, scanned, report, noise_of(noise), None);
             let off = (peak(&pressed)? / truth - 1.0).abs();
             let peak_moved = |noise| -> Result<f64, &str> {
-                let noise = Noise {
-                    found: noise,
-                    ..hull.noise
-                };
                 let hull = FittedHull {
-                    noise,
+                    noise: noise_of(noise),
                     ..hull.clone()
                 };
                 let scans = bootstrap_scans(&hull).ok_or("no scans")?;
-                let moved = moved(&pressed, || Some(&scans)).ok_or("nothing was said")?;
-                Ok(moved.p_max)
+                let error = noise_error(&pressed, || Some(&scans)).ok_or("no error")?;
+                Ok(error.p_max)
             };
             let said = peak_moved(noise)?;
             covered += u64::from(off <= said);

@@ -5,9 +5,9 @@ mod sensitivity;
 mod sliding;
 mod table;
 
-pub(crate) use ploughing::{Grooved, Ploughing};
 pub use ploughing::{Hardness, HardnessFrom};
-pub use sliding::{FilmAlong, Friction, SolvedSliding};
+pub(crate) use ploughing::{Ploughing, SolvedGroove};
+pub use sliding::{FilmAlong, SolvedSliding};
 pub(crate) use sliding::{conditions, film_along, film_on, solve_sliding};
-pub use table::{FrictionPoint, Optimum, Parameter, fastest, friction_table, optimise};
+pub use table::{Optimum, Parameter, fastest, friction_table, optimise};
 pub(crate) use table::{at, sliding_of};

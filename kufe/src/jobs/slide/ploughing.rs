@@ -77,8 +77,8 @@ impl HardnessLaw {
         matches!(self, HardnessLaw::OfTime(_))
     }
 
-    /// Hardness [Pa] of ice at `ice_c` [C] that is `contact_time` [s] under the runner, and what
-    /// says so.
+    /// Hardness [Pa] of ice at `ice_c` [C] that is `contact_time` [s] under the runner, and its
+    /// source.
     ///
     /// # Errors
     /// [`kufe_sled::Error::OutOfRange`] for a time that is not positive.
@@ -107,7 +107,7 @@ impl HardnessLaw {
 
 /// A groove and the hardness of the ice that it was ploughed in.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grooved {
+pub struct SolvedGroove {
     /// The groove and its contact.
     pub solution: SlidingSolution,
     /// Pressure at which the ice yields.
@@ -175,10 +175,10 @@ impl<'a> Ploughing<'a> {
     /// # Errors
     /// [`Failure::BadInput`] for the case and a contact in parts, [`Failure::NotConverged`] where
     /// the solver stops short.
-    pub fn groove(&self, options: &Options) -> Result<Grooved, Failure> {
+    pub fn groove(&self, options: &Options) -> Result<SolvedGroove, Failure> {
         if !self.law.of_time() {
             let value = self.problem.ice.hardness.unwrap_or(f64::INFINITY);
-            return Ok(self.grooved(value, options)?.0);
+            return Ok(self.solved(value, options)?.0);
         }
         let coarse = Options {
             cells: Some(COARSE),
@@ -191,7 +191,7 @@ impl<'a> Ploughing<'a> {
 
     /// The groove in ice of this hardness [Pa], and the hardness that the law states for its
     /// contact time.
-    fn grooved(&self, value: f64, options: &Options) -> Result<(Grooved, f64), Failure> {
+    fn solved(&self, value: f64, options: &Options) -> Result<(SolvedGroove, f64), Failure> {
         let solution = self.at(value, options)?;
         let [front, back] = [solution.groove.front, solution.groove.back];
         let contact_time = Measure {
@@ -204,20 +204,20 @@ impl<'a> Ploughing<'a> {
             from,
             contact_time,
         };
-        Ok((Grooved { solution, hardness }, requested))
+        Ok((SolvedGroove { solution, hardness }, requested))
     }
 
     /// Groove after groove, each at the hardness of the contact time of the last one.
-    fn agreed(&self, first: f64, options: &Options, within: f64) -> Result<Grooved, Failure> {
+    fn agreed(&self, first: f64, options: &Options, within: f64) -> Result<SolvedGroove, Failure> {
         let (mut value, mut apart) = (first, f64::INFINITY);
         for _ in 0..ROUNDS {
-            let (grooved, requested) = self.grooved(value, options)?;
+            let (groove, requested) = self.solved(value, options)?;
             let change = (requested / value).ln();
             apart = change.abs();
             if apart <= within {
-                return Ok(grooved);
+                return Ok(groove);
             }
-            value = match grooved.hardness.from {
+            value = match groove.hardness.from {
                 HardnessFrom::Melting => requested,
                 _ => value * (change / (1.0 - GIVEN_BACK)).exp(),
             };

@@ -4,9 +4,9 @@ use kufe_contact::{Measure, Options};
 use kufe_sled::friction::film::{BoundaryContact, FilmConditions, HARDNESS_EXPONENT};
 
 use crate::jobs::failure::Failure;
-use crate::jobs::slide::ploughing::{Grooved, Hardness, HardnessFrom, Ploughing};
-use crate::jobs::slide::sliding::{FilmAlong, Friction, conditions, film_along, film_failure};
-use crate::results::SensitivityResult;
+use crate::jobs::slide::ploughing::{Hardness, HardnessFrom, Ploughing, SolvedGroove};
+use crate::jobs::slide::sliding::{FilmAlong, conditions, film_along, film_failure};
+use crate::results::{Friction, SensitivityResult};
 
 /// Logarithm of the ratio of hardnesses to either side: so wide that the scatter of two meshes is a
 /// small part of the difference, so narrow that the third derivative is.
@@ -38,18 +38,18 @@ impl Ploughing<'_> {
     /// As [`at`](Self::at) and [`film_along`].
     pub fn sensitivity(
         &self,
-        grooved: &Grooved,
+        groove: &SolvedGroove,
         along: &FilmAlong,
         options: &Options,
     ) -> Result<SensitivityResult, Failure> {
         let own = conditions(self.sliding);
-        let mu = Friction::of(&grooved.solution, along).mu;
+        let mu = Friction::of(&groove.solution, along).mu;
         let side = Options {
             p_max_tolerance: options.p_max_tolerance.max(SIDE_ACCURACY),
             ..options.clone()
         };
         let harder = |step: f64| {
-            let solution = self.at(grooved.hardness.value * step.exp(), &side)?;
+            let solution = self.at(groove.hardness.value * step.exp(), &side)?;
             let along = film_along(self.loaded, &solution, &own)?;
             let length = solution.groove.front.value - solution.groove.back.value;
             Ok::<_, Failure>((Friction::of(&solution, &along).mu, length))
@@ -67,7 +67,7 @@ impl Ploughing<'_> {
             let side = |sign: f64| -> Result<f64, Failure> {
                 let mut conditions = own;
                 change(&mut conditions, sign * step);
-                let along = film_along(self.loaded, &grooved.solution, &conditions)?;
+                let along = film_along(self.loaded, &groove.solution, &conditions)?;
                 Ok(along.film.totals.friction)
             };
             Ok::<_, Failure>((side(1.0)? - side(-1.0)?) / (2.0 * step * mu.value))
@@ -86,7 +86,7 @@ impl Ploughing<'_> {
             c.steel_c += step;
         };
         let temperature = film(&warmer, TEMPERATURE_STEP)?;
-        let [by_speed, by_temperature] = self.hardness_slopes(&grooved.hardness, stretch)?;
+        let [by_speed, by_temperature] = self.hardness_slopes(&groove.hardness, stretch)?;
         // The films are on one groove: the relative error of the friction holds for the
         // differences.
         let share = mu.error / mu.value;

@@ -8,8 +8,10 @@ use kufe_sled::friction::film::{
 use crate::case::SlidingTable;
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
-use crate::jobs::slide::ploughing::{Grooved, Hardness, Ploughing};
-use crate::results::{Measured, Quantity, SensitivityResult, SlidingMeshResult, SlidingResult};
+use crate::jobs::slide::ploughing::{Hardness, Ploughing, SolvedGroove};
+use crate::results::{
+    Friction, Measured, Quantity, SensitivityResult, SlidingMeshResult, SlidingResult,
+};
 
 /// The film along the patch, with the places of its stations.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,9 +42,10 @@ pub(crate) fn film_along(
     film.map_err(|error| film_failure(loaded, &error))
 }
 
-/// The film on stations of a patch under `fz` [N], as a strip that bears the whole load: what
-/// stations leave out of it is made up by their widths, which are known to a part of a cell, for
-/// pressures are bounded by what the ice bears.
+/// The film on stations of a patch under `fz` [N], as a strip that carries the whole load.
+///
+/// The widths are scaled to the load: they are known to a part of a cell only, while pressures are
+/// bounded by the hardness of the ice.
 ///
 /// # Errors
 /// [`kufe_sled::Error`] for conditions out of range, and for a patch that is no strip.
@@ -63,7 +66,7 @@ pub(crate) fn film_on(
     Ok(FilmAlong { front, film })
 }
 
-/// What the stations bear, with pressure and squared width linear in between, by Simpson's rule
+/// The load of the stations, with pressure and squared width linear in between, by Simpson's rule
 /// [N].
 fn load(sections: &[Section]) -> f64 {
     let between = |pair: &[Section]| {
@@ -96,24 +99,11 @@ pub(crate) fn film_failure(loaded: &LoadedCase, error: &kufe_sled::Error) -> Fai
     }
 }
 
-/// The coefficient of friction and its parts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Friction {
-    /// All parts together.
-    pub mu: Measure,
-    /// Force that ploughs the groove over the load.
-    pub ploughing: Measure,
-    /// Drag of the melt film over the load.
-    pub viscous: Measure,
-    /// Drag where steel and ice touch through the film over the load.
-    pub boundary: Measure,
-}
-
 impl Friction {
     /// Of a solution and the film on it.
     ///
     /// The film's error has that of the patch in it, whose share is taken as the groove's.
-    pub fn of(solution: &SlidingSolution, along: &FilmAlong) -> Self {
+    pub(crate) fn of(solution: &SlidingSolution, along: &FilmAlong) -> Self {
         let fz = solution.contact.fz;
         let depth = solution.groove.deepest;
         let patch = if depth.value > 0.0 {
@@ -133,14 +123,12 @@ impl Friction {
             value: solution.groove.ploughing.value / fz,
             error: solution.groove.ploughing.error / fz,
         };
+        let (value, error) = (ploughing.value + film.value, ploughing.error + film.error);
         Friction {
-            mu: Measure {
-                value: ploughing.value + film.value,
-                error: ploughing.error + film.error,
-            },
-            ploughing,
-            viscous: of_film(|totals| totals.viscous_friction),
-            boundary: of_film(|totals| totals.boundary_friction),
+            mu: Measured::new(value, error),
+            ploughing: ploughing.into(),
+            viscous: of_film(|totals| totals.viscous_friction).into(),
+            boundary: of_film(|totals| totals.boundary_friction).into(),
         }
     }
 }
@@ -166,15 +154,12 @@ const STEEP: f64 = 0.2;
 impl SolvedSliding {
     /// The document's part on sliding.
     pub fn result(&self) -> SlidingResult {
-        let (friction, groove) = (&self.friction, &self.groove);
+        let groove = &self.groove;
         let film = &self.film.film;
         let thickest = film.thickest().map(|s| (s.thickness, s.thickness_error));
         let (thickest, thickest_error) = thickest.unwrap_or_default();
         SlidingResult {
-            mu: friction.mu.into(),
-            mu_ploughing: friction.ploughing.into(),
-            mu_viscous: friction.viscous.into(),
-            mu_boundary: friction.boundary.into(),
+            friction: self.friction,
             boundary_share: self.of_film(|totals| totals.boundary_share),
             groove_depth: groove.deepest.into(),
             load_ahead: groove.load_ahead.into(),
@@ -222,10 +207,10 @@ pub(crate) fn solve_sliding(
     options: &Options,
 ) -> Result<(Solution, SolvedSliding), Failure> {
     let ploughing = Ploughing::new(loaded, sliding, problem)?;
-    let grooved = ploughing.groove(options)?;
-    let film = film_along(loaded, &grooved.solution, &conditions(sliding))?;
-    let sensitivity = ploughing.sensitivity(&grooved, &film, options)?;
-    let Grooved { solution, hardness } = grooved;
+    let groove = ploughing.groove(options)?;
+    let film = film_along(loaded, &groove.solution, &conditions(sliding))?;
+    let sensitivity = ploughing.sensitivity(&groove, &film, options)?;
+    let SolvedGroove { solution, hardness } = groove;
     let slid = SolvedSliding {
         friction: Friction::of(&solution, &film),
         sensitivity,

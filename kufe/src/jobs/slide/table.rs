@@ -1,35 +1,20 @@
 //! Friction over speed and temperature, and the shape of a runner with the least friction.
 
-use kufe_contact::{Measure, Options};
+use kufe_contact::Options;
 use kufe_sled::friction::{Response, Span};
 
-use crate::case::{Case, SlidingTable, StatedProblem};
+use crate::case::{SlidingTable, StatedProblem};
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
-use crate::jobs::slide::ploughing::{Grooved, Ploughing};
-use crate::jobs::slide::sliding::{Friction, conditions, film_along};
+use crate::jobs::slide::ploughing::{Ploughing, SolvedGroove};
+use crate::jobs::slide::sliding::{conditions, film_along};
 use crate::jobs::watch::Watch;
-use crate::results::{CaseRecord, FrictionOptimum, FrictionRow, OptimalParameter, SolvedRunner};
+use crate::results::{
+    CaseRecord, Friction, FrictionOptimum, FrictionRow, OptimalParameter, SolvedRunner,
+};
 
-/// Friction at one speed on ice of one temperature.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrictionPoint {
-    /// Speed [m/s].
-    pub v_mps: f64,
-    /// Temperature of the ice [C].
-    pub ice_c: f64,
-    /// The coefficient of friction and its parts.
-    pub friction: Friction,
-    /// Depth of the groove [m].
-    pub groove_depth: Measure,
-    /// Thickness of the film averaged over the patch [m].
-    pub film_mean: f64,
-    /// Hardness of the ice [Pa].
-    pub hardness: f64,
-}
-
-/// Friction of a case's runner at every speed [m/s] on ice of every temperature [C]; a `[sliding]`
-/// of its own says the rest.
+/// Friction of a case's runner at every speed [m/s] on ice of every temperature [C]; the case's own
+/// `[sliding]`, where it has one, states the rest.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for the case, a speed and a temperature, [`Failure::NotConverged`] where a
@@ -40,7 +25,7 @@ pub fn friction_table(
     temperatures: &[f64],
     watch: &Watch,
     options: &Options,
-) -> Result<Vec<FrictionPoint>, Failure> {
+) -> Result<Vec<FrictionRow>, Failure> {
     // Every combination is a case: those that are none are reported before anything is solved.
     let mut cases = Vec::new();
     for &ice_c in temperatures {
@@ -49,15 +34,15 @@ pub fn friction_table(
         }
     }
     let mut points = Vec::new();
-    let mut last: Option<(f64, Grooved)> = None;
+    let mut last: Option<(f64, SolvedGroove)> = None;
     for (ice_c, case) in &cases {
         let table = sliding_of(case);
         // A hardness over contact time is another at every speed.
         let reused = last
             .take()
             .filter(|(at, _)| at == ice_c && table.hardness.is_none());
-        let grooved = match reused {
-            Some((_, grooved)) => grooved,
+        let groove = match reused {
+            Some((_, groove)) => groove,
             None => {
                 watch
                     .check()
@@ -70,17 +55,18 @@ pub fn friction_table(
                 found
             }
         };
-        let Grooved { solution, hardness } = &grooved;
+        let SolvedGroove { solution, hardness } = &groove;
         let along = film_along(case, solution, &conditions(table))?;
-        points.push(FrictionPoint {
-            v_mps: table.v_mps,
+        points.push(FrictionRow {
+            case: loaded.name.clone(),
             ice_c: *ice_c,
+            v_mps: table.v_mps,
             friction: Friction::of(solution, &along),
-            groove_depth: solution.groove.deepest,
-            film_mean: along.film.totals.mean_thickness,
-            hardness: hardness.value,
+            groove_depth: solution.groove.deepest.into(),
+            film_mean_m: along.film.totals.mean_thickness,
+            hardness_pa: hardness.value,
         });
-        last = Some((*ice_c, grooved));
+        last = Some((*ice_c, groove));
     }
     Ok(points)
 }
@@ -120,42 +106,16 @@ pub struct Parameter {
 /// The least friction within the bounds.
 #[derive(Clone, Debug)]
 pub struct Optimum {
-    /// What was varied.
-    pub parameters: Vec<Parameter>,
-    /// The parameters' values there.
-    pub values: Vec<f64>,
-    /// Friction there, solved.
-    pub point: FrictionPoint,
-    /// The runners that the response was fitted to: values and friction.
-    pub solved: Vec<(Vec<f64>, FrictionPoint)>,
+    /// The document.
+    pub result: FrictionOptimum,
+    /// Friction of the runners that the response was fitted to, in the order of the document, and
+    /// last of the best one.
+    pub points: Vec<FrictionRow>,
     /// The response, mu over the parameters.
     pub response: Response,
-}
-
-impl Optimum {
-    /// The bound on which a parameter's value lies, if it does.
-    pub fn on_bound(&self, k: usize) -> Option<f64> {
-        let bounds = self.parameters[k].span.bounds();
-        bounds.into_iter().find(|&bound| bound == self.values[k])
-    }
-
     /// How much more friction than the least, over it, cannot be distinguished from it: the error
     /// of mu there and the scatter of the response.
-    pub fn indistinct(&self) -> f64 {
-        let mu = self.point.friction.mu;
-        mu.error / mu.value + self.response.misfit()
-    }
-
-    /// From where to where each parameter goes over all runners that cannot be distinguished from
-    /// the best ([`indistinct`](Self::indistinct)).
-    pub fn flat(&self) -> Vec<[f64; 2]> {
-        self.response.flat(self.indistinct())
-    }
-
-    /// Relative error of the response at the optimum, where the friction was solved.
-    pub fn miss(&self) -> f64 {
-        self.response.at(&self.values) / self.point.friction.mu.value - 1.0
-    }
+    pub indistinct: f64,
 }
 
 /// Least friction at one speed [m/s] on ice of one temperature [C] over one or two parameters of
@@ -198,33 +158,71 @@ pub fn optimise(
         progress: None,
         ..*watch
     };
-    let friction = |runner: &LoadedCase| -> Result<FrictionPoint, Failure> {
-        Ok(friction_table(runner, &[v_mps], &[ice_c], &quiet, options)?[0])
+    let friction = |runner: &LoadedCase| -> Result<FrictionRow, Failure> {
+        Ok(friction_table(runner, &[v_mps], &[ice_c], &quiet, options)?.remove(0))
     };
-    let mut solved = Vec::new();
+    let (mut points, mut solved) = (Vec::new(), Vec::new());
     let count = runners.len();
     for (k, (values, runner)) in runners.into_iter().enumerate() {
         watch.progress(&format!("runner {} of {count}", k + 1));
-        solved.push((values, friction(&runner)?));
+        let point = friction(&runner)?;
+        let mu = point.friction.mu;
+        points.push(point);
+        solved.push(SolvedRunner { values, mu });
     }
-    let values: Vec<f64> = solved.iter().map(|(_, p)| p.friction.mu.value).collect();
+    let values: Vec<f64> = solved.iter().map(|runner| runner.mu.value).collect();
     let refusal = |error| Failure::bad_input(error).within(&loaded.name);
     let response = Response::fit(&spans, &values).map_err(refusal)?;
     let values = response.least();
     watch.progress("the best runner");
     let point = friction(&runner(&values)?)?;
-    Ok(Optimum {
-        parameters: parameters.to_vec(),
-        values,
-        point,
+    let Friction {
+        mu,
+        ploughing,
+        viscous,
+        boundary,
+    } = point.friction;
+    let indistinct = mu.error / mu.value + response.misfit();
+    let flat = response.flat(indistinct);
+    let found = parameters.iter().zip(values.iter().zip(flat));
+    let found = found.map(|(parameter, (&value, [flat_from, flat_to]))| {
+        let [low, high] = parameter.span.bounds();
+        OptimalParameter {
+            key: parameter.key.clone(),
+            value,
+            low,
+            high,
+            on_bound: value == low || value == high,
+            flat_from,
+            flat_to,
+        }
+    });
+    let result = FrictionOptimum {
+        v_mps: point.v_mps,
+        ice_c: point.ice_c,
+        parameters: found.collect(),
+        mu,
+        mu_ploughing: ploughing.value,
+        mu_viscous: viscous.value,
+        mu_boundary: boundary.value,
+        response_scatter: response.misfit(),
+        response_miss: response.at(&values) / mu.value - 1.0,
         solved,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        case: CaseRecord::of(&loaded.case),
+    };
+    points.push(point);
+    Ok(Optimum {
+        result,
+        points,
         response,
+        indistinct,
     })
 }
 
 /// The runners of `mu` that are not slower than the one with the least friction by more than both
 /// errors: one is the fastest, several cannot be distinguished.
-pub fn fastest(points: &[FrictionPoint]) -> Vec<usize> {
+pub fn fastest(points: &[&FrictionRow]) -> Vec<usize> {
     let mu = |k: usize| points[k].friction.mu;
     let Some(least) = (0..points.len()).min_by(|&a, &b| mu(a).value.total_cmp(&mu(b).value)) else {
         return Vec::new();
@@ -232,59 +230,4 @@ pub fn fastest(points: &[FrictionPoint]) -> Vec<usize> {
     let within =
         |k: &usize| *k == least || mu(*k).value - mu(least).value <= mu(*k).error + mu(least).error;
     (0..points.len()).filter(within).collect()
-}
-
-impl FrictionRow {
-    /// The row of a runner's point.
-    pub fn new(case: &str, point: &FrictionPoint) -> Self {
-        FrictionRow {
-            case: case.to_owned(),
-            ice_c: point.ice_c,
-            v_mps: point.v_mps,
-            mu: point.friction.mu.into(),
-            mu_ploughing: point.friction.ploughing.into(),
-            mu_viscous: point.friction.viscous.into(),
-            mu_boundary: point.friction.boundary.into(),
-            groove_depth: point.groove_depth.into(),
-            film_mean_m: point.film_mean,
-            hardness_pa: point.hardness,
-        }
-    }
-}
-
-impl FrictionOptimum {
-    /// The document of a search.
-    pub fn new(found: &Optimum, case: &Case) -> Self {
-        let flat = found.flat();
-        let parameters = found.parameters.iter().enumerate().map(|(k, parameter)| {
-            let [low, high] = parameter.span.bounds();
-            OptimalParameter {
-                key: parameter.key.clone(),
-                value: found.values[k],
-                low,
-                high,
-                on_bound: found.on_bound(k).is_some(),
-                flat_from: flat[k][0],
-                flat_to: flat[k][1],
-            }
-        });
-        let solved = found.solved.iter().map(|(values, point)| SolvedRunner {
-            values: values.clone(),
-            mu: point.friction.mu.into(),
-        });
-        FrictionOptimum {
-            v_mps: found.point.v_mps,
-            ice_c: found.point.ice_c,
-            parameters: parameters.collect(),
-            mu: found.point.friction.mu.into(),
-            mu_ploughing: found.point.friction.ploughing.value,
-            mu_viscous: found.point.friction.viscous.value,
-            mu_boundary: found.point.friction.boundary.value,
-            response_scatter: found.response.misfit(),
-            response_miss: found.miss(),
-            solved: solved.collect(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            case: CaseRecord::of(case),
-        }
-    }
 }

@@ -11,7 +11,7 @@ use crate::jobs::failure::Failure;
 
 pub use plan_file::PlanFile;
 pub use points::{PointStore, same_origin};
-pub use solver::{Filled, Solver, fill};
+pub use solver::{FilledTable, Solver, fill};
 pub use spec::{TableSpec, schema};
 
 /// Reads a `.lut` file.

@@ -17,6 +17,8 @@ use serde_json::value::RawValue;
 
 use crate::jobs::failure::Failure;
 
+/// Most bytes of a line.
+const LONGEST_LINE: u64 = 1 << 14;
 /// How a file of points begins.
 const BEGINNING: &[u8] = br#"{"origin":{"#;
 /// Ending of the files of points in a folder.
@@ -121,10 +123,7 @@ impl PointStore {
         }
         let mut line = Vec::new();
         for number in 1.. {
-            line.clear();
-            let read = reader.read_until(b'\n', &mut line);
-            read.map_err(unreadable(path))?;
-            if line.last() != Some(&b'\n') {
+            if !next_line(&mut reader, &mut line).map_err(unreadable(path))? {
                 break;
             }
             let place = format!("{}, line {number}", path.display());
@@ -198,15 +197,13 @@ impl PointStore {
             .append(true)
             .create(true)
             .open(&self.path);
-        let whole = file.and_then(|mut file| {
-            let mut bytes = Vec::new();
-            file.read_to_end(&mut bytes)?;
-            let whole = bytes
-                .iter()
-                .rposition(|byte| *byte == b'\n')
-                .map_or(0, |end| end + 1);
-            if whole < bytes.len() {
-                file.set_len(whole as u64)?;
+        let whole = file.and_then(|file| {
+            let (mut reader, mut line, mut whole) = (BufReader::new(&file), Vec::new(), 0);
+            while next_line(&mut reader, &mut line)? {
+                whole += line.len() as u64;
+            }
+            if whole < file.metadata()?.len() {
+                file.set_len(whole)?;
             }
             Ok(file)
         });
@@ -229,6 +226,14 @@ impl PointStore {
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// Reads a line, or as much of it as a line may have; false for what an interrupt left of the last
+/// one, and at the end.
+fn next_line(reader: &mut impl BufRead, line: &mut Vec<u8>) -> std::io::Result<bool> {
+    line.clear();
+    reader.take(LONGEST_LINE).read_until(b'\n', line)?;
+    Ok(line.ends_with(b"\n") || line.len() as u64 == LONGEST_LINE)
 }
 
 fn read_line(line: &[u8]) -> Result<(Origin, Solve), String> {

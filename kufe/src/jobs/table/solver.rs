@@ -18,11 +18,11 @@ use crate::case::TrackTable;
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::press::Prepared;
-use crate::jobs::slide::{Friction, Grooved, Ploughing, at, conditions, film_along, sliding_of};
+use crate::jobs::slide::{Ploughing, SolvedGroove, at, conditions, film_along, sliding_of};
 use crate::jobs::table::points::{PointStore, key};
 use crate::jobs::table::spec::TableSpec;
 use crate::jobs::watch::Watch;
-use crate::results::CaseRecord;
+use crate::results::{CaseRecord, Friction};
 
 /// Largest estimated error of the peak pressure of a point short of its tolerance, relative.
 const LARGEST_ERROR: f64 = 0.2;
@@ -220,12 +220,12 @@ impl Solver {
     fn slide(&self, points: &[Point], watch: &Watch) -> Vec<Result<Figures, Failure>> {
         // A hardness over contact time is another at every speed.
         let of_time = sliding_of(&self.loaded).hardness.is_some();
-        let mut last: Option<Grooved> = None;
+        let mut last: Option<SolvedGroove> = None;
         let mut solved = Vec::with_capacity(points.len());
         for point in points {
             let found = match last.take().filter(|_| !of_time) {
-                Some(grooved) => Ok(grooved),
-                None => self.grooved(point, watch),
+                Some(groove) => Ok(groove),
+                None => self.solved_groove(point, watch),
             };
             match found {
                 Ok(found) => {
@@ -242,7 +242,7 @@ impl Solver {
     }
 
     /// The groove at a point.
-    fn grooved(&self, point: &Point, watch: &Watch) -> Result<Grooved, Failure> {
+    fn solved_groove(&self, point: &Point, watch: &Watch) -> Result<SolvedGroove, Failure> {
         watch.check()?;
         let case = case_at(&self.loaded, point)?;
         let named = |error| case.bad_input(error);
@@ -274,9 +274,9 @@ impl Solver {
     }
 
     /// The film on a groove, at a point's speed.
-    fn film(&self, grooved: &Grooved, point: &Point) -> Result<Figures, Failure> {
+    fn film(&self, groove: &SolvedGroove, point: &Point) -> Result<Figures, Failure> {
         let case = case_at(&self.loaded, point)?;
-        let solution = &grooved.solution;
+        let solution = &groove.solution;
         let along = film_along(&case, solution, &conditions(sliding_of(&case)))?;
         let friction = Friction::of(solution, &along);
         Ok(figures(&solution.contact)
@@ -360,7 +360,7 @@ impl Solver {
 }
 
 /// A filled table, and the points on disk that it makes needless.
-pub struct Filled {
+pub struct FilledTable {
     /// The table and whether its interpolation is as accurate as requested.
     pub swept: SweepResult,
     /// Contacts solved now; the others were on disk.
@@ -369,7 +369,7 @@ pub struct Filled {
 }
 
 /// Solves every point that is not on disk yet. Points are stored in `OUT.points` until
-/// [`Filled::clear`], so that the same call resumes after an interrupt.
+/// [`FilledTable::clear`], so that the same call resumes after an interrupt.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for files and cases, [`Failure::NotConverged`] where a contact stays far
@@ -379,7 +379,7 @@ pub fn fill(
     solver: &Solver,
     out: &Path,
     watch: &Watch,
-) -> Result<Filled, Failure> {
+) -> Result<FilledTable, Failure> {
     let mut path = out.as_os_str().to_owned();
     path.push(".points");
     let store = PointStore::of_file(Path::new(&path), solver.origin()?)?;
@@ -396,14 +396,14 @@ pub fn fill(
             }
         }
     };
-    Ok(Filled {
+    Ok(FilledTable {
         swept,
         solves,
         store,
     })
 }
 
-impl Filled {
+impl FilledTable {
     /// Removes the points on disk: the table is written.
     ///
     /// # Errors

@@ -55,7 +55,7 @@ pub fn size(parameter: &Fitted) -> String {
     format!("{text}, the inverse of {inverse}")
 }
 
-/// What a parameter is, where its name does not say so.
+/// The meaning of a parameter whose name does not show it.
 pub fn meaning(effect: &str, parameter: &str) -> Option<&'static str> {
     match (effect, parameter) {
         ("wall-contact", "lever_m") => Some(

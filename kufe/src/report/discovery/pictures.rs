@@ -1,11 +1,12 @@
 //! Pictures of the page. Each is drawn for a page and for a phone.
 
+use kufe_sled::distinct;
+
 use crate::plot::{
     AFTER, Axis, BEFORE, Cells, Colour, ColourBar, Figure, INK, Layer, Panel, Point, Symbol, Ticks,
     diverging, extent, number4, unit_of, usual,
 };
 use crate::report::discovery::parts::{channel_label, range, shown};
-use crate::report::distinct;
 use crate::report::sign::sign;
 use crate::results::finding::{
     Baseline, Bin, ByRun, ChannelGap, Maps, Peak, Plot, Scatter, Strip, StripRun,
@@ -193,8 +194,9 @@ fn peaks(rows: &[Peak]) -> Panel {
 
 /// Measured pressure, and measured less simulated before and, where that is another one, after.
 fn maps(plot: &Maps) -> String {
+    let measured = &plot.measured;
     let less = |simulated: &[f64]| -> Vec<f64> {
-        let pairs = plot.measured.iter().zip(simulated);
+        let pairs = measured.pressure.iter().zip(simulated);
         pairs
             .map(|(pa, simulated)| 1e-6 * (pa - simulated))
             .collect()
@@ -204,12 +206,12 @@ fn maps(plot: &Maps) -> String {
         [-0.5, count as f64 - 0.5].map(|k| 1e3 * (from + k * step))
     };
     let window = [
-        span(plot.x0, plot.dx, plot.nx),
-        span(plot.y0, plot.dy, plot.ny),
+        span(measured.x0, measured.dx, measured.nx),
+        span(measured.y0, measured.dy, measured.ny),
     ];
     let map = |title: &str, values: Vec<f64>, bar: ColourBar| {
-        let cells = Cells::new([plot.nx, plot.ny], |column, row| {
-            Some(bar.colour(values[row * plot.nx + column]))
+        let cells = Cells::new([measured.nx, measured.ny], |column, row| {
+            Some(bar.colour(values[row * measured.nx + column]))
         });
         let [x, y] = ["x [mm]", "y [mm]"].map(Axis::new);
         let (x, y) = (x.within(window[0]), y.within(window[1]));
@@ -218,7 +220,7 @@ fn maps(plot: &Maps) -> String {
         figure.letters = 12.0;
         figure.svg()
     };
-    let pressure = less(&vec![0.0; plot.measured.len()]);
+    let pressure = less(&vec![0.0; measured.pressure.len()]);
     let bar = ColourBar::viridis("p [MPa]", [0.0, largest(&pressure)]);
     let mut out = map("measured", pressure, bar);
     let before = less(&plot.before);
@@ -339,6 +341,7 @@ pub fn runs(of: &ByRun) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::case::effects::Map;
     use crate::results::finding::Place;
 
     /// The coordinates `attribute` of elements that contain `mark`, in the part of a page for
@@ -450,14 +453,17 @@ mod tests {
     #[test]
     fn maps_have_their_own_scales_and_no_after_where_nothing_was_added() {
         let plot = |after: Vec<f64>| {
-            Plot::Maps(Maps {
+            let measured = Map {
                 nx: 2,
                 ny: 2,
                 x0: 0.0,
                 y0: 0.0,
                 dx: 1e-3,
                 dy: 1e-5,
-                measured: vec![1e6, 2e6, 3e6, 4e6],
+                pressure: vec![1e6, 2e6, 3e6, 4e6],
+            };
+            Plot::Maps(Maps {
+                measured,
                 before: vec![1e6, 2e6, 3e6, 3e6],
                 after,
             })

@@ -111,7 +111,7 @@ pub fn parameters(fitted: &[Fitted]) -> String {
     )
 }
 
-/// What each kind of data of a campaign says of an effect.
+/// The size of an effect by each kind of data of a campaign.
 fn evidence(kinds: &[OfKind]) -> String {
     let agree = kinds.iter().all(|kind| kind.agrees);
     let message = match (kinds.len(), agree) {

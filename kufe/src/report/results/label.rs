@@ -57,7 +57,7 @@ const NAMES: [(&str, &str); 34] = [
     ("line_gain_rad_per_m", "gain on the line"),
 ];
 
-/// Keys that say as much, and whose words are their names.
+/// Further important keys, whose own words are their names.
 const PLAIN: &str =
     "hardness_pa along_n yaw_nm run track driver class session stopped specimen replay file";
 
@@ -77,12 +77,12 @@ fn named(key: &str) -> Option<&'static str> {
     name.or(Column::named(key).map(Column::label))
 }
 
-/// Whether a key is one of those that say most.
+/// Whether a key is an important one.
 pub fn is_named(key: &str) -> bool {
     named(key).is_some() || PLAIN.split(' ').any(|plain| plain == key)
 }
 
-/// The unit of a key's numbers, as its ending says; empty for pure numbers.
+/// The unit of a key's numbers, by its ending; empty for pure numbers.
 pub fn unit_of(key: &str) -> Cow<'static, str> {
     if COUNTED.contains(&key) {
         return Cow::Borrowed(THOUSANDTHS);

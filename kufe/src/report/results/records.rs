@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use crate::report::distinct;
+use kufe_sled::distinct;
+
 use crate::report::html::{small, table};
 use crate::report::results::amount::Scale;
 use crate::report::results::entry::{Entry, entries};

@@ -1,7 +1,8 @@
 //! A document as tables: what matters most first and open, the rest folded.
 
+use kufe_sled::distinct;
+
 use crate::plot::escape;
-use crate::report::distinct;
 use crate::report::html::{fold, fold_with, table};
 use crate::report::results::amount::Scale;
 use crate::report::results::entry::{Entry, entries};

@@ -186,7 +186,7 @@ impl Campaign<'_> {
                 // The forces do not show it: what is closed shows in the track's bins, of which these runs have few.
                 true => by_track(),
                 false if contacts == Some(k) => self.contacts_closed(&last.settled),
-                false => closed.clone(),
+                false => closed,
             })
             .collect()
     }
