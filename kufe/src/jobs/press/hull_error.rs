@@ -198,6 +198,7 @@ mod tests {
                 },
                 strips: None,
                 scan: Some(Arc::new(scanned)),
+                seconds: [0.0; 2],
             };
             let off = (peak(&pressed)? / truth - 1.0).abs();
             let peak_moved = |noise| -> Result<f64, &str> {
