@@ -96,7 +96,7 @@ impl Outside {
     }
 }
 
-/// Where a contact is solved.
+/// Where a contact is solved, or a table evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
     /// Normal force [N].
@@ -112,7 +112,28 @@ pub struct Point {
 }
 
 impl Point {
+    /// A force [N] and a curvature [1/m], without further coordinates.
+    #[inline]
+    pub fn at_rest(fz: f64, curvature: f64) -> Self {
+        Point {
+            fz,
+            curvature,
+            ..Point::default()
+        }
+    }
+
+    /// A force [N], a curvature [1/m], a speed [m/s] and a temperature of the ice [C].
+    #[inline]
+    pub fn sliding(fz: f64, curvature: f64, speed: f64, ice_c: f64) -> Self {
+        Point {
+            speed: Some(speed),
+            ice_c: Some(ice_c),
+            ..Point::at_rest(fz, curvature)
+        }
+    }
+
     /// The coordinate along an axis, where the point has it.
+    #[inline]
     pub fn get(&self, kind: AxisKind) -> Option<f64> {
         match kind {
             AxisKind::Fz => Some(self.fz),

@@ -34,7 +34,7 @@ pub use export::{
     slurm_script, write_mat_file,
 };
 pub use file::MAX_FILE_BYTES;
-pub use interpolator::{Interpolated, Interpolator, Mode, Sample};
+pub use interpolator::{Interpolated, Interpolator, Mode};
 pub use pitch::{MIN_SPEED, curvature_from_pitch};
 pub use quantity::{Figures, Method, Quantity};
 pub use reduced::CurvatureScaling;

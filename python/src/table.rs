@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use kufe::jobs::table::{Solver, TableSpec, fill, read_table};
 use kufe::jobs::write_whole;
-use kufe_lut::{Interpolator, Mode, Quantity, Sample};
+use kufe_lut::{Interpolator, Mode, Point, Quantity};
 use numpy::{
     IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
@@ -104,12 +104,8 @@ impl Table {
             let to = fz.len().min(from + BETWEEN_SIGNALS);
             py.detach(|| {
                 for n in from..to {
-                    let found = interpolator.at(Sample {
-                        fz: fz[n],
-                        curvature: curvature[n],
-                        speed: speed[n],
-                        ice_c: ice[n],
-                    });
+                    let point = Point::sliding(fz[n], curvature[n], speed[n], ice[n]);
+                    let found = interpolator.at(point);
                     values.push(found.value);
                     outside.push(found.out_of_range);
                 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use kufe::charts::mu_picture;
-use kufe::jobs::{Failure, runs::failure};
+use kufe::jobs::Failure;
 use kufe::results::PressureFit;
 use kufe_sled::friction::{
     Longitudinal, LongitudinalKeys, MuFit, PressureLaw, Weighting, ZetaActsOn, fit_mu,
@@ -44,7 +44,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         return Err(Failure::Usage(text));
     }
     let name = args.experiments.display().to_string();
-    let experiments = read_experiments(&name, open(&args.experiments)?).map_err(failure)?;
+    let experiments = read_experiments(&name, open(&args.experiments)?)?;
     let weighting = if args.unweighted {
         Weighting::None
     } else {

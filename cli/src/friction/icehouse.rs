@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::{Failure, runs::failure};
+use kufe::jobs::Failure;
 use kufe::results::IceHouseResult;
 use kufe_sled::friction::{
     GlideEntry, GlideRun, IceHouse, SHARE_LEFT_OUT, evaluate_glide, evaluate_ice_house, read_glide,
@@ -10,7 +10,7 @@ use kufe_sled::friction::{
 };
 
 use crate::friction::open;
-use crate::output::OutputDir;
+use crate::output::{OutputDir, of_file};
 use crate::terminal::Global;
 
 /// Arguments of `kufe icehouse`.
@@ -29,14 +29,13 @@ pub struct Args {
 /// [`Failure::BadInput`] naming file, row, column, value and what was expected.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let index = args.glides.display().to_string();
-    let entries = read_glide_index(&index, open(&args.glides)?).map_err(failure)?;
+    let entries = read_glide_index(&index, open(&args.glides)?)?;
     let folder = args.glides.parent().unwrap_or(Path::new(""));
     let runs = entries
         .iter()
         .map(|entry| read_run(&index, folder, entry))
         .collect::<Result<Vec<GlideRun>, Failure>>()?;
-    let house =
-        evaluate_ice_house(runs).map_err(|error| Failure::BadInput(format!("{index}: {error}")))?;
+    let house = evaluate_ice_house(runs).map_err(of_file(&args.glides))?;
     let result = IceHouseResult::new(&house, picture);
     let mut inputs: Vec<PathBuf> = entries.iter().map(|e| folder.join(&e.file)).collect();
     inputs.push(args.glides.clone());
@@ -58,8 +57,8 @@ fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, 
     let reader =
         open(&path).map_err(|failure| failure.within(&format!("{index}, run {}", entry.run)))?;
     let name = path.display().to_string();
-    let trace = read_glide(&name, reader).map_err(failure)?;
-    evaluate_glide(entry, &trace).map_err(|error| Failure::BadInput(format!("{name}: {error}")))
+    let trace = read_glide(&name, reader)?;
+    evaluate_glide(entry, &trace).map_err(of_file(&path))
 }
 
 /// The picture's name: the run's number keeps names apart that differ only in signs a file cannot

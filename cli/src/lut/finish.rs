@@ -23,7 +23,7 @@ pub fn finish(
 ) -> Result<(), Failure> {
     let table = &swept.table;
     let summary = TableSummary::new(table, solves, time.as_secs_f64());
-    let summary = summary.map_err(Failure::bad_input)?;
+    let summary = summary?;
     global.print(&summary, || {
         let files = std::iter::once(out).chain(written.iter().map(PathBuf::as_path));
         let files: String = files.map(|path| format!("{}\n", path.display())).collect();

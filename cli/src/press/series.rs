@@ -132,10 +132,8 @@ impl Series<'_> {
     fn output_of(&self, step: &Step) -> Result<OutputDir, Failure> {
         let folder = self.args.out.join(&step.folder);
         if folder.is_symlink() {
-            return Err(Failure::BadInput(format!(
-                "{}: it is a link; expected a folder of the series",
-                folder.display()
-            )));
+            let reason = "it is a link; expected a folder of the series";
+            return Err(Failure::in_file(&folder, reason));
         }
         OutputDir::prepare("press", &self.inputs, &folder, self.force)
     }

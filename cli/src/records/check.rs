@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use kufe::charts::odd_curves;
 use kufe::jobs::Failure;
-use kufe::jobs::runs::{failure, run_inputs};
+use kufe::jobs::runs::run_inputs;
 use kufe::report::record_page;
 use kufe::results::RunCheck;
 use kufe_sled::{Examination, examine_with};
@@ -40,7 +40,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             run.map_or_else(Vec::new, |run| odd_curves(one, run))
         })
     });
-    let (runs, curves): (Vec<_>, Vec<_>) = examined.map_err(failure)?.into_iter().unzip();
+    let (runs, curves): (Vec<_>, Vec<_>) = examined?.into_iter().unzip();
     let check = RunCheck::new(args.runs.display().to_string(), runs);
     let viewer = if args.view {
         write_view(&output, &all_runs(args.runs.clone()), global)?
@@ -59,13 +59,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if check.wrong == 0 {
         return Ok(());
     }
-    Err(Failure::BadInput(format!(
-        "{}: {} of {} runs are provably wrong: see {}",
-        args.runs.display(),
-        check.wrong,
-        check.runs.len(),
-        args.out.join("check.html").display()
-    )))
+    let (wrong, count, page) = (check.wrong, check.runs.len(), args.out.join("check.html"));
+    let page = page.display();
+    let reason = format!("{wrong} of {count} runs are provably wrong: see {page}");
+    Err(Failure::in_file(&args.runs, reason))
 }
 
 /// What is wrong, each kind once with its runs, and the worst of what is odd.

@@ -5,9 +5,9 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use kufe_sled::{
-    Error, Model, Needs, OnGaps, PrepareOptions, Prepared, Run, RunFormat, SampleCoverage, Track,
-    Vehicle, gaps_line, outside_tables, prepare_all, read_good_runs, read_index, read_runs,
-    run_file, track_file, write_index, write_run,
+    Model, Needs, OnGaps, PrepareOptions, Prepared, Run, RunFormat, SampleCoverage, Track, Vehicle,
+    gaps_line, outside_tables, prepare_all, read_good_runs, read_index, read_runs, run_file,
+    track_file, write_index, write_run,
 };
 use rayon::prelude::*;
 
@@ -85,11 +85,6 @@ pub fn write_track(output: NewFiles, track: &Track) -> Result<(), Failure> {
     output.write(&track_file(&track.name), |file| {
         track.write_csv(BufWriter::new(file))
     })
-}
-
-/// The failure that a sled error is.
-pub fn failure(error: Error) -> Failure {
-    error.into()
 }
 
 /// How runs with gaps are read: refused with `strict`, else without the samples next to a gap.

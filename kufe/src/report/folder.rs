@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::jobs::field::read_map;
 use crate::jobs::gather::relative;
-use crate::jobs::{Failure, runs::failure, table::read_table};
+use crate::jobs::{Failure, table::read_table};
 use crate::report::contact::{ContactPage, SeriesPage};
 use crate::report::index::index_page;
 use crate::report::page::{Kind, page};
@@ -282,7 +282,7 @@ fn evaluation(folder: &Path, viewer: Option<&str>) -> Result<String, Failure> {
 
 /// The page of an index of runs.
 fn index(folder: &Path) -> Result<String, Failure> {
-    let entries = read_index(&folder.join(INDEX)).map_err(failure)?;
+    let entries = read_index(&folder.join(INDEX))?;
     index_page(&folder_name(folder), folder, &entries).map_err(Failure::bad_input)
 }
 

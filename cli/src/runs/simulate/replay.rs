@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kufe::charts::replay_picture;
-use kufe::jobs::runs::{failure, on_gaps, run_inputs, write_runs, write_track};
+use kufe::jobs::runs::{on_gaps, run_inputs, write_runs, write_track};
 use kufe::jobs::view_runs::ViewOptions;
 use kufe::jobs::{Failure, channel_series};
 use kufe::plot::unit_of;
@@ -13,7 +13,7 @@ use kufe_sled::{
     gaps_line, outside_tables, read_for_replay, read_index, record, replay, table_samples,
 };
 
-use crate::output::OutputDir;
+use crate::output::{OutputDir, of_file};
 use crate::runs::files::{draw_tables, run_format, write_mat};
 use crate::runs::simulate::Args;
 use crate::runs::{all_runs, named_run, write_view};
@@ -29,9 +29,9 @@ pub fn run(
     track_file: &Path,
     global: &Global,
 ) -> Result<(), Failure> {
-    let model = Model::load(model_file).map_err(failure)?;
-    let vehicle = Vehicle::with_effects(&model).map_err(failure)?;
-    let track = Track::load(track_file).map_err(failure)?;
+    let model = Model::load(model_file)?;
+    let vehicle = Vehicle::with_effects(&model)?;
+    let track = Track::load(track_file)?;
     let mut inputs: Vec<PathBuf> = vec![model_file.to_path_buf(), track_file.to_path_buf()];
     inputs.extend(args.replay.iter().flat_map(|runs| run_inputs(runs)));
     let entry = entry(args, &track)?;
@@ -39,7 +39,7 @@ pub fn run(
         warn(&format!("{}: {text}", model_file.display()));
     }
     let output = OutputDir::begin("simulate --replay", &inputs, &args.out, global.force)?;
-    let run = read_for_replay(&entry, on_gaps(args.strict)).map_err(failure)?;
+    let run = read_for_replay(&entry, on_gaps(args.strict))?;
     for remark in &run.remarks {
         warn(remark);
     }
@@ -50,8 +50,8 @@ pub fn run(
         conditions: entry.conditions,
         ..SimulateOptions::default()
     };
-    let measured = Inputs::of(&run, &vehicle, track.s_m[0]).map_err(failure)?;
-    let done = replay(&measured, &vehicle, &TrackShape::new(&track), &options).map_err(failure)?;
+    let measured = Inputs::of(&run, &vehicle, track.s_m[0])?;
+    let done = replay(&measured, &vehicle, &TrackShape::new(&track), &options)?;
     let mut driven = record(&done.simulated, &vehicle, None, entry, 0);
     driven.t0_s = measured.readings[0].t_s;
     let states = done.simulated.instants.iter().map(|instant| &instant.state);
@@ -123,14 +123,12 @@ fn entry(args: &Args, track: &Track) -> Result<Entry, Failure> {
             ..Entry::default()
         });
     };
-    let entries = read_index(&file).map_err(failure)?;
-    let within = |failure: Failure| failure.within(&file.display().to_string());
-    let entry = named_run(&entries, name, |entry| &entry.run).map_err(within)?;
+    let entries = read_index(&file)?;
+    let entry = named_run(&entries, name, |entry| &entry.run).map_err(of_file(&file))?;
     if entry.track != track.name {
-        return Err(within(Failure::BadInput(format!(
-            "run {name} is on track {}: expected a run on {}",
-            entry.track, track.name
-        ))));
+        let (own, expected) = (&entry.track, &track.name);
+        let reason = format!("run {name} is on track {own}: expected a run on {expected}");
+        return Err(Failure::in_file(&file, reason));
     }
     Ok(entry.clone())
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
-use kufe::jobs::runs::{failure, write_runs, write_track};
+use kufe::jobs::runs::{write_runs, write_track};
 use kufe::results::SampleTruth;
 use kufe_sled::Model;
 use kufe_sled::sample_data::{drive_sample, sample_plan, sample_track};
@@ -21,16 +21,14 @@ pub fn run(
     global: &Global,
 ) -> Result<(), Failure> {
     let model = match model_file {
-        Some(path) => Model::load(path).map_err(failure)?,
+        Some(path) => Model::load(path)?,
         None => Model::published(),
     };
     let inputs: Vec<PathBuf> = model_file.map(Path::to_path_buf).into_iter().collect();
     let command = "simulate --sample-data";
     let output = OutputDir::begin(command, &inputs, folder, global.force)?;
     let plan = sample_plan(args.seed);
-    let mut runs = global
-        .during("driving 44 runs", || drive_sample(&plan, &model))
-        .map_err(failure)?;
+    let mut runs = global.during("driving 44 runs", || drive_sample(&plan, &model))?;
     write_runs(output.files(), &mut runs, run_format(args.parquet))?;
     for name in ["east", "west"] {
         write_track(output.files(), &sample_track(name))?;
