@@ -240,7 +240,7 @@ fn with_unit(key: &str, number: f64) -> String {
     }
 }
 
-/// "2 points, from 12 m/s, to 31 m/s" of a range; "12 N (11 N to 13 N)" of a value with its
+/// "2 points, from 12 m/s, to 31 m/s" of a range; "12 N (11 to 13 N)" of a value with its
 /// interval.
 fn range(key: &str, figure: &Datum, inner: &Data) -> Option<String> {
     if let Some(interval) = figure.interval() {

@@ -14,7 +14,7 @@ pub const TEMPORARY: &str = ".kufe-";
 /// once it is whole.
 ///
 /// Several processes, on several machines, may write one path at a time: the last to finish is who
-/// wrote it. Who may read the file is what the process's umask says, as for any other new file.
+/// wrote it. The process's umask determines who may read the file, as for any other new file.
 /// Where `path` is a link, the file that it leads to is written and the link stays.
 ///
 /// # Errors

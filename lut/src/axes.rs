@@ -296,10 +296,15 @@ impl Axes {
         self.flush.map_or(place, |flush| flush.curvature(fz, place))
     }
 
-    /// Smallest and largest track curvature at a force [1/m].
-    pub fn curvature_range(&self, fz: f64) -> [f64; 2] {
-        let places = self.curvature();
-        [places[0], places[places.len() - 1]].map(|place| self.curvature_at(fz, place))
+    /// Smallest and largest value along an axis, where the table has it; of the second axis the
+    /// track curvatures at a force [N].
+    pub fn range(&self, kind: AxisKind, fz: f64) -> Option<[f64; 2]> {
+        let values = self.get(kind)?;
+        let ends = [values[0], values[values.len() - 1]];
+        Some(match kind {
+            AxisKind::Curvature => ends.map(|place| self.curvature_at(fz, place)),
+            _ => ends,
+        })
     }
 
     /// Rocker radii where the table has that axis [m].

@@ -51,9 +51,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Weighting::Both
     };
     let fit = fit_mu(&experiments, weighting, args.confidence)
-        .map_err(|error| failure(error).within(&name))?;
+        .map_err(|error| Failure::from(error).within(&name))?;
     let law = fit.law(PressureLaw::PUBLISHED.mu_cap, 1.0, ZetaActsOn::Mu);
-    law.check().map_err(|error| failure(error).within(&name))?;
+    law.check()
+        .map_err(|error| Failure::from(error).within(&name))?;
     let result = PressureFit::new(&fit, &law, &experiments, args.confidence);
     let inputs = std::slice::from_ref(&args.experiments);
     let output = OutputDir::begin("friction fit", inputs, &args.out, global.force)?;

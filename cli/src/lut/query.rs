@@ -142,12 +142,8 @@ fn check_within(args: &Args, table: &Table, at: &Point) -> Result<(), Failure> {
 
 /// The ends of an axis, where the table has it; those of the curvature at a force.
 fn range(axes: &Axes, kind: AxisKind, fz: f64) -> Option<[f64; 2]> {
-    let ends = |axis: &[f64]| [axis[0], axis[axis.len() - 1]];
-    let [low, high] = ends(axes.fz());
-    match kind {
-        AxisKind::Curvature => Some(axes.curvature_range(fz.clamp(low, high))),
-        _ => axes.get(kind).map(ends),
-    }
+    let [low, high] = axes.range(AxisKind::Fz, fz)?;
+    axes.range(kind, fz.clamp(low, high))
 }
 
 fn text(found: &TableLookup, table: &Table) -> String {

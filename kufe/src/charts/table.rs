@@ -77,7 +77,8 @@ pub fn table_picture(
     let axes = table.axes();
     let forces = axes.fz();
     let fz = wider([forces[0], forces[forces.len() - 1]], 0.1 * forces[0]);
-    let curvature = wider(axes.curvature_range(fz[0]), 1e-3);
+    let curvature = axes.range(AxisKind::Curvature, fz[0]);
+    let curvature = wider(curvature.unwrap_or_default(), 1e-3);
     let place = |(column, row): Point| at([column, row].map(|k| k / CELLS as f64), curvature, fz);
     let nodes = (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| (column, row)));
     let nodes = nodes.map(|(column, row)| place((column as f64, row as f64)));

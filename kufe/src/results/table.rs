@@ -135,16 +135,14 @@ impl AxisRange {
     /// The axes of a table by key.
     pub(crate) fn of(axes: &Axes) -> impl Iterator<Item = (&'static str, AxisRange)> {
         AxisKind::ALL.into_iter().filter_map(|kind| {
-            let values = axes.get(kind)?;
-            let ends = [values[0], values[values.len() - 1]];
-            let ([from, to], outside) = match kind {
-                AxisKind::Curvature => (axes.curvature_range(axes.fz()[0]), axes.outside(kind)),
+            let [from, to] = axes.range(kind, axes.fz()[0])?;
+            let outside = match kind {
                 // A rocker radius outside is refused.
-                AxisKind::RockerRadius => (ends, Outside::Error),
-                _ => (ends, axes.outside(kind)),
+                AxisKind::RockerRadius => Outside::Error,
+                _ => axes.outside(kind),
             };
             let range = AxisRange {
-                points: values.len(),
+                points: axes.get(kind)?.len(),
                 from,
                 to,
                 outside: outside.name(),

@@ -18,7 +18,7 @@ pub struct Ends {
 ///
 /// `z(x, y) = rocker(x) + section(y)` for `|x| <= length/2`, up to a flat top.
 ///
-/// Over the last `ends.length` the rocker goes on as an arc of `ends.radius` (C1). Principal
+/// Over the last `ends.length` the rocker continues as an arc of `ends.radius` (C1). Principal
 /// curvatures at the lowest point are the rocker's and the section's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Swept {

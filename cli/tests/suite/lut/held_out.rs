@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use kufe::case::Case;
 use kufe_contact::{Error, Load, Options, Problem, Solution, solve};
-use kufe_lut::{Interpolator, Mode, Point, Quantity, Table};
+use kufe_lut::{AxisKind, Interpolator, Mode, Point, Quantity, Table};
 
 const POINTS: usize = 200;
 const SOLVER: f64 = 0.004;
@@ -27,7 +27,7 @@ fn misses(table: &Path, case: &Path, seed: u64, points: usize) -> Vec<Miss> {
         .expect("a case");
 
     let fz = table.axes().fz();
-    let curvature = table.axes().curvature_range(fz[0]);
+    let curvature = table.axes().range(AxisKind::Curvature, fz[0]).unwrap();
     let mut random = SplitMix(seed);
     let mut misses: Vec<Miss> = (0..points)
         .map(|_| {
