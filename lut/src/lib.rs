@@ -39,8 +39,6 @@ pub use pitch::{MIN_SPEED, curvature_from_pitch};
 pub use quantity::{Figures, Method, Quantity};
 pub use reduced::CurvatureScaling;
 pub use solve::Solve;
-pub use sweep::{
-    Plan, Progress, Spacing, SweepError, SweepResult, each, replay, sweep, sweep_batches,
-};
+pub use sweep::{Plan, Progress, Spacing, SweepError, SweepResult, each, replay, sweep};
 pub use table::{InterpolationError, Origin, Table, check_finite};
 pub use unit::unit_of;

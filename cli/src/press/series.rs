@@ -312,12 +312,8 @@ impl Lists {
             |keys, value| keys.fz_n = Some(value),
         ];
         let mut combinations = vec![VariedKeys::default()];
-        for (values, set) in self
-            .all()
-            .into_iter()
-            .zip(set)
-            .filter(|(list, _)| !list.is_empty())
-        {
+        let lists = self.all().into_iter().zip(set);
+        for (values, set) in lists.filter(|(list, _)| !list.is_empty()) {
             let longer = combinations.iter().flat_map(|keys| {
                 values.iter().map(|value| {
                     let mut keys = keys.clone();
