@@ -65,7 +65,7 @@ pub enum Command {
     Man(about::completions::ManArgs),
 }
 
-/// What to say of a word that is no file and nearly one of a command's `subcommands`.
+/// The error of a word that is no file and nearly one of a command's `subcommands`.
 pub fn misspelt(word: &str, subcommands: &[&str]) -> Option<String> {
     if Path::new(word).extension().is_some() || Path::new(word).exists() {
         return None;

@@ -1,7 +1,6 @@
 //! `kufe info FILE`: a hull, a lookup table, a pressure map or a result in figures.
 
 use std::collections::BTreeMap;
-use std::fmt::Display;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
@@ -16,6 +15,7 @@ use kufe_lut::{Table, read_fmu};
 use kufe_mesh::{HullOptions, load_hull};
 use serde::Serialize;
 
+use crate::output::of_file;
 use crate::terminal::Global;
 
 /// Arguments of `kufe info`.
@@ -68,16 +68,15 @@ struct ResultInfo {
 /// [`Failure::BadInput`] where the file is missing, of an unknown kind, or broken.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let path = &args.file;
-    let failure = |reason: &dyn Display| Failure::BadInput(format!("{}: {reason}", path.display()));
-    let unreadable = |error: std::io::Error| failure(&format!("cannot be read: {error}"));
+    let unreadable = |error: std::io::Error| Failure::unreadable(path, error);
     let table = |table: &Table, platforms| {
-        let info = TableInfo::new(table, platforms).map_err(|error| failure(&error))?;
+        let info = TableInfo::new(table, platforms).map_err(of_file(path))?;
         Ok::<_, Failure>(Datum::of(&info))
     };
     let found = path.metadata().map_err(unreadable)?;
     if found.is_dir() {
         let reason = "is a folder: expected a file; kufe report shows folders";
-        return Err(failure(&reason));
+        return Err(Failure::in_file(path, reason));
     }
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     let contents = match ending.to_ascii_lowercase().as_str() {
@@ -85,23 +84,24 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         "lut" => table(&read_table(path)?, None)?,
         "fmu" => {
             let file = open_regular(path).map_err(unreadable)?;
-            let unit = read_fmu(BufReader::new(file)).map_err(|error| failure(&error))?;
+            let unit = read_fmu(BufReader::new(file)).map_err(of_file(path))?;
             table(&unit.table, Some(unit.platforms.join(", ")))?
         }
-        "exr" => Datum::of(&map(path).map_err(|error| failure(&error))?),
+        "exr" => Datum::of(&map(path).map_err(of_file(path))?),
         "json" => Datum::of(&result(path)?),
         other => {
-            return Err(failure(&format!(
+            let reason = format!(
                 "kind \".{other}\" is not known: expected a hull (.obj, .glb, .gltf, .stl, .3mf), a lookup \
                  table (.lut, .fmu), a map (.exr) or a result (.json)"
-            )));
+            );
+            return Err(Failure::in_file(path, reason));
         }
     };
     let mut info = vec![
         ("file".to_owned(), Datum::Text(path.display().to_string())),
         ("size_bytes".to_owned(), Datum::Large(found.len())),
     ];
-    if let Datum::Group(Data(contents)) = contents.map_err(Failure::bad_input)? {
+    if let Datum::Group(Data(contents)) = contents? {
         info.extend(contents);
     }
     let info = Datum::Group(Data(info));
@@ -110,7 +110,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 /// Size, holes and warnings of a hull, its coordinates taken as metres.
 fn hull(path: &Path) -> Result<HullInfo, Failure> {
-    let (hull, report) = load_hull(path, &HullOptions::default()).map_err(Failure::bad_input)?;
+    let (hull, report) = load_hull(path, &HullOptions::default())?;
     let [length_m, width_m, height_m] = report.extent;
     Ok(HullInfo {
         kind: "hull",
@@ -130,10 +130,8 @@ fn hull(path: &Path) -> Result<HullInfo, Failure> {
 fn result(path: &Path) -> Result<ResultInfo, Failure> {
     let document: Datum = read_json(path, LONGEST_TREE)?;
     let Some(kind) = DocumentKind::of(&document) else {
-        return Err(Failure::BadInput(format!(
-            "{}: not a result of kufe: expected result.json or another that a command writes",
-            path.display()
-        )));
+        let reason = "not a result of kufe: expected result.json or another that a command writes";
+        return Err(Failure::in_file(path, reason));
     };
     let document = document.effective();
     Ok(ResultInfo {
@@ -242,7 +240,7 @@ fn with_unit(key: &str, number: f64) -> String {
     }
 }
 
-/// "2 points, from 12 m/s, to 31 m/s" of a range; "12 N (11 N to 13 N)" of a value with its
+/// "2 points, from 12 m/s, to 31 m/s" of a range; "12 N (11 to 13 N)" of a value with its
 /// interval.
 fn range(key: &str, figure: &Datum, inner: &Data) -> Option<String> {
     if let Some(interval) = figure.interval() {

@@ -124,7 +124,7 @@ mod tests {
     use crate::accuracy::meshes::REGRADINGS;
     use crate::grid::patch::COARSE;
     use crate::{Ice, Runner, Tilt};
-    use kufe_mesh::{BobRunner, Paraboloid, Rocker, Section};
+    use kufe_mesh::{BobRunner, Paraboloid, Rocker, Section, Swept};
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -155,7 +155,8 @@ mod tests {
     fn worn() -> Result<Problem, Box<dyn std::error::Error>> {
         let bob = BobRunner::default();
         let section = Section::arc(0.005, bob.width)?.worn(2e-6, 0.05)?;
-        let hull = Rocker::arc(30.0).and_then(|rocker| bob.swept_with(rocker, section))?;
+        let rocker = Rocker::arc(30.0)?;
+        let hull = Swept::with_rounded_ends(rocker, section, bob.length, bob.height)?;
         let ice = Ice::half_space(9e9, 0.33);
         let runner = Runner::rigid(Arc::new(hull));
         Ok(Problem::new(runner, ice, Load::central(1000.0, Tilt::Free)))

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// [`ErrorKind::InvalidInput`] where that is a folder, a device, a pipe or a socket, or a link that
 /// leads nowhere.
-pub fn replaceable(path: &Path) -> Result<PathBuf> {
+pub(crate) fn replaceable(path: &Path) -> Result<PathBuf> {
     let failure = |reason: &str| Error::new(ErrorKind::InvalidInput, reason.to_owned());
     let place = match path.symlink_metadata() {
         Ok(found) if found.is_symlink() => path

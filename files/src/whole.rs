@@ -14,12 +14,13 @@ pub const TEMPORARY: &str = ".kufe-";
 /// once it is whole.
 ///
 /// Several processes, on several machines, may write one path at a time: the last to finish is who
-/// wrote it. Who may read the file is what the process's umask says, as for any other new file.
+/// wrote it. The process's umask determines who may read the file, as for any other new file.
 /// Where `path` is a link, the file that it leads to is written and the link stays.
 ///
 /// # Errors
-/// Those of `write`; those of [`replaceable`](crate::replaceable); and of the system where the
-/// folder is missing or the file cannot be written; nothing is left then.
+/// Those of `write`; [`ErrorKind::InvalidInput`](std::io::ErrorKind::InvalidInput) for a folder, a
+/// device, a pipe and a link that leads nowhere; and those of the system where the folder is missing
+/// or the file cannot be written; nothing is left then.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
     let path = &replaceable(path)?;
     let temporary = temporary_in(folder_of(path))?;

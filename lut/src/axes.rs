@@ -96,7 +96,7 @@ impl Outside {
     }
 }
 
-/// Where a contact is solved.
+/// Where a contact is solved, or a table evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
     /// Normal force [N].
@@ -112,7 +112,28 @@ pub struct Point {
 }
 
 impl Point {
+    /// A force [N] and a curvature [1/m], without further coordinates.
+    #[inline]
+    pub fn at_rest(fz: f64, curvature: f64) -> Self {
+        Point {
+            fz,
+            curvature,
+            ..Point::default()
+        }
+    }
+
+    /// A force [N], a curvature [1/m], a speed [m/s] and a temperature of the ice [C].
+    #[inline]
+    pub fn sliding(fz: f64, curvature: f64, speed: f64, ice_c: f64) -> Self {
+        Point {
+            speed: Some(speed),
+            ice_c: Some(ice_c),
+            ..Point::at_rest(fz, curvature)
+        }
+    }
+
     /// The coordinate along an axis, where the point has it.
+    #[inline]
     pub fn get(&self, kind: AxisKind) -> Option<f64> {
         match kind {
             AxisKind::Fz => Some(self.fz),
@@ -275,10 +296,15 @@ impl Axes {
         self.flush.map_or(place, |flush| flush.curvature(fz, place))
     }
 
-    /// Smallest and largest track curvature at a force [1/m].
-    pub fn curvature_range(&self, fz: f64) -> [f64; 2] {
-        let places = self.curvature();
-        [places[0], places[places.len() - 1]].map(|place| self.curvature_at(fz, place))
+    /// Smallest and largest value along an axis, where the table has it; of the second axis the
+    /// track curvatures at a force [N].
+    pub fn range(&self, kind: AxisKind, fz: f64) -> Option<[f64; 2]> {
+        let values = self.get(kind)?;
+        let ends = [values[0], values[values.len() - 1]];
+        Some(match kind {
+            AxisKind::Curvature => ends.map(|place| self.curvature_at(fz, place)),
+            _ => ends,
+        })
     }
 
     /// Rocker radii where the table has that axis [m].

@@ -42,52 +42,6 @@ impl Mode {
     }
 }
 
-/// Where a table is evaluated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
-    /// Normal force [N].
-    pub fz: f64,
-    /// Curvature of the track [1/m].
-    pub curvature: f64,
-    /// Speed [m/s]; ignored by tables without that axis.
-    pub speed: f64,
-    /// Temperature of the ice [C]; ignored by tables without that axis.
-    pub ice_c: f64,
-}
-
-impl Sample {
-    /// A force [N] and a curvature [1/m], without speed and temperature.
-    #[inline]
-    pub fn at_rest(fz: f64, curvature: f64) -> Self {
-        Sample {
-            fz,
-            curvature,
-            speed: f64::NAN,
-            ice_c: f64::NAN,
-        }
-    }
-
-    fn get(&self, kind: AxisKind) -> f64 {
-        match kind {
-            AxisKind::Fz => self.fz,
-            AxisKind::Curvature => self.curvature,
-            AxisKind::Speed => self.speed,
-            AxisKind::IceTemperature => self.ice_c,
-            AxisKind::RockerRadius => f64::NAN,
-        }
-    }
-}
-
-impl From<Point> for Sample {
-    fn from(point: Point) -> Self {
-        Sample {
-            speed: point.speed.unwrap_or(f64::NAN),
-            ice_c: point.ice_c.unwrap_or(f64::NAN),
-            ..Sample::at_rest(point.fz, point.curvature)
-        }
-    }
-}
-
 /// An interpolated value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpolated {
@@ -114,7 +68,7 @@ impl Interpolated {
 /// is.
 ///
 /// ```
-/// use kufe_lut::{Axes, Figures, Interpolator, Mode, Quantity, Sample, Table};
+/// use kufe_lut::{Axes, Figures, Interpolator, Mode, Point, Quantity, Table};
 /// let axes = Axes::new(vec![250.0, 2000.0], vec![0.0, 0.02])?;
 /// let nodes: Vec<Figures> = axes.points().iter().map(|point| {
 ///     let p_max = 1e8 * (point.fz / 1000.0).cbrt() * (1.0 - 10.0 * point.curvature);
@@ -122,9 +76,9 @@ impl Interpolated {
 /// }).collect();
 /// let table = Table::new(axes, &nodes, vec![])?;
 /// let p_max = Interpolator::new(&table, Quantity::PMax, Mode::Smooth, None)?;
-/// let inside = p_max.at(Sample::at_rest(1000.0, 0.0));
+/// let inside = p_max.at(Point::at_rest(1000.0, 0.0));
 /// assert!((inside.value / 1e8 - 1.0).abs() < 1e-12 && !inside.out_of_range);
-/// assert!(p_max.at(Sample::at_rest(9000.0, 0.0)).out_of_range);
+/// assert!(p_max.at(Point::at_rest(9000.0, 0.0)).out_of_range);
 /// # Ok::<(), kufe_lut::Error>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -200,21 +154,22 @@ impl Interpolator {
         })
     }
 
-    /// The quantity at a sample.
+    /// The quantity at a point; coordinates along axes that the table does not have are ignored, and
+    /// so is the rocker radius, which is that of [`new`](Self::new).
     ///
     /// Inputs outside the table are flagged, and replaced by the rules of their axes
-    /// ([`Outside`]); NaN gives NaN and the flag. Needs no allocation and at most `log2` of the
-    /// axes' lengths in comparisons.
+    /// ([`Outside`]); NaN and a missing coordinate give NaN and the flag. Needs no allocation and
+    /// at most `log2` of the axes' lengths in comparisons.
     #[inline]
-    pub fn at(&self, sample: Sample) -> Interpolated {
-        let missing = |axis: &Breakpoints| sample.get(axis.kind).is_nan();
-        if sample.fz.is_nan() || sample.curvature.is_nan() || self.stack.iter().any(missing) {
+    pub fn at(&self, point: Point) -> Interpolated {
+        let missing = |axis: &Breakpoints| point.get(axis.kind).is_none_or(f64::is_nan);
+        if point.fz.is_nan() || point.curvature.is_nan() || self.stack.iter().any(missing) {
             return Interpolated::NONE;
         }
-        let x = self.fz.place(sample.fz);
+        let x = self.fz.place(point.fz);
         let y = self.curvature.place(match &self.flush {
-            None => sample.curvature,
-            Some(flush) => flush.reduced(self.fz.clamped(sample.fz), sample.curvature),
+            None => point.curvature,
+            Some(flush) => flush.reduced(self.fz.clamped(point.fz), point.curvature),
         });
         if self.stack.is_empty() {
             let outside = x.outside || y.outside;
@@ -232,7 +187,7 @@ impl Interpolator {
         }
         let mut places = [x, y, Place::default(), Place::default()];
         for (place, axis) in places[2..].iter_mut().zip(&self.stack) {
-            *place = axis.place(sample.get(axis.kind));
+            *place = axis.place(point.get(axis.kind).unwrap_or(f64::NAN));
         }
         let outside = places.iter().any(|place| place.outside);
         if outside && self.refuses(&places) {
@@ -603,7 +558,9 @@ fn weighted_sum(weights: &[Weights], from: usize, value: &impl Fn(usize) -> f64)
     let Some((own, inner)) = weights.split_first() else {
         return value(from);
     };
-    let terms = own.of.iter().enumerate();
+    // An infinite input has weights that are no numbers also behind the last layer.
+    let layers = own.layers - own.first;
+    let terms = own.of.iter().take(layers).enumerate();
     // A layer of no weight need not be evaluated.
     let counted = terms.filter(|(_, weight)| **weight != 0.0);
     let from = from * own.layers + own.first;

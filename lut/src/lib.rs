@@ -34,13 +34,11 @@ pub use export::{
     slurm_script, write_mat_file,
 };
 pub use file::MAX_FILE_BYTES;
-pub use interpolator::{Interpolated, Interpolator, Mode, Sample};
+pub use interpolator::{Interpolated, Interpolator, Mode};
 pub use pitch::{MIN_SPEED, curvature_from_pitch};
 pub use quantity::{Figures, Method, Quantity};
 pub use reduced::CurvatureScaling;
 pub use solve::Solve;
-pub use sweep::{
-    Plan, Progress, Spacing, SweepError, SweepResult, each, replay, sweep, sweep_batches,
-};
+pub use sweep::{Plan, Progress, Spacing, SweepError, SweepResult, each, replay, sweep};
 pub use table::{InterpolationError, Origin, Table, check_finite};
 pub use unit::unit_of;

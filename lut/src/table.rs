@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::axes::{Axes, AxisKind, Outside, Point};
 use crate::error::Error;
-use crate::interpolator::{Interpolator, Mode, Sample};
+use crate::interpolator::{Interpolator, Mode};
 use crate::quantity::{Figures, Method, Quantity};
 use crate::solve::Solve;
 
@@ -310,7 +310,7 @@ pub(crate) fn relative_error(
     quantity: Quantity,
 ) -> Option<f64> {
     let truth = check.figures.get(quantity)?;
-    let value = interpolator.at(Sample::from(check.point)).value;
+    let value = interpolator.at(check.point).value;
     let scale = if truth == 0.0 { 1.0 } else { truth.abs() };
     Some((value - truth).abs() / scale)
 }

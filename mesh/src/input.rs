@@ -44,7 +44,8 @@ pub(crate) fn read_columns<const N: usize>(
     for (column, name) in columns.iter_mut().zip(names) {
         let missing = || {
             let found: Vec<&str> = headers.iter().collect();
-            wrong(1, name, format!("the columns {}", found.join(",")))
+            let found = format!("the columns {}", found.join(","));
+            MeshError::value("row 1", found, format!("a column {name}"))
         };
         *column = headers.iter().position(|h| h == name).ok_or_else(missing)?;
         if headers.iter().filter(|h| *h == name).count() > 1 {

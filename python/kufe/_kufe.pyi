@@ -37,8 +37,8 @@ class Case:
         cls, text: str, folder: _Path = "", *, name: str = "the case", hull: Hull | None = None
     ) -> Case:
         """
-        A case from TOML; a hull's path starts from `folder`. `hull` stands for the file that
-        `runner.hull` names, and `name` for the case in messages.
+        A case from TOML; a hull's path starts from `folder`. `hull` replaces the file that
+        `runner.hull` names; messages call the case `name`.
         """
     @staticmethod
     def of(
@@ -294,7 +294,7 @@ class Table:
         """
         One quantity at forces [N], curvatures [1/m] and, where the table has those axes, speeds
         [m/s] and temperatures of the ice [C], which are broadcast, and where an input was outside
-        the table; it then becomes what the rules of the axes say. NaN gives NaN and the flag.
+        the table; the rules of the axes then replace it. NaN gives NaN and the flag.
         """
     def interpolation_error(
         self, quantity: _Quantity = "p_max", *, mode: _Mode = "smooth"

@@ -25,9 +25,8 @@ pub struct Case {
 
 #[pymethods]
 impl Case {
-    /// A case from TOML; a hull's path starts from `folder`. `hull` stands for the file that
-    /// `runner.hull` names, and `name`
-    /// for the case in messages.
+    /// A case from TOML; a hull's path starts from `folder`. `hull` replaces the file that
+    /// `runner.hull` names; messages call the case `name`.
     #[new]
     #[pyo3(signature = (text, folder = PathBuf::new(), *, name = "the case", hull = None))]
     fn new(
@@ -262,8 +261,8 @@ pub fn press(
 /// Solves steady sliding on ice that yields: the groove that the runner ploughs and the melt film
 /// in it.
 ///
-/// As `press` on a case with `sliding.v_mps` and `sliding.ice_c`; what else `[sliding]` says is the
-/// case's. `result` holds the coefficient of friction with its parts, `groove_m` the plastic depth
+/// As `press` on a case with `sliding.v_mps` and `sliding.ice_c`; the other keys of `[sliding]` are
+/// the case's. `result` holds the coefficient of friction with its parts, `groove_m` the plastic depth
 /// of the ice.
 #[pyfunction]
 #[pyo3(signature = (case, v_mps, ice_c, *, accuracy = None, progress = None))]

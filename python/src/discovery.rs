@@ -13,11 +13,15 @@ use crate::work::work;
 #[pyclass(frozen, module = "kufe")]
 pub struct Discovery {
     report: Report,
+    /// The model with what was found: TOML that every command accepts.
+    #[pyo3(get)]
     next_model: String,
+    /// The next case, as its file's text, where a campaign has pressures and other data; else None.
+    #[pyo3(get)]
     next_case: Option<String>,
 }
 
-/// Finds where simulation and measurement part, and names the effect that closes the gap.
+/// Finds where simulation and measurement differ, and names the effect that explains it.
 ///
 /// `data` is a `runs.csv`, an `experiments.csv` or a `pressures.csv`; `model` the `model.toml`, or
 /// for pressures the `case.toml`. A `campaign.toml` names several of them and their model itself.
@@ -89,18 +93,6 @@ impl Discovery {
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.report)
-    }
-
-    /// The model with what was found: TOML that every command accepts.
-    #[getter]
-    fn next_model(&self) -> &str {
-        &self.next_model
-    }
-
-    /// The next case, as its file's text, where a campaign has pressures and other data; else None.
-    #[getter]
-    fn next_case(&self) -> Option<&str> {
-        self.next_case.as_deref()
     }
 
     /// The report as a page.

@@ -16,7 +16,11 @@ use crate::work::work;
 pub struct Evaluation {
     runs: Vec<RunEvaluation>,
     groups: Vec<kufe_sled::Group>,
+    /// Excluded runs, and why.
+    #[pyo3(get)]
     left_out: Vec<String>,
+    /// Remarks on the runs.
+    #[pyo3(get)]
     remarks: Vec<String>,
 }
 
@@ -84,18 +88,6 @@ impl Evaluation {
     #[getter]
     fn groups<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.groups)
-    }
-
-    /// Excluded runs, and why.
-    #[getter]
-    fn left_out(&self) -> Vec<String> {
-        self.left_out.clone()
-    }
-
-    /// Remarks on the runs.
-    #[getter]
-    fn remarks(&self) -> Vec<String> {
-        self.remarks.clone()
     }
 
     /// One run's samples as arrays: time, place, force along the motion as driven and of a straight

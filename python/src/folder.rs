@@ -15,9 +15,7 @@ pub fn write_folder<T>(
     watch: &Watch,
     write: impl FnOnce(NewFiles) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
-    let failed = |reason: &dyn std::fmt::Display| {
-        Failure::BadInput(format!("{}: cannot be written: {reason}", folder.display()))
-    };
+    let failed = |reason: &dyn std::fmt::Display| Failure::unwritable(folder, reason);
     let whole = std::path::absolute(folder).map_err(|error| failed(&error))?;
     // A folder that is not empty is refused before the work, and by the system after it.
     let mut there = std::fs::read_dir(&whole).into_iter().flatten();

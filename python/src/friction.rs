@@ -65,7 +65,7 @@ pub fn friction<'py>(
 /// Solves the friction of groove and melt film at every speed [m/s] on ice of every temperature
 /// [C]; returns a list of dictionaries, one a point, temperature by temperature.
 ///
-/// `case` is that of `press`; what else its `[sliding]` says holds at every point.
+/// `case` is that of `press`; the other keys of its `[sliding]` apply at every point.
 #[pyfunction]
 #[pyo3(signature = (case, v_mps, ice_c, *, progress = None))]
 pub fn friction_table<'py>(

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use kufe::jobs::case_file::LoadedCase;
 use kufe::jobs::{ExaminedHull, write_whole};
 use kufe_mesh::{
-    Axis, BobRunner, HullFormat, HullOptions, HullReport, LugeSteel, MeshError, Swept, load_hull,
-    tessellate,
+    Axis, BobRunner, HullFormat, HullOptions, HullReport, LugeSteel, MeshError, Rocker, Section,
+    Swept, load_hull, tessellate,
 };
 use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods,
@@ -130,15 +130,14 @@ impl Hull {
         height_m: f64,
         edge_length_m: f64,
     ) -> PyResult<Hull> {
-        let runner = BobRunner {
-            length: length_m,
-            rocker_radius: rocker_radius_m,
-            section_radius: section_radius_m,
-            width: width_m,
-            height: height_m,
-            ..BobRunner::default()
-        };
-        made(py, move || tessellated(runner.swept(), edge_length_m))
+        made(py, move || {
+            let section = Section::arc(section_radius_m, width_m)?;
+            swept(
+                [length_m, height_m, rocker_radius_m],
+                section,
+                edge_length_m,
+            )
+        })
     }
 
     /// A luge steel on its rounded edge.
@@ -164,16 +163,14 @@ impl Hull {
         height_m: f64,
         edge_length_m: f64,
     ) -> PyResult<Hull> {
-        let steel = LugeSteel {
-            length: length_m,
-            rocker_radius: rocker_radius_m,
-            edge_radius: edge_radius_m,
-            tilt: tilt_rad,
-            width: width_m,
-            height: height_m,
-            ..LugeSteel::default()
-        };
-        made(py, move || tessellated(steel.swept(), edge_length_m))
+        made(py, move || {
+            let section = Section::edge(edge_radius_m, tilt_rad, width_m)?;
+            swept(
+                [length_m, height_m, rocker_radius_m],
+                section,
+                edge_length_m,
+            )
+        })
     }
 
     /// Writes the hull as .obj, .glb or .stl, in metres; a file is whole or absent.
@@ -319,8 +316,15 @@ fn made(
     worked.value.map_err(bad_input)
 }
 
-fn tessellated(swept: Result<Swept, MeshError>, edge_length: f64) -> Result<Hull, MeshError> {
-    Hull::checked(tessellate(&swept?, edge_length)?)
+/// A runner of this length, height and rocker radius [m].
+fn swept(
+    [length, height, rocker_radius]: [f64; 3],
+    section: Section,
+    edge_length: f64,
+) -> Result<Hull, MeshError> {
+    let rocker = Rocker::arc(rocker_radius)?;
+    let runner = Swept::with_rounded_ends(rocker, section, length, height)?;
+    Hull::checked(tessellate(&runner, edge_length)?)
 }
 
 impl Hull {

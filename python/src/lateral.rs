@@ -17,7 +17,11 @@ use crate::work::work;
 #[pyclass(frozen, module = "kufe")]
 pub struct Fit {
     document: LateralFitDocument,
+    /// The model with the fitted laws: TOML that every command accepts.
+    #[pyo3(get)]
     model: String,
+    /// Remarks on the runs.
+    #[pyo3(get)]
     remarks: Vec<String>,
 }
 
@@ -93,18 +97,6 @@ impl Fit {
         to_python(py, &self.document)
     }
 
-    /// The model with the fitted laws: TOML that every command accepts.
-    #[getter]
-    fn model(&self) -> &str {
-        &self.model
-    }
-
-    /// Remarks on the runs.
-    #[getter]
-    fn remarks(&self) -> Vec<String> {
-        self.remarks.clone()
-    }
-
     fn __repr__(&self) -> String {
         let fit = &self.document.fit;
         format!(
@@ -119,6 +111,8 @@ impl Fit {
 #[pyclass(frozen, module = "kufe")]
 pub struct Validation {
     document: ValidationDocument,
+    /// Remarks on the runs.
+    #[pyo3(get)]
     remarks: Vec<String>,
 }
 
@@ -197,12 +191,6 @@ impl Validation {
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document)
-    }
-
-    /// Remarks on the runs.
-    #[getter]
-    fn remarks(&self) -> Vec<String> {
-        self.remarks.clone()
     }
 
     /// One run's samples as arrays: time [s], place [m], and the lateral force at the centre of

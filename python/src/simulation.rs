@@ -22,6 +22,8 @@ pub struct Simulation {
     runs: Arc<Vec<Run>>,
     track: Arc<Track>,
     document: SimulationDocument,
+    /// Remarks on the runs.
+    #[pyo3(get)]
     remarks: Vec<String>,
 }
 
@@ -122,12 +124,6 @@ impl Simulation {
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document)
-    }
-
-    /// Remarks on the runs.
-    #[getter]
-    fn remarks(&self) -> Vec<String> {
-        self.remarks.clone()
     }
 
     /// One run's channels as arrays, `t_s` among them; each name ends in its unit.

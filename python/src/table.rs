@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use kufe::jobs::table::{Solver, TableSpec, fill, read_table};
 use kufe::jobs::write_whole;
-use kufe_lut::{Interpolator, Mode, Quantity, Sample};
+use kufe_lut::{Interpolator, Mode, Point, Quantity};
 use numpy::{
     IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
@@ -20,10 +20,13 @@ use crate::work::work;
 #[pyclass(frozen, module = "kufe")]
 pub struct Table {
     table: kufe_lut::Table,
+    /// Where the interpolation is less accurate than the table file requests; `None` where it is
+    /// not, and for a table that was read.
+    #[pyo3(get)]
     shortfall: Option<String>,
 }
 
-/// Samples that are interpolated between two looks for Ctrl-C: less than a second's.
+/// Samples that are interpolated between two checks for Ctrl-C: less than a second's.
 const BETWEEN_SIGNALS: usize = 100_000;
 
 /// An interpolated array with its out-of-range flags.
@@ -65,7 +68,7 @@ impl Table {
 
     /// One quantity at forces [N], curvatures [1/m] and, where the table has those axes, speeds
     /// [m/s] and temperatures of the ice [C], which are broadcast, and where an input was outside
-    /// the table; it then becomes what the rules of the axes say. NaN gives NaN and the flag.
+    /// the table; the rules of the axes then replace it. NaN gives NaN and the flag.
     #[pyo3(signature = (fz_n, curvature_1pm, quantity = "p_max", *, v_mps = None, ice_c = None, mode = "smooth", rocker_radius_m = None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn lookup<'py>(
@@ -104,12 +107,8 @@ impl Table {
             let to = fz.len().min(from + BETWEEN_SIGNALS);
             py.detach(|| {
                 for n in from..to {
-                    let found = interpolator.at(Sample {
-                        fz: fz[n],
-                        curvature: curvature[n],
-                        speed: speed[n],
-                        ice_c: ice[n],
-                    });
+                    let point = Point::sliding(fz[n], curvature[n], speed[n], ice[n]);
+                    let found = interpolator.at(point);
                     values.push(found.value);
                     outside.push(found.out_of_range);
                 }
@@ -168,13 +167,6 @@ impl Table {
     #[getter]
     fn solver_error(&self) -> f64 {
         self.table.solver_error()
-    }
-
-    /// Where the interpolation is less accurate than the table file requests; `None` where it is
-    /// not, and for a table that was read.
-    #[getter]
-    fn shortfall(&self) -> Option<&str> {
-        self.shortfall.as_deref()
     }
 
     /// One quantity at the nodes as an `xarray.DataArray` over the table's axes; needs xarray.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use kufe_contact::{Bed, ElasticRunner, Error, Foundation, Ice, Load, Options, Problem, Runner};
 use kufe_contact::{Solution, Tilt, solve};
-use kufe_mesh::{BobRunner, Paraboloid, Rocker, Section, Underside};
+use kufe_mesh::{BobRunner, Paraboloid, Rocker, Section, Swept, Underside};
 
 use crate::contact::{Formula, ICE_E, ICE_NU};
 
@@ -98,7 +98,9 @@ impl Row {
             let width = bob.width.min(2.0 * section);
             let section =
                 Section::arc(section, width).and_then(|arc| arc.worn(worn, worn_edge / section));
-            let hull = Rocker::arc(rocker).and_then(|rocker| bob.swept_with(rocker, section?));
+            let hull = Rocker::arc(rocker).and_then(|rocker| {
+                Swept::with_rounded_ends(rocker, section?, bob.length, bob.height)
+            });
             Arc::new(hull.expect("a runner"))
         } else if quartic > 0.0 {
             Arc::new(Formula {

@@ -13,7 +13,7 @@ use std::path::Path;
 use kufe::case::Case;
 use kufe_benches::{needle_block, table_of};
 use kufe_contact::{Options, solve};
-use kufe_lut::{Interpolator, Mode, Quantity, Sample};
+use kufe_lut::{Interpolator, Mode, Point, Quantity};
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{Model, PrepareOptions, Vehicle, evaluate, prepare_all};
 
@@ -56,7 +56,7 @@ fn lookup() -> Result<(), Box<dyn std::error::Error>> {
         let sum: f64 = (0..100_000)
             .map(|i| {
                 let i = f64::from(i);
-                let sample = Sample::at_rest(200.0 + (i * 7.31) % 7000.0, (i * 3.7e-4) % 0.2);
+                let sample = Point::at_rest(200.0 + (i * 7.31) % 7000.0, (i * 3.7e-4) % 0.2);
                 p_max.at(sample).value
             })
             .sum();

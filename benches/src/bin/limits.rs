@@ -14,7 +14,7 @@ use std::hint::black_box;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use kufe_benches::{again, best_of, needle_block, pressure_table, random_queries};
-use kufe_lut::{Interpolator, Mode, Quantity, Sample};
+use kufe_lut::{Interpolator, Mode, Point, Quantity};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -96,11 +96,7 @@ fn table_evaluation() -> (f64, f64) {
     let (evaluation, _) = best_of(ROUNDS, || {
         queries
             .iter()
-            .map(|&(fz, k)| {
-                lookup
-                    .at(Sample::at_rest(black_box(fz), black_box(k)))
-                    .value
-            })
+            .map(|&(fz, k)| lookup.at(Point::at_rest(black_box(fz), black_box(k))).value)
             .sum::<f64>()
     });
     let values = table.values(Quantity::PMax).unwrap_or_default();

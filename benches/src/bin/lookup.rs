@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use interpn::multilinear::rectilinear::MultilinearRectilinear;
 use kufe_benches::{pressure_table, random_queries};
-use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
+use kufe_lut::{Interpolator, Mode, Point, Quantity, Table};
 
 const REPEATS: usize = 5;
 
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let lookup = Interpolator::new(&table, Quantity::PMax, mode, None)?;
             let name = format!("kufe-lut {}", mode.name());
             report(&nodes, &name, &queries, |fz, k| {
-                lookup.at(Sample::at_rest(fz, k)).value
+                lookup.at(Point::at_rest(fz, k)).value
             });
         }
         let (fz, curvature) = (table.axes().fz(), table.axes().curvature());
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let lookup = Interpolator::new(&table, Quantity::PMax, mode, None)?;
         let name = format!("kufe-lut {}", mode.name());
         report(&nodes, &name, &random_queries(), |fz, k| {
-            lookup.at(Sample::at_rest(fz, k)).value
+            lookup.at(Point::at_rest(fz, k)).value
         });
     }
     Ok(())

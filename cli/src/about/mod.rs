@@ -1,4 +1,4 @@
-//! What the command says of itself and of its files: examples to start from, schemas, manual pages.
+//! Help and files to start from: examples, schemas, manual pages, completions.
 
 pub mod completions;
 pub mod examples;

@@ -143,34 +143,19 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 impl Bob {
     fn swept(&self) -> Result<Swept, MeshError> {
-        let bob = BobRunner {
-            length: self.length_m,
-            rocker_radius: self.rocker_radius_m,
-            section_radius: self.section_radius_m,
-            width: self.width_m,
-            height: self.height_m,
-            ..BobRunner::default()
+        let section = Section::arc(self.section_radius_m, self.width_m)?;
+        let rocker = match &self.rocker_points {
+            Some(path) => Rocker::points(&load_points(path, ["x_m", "z_m"])?)?,
+            None => Rocker::arc(self.rocker_radius_m)?,
         };
-        let Some(path) = &self.rocker_points else {
-            return bob.swept();
-        };
-        let points = load_points(path, ["x_m", "z_m"])?;
-        let section = Section::arc(bob.section_radius, bob.width)?;
-        bob.swept_with(Rocker::points(&points)?, section)
+        Swept::with_rounded_ends(rocker, section, self.length_m, self.height_m)
     }
 }
 
 impl Luge {
     fn swept(&self) -> Result<Swept, MeshError> {
-        LugeSteel {
-            length: self.length_m,
-            rocker_radius: self.rocker_radius_m,
-            edge_radius: self.edge_radius_m,
-            tilt: self.tilt_rad,
-            width: self.width_m,
-            height: self.height_m,
-            ..LugeSteel::default()
-        }
-        .swept()
+        let section = Section::edge(self.edge_radius_m, self.tilt_rad, self.width_m)?;
+        let rocker = Rocker::arc(self.rocker_radius_m)?;
+        Swept::with_rounded_ends(rocker, section, self.length_m, self.height_m)
     }
 }

@@ -10,7 +10,7 @@ use kufe_sled::friction::{
 };
 
 use crate::friction::open;
-use crate::output::OutputDir;
+use crate::output::{OutputDir, of_file};
 use crate::terminal::Global;
 
 /// Arguments of `kufe icehouse`.
@@ -35,8 +35,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .iter()
         .map(|entry| read_run(&index, folder, entry))
         .collect::<Result<Vec<GlideRun>, Failure>>()?;
-    let house =
-        evaluate_ice_house(runs).map_err(|error| Failure::BadInput(format!("{index}: {error}")))?;
+    let house = evaluate_ice_house(runs).map_err(of_file(&args.glides))?;
     let result = IceHouseResult::new(&house, picture);
     let mut inputs: Vec<PathBuf> = entries.iter().map(|e| folder.join(&e.file)).collect();
     inputs.push(args.glides.clone());
@@ -59,7 +58,7 @@ fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, 
         open(&path).map_err(|failure| failure.within(&format!("{index}, run {}", entry.run)))?;
     let name = path.display().to_string();
     let trace = read_glide(&name, reader)?;
-    evaluate_glide(entry, &trace).map_err(|error| Failure::BadInput(format!("{name}: {error}")))
+    evaluate_glide(entry, &trace).map_err(of_file(&path))
 }
 
 /// The picture's name: the run's number keeps names apart that differ only in signs a file cannot

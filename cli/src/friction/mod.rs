@@ -55,9 +55,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 /// Opens a table, with a warning where it may be cut.
 fn open(path: &Path) -> Result<BufReader<File>, Failure> {
-    let file = kufe_files::open_regular(path).map_err(|error| {
-        Failure::BadInput(format!("{}: cannot be read: {error}", path.display()))
-    })?;
+    let file = kufe_files::open_regular(path);
+    let file = file.map_err(|error| Failure::unreadable(path, error))?;
     warn_if_cut(path);
     Ok(BufReader::new(file))
 }

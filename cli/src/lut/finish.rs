@@ -23,7 +23,7 @@ pub fn finish(
 ) -> Result<(), Failure> {
     let table = &swept.table;
     let summary = TableSummary::new(table, solves, time.as_secs_f64());
-    let summary = summary.map_err(Failure::bad_input)?;
+    let summary = summary?;
     global.print(&summary, || {
         let files = std::iter::once(out).chain(written.iter().map(PathBuf::as_path));
         let files: String = files.map(|path| format!("{}\n", path.display())).collect();
@@ -74,23 +74,19 @@ fn in_words(summary: &TableSummary, table: &Table) -> String {
         None => "not measured".into(),
     };
     let axes = table.axes();
-    let (mut ranges, mut sizes, mut names) = (String::new(), Vec::new(), Vec::new());
+    let (mut ranges, mut names) = (String::new(), Vec::new());
     for kind in AxisKind::ALL {
-        let Some(values) = axes.get(kind) else {
-            continue;
-        };
-        let [low, high] = match kind {
-            AxisKind::Curvature => axes.curvature_range(axes.fz()[0]),
-            _ => [values[0], values[values.len() - 1]],
-        };
-        ranges += &format!("  {:<21} {low} to {high}\n", kind.key());
-        sizes.push(values.len().to_string());
-        names.push(kind.key());
+        if let Some([low, high]) = axes.range(kind, axes.fz()[0]) {
+            ranges += &format!("  {:<21} {low} to {high}\n", kind.key());
+            names.push(kind.key());
+        }
     }
     let worst = match table.interpolation_error(table.judged(), Mode::Smooth) {
         Ok(Some(error)) => format!(" (smooth: largest at {})", error.max_at),
         _ => String::new(),
     };
+    let sizes = axes.shape().into_iter().map(|size| size.to_string());
+    let sizes: Vec<String> = sizes.collect();
     let by_boundary_elements = match summary.by_boundary_elements {
         0 => String::new(),
         count => format!(", {count} of them by boundary elements"),

@@ -42,8 +42,8 @@ enum Command {
     Merge(plan::MergeArgs),
 }
 
-/// An error of the arguments; where a misspelt subcommand was taken for a table's file, one that
-/// says so.
+/// An error of the arguments; where a misspelt subcommand was taken for a table's file, the one
+/// of that.
 pub fn explained(error: clap::Error) -> clap::Error {
     let words: Vec<String> = std::env::args().skip(1).take(2).collect();
     let [command, word] = &words[..] else {

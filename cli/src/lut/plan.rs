@@ -98,7 +98,7 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
     let table = args.table.canonicalize().map_err(of_file(&args.table))?;
     let store = open_store(&args.out, "none", origin.clone())?;
     let progress = replay(&spec.plan, |point| store.get(point));
-    let Progress::Batch { points, round, .. } = progress.map_err(Failure::bad_input)? else {
+    let Progress::Batch { points, round, .. } = progress? else {
         let out = args.out.display();
         if !global.quiet {
             say(&format!("nothing to solve: {out} is complete, merge it\n"));
@@ -168,7 +168,7 @@ pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
     outputs.push(args.out.clone());
     let files = OutputFiles::begin("lut", &inputs, &outputs, global.force)?;
     let folder = args.plan.display();
-    match replay(&spec.plan, |point| store.get(point)).map_err(Failure::bad_input)? {
+    match replay(&spec.plan, |point| store.get(point))? {
         Progress::Finished(swept) => {
             let swept = solver.finished(*swept)?;
             let written = args.forms.commit(&swept.table, &args.out, files)?;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use kufe::jobs::{Failure, table::read_table};
 use kufe::results::{Description, TableLookup};
-use kufe_lut::{Axes, AxisKind, MIN_SPEED, Mode, Outside, Sample, Table, curvature_from_pitch};
+use kufe_lut::{Axes, AxisKind, MIN_SPEED, Mode, Outside, Point, Table, curvature_from_pitch};
 
 use crate::output::of_file;
 use crate::terminal::{Global, warn};
@@ -91,57 +91,50 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         )));
     }
     let table = read_table(&args.table)?;
-    let axes = table.axes();
+    let at = Point {
+        fz,
+        curvature,
+        rocker_radius: args.rocker_radius_m,
+        speed: v,
+        ice_c: args.ice_c,
+    };
     let is_missing =
-        |axis: Option<&[f64]>, value: Option<f64>| axis.is_some() && value.is_none_or(f64::is_nan);
-    if is_missing(axes.speed(), v) {
+        |kind| table.axes().get(kind).is_some() && at.get(kind).is_none_or(f64::is_nan);
+    if is_missing(AxisKind::Speed) {
         return usage("the speed is missing: the table has that axis; give --v-mps");
     }
-    if is_missing(axes.ice_c(), args.ice_c) {
+    if is_missing(AxisKind::IceTemperature) {
         return usage(
             "the temperature of the ice is missing: the table has that axis; give --ice-c",
         );
     }
-    check_within(args, &table, curvature)?;
+    check_within(args, &table, &at)?;
     let is_smooth = args.mode == Mode::Smooth.name();
     let mode = if is_smooth {
         Mode::Smooth
     } else {
         Mode::Bilinear
     };
-    let at = Sample {
-        fz,
-        curvature,
-        speed: v.unwrap_or(f64::NAN),
-        ice_c: args.ice_c.unwrap_or(f64::NAN),
-    };
-    let found = TableLookup::new(&table, at, mode, args.rocker_radius_m);
-    let found = found.map_err(of_file(&args.table))?;
+    let found = TableLookup::new(&table, at, mode).map_err(of_file(&args.table))?;
     global.answer(&found, || text(&found, &table))
 }
 
-/// Refuses a place outside an axis whose rule is an error; with `--strict` outside any.
+/// Refuses a point outside an axis whose rule is an error; with `--strict` outside any. A rocker
+/// radius outside is refused by the table.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the input, its value and the table's range.
-fn check_within(args: &Args, table: &Table, curvature: f64) -> Result<(), Failure> {
+fn check_within(args: &Args, table: &Table, at: &Point) -> Result<(), Failure> {
     let axes = table.axes();
-    let inputs = [
-        (AxisKind::Fz, Some(args.fz_n)),
-        (AxisKind::Curvature, Some(curvature)),
-        (AxisKind::Speed, args.v_mps),
-        (AxisKind::IceTemperature, args.ice_c),
-    ];
-    for (kind, value) in inputs {
-        if let (Some(value), Some([low, high])) = (value, range(axes, kind, args.fz_n))
+    let kinds = AxisKind::ALL.into_iter();
+    for kind in kinds.filter(|kind| *kind != AxisKind::RockerRadius) {
+        if let (Some(value), Some([low, high])) = (at.get(kind), range(axes, kind, at.fz))
             && (args.strict || axes.outside(kind) == Outside::Error)
             && !(low..=high).contains(&value)
         {
-            return Err(Failure::BadInput(format!(
-                "{}: {} = {value}: outside the table, expected {low} to {high}",
-                args.table.display(),
-                kind.key()
-            )));
+            let key = kind.key();
+            let reason = format!("{key} = {value}: outside the table, expected {low} to {high}");
+            return Err(Failure::in_file(&args.table, reason));
         }
     }
     Ok(())
@@ -149,12 +142,8 @@ fn check_within(args: &Args, table: &Table, curvature: f64) -> Result<(), Failur
 
 /// The ends of an axis, where the table has it; those of the curvature at a force.
 fn range(axes: &Axes, kind: AxisKind, fz: f64) -> Option<[f64; 2]> {
-    let ends = |axis: &[f64]| [axis[0], axis[axis.len() - 1]];
-    let [low, high] = ends(axes.fz());
-    match kind {
-        AxisKind::Curvature => Some(axes.curvature_range(fz.clamp(low, high))),
-        _ => axes.get(kind).map(ends),
-    }
+    let [low, high] = axes.range(AxisKind::Fz, fz)?;
+    axes.range(kind, fz.clamp(low, high))
 }
 
 fn text(found: &TableLookup, table: &Table) -> String {

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use kufe::charts::{Slice, table_picture};
+use kufe::charts::table_picture;
 use kufe::jobs::runs::{RunSelection, run_inputs};
 use kufe::jobs::{Failure, table::read_table};
-use kufe_lut::{Quantity, Sample};
+use kufe_lut::{Point, Quantity};
 use kufe_sled::table_samples;
 use serde::Serialize;
 
@@ -50,7 +50,7 @@ pub struct Args {
 
 impl Args {
     /// The places on the table of the samples of the runs, if any.
-    fn samples(&self, global: &Global) -> Result<Vec<Sample>, Failure> {
+    fn samples(&self, global: &Global) -> Result<Vec<Point>, Failure> {
         let (Some(runs), Some(model)) = (&self.runs, &self.model) else {
             return Ok(Vec::new());
         };
@@ -91,10 +91,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let outputs = std::slice::from_ref(&out);
     let files = OutputFiles::begin("lut show", &inputs, outputs, global.force)?;
     let samples = args.samples(global)?;
-    let slice = Slice {
+    let slice = Point {
         rocker_radius: args.rocker_radius_m,
         speed: args.v_mps,
         ice_c: args.ice_c,
+        ..Point::default()
     };
     let picture = table_picture(&table, quantity, slice, &samples);
     let picture = picture.map_err(of_file(&args.table))?;

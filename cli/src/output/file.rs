@@ -11,7 +11,7 @@ use kufe_files::{outputs_apart, resolved};
 use tempfile::TempDir;
 
 use crate::output::record::{FolderRecord, lock};
-use crate::output::{NewFolders, Staging, names_in, remove_on_interrupt, unwritable};
+use crate::output::{NewFolders, Staging, names_in, remove_on_interrupt};
 use crate::terminal::Global;
 
 /// Files that a command writes at places of their own.
@@ -62,7 +62,7 @@ impl OutputFiles {
             if !files.hidden.contains_key(folder) {
                 let staging = Staging::in_folder(folder);
                 let Staging { hidden, made } =
-                    staging.map_err(|error| unwritable(named, &error))?;
+                    staging.map_err(|error| Failure::unwritable(named, error))?;
                 files.hidden.insert(folder.to_path_buf(), hidden);
                 files._made.insert(0, made);
             }
@@ -88,7 +88,7 @@ impl OutputFiles {
         let mut outputs = self.outputs.iter();
         let output = outputs.find(|(named, _)| named == path);
         let (_, place) = output.expect("an output that was stated at the beginning");
-        let failure = |error: &dyn Display| unwritable(path, error);
+        let failure = |error: &dyn Display| Failure::unwritable(path, error);
         let file = File::create(self.new_file(place)).map_err(|error| failure(&error))?;
         let mut writer = std::io::BufWriter::new(&file);
         write(&mut writer).map_err(|error| failure(&error))?;
@@ -113,7 +113,8 @@ impl OutputFiles {
         let _locks: Vec<_> = self.hidden.keys().map(|folder| lock(folder)).collect();
         self.check(|place| self.new_file(place).exists())?;
         for (folder, hidden) in &self.hidden {
-            let names = names_in(hidden.path()).map_err(|error| unwritable(folder, &error))?;
+            let names =
+                names_in(hidden.path()).map_err(|error| Failure::unwritable(folder, error))?;
             let record = FolderRecord::read(folder).unwrap_or_else(|| FolderRecord::new(None));
             record.replace(folder, hidden.path(), names, &[], self.command)?;
         }
@@ -128,7 +129,10 @@ impl OutputFiles {
         outputs_apart(&self.inputs, &named).map_err(Failure::bad_input)?;
         for (named, place) in outputs {
             if resolved(named) != *place {
-                return Err(unwritable(named, &"it has become a link"));
+                return Err(Failure::unwritable(named, "it has become a link"));
+            }
+            if place.file_name().and_then(|name| name.to_str()).is_none() {
+                return Err(Failure::unwritable(named, "expected a name in Unicode"));
             }
             if self.force || !place.exists() {
                 continue;
@@ -140,7 +144,7 @@ impl OutputFiles {
                     "it exists already, and kufe did not write it so; --force replaces it".into()
                 }
             };
-            return Err(unwritable(named, &reason));
+            return Err(Failure::unwritable(named, reason));
         }
         Ok(())
     }
@@ -176,6 +180,7 @@ fn name_of(path: &Path) -> String {
 mod tests {
     use super::*;
     use crate::output::TEMPORARY;
+    use crate::output::record::RECORD;
 
     type Outcome = Result<(), Box<dyn std::error::Error>>;
 
@@ -222,6 +227,17 @@ mod tests {
         let entries = std::fs::read_dir(root.path())?;
         let hidden = |name: &std::ffi::OsString| name.to_string_lossy().starts_with(TEMPORARY);
         assert!(!entries.flatten().any(|entry| hidden(&entry.file_name())));
+        Ok(())
+    }
+
+    #[test]
+    fn a_folder_whose_record_cannot_be_written_receives_files() -> Outcome {
+        let root = tempfile::tempdir()?;
+        std::fs::create_dir(root.path().join(RECORD))?;
+        write(root.path(), "a.csv", "1", false)?;
+        let refused = write(root.path(), "a.csv", "2", false).unwrap_err();
+        assert!(refused.contains("--force"), "{refused}");
+        write(root.path(), "a.csv", "2", true)?;
         Ok(())
     }
 

@@ -12,7 +12,7 @@ use kufe_files::{outputs_apart, resolved};
 use serde::Serialize;
 
 use crate::output::record::{FolderRecord, RECORD, lock};
-use crate::output::{Staging, TEMPORARY, names_in, remove_on_interrupt, unwritable};
+use crate::output::{Staging, TEMPORARY, names_in, remove_on_interrupt};
 
 /// A temporary folder that collects files until [`OutputDir::commit`] moves them into the output.
 ///
@@ -64,7 +64,8 @@ impl OutputDir {
     ) -> Result<OutputDir, Failure> {
         let named = target.to_path_buf();
         let target = resolved(target);
-        let staging = Staging::in_folder(&target).map_err(|error| unwritable(&named, &error))?;
+        let staging =
+            Staging::in_folder(&target).map_err(|error| Failure::unwritable(&named, error))?;
         let output = OutputDir {
             command,
             inputs: inputs.to_vec(),
@@ -87,7 +88,7 @@ impl OutputDir {
         let record = self.check(&[])?;
         record
             .write(&self.target)
-            .map_err(|error| unwritable(&self.named, &error))
+            .map_err(|error| Failure::unwritable(&self.named, error))
     }
 
     /// Checks that the folder may receive files of these names; returns the record of those that
@@ -99,15 +100,14 @@ impl OutputDir {
             Some(record) if owner.as_deref() == Some(self.command) => record,
             _ => {
                 if let Some(reason) = self.foreign(owner)?.filter(|_| !self.force) {
-                    let place = self.named.display();
-                    return Err(Failure::BadInput(format!(
-                        "{place}: {reason}; expected another folder, or --force"
-                    )));
+                    let reason = format!("{reason}; expected another folder, or --force");
+                    return Err(Failure::in_file(&self.named, reason));
                 }
                 FolderRecord::new(Some(self.command))
             }
         };
-        let failure = |name: &str, reason: &str| Err(unwritable(&self.named.join(name), &reason));
+        let failure =
+            |name: &str, reason: &str| Err(Failure::unwritable(&self.named.join(name), reason));
         let inputs: BTreeSet<PathBuf> = self.inputs.iter().map(|path| resolved(path)).collect();
         for (name, file) in own.files_of(self.command) {
             let path = self.target.join(name);
@@ -141,7 +141,8 @@ impl OutputDir {
         if let Some(owner) = owner {
             return Ok(Some(format!("it contains results of kufe {owner}")));
         }
-        let names = names_in(&self.target).map_err(|error| unwritable(&self.named, &error))?;
+        let names =
+            names_in(&self.target).map_err(|error| Failure::unwritable(&self.named, error))?;
         let mut names = names.iter();
         let other = names.find(|name| !name.starts_with(TEMPORARY) && *name != RECORD);
         let command = self.command;
@@ -201,7 +202,7 @@ impl OutputDir {
     pub fn commit(self) -> Result<(), Failure> {
         let hidden = self.staging.hidden.path();
         let _lock = lock(&self.target);
-        let names = names_in(hidden).map_err(|error| unwritable(&self.named, &error))?;
+        let names = names_in(hidden).map_err(|error| Failure::unwritable(&self.named, error))?;
         let record = self.check(&names)?;
         let own = record.files_of(self.command).map(|(name, _)| name);
         let stale: Vec<String> = own.filter(|name| !names.contains(name)).cloned().collect();

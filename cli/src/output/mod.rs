@@ -18,14 +18,9 @@ pub use record::{FolderRecord, remove_outputs};
 /// How often a folder is made that other processes remove.
 const ATTEMPTS: usize = 20;
 
-/// The failure to write `path`.
-fn unwritable(path: &Path, reason: &dyn std::fmt::Display) -> Failure {
-    Failure::BadInput(format!("{}: cannot be written: {reason}", path.display()))
-}
-
 /// The failure that a file causes.
 pub fn of_file<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure {
-    move |error| Failure::bad_input(error).within(&path.display().to_string())
+    move |error| Failure::in_file(path, error)
 }
 
 /// The names of what is in a folder.

@@ -9,7 +9,7 @@ use kufe::jobs::field::is_plain;
 use kufe_files::sha256_of_file;
 use serde::{Deserialize, Serialize};
 
-use crate::output::{TEMPORARY, unwritable};
+use crate::output::TEMPORARY;
 
 /// The file of an output folder that records which command wrote which files there.
 pub const RECORD: &str = ".kufe.json";
@@ -126,23 +126,28 @@ impl FolderRecord {
             };
             self.files.insert(name.clone(), file);
         }
-        let failure = |error: std::io::Error| unwritable(folder, &error);
-        self.write(folder).map_err(failure)?;
+        // Files in a folder of the user need no record: without one only `--force` replaces them.
+        let is_users = self.command.is_none();
+        let record = |record: &FolderRecord| match record.write(folder) {
+            Err(error) if !is_users => Err(Failure::unwritable(folder, error)),
+            _ => Ok(()),
+        };
+        record(&self)?;
         let index = names.iter().filter(|name| *name == INDEX);
         for path in index.chain(stale).map(|name| folder.join(name)) {
             if path.symlink_metadata().is_ok() {
-                std::fs::remove_file(&path).map_err(|error| unwritable(&path, &error))?;
+                std::fs::remove_file(&path).map_err(|error| Failure::unwritable(&path, error))?;
             }
         }
         for name in &names {
             let to = folder.join(name);
             let moved = std::fs::rename(hidden.join(name), &to);
-            moved.map_err(|error| unwritable(&to, &error))?;
+            moved.map_err(|error| Failure::unwritable(&to, error))?;
             let written = self.files.get_mut(name);
             written.into_iter().for_each(|file| file.sha256.truncate(1));
         }
         self.files.retain(|name, _| !stale.contains(name));
-        self.write(folder).map_err(failure)
+        record(&self)
     }
 }
 

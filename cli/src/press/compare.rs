@@ -44,7 +44,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let document = Comparison {
         first: names[0].clone(),
         second: names[1].clone(),
-        quantities: compared_quantities(&first, &second).map_err(Failure::bad_input)?,
+        quantities: compared_quantities(&first, &second)?,
         map: compared.difference(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
     };
@@ -53,7 +53,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         name: format!("{} and {}", names[0], names[1]),
         png: figure.png(),
     };
-    let data = Datum::of(&document).map_err(Failure::bad_input)?;
+    let data = Datum::of(&document)?;
     let documents = [("second less first".to_owned(), data)];
     let title = format!("{} and {}", document.first, document.second);
     output.text(

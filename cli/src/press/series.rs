@@ -132,10 +132,8 @@ impl Series<'_> {
     fn output_of(&self, step: &Step) -> Result<OutputDir, Failure> {
         let folder = self.args.out.join(&step.folder);
         if folder.is_symlink() {
-            return Err(Failure::BadInput(format!(
-                "{}: it is a link; expected a folder of the series",
-                folder.display()
-            )));
+            let reason = "it is a link; expected a folder of the series";
+            return Err(Failure::in_file(&folder, reason));
         }
         OutputDir::prepare("press", &self.inputs, &folder, self.force)
     }
@@ -314,12 +312,8 @@ impl Lists {
             |keys, value| keys.fz_n = Some(value),
         ];
         let mut combinations = vec![VariedKeys::default()];
-        for (values, set) in self
-            .all()
-            .into_iter()
-            .zip(set)
-            .filter(|(list, _)| !list.is_empty())
-        {
+        let lists = self.all().into_iter().zip(set);
+        for (values, set) in lists.filter(|(list, _)| !list.is_empty()) {
             let longer = combinations.iter().flat_map(|keys| {
                 values.iter().map(|value| {
                     let mut keys = keys.clone();

@@ -9,7 +9,7 @@ use kufe::results::{
 };
 use kufe_contact::Measure;
 
-/// Lines of a name and what is said of it.
+/// Lines: a name and its text.
 type Rows = Vec<(&'static str, String)>;
 
 /// The readable summary: the peak with its whole error and the parts of that first, then all else.

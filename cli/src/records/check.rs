@@ -59,13 +59,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if check.wrong == 0 {
         return Ok(());
     }
-    Err(Failure::BadInput(format!(
-        "{}: {} of {} runs are provably wrong: see {}",
-        args.runs.display(),
-        check.wrong,
-        check.runs.len(),
-        args.out.join("check.html").display()
-    )))
+    let (wrong, count, page) = (check.wrong, check.runs.len(), args.out.join("check.html"));
+    let page = page.display();
+    let reason = format!("{wrong} of {count} runs are provably wrong: see {page}");
+    Err(Failure::in_file(&args.runs, reason))
 }
 
 /// What is wrong, each kind once with its runs, and the worst of what is odd.

@@ -108,10 +108,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 /// `from`.
 fn check_copied<'a>(entry: &'a Entry, from: &'a [PathBuf]) -> Result<(), Failure> {
     let refuse = |reason: &str| {
-        let file = entry.file.display();
-        Err(Failure::BadInput(format!(
-            "{file}: not copied: {reason}; expected a file of a run"
-        )))
+        let reason = format!("not copied: {reason}; expected a file of a run");
+        Err(Failure::in_file(&entry.file, reason))
     };
     let parent = |path: &'a Path| path.parent().unwrap_or(Path::new(""));
     let folder = |path: &'a PathBuf| if path.is_dir() { path } else { parent(path) };

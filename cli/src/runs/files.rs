@@ -3,10 +3,10 @@
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
-use kufe::charts::{Slice, table_picture};
+use kufe::charts::table_picture;
 use kufe::jobs::{Failure, table::read_table, write_document_mat};
 use kufe::report::TABLE_PICTURES;
-use kufe_lut::{MatValue, Sample};
+use kufe_lut::{MatValue, Point};
 use kufe_sled::{RunFormat, Vehicle};
 use serde::Serialize;
 
@@ -43,7 +43,7 @@ pub fn write_mat(
 pub fn draw_tables(
     output: &OutputDir,
     vehicle: &Vehicle,
-    samples: &[Vec<Sample>; 2],
+    samples: &[Vec<Point>; 2],
 ) -> Result<Vec<String>, Failure> {
     let mut drawn = Vec::new();
     for ((name, table), requested) in TABLE_PICTURES.iter().zip(vehicle.tables()).zip(samples) {
@@ -51,7 +51,7 @@ pub fn draw_tables(
             continue;
         };
         let table = read_table(&file)?;
-        let picture = table_picture(&table, table.judged(), Slice::default(), requested);
+        let picture = table_picture(&table, table.judged(), Point::default(), requested);
         let picture = picture.map_err(of_file(&file))?;
         output.picture(name, &picture.figure)?;
         drawn.push((*name).to_owned());

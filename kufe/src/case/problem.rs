@@ -7,8 +7,8 @@ use std::sync::Arc;
 use kufe_contact::{ElasticRunner, Problem, Runner, RunnerSolid};
 use kufe_files::read_regular;
 use kufe_mesh::{
-    BobRunner, FittedUnderside, Hull, LugeSteel, Paraboloid, Rocker, Section, Underside,
-    check_hull, read_gmsh, read_vtu, size_warnings,
+    FittedUnderside, Hull, Paraboloid, Rocker, Section, Swept, Underside, check_hull, read_gmsh,
+    read_vtu, size_warnings,
 };
 
 use crate::case::fitted_hull::{FittedHull, fit_hull};
@@ -194,6 +194,10 @@ fn shape_underside(
             .of(own, base)
             .map_err(CaseError::in_file("runner.section"))
     };
+    let rounded = |rocker_radius: f64, section, length, height| {
+        let rocker = Rocker::arc(rocker_radius)?;
+        Swept::with_rounded_ends(rocker, section, length, height).map(Arc::new)
+    };
     Ok(match *shape {
         Shape::Bob {
             length_m,
@@ -202,16 +206,8 @@ fn shape_underside(
             width_m,
             height_m,
         } => {
-            let bob = BobRunner {
-                length: length_m,
-                rocker_radius: rocker_radius_m,
-                section_radius: section_radius_m,
-                width: width_m,
-                height: height_m,
-                ..BobRunner::default()
-            };
             let section = of(Section::arc(section_radius_m, width_m)?)?;
-            Arc::new(bob.swept_with(Rocker::arc(rocker_radius_m)?, section)?)
+            rounded(rocker_radius_m, section, length_m, height_m)?
         }
         Shape::Paraboloid {
             rocker_radius_m,
@@ -225,17 +221,8 @@ fn shape_underside(
             width_m,
             height_m,
         } => {
-            let steel = LugeSteel {
-                length: length_m,
-                rocker_radius: rocker_radius_m,
-                edge_radius: edge_radius_m,
-                tilt: tilt_rad,
-                width: width_m,
-                height: height_m,
-                ..LugeSteel::default()
-            };
             let section = of(Section::edge(edge_radius_m, tilt_rad, width_m)?)?;
-            Arc::new(steel.swept_with(section)?)
+            rounded(rocker_radius_m, section, length_m, height_m)?
         }
     })
 }
@@ -245,6 +232,7 @@ mod tests {
     use super::*;
     use crate::case::FileAxis;
     use kufe_contact::{Foundation, Load, Tilt};
+    use kufe_mesh::BobRunner;
 
     fn case(shape: &str, rest: &str) -> Case {
         let text = format!(

@@ -12,4 +12,4 @@ pub use odd_curve::{OddCurve, odd_curves};
 pub use series::{
     force_picture, lateral_force_picture, losses_picture, replay_picture, run_picture,
 };
-pub use table::{Slice, TablePicture, table_picture};
+pub use table::{TablePicture, table_picture};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
+use kufe_lut::{AxisKind, Interpolator, Mode, Quantity, Table};
 
 use crate::plot::{
     Axis, Cells, Colour, ColourBar, Figure, INK, Layer, Panel, Point, Symbol, Ticks, axis_ticks,
@@ -22,53 +22,30 @@ const WHITE: Colour = Colour::new(255, 255, 255);
 const INSIDE: Colour = Colour::new(255, 105, 190).alpha(0.7);
 const OUTSIDE: Colour = Colour::new(214, 30, 30);
 
-/// Which of a table's surfaces over force and curvature is drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Slice {
-    /// Rocker radius where the table has that axis [m].
-    pub rocker_radius: Option<f64>,
-    /// Speed where the table has that axis [m/s]; its middle breakpoint where absent.
-    pub speed: Option<f64>,
-    /// Temperature of the ice where the table has that axis [C]; its middle breakpoint where
-    /// absent.
-    pub ice_c: Option<f64>,
+/// A point of the slice of a table: on the middle breakpoints where no speed or temperature is
+/// stated, without them where there is no such axis.
+fn slice_of(table: &Table, stated: kufe_lut::Point) -> kufe_lut::Point {
+    let on = |kind| {
+        let axis = table.axes().get(kind)?;
+        Some(stated.get(kind).unwrap_or(axis[axis.len() / 2]))
+    };
+    kufe_lut::Point {
+        speed: on(AxisKind::Speed),
+        ice_c: on(AxisKind::IceTemperature),
+        ..stated
+    }
 }
 
-impl Slice {
-    /// The slice of a table: the middle breakpoints where none is stated, nothing where there is no
-    /// axis.
-    fn of(self, table: &Table) -> Self {
-        let on = |axis: Option<&[f64]>, value: Option<f64>| {
-            axis.map(|axis| value.unwrap_or(axis[axis.len() / 2]))
-        };
-        Slice {
-            rocker_radius: self.rocker_radius,
-            speed: on(table.axes().speed(), self.speed),
-            ice_c: on(table.axes().ice_c(), self.ice_c),
-        }
-    }
-
-    /// The sample of a slice at a place.
-    fn sample(&self, (curvature, fz): Point) -> Sample {
-        Sample {
-            fz,
-            curvature,
-            speed: self.speed.unwrap_or(f64::NAN),
-            ice_c: self.ice_c.unwrap_or(f64::NAN),
-        }
-    }
-
-    fn in_words(&self) -> String {
-        let parts = [
-            (", rocker radius", self.rocker_radius, "m"),
-            (",", self.speed, "m/s"),
-            (", ice of", self.ice_c, "°C"),
-        ];
-        let parts = parts.into_iter();
-        parts
-            .filter_map(|(words, value, unit)| Some(format!("{words} {} {unit}", value?)))
-            .collect()
-    }
+fn in_words(slice: &kufe_lut::Point) -> String {
+    let parts = [
+        (", rocker radius", slice.rocker_radius, "m"),
+        (",", slice.speed, "m/s"),
+        (", ice of", slice.ice_c, "°C"),
+    ];
+    let parts = parts.into_iter();
+    parts
+        .filter_map(|(words, value, unit)| Some(format!("{words} {} {unit}", value?)))
+        .collect()
 }
 
 /// The picture of a table, and how many samples of runs are outside the table.
@@ -83,26 +60,35 @@ pub struct TablePicture {
 /// A quantity over curvature and (logarithmic) force: colours and contour lines of the smooth mode,
 /// dots at the nodes, crosses at the checks, and where `samples` of runs are.
 ///
+/// `slice` states the surface over force and curvature by its other coordinates; where it has no
+/// speed or temperature, the middle breakpoint is taken.
+///
 /// # Errors
 /// Those of a table that does not have the slice.
 pub fn table_picture(
     table: &Table,
     quantity: Quantity,
-    slice: Slice,
-    samples: &[Sample],
+    slice: kufe_lut::Point,
+    samples: &[kufe_lut::Point],
 ) -> Result<TablePicture, kufe_lut::Error> {
-    let slice = slice.of(table);
+    let slice = slice_of(table, slice);
     let interpolator = Interpolator::new(table, quantity, Mode::Smooth, slice.rocker_radius)?;
     let shown = Description::of(quantity);
     let axes = table.axes();
     let forces = axes.fz();
     let fz = wider([forces[0], forces[forces.len() - 1]], 0.1 * forces[0]);
-    let curvature = wider(axes.curvature_range(fz[0]), 1e-3);
+    let curvature = axes.range(AxisKind::Curvature, fz[0]);
+    let curvature = wider(curvature.unwrap_or_default(), 1e-3);
     let place = |(column, row): Point| at([column, row].map(|k| k / CELLS as f64), curvature, fz);
     let nodes = (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| (column, row)));
     let nodes = nodes.map(|(column, row)| place((column as f64, row as f64)));
+    let nodes = nodes.map(|(curvature, fz)| kufe_lut::Point {
+        fz,
+        curvature,
+        ..slice
+    });
     let nodes: Vec<f64> = nodes
-        .map(|node| shown.times * interpolator.at(slice.sample(node)).value)
+        .map(|node| shown.times * interpolator.at(node).value)
         .collect();
     let value = |column: usize, row: usize| nodes[row * (CELLS + 1) + column];
     let [low, high] = extent(nodes.iter().copied());
@@ -154,7 +140,7 @@ pub fn table_picture(
     });
     let title = format!(
         "{name}{}: {} x {} nodes (dots), {} checks (crosses)",
-        slice.in_words(),
+        in_words(&slice),
         forces.len(),
         axes.curvature().len(),
         table.checks().len()
@@ -195,7 +181,7 @@ struct Samples {
 impl Samples {
     /// `fz` and `curvature` are the ranges of the table.
     fn new(
-        samples: &[Sample],
+        samples: &[kufe_lut::Point],
         interpolator: &Interpolator,
         fz: [f64; 2],
         curvature: [f64; 2],
@@ -248,12 +234,7 @@ mod tests {
         let node = node.with_error(Quantity::PMax, 0.0);
         let table = Table::new(axes, &[node; 4], vec![])?;
         let lookup = Interpolator::new(&table, Quantity::PMax, Mode::Smooth, None)?;
-        let at = |fz, curvature| Sample {
-            fz,
-            curvature,
-            speed: 30.0,
-            ice_c: -5.0,
-        };
+        let at = |fz, curvature| kufe_lut::Point::sliding(fz, curvature, 30.0, -5.0);
         let samples = [
             at(1000.0, 0.01),
             at(1000.0, 0.01),
@@ -271,7 +252,7 @@ mod tests {
             .iter()
             .any(|&(k, fz)| (k / 0.03 - 1.0).abs() < 1e-12 && (fz / 125.0 - 1.0).abs() < 1e-12);
         assert!(edge, "{:?}", found.outside);
-        let picture = table_picture(&table, Quantity::PMax, Slice::default(), &samples)?;
+        let picture = table_picture(&table, Quantity::PMax, kufe_lut::Point::default(), &samples)?;
         let title = &picture.figure.rows[0].panels[0].title;
         assert!(title.starts_with("5 samples (pink), 3"), "{title}");
         Ok(())

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use kufe_lut::Sample;
+use kufe_lut::Point;
 use kufe_sled::sample_data::{sample_driver, sample_drivers};
 use kufe_sled::{
     CONDITIONS, Conditions, Driver, Model, Run, SimulateOptions, Track, TrackShape, Vehicle,
@@ -104,7 +104,7 @@ pub struct DrivenRuns {
     /// The document.
     pub document: Simulation,
     /// Samples of the first runs on the tables of the front and the rear runner.
-    pub samples: [Vec<Sample>; 2],
+    pub samples: [Vec<Point>; 2],
 }
 
 impl SimulatedDrives {

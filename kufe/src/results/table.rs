@@ -1,7 +1,7 @@
 //! Documents of lookup tables: what one contains, and its values at one contact.
 
 use kufe_lut::{
-    Axes, AxisKind, Error, Interpolator, Method, Mode, Outside, Quantity, Sample, Table,
+    Axes, AxisKind, Error, Interpolator, Method, Mode, Outside, Point, Quantity, Table,
 };
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -135,16 +135,14 @@ impl AxisRange {
     /// The axes of a table by key.
     pub(crate) fn of(axes: &Axes) -> impl Iterator<Item = (&'static str, AxisRange)> {
         AxisKind::ALL.into_iter().filter_map(|kind| {
-            let values = axes.get(kind)?;
-            let ends = [values[0], values[values.len() - 1]];
-            let ([from, to], outside) = match kind {
-                AxisKind::Curvature => (axes.curvature_range(axes.fz()[0]), axes.outside(kind)),
+            let [from, to] = axes.range(kind, axes.fz()[0])?;
+            let outside = match kind {
                 // A rocker radius outside is refused.
-                AxisKind::RockerRadius => (ends, Outside::Error),
-                _ => (ends, axes.outside(kind)),
+                AxisKind::RockerRadius => Outside::Error,
+                _ => axes.outside(kind),
             };
             let range = AxisRange {
-                points: values.len(),
+                points: axes.get(kind)?.len(),
                 from,
                 to,
                 outside: outside.name(),
@@ -267,20 +265,14 @@ fn by_key<S: Serializer>(values: &[LookupValue], serializer: S) -> Result<S::Ok,
 }
 
 impl TableLookup {
-    /// Interpolates every quantity of a table; the radius of the rocker [m] is needed where it is
-    /// an axis.
+    /// Interpolates every quantity of a table.
     ///
     /// # Errors
     /// Those of the interpolation.
-    pub fn new(
-        table: &Table,
-        at: Sample,
-        mode: Mode,
-        rocker_radius: Option<f64>,
-    ) -> Result<Self, Error> {
+    pub fn new(table: &Table, at: Point, mode: Mode) -> Result<Self, Error> {
         let (mut values, mut out_of_range) = (Vec::new(), false);
         for &quantity in table.quantities() {
-            let interpolator = Interpolator::new(table, quantity, mode, rocker_radius)?;
+            let interpolator = Interpolator::new(table, quantity, mode, at.rocker_radius)?;
             let found = interpolator.at(at);
             out_of_range |= found.out_of_range;
             let measured = error(table, quantity, mode)?;
@@ -298,8 +290,8 @@ impl TableLookup {
             values,
             fz_n: at.fz,
             curvature_1pm: at.curvature,
-            v_mps: axes.speed().map(|_| at.speed),
-            ice_c: axes.ice_c().map(|_| at.ice_c),
+            v_mps: axes.speed().and(at.speed),
+            ice_c: axes.ice_c().and(at.ice_c),
             mode: mode.name(),
             out_of_range,
             version: table.origin.version().to_owned(),

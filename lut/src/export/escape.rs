@@ -19,15 +19,14 @@ fn ends_line(c: char) -> bool {
 pub(super) fn comment(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {
-        let joins = matches!(
-            (safe.chars().next_back(), c),
-            (Some('*'), '/') | (Some('/'), '*')
-        );
-        let excluded = ends_line(c) || c == '\\' || c == '?';
-        if excluded || joins {
+        if ends_line(c) || c == '\\' || c == '?' {
+            safe.push(' ');
+            continue;
+        }
+        if c == '/' && safe.ends_with('*') || c == '*' && safe.ends_with('/') {
             safe.push(' ');
         }
-        safe.extend(Some(c).filter(|_| !excluded));
+        safe.push(c);
     }
     safe
 }

@@ -157,19 +157,16 @@ impl Table {
     fn ranges(&self, name: &str) -> String {
         let name = name.to_uppercase();
         let axes = self.axes();
-        let present = axes.present();
-        let present = present.filter(|(kind, _)| *kind != AxisKind::RockerRadius);
-        let ranges = present.map(|(kind, values)| {
-            let [low, high] = match kind {
-                AxisKind::Curvature => axes.curvature_range(axes.fz()[0]),
-                _ => [values[0], values[values.len() - 1]],
-            };
+        let kinds = AxisKind::ALL.into_iter();
+        let kinds = kinds.filter(|kind| *kind != AxisKind::RockerRadius);
+        let ranges = kinds.filter_map(|kind| {
+            let [low, high] = axes.range(kind, axes.fz()[0])?;
             let key = kind.key().to_uppercase();
             let rule = axes.outside(kind).name().to_uppercase();
-            format!(
+            Some(format!(
                 "#define {name}_{key}_MIN {low:e}\n#define {name}_{key}_MAX {high:e}\n\
                  #define {name}_{key}_OUTSIDE KUFE_LUT_{rule}\n"
-            )
+            ))
         });
         ranges.collect()
     }

@@ -144,7 +144,7 @@ pub fn replay(plan: &Plan, stored: impl Fn(&Point) -> Option<Figures>) -> Result
 ///
 /// # Errors
 /// Those of `solve`, and an [`Error`] of the plan or its results.
-pub fn sweep_batches<E: From<Error>>(
+fn sweep_batches<E: From<Error>>(
     plan: &Plan,
     mut solve: impl FnMut(&[Point]) -> Result<Vec<Figures>, E>,
 ) -> Result<SweepResult, E> {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table, binding_files};
+use kufe_lut::{Interpolator, Mode, Point, Quantity, Table, binding_files};
 use kufe_outside::{program, python};
 
 use crate::c::run_c;
@@ -36,12 +36,7 @@ fn library(folder: &Path, table: &Table) -> Option<()> {
 }
 
 fn mu(table: &Table) -> f64 {
-    let at = Sample {
-        fz: 1800.0,
-        curvature: 0.013,
-        speed: 21.0,
-        ice_c: -4.5,
-    };
+    let at = Point::sliding(1800.0, 0.013, 21.0, -4.5);
     let mu = Interpolator::new(table, Quantity::Mu, Mode::Smooth, None).unwrap();
     mu.at(at).value
 }

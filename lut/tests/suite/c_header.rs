@@ -2,7 +2,7 @@
 
 use crate::c::run_c;
 use crate::tables::{reduced, table};
-use kufe_lut::{Error, Fmi, Interpolator, Mode, Quantity, Sample, Table};
+use kufe_lut::{Error, Fmi, Interpolator, Mode, Point, Quantity, Table};
 use std::fmt::Write as _;
 
 #[test]
@@ -81,7 +81,7 @@ fn the_header_compiles_and_computes_what_the_library_computes() {
         for (exact, lookup) in &lookups {
             let (value, flag) = lines.next().unwrap().split_once(' ').unwrap();
             let value: f64 = value.parse().unwrap();
-            let own = lookup.at(Sample::at_rest(fz, curvature));
+            let own = lookup.at(Point::at_rest(fz, curvature));
             assert_eq!(flag == "1", own.out_of_range);
             if own.value.is_nan() {
                 assert!(value.is_nan());

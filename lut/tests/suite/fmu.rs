@@ -2,7 +2,7 @@
 
 use crate::python::run_python;
 use crate::tables::{reduced, table};
-use kufe_lut::{AxisKind, Fmi, Interpolator, Mode, Outside, Quantity, Sample, Table};
+use kufe_lut::{AxisKind, Fmi, Interpolator, Mode, Outside, Point, Quantity, Table};
 use kufe_outside::python;
 
 #[test]
@@ -65,7 +65,7 @@ fn the_fmu_agrees(python: &std::path::Path, table: &Table, fmi: Fmi) {
         };
         let own = Interpolator::new(table, Quantity::PMax, mode, None)
             .unwrap()
-            .at(Sample::at_rest(number(4), curvature));
+            .at(Point::at_rest(number(4), curvature));
         let pressure = number(8);
         assert!(
             (pressure / own.value - 1.0).abs() < 1e-14,

@@ -1,7 +1,7 @@
 //! Interpolation over force and curvature: nodes, order, smoothness, and Simulink's arithmetic.
 
 use crate::hertz::{hertz, runner};
-use kufe_lut::{Axes, AxisKind, Figures, Interpolator, Mode, Quantity, Sample, Table};
+use kufe_lut::{Axes, AxisKind, Figures, Interpolator, Mode, Point, Quantity, Table};
 use proptest::prelude::*;
 
 fn table(axes: Axes) -> Table {
@@ -82,7 +82,7 @@ fn both_modes_reproduce_nodes_exactly() {
         for mode in Mode::ALL {
             let lookup = Interpolator::new(&table, quantity, mode, None).unwrap();
             for (point, node) in table.axes().points().iter().zip(table.nodes()) {
-                let found = lookup.at(Sample::at_rest(point.fz, point.curvature));
+                let found = lookup.at(Point::at_rest(point.fz, point.curvature));
                 assert_eq!(Some(found.value), node.get(quantity), "{mode:?} {point}");
                 assert!(!found.out_of_range);
             }
@@ -95,17 +95,17 @@ fn outside_is_clipped_and_flagged_and_nan_stays_nan() {
     let table = table(runner_axes());
     for mode in Mode::ALL {
         let lookup = plain(&table, mode);
-        let inside = lookup.at(Sample::at_rest(8000.0, 0.003)).value;
+        let inside = lookup.at(Point::at_rest(8000.0, 0.003)).value;
         for fz in [8000.1, 1e9, f64::INFINITY] {
-            let found = lookup.at(Sample::at_rest(fz, 0.003));
+            let found = lookup.at(Point::at_rest(fz, 0.003));
             assert!(found.out_of_range);
             assert_eq!(found.value, inside);
         }
-        let found = lookup.at(Sample::at_rest(f64::NEG_INFINITY, f64::NEG_INFINITY));
-        assert_eq!(found.value, lookup.at(Sample::at_rest(200.0, -0.02)).value);
+        let found = lookup.at(Point::at_rest(f64::NEG_INFINITY, f64::NEG_INFINITY));
+        assert_eq!(found.value, lookup.at(Point::at_rest(200.0, -0.02)).value);
         assert!(found.out_of_range);
         for (fz, curvature) in [(f64::NAN, 0.0), (1000.0, f64::NAN)] {
-            let found = lookup.at(Sample::at_rest(fz, curvature));
+            let found = lookup.at(Point::at_rest(fz, curvature));
             assert!(found.value.is_nan() && found.out_of_range);
         }
     }
@@ -117,11 +117,11 @@ fn one_breakpoint_is_enough() {
     for mode in Mode::ALL {
         let lookup = plain(&table, mode);
         assert_eq!(
-            lookup.at(Sample::at_rest(500.0, 0.1)).value,
+            lookup.at(Point::at_rest(500.0, 0.1)).value,
             table.values(Quantity::PMax).unwrap()[0]
         );
-        assert!(lookup.at(Sample::at_rest(500.0, 0.0)).out_of_range);
-        assert!(!lookup.at(Sample::at_rest(1000.0, 0.0)).out_of_range);
+        assert!(lookup.at(Point::at_rest(500.0, 0.0)).out_of_range);
+        assert!(!lookup.at(Point::at_rest(1000.0, 0.0)).out_of_range);
     }
 }
 
@@ -133,7 +133,7 @@ fn smooth_mode_is_exact_for_power_laws_in_the_load() {
         let lookup = Interpolator::new(&table, quantity, Mode::Smooth, None).unwrap();
         for fz in [250.0, 777.0, 3000.0, 7999.0] {
             let truth = hertz(fz, 30.0, 0.005).get(quantity).unwrap();
-            assert!((lookup.at(Sample::at_rest(fz, 0.0)).value / truth - 1.0).abs() < 1e-12);
+            assert!((lookup.at(Point::at_rest(fz, 0.0)).value / truth - 1.0).abs() < 1e-12);
         }
     }
 }
@@ -152,14 +152,14 @@ fn smooth_mode_meets_cell_borders_with_one_slope() {
     let rough = plain(&table, Mode::Bilinear);
     for &curvature in &axes.curvature()[1..axes.curvature().len() - 1] {
         for fz in [230.0, 500.0, 1234.0, 5000.0] {
-            let along = |k: f64| lookup.at(Sample::at_rest(fz, k)).value;
+            let along = |k: f64| lookup.at(Point::at_rest(fz, k)).value;
             let (before, after) = (
                 slope(&along, curvature, -1e-6),
                 slope(&along, curvature, 1e-6),
             );
-            let scale = lookup.at(Sample::at_rest(fz, curvature)).value * 30.0;
+            let scale = lookup.at(Point::at_rest(fz, curvature)).value * 30.0;
             assert!((before - after).abs() < 1e-4 * scale, "{before} {after}");
-            let along = |k: f64| rough.at(Sample::at_rest(fz, k)).value;
+            let along = |k: f64| rough.at(Point::at_rest(fz, k)).value;
             let gap = slope(&along, curvature, -1e-6) - slope(&along, curvature, 1e-6);
             kinks_of_bilinear += usize::from(gap.abs() > 1e-2 * scale);
         }
@@ -170,7 +170,7 @@ fn smooth_mode_meets_cell_borders_with_one_slope() {
     );
     for &fz in &axes.fz()[1..axes.fz().len() - 1] {
         for curvature in [-0.013, 0.0, 0.0123, 0.027] {
-            let along = |f: f64| lookup.at(Sample::at_rest(f, curvature)).value;
+            let along = |f: f64| lookup.at(Point::at_rest(f, curvature)).value;
             let step = 1e-4 * fz;
             let (before, after) = (slope(&along, fz, -step), slope(&along, fz, step));
             assert!((before / after - 1.0).abs() < 1e-5, "{before} {after}");
@@ -215,12 +215,12 @@ fn a_million_queries_equal_a_plain_reference() {
             + s * (1.0 - t) * corners[1]
             + (1.0 - s) * t * corners[2]
             + s * t * corners[3];
-        let found = bilinear.at(Sample::at_rest(f, k));
+        let found = bilinear.at(Point::at_rest(f, k));
         assert!((found.value / reference - 1.0).abs() < 1e-14);
         let outside = !(200.0..=8000.0).contains(&f) || !(-0.02..=0.028).contains(&k);
         assert_eq!(found.out_of_range, outside);
         // Monotone along both axes, so no corner is overshot.
-        let found = smooth.at(Sample::at_rest(f, k));
+        let found = smooth.at(Point::at_rest(f, k));
         let lowest = corners.into_iter().fold(f64::INFINITY, f64::min);
         let highest = corners.into_iter().fold(0.0, f64::max);
         assert!(found.value >= lowest * (1.0 - 1e-13) && found.value <= highest * (1.0 + 1e-13));
@@ -247,14 +247,14 @@ fn a_rocker_axis_gives_the_table_of_each_radius() {
             let a = Interpolator::new(&whole, Quantity::PMax, mode, Some(radius)).unwrap();
             let b = plain(&single, mode);
             assert_eq!(
-                a.at(Sample::at_rest(700.0, 0.003)),
-                b.at(Sample::at_rest(700.0, 0.003))
+                a.at(Point::at_rest(700.0, 0.003)),
+                b.at(Point::at_rest(700.0, 0.003))
             );
         }
     }
     let between = Interpolator::new(&whole, Quantity::PMax, Mode::Smooth, Some(36.0)).unwrap();
     let truth = hertz(1000.0, 36.0, 0.005).get(Quantity::PMax).unwrap();
-    assert!((between.at(Sample::at_rest(1000.0, 0.0)).value / truth - 1.0).abs() < 2e-3);
+    assert!((between.at(Point::at_rest(1000.0, 0.0)).value / truth - 1.0).abs() < 2e-3);
     assert!(Interpolator::new(&whole, Quantity::PMax, Mode::Smooth, None).is_err());
     assert!(Interpolator::new(&whole, Quantity::PMax, Mode::Smooth, Some(50.0)).is_err());
     assert!(Interpolator::new(&whole, Quantity::PMax, Mode::Smooth, Some(f64::NAN)).is_err());
@@ -328,10 +328,10 @@ proptest! {
             for &(s, t, u) in &at {
                 let (low, high) = (s.min(t), s.max(t));
                 let across = scale(&y, u);
-                let rise = lookup.at(Sample::at_rest(scale(&x, high), across)).value - lookup.at(Sample::at_rest(scale(&x, low), across)).value;
+                let rise = lookup.at(Point::at_rest(scale(&x, high), across)).value - lookup.at(Point::at_rest(scale(&x, low), across)).value;
                 prop_assert!(rise * if flip_x { -1.0 } else { 1.0 } >= -1e-12, "along x {mode:?}: {rise}");
                 let across = scale(&x, u);
-                let rise = lookup.at(Sample::at_rest(across, scale(&y, high))).value - lookup.at(Sample::at_rest(across, scale(&y, low))).value;
+                let rise = lookup.at(Point::at_rest(across, scale(&y, high))).value - lookup.at(Point::at_rest(across, scale(&y, low))).value;
                 prop_assert!(rise * if flip_y { -1.0 } else { 1.0 } >= -1e-12, "along y {mode:?}: {rise}");
             }
         }
@@ -350,13 +350,13 @@ proptest! {
             for j in 0..5 {
                 let between = x[i] + t * (x[i + 1] - x[i]);
                 let (a, b) = (values[i * 5 + j], values[(i + 1) * 5 + j]);
-                let value = lookup.at(Sample::at_rest(between, y[j])).value;
+                let value = lookup.at(Point::at_rest(between, y[j])).value;
                 prop_assert!(value >= a.min(b) * (1.0 - 1e-12) && value <= a.max(b) * (1.0 + 1e-12));
             }
         }
         for &border in &x[1..5] {
             let across = -1.0 + 3.2 * t;
-            let f = |s: f64| lookup.at(Sample::at_rest(border + s, across)).value;
+            let f = |s: f64| lookup.at(Point::at_rest(border + s, across)).value;
             let h = 1e-6;
             let before = (3.0 * f(0.0) - 4.0 * f(-h) + f(-2.0 * h)) / (2.0 * h);
             let after = (-3.0 * f(0.0) + 4.0 * f(h) - f(2.0 * h)) / (2.0 * h);

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-use kufe_lut::{AxisKind, Interpolator, Mode, OCTAVE_FUNCTION, Outside, Quantity, Sample, Table};
+use kufe_lut::{AxisKind, Interpolator, Mode, OCTAVE_FUNCTION, Outside, Point, Quantity, Table};
 use kufe_outside::{program, python};
 
 use crate::c::run_c;
@@ -24,13 +24,8 @@ fn with(table: Table, rules: [Outside; 4]) -> Table {
     pairs.fold(table, |table, (kind, rule)| table.with_outside(kind, rule))
 }
 
-fn sample([fz, curvature, speed, ice_c]: [f64; 4]) -> Sample {
-    Sample {
-        fz,
-        curvature,
-        speed,
-        ice_c,
-    }
+fn sample([fz, curvature, speed, ice_c]: [f64; 4]) -> Point {
+    Point::sliding(fz, curvature, speed, ice_c)
 }
 
 /// Samples in the tables and outside of them, on every side.
@@ -166,7 +161,7 @@ fn at_a_node_derivatives_are_those_of_the_cell_above_and_at_the_last_of_the_cell
             return;
         };
         let lookup = Interpolator::new(&table, Quantity::PMax, mode, None).unwrap();
-        let value = |fz: f64| lookup.at(Sample::at_rest(fz, 0.003)).value;
+        let value = |fz: f64| lookup.at(Point::at_rest(fz, 0.003)).value;
         for (k, (&fz, row)) in axis.iter().zip(&rows).enumerate() {
             let step = if k + 1 < axis.len() {
                 1e-6 * fz
@@ -187,7 +182,7 @@ fn a_linear_axis_continues_a_power_law_in_the_smooth_mode() {
     // Hertz: the peak pressure grows with the cube root of the force.
     let table = with(table(false), [Outside::Linear; 4]);
     let p_max = Interpolator::new(&table, Quantity::PMax, Mode::Smooth, None).unwrap();
-    let at = |fz: f64| p_max.at(Sample::at_rest(fz, 0.01));
+    let at = |fz: f64| p_max.at(Point::at_rest(fz, 0.01));
     for factor in [1.5, 3.0, 10.0] {
         let found = at(8000.0 * factor);
         assert!(found.out_of_range);

@@ -2,7 +2,7 @@
 
 use crate::python::run_python;
 use crate::tables::{reduced, table};
-use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
+use kufe_lut::{Interpolator, Mode, Point, Quantity, Table};
 use kufe_outside::python;
 use std::path::Path;
 
@@ -47,7 +47,7 @@ fn numpy_reads_reduced_curvatures_and_computes_the_bilinear_mode_from_them() {
     assert_eq!(out.lines().count(), 3);
     for line in out.lines() {
         let numbers: Vec<f64> = line.split(' ').map(|w| w.parse().unwrap()).collect();
-        let own = lookup.at(Sample::at_rest(numbers[0], numbers[1])).value;
+        let own = lookup.at(Point::at_rest(numbers[0], numbers[1])).value;
         assert!((own / numbers[2] - 1.0).abs() < 1e-13, "{own} {line}");
     }
 }
@@ -119,7 +119,7 @@ fn scipy_reads_the_mat_file_and_its_linear_interpolation_agrees() {
         let scipy: f64 = words[0].parse().unwrap();
         let radius = rocker.then_some(23.4);
         let lookup = Interpolator::new(&table, Quantity::PMax, Mode::Bilinear, radius).unwrap();
-        let own = lookup.at(Sample::at_rest(1234.5, 0.0123)).value;
+        let own = lookup.at(Point::at_rest(1234.5, 0.0123)).value;
         assert!((own / scipy - 1.0).abs() < 1e-14, "{own} {scipy}");
         assert_eq!(words[1], if rocker { "3" } else { "5" });
         assert_eq!(words[2], table.origin.version());

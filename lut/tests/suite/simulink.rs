@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::process::Command;
 
-use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table, simulink_files};
+use kufe_lut::{Interpolator, Mode, Point, Quantity, Table, simulink_files};
 
 use crate::c::run_c;
 use crate::tables::{reduced, table};
@@ -95,7 +95,7 @@ fn the_s_function_gives_each_quantity_at_its_output_in_both_modes() {
                 let mut row = Vec::new();
                 for &quantity in Quantity::of(false) {
                     let found = Interpolator::new(&table, quantity, mode, None).unwrap();
-                    let found = found.at(Sample::at_rest(fz, curvature));
+                    let found = found.at(Point::at_rest(fz, curvature));
                     outside |= found.out_of_range;
                     row.push(found.value);
                 }

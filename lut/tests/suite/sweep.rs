@@ -2,7 +2,7 @@
 
 use crate::hertz::{hertz, runner};
 use kufe_lut::{
-    AxisKind, Error, Figures, Interpolator, Mode, Plan, Point, Progress, Quantity, Sample, Spacing,
+    AxisKind, Error, Figures, Interpolator, Mode, Plan, Point, Progress, Quantity, Spacing,
     SweepError, replay, sweep,
 };
 use std::convert::Infallible;
@@ -65,7 +65,7 @@ fn refinement_reaches_its_tolerance_at_points_it_never_saw() {
             let lookup = Interpolator::new(&table, Quantity::PMax, mode, None).unwrap();
             for point in unseen(1000) {
                 let truth = p_max(&runner(&point));
-                let error = (lookup.at(Sample::at_rest(point.fz, point.curvature)).value / truth
+                let error = (lookup.at(Point::at_rest(point.fz, point.curvature)).value / truth
                     - 1.0)
                     .abs();
                 assert!(error <= requested, "{mode:?} {point}: {error}");
@@ -148,19 +148,19 @@ fn reduced_curvatures_resolve_a_v_that_moves_with_the_load() {
             _ => flush.curvature(point.fz, t),
         };
         let truth = p_max(&fits_the_track(&point).unwrap());
-        let found = lookup.at(Sample::at_rest(point.fz, point.curvature));
+        let found = lookup.at(Point::at_rest(point.fz, point.curvature));
         assert!(!found.out_of_range);
         assert!((found.value / truth - 1.0).abs() < 0.015, "{point}");
     }
     for (point, node) in swept.table.axes().points().iter().zip(swept.table.nodes()) {
-        let found = lookup.at(Sample::at_rest(point.fz, point.curvature)).value;
+        let found = lookup.at(Point::at_rest(point.fz, point.curvature)).value;
         assert!((found / p_max(&node) - 1.0).abs() < 1e-9, "{point}");
     }
     assert!(
-        lookup.at(Sample::at_rest(300.0, 0.0834)).out_of_range
-            && lookup.at(Sample::at_rest(300.0, -0.0201)).out_of_range
+        lookup.at(Point::at_rest(300.0, 0.0834)).out_of_range
+            && lookup.at(Point::at_rest(300.0, -0.0201)).out_of_range
     );
-    assert!(lookup.at(Sample::at_rest(300.0, f64::NAN)).value.is_nan());
+    assert!(lookup.at(Point::at_rest(300.0, f64::NAN)).value.is_nan());
 }
 
 #[test]
@@ -263,7 +263,7 @@ fn a_rocker_axis_is_refined_too() {
             rocker_radius: Some(33.3),
             ..Point::default()
         };
-        let error = lookup.at(Sample::at_rest(point.fz, point.curvature)).value
+        let error = lookup.at(Point::at_rest(point.fz, point.curvature)).value
             / p_max(&runner(&point))
             - 1.0;
         assert!(error.abs() < 0.01, "{mode:?} {error}");

@@ -4,7 +4,7 @@ use std::io::Read as _;
 use std::path::Path;
 use std::process::Command;
 
-use kufe_lut::{Fmi, Interpolator, Mode, Outside, Quantity, Sample, Table, read_fmu};
+use kufe_lut::{Fmi, Interpolator, Mode, Outside, Point, Quantity, Table, read_fmu};
 use kufe_outside::{missing, program};
 
 use crate::tables::{reduced, table};
@@ -149,7 +149,7 @@ fn the_library_for_windows_computes_what_rust_computes() {
     let lookup = Interpolator::new(&table, Quantity::PMax, Mode::Smooth, None).unwrap();
     assert_eq!(said.lines().count(), points.len(), "{said}");
     for ((fz, curvature), line) in points.into_iter().zip(said.lines()) {
-        let own = lookup.at(Sample::at_rest(fz, curvature));
+        let own = lookup.at(Point::at_rest(fz, curvature));
         let row: Vec<f64> = line
             .split_whitespace()
             .map(|w| w.parse().unwrap())

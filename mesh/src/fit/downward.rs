@@ -203,11 +203,12 @@ impl Outline {
         };
         // Rectangles grow from each station on, or from the middle to both sides.
         let middle = STATIONS / 2;
-        for start in if even {
+        let starts = if even {
             middle..middle + 1
         } else {
             0..STATIONS
-        } {
+        };
+        for start in starts {
             let mut within = self.sides[start];
             for last in start + 1..=STATIONS {
                 let first = if even { 2 * start - last } else { start };

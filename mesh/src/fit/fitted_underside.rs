@@ -138,8 +138,8 @@ impl FittedUnderside {
     }
 
     /// A patch and a margin of a station along the hull each way, so that the fit was judged at
-    /// some places: across, too, since heights about a patch that is narrower than the distance of
-    /// vertices say what the curvature in it may be.
+    /// some places. The margin is across, too: heights around a patch that is narrower than the
+    /// distance of vertices bound the curvature in it.
     fn near(&self, [x0, x1, y0, y1]: [f64; 4]) -> [f64; 4] {
         let [a, b, ..] = self.surface.extent;
         let margin = (b - a) / STATIONS as f64;

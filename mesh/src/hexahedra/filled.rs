@@ -107,7 +107,7 @@ impl Filled {
         heights.iter().map(|z| self.top - z).sum::<f64>() * dx * dy
     }
 
-    /// The part of the volume that is gained where the underside goes on straight from where it is
+    /// The part of the volume that is gained where the underside continues straight from where it is
     /// as steep as `slope`.
     pub fn gain(&self, slope: f64) -> f64 {
         let mut limited = self.heights.clone();

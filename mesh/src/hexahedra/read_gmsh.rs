@@ -70,8 +70,10 @@ fn nodes(words: &mut Words, new: bool) -> Result<Nodes, MeshError> {
                 points.push(words.position()?);
             }
         }
-        for _ in 0..if new { count } else { 0 } {
-            points.push(words.position()?);
+        if new {
+            for _ in 0..count {
+                points.push(words.position()?);
+            }
         }
     }
     Ok((points, number))

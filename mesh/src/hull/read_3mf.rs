@@ -47,13 +47,14 @@ pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> 
     let mut uses = 0;
     while let Some((found, transform)) = waiting.pop() {
         uses += 1;
-        at_most(MOST_USES, uses, "uses of objects")?;
         let part = found.part.as_deref().unwrap_or(&root).to_owned();
         let object = package.model(&part)?.objects.get(&found.object);
         let object = object.ok_or_else(|| {
             let found = format!("object {}", found.object);
             error(&part, found, "an object of the model")
         })?;
+        let known = uses + waiting.len() + object.components.len();
+        at_most(MOST_USES, known, "uses of objects")?;
         let triangles = object.triangles.iter().copied();
         placed.add(&object.vertices, triangles, &transform)?;
         // Components without a part of their own are in the part of their object.

@@ -14,7 +14,7 @@ const MARK: &str = concat!("kufe ", env!("CARGO_PKG_VERSION"));
 ///
 /// # Errors
 /// Those of the writer.
-pub fn write_obj(hull: &Hull, writer: impl Write) -> Result<()> {
+pub(crate) fn write_obj(hull: &Hull, writer: impl Write) -> Result<()> {
     let mut out = BufWriter::new(writer);
     writeln!(out, "# {MARK}")?;
     writeln!(out, "# metres, x forward, y left, z up")?;

@@ -143,11 +143,8 @@ pub(crate) fn lowest_of_stations<T: Copy>(
             lowest[station] = Some((point, z));
         }
     }
-    lowest
-        .into_iter()
-        .flatten()
-        .map(|(point, _)| point)
-        .collect()
+    let lowest = lowest.into_iter().flatten();
+    lowest.map(|(point, _)| point).collect()
 }
 
 /// The nodes of some faces, in the points' order.

@@ -12,7 +12,7 @@ use crate::parameter::expect;
 /// order). Where that spline would bend against locally convex (or concave) points, the slope is
 /// replaced by that of the parabola through three neighbouring points and the piece becomes two
 /// parabolas that meet with the secant's slope (after Schumaker 1983, doi 10.1137/0720057); the
-/// curve is C1 there. Outside the points it goes on straight.
+/// curve is C1 there. Outside the points it continues straight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
     breaks: Vec<f64>,

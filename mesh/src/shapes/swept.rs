@@ -18,7 +18,7 @@ pub struct Ends {
 ///
 /// `z(x, y) = rocker(x) + section(y)` for `|x| <= length/2`, up to a flat top.
 ///
-/// Over the last `ends.length` the rocker goes on as an arc of `ends.radius` (C1). Principal
+/// Over the last `ends.length` the rocker continues as an arc of `ends.radius` (C1). Principal
 /// curvatures at the lowest point are the rocker's and the section's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Swept {
@@ -31,6 +31,8 @@ pub struct Swept {
     lows: Vec<[f64; 2]>,
 }
 
+/// Radius of the rounded ends [m].
+const END_RADIUS: f64 = 0.1;
 /// Even lines along and across where the other of rocker and section is measured.
 const EVEN: [usize; 2] = [400, 60];
 
@@ -103,7 +105,7 @@ impl Swept {
         lows([xs, ys], |i, j| keel[i] + section[j])
     }
 
-    /// The same with ends of `end_radius` [m] that rise by half the distance between the
+    /// The same with ends of a radius of 0.1 m that rise by half the distance between the
     /// underside's corners and the top, or less where the runner is too short for that.
     ///
     /// # Errors
@@ -113,18 +115,17 @@ impl Swept {
         section: Section,
         length: f64,
         top: f64,
-        end_radius: f64,
     ) -> Result<Self, MeshError> {
         let sides = section.rise();
         let [keel, slope] = rocker.height_and_slope(0.5 * length);
         // A runner with no room for ends is refused by `new`, which names why.
-        let rise = (0.5 * (top - sides - keel)).clamp(1e-3 * end_radius, 0.5 * end_radius);
+        let rise = (0.5 * (top - sides - keel)).clamp(1e-3 * END_RADIUS, 0.5 * END_RADIUS);
         // The ends meet at the middle at most, and stay less than upright.
         let steepest = 0.99 - slope.abs() / slope.hypot(1.0);
-        let by_rise = (rise * (2.0 * end_radius - rise)).sqrt();
+        let by_rise = (rise * (2.0 * END_RADIUS - rise)).sqrt();
         let ends = Ends {
-            radius: end_radius,
-            length: by_rise.min(0.5 * length).min(steepest * end_radius),
+            radius: END_RADIUS,
+            length: by_rise.min(0.5 * length).min(steepest * END_RADIUS),
         };
         Self::new(rocker, section, Some(ends), length, top)
     }
@@ -215,12 +216,10 @@ pub struct BobRunner {
     pub width: f64,
     /// Height from the lowest point to the flat top [m].
     pub height: f64,
-    /// Radius of the ends [m].
-    pub end_radius: f64,
 }
 
 impl Default for BobRunner {
-    /// One metre long, rocker 30 m, section 5 mm, 10 mm wide, 30 mm high, end radius 0.1 m.
+    /// One metre long, rocker 30 m, section 5 mm, 10 mm wide, 30 mm high.
     fn default() -> Self {
         Self {
             length: 1.0,
@@ -228,7 +227,6 @@ impl Default for BobRunner {
             section_radius: 0.005,
             width: 0.010,
             height: 0.030,
-            end_radius: 0.1,
         }
     }
 }
@@ -240,15 +238,8 @@ impl BobRunner {
     /// [`MeshError::Value`] where the numbers make no runner.
     pub fn swept(&self) -> Result<Swept, MeshError> {
         let section = Section::arc(self.section_radius, self.width)?;
-        self.swept_with(Rocker::arc(self.rocker_radius)?, section)
-    }
-
-    /// The runner with another rocker and another section; the radii and the width are not used.
-    ///
-    /// # Errors
-    /// [`MeshError::Value`] where the numbers make no runner.
-    pub fn swept_with(&self, rocker: Rocker, section: Section) -> Result<Swept, MeshError> {
-        Swept::with_rounded_ends(rocker, section, self.length, self.height, self.end_radius)
+        let rocker = Rocker::arc(self.rocker_radius)?;
+        Swept::with_rounded_ends(rocker, section, self.length, self.height)
     }
 }
 
@@ -270,13 +261,10 @@ pub struct LugeSteel {
     pub width: f64,
     /// Height from the lowest point to the flat top [m].
     pub height: f64,
-    /// Radius of the ends [m].
-    pub end_radius: f64,
 }
 
 impl Default for LugeSteel {
-    /// 0.6 m long, rocker 25 m, edge 0.3 mm, tilt 0.02 rad, 20 mm wide, 8 mm high, end radius 0.1
-    /// m.
+    /// 0.6 m long, rocker 25 m, edge 0.3 mm, tilt 0.02 rad, 20 mm wide, 8 mm high.
     fn default() -> Self {
         Self {
             length: 0.6,
@@ -285,7 +273,6 @@ impl Default for LugeSteel {
             tilt: 0.02,
             width: 0.020,
             height: 0.008,
-            end_radius: 0.1,
         }
     }
 }
@@ -296,16 +283,9 @@ impl LugeSteel {
     /// # Errors
     /// [`MeshError::Value`] where the numbers make no steel.
     pub fn swept(&self) -> Result<Swept, MeshError> {
-        self.swept_with(Section::edge(self.edge_radius, self.tilt, self.width)?)
-    }
-
-    /// The steel with another section; the edge's radius, the tilt and the width are not used.
-    ///
-    /// # Errors
-    /// [`MeshError::Value`] where the numbers make no steel.
-    pub fn swept_with(&self, section: Section) -> Result<Swept, MeshError> {
+        let section = Section::edge(self.edge_radius, self.tilt, self.width)?;
         let rocker = Rocker::arc(self.rocker_radius)?;
-        Swept::with_rounded_ends(rocker, section, self.length, self.height, self.end_radius)
+        Swept::with_rounded_ends(rocker, section, self.length, self.height)
     }
 }
 
@@ -466,7 +446,7 @@ mod tests {
         ) {
             let width = 2.0 * section_radius * (1.0 - narrowing);
             let height = 0.06;
-            let runner = BobRunner { length, rocker_radius, section_radius, width, height, ..Default::default() };
+            let runner = BobRunner { length, rocker_radius, section_radius, width, height };
             let hull = runner.swept().unwrap();
             let [_, x1, _, y1] = hull.extent();
             let highest = hull.highest();

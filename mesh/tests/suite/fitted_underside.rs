@@ -1,13 +1,14 @@
 //! Smooth undersides fitted to hulls, against the runners that the hulls were made of.
 
 use kufe_mesh::{
-    BobRunner, FittedUnderside, Hull, HullOptions, LugeSteel, Swept, Underside, read_obj,
-    tessellate, tessellate_turning, write_obj,
+    BobRunner, FittedUnderside, Hull, HullFormat, HullOptions, LugeSteel, Swept, Underside,
+    read_obj, tessellate, tessellate_turning,
 };
 
 fn through_obj(runner: &Swept, edge: f64) -> Hull {
     let mut file = Vec::new();
-    write_obj(&tessellate(runner, edge).unwrap(), &mut file).unwrap();
+    let hull = tessellate(runner, edge).unwrap();
+    HullFormat::Obj.write(&hull, &mut file).unwrap();
     read_obj(&file, &HullOptions::default()).unwrap()
 }
 

@@ -33,7 +33,6 @@ fn read_all(bytes: &[u8]) {
 fn right_files() -> Vec<Vec<u8>> {
     let runner = BobRunner {
         length: 0.2,
-        end_radius: 0.05,
         ..Default::default()
     }
     .swept()

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use kufe_lut::{AxisKind, Interpolated, Interpolator, Mode, Outside, Quantity, Sample, Table};
+use kufe_lut::{AxisKind, Interpolated, Interpolator, Mode, Outside, Point, Quantity, Table};
 
 use crate::column::Column;
 use crate::conditions::Conditions;
@@ -259,15 +259,10 @@ impl RunnerTable {
         })
     }
 
-    /// The quantity at a normal force [N], a curvature of the track [1/m], a speed [m/s] and a
-    /// temperature of the ice [C].
-    pub fn at(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> Interpolated {
-        self.interpolator.at(Sample {
-            fz: fz.max(0.0),
-            curvature,
-            speed,
-            ice_c,
-        })
+    /// The quantity at a point; a negative force is taken as 0.
+    pub fn at(&self, mut point: Point) -> Interpolated {
+        point.fz = point.fz.max(0.0);
+        self.interpolator.at(point)
     }
 }
 
@@ -290,12 +285,11 @@ impl RunnerFriction {
     /// a speed [m/s] and a temperature of the ice [C].
     #[inline]
     pub fn mu(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> f64 {
+        let at = Point::sliding(fz, curvature, speed, ice_c);
         let mu = match &self.longitudinal {
             RunnerLaw::Fixed(mu) => *mu,
-            RunnerLaw::Pressure(law, table) => law.mu(table.at(fz, curvature, speed, ice_c).value),
-            RunnerLaw::Tabled(factor, table) => {
-                factor * table.at(fz, curvature, speed, ice_c).value
-            }
+            RunnerLaw::Pressure(law, table) => law.mu(table.at(at).value),
+            RunnerLaw::Tabled(factor, table) => factor * table.at(at).value,
         };
         self.mu_scale * mu
     }
@@ -304,9 +298,9 @@ impl RunnerFriction {
     /// evaluated; NaN without a table.
     #[inline]
     pub fn film(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> f64 {
-        let over_mean =
-            |table: &Arc<RunnerTable>| table.at(fz, curvature, speed, ice_c).value / table.mean;
-        self.film.as_ref().map_or(f64::NAN, over_mean)
+        let at = Point::sliding(fz, curvature, speed, ice_c);
+        let film = self.film.as_ref();
+        film.map_or(f64::NAN, |table| table.at(at).value / table.mean)
     }
 
     /// The table of the law.

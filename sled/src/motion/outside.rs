@@ -1,6 +1,6 @@
 //! Instants that lie outside what a runner's table spans.
 
-use kufe_lut::Sample;
+use kufe_lut::Point;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -33,14 +33,9 @@ impl std::fmt::Display for OutsideTable {
 /// Where the tables of the front and the rear runner are read, or would be.
 ///
 /// The front runner's load is taken as `F_z,f0 / cos(gamma)`, as its law is evaluated first.
-pub fn table_samples<'a>(states: impl Iterator<Item = &'a State>) -> [Vec<Sample>; 2] {
+pub fn table_samples<'a>(states: impl Iterator<Item = &'a State>) -> [Vec<Point>; 2] {
     let pairs = states.map(|s| {
-        let at = |fz| Sample {
-            fz,
-            curvature: s.curvature_1pm,
-            speed: s.v_mps,
-            ice_c: s.conditions.ice_c,
-        };
+        let at = |fz| Point::sliding(fz, s.curvature_1pm, s.v_mps, s.conditions.ice_c);
         (at(s.fz_f0_n / s.gamma_rad.cos()), at(s.fz_r_n))
     });
     let (front, rear) = pairs.unzip();
@@ -61,7 +56,7 @@ pub fn outside_tables<'a>(
         .zip(table_samples(states))
         .map(|((runner, table), requested)| {
             let table = table?;
-            let outside = |s: &&Sample| table.at(s.fz, s.curvature, s.speed, s.ice_c).out_of_range;
+            let outside = |point: &&Point| table.at(**point).out_of_range;
             let samples = requested.iter().filter(outside).count();
             (samples > 0).then(|| OutsideTable {
                 runner: runner.to_owned(),

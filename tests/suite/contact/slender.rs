@@ -2,7 +2,7 @@
 //! the edges of a worn flat.
 
 use kufe_contact::{Options, solve};
-use kufe_mesh::{BobRunner, Rocker, Section};
+use kufe_mesh::{BobRunner, Rocker, Section, Swept};
 use kufe_tests::contact::on_half_space;
 
 /// How far the references themselves may be off, relative: tests/data/slender.py.
@@ -26,7 +26,8 @@ fn narrow_peaks_agree_with_boundary_elements_within_the_stated_error() {
         let shape = BobRunner::default();
         let section = Section::arc(section, shape.width).unwrap();
         let section = section.worn(worn, 0.2).unwrap();
-        let hull = shape.swept_with(Rocker::arc(rocker).unwrap(), section);
+        let rocker = Rocker::arc(rocker).unwrap();
+        let hull = Swept::with_rounded_ends(rocker, section, shape.length, shape.height);
         let mut problem = on_half_space(hull.unwrap(), fz);
         problem.track_curvature = curvature;
         let options = Options {

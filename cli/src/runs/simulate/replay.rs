@@ -14,7 +14,7 @@ use kufe_sled::{
     table_samples,
 };
 
-use crate::output::OutputDir;
+use crate::output::{OutputDir, of_file};
 use crate::runs::files::{draw_tables, run_format, write_mat};
 use crate::runs::simulate::Args;
 use crate::runs::{all_runs, named_run, write_view};
@@ -125,13 +125,11 @@ fn entry(args: &Args, track: &Track) -> Result<Entry, Failure> {
         });
     };
     let entries = read_index(&file)?;
-    let within = |failure: Failure| failure.within(&file.display().to_string());
-    let entry = named_run(&entries, name, |entry| &entry.run).map_err(within)?;
+    let entry = named_run(&entries, name, |entry| &entry.run).map_err(of_file(&file))?;
     if entry.track != track.name {
-        return Err(within(Failure::BadInput(format!(
-            "run {name} is on track {}: expected a run on {}",
-            entry.track, track.name
-        ))));
+        let (own, expected) = (&entry.track, &track.name);
+        let reason = format!("run {name} is on track {own}: expected a run on {expected}");
+        return Err(Failure::in_file(&file, reason));
     }
     Ok(entry.clone())
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use kufe::case::Case;
 use kufe_contact::{Error, Load, Options, Problem, Solution, solve};
-use kufe_lut::{Interpolator, Mode, Quantity, Sample, Table};
+use kufe_lut::{AxisKind, Interpolator, Mode, Point, Quantity, Table};
 
 const POINTS: usize = 200;
 const SOLVER: f64 = 0.004;
@@ -27,14 +27,14 @@ fn misses(table: &Path, case: &Path, seed: u64, points: usize) -> Vec<Miss> {
         .expect("a case");
 
     let fz = table.axes().fz();
-    let curvature = table.axes().curvature_range(fz[0]);
+    let curvature = table.axes().range(AxisKind::Curvature, fz[0]).unwrap();
     let mut random = SplitMix(seed);
     let mut misses: Vec<Miss> = (0..points)
         .map(|_| {
             let force = fz[0] * (fz[fz.len() - 1] / fz[0]).powf(random.unit());
             let bend = curvature[0] + (curvature[1] - curvature[0]) * random.unit();
             let solved = contact(&problem, force, bend);
-            let value = smooth.at(Sample::at_rest(force, bend)).value;
+            let value = smooth.at(Point::at_rest(force, bend)).value;
             let miss = (value / solved.p_max - 1.0).abs();
             [miss, force, bend, solved.p_max_error / solved.p_max]
         })

@@ -2,16 +2,9 @@
 
 use crate::hertz::runner;
 use crate::tables::{slid, sliding, table};
-use kufe_lut::{Axes, AxisKind, Error, Figures, Interpolator, Mode, Quantity, Sample, Table};
-
-fn at(fz: f64, curvature: f64, speed: f64, ice_c: f64) -> Sample {
-    Sample {
-        fz,
-        curvature,
-        speed,
-        ice_c,
-    }
-}
+use kufe_lut::{
+    Axes, AxisKind, Error, Figures, Interpolator, Mode, Outside, Point, Quantity, Table,
+};
 
 #[test]
 fn both_modes_reproduce_nodes_exactly() {
@@ -20,7 +13,7 @@ fn both_modes_reproduce_nodes_exactly() {
         for mode in Mode::ALL {
             let lookup = Interpolator::new(&table, quantity, mode, None).unwrap();
             for (point, node) in table.axes().points().iter().zip(table.nodes()) {
-                let found = lookup.at(Sample::from(*point));
+                let found = lookup.at(*point);
                 assert!(!found.out_of_range);
                 assert_eq!(Some(found.value), node.get(quantity), "{mode:?} {point}");
             }
@@ -33,16 +26,30 @@ fn outside_is_clipped_and_flagged_and_nan_stays_nan() {
     let table = sliding(false);
     for mode in Mode::ALL {
         let mu = Interpolator::new(&table, Quantity::Mu, mode, None).unwrap();
-        let edge = mu.at(at(700.0, 0.0, 40.0, -12.0));
+        let edge = mu.at(Point::sliding(700.0, 0.0, 40.0, -12.0));
         assert!(!edge.out_of_range);
         for (v, ice) in [(41.0, -12.0), (40.0, -13.0), (f64::INFINITY, -1e300)] {
-            let found = mu.at(at(700.0, 0.0, v, ice));
+            let found = mu.at(Point::sliding(700.0, 0.0, v, ice));
             assert!(found.out_of_range && found.value == edge.value, "{v} {ice}");
         }
         for (v, ice) in [(f64::NAN, -5.0), (20.0, f64::NAN)] {
-            let found = mu.at(at(700.0, 0.0, v, ice));
+            let found = mu.at(Point::sliding(700.0, 0.0, v, ice));
             assert!(found.out_of_range && found.value.is_nan());
         }
+    }
+}
+
+#[test]
+fn an_infinite_speed_past_a_linear_axis_of_two_breakpoints_is_flagged() {
+    let axes = Axes::new(vec![500.0, 1000.0], vec![0.0, 0.01]).unwrap();
+    let axes = axes.with(AxisKind::Speed, vec![5.0, 40.0]).unwrap();
+    let nodes: Vec<Figures> = axes.points().iter().map(slid).collect();
+    let table = Table::new(axes, &nodes, vec![]).unwrap();
+    let table = table.with_outside(AxisKind::Speed, Outside::Linear);
+    for mode in Mode::ALL {
+        let mu = Interpolator::new(&table, Quantity::Mu, mode, None).unwrap();
+        let found = mu.at(Point::sliding(1000.0, 0.01, f64::INFINITY, -5.0));
+        assert!(found.out_of_range, "{found:?}");
     }
 }
 
@@ -53,8 +60,8 @@ fn an_axis_that_is_not_there_is_ignored() {
         let p_max = Interpolator::new(&table, Quantity::PMax, mode, None).unwrap();
         for fz in [100.0, 200.0, 777.0, 5000.0] {
             for curvature in [-0.03, 0.0, 0.0123, 0.028] {
-                let found = p_max.at(Sample::at_rest(fz, curvature));
-                assert_eq!(found, p_max.at(at(fz, curvature, 20.0, -5.0)));
+                let found = p_max.at(Point::at_rest(fz, curvature));
+                assert_eq!(found, p_max.at(Point::sliding(fz, curvature, 20.0, -5.0)));
             }
         }
     }
@@ -85,7 +92,7 @@ fn a_power_of_the_speed_times_an_exponential_of_the_temperature_is_found_up_exac
     let mu = Interpolator::new(&table, Quantity::Mu, Mode::Smooth, None).unwrap();
     for v in [1.0, 1.7, 9.0, 29.0] {
         for t in [-15.0, -11.3, -4.0, -1.2] {
-            let found = mu.at(at(612.0, 0.003, v, t)).value;
+            let found = mu.at(Point::sliding(612.0, 0.003, v, t)).value;
             assert!((found / law(v, t) - 1.0).abs() < 1e-12, "{v} {t}");
         }
     }
@@ -98,7 +105,7 @@ fn smooth_mode_meets_every_breakpoint_with_one_slope() {
     let along = |axis: usize, value: f64| {
         let mut x = [900.0, 0.004, 11.0, -4.4];
         x[axis] = value;
-        mu.at(at(x[0], x[1], x[2], x[3])).value
+        mu.at(Point::sliding(x[0], x[1], x[2], x[3])).value
     };
     for (axis, _, values) in table
         .axes()

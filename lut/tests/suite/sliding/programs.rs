@@ -3,19 +3,10 @@
 use crate::c::run_c;
 use crate::python::run_python;
 use crate::tables::sliding;
-use kufe_lut::{Fmi, Interpolator, Mode, Quantity, Sample, Table};
+use kufe_lut::{Fmi, Interpolator, Mode, Point, Quantity, Table};
 use kufe_outside::python;
 use std::fmt::Write as _;
 use std::path::Path;
-
-fn at(fz: f64, curvature: f64, speed: f64, ice_c: f64) -> Sample {
-    Sample {
-        fz,
-        curvature,
-        speed,
-        ice_c,
-    }
-}
 
 fn written(table: &Table, folder: &Path) {
     let file = |name: &str| std::fs::File::create(folder.join(name)).unwrap();
@@ -63,7 +54,7 @@ fn scipy_interpolates_four_and_five_axes_as_the_bilinear_mode_does() {
             let [v, ice, scipy] = x[x.len() - 3..] else {
                 panic!()
             };
-            let own = mu.at(at(x[0], x[1], v, ice)).value;
+            let own = mu.at(Point::sliding(x[0], x[1], v, ice)).value;
             assert!((own / scipy - 1.0).abs() < 1e-13, "{own} {line}");
         }
     }
@@ -96,7 +87,7 @@ fn scipys_hermite_splines_through_the_layers_are_the_smooth_mode() {
     assert_eq!(out.lines().count(), 200);
     for line in out.lines() {
         let x: Vec<f64> = line.split(' ').map(|w| w.parse().unwrap()).collect();
-        let own = mu.at(at(1300.0, 0.0, x[0], x[1])).value;
+        let own = mu.at(Point::sliding(1300.0, 0.0, x[0], x[1])).value;
         assert!((own / x[2] - 1.0).abs() < 1e-12, "{own} {line}");
     }
 }
@@ -165,7 +156,7 @@ fn the_header_computes_what_the_library_computes() {
         for lookup in &lookups {
             let (value, flag) = lines.next().unwrap().split_once(' ').unwrap();
             let value: f64 = value.parse().unwrap();
-            let own = lookup.at(at(fz, curvature, v, ice));
+            let own = lookup.at(Point::sliding(fz, curvature, v, ice));
             assert_eq!(flag == "1", own.out_of_range);
             // The same operations in the same order; only log and exp may come from another libm.
             assert!(
@@ -236,7 +227,7 @@ fn the_fmu_agrees(python: &Path, fmi: Fmi) {
         ];
         for (quantity, value) in quantities.into_iter().zip(&x[6..]) {
             let lookup = Interpolator::new(&table, quantity, mode, None).unwrap();
-            let own = lookup.at(at(x[2], x[3 + 1], x[3], x[5]));
+            let own = lookup.at(Point::sliding(x[2], x[3 + 1], x[3], x[5]));
             assert!(
                 (value / own.value - 1.0).abs() < 1e-13,
                 "{quantity:?} {line}"

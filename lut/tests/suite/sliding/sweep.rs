@@ -1,7 +1,7 @@
 //! Sweeps over speed and temperature.
 
 use crate::tables::slid;
-use kufe_lut::{AxisKind, Interpolator, Mode, Plan, Point, Quantity, Sample, Spacing, sweep};
+use kufe_lut::{AxisKind, Interpolator, Mode, Plan, Point, Quantity, Spacing, sweep};
 use std::convert::Infallible;
 
 fn range(from: f64, to: f64) -> Spacing {
@@ -42,7 +42,7 @@ fn ranges_of_speed_and_temperature_are_refined_until_mu_meets_the_request_at_poi
                 ice_c: Some(-12.0 + 11.0 * t(0.5698402909980532)),
             };
             let truth = slid(&point).get(Quantity::Mu).unwrap();
-            let error = (mu.at(Sample::from(point)).value / truth - 1.0).abs();
+            let error = (mu.at(point).value / truth - 1.0).abs();
             assert!(error <= plan.interpolation, "{mode:?} {point}: {error}");
         }
     }
