@@ -132,6 +132,34 @@ fn noise_is_measured_and_the_noise_that_would_do_does() {
     assert_eq!(quieter["loads"][2]["resolved"], true, "{quieter:#}");
 }
 
+/// Wherever a scan lies, its peak is known equally well, and its meshes are the same.
+#[test]
+fn a_scan_away_from_its_origin_is_judged_and_meshed_as_one_at_it() {
+    let bench = Bench::new();
+    let size = ["--length-m", "0.3", "--edge-length-m", "0.0005"];
+    bench.succeeds(&[&["hull", "bob", "-o", "bob.obj"][..], &size].concat());
+    let obj = std::fs::read_to_string(bench.path("bob.obj")).expect("a hull");
+    let [at, away] = [("at", [0.0; 3]), ("away", [1.2, -0.1, 0.05])].map(|(name, by)| {
+        let (file, case) = (format!("{name}.obj"), format!("{name}.toml"));
+        let moved = scanned(&obj, 2e-6, |p| [0, 1, 2].map(|k| p[k] + by[k]));
+        bench.write(&file, moved);
+        let loads = checked(&bench, &file)["loads"].clone();
+        bench.succeeds(&["hull", "check", &file, "-o", &case]);
+        let meshes: Value =
+            serde_json::from_str(&bench.succeeds(&["mesh", &case, "-o", name, "--json"]))
+                .expect("JSON");
+        [2, 4]
+            .map(|k| number(&loads[k], "p_max_error"))
+            .into_iter()
+            .chain([number(&meshes["runner"], "volume_m3")])
+            .collect::<Vec<_>>()
+    });
+    for (at, away) in at.iter().zip(&away) {
+        // The hull's middle is not its lowest point to the last digit.
+        assert!((away / at - 1.0).abs() < 0.2, "{away} {at}");
+    }
+}
+
 /// Beside the clean hull, whose answer has no noise.
 #[test]
 fn noise_that_the_case_does_not_state_is_found_and_in_the_error() {
