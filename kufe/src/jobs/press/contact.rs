@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use kufe_contact::{CentreLine, Error, Options, Problem, Runner, RunnerLoads, Solution};
 use kufe_contact::{boundary_elements_to_compare, centre_line, runner_loads, solve};
-use kufe_mesh::Underside;
+use kufe_mesh::{Orientation, Underside};
 
 use crate::case::{
     AccuracyTable, Case, FittedHull, IceTable, LoadTable, RunnerTable, SlidingTable, SolverTable,
@@ -290,6 +290,9 @@ pub fn press_prepared(
             .filter(|between| between.p_max > requested)
             .map(|between| far_apart(between, solution.approach)),
         scanned.and_then(|hull| at_rim(hull, &solution)),
+        scanned
+            .filter(|_| short.is_some())
+            .and_then(|hull| turned(&loaded, hull)),
     ];
     let deep = sliding.as_ref().and_then(SolvedSliding::too_deep);
     for warning in remarks.into_iter().flatten().chain(differ).chain(deep) {
@@ -360,23 +363,24 @@ fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
     })
 }
 
-/// The warning that stated errors do not include the noise of vertices or nodes.
+/// The warning that of the stated errors only the peak's includes the noise of vertices or nodes.
 fn beyond_discretisation(
     hull: &FittedHull,
     solution: &Solution,
     moved: Option<HullError>,
 ) -> String {
     let residual = hull.underside.quality().residual_rms;
-    let moved = moved.map_or(String::new(), |moved| {
-        format!(
-            "; in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa), the approach by less than {:.2} % \
-             (approach_noise_m)",
+    let moved = match moved {
+        Some(moved) => format!(
+            "in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa), which the peak's error includes, and the \
+             approach by less than {:.2} % (approach_noise_m); the other stated errors do not include it",
             100.0 * moved.p_max,
             100.0 * moved.approach / solution.approach
-        )
-    });
+        ),
+        None => "no stated error includes it".into(),
+    };
     format!(
-        "the stated errors do not hold what noise leaves in the hull: {:.3} µm taken and {:.3} µm found, {:.2} % of the approach{moved}",
+        "the hull's vertices have noise of {:.3} µm, and lie {:.3} µm from the fit through them, {:.2} % of the approach: {moved}",
         1e6 * hull.noise.found,
         1e6 * residual,
         100.0 * residual / solution.approach
@@ -398,8 +402,8 @@ fn not_shown(hull: &FittedHull, moved: Option<HullError>, approach: f64) -> Opti
 /// The error that the distances of vertices cause, where it is more than requested.
 fn far_apart(between: HullError, approach: f64) -> String {
     format!(
-        "the stated errors do not hold what the distances of the hull's vertices leave: up to {:.2} % of the peak (p_max_hull_pa), {:.2} % of \
-         the approach (approach_hull_m); vertices closer together lower that",
+        "the distances of the hull's vertices leave the peak uncertain by up to {:.2} % (p_max_hull_pa), which its error includes, and the \
+         approach by {:.2} % (approach_hull_m), which its error does not include; vertices closer together lower that",
         100.0 * between.p_max,
         100.0 * between.approach / approach
     )
@@ -415,19 +419,41 @@ fn at_rim(hull: &FittedHull, solution: &Solution) -> Option<String> {
     let [along, across] = [MARGIN * (x1 - x0), MARGIN * (y1 - y0)];
     let middle = [0.5 * (x0 + x1), 0.5 * (y0 + y1)];
     let sides = [
-        ("rear", [x0 - along, middle[1]]),
-        ("front", [x1 + along, middle[1]]),
-        ("right", [middle[0], y0 - across]),
-        ("left", [middle[0], y1 + across]),
+        ("rear, x", x0, [x0 - along, middle[1]]),
+        ("front, x", x1, [x1 + along, middle[1]]),
+        ("right, y", y0, [middle[0], y0 - across]),
+        ("left, y", y1, [middle[0], y1 + across]),
     ];
-    let outside = |place: &[f64; 2]| hull.underside.height(place[0], place[1]).is_infinite();
-    let (side, [x, y]) = sides.into_iter().find(|(_, place)| outside(place))?;
-    Some(format!(
-        "the contact reaches the {side} rim of what was scanned, at x = {:.1} mm, y = {:.2} mm: its pressure there is that of the rim; scan \
-         farther, or correct yaw, pitch and roll (`kufe hull check`)",
-        1e3 * x,
-        1e3 * y
-    ))
+    let outside = |place: [f64; 2]| hull.underside.height(place[0], place[1]).is_infinite();
+    let reached = sides.into_iter().filter(|(.., beyond)| outside(*beyond));
+    let reached = reached.map(|(side, end, _)| format!("{side} = {:.2} mm", 1e3 * end));
+    let reached: Vec<String> = reached.collect();
+    (!reached.is_empty()).then(|| {
+        format!(
+            "the contact reaches the rim of what was scanned ({}): its pressure there is that of the rim; scan farther, or correct yaw, pitch \
+             and roll (`kufe hull check`)",
+            reached.join("; ")
+        )
+    })
+}
+
+/// That a scan is turned about z, where its case states no rotation: its contact then lies aslant on
+/// the grid, which needs many more cells.
+fn turned(loaded: &LoadedCase, hull: &FittedHull) -> Option<String> {
+    const ASLANT: f64 = 0.005;
+    let runner = &loaded.case.runner;
+    let stated = [runner.yaw_rad, runner.pitch_rad, runner.roll_rad];
+    if stated.iter().any(Option::is_some) {
+        return None;
+    }
+    let orientation = Orientation::of(hull.scan.as_ref()?, hull.noise.found).ok()?;
+    let [.., yaw] = orientation.significant();
+    (yaw.abs() > ASLANT).then(|| {
+        format!(
+            "the hull is turned about z, into runner axes by runner.yaw_rad = {yaw:.4}: its contact lies aslant on the grid; `kufe hull check -o` \
+             writes a case with its yaw, pitch and roll"
+        )
+    })
 }
 
 impl SolvedContact {

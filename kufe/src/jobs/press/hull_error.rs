@@ -197,6 +197,7 @@ mod tests {
                     unseen: 0.0,
                 },
                 strips: None,
+                seconds: [0.0; 2],
                 scan: Some(Arc::new(scanned)),
             };
             let off = (peak(&pressed)? / truth - 1.0).abs();
