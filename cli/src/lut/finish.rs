@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use kufe::jobs::{Failure, percent, table::Solver};
+use kufe::plot::short;
 use kufe::results::TableSummary;
 use kufe_lut::{AxisKind, Mode, Point, Quantity, SweepResult, Table};
 
@@ -83,12 +84,18 @@ fn in_words(summary: &TableSummary, table: &Table) -> String {
             AxisKind::Curvature => axes.curvature_range(axes.fz()[0]),
             _ => [values[0], values[values.len() - 1]],
         };
+        let [low, high] = [low, high].map(short);
         ranges += &format!("  {:<21} {low} to {high}\n", kind.key());
         sizes.push(values.len().to_string());
         names.push(kind.key());
     }
     let worst = match table.interpolation_error(table.judged(), Mode::Smooth) {
-        Ok(Some(error)) => format!(" (smooth: largest at {})", error.max_at),
+        Ok(Some(error)) => {
+            let place = error.max_at.named();
+            let place = place.map(|(key, value)| format!("{key} = {}", short(value)));
+            let place = place.collect::<Vec<_>>().join(", ");
+            format!(" (smooth: largest at {place})")
+        }
         _ => String::new(),
     };
     let by_boundary_elements = match summary.by_boundary_elements {

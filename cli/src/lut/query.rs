@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use kufe::jobs::{Failure, table::read_table};
+use kufe::plot::short;
 use kufe::results::{Description, TableLookup};
 use kufe_lut::{Axes, AxisKind, MIN_SPEED, Mode, Outside, Sample, Table, curvature_from_pitch};
 
@@ -102,6 +103,18 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             "the temperature of the ice is missing: the table has that axis; give --ice-c",
         );
     }
+    let is_track = args.pitch_rate_radps.is_some();
+    for (option, unused) in [
+        (
+            "--v-mps",
+            v.is_some() && !is_track && axes.speed().is_none(),
+        ),
+        ("--ice-c", args.ice_c.is_some() && axes.ice_c().is_none()),
+    ] {
+        if unused {
+            warn(&format!("{option} is not used: the table has no such axis"));
+        }
+    }
     check_within(args, &table, curvature)?;
     let is_smooth = args.mode == Mode::Smooth.name();
     let mode = if is_smooth {
@@ -126,17 +139,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 /// [`Failure::BadInput`] with the input, its value and the table's range.
 fn check_within(args: &Args, table: &Table, curvature: f64) -> Result<(), Failure> {
     let axes = table.axes();
-    let inputs = [
-        (AxisKind::Fz, Some(args.fz_n)),
-        (AxisKind::Curvature, Some(curvature)),
-        (AxisKind::Speed, args.v_mps),
-        (AxisKind::IceTemperature, args.ice_c),
-    ];
-    for (kind, value) in inputs {
-        if let (Some(value), Some([low, high])) = (value, range(axes, kind, args.fz_n))
-            && (args.strict || axes.outside(kind) == Outside::Error)
-            && !(low..=high).contains(&value)
-        {
+    let at = [Some(args.fz_n), Some(curvature), args.v_mps, args.ice_c];
+    for (kind, value, [low, high]) in outside(axes, at) {
+        if args.strict || axes.outside(kind) == Outside::Error {
             return Err(Failure::BadInput(format!(
                 "{}: {} = {value}: outside the table, expected {low} to {high}",
                 args.table.display(),
@@ -145,6 +150,23 @@ fn check_within(args: &Args, table: &Table, curvature: f64) -> Result<(), Failur
         }
     }
     Ok(())
+}
+
+/// Axes, values and ranges of the inputs that lie outside a table; the inputs are force, curvature,
+/// speed and temperature of the ice.
+fn outside(axes: &Axes, at: [Option<f64>; 4]) -> Vec<(AxisKind, f64, [f64; 2])> {
+    let kinds = [
+        AxisKind::Fz,
+        AxisKind::Curvature,
+        AxisKind::Speed,
+        AxisKind::IceTemperature,
+    ];
+    let fz = at[0].unwrap_or(f64::NAN);
+    let outside = |(kind, value): (AxisKind, Option<f64>)| {
+        let (value, [low, high]) = (value?, range(axes, kind, fz)?);
+        (!(low..=high).contains(&value)).then_some((kind, value, [low, high]))
+    };
+    kinds.into_iter().zip(at).filter_map(outside).collect()
 }
 
 /// The ends of an axis, where the table has it; those of the curvature at a force.
@@ -180,18 +202,22 @@ fn text(found: &TableLookup, table: &Table) -> String {
         )
     };
     let axes = table.axes();
-    let ends = |kind| range(axes, kind, found.fz_n).unwrap_or_default();
     if found.out_of_range {
-        let ([low, high], [from, to]) = (ends(AxisKind::Fz), ends(AxisKind::Curvature));
         let is_linear = |kind: &AxisKind| axes.outside(*kind) == Outside::Linear;
         let what = if AxisKind::ALL.iter().any(is_linear) {
             "the value at its edge or a straight continuation, as its axes state; the errors are those within"
         } else {
             "clipped to its nearest value, whose errors these are"
         };
-        text += &format!(
-            "outside the table ({low} to {high} N; curvature {from:.4} to {to:.4} 1/m): {what}\n"
-        );
+        let curvature = Some(found.curvature_1pm);
+        let at = [Some(found.fz_n), curvature, found.v_mps, found.ice_c];
+        let place = outside(axes, at);
+        let place = place.into_iter().map(|(kind, value, ends)| {
+            let [value, low, high] = [value, ends[0], ends[1]].map(short);
+            format!("{} = {value}, its range {low} to {high}", kind.key())
+        });
+        let place = place.collect::<Vec<_>>().join("; ");
+        text += &format!("outside the table ({place}): {what}\n");
     }
     text
 }
