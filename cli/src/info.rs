@@ -238,6 +238,8 @@ fn with_unit(key: &str, number: f64) -> String {
         "" if is_whole => number.to_string(),
         "" => number4(number),
         "bytes" => format!("{number} bytes"),
+        "m" if number != 0.0 && number.abs() < 1e-3 => quantity(1e6 * number, "µm"),
+        "m2" if number != 0.0 && number.abs() < 1e-2 => quantity(1e6 * number, "mm²"),
         unit => quantity(number, unit),
     }
 }
@@ -248,7 +250,7 @@ fn range(key: &str, figure: &Datum, inner: &Data) -> Option<String> {
     if let Some(interval) = figure.interval() {
         let [value, low, high] = interval.map(|number| with_unit(key, number));
         let unit = high.split_once(' ').map_or("", |(_, unit)| unit);
-        let low = low.trim_end_matches(unit).trim_end();
+        let low = low.strip_suffix(&format!(" {unit}")).unwrap_or(&low);
         return Some(if interval[1] < interval[2] {
             format!("{value} ({low} to {high})")
         } else {
