@@ -250,13 +250,14 @@ impl LoadedCase {
         ))
     }
 
-    /// Why the error of a peak is not known: noise that nobody stated, whose effect is unknown.
-    pub(crate) fn noise_effect_unknown(&self) -> Failure {
+    /// Why the error of a peak is not known: `noise` [m] whose effect is unknown.
+    pub(crate) fn noise_effect_unknown(&self, noise: f64) -> Failure {
         Failure::NotConverged(format!(
-            "{}: {}: its vertices scatter, and how far that moves the peak could not be estimated by boundary elements: expected vertices on a \
-             smooth surface, or runner.noise_m",
+            "{}: {}: its vertices have noise of {:.2} µm, and how far that moves the peak could not be estimated by boundary elements: expected \
+             vertices on a smooth surface, or runner.noise_m = 0 where they are",
             self.name,
-            self.hull_key()
+            self.hull_key(),
+            1e6 * noise
         ))
     }
 

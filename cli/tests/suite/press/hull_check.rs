@@ -180,6 +180,22 @@ fn ragged(seed: u64, depth: f64) -> String {
     obj
 }
 
+/// Triangles that face inwards have no underside to fit: no case is written.
+#[test]
+fn a_scan_turned_inside_out_has_no_case() {
+    let bench = Bench::new();
+    let inside_out = |line: &str| match line.split_whitespace().collect::<Vec<_>>()[..] {
+        ["f", a, b, c] => format!("f {a} {c} {b}\n"),
+        _ => format!("{line}\n"),
+    };
+    let obj = ragged(1007, 0.9e-3);
+    bench.write("scan.obj", obj.lines().map(inside_out).collect::<String>());
+    let words = ["hull", "check", "scan.obj", "-o", "case.toml"];
+    let expected = ["no case is written", "that the triangles face outwards"];
+    refused(&bench.path("."), &words, 3, &expected);
+    assert!(!bench.path("case.toml").exists());
+}
+
 /// A ragged rim is curved by chance, in these scans like a rocker.
 #[test]
 fn a_ragged_rim_is_not_taken_for_the_underside() {

@@ -257,13 +257,12 @@ pub fn press_prepared(
         moved(&problem, || prepared.scans())
     });
     if let Some(hull) = resting {
-        let unstated = noisy.is_some() && loaded.case.runner.noise_m.is_none();
         let errors = [moved_by, between].map(|by| by.map_or(0.0, |by| by.p_max));
         let error = errors[0].hypot(errors[1]);
-        if unstated && moved_by.is_none() {
-            short.get_or_insert_with(|| loaded.noise_effect_unknown());
-        } else if error > requested {
+        if error > requested {
             short.get_or_insert_with(|| loaded.peak_uncertain(hull, error));
+        } else if noisy.is_some() && moved_by.is_none() {
+            short.get_or_insert_with(|| loaded.noise_effect_unknown(hull.noise.found));
         }
     }
     let check = sliding.is_none().then(|| Check::of(&problem, &solution));
