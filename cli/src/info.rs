@@ -35,7 +35,9 @@ struct HullInfo {
     length_m: f64,
     width_m: f64,
     height_m: f64,
-    volume_m3: f64,
+    /// Of a closed hull.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    volume_m3: Option<f64>,
     open_edges: usize,
     flipped_edges: usize,
     warnings: Vec<String>,
@@ -119,7 +121,7 @@ fn hull(path: &Path) -> Result<HullInfo, Failure> {
         length_m,
         width_m,
         height_m,
-        volume_m3: report.volume,
+        volume_m3: Some(report.volume).filter(|_| report.open_edges == 0),
         open_edges: report.open_edges,
         flipped_edges: report.flipped_edges,
         warnings: report.warnings.iter().map(ToString::to_string).collect(),
