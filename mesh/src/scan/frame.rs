@@ -17,8 +17,10 @@ const MIDDLE: f64 = 0.8;
 const NEAR: [f64; 3] = [0.02, 0.05, 0.12];
 /// Height of the examined section over half its width.
 const SHALLOW: f64 = 0.2;
-/// Curvature over its standard error above which it is significant.
+/// A section's curvature over its standard error above which it is significant.
 const SIGNIFICANT: f64 = 10.0;
+/// The same of a rocker: ragged rims of 48 scans had up to 2.2, their keels 14 and more.
+const SIGNIFICANT_ROCKER: f64 = 5.0;
 /// Largest radii of a rocker and of a section that is round [m]; what is flatter is no underside.
 const FLATTEST: [f64; 2] = [500.0, 0.2];
 
@@ -144,7 +146,7 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<([f64; 2],
     let keel = lowest_of_stations(points.iter().filter(middle).map(|p| (*p, *p)), share);
     let rocker = surface(&keel, &[[0, 0], [1, 0], [2, 0]])?;
     let rocker_radius = radius(rocker.coefficients[2], FLATTEST[0])?;
-    let significant = rocker.coefficients[2] >= SIGNIFICANT * rocker.errors[2];
+    let significant = rocker.coefficients[2] >= SIGNIFICANT_ROCKER * rocker.errors[2];
     let lowest = keel.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
     let section_radius = NEAR.iter().find_map(|part| {
         let near = |p: &&[f64; 3]| (p[0] - lowest[0]).abs() < part * (to - from);
