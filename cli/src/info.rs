@@ -35,7 +35,9 @@ struct HullInfo {
     length_m: f64,
     width_m: f64,
     height_m: f64,
-    volume_m3: f64,
+    /// Of a closed hull.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    volume_m3: Option<f64>,
     open_edges: usize,
     flipped_edges: usize,
     warnings: Vec<String>,
@@ -119,7 +121,7 @@ fn hull(path: &Path) -> Result<HullInfo, Failure> {
         length_m,
         width_m,
         height_m,
-        volume_m3: report.volume,
+        volume_m3: Some(report.volume).filter(|_| report.open_edges == 0),
         open_edges: report.open_edges,
         flipped_edges: report.flipped_edges,
         warnings: report.warnings.iter().map(ToString::to_string).collect(),
@@ -236,6 +238,8 @@ fn with_unit(key: &str, number: f64) -> String {
         "" if is_whole => number.to_string(),
         "" => number4(number),
         "bytes" => format!("{number} bytes"),
+        "m" if number != 0.0 && number.abs() < 1e-3 => quantity(1e6 * number, "µm"),
+        "m2" if number != 0.0 && number.abs() < 1e-2 => quantity(1e6 * number, "mm²"),
         unit => quantity(number, unit),
     }
 }
@@ -246,7 +250,7 @@ fn range(key: &str, figure: &Datum, inner: &Data) -> Option<String> {
     if let Some(interval) = figure.interval() {
         let [value, low, high] = interval.map(|number| with_unit(key, number));
         let unit = high.split_once(' ').map_or("", |(_, unit)| unit);
-        let low = low.trim_end_matches(unit).trim_end();
+        let low = low.strip_suffix(&format!(" {unit}")).unwrap_or(&low);
         return Some(if interval[1] < interval[2] {
             format!("{value} ({low} to {high})")
         } else {

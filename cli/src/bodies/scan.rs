@@ -29,8 +29,9 @@ pub struct Check {
 /// Examines the hull, prints its properties, and writes the case.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for a hull that cannot be read or has no rounded underside, a force that
-/// is not positive, and a case that exists or cannot be written.
+/// [`Failure::BadInput`] for a hull that cannot be read or has no rounded underside, one that cannot
+/// be fitted where a case is requested, and a case that exists or cannot be written;
+/// [`Failure::Usage`] for a force that is not positive.
 pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
     if let Some(fz) = check.fz_n.iter().find(|fz| !(**fz > 0.0 && fz.is_finite())) {
         let text = format!("--fz-n {fz}: expected positive forces [N]");
@@ -44,6 +45,11 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
     let files = OutputFiles::begin("hull check", inputs, check.out.as_slice(), global.force)?;
     let mut found = check_hull(&check.file, &check.fz_n, check.p_max)?;
     if let Some(out) = &check.out {
+        if let Some(error) = &found.result.no_underside {
+            let reason =
+                format!("no smooth underside could be fitted, and no case is written: {error}");
+            return Err(Failure::in_file(&check.file, reason));
+        }
         let text = found.case(out, &check.fz_n)?;
         files.bytes(out, text.as_bytes())?;
     }

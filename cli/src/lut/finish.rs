@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use kufe::jobs::{Failure, percent, table::Solver};
+use kufe::plot::short;
 use kufe::results::TableSummary;
 use kufe_lut::{AxisKind, Mode, Point, Quantity, SweepResult, Table};
 
@@ -76,13 +77,19 @@ fn in_words(summary: &TableSummary, table: &Table) -> String {
     let axes = table.axes();
     let (mut ranges, mut names) = (String::new(), Vec::new());
     for kind in AxisKind::ALL {
-        if let Some([low, high]) = axes.range(kind, axes.fz()[0]) {
+        if let Some(range) = axes.range(kind, axes.fz()[0]) {
+            let [low, high] = range.map(short);
             ranges += &format!("  {:<21} {low} to {high}\n", kind.key());
             names.push(kind.key());
         }
     }
     let worst = match table.interpolation_error(table.judged(), Mode::Smooth) {
-        Ok(Some(error)) => format!(" (smooth: largest at {})", error.max_at),
+        Ok(Some(error)) => {
+            let place = error.max_at.named();
+            let place = place.map(|(key, value)| format!("{key} = {}", short(value)));
+            let place = place.collect::<Vec<_>>().join(", ");
+            format!(" (smooth: largest at {place})")
+        }
         _ => String::new(),
     };
     let sizes = axes.shape().into_iter().map(|size| size.to_string());

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use kufe::jobs::{Failure, table::read_table};
+use kufe::plot::short;
 use kufe::results::{Description, TableLookup};
 use kufe_lut::{Axes, AxisKind, MIN_SPEED, Mode, Outside, Point, Table, curvature_from_pitch};
 
@@ -108,6 +109,19 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             "the temperature of the ice is missing: the table has that axis; give --ice-c",
         );
     }
+    let axes = table.axes();
+    let is_track = args.pitch_rate_radps.is_some();
+    for (option, unused) in [
+        (
+            "--v-mps",
+            v.is_some() && !is_track && axes.speed().is_none(),
+        ),
+        ("--ice-c", args.ice_c.is_some() && axes.ice_c().is_none()),
+    ] {
+        if unused {
+            warn(&format!("{option} is not used: the table has no such axis"));
+        }
+    }
     check_within(args, &table, &at)?;
     let is_smooth = args.mode == Mode::Smooth.name();
     let mode = if is_smooth {
@@ -115,23 +129,18 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } else {
         Mode::Bilinear
     };
-    let found = TableLookup::new(&table, at, mode).map_err(of_file(&args.table))?;
-    global.answer(&found, || text(&found, &table))
+    let found = TableLookup::new(&table, at.clone(), mode).map_err(of_file(&args.table))?;
+    global.answer(&found, || text(&found, &table, &at))
 }
 
-/// Refuses a point outside an axis whose rule is an error; with `--strict` outside any. A rocker
-/// radius outside is refused by the table.
+/// Refuses a point outside an axis whose rule is an error; with `--strict` outside any.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the input, its value and the table's range.
 fn check_within(args: &Args, table: &Table, at: &Point) -> Result<(), Failure> {
     let axes = table.axes();
-    let kinds = AxisKind::ALL.into_iter();
-    for kind in kinds.filter(|kind| *kind != AxisKind::RockerRadius) {
-        if let (Some(value), Some([low, high])) = (at.get(kind), range(axes, kind, at.fz))
-            && (args.strict || axes.outside(kind) == Outside::Error)
-            && !(low..=high).contains(&value)
-        {
+    for (kind, value, [low, high]) in outside(axes, at) {
+        if args.strict || axes.outside(kind) == Outside::Error {
             let key = kind.key();
             let reason = format!("{key} = {value}: outside the table, expected {low} to {high}");
             return Err(Failure::in_file(&args.table, reason));
@@ -140,13 +149,27 @@ fn check_within(args: &Args, table: &Table, at: &Point) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Axes, values and ranges of the inputs that lie outside a table; a rocker radius outside is
+/// refused by the table.
+fn outside(axes: &Axes, at: &Point) -> Vec<(AxisKind, f64, [f64; 2])> {
+    let outside = |kind| {
+        let (value, [low, high]) = (at.get(kind)?, range(axes, kind, at.fz)?);
+        (!(low..=high).contains(&value)).then_some((kind, value, [low, high]))
+    };
+    let kinds = AxisKind::ALL.into_iter();
+    kinds
+        .filter(|kind| *kind != AxisKind::RockerRadius)
+        .filter_map(outside)
+        .collect()
+}
+
 /// The ends of an axis, where the table has it; those of the curvature at a force.
 fn range(axes: &Axes, kind: AxisKind, fz: f64) -> Option<[f64; 2]> {
     let [low, high] = axes.range(AxisKind::Fz, fz)?;
     axes.range(kind, fz.clamp(low, high))
 }
 
-fn text(found: &TableLookup, table: &Table) -> String {
+fn text(found: &TableLookup, table: &Table, at: &Point) -> String {
     let mut text = String::new();
     for one in &found.values {
         let shown = Description::of(one.quantity);
@@ -169,18 +192,20 @@ fn text(found: &TableLookup, table: &Table) -> String {
         )
     };
     let axes = table.axes();
-    let ends = |kind| range(axes, kind, found.fz_n).unwrap_or_default();
     if found.out_of_range {
-        let ([low, high], [from, to]) = (ends(AxisKind::Fz), ends(AxisKind::Curvature));
         let is_linear = |kind: &AxisKind| axes.outside(*kind) == Outside::Linear;
         let what = if AxisKind::ALL.iter().any(is_linear) {
             "the value at its edge or a straight continuation, as its axes state; the errors are those within"
         } else {
             "clipped to its nearest value, whose errors these are"
         };
-        text += &format!(
-            "outside the table ({low} to {high} N; curvature {from:.4} to {to:.4} 1/m): {what}\n"
-        );
+        let place = outside(axes, at);
+        let place = place.into_iter().map(|(kind, value, ends)| {
+            let [value, low, high] = [value, ends[0], ends[1]].map(short);
+            format!("{} = {value}, its range {low} to {high}", kind.key())
+        });
+        let place = place.collect::<Vec<_>>().join("; ");
+        text += &format!("outside the table ({place}): {what}\n");
     }
     text
 }

@@ -3,15 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
-use kufe::jobs::field::ComparedMaps;
-use kufe::jobs::field::read_map;
+use kufe::jobs::field::{ComparedMaps, read_map};
 use kufe::report::{Picture, read_json, results_page};
 use kufe::results::{
-    ComparedQuantity, Comparison, ContactResult, Datum, QUANTITIES, compared_quantities,
+    ComparedQuantity, Comparison, ContactResult, Datum, PeakPressure, QUANTITIES, Quantity,
+    compared_quantities,
 };
+use kufe_contact::PressureMap;
 
 use crate::output::OutputDir;
-use crate::terminal::Global;
+use crate::terminal::{Global, warn};
 
 /// Longest result [bytes].
 const LONGEST: u64 = 1 << 25;
@@ -39,7 +40,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let [[first, first_map], [second, second_map]] = &files;
     let first: ContactResult = read_json(first, LONGEST)?;
     let second: ContactResult = read_json(second, LONGEST)?;
-    let compared = ComparedMaps::new([&read_map(first_map)?, &read_map(second_map)?]);
+    let maps = [read_map(first_map)?, read_map(second_map)?];
+    if let Some([x, y]) = apart(maps.each_ref()) {
+        warn(&format!(
+            "the maps do not overlap: their middles are {:.1} mm apart along and {:.1} mm across, and their difference says nothing; \
+             give both hulls one origin",
+            1e3 * x,
+            1e3 * y
+        ));
+    }
+    let compared = ComparedMaps::new(maps.each_ref());
     let names = folders.map(|folder| name_of(folder));
     let document = Comparison {
         first: names[0].clone(),
@@ -55,7 +65,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let data = Datum::of(&document)?;
     let documents = [("second less first".to_owned(), data)];
-    let title = format!("{} and {}", document.first, document.second);
+    let title = title(&document);
     output.text(
         "comparison.html",
         &results_page(&title, &[picture], &[], &documents),
@@ -67,6 +77,31 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let out = args.out.display();
         text(&document) + &format!("{out}: comparison.json, comparison.png, comparison.html\n")
     })
+}
+
+/// How far apart the middles of two maps are along and across [m], where no place is on both.
+fn apart(maps: [&PressureMap; 2]) -> Option<[f64; 2]> {
+    let along = maps.map(|map| [map.x0, map.dx * (map.nx - 1) as f64]);
+    let across = maps.map(|map| [map.y0, map.dy * (map.ny - 1) as f64]);
+    let distance = |[[a, a_length], [b, b_length]]: [[f64; 2]; 2]| {
+        let middles = b - a + 0.5 * (b_length - a_length);
+        (middles, middles.abs() > 0.5 * (a_length + b_length))
+    };
+    let ((x, beside_x), (y, beside_y)) = (distance(along), distance(across));
+    (beside_x || beside_y).then_some([x, y])
+}
+
+/// Names of both contacts, and how far their peaks differ.
+fn title(document: &Comparison) -> String {
+    let names = format!("{} and {}", document.first, document.second);
+    let peak = PeakPressure::DESCRIPTION;
+    let row = document.quantities.iter().find(|row| row.key == peak.key);
+    let Some((row, error)) = row.and_then(|row| Some((row, row.difference_error?))) else {
+        return names;
+    };
+    let [first, error] = [row.first, error].map(|value| peak.number(value));
+    let [second, difference] = [row.second, row.difference.abs()].map(|value| peak.amount(value));
+    format!("{names}: peaks of {first} and {second}, {difference} ± {error} apart")
 }
 
 /// The folder without a stroke at its end.
@@ -99,8 +134,14 @@ fn row(quantity: &ComparedQuantity) -> String {
     let known = QUANTITIES.iter().find(|known| known.key == quantity.key);
     let shown = |value: f64, error: Option<f64>| {
         let number = |value: f64| known.map_or(format!("{value:.1}"), |known| known.number(value));
-        let error = error.map_or(String::new(), |error| format!(" +- {}", number(error)));
-        number(value) + &error
+        let within = |error: f64| match number(error) {
+            // An error that the usual digits do not show.
+            text if error > 0.0 && !text.contains(|c| ('1'..='9').contains(&c)) => {
+                format!(" +- {:.0e}", error * known.map_or(1.0, |known| known.times))
+            }
+            text => format!(" +- {text}"),
+        };
+        number(value) + &error.map_or(String::new(), within)
     };
     let name = known.map_or("normal force [N]".to_owned(), |known| match known.unit {
         "" => known.label.to_owned(),

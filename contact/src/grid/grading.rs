@@ -77,8 +77,10 @@ pub(crate) fn graded_axis(
         if index > 0 {
             nodes.extend(between(&zones[index - 1], zone, growth)?);
         }
-        let from = nodes.last().copied().unwrap_or(f64::NEG_INFINITY);
-        nodes.extend(zone.nodes()?.into_iter().filter(|&x| x > from));
+        // Zones that meet share a node, and rounding may end the one just below the other's start.
+        let from = nodes.last().copied();
+        let is_new = |x: &f64| from.is_none_or(|from| apart(from, *x));
+        nodes.extend(zone.nodes()?.into_iter().filter(is_new));
     }
     nodes.extend(
         outward(last.spacing_at(end), high - end, growth)?
@@ -171,16 +173,24 @@ const MOST_NODES: usize = 4_000_000;
 /// Least distance of neighbours over the sum of their places.
 const APART: f64 = 1e-12;
 
+/// The least distance of neighbours, by rounding.
+fn least(a: f64, b: f64) -> f64 {
+    APART * (a.abs() + b.abs())
+}
+
+/// Whether `b` is above `a` by more than rounding.
+fn apart(a: f64, b: f64) -> bool {
+    b - a > least(a, b)
+}
+
 /// Passes a line on whose nodes increase, each by more than rounding.
 pub(crate) fn increasing(nodes: Vec<f64>) -> Result<Vec<f64>, Error> {
-    let least = |w: &[f64]| APART * (w[0].abs() + w[1].abs());
-    let apart = |w: &&[f64]| w[1] - w[0] > least(w);
-    match nodes.windows(2).find(|w| !apart(w)) {
+    match nodes.windows(2).find(|w| !apart(w[0], w[1])) {
         None if nodes.len() > 1 => Ok(nodes),
         found => Err(Error::TooFine {
             from: nodes.first().copied().unwrap_or(f64::NAN),
             to: nodes.last().copied().unwrap_or(f64::NAN),
-            spacing: found.map_or(0.0, least),
+            spacing: found.map_or(0.0, |w| least(w[0], w[1])),
         }),
     }
 }
@@ -380,6 +390,16 @@ mod tests {
         let nodes = graded_axis(Start::At(0.0), 3.0, &[zone(1.0, 2.0, 0.1)], 0.3).expect("a line");
         assert_eq!(nodes[0], 0.0);
         assert!(nodes.windows(2).all(|w| w[1] > w[0]));
+    }
+
+    #[test]
+    fn zones_that_meet_share_one_node() {
+        // -0.3 + 0.35 rounds to just below 0.05, where the second zone begins.
+        assert!(-0.3 + (0.05 - -0.3) < 0.05);
+        let zones = [zone(-0.3, 0.05, 0.05), zone(0.05, 0.4, 0.05)];
+        let nodes = graded_axis(Start::AtOrBelow(-1.0), 1.0, &zones, 0.3).expect("a line");
+        let within = |x: &&f64| (-0.3 - 1e-9..0.4 + 1e-9).contains(*x);
+        assert_eq!(nodes.iter().filter(within).count(), 15);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use kufe_contact::{Error, NUMERICS, Solution, SurfaceField};
 use kufe_files::{read_regular, sha256, text_of_regular};
-use kufe_mesh::{Hull, hull_files, smaller_by};
+use kufe_mesh::{Hull, HullFormat, hull_files, smaller_by};
 
 use crate::case::{Case, FittedHull, StatedProblem};
 use crate::jobs::failure::Failure;
@@ -48,6 +48,16 @@ impl LoadedCase {
     /// # Errors
     /// [`Failure::BadInput`] naming the file, the line, the key, the value and what was expected.
     pub fn read(path: &Path) -> Result<LoadedCase, Failure> {
+        let is_3mf = path
+            .extension()
+            .is_some_and(|ending| ending.eq_ignore_ascii_case("3mf"));
+        if is_3mf || HullFormat::of(path).is_ok() {
+            let reason = format!(
+                "this is a hull, expected a case: kufe hull check {} -o case.toml writes one",
+                path.display()
+            );
+            return Err(Failure::in_file(path, reason));
+        }
         let text = text_of_regular(path, LONGEST);
         let text = text.map_err(|error| Failure::unreadable(path, error))?;
         let base = path.parent().unwrap_or(Path::new(""));
@@ -240,13 +250,14 @@ impl LoadedCase {
         ))
     }
 
-    /// Why the error of a peak is not known: noise that nobody stated, whose effect is unknown.
-    pub(crate) fn noise_effect_unknown(&self) -> Failure {
+    /// Why the error of a peak is not known: `noise` [m] whose effect is unknown.
+    pub(crate) fn noise_effect_unknown(&self, noise: f64) -> Failure {
         Failure::NotConverged(format!(
-            "{}: {}: its vertices scatter, and how far that moves the peak could not be estimated by boundary elements: expected vertices on a \
-             smooth surface, or runner.noise_m",
+            "{}: {}: its vertices have noise of {:.2} µm, and how far that moves the peak could not be estimated by boundary elements: expected \
+             vertices on a smooth surface, or runner.noise_m = 0 where they are",
             self.name,
-            self.hull_key()
+            self.hull_key(),
+            1e6 * noise
         ))
     }
 

@@ -80,6 +80,12 @@ pub fn check_hull(
     let strips = strips_of_hull(&hull);
     let [vertices, triangles] = [hull.positions.len(), hull.triangles.len()];
     let bounds = hull.bounds();
+    let middle = middle_if_outside(bounds);
+    let keel = orientation.and_then(|found| found.middle[1]);
+    let keel = keel.filter(Estimate::significant).map(|y| y.value);
+    let [x, y] = [0, 1].map(|axis| middle.map(|middle| middle[axis]));
+    let offset_m = [x, keel.or(y)];
+    let place = offset_m.map(Option::unwrap_or_default);
     let loads = FittedUnderside::new(&hull, noise.found)
         .map_err(|error| error.to_string())
         .and_then(|underside| {
@@ -87,14 +93,10 @@ pub fn check_hull(
             let scans = bootstrap_scans(&fitted);
             let known = |&fz: &f64| {
                 let radii = [frame.rocker_radius, frame.section_radius];
-                known_peak(&fitted, scans.as_deref(), radii, fz, share, spacing)
+                known_peak(&fitted, scans.as_deref(), radii, place, fz, share, spacing)
             };
             forces.iter().map(known).collect::<Result<Vec<_>, String>>()
         });
-    let middle = middle_if_outside(bounds);
-    let keel = orientation.and_then(|found| found.middle[1]);
-    let keel = keel.filter(Estimate::significant).map(|y| y.value);
-    let [x, y] = [0, 1].map(|axis| middle.map(|middle| middle[axis]));
     let [length_m, width_m, height_m] = report.extent;
     let result = HullCheck {
         file: file.to_path_buf(),
@@ -131,7 +133,7 @@ pub fn check_hull(
             WITHOUT_NOISE
         }),
         options: frame.options,
-        offset_m: [x, keel.or(y)],
+        offset_m,
     })
 }
 
@@ -142,12 +144,13 @@ fn not_rounded(file: &Path, hull: &Hull) -> Failure {
     Failure::in_file(file, reason.unwrap_or_default())
 }
 
-/// How well the peak is known under a force, as pressing it would state, and the noise and spacing
-/// with which it would be known better.
+/// How well the peak is known under a force at a place along and across, as pressing it would state,
+/// and the noise and spacing with which it would be known better.
 fn known_peak(
     hull: &FittedHull,
     scans: Option<&[Arc<dyn Underside>]>,
     [along, across]: [f64; 2],
+    [offset_x, offset_y]: [f64; 2],
     fz: f64,
     share: f64,
     spacing: f64,
@@ -156,7 +159,13 @@ fn known_peak(
     let approach = contact.map_err(|error| error.to_string())?.approach;
     let runner = Runner::rigid(hull.underside.clone());
     let ice = Ice::half_space(ICE_MODULUS, ICE_RATIO);
-    let problem = Problem::new(runner, ice, Load::central(fz, Tilt::LEVEL));
+    let load = Load::Force {
+        fz,
+        offset_x,
+        offset_y,
+        tilt: Tilt::LEVEL,
+    };
+    let problem = Problem::new(runner, ice, load);
     let error_m = hull.underside.error_for(approach);
     let p_max_error = relative_peak_error(&problem, hull, scans).unwrap_or(error_m / approach);
     let noise = hull.noise.found;

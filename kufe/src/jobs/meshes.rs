@@ -46,7 +46,7 @@ impl CaseMeshes {
         let runner = top(loaded, &stated).map(|top| {
             let underside = &stated.problem.runner.underside;
             let part = if stated.hull.is_some() { INSET } else { 1.0 };
-            let [x0, x1, y0, y1] = underside.extent().map(|end| part * end);
+            let [x0, x1, y0, y1] = shrunk(underside.extent(), part);
             let (x, y) = (columns(&grid.x, x0, x1), columns(&grid.y, y0, y1));
             graded_levels(LAYERS, GROWTH)
                 .and_then(|levels| mapped_runner_mesh(&x, &y, underside.as_ref(), top, &levels))
@@ -74,6 +74,16 @@ fn top(loaded: &LoadedCase, stated: &StatedProblem) -> Option<f64> {
         (None, Some(Shape::Bob { height_m, .. } | Shape::Luge { height_m, .. })) => Some(*height_m),
         (None, _) => None,
     }
+}
+
+/// The middle part of a rectangle, wherever that lies.
+fn shrunk([x0, x1, y0, y1]: [f64; 4], part: f64) -> [f64; 4] {
+    let ends = |a: f64, b: f64| {
+        let (middle, half) = (0.5 * (a + b), 0.5 * part * (b - a));
+        [middle - half, middle + half]
+    };
+    let ([x0, x1], [y0, y1]) = (ends(x0, x1), ends(y0, y1));
+    [x0, x1, y0, y1]
 }
 
 /// The grid's columns under the hull, and its two ends (a mirror plane is an end already).

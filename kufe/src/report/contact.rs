@@ -51,11 +51,16 @@ impl ContactPage {
     ) -> Self {
         result.case = std::mem::take(&mut result.case).effective();
         let (peak, load) = (1e-6 * result.p_max.value, result.fz_n);
+        // Where its digits show it.
+        let error = Some(1e-6 * result.peak().error).filter(|error| *error >= 0.05);
+        let error = error.map_or(String::new(), |error| format!(" ± {error:.1}"));
+        let mu = result.sliding.as_ref().map(|sliding| sliding.mu.value);
+        let mu = mu.map_or(String::new(), |mu| format!(", µ {:.2} · 10⁻³", 1e3 * mu));
         let share = (maps.len() as f64).sqrt();
         let most = points.map(|count| (count as f64 / share) as usize);
         let packed = maps.iter().map(|map| PackedGrid::thinned(map, most));
         ContactPage {
-            title: format!("{peak:.1} MPa under {load:.0} N"),
+            title: format!("{peak:.1}{error} MPa{mu} under {load:.0} N"),
             name,
             peak_error_pa: result.peak().error,
             peak_error_parts: result.peak_error_parts(),

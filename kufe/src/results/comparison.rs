@@ -68,6 +68,9 @@ pub struct MapDifference {
     pub moved_n: f64,
 }
 
+/// Part of a value below which a difference is rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// The quantities that two contacts have, the normal force first; the error of the peak pressure
 /// is its total one.
 ///
@@ -93,7 +96,9 @@ pub fn compared_quantities(
             number(data, error_key)
         };
         let (first_error, second_error) = (error(0, a), error(1, b));
-        let difference = second - first;
+        let rounding = ROUNDING * first.abs().max(second.abs());
+        let difference = Some(second - first).filter(|difference| difference.abs() > rounding);
+        let difference = difference.unwrap_or(0.0);
         let difference_error = first_error.zip(second_error).map(|(a, b)| a + b);
         Some(ComparedQuantity {
             key: key.to_owned(),

@@ -17,8 +17,10 @@ const MIDDLE: f64 = 0.8;
 const NEAR: [f64; 3] = [0.02, 0.05, 0.12];
 /// Height of the examined section over half its width.
 const SHALLOW: f64 = 0.2;
-/// Curvature over its standard error above which it is significant.
+/// A section's curvature over its standard error above which it is significant.
 const SIGNIFICANT: f64 = 10.0;
+/// The same of a rocker: ragged rims of 48 scans had up to 2.2, their keels 14 and more.
+const SIGNIFICANT_ROCKER: f64 = 5.0;
 /// Largest radii of a rocker and of a section that is round [m]; what is flatter is no underside.
 const FLATTEST: [f64; 2] = [500.0, 0.2];
 
@@ -39,7 +41,8 @@ impl ScanFrame {
     /// `hull` is as its file has it: scale 1, x forward, z up. The longest axis is forward. Of the
     /// four sides along it the underside is the one whose lowest line is curved (rocker) and whose
     /// section there is (edge), with the largest product of the two curvatures; both are found by
-    /// least squares. `None` where no side is rounded both ways.
+    /// least squares. A ragged rim of an open scan is curved by chance: sides whose rocker is
+    /// significant come first. `None` where no side is rounded both ways.
     ///
     /// # Errors
     /// [`MeshError::Invalid`] for a hull without any.
@@ -58,21 +61,26 @@ impl ScanFrame {
             .filter(|axis| *axis != forward)
             .flat_map(|index| [false, true].map(|negative| Axis { index, negative }));
         let rounded = sides.filter_map(|up| {
-            let [rocker_radius, section_radius] = radii(hull, forward, up, scale)?;
+            let ([rocker_radius, section_radius], significant) = radii(hull, forward, up, scale)?;
             let options = HullOptions {
                 scale,
                 up: Some(up),
                 forward: Axis::positive(forward),
                 ..HullOptions::default()
             };
-            Some(Self {
+            let frame = Self {
                 options,
                 rocker_radius,
                 section_radius,
-            })
+            };
+            Some((significant, frame))
         });
         let roundness = |s: &Self| 1.0 / (s.rocker_radius * s.section_radius);
-        Ok(rounded.max_by(|a, b| roundness(a).total_cmp(&roundness(b))))
+        let best = rounded.max_by(|(a_significant, a), (b_significant, b)| {
+            let by_roundness = roundness(a).total_cmp(&roundness(b));
+            a_significant.cmp(b_significant).then(by_roundness)
+        });
+        Ok(best.map(|(_, frame)| frame))
     }
 }
 
@@ -114,9 +122,9 @@ pub fn unlike_runner(hull: &Hull, frame: Option<&ScanFrame>) -> Option<String> {
     ))
 }
 
-/// Radii of rocker and section of the side that faces down when `up` points up [m]; `None` where it
-/// is flat or hollow.
-fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<[f64; 2]> {
+/// Radii of rocker and section of the side that faces down when `up` points up [m], and whether the
+/// rocker's curvature is significant; `None` where it is flat or hollow.
+fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<([f64; 2], bool)> {
     let across = 3 - forward - up.index;
     let sign = if up.negative { -1.0 } else { 1.0 };
     let turned = |p: &[f64; 3]| {
@@ -138,13 +146,14 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<[f64; 2]> 
     let keel = lowest_of_stations(points.iter().filter(middle).map(|p| (*p, *p)), share);
     let rocker = surface(&keel, &[[0, 0], [1, 0], [2, 0]])?;
     let rocker_radius = radius(rocker.coefficients[2], FLATTEST[0])?;
+    let significant = rocker.coefficients[2] >= SIGNIFICANT_ROCKER * rocker.errors[2];
     let lowest = keel.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
     let section_radius = NEAR.iter().find_map(|part| {
         let near = |p: &&[f64; 3]| (p[0] - lowest[0]).abs() < part * (to - from);
         let points: Vec<[f64; 3]> = points.iter().filter(near).copied().collect();
         section_radius(&points, lowest)
     })?;
-    Some([rocker_radius, section_radius])
+    Some(([rocker_radius, section_radius], significant))
 }
 
 /// Radius of the section at the lowest vertex [m], of points nearby along the hull; ever narrower

@@ -172,6 +172,15 @@ fn a_hull_without_triangles_is_refused() {
 }
 
 #[test]
+fn a_hull_in_a_cases_place_is_refused_with_the_command_that_writes_its_case() {
+    let (bench, _) = bench_with_hull();
+    let output = bench.kufe(&["press", "bob.obj", "-o", "out"]);
+    assert_eq!(output.status.code(), Some(3));
+    let expected = "bob.obj: this is a hull, expected a case: kufe hull check bob.obj -o case.toml";
+    assert!(errors(&output).contains(expected), "{}", errors(&output));
+}
+
+#[test]
 fn a_hull_that_is_not_there_or_of_an_unknown_kind_is_named() {
     let bench = Bench::new();
     refused(&bench, "hull = \"nowhere.obj\"", &["nowhere.obj"]);

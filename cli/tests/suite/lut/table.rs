@@ -110,7 +110,12 @@ fn a_table_of_a_paraboloid_is_that_of_hertz() {
     let said = bench.succeeds(&words(
         "lut query front.lut --fz-n 9000 --curvature-1pm 0 --mode bilinear",
     ));
-    assert!(said.contains("outside the table ("), "{said}");
+    let place = "outside the table (fz_n = 9000, its range ";
+    assert!(said.contains(place), "{said}");
+    let line = "lut query front.lut --fz-n 1000 --curvature-1pm 0 --v-mps 20";
+    let (code, warned) = fails(&bench, &words(line));
+    let unused = "--v-mps is not used: the table has no such axis";
+    assert!(code == 0 && warned.contains(unused), "{code} {warned}");
     for (inputs, found) in [
         ("--fz-n 9000 --curvature-1pm 0", "fz_n = 9000: "),
         ("--fz-n 1000 --curvature-1pm 0.5", "curvature_1pm = 0.5: "),

@@ -1,6 +1,6 @@
 //! `kufe compare`: two contacts against their own result files.
 
-use crate::kufe::{Bench, CASE, json, refused};
+use crate::kufe::{Bench, CASE, errors, json, refused};
 
 #[test]
 fn a_comparison_has_both_results_their_differences_and_the_force_that_moved() {
@@ -39,6 +39,10 @@ fn a_comparison_has_both_results_their_differences_and_the_force_that_moved() {
     assert!((0.0..5.0).contains(&moved), "{moved} N");
     let page = std::fs::read_to_string(bench.path("compared/comparison.html")).expect("a page");
     assert!(page.contains("peak pressure") && page.contains("data:image/png;base64,"));
+    assert!(
+        page.contains("<h1>light and heavy: peaks of 138."),
+        "{page}"
+    );
 
     bench.succeeds(&["compare", "light", "light", "-o", "same"]);
     let same = json(&bench.path("same/comparison.json"));
@@ -47,6 +51,15 @@ fn a_comparison_has_both_results_their_differences_and_the_force_that_moved() {
         assert_ne!(row["exceeds_errors"], true, "{row}");
     }
     assert_eq!(number(&same["map"]["moved_n"]), 0.0);
+    // The load 0.15 m ahead presses another part of the rocker, 50 mm long.
+    let ahead = CASE.replace("fz_n = 1000.0", "fz_n = 1000.0\noffset_x_m = 0.15");
+    bench.write("ahead.toml", ahead);
+    bench.succeeds(&["press", "ahead.toml", "-o", "ahead", "-q"]);
+    let warned = errors(&bench.kufe(&["compare", "light", "ahead", "-o", "beside"]));
+    assert!(
+        warned.contains("the maps do not overlap: their middles are 1"),
+        "{warned}"
+    );
     let missing = ["compare", "light", "none", "-o", "n"];
     refused(bench.folder.path(), &missing, 3, &["none/result.json"]);
 }

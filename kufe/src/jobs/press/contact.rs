@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use kufe_contact::{CentreLine, Error, Options, Problem, Runner, RunnerLoads, Solution};
 use kufe_contact::{boundary_elements_to_compare, centre_line, runner_loads, solve};
-use kufe_mesh::Underside;
+use kufe_mesh::{Orientation, Underside};
 
 use crate::case::{
     AccuracyTable, Case, FittedHull, IceTable, LoadTable, RunnerTable, SlidingTable, SolverTable,
@@ -261,13 +261,12 @@ pub fn press_prepared(
         noise_error(&problem, || prepared.scans())
     });
     if let Some(hull) = resting {
-        let unstated = noisy.is_some() && loaded.case.runner.noise_m.is_none();
         let errors = [by_noise, by_spacing].map(|by| by.map_or(0.0, |by| by.p_max));
         let error = errors[0].hypot(errors[1]);
-        if unstated && by_noise.is_none() {
-            short.get_or_insert_with(|| loaded.noise_effect_unknown());
-        } else if error > requested {
+        if error > requested {
             short.get_or_insert_with(|| loaded.peak_uncertain(hull, error));
+        } else if noisy.is_some() && by_noise.is_none() {
+            short.get_or_insert_with(|| loaded.noise_effect_unknown(hull.noise.found));
         }
     }
     let check = sliding.is_none().then(|| Check::of(&problem, &solution));
@@ -294,6 +293,9 @@ pub fn press_prepared(
             .filter(|error| error.p_max > requested)
             .map(|error| coarse_vertices(error, solution.approach)),
         scanned.and_then(|hull| at_rim(hull, &solution)),
+        scanned
+            .filter(|_| short.is_some())
+            .and_then(|hull| turned(&loaded, hull)),
     ];
     let deep = sliding.as_ref().and_then(SolvedSliding::too_deep);
     for warning in remarks.into_iter().flatten().chain(differ).chain(deep) {
@@ -364,19 +366,24 @@ fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
     })
 }
 
-/// The warning that stated errors do not include the noise of vertices or nodes.
-fn noise_not_included(hull: &FittedHull, solution: &Solution, error: Option<HullError>) -> String {
+/// The warning that of the stated errors only the peak's includes the noise of vertices or nodes.
+fn noise_not_included(
+    hull: &FittedHull,
+    solution: &Solution,
+    error: Option<HullError>,
+) -> String {
     let residual = hull.underside.quality().residual_rms;
-    let moved = error.map_or(String::new(), |error| {
-        format!(
-            "; in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa), the approach by less than {:.2} % \
-             (approach_noise_m)",
+    let moved = match error {
+        Some(error) => format!(
+            "in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa), which the peak's error includes, and the \
+             approach by less than {:.2} % (approach_noise_m); the other stated errors do not include it",
             100.0 * error.p_max,
             100.0 * error.approach / solution.approach
-        )
-    });
+        ),
+        None => "no stated error includes it".into(),
+    };
     format!(
-        "the stated errors do not include the noise of the hull: {:.3} µm assumed and {:.3} µm found, {:.2} % of the approach{moved}",
+        "the hull's vertices have noise of {:.3} µm, and lie {:.3} µm from the fit through them, {:.2} % of the approach: {moved}",
         1e6 * hull.noise.found,
         1e6 * residual,
         100.0 * residual / solution.approach
@@ -398,8 +405,8 @@ fn undetected_noise(hull: &FittedHull, error: Option<HullError>, approach: f64) 
 /// The error that the distances of vertices cause, where it is more than requested.
 fn coarse_vertices(error: HullError, approach: f64) -> String {
     format!(
-        "the stated errors do not include that of the distances between the hull's vertices: up to {:.2} % of the peak (p_max_hull_pa), \
-         {:.2} % of the approach (approach_hull_m); vertices closer together lower that",
+        "the distances of the hull's vertices leave the peak uncertain by up to {:.2} % (p_max_hull_pa), which its error includes, and the \
+         approach by {:.2} % (approach_hull_m), which its error does not include; vertices closer together lower that",
         100.0 * error.p_max,
         100.0 * error.approach / approach
     )
@@ -415,19 +422,41 @@ fn at_rim(hull: &FittedHull, solution: &Solution) -> Option<String> {
     let [along, across] = [MARGIN * (x1 - x0), MARGIN * (y1 - y0)];
     let middle = [0.5 * (x0 + x1), 0.5 * (y0 + y1)];
     let sides = [
-        ("rear", [x0 - along, middle[1]]),
-        ("front", [x1 + along, middle[1]]),
-        ("right", [middle[0], y0 - across]),
-        ("left", [middle[0], y1 + across]),
+        ("rear, x", x0, [x0 - along, middle[1]]),
+        ("front, x", x1, [x1 + along, middle[1]]),
+        ("right, y", y0, [middle[0], y0 - across]),
+        ("left, y", y1, [middle[0], y1 + across]),
     ];
-    let outside = |place: &[f64; 2]| hull.underside.height(place[0], place[1]).is_infinite();
-    let (side, [x, y]) = sides.into_iter().find(|(_, place)| outside(place))?;
-    Some(format!(
-        "the contact reaches the {side} rim of what was scanned, at x = {:.1} mm, y = {:.2} mm: its pressure there is that of the rim; scan \
-         farther, or correct yaw, pitch and roll (`kufe hull check`)",
-        1e3 * x,
-        1e3 * y
-    ))
+    let outside = |place: [f64; 2]| hull.underside.height(place[0], place[1]).is_infinite();
+    let reached = sides.into_iter().filter(|(.., beyond)| outside(*beyond));
+    let reached = reached.map(|(side, end, _)| format!("{side} = {:.2} mm", 1e3 * end));
+    let reached: Vec<String> = reached.collect();
+    (!reached.is_empty()).then(|| {
+        format!(
+            "the contact reaches the rim of what was scanned ({}): its pressure there is that of the rim; scan farther, or correct yaw, pitch \
+             and roll (`kufe hull check`)",
+            reached.join("; ")
+        )
+    })
+}
+
+/// That a scan is turned about z, where its case states no rotation: its contact then lies aslant on
+/// the grid, which needs many more cells.
+fn turned(loaded: &LoadedCase, hull: &FittedHull) -> Option<String> {
+    const ASLANT: f64 = 0.005;
+    let runner = &loaded.case.runner;
+    let stated = [runner.yaw_rad, runner.pitch_rad, runner.roll_rad];
+    if stated.iter().any(Option::is_some) {
+        return None;
+    }
+    let orientation = Orientation::of(hull.scan.as_ref()?, hull.noise.found).ok()?;
+    let [.., yaw] = orientation.significant();
+    (yaw.abs() > ASLANT).then(|| {
+        format!(
+            "the hull is turned about z, into runner axes by runner.yaw_rad = {yaw:.4}: its contact lies aslant on the grid; `kufe hull check -o` \
+             writes a case with its yaw, pitch and roll"
+        )
+    })
 }
 
 impl SolvedContact {

@@ -85,6 +85,20 @@ impl Scale {
         }
     }
 
+    /// A number that its error exceeds, without its unit, with as many decimals as the error.
+    pub fn uncertain(&self, value: f64, error: f64) -> String {
+        let error = self.error(error);
+        if error.contains('e') {
+            return self.number(value);
+        }
+        let decimals = error.split_once('.').map_or(0, |(_, after)| after.len());
+        let text = format!("{:.decimals$}", self.times * value);
+        match text.strip_prefix('-') {
+            Some(zero) if !zero.contains(|c| ('1'..='9').contains(&c)) => zero.to_owned(),
+            _ => text,
+        }
+    }
+
     /// An error without its unit, with two digits.
     pub fn error(&self, value: f64) -> String {
         let value = self.times * value;
@@ -124,5 +138,8 @@ mod tests {
         }
         assert_eq!(Scale::of("m", 1e-5).error(1.6e-7), "0.16");
         assert_eq!(Scale::of("Pa", 1e8).error(1.07e6), "1.1");
+        assert_eq!(Scale::of("Pa", 1e8).uncertain(659_500.0, 5.6e6), "0.7");
+        assert_eq!(Scale::of("Pa", 1e8).uncertain(-2510.0, 6.152e6), "0.0");
+        assert_eq!(Scale::of("m", 1e-5).uncertain(7.4e-8, 3.3e-7), "0.07");
     }
 }

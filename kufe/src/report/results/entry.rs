@@ -135,8 +135,15 @@ impl Entry<'_> {
             },
         };
         let Datum::List(values) = self.value else {
-            let error = self.error.map(|error| format!(" ± {}", scale.error(error)));
-            return single(self.value) + &error.unwrap_or_default();
+            let Some(error) = self.error else {
+                return single(self.value);
+            };
+            let exceeded = |value: &f64| error.is_finite() && value.abs() < error;
+            let value = match self.value.number().filter(exceeded) {
+                Some(value) => scale.uncertain(value, error),
+                None => single(self.value),
+            };
+            return format!("{value} ± {}", scale.error(error));
         };
         let all = values.iter().map(single).collect::<Vec<_>>().join(", ");
         match values.len() {

@@ -46,10 +46,15 @@ pub fn records(rows: &[Datum]) -> String {
         // Rows that name a column or key have units of their own.
         let names_key = |row: &&Data| row.get("column").or(row.get("key")).is_some();
         let is_own = unit.is_empty() && shown.iter().any(names_key);
-        for ((entry, row), texts) in column.iter().zip(shown).zip(&mut texts) {
+        let rows = shown.iter().zip(&cells);
+        for ((entry, (row, all)), texts) in column.iter().zip(rows).zip(&mut texts) {
             texts.push(match entry {
                 Some(entry) if is_own => {
-                    entry.in_unit(&Scale::of(&own_unit(row, entry), entry.largest()))
+                    // The row's figures of this unit are read beside one another.
+                    let unit = own_unit(row, entry);
+                    let alike = all.iter().filter(|other| own_unit(row, other) == unit);
+                    let largest = alike.map(Entry::largest).fold(0.0, f64::max);
+                    entry.in_unit(&Scale::of(&unit, largest))
                 }
                 Some(entry) => entry.number(&scale),
                 None => String::new(),

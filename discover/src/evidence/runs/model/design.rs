@@ -270,8 +270,9 @@ impl Design<'_> {
             .par_iter()
             .map(|frame| {
                 let (columns, locals) = self.columns_and_locals(frame);
+                let full = self.squares(frame, &columns);
                 let (windows, window_norms) = match self.windows.is_empty() {
-                    true => (DMatrix::zeros(0, self.fitted()), Vec::new()),
+                    true => (DMatrix::zeros(0, full.ncols()), Vec::new()),
                     false => {
                         let all = self.with_discrepancy(frame, &columns);
                         self.window_products(frame, &all, &locals)
@@ -289,7 +290,7 @@ impl Design<'_> {
                     })
                     .collect();
                 Products {
-                    full: self.squares(frame, &columns),
+                    full,
                     windows,
                     window_norms,
                     shares,
