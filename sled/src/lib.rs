@@ -86,7 +86,7 @@ pub use record::check::odd_stretch::{OddKind, OddStretch};
 pub use record::check::profile::{Octave, Profile};
 pub use record::file_names::{file_stem, run_file, track_file};
 pub use record::files::{RunFormat, read_good_runs, read_needed, read_run, read_runs, write_run};
-pub use record::gaps::{Gaps, OnGaps, SampleCoverage, Saturation, gaps_line};
+pub use record::gaps::{Gaps, OnGaps, SampleCoverage, Saturation, gaps_line, rows_held};
 pub use record::index::{
     COVARIATE, Entry, ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS, covariates, read_index,
     write_index,
@@ -97,9 +97,11 @@ pub use replay::compared::{Compared, Difference, Section};
 pub use replay::drive::{Replay, beside_measured, replay};
 pub use replay::inputs::{Inputs, READ, Reading, read_for_replay};
 pub use series::{
-    bridged, correlation, derivative, distinct, integral, low_pass, resample, resample_stretches,
+    bridged, correlation, derivative, distinct, integral, low_pass, median, resample,
+    resample_stretches,
 };
 pub use signals::prepare::{PrepareOptions, Prepared, prepare, prepare_all};
+pub use signals::sensed::estimate_noise;
 pub use simulate::drive::{EnergyBalance, SimulateOptions, Simulated, simulate};
 pub use simulate::driver::Driver;
 pub use simulate::dynamics::{Instant, WallContact};
