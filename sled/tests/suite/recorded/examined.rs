@@ -208,6 +208,15 @@ fn a_value_that_is_repeated_until_the_next_is_no_end_stop() {
 }
 
 #[test]
+fn a_lateral_force_is_not_late_for_want_of_a_slip_sensor() {
+    let mut run = clean();
+    run.columns.remove("alpha_rad");
+    let told = said(&run, |lines| lines);
+    assert!(told.channels["ay_mps2"].delay_s.is_none());
+    assert!(told.channels["yaw_rate_radps"].delay_s.is_some());
+}
+
+#[test]
 fn exchanged_channels_are_wrong_and_both_named() {
     let exchanged = said(&clean(), |mut lines| {
         lines[0] = lines[0]
