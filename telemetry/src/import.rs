@@ -25,6 +25,9 @@ pub struct Importer {
     sha256: String,
 }
 
+/// Most that is cut off the end of a run for a slow channel [s].
+const CUT_S: f64 = 0.25;
+
 /// A run, and how it was made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
@@ -248,11 +251,30 @@ impl Importer {
                 *span = [span[0].min(*t + late), span[1].max(*t + late)];
             }
         }
+        let rate = self.mapping.rate_hz;
+        // A channel slower than the run ends before its logger, by less than its own step: there
+        // the run ends too, and has no gap at its end.
+        for own in read.iter().map(|read| &read.own) {
+            let late = self.mapping.channels[&own.column].delay_s.unwrap_or(0.0);
+            let both = own.series.time.iter().zip(&own.series.values);
+            let both = both.filter(|(t, x)| t.is_finite() && x.is_finite());
+            let times: Vec<f64> = both.map(|(t, _)| t + late).collect();
+            let (Some(first), Some(last)) = (times.first(), times.last()) else {
+                continue;
+            };
+            let step = (last - first) / (times.len() - 1).max(1) as f64;
+            let short = 0.0..step.min(CUT_S);
+            let span = spans.get_mut(own.logger.as_str());
+            if let Some([_, end]) = span.filter(|[_, end]| short.contains(&(end - last)))
+                && step * rate > 1.5
+            {
+                *end = *last;
+            }
+        }
         let all = [f64::NEG_INFINITY, f64::INFINITY];
         let shared =
             |[start, end]: [f64; 2], span: &[f64; 2]| [start.max(span[0]), end.min(span[1])];
         let [start, end] = spans.values().fold(all, shared);
-        let rate = self.mapping.rate_hz;
         // Rows are at samples of the lead, so that they need no interpolation where rates are
         // multiples.
         let lead = spans.get(self.mapping.lead()).map_or(start, |span| span[0]);
@@ -382,7 +404,7 @@ fn rotate(
 /// Leaves one sample of each value that a logger repeats until a slower sensor sends the next: the
 /// repetitions would make the channel late by half that sensor's step.
 fn drop_repetitions(series: &mut Series) {
-    let values = &mut series.values;
+    let Series { time, values } = series;
     let Some(rows) = rows_held(std::iter::once(values.as_slice())) else {
         return;
     };
@@ -393,7 +415,7 @@ fn drop_repetitions(series: &mut Series) {
         // Two equal values of the sensor are two samples.
         let samples = (length as f64 / rows as f64).round().max(1.0) as usize;
         for i in (0..length).filter(|i| i % rows != 0 || i / rows >= samples) {
-            values[begin + i] = f64::NAN;
+            (time[begin + i], values[begin + i]) = (f64::NAN, f64::NAN);
         }
         begin += length.max(1);
     }

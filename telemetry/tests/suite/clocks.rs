@@ -268,7 +268,9 @@ fn a_speed_that_a_logger_repeats_until_the_next_is_not_late() {
     let (run, note) = (&imported[0].run, &imported[0].note);
     let delay = note.loggers["gps"].clock.delay_s;
     assert!((delay - DELAYS[0]).abs() < 2e-3, "{delay}");
-    assert!((note.channels["v_mps"].rate_hz - 20.0).abs() < 0.01);
+    let speed = &note.channels["v_mps"];
+    assert!((speed.rate_hz - 20.0).abs() < 0.01 && speed.missing_rows == 0);
+    assert_eq!(speed.samples, speed.expected_samples);
     // As repeated it is 25 ms late: 0.05 m/s. At the ends the last value is repeated.
     let speeds = run.columns["v_mps"].iter().enumerate();
     for (row, speed) in speeds.skip(50).take(run.len() - 100) {
