@@ -15,7 +15,7 @@ const FEW_LINES = 6;
 const FRAME = 14;
 const DELTA = { key: "@delta", label: "time behind the reference", unit: "s", times: 1 };
 const EVENTS = {
-  gap: ["gap", "--steel"], saturated: ["at its stop", "--second"], leap: ["leap", "--fourth"], "drop-out": ["drop-out", "--fourth"], still: ["one value", "--third"],
+  gap: ["gap", "--steel"], saturated: ["at its stop", "--second"], leap: ["leap", "--fourth"], "drop-out": ["drop-out", "--ink"], still: ["one value", "--third"],
   contact: ["pushed from outside", "--warn-line"], section: ["run and model differ", "--accent"],
 };
 

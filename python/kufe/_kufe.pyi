@@ -162,7 +162,7 @@ class Contact:
     def write(self, folder: _Path, *, mat: bool = False) -> None:
         """
         Writes what `kufe press` writes into `folder`, which must be new or empty; all files or
-        none. `mat` adds `result.mat`.
+        none. `mat` adds `result.mat`. A contact from a pickle has no meshes to write.
         """
     def plot(self, ax: Any = None) -> Any:
         """
@@ -365,6 +365,39 @@ class Simulation:
         """
 
 @final
+class Replay:
+    """A measured run that the model drove again, compared with the measurement."""
+
+    @property
+    def differences(self) -> list[dict[str, Any]]:
+        """
+        How far run and model are apart, one dictionary a column: `rms`, `end`, `largest` in the
+        column's unit, measured minus model.
+        """
+    @property
+    def sections(self) -> list[dict[str, Any]]:
+        """
+        Where they part, one dictionary a stretch: `from_m`, `to_m` [m], and `lost_s`, the time that
+        the run loses there [s].
+        """
+    @property
+    def result(self) -> dict[str, Any]:
+        """What the command writes to `simulation.json`."""
+    @property
+    def remarks(self) -> list[str]:
+        """Remarks on the run."""
+    def series(self) -> dict[str, NDArray[np.float64]]:
+        """
+        The model's channels as arrays, `t_s` among them, and what was measured at the same places:
+        `v_measured_mps` and the like, NaN where nothing was.
+        """
+    def write(self, folder: _Path, *, parquet: bool = False) -> None:
+        """
+        Writes `runs.csv`, the run and the table of the track into `folder`, which must be new or
+        empty; all files or none. `parquet` writes Parquet instead of CSV.
+        """
+
+@final
 class Fit:
     """Lateral friction of both runners, fitted to recorded runs."""
 
@@ -425,6 +458,15 @@ class Evaluation:
         `evaluation.json`.
         """
     @property
+    def drivers(self) -> list[dict[str, Any]]:
+        """
+        The time that each driver loses on each track, `lost_s`, and along it, `stretches`; one
+        dictionary a driver and track.
+        """
+    @property
+    def result(self) -> dict[str, Any]:
+        """What the command writes to `evaluation.json`."""
+    @property
     def left_out(self) -> list[str]:
         """Runs left out, and why."""
     @property
@@ -442,7 +484,10 @@ class Discovery:
 
     @property
     def verdict(self) -> str:
-        """The outcome in one word: named, one-of, depends-on, located, none or not-identifiable."""
+        """
+        The outcome in one word: named, one-of, law, depends-on, located, not-identifiable,
+        inadequate or none.
+        """
     @property
     def sentence(self) -> str:
         """The outcome in a sentence."""
@@ -545,6 +590,23 @@ def simulate(
     progress: _Progress = None,
 ) -> Simulation:
     """Drive a sled down a track and record it like a measured run."""
+
+def replay(
+    model: _Path,
+    track: _Path,
+    runs: _Path,
+    *,
+    run: str,
+    strict: bool = False,
+    rate_hz: float = 500.0,
+    step_s: float = 0.001,
+    most_s: float = 600.0,
+    progress: _Progress = None,
+) -> Replay:
+    """
+    Drive the model with the start and the steering of the run of this name in `runs`, an index, and
+    compare both.
+    """
 
 def import_runs(
     mapping: _Path, folder: _Path, *, strict: bool = False, progress: _Progress = None

@@ -4,7 +4,7 @@ import html
 
 import numpy as np
 
-from ._kufe import Table
+from ._kufe import Contact, Table
 
 FIELDS = {"pressure_pa": "Pa", "gap_m": "m", "uz_m": "m", "groove_m": "m"}
 AXES = {"rocker_radius_m": "m", "v_mps": "m/s", "ice_c": "degC"}
@@ -106,3 +106,8 @@ def table_to_dataframe(table):
 def table_of_bytes(content, shortfall):
     """The table that a pickle holds."""
     return Table._of_bytes(content, shortfall)
+
+
+def contact_of_pickle(result, warnings, arrays):
+    """The contact that a pickle holds."""
+    return Contact._of_pickle(result, warnings, arrays)

@@ -6,9 +6,10 @@ use std::sync::Arc;
 use kufe::jobs::field::write_contact;
 use kufe::jobs::{SolvedContact, case_file::LoadedCase, with_progress};
 use kufe_contact::Options;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt};
+use serde_json::Value;
 
 use crate::error::{InputError, bad_input, raised};
 use crate::folder::write_folder;
@@ -196,41 +197,81 @@ pub struct Contact {
     solved: Py<Solved>,
 }
 
-/// The whole of a solved case.
+/// What a contact's arrays and dictionaries are made of.
 #[pyclass(frozen, module = "kufe")]
-struct Solved(Arc<SolvedContact>);
+struct Solved {
+    /// The content of `result.json`.
+    result: Value,
+    warnings: Vec<String>,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    pressure: Vec<f64>,
+    gap: Vec<f64>,
+    uz: Vec<f64>,
+    groove: Option<Vec<f64>>,
+    /// The solution with its meshes; none of a contact from a pickle.
+    contact: Option<Arc<SolvedContact>>,
+}
+
+impl Solved {
+    fn of(contact: SolvedContact) -> PyResult<Solved> {
+        let surface = &contact.solution.surface;
+        Ok(Solved {
+            result: serde_json::to_value(contact.result()).map_err(bad_input)?,
+            warnings: contact.warnings.clone(),
+            x: surface.x.clone(),
+            y: surface.y.clone(),
+            pressure: surface.pressure.clone(),
+            gap: surface.gap.clone(),
+            uz: surface.uz.clone(),
+            groove: contact
+                .sliding
+                .as_ref()
+                .map(|slid| slid.groove.depth.clone()),
+            contact: Some(Arc::new(contact)),
+        })
+    }
+}
+
+/// A function that makes a contact, and its arguments: the text of `result.json`, warnings, and x,
+/// y, pressure, gap, displacement and, of a sliding runner, groove.
+type Pickled<'py> = (
+    Bound<'py, PyAny>,
+    (String, Vec<String>, Vec<Bound<'py, PyArray1<f64>>>),
+);
 
 impl Contact {
-    fn new(py: Python<'_>, solved: SolvedContact) -> PyResult<Contact> {
-        let solution = &solved.solution;
+    fn new(py: Python<'_>, solved: Solved) -> PyResult<Contact> {
+        let figure = |key: &str| solved.result[key].as_f64().unwrap_or(f64::NAN);
+        let under_peak = |key: &str| solved.result["subsurface"][key].as_f64();
         Ok(Contact {
-            p_max_pa: solution.p_max,
-            p_max_error_pa: solution.p_max_error,
-            p_mean_pa: solution.p_mean,
-            p_mean_error_pa: solution.p_mean_error,
-            area_m2: solution.area,
-            area_error_m2: solution.area_error,
-            length_m: solution.length,
-            length_error_m: solution.length_error,
-            width_m: solution.width,
-            width_error_m: solution.width_error,
-            approach_m: solution.approach,
-            approach_error_m: solution.approach_error,
-            pitch_rad: solution.pitch,
-            pitch_error_rad: solution.pitch_error,
-            roll_rad: solution.roll,
-            roll_error_rad: solution.roll_error,
-            fz_n: solution.fz,
-            max_shear_pa: solution.under_peak.map(|u| u.shear),
-            max_shear_error_pa: solution.under_peak.map(|u| u.shear_error),
-            max_shear_depth_m: solution.under_peak.map(|u| u.depth),
-            max_shear_depth_error_m: solution.under_peak.map(|u| u.depth_error),
-            solved: Py::new(py, Solved(Arc::new(solved)))?,
+            p_max_pa: figure("p_max_pa"),
+            p_max_error_pa: figure("p_max_error_pa"),
+            p_mean_pa: figure("p_mean_pa"),
+            p_mean_error_pa: figure("p_mean_error_pa"),
+            area_m2: figure("area_m2"),
+            area_error_m2: figure("area_error_m2"),
+            length_m: figure("length_m"),
+            length_error_m: figure("length_error_m"),
+            width_m: figure("width_m"),
+            width_error_m: figure("width_error_m"),
+            approach_m: figure("approach_m"),
+            approach_error_m: figure("approach_error_m"),
+            pitch_rad: figure("pitch_rad"),
+            pitch_error_rad: figure("pitch_error_rad"),
+            roll_rad: figure("roll_rad"),
+            roll_error_rad: figure("roll_error_rad"),
+            fz_n: figure("fz_n"),
+            max_shear_pa: under_peak("max_shear_pa"),
+            max_shear_error_pa: under_peak("max_shear_error_pa"),
+            max_shear_depth_m: under_peak("max_shear_depth_m"),
+            max_shear_depth_error_m: under_peak("max_shear_depth_error_m"),
+            solved: Py::new(py, solved)?,
         })
     }
 
-    fn solved(&self) -> &Arc<SolvedContact> {
-        &self.solved.get().0
+    fn solved(&self) -> &Solved {
+        self.solved.get()
     }
 }
 
@@ -334,7 +375,7 @@ fn solved(
     })?;
     let pressed = worked.value.map_err(raised)?;
     let short = pressed.short.clone();
-    let contact = Contact::new(py, pressed)?;
+    let contact = Contact::new(py, Solved::of(pressed)?)?;
     let Some(failure) = short else {
         return Ok(contact);
     };
@@ -348,39 +389,38 @@ impl Contact {
     /// Node coordinates along the runner, increasing [m].
     #[getter]
     fn x_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.solved().solution.surface.x.clone().into_pyarray(py)
+        PyArray1::from_slice(py, &self.solved().x)
     }
 
     /// Node coordinates across the runner, increasing [m].
     #[getter]
     fn y_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.solved().solution.surface.y.clone().into_pyarray(py)
+        PyArray1::from_slice(py, &self.solved().y)
     }
 
     /// Contact pressure at the nodes, `len(y_m)` rows of `len(x_m)` [Pa].
     #[getter]
     fn pressure_pa<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.on_surface(py, &self.solved().solution.surface.pressure)
+        self.on_surface(py, &self.solved().pressure)
     }
 
     /// Gap at the nodes, 0 in contact, infinite where there is no hull [m].
     #[getter]
     fn gap_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.on_surface(py, &self.solved().solution.surface.gap)
+        self.on_surface(py, &self.solved().gap)
     }
 
     /// Vertical displacement of the ice's surface at the nodes, upwards positive [m].
     #[getter]
     fn uz_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.on_surface(py, &self.solved().solution.surface.uz)
+        self.on_surface(py, &self.solved().uz)
     }
 
     /// Plastic depth of the ice at the nodes, `None` for a runner at rest [m].
     #[getter]
     fn groove_m<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        let slid = self.solved().sliding.as_ref();
-        slid.map(|slid| self.on_surface(py, &slid.groove.depth))
-            .transpose()
+        let groove = self.solved().groove.as_ref();
+        groove.map(|groove| self.on_surface(py, groove)).transpose()
     }
 
     /// Warnings and remarks.
@@ -390,10 +430,14 @@ impl Contact {
     }
 
     /// Writes what `kufe press` writes into `folder`, which must be new or empty; all files or
-    /// none. `mat` adds `result.mat`.
+    /// none. `mat` adds `result.mat`. A contact from a pickle has no meshes to write.
     #[pyo3(signature = (folder, *, mat = false))]
     fn write(&self, py: Python<'_>, folder: PathBuf, mat: bool) -> PyResult<()> {
-        let pressed = self.solved().clone();
+        let Some(pressed) = self.solved().contact.clone() else {
+            return Err(InputError::new_err(
+                "a contact from a pickle has no meshes: expected one that was solved in this process (write it before, or solve its case again)",
+            ));
+        };
         let worked = work(py, None, move |watch, _| {
             write_folder(&folder, watch, |files| write_contact(files, &pressed, mat))
         })?;
@@ -428,17 +472,72 @@ impl Contact {
     /// What the command writes to `result.json`, the case and the history included.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, &self.solved().result())
+        to_python(py, &self.solved().result)
+    }
+
+    /// The contact that a pickle holds.
+    #[staticmethod]
+    fn _of_pickle(
+        py: Python<'_>,
+        result: &str,
+        warnings: Vec<String>,
+        arrays: Vec<PyReadonlyArray1<'_, f64>>,
+    ) -> PyResult<Contact> {
+        let mut arrays = arrays.iter().map(|array| array.as_array().to_vec());
+        let mut next = || {
+            arrays
+                .next()
+                .ok_or_else(|| bad_input("a pickle without arrays"))
+        };
+        let solved = Solved {
+            result: serde_json::from_str(result).map_err(bad_input)?,
+            warnings,
+            x: next()?,
+            y: next()?,
+            pressure: next()?,
+            gap: next()?,
+            uz: next()?,
+            groove: next().ok(),
+            contact: None,
+        };
+        Contact::new(py, solved)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
+        let (py, solved) = (slf.py(), slf.get().solved());
+        let of_pickle = py.import("kufe._views")?.getattr("contact_of_pickle")?;
+        let arrays = [
+            &solved.x,
+            &solved.y,
+            &solved.pressure,
+            &solved.gap,
+            &solved.uz,
+        ];
+        let arrays = arrays.into_iter().chain(&solved.groove);
+        let arrays = arrays.map(|values| PyArray1::from_slice(py, values));
+        let result = solved.result.to_string();
+        Ok((
+            of_pickle,
+            (result, solved.warnings.clone(), arrays.collect()),
+        ))
+    }
+
+    // A copy keeps the meshes.
+    fn __copy__<'py>(slf: &Bound<'py, Self>) -> Bound<'py, Self> {
+        slf.clone()
+    }
+
+    fn __deepcopy__<'py>(slf: &Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
+        slf.clone()
     }
 
     fn __repr__(&self) -> String {
-        let solution = &self.solved().solution;
         format!(
             "<kufe.Contact p_max {:.2} MPa +- {:.2}, {:.3} mm x {:.4} mm>",
-            solution.p_max / 1e6,
-            solution.p_max_error / 1e6,
-            solution.length * 1e3,
-            solution.width * 1e3
+            self.p_max_pa / 1e6,
+            self.p_max_error_pa / 1e6,
+            self.length_m * 1e3,
+            self.width_m * 1e3
         )
     }
 }
@@ -458,7 +557,7 @@ impl Contact {
         py: Python<'py>,
         values: &[f64],
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let surface = &self.solved().solution.surface;
-        PyArray1::from_slice(py, values).reshape([surface.y.len(), surface.x.len()])
+        let solved = self.solved();
+        PyArray1::from_slice(py, values).reshape([solved.y.len(), solved.x.len()])
     }
 }

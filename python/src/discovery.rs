@@ -77,7 +77,8 @@ pub fn discover(
 
 #[pymethods]
 impl Discovery {
-    /// The outcome in one word: named, one-of, depends-on, located, none or not-identifiable.
+    /// The outcome in one word: named, one-of, law, depends-on, located, not-identifiable,
+    /// inadequate or none.
     #[getter]
     fn verdict(&self, py: Python<'_>) -> PyResult<String> {
         to_python(py, &self.report.verdict)?.extract()

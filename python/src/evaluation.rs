@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use kufe::jobs::runs::RunSelection;
-use kufe_sled::{DrivingForce, RunEvaluation, groups};
+use kufe::results::Evaluation as EvaluationDocument;
+use kufe_sled::DrivingForce;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -14,11 +15,7 @@ use crate::work::work;
 /// What drivers lose compared with a straight glide.
 #[pyclass(frozen, module = "kufe")]
 pub struct Evaluation {
-    runs: Vec<RunEvaluation>,
-    groups: Vec<kufe_sled::Group>,
-    /// Excluded runs, and why.
-    #[pyo3(get)]
-    left_out: Vec<String>,
+    document: EvaluationDocument,
     /// Remarks on the runs.
     #[pyo3(get)]
     remarks: Vec<String>,
@@ -63,14 +60,10 @@ pub fn evaluate(
     let worked = work(py, progress, move |watch, _| {
         let loaded = selection.load(watch, |_| true)?;
         let runs = kufe_sled::evaluate(&loaded.prepared, &loaded.vehicle);
-        let groups = groups(&runs, seed);
-        Ok((runs, groups, loaded.used.left_out))
+        Ok(EvaluationDocument::new(runs, loaded.used, seed))
     })?;
-    let (runs, groups, left_out) = worked.value.map_err(raised)?;
     Ok(Evaluation {
-        runs,
-        groups,
-        left_out,
+        document: worked.value.map_err(raised)?,
         remarks: worked.warnings,
     })
 }
@@ -80,21 +73,41 @@ impl Evaluation {
     /// One dictionary a run, as in `evaluation.json`.
     #[getter]
     fn runs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, &self.runs)
+        to_python(py, &self.document.runs)
     }
 
     /// Means by driver and by track, each with its 95 % interval over runs, as in
     /// `evaluation.json`.
     #[getter]
     fn groups<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, &self.groups)
+        to_python(py, &self.document.groups)
+    }
+
+    /// The time that each driver loses on each track, `lost_s`, and along it, `stretches`; one
+    /// dictionary a driver and track.
+    #[getter]
+    fn drivers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.document.drivers)
+    }
+
+    /// What the command writes to `evaluation.json`.
+    #[getter]
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.document)
+    }
+
+    /// Excluded runs, and why.
+    #[getter]
+    fn left_out(&self) -> Vec<String> {
+        self.document.used.left_out.clone()
     }
 
     /// One run's samples as arrays: time, place, force along the motion as driven and of a straight
     /// glide, angles.
     fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
-        let Some(found) = self.runs.iter().find(|evaluated| evaluated.run == run) else {
-            let known = self.runs.iter().map(|run| run.run.as_str());
+        let runs = &self.document.runs;
+        let Some(found) = runs.iter().find(|evaluated| evaluated.run == run) else {
+            let known = runs.iter().map(|run| run.run.as_str());
             return Err(no_such_run(run, known));
         };
         let columns: [Column<DrivingForce>; 8] = [
@@ -111,6 +124,6 @@ impl Evaluation {
     }
 
     fn __repr__(&self) -> String {
-        format!("<kufe.Evaluation of {} runs>", self.runs.len())
+        format!("<kufe.Evaluation of {} runs>", self.document.runs.len())
     }
 }

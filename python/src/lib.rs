@@ -7,6 +7,7 @@
 //! | `friction` | `friction`, `friction_table` |
 //! | `table` | `Table`, `fill_table` |
 //! | `simulation` | `simulate`, `Simulation` |
+//! | `replay` | `replay`, `Replay` |
 //! | `lateral` | `fit`, `Fit`, `validate`, `Validation` |
 //! | `evaluation` | `evaluate`, `Evaluation` |
 //! | `recordings` | `import_runs`, `report` |
@@ -25,6 +26,7 @@ mod hull;
 mod json;
 mod lateral;
 mod recordings;
+mod replay;
 mod simulation;
 mod table;
 mod work;
@@ -50,6 +52,8 @@ mod _kufe {
     use crate::lateral::{Fit, Validation, fit, validate};
     #[pymodule_export]
     use crate::recordings::{import_runs, report};
+    #[pymodule_export]
+    use crate::replay::{Replay, replay};
     #[pymodule_export]
     use crate::simulation::{Simulation, simulate};
     #[pymodule_export]

@@ -132,36 +132,52 @@ impl Simulation {
             let known = self.runs.iter().map(|run| run.entry.run.as_str());
             return Err(no_such_run(run, known));
         };
-        let arrays = PyDict::new(py);
-        let times = (0..found.len()).map(|i| found.t0_s + i as f64 * found.dt_s);
-        arrays.set_item("t_s", PyArray1::from_iter(py, times))?;
-        for (name, values) in &found.columns {
-            arrays.set_item(name, PyArray1::from_slice(py, values))?;
-        }
-        Ok(arrays)
+        channels(py, found)
     }
 
     /// Writes `runs.csv`, one file a run and the table of the track into `folder`, which must be
     /// new or empty; all files or none. `parquet` writes Parquet instead of CSV.
     #[pyo3(signature = (folder, *, parquet = false))]
     fn write(&self, py: Python<'_>, folder: PathBuf, parquet: bool) -> PyResult<()> {
-        let (runs, track) = (self.runs.clone(), self.track.clone());
-        let format = if parquet {
-            RunFormat::Parquet
-        } else {
-            RunFormat::Csv
-        };
-        let worked = work(py, None, move |watch, _| {
-            write_folder(&folder, watch, |files| {
-                write_runs(files, &mut runs.to_vec(), format)?;
-                write_track(files, &track)
-            })
-        })?;
-        worked.value.map_err(raised)
+        let (runs, track) = (self.runs.to_vec(), self.track.clone());
+        write(py, folder, runs, track, parquet)
     }
 
     fn __repr__(&self) -> String {
         let (runs, track) = (self.runs.len(), &self.document.track);
         format!("<kufe.Simulation of {runs} runs on {track}>")
     }
+}
+
+/// A run's channels as arrays by name, `t_s` among them.
+pub fn channels<'py>(py: Python<'py>, run: &Run) -> PyResult<Bound<'py, PyDict>> {
+    let arrays = PyDict::new(py);
+    let times = (0..run.len()).map(|i| run.t0_s + i as f64 * run.dt_s);
+    arrays.set_item("t_s", PyArray1::from_iter(py, times))?;
+    for (name, values) in &run.columns {
+        arrays.set_item(name, PyArray1::from_slice(py, values))?;
+    }
+    Ok(arrays)
+}
+
+/// Writes runs, their index and the table of their track into a folder that is new or empty.
+pub fn write(
+    py: Python<'_>,
+    folder: PathBuf,
+    mut runs: Vec<Run>,
+    track: Arc<Track>,
+    parquet: bool,
+) -> PyResult<()> {
+    let format = if parquet {
+        RunFormat::Parquet
+    } else {
+        RunFormat::Csv
+    };
+    let worked = work(py, None, move |watch, _| {
+        write_folder(&folder, watch, |files| {
+            write_runs(files, &mut runs, format)?;
+            write_track(files, &track)
+        })
+    })?;
+    worked.value.map_err(raised)
 }

@@ -1,6 +1,8 @@
 """Cases and their solutions."""
 
+import copy
 import json
+import pickle
 import signal
 import subprocess
 import sys
@@ -187,6 +189,22 @@ def test_a_contact_is_written_as_the_command_writes_it(tmp_path):
     with pytest.raises(kufe.InputError, match="not empty"):
         contact.write(tmp_path / "new" / "out")
     assert [path.name for path in (tmp_path / "new").iterdir()] == ["out"]
+
+
+def test_a_contact_is_pickled_without_its_meshes(tmp_path):
+    solved = kufe.press(kufe.Case(PARABOLOID), accuracy=0.05, subsurface=True)
+    case = kufe.Case(PARABOLOID).replace({"load.tilt": "fixed", "load.fz_n": 950.0})
+    for contact in (solved, kufe.slide(case, 20.0, -5.0, accuracy=0.05)):
+        again = pickle.loads(pickle.dumps(contact))
+        for name in vars(kufe.Contact):
+            value = getattr(contact, name)
+            if not name.startswith("_") and not callable(value):
+                np.testing.assert_equal(getattr(again, name), value)
+        assert repr(again) == repr(contact)
+        with pytest.raises(kufe.InputError, match="has no meshes"):
+            again.write(tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+    copy.deepcopy(solved).write(tmp_path / "out")
 
 
 def test_a_contact_is_shown_and_tabled():

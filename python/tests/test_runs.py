@@ -90,6 +90,8 @@ def test_a_straight_glide_loses_nothing_by_driving(runs, model):
         v1 = c * np.tan(np.arctan(v0 / c) - c * k * t)
         assert run["e_tot_loss_j"] == pytest.approx(0.5 * 390.0 * (v1**2 - v0**2), rel=0.01)
     assert evaluation.groups and evaluation.left_out == []
+    assert [row["driver"] for row in evaluation.drivers] == ["Driver"]
+    assert evaluation.result["drivers"] == evaluation.drivers
     series = evaluation.series("two")
     assert series["t_s"].shape == series["actual_n"].shape
     assert np.allclose(series["actual_n"], series["ideal_n"])
@@ -184,6 +186,34 @@ def test_wrong_simulations_are_named(driven):
         driven.series("none")
     with pytest.raises(kufe.InputError, match="not empty"):
         driven.write(folder / "runs")
+
+
+def test_a_run_is_driven_again(driven, tmp_path):
+    folder, _ = driven
+    files = (folder / "model.toml", folder / "track_test.csv", folder / "runs" / "runs.csv")
+    again = kufe.replay(*files, run="run_002")
+    # The same model drove both: digits of the file remain.
+    difference = {row["column"]: row["rms"] for row in again.differences}
+    assert difference["v_mps"] < 1e-3 and difference["yaw_rate_radps"] < 1e-3
+    series = again.series()
+    measured = series["v_measured_mps"]
+    there = np.isfinite(measured)
+    assert there.mean() > 0.99 and np.allclose(series["v_mps"][there], measured[there], atol=1e-3)
+    assert again.result["replay"]["run"] == "run_002" and again.result["finished"]
+    assert again.result["replay"]["sections"] == again.sections and "run_002 on test" in repr(again)
+    again.write(tmp_path / "again")
+    names = {path.name for path in (tmp_path / "again").iterdir()}
+    assert names == {"runs.csv", "run_002.csv", "track_test.csv"}
+    with pytest.raises(kufe.InputError, match="run_9: the runs are run_001, run_002, run_003"):
+        kufe.replay(*files, run="run_9")
+
+
+def test_noise_that_the_runs_do_not_have_is_told_in_a_fit(driven):
+    folder, _ = driven
+    model = folder / "noisy.toml"
+    model.write_text(MODEL + "[noise]\nslip_rad = 0.0005\n")
+    remarks = kufe.fit(folder / "runs" / "runs.csv", model).remarks
+    assert any("leave [noise] out" in remark for remark in remarks)
 
 
 def test_a_fit_finds_the_grip_that_runs_were_driven_with_and_validates_the_others(driven):

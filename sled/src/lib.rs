@@ -85,7 +85,7 @@ pub use record::check::odd_stretch::{OddKind, OddStretch};
 pub use record::check::profile::{Octave, Profile};
 pub use record::file_names::{file_stem, run_file, track_file};
 pub use record::files::{RunFormat, read_good_runs, read_needed, read_run, read_runs, write_run};
-pub use record::gaps::{Gaps, OnGaps, SampleCoverage, Saturation, gaps_line};
+pub use record::gaps::{Gaps, OnGaps, SampleCoverage, Saturation, gaps_line, rows_held};
 pub use record::index::{
     COVARIATE, Entry, ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS, covariates, read_index,
     write_index,
@@ -99,6 +99,7 @@ pub use series::{
     bridged, correlation, derivative, distinct, integral, low_pass, median, resample,
     resample_stretches,
 };
+pub use signals::filtered::estimate_noise;
 pub use signals::prepare::{PrepareOptions, Prepared, prepare, prepare_all};
 pub use simulate::drive::{EnergyBalance, SimulateOptions, Simulated, simulate};
 pub use simulate::driver::Driver;

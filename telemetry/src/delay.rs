@@ -92,10 +92,10 @@ pub(crate) fn align(
         for name in open {
             let late: Vec<&LoggerSeries> = series.iter().filter(|own| own.logger == name).collect();
             match delay(&late, &known, &place, mapping.logger[name].largest_delay_s) {
-                Ok((clock, remark)) => {
+                Ok((clock, odd)) => {
                     add(name, clock.delay_s, &mut known);
                     let named = |text| format!("run {}: logger {name}: {text}", planned.name);
-                    remarks.extend(remark.map(named));
+                    remarks.extend(odd.into_iter().map(named));
                     clocks.insert(name.to_string(), clock);
                 }
                 Err(reason) => {
@@ -154,7 +154,7 @@ fn without_saturation(series: &LoggerSeries) -> LoggerSeries {
 /// Samples at one end of the range that are saturation.
 const SATURATED: usize = 4;
 
-/// Finds the clock of a logger, with a remark: each relation's own delay within the best common fit,
+/// Finds the clock of a logger, with remarks: each relation's own delay within the best common fit,
 /// then their mean by their errors.
 ///
 /// # Errors
@@ -164,7 +164,7 @@ fn delay(
     known: &[LoggerSeries],
     place: &Place,
     within: Option<f64>,
-) -> Result<(LoggerClock, Option<String>), String> {
+) -> Result<(LoggerClock, Vec<String>), String> {
     let pairs = pairs(late, known, place);
     if pairs.is_empty() {
         return Err("no channels of it are related to those of the others".to_string());
@@ -195,8 +195,23 @@ fn delay(
             best.1, best.0
         ));
     }
-    Ok(mean(&found))
+    let (clock, mut remarks) = mean(&found);
+    // A column of the other sign fits at no delay.
+    for (pair, corner) in pairs.iter().zip(&corners) {
+        let sides = pair.column().and_then(|_| pair.sides(first.min(*corner)));
+        let rho = sides.and_then(|sides| correlation(&sides, clock.delay_s, SAMPLES * first));
+        if let Some(rho) = rho.filter(|rho| *rho < -OPPOSITE) {
+            remarks.push(format!(
+                "\"{}\" correlates by {rho:.2}: sign = -1 is missing in one of the two",
+                pair.name
+            ));
+        }
+    }
+    Ok((clock, remarks))
 }
+
+/// Least correlation by which a column of both loggers has the other sign in one of them.
+const OPPOSITE: f64 = 0.9;
 
 /// One relation's delay, the band of its sides doubled from that of the first search up to their
 /// own; of these the one with the least error: a wide band is sharper where the sides are clean, a
@@ -237,8 +252,9 @@ fn length(spans: &[[f64; 2]; 2]) -> f64 {
     lengths.into_iter().fold(0.0, f64::max)
 }
 
-/// The mean weighted by errors, which include the doubt of each relation.
-fn mean(found: &[(&Pair, DelayEstimate)]) -> (LoggerClock, Option<String>) {
+/// The mean weighted by errors, which include the doubt of each relation. Where relations disagree
+/// the error of the mean grows by their scatter over their errors (Birge 1932).
+fn mean(found: &[(&Pair, DelayEstimate)]) -> (LoggerClock, Vec<String>) {
     let sd =
         |(pair, refined): &(&Pair, DelayEstimate)| f64::hypot(refined.sd_s, pair.doubt_s).max(1e-9);
     let weight: f64 = found.iter().map(|one| sd(one).powi(-2)).sum();
@@ -259,6 +275,12 @@ fn mean(found: &[(&Pair, DelayEstimate)]) -> (LoggerClock, Option<String>) {
     let apart = relations.iter().filter(far);
     let apart = apart.map(|one| format!("\"{}\" {:+.4} s", one.relation, one.delay_s));
     let apart: Vec<String> = apart.collect();
+    let chi2: f64 = found
+        .iter()
+        .map(|one| ((one.1.delay_s - delay_s) / sd(one)).powi(2))
+        .sum();
+    let scatter = (chi2 / (found.len() as f64 - 1.0)).sqrt();
+    let grown = if apart.is_empty() { 1.0 } else { scatter };
     let remark = format!(
         "its delay of {delay_s:+.4} s is not that of {}",
         apart.join(", ")
@@ -266,11 +288,12 @@ fn mean(found: &[(&Pair, DelayEstimate)]) -> (LoggerClock, Option<String>) {
     let clock = LoggerClock {
         source: "found",
         delay_s,
-        delay_sd_s: Some(sd_s),
+        delay_sd_s: Some(sd_s * grown),
         delay_includes: Some("the lag of the sensors that it was found from"),
         relations,
     };
-    (clock, Some(remark).filter(|_| !apart.is_empty()))
+    let remark = Some(remark).filter(|_| !apart.is_empty());
+    (clock, remark.into_iter().collect())
 }
 
 /// Most samples of a side in the first search: its cost grows with their square.
@@ -294,7 +317,7 @@ const AMBIGUOUS: f64 = 0.8;
 /// # Errors
 /// Why none is found, in words.
 fn search(sides: &[Sides], rate_hz: f64, within: Option<f64>) -> Result<f64, String> {
-    let nothing = "its channels do not move as those of the others do, at any delay";
+    let nothing = "its channels do not move as those of the others do, at any delay (one of the other sign needs sign = -1)";
     let step = 1.0 / rate_hz;
     // Delays by which any two sides overlap.
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
@@ -437,29 +460,7 @@ fn refine(sides: &Sides, guess_s: f64, rate_hz: f64, reach_s: f64) -> Option<Del
 /// to `rhs`, the delay is where their product sums to zero. Its change with the delay is, by parts,
 /// the product of both sides' derivatives: independent noise of the sides adds nothing to that.
 fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<DelayEstimate> {
-    let ahead = sides.ahead(delay);
-    let [lhs, rhs] = sides.spans();
-    let from = lhs[0].max(rhs[0] + ahead);
-    let to = lhs[1].min(rhs[1] + ahead);
-    let count = ((to - from) * rate_hz).floor();
-    if !(20.0..1e7).contains(&count) {
-        return None;
-    }
-    let mut rows: Vec<[f64; 4]> = Vec::new();
-    for i in 0..=count as usize {
-        let t = from + i as f64 / rate_hz;
-        if let (Some([a, da]), Some([b, db])) = (sides.lhs(t), sides.rhs(t - ahead, ahead)) {
-            rows.push([a, da, b, db]);
-        }
-    }
-    let n = rows.len() as f64;
-    if n < 20.0 {
-        return None;
-    }
-    for k in 0..4 {
-        let mean = rows.iter().map(|row| row[k]).sum::<f64>() / n;
-        rows.iter_mut().for_each(|row| row[k] -= mean);
-    }
+    let rows = rows(sides, delay, rate_hz)?;
     let dot = |j: usize, k: usize| rows.iter().map(|row| row[j] * row[k]).sum::<f64>();
     let (aa, ab, bb) = (dot(0, 0), dot(0, 2), dot(2, 2));
     let (b, slope) = (ab / bb, dot(2, 3) / bb);
@@ -483,4 +484,40 @@ fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<DelayEstimate> {
         sd_s: variance.max(0.0).sqrt() / change,
         correlation: ab / (aa * bb).sqrt(),
     })
+}
+
+/// Both sides and their derivatives at the times that they share, less their means; `None` where
+/// these are too few.
+fn rows(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Vec<[f64; 4]>> {
+    let ahead = sides.ahead(delay);
+    let [lhs, rhs] = sides.spans();
+    let from = lhs[0].max(rhs[0] + ahead);
+    let to = lhs[1].min(rhs[1] + ahead);
+    let count = ((to - from) * rate_hz).floor();
+    if !(20.0..1e7).contains(&count) {
+        return None;
+    }
+    let mut rows: Vec<[f64; 4]> = Vec::new();
+    for i in 0..=count as usize {
+        let t = from + i as f64 / rate_hz;
+        if let (Some([a, da]), Some([b, db])) = (sides.lhs(t), sides.rhs(t - ahead, ahead)) {
+            rows.push([a, da, b, db]);
+        }
+    }
+    let n = rows.len() as f64;
+    if n < 20.0 {
+        return None;
+    }
+    for k in 0..4 {
+        let mean = rows.iter().map(|row| row[k]).sum::<f64>() / n;
+        rows.iter_mut().for_each(|row| row[k] -= mean);
+    }
+    Some(rows)
+}
+
+/// Correlation of both sides at a delay.
+fn correlation(sides: &Sides, delay: f64, rate_hz: f64) -> Option<f64> {
+    let rows = rows(sides, delay, rate_hz)?;
+    let dot = |j: usize, k: usize| rows.iter().map(|row| row[j] * row[k]).sum::<f64>();
+    Some(dot(0, 2) / (dot(0, 0) * dot(2, 2)).sqrt())
 }

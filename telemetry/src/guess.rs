@@ -317,11 +317,40 @@ impl Sample {
         if let Some((_, channel, unit, why)) = times.into_iter().min_by_key(|time| time.0) {
             found.time = Some((channel.name.clone(), unit, why));
         }
+        found.one_box(log);
         let rates = ["yaw_rate_radps", "roll_rate_radps", "pitch_rate_radps"];
         share_unit(&mut found.columns, ["az_mps2", "ax_mps2", "ay_mps2"]);
         share_unit(&mut found.columns, rates);
         found.turn_over(log);
         found
+    }
+
+    /// The axes of one accelerometer belong together: beside `z_acc` are `x_acc` and `y_acc`, whatever
+    /// else is called longitudinal or lateral, which may have the vehicle's axes.
+    fn one_box(&mut self, log: &Log) {
+        let Some(up) = self.columns.get("az_mps2").map(|guess| guess.from.clone()) else {
+            return;
+        };
+        for (at, z) in up.char_indices().filter(|(_, c)| matches!(c, 'z' | 'Z')) {
+            let twin = |column: &'static str, axis: [char; 2]| {
+                let axis = if z == 'z' { axis[0] } else { axis[1] };
+                let name = format!("{}{axis}{}", &up[..at], &up[at + 1..]);
+                let channel = log.channels.iter().find(|channel| channel.name == name)?;
+                let named = by_name(&name).filter(|named| named.column == column)?;
+                Some(guess(channel, named))
+            };
+            let twins = (twin("ax_mps2", ['x', 'X']), twin("ay_mps2", ['y', 'Y']));
+            let (Some(ax), Some(ay)) = twins else {
+                continue;
+            };
+            for (column, own) in [("ax_mps2", ax), ("ay_mps2", ay)] {
+                self.others.retain(|name| *name != own.from);
+                let from = own.from.clone();
+                let before = self.columns.insert(column, own);
+                let before = before.map(|guess| guess.from).filter(|name| *name != from);
+                self.others.extend(before);
+            }
+        }
     }
 
     /// A vertical axis that points down is that of the whole box where the pitch rate shows it: a sled

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use kufe_sled::{Columns, Gaps, LARGEST_VALUE, MOST_NUMBERS, Run};
+use kufe_sled::{COLUMNS, Columns, Gaps, LARGEST_VALUE, MOST_NUMBERS, Run, Saturation, rows_held};
 use serde::Serialize;
 
 use crate::delay::{LoggerClock, align};
@@ -24,6 +24,9 @@ pub struct Importer {
     file: String,
     sha256: String,
 }
+
+/// Most that is cut off the end of a run for a slow channel [s].
+const CUT_S: f64 = 0.25;
 
 /// A run, and how it was made.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,8 +88,12 @@ impl Importer {
             let also = self.mapping.logger[name].also.iter();
             let written = self.channels_of(name).map(|own| (own, true));
             for ((column, source), written) in written.chain(also.map(|own| (own, false))) {
-                let (recipe, series, remark) = self.series(column, source, name, &log, &file)?;
-                remarks.extend(remark.filter(|text| written && !remarks.contains(text)));
+                let (recipe, series, odd) = self.series(column, source, name, &log, &file)?;
+                for text in odd.into_iter().filter(|_| written) {
+                    if !remarks.contains(&text) {
+                        remarks.push(text);
+                    }
+                }
                 let own = LoggerSeries {
                     logger: name.clone(),
                     column: column.clone(),
@@ -111,6 +118,10 @@ impl Importer {
                     expected,
                 })?;
             }
+        }
+        // After the rotation, which needs all three axes at the same times.
+        for read in &mut read {
+            drop_repetitions(&mut read.own.series);
         }
         let series: Vec<&LoggerSeries> = read.iter().map(|read| &read.own).collect();
         let (clocks, odd) = align(&self.mapping, planned, &series)?;
@@ -188,7 +199,7 @@ impl Importer {
         read_log(path, options, Some(&wanted), most)
     }
 
-    /// A channel in its column's unit, by its logger's clock less its own delay.
+    /// A channel in its column's unit, by its logger's clock less its own delay, and remarks.
     fn series(
         &self,
         column: &str,
@@ -196,7 +207,7 @@ impl Importer {
         logger: &str,
         log: &Log,
         file: &str,
-    ) -> Result<(Recipe, Series, Option<String>), Error> {
+    ) -> Result<(Recipe, Series, Vec<String>), Error> {
         let files = &self.mapping.logger[logger];
         let (mut time, remark) = times(log, source, logger, files, file)?;
         let delay = source.delay_s.unwrap_or(0.0);
@@ -213,7 +224,19 @@ impl Importer {
             let expected = format!("at most {LARGEST_VALUE:e} {}", column_unit(column));
             return Err(Error::channel(file, &source.from, found, expected));
         }
-        Ok((recipe, Series { time, values }, remark))
+        // At 0 a sensor rests.
+        let stop = Saturation::of(&channel.values).filter(|stop| stop.at != 0.0);
+        let stop = stop.filter(|_| COLUMNS.contains(&column));
+        let saturated = stop.map(|stop| {
+            let (name, unit, at) = (&source.from, &recipe.unit, stop.at);
+            let line = stop.begins as u64 + log.first_row.max(1);
+            format!(
+                "{file}: {name} stays at its extreme {at} {unit} for {} samples from row {line} on: saturated? if so, record it with a larger range, and leave the run out of fits",
+                stop.longest
+            )
+        });
+        let remarks = remark.into_iter().chain(saturated).collect();
+        Ok((recipe, Series { time, values }, remarks))
     }
 
     /// The rows of the run: from the last logger's first sample to the first logger's last one.
@@ -228,11 +251,30 @@ impl Importer {
                 *span = [span[0].min(*t + late), span[1].max(*t + late)];
             }
         }
+        let rate = self.mapping.rate_hz;
+        // A channel slower than the run ends before its logger, by less than its own step: there
+        // the run ends too, and has no gap at its end.
+        for own in read.iter().map(|read| &read.own) {
+            let late = self.mapping.channels[&own.column].delay_s.unwrap_or(0.0);
+            let both = own.series.time.iter().zip(&own.series.values);
+            let both = both.filter(|(t, x)| t.is_finite() && x.is_finite());
+            let times: Vec<f64> = both.map(|(t, _)| t + late).collect();
+            let (Some(first), Some(last)) = (times.first(), times.last()) else {
+                continue;
+            };
+            let step = (last - first) / (times.len() - 1).max(1) as f64;
+            let short = 0.0..step.min(CUT_S);
+            let span = spans.get_mut(own.logger.as_str());
+            if let Some([_, end]) = span.filter(|[_, end]| short.contains(&(end - last)))
+                && step * rate > 1.5
+            {
+                *end = *last;
+            }
+        }
         let all = [f64::NEG_INFINITY, f64::INFINITY];
         let shared =
             |[start, end]: [f64; 2], span: &[f64; 2]| [start.max(span[0]), end.min(span[1])];
         let [start, end] = spans.values().fold(all, shared);
-        let rate = self.mapping.rate_hz;
         // Rows are at samples of the lead, so that they need no interpolation where rates are
         // multiples.
         let lead = spans.get(self.mapping.lead()).map_or(start, |span| span[0]);
@@ -357,6 +399,26 @@ fn rotate(
         return Err(("no axes".to_string(), expected.to_string()));
     }
     Ok(())
+}
+
+/// Leaves one sample of each value that a logger repeats until a slower sensor sends the next: the
+/// repetitions would make the channel late by half that sensor's step.
+fn drop_repetitions(series: &mut Series) {
+    let Series { time, values } = series;
+    let Some(rows) = rows_held(std::iter::once(values.as_slice())) else {
+        return;
+    };
+    let mut begin = 0;
+    while begin < values.len() {
+        let value = values[begin];
+        let length = values[begin..].iter().take_while(|x| **x == value).count();
+        // Two equal values of the sensor are two samples.
+        let samples = (length as f64 / rows as f64).round().max(1.0) as usize;
+        for i in (0..length).filter(|i| i % rows != 0 || i / rows >= samples) {
+            (time[begin + i], values[begin + i]) = (f64::NAN, f64::NAN);
+        }
+        begin += length.max(1);
+    }
 }
 
 /// How a channel becomes a column.

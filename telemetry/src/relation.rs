@@ -88,6 +88,9 @@ const PLACE: f64 = 0.2;
 /// [s].
 const SLIP: f64 = 0.03;
 
+/// End of the name of a relation of a column with itself.
+const IN_BOTH: &str = " in both";
+
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
@@ -142,7 +145,7 @@ pub(crate) fn pairs<'a>(
     let in_known = |column: &str| known.iter().find(|s| s.column == column).map(|s| &s.series);
     for own in late {
         if let Some(other) = in_known(&own.column) {
-            let name = format!("{} in both", own.column);
+            let name = format!("{}{IN_BOTH}", own.column);
             pairs.push(Pair::new(Kind::Same, name, other, &own.series, false));
         }
     }
@@ -225,6 +228,12 @@ impl<'a> Pair<'a> {
             lhs_late,
             doubt_s: 0.0,
         }
+    }
+
+    /// The column that both loggers record, where the relation is that of a column with itself.
+    pub fn column(&self) -> Option<&str> {
+        let is_same = self.kind == Kind::Same;
+        is_same.then(|| self.name.trim_end_matches(IN_BOTH))
     }
 
     /// Both sides through a low pass; `None` where a series is too short.

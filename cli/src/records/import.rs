@@ -38,11 +38,29 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     imported.shortfall().map_or(Ok(()), Err)
 }
 
+/// Most notes and clocks that are listed; the files of the runs have them all.
+const LISTED: usize = 12;
+
 fn report(args: &Args, global: &Global, imported: &ImportedRuns) -> Result<(), Failure> {
     let ImportedRuns { list, notes } = imported;
-    let remarks = notes.iter().flat_map(|note| &note.remarks);
-    for remark in remarks.filter(|_| !global.quiet) {
-        note(&format!("note: {remark}"));
+    let mut remarks: Vec<(&str, usize)> = Vec::new();
+    for remark in notes.iter().flat_map(|note| &note.remarks) {
+        match remarks.iter_mut().find(|(text, _)| text == remark) {
+            Some((_, count)) => *count += 1,
+            None => remarks.push((remark, 1)),
+        }
+    }
+    for (remark, count) in remarks.iter().take(LISTED).filter(|_| !global.quiet) {
+        let runs = if *count > 1 {
+            format!(" (in {count} runs)")
+        } else {
+            String::new()
+        };
+        note(&format!("note: {remark}{runs}"));
+    }
+    if remarks.len() > LISTED && !global.quiet {
+        let more = remarks.len() - LISTED;
+        note(&format!("note: {more} more notes are in RUN.import.json"));
     }
     for run in &list.excluded {
         note(&format!("run {} is not imported: {}", run.run, run.reason));
@@ -79,12 +97,17 @@ fn text(list: &ImportList, notes: &[Note]) -> String {
         );
     }
     let loggers = notes.iter().flat_map(|note| &note.loggers);
-    for (name, logger) in loggers.filter(|(_, l)| l.clock.source == "found").take(12) {
+    let found: Vec<_> = loggers.filter(|(_, l)| l.clock.source == "found").collect();
+    for (name, logger) in found.iter().take(LISTED) {
         let (file, delay) = (&logger.file, logger.clock.delay_s);
         let sd = logger.clock.delay_sd_s.unwrap_or(0.0);
         text += &format!(
             "{file}: the clock of {name} is {delay:+.4} s late, within {sd:.4} s, the lag of its sensors included\n"
         );
+    }
+    if found.len() > LISTED {
+        let more = found.len() - LISTED;
+        text += &format!("{more} more clocks are in RUN.import.json\n");
     }
     text
 }

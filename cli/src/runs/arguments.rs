@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use kufe::jobs::Failure;
 use kufe::jobs::runs::{RunSelection, run_inputs};
 
 /// Arguments that every command on runs takes.
@@ -55,19 +54,4 @@ impl RunArgs {
             cutoff_hz: self.cutoff_hz,
         }
     }
-}
-
-/// The run of this name.
-///
-/// # Errors
-/// [`Failure::BadInput`] with the names that there are.
-pub fn named_run<'a, T>(
-    runs: &'a [T],
-    name: &str,
-    of: fn(&T) -> &String,
-) -> Result<&'a T, Failure> {
-    runs.iter().find(|run| of(run) == name).ok_or_else(|| {
-        let names: Vec<&str> = runs.iter().map(|run| of(run).as_str()).collect();
-        Failure::BadInput(format!("--run {name}: the runs are {}", names.join(", ")))
-    })
 }

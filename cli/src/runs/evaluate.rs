@@ -2,17 +2,15 @@
 
 use kufe::charts::{angle_picture, energy_picture, force_picture, losses_picture};
 use kufe::jobs::Failure;
+use kufe::jobs::runs::named_run;
 use kufe::jobs::view_runs::ViewOptions;
 use kufe::results::{Evaluation, write_evaluation_csv};
-use kufe_sled::{
-    DriverLosses, Group, RunEvaluation, distinct, evaluate, file_stem, groups, losses_by_driver,
-    table_samples,
-};
+use kufe_sled::{DriverLosses, Group, RunEvaluation, distinct, evaluate, file_stem, table_samples};
 
 use crate::output::OutputDir;
 use crate::runs::arguments::RunArgs;
 use crate::runs::files::draw_tables;
-use crate::runs::{all_runs, named_run, write_view};
+use crate::runs::{all_runs, write_view};
 use crate::terminal::Global;
 
 /// Arguments of `kufe evaluate`.
@@ -41,15 +39,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let selection = args.runs.selection();
     let loaded = global.watched(|watch| selection.load(watch, |_| true))?;
     let runs = evaluate(&loaded.prepared, &loaded.vehicle);
-    let groups = groups(&runs, args.seed);
-    let drivers = losses_by_driver(&runs);
-    let document = Evaluation {
-        runs,
-        groups,
-        drivers,
-        interval: "95 % of the mean, bootstrap over runs".to_owned(),
-        used: loaded.used.clone(),
-    };
+    let document = Evaluation::new(runs, loaded.used.clone(), args.seed);
     let runs = &document.runs;
     let drawn = match &args.run {
         None => &runs[0],

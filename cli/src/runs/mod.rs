@@ -9,6 +9,5 @@ pub mod simulate;
 pub mod validate;
 mod viewer;
 
-pub use arguments::named_run;
 pub use files::run_format;
 pub use viewer::{all_runs, viewer_page, write_view};

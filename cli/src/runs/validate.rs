@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use kufe::charts::{lateral_force_picture, rmse_picture};
 use kufe::jobs::lateral::{FittedLaws, validate_runs};
+use kufe::jobs::runs::named_run;
 use kufe::jobs::{Failure, force_series};
 use kufe::results::Validation;
 use kufe_sled::RunValidation;
 
 use crate::output::OutputDir;
-use crate::runs::arguments::{RunArgs, named_run};
+use crate::runs::arguments::RunArgs;
 use crate::runs::files::write_mat;
 use crate::terminal::Global;
 

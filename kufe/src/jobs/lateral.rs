@@ -22,6 +22,10 @@ pub struct FittedRuns {
     pub model: String,
 }
 
+/// Stated over estimated noise of the slip above which a fit warns: imported runs went through a low
+/// pass, and a data sheet states the noise before it.
+const TOO_NOISY: f64 = 1.5;
+
 /// Fits the lateral friction of both runners to the selected runs; `leave_out_contacts` excludes
 /// samples with an external force.
 ///
@@ -34,6 +38,15 @@ pub fn fit_lateral(
     watch: &Watch,
 ) -> Result<FittedRuns, Failure> {
     let loaded = selection.load(watch, |_| true)?;
+    let stated = loaded.model.noise.map_or(0.0, |noise| noise.slip_rad);
+    let found = loaded.slip_noise_rad;
+    if found > 0.0 && stated > TOO_NOISY * found {
+        watch.warn(&format!(
+            "{}: [noise] slip_rad = {stated:e} is {:.1} times the noise of the runs at their rate, {found:.1e} rad: K is raised by the difference; leave [noise] out, and it is estimated",
+            selection.model.display(),
+            stated / found
+        ));
+    }
     watch.progress("fitting");
     let fit = fit(&loaded.prepared, &loaded.vehicle, leave_out_contacts)?;
     let model = fit.applied_to(&loaded.model).to_toml();

@@ -15,7 +15,7 @@
 //! | [`table`] | a table file and the lookup table that it specifies |
 //! | [`import`] | recordings of other programs become runs |
 //! | [`runs`], [`gather`], [`align`], [`view_runs`] | recorded runs, selected and prepared, gathered, aligned, shown |
-//! | [`lateral`], [`simulate`] | lateral friction fitted to runs and compared with them; simulated runs |
+//! | [`lateral`], [`simulate`], [`replay`] | lateral friction fitted to runs and compared with them; simulated runs; a run that the model drives again |
 //!
 //! ```
 //! use kufe::jobs::{Contact, case_file::LoadedCase};
@@ -37,6 +37,7 @@ pub mod lateral;
 mod law_friction;
 mod meshes;
 mod press;
+pub mod replay;
 pub mod runs;
 mod series;
 pub mod simulate;

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use kufe_sled::{
     Model, Needs, OnGaps, PrepareOptions, Prepared, Run, RunFormat, SampleCoverage, Track, Vehicle,
-    gaps_line, outside_tables, prepare_all, read_good_runs, read_index, read_runs, run_file,
-    track_file, write_index, write_run,
+    estimate_noise, gaps_line, median, outside_tables, prepare_all, read_good_runs, read_index,
+    read_runs, run_file, track_file, write_index, write_run,
 };
 use rayon::prelude::*;
 
@@ -45,6 +45,8 @@ pub struct PreparedRuns {
     pub prepared: Vec<Prepared>,
     /// What results state of the runs.
     pub used: RunsUsed,
+    /// White noise of the slip angle at the recordings' own rate, the median of the runs [rad].
+    pub slip_noise_rad: f64,
 }
 
 /// The files that an index of runs names, itself among them: runs and tables of tracks.
@@ -94,6 +96,21 @@ pub fn on_gaps(strict: bool) -> OnGaps {
     } else {
         OnGaps::LeaveOut
     }
+}
+
+/// The run of this name.
+///
+/// # Errors
+/// [`Failure::BadInput`] with the names that there are.
+pub fn named_run<'a, T>(
+    runs: &'a [T],
+    name: &str,
+    of: fn(&T) -> &String,
+) -> Result<&'a T, Failure> {
+    runs.iter().find(|run| of(run) == name).ok_or_else(|| {
+        let names: Vec<&str> = runs.iter().map(|run| of(run).as_str()).collect();
+        Failure::BadInput(format!("--run {name}: the runs are {}", names.join(", ")))
+    })
 }
 
 /// Runs with gaps, and how much of them takes part.
@@ -166,7 +183,9 @@ impl RunSelection {
         if runs.is_empty() {
             let why = match requested {
                 0 => "none is of that session and track".to_owned(),
-                all => format!("the laws were fitted to all {all}; leave some out of the fit"),
+                all => format!(
+                    "the laws were fitted to all {all}; leave some out of the fit, for example with --session"
+                ),
             };
             let text = format_args!("no run remains of those requested: {why}");
             return Err(Failure::in_file(&self.runs, text));
@@ -189,6 +208,8 @@ impl RunSelection {
         for outside in &outside_tables {
             watch.warn(&outside.to_string());
         }
+        let slip_noise = runs.iter().map(|run| estimate_noise(run).slip_rad);
+        let slip_noise_rad = median(slip_noise).unwrap_or(0.0);
         Ok(PreparedRuns {
             model,
             vehicle,
@@ -199,6 +220,7 @@ impl RunSelection {
                 gaps,
                 version: env!("CARGO_PKG_VERSION").to_owned(),
             },
+            slip_noise_rad,
         })
     }
 

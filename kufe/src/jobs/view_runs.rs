@@ -186,7 +186,9 @@ impl ReplayModel {
                 tracks.insert(name.to_owned(), Track::load(&path)?);
             } else {
                 let path = path.display();
-                watch.warn(&format!("{path}: no such table: no model on track {name}"));
+                watch.warn(&format!(
+                    "{path}: no such table: no model on track {name}; copy the survey there, or estimate it: kufe runs align"
+                ));
             }
         }
         Ok(ReplayModel {

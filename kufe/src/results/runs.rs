@@ -8,6 +8,7 @@ use kufe_sled::sample_data::{Planned, sample_drivers};
 use kufe_sled::{
     AlignedRun, Driver, DriverLosses, Examination, FitResult, Group, OutsideTable, Replay,
     RunEvaluation, RunValidation, SampleCoverage, TrackEstimate, TrackValidation, WallContact,
+    groups, losses_by_driver,
 };
 use kufe_telemetry::{ExcludedRun, Note};
 use schemars::JsonSchema;
@@ -59,6 +60,19 @@ pub struct Evaluation {
     /// The runs.
     #[serde(flatten)]
     pub used: RunsUsed,
+}
+
+impl Evaluation {
+    /// Of evaluated runs; `seed` is that of the intervals.
+    pub fn new(runs: Vec<RunEvaluation>, used: RunsUsed, seed: u64) -> Self {
+        Evaluation {
+            groups: groups(&runs, seed),
+            drivers: losses_by_driver(&runs),
+            interval: "95 % of the mean, bootstrap over runs".to_owned(),
+            runs,
+            used,
+        }
+    }
 }
 
 /// A column of numbers of `evaluation.csv`.

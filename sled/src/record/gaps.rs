@@ -181,6 +181,34 @@ pub fn gaps_line(runs: &[SampleCoverage]) -> String {
     format!("{who}: {parts}; {used:.1} s of {of:.1} s take part (--strict refuses such runs)")
 }
 
+/// Share of the values that must be repeated for the usual number of rows, give or take one:
+/// quantised values are not.
+const EVENLY: f64 = 0.9;
+
+/// Number of rows over which each value is repeated, where nearly all are repeated over the same
+/// number, more than one.
+pub fn rows_held<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> Option<usize> {
+    const FEWEST: usize = 20;
+    let mut lengths = Vec::new();
+    for stretch in stretches {
+        let mut since: Option<usize> = None;
+        for i in 1..stretch.len() {
+            if stretch[i] != stretch[i - 1] {
+                lengths.extend(since.map(|since| i - since));
+                since = Some(i);
+            }
+        }
+    }
+    if lengths.len() < FEWEST {
+        return None;
+    }
+    let middle = lengths.len() / 2;
+    let usual = *lengths.select_nth_unstable(middle).1;
+    let even = |length: &&usize| length.abs_diff(usual) <= 1;
+    let even = lengths.iter().filter(even).count() as f64;
+    (usual > 1 && even >= EVENLY * lengths.len() as f64).then_some(usual)
+}
+
 /// Samples of one value at the channel's end from which a sensor counts as at its stop: what
 /// moves and is measured with noise stays within a converter's step for two or three.
 const STRETCH: usize = 8;
@@ -203,7 +231,8 @@ impl Saturation {
     /// has only one value.
     ///
     /// The end that is nearer to zero counts only where most values differ from those before: a
-    /// channel that rests there rests.
+    /// channel that rests there rests. Where each value is repeated over some rows, a stretch is as
+    /// many times longer.
     pub fn of(values: &[f64]) -> Option<Saturation> {
         let known = || values.iter().copied().filter(|x| x.is_finite());
         let low = known().fold(f64::INFINITY, f64::min);
@@ -214,9 +243,10 @@ impl Saturation {
         let moving = values.windows(2).filter(|w| w[0] != w[1]).count();
         let rests = 2 * moving < values.len();
         let far = low.abs().max(high.abs());
+        let least = STRETCH * rows_held(std::iter::once(values)).unwrap_or(1);
         let ends = [low, high].into_iter();
         ends.filter(|end| end.abs() == far || !rests)
-            .filter_map(|end| at_end(values, end))
+            .filter_map(|end| at_end(values, end, least))
             .max_by_key(|found| found.longest)
     }
 
@@ -231,7 +261,7 @@ impl Saturation {
     }
 }
 
-fn at_end(values: &[f64], end: f64) -> Option<Saturation> {
+fn at_end(values: &[f64], end: f64, least: usize) -> Option<Saturation> {
     let mut found = Saturation {
         at: end,
         samples: 0,
@@ -241,7 +271,7 @@ fn at_end(values: &[f64], end: f64) -> Option<Saturation> {
     let mut begins = 0;
     for stretch in values.chunk_by(|a, b| a == b) {
         let length = stretch.len();
-        if stretch[0] == end && length >= STRETCH {
+        if stretch[0] == end && length >= least {
             found.samples += length;
             if length > found.longest {
                 (found.longest, found.begins) = (length, begins);

@@ -241,4 +241,71 @@ fn half_a_second_at_the_end_stop_moves_no_clock() {
     let imported = import(folder.path(), MAPPING).unwrap();
     let found = &imported[0].note.loggers["gps"];
     assert!((found.clock.delay_s - DELAYS[0]).abs() < 2e-3, "{found:?}");
+    let remarks = &imported[0].note.remarks;
+    let stop = "ax_mps2 stays at its extreme 16 g for 250 samples";
+    assert!(
+        remarks.iter().any(|text| text.contains(stop)),
+        "{remarks:?}"
+    );
+}
+
+#[test]
+fn a_speed_that_a_logger_repeats_until_the_next_is_not_late() {
+    let folder = folder(0.0, 1);
+    let path = folder.path().join("gps_r1.csv");
+    let text = std::fs::read_to_string(&path).unwrap();
+    // 20 values a second in 200 rows a second.
+    let mut held = "time,v_mps\n".to_string();
+    for line in text.lines().skip(1) {
+        let (time, speed) = line.split_once(',').unwrap();
+        let time: f64 = time.parse().unwrap();
+        for k in 0..10 {
+            held += &format!("{:.9},{speed}\n", time + 0.005 * f64::from(k));
+        }
+    }
+    std::fs::write(&path, held).unwrap();
+    let imported = import(folder.path(), MAPPING).unwrap();
+    let (run, note) = (&imported[0].run, &imported[0].note);
+    let delay = note.loggers["gps"].clock.delay_s;
+    assert!((delay - DELAYS[0]).abs() < 2e-3, "{delay}");
+    let speed = &note.channels["v_mps"];
+    assert!((speed.rate_hz - 20.0).abs() < 0.01 && speed.missing_rows == 0);
+    assert_eq!(speed.samples, speed.expected_samples);
+    // As repeated it is 25 ms late: 0.05 m/s. At the ends the last value is repeated.
+    let speeds = run.columns["v_mps"].iter().enumerate();
+    for (row, speed) in speeds.skip(50).take(run.len() - 100) {
+        let exact = column("v_mps", note.start_s + row as f64 / note.rate_hz);
+        assert!(
+            (speed - exact).abs() < 0.01,
+            "row {row}: {speed} for {exact}"
+        );
+    }
+}
+
+#[test]
+fn a_column_of_the_other_sign_in_two_loggers_is_told() {
+    let folder = folder(0.0, 1);
+    let columns: [Writes; 2] = [
+        ("v_mps", &kmh, 0.0),
+        ("yaw_rate_radps", &negative_degrees, 0.0),
+    ];
+    let logger = Logger {
+        rate_hz: 20.0,
+        delay_s: DELAYS[0],
+        time: 1.0,
+        columns: &columns,
+    };
+    let text = recording(&logger, 2.0, 63.0, 7);
+    std::fs::write(folder.path().join("gps_r1.csv"), text).unwrap();
+    let told = |sign: &str| {
+        let also = format!(
+            "files = \"gps_*.csv\"\nalso.yaw_rate_radps = {{ from = \"yaw_rate_radps\", unit = \"deg/s\"{sign} }}\n"
+        );
+        let mapping = MAPPING.replace("files = \"gps_*.csv\"\n", &also);
+        let imported = import(folder.path(), &mapping).unwrap();
+        imported[0].note.remarks.iter().any(|text| {
+            text.contains("logger gps: \"yaw_rate_radps in both\" correlates by -1.00: sign = -1")
+        })
+    };
+    assert!(told("") && !told(", sign = -1"));
 }

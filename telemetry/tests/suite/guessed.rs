@@ -264,3 +264,27 @@ fn the_faster_and_unsmoothed_channel_is_taken() {
         "{guessed}"
     );
 }
+
+#[test]
+fn the_axes_of_one_accelerometer_are_taken_together() {
+    let text = "time,lateral_acc,longitudinal_acc,x_acc,y_acc,z_acc\ns,G,G,G,G,G\n";
+    let row = |i: i32| {
+        let wave = (f64::from(i) * 0.1).sin();
+        format!(
+            "{:.2},{wave:.4},{wave:.4},{wave:.4},{:.4},{:.4}\n",
+            0.02 * f64::from(i),
+            -wave,
+            -1.0
+        )
+    };
+    let text = text.to_string() + &(0..200).map(row).collect::<String>();
+    let log = read_text(text.as_bytes(), TextOptions::default(), None, u64::MAX, "a").unwrap();
+    let guessed = guess_mapping(&[(PathBuf::from("a.csv"), log)]);
+    for line in [
+        "ax_mps2 = { from = \"x_acc\" }",
+        "ay_mps2 = { from = \"y_acc\" }",
+        "\"lateral_acc\"",
+    ] {
+        assert!(guessed.contains(line), "{line:?} is not in:\n{guessed}");
+    }
+}

@@ -3,22 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use kufe::charts::replay_picture;
-use kufe::jobs::runs::{on_gaps, run_inputs, write_runs, write_track};
+use kufe::jobs::replay::{ReplayedDrive, entry_on_track};
+use kufe::jobs::runs::{run_inputs, write_runs, write_track};
 use kufe::jobs::view_runs::ViewOptions;
 use kufe::jobs::{Failure, channel_series};
 use kufe::plot::unit_of;
-use kufe::results::ReplayResult;
-use kufe_sled::{
-    Entry, Inputs, Model, Replay, SimulateOptions, Track, TrackShape, Vehicle,
-    add_measured_columns, gaps_line, outside_tables, read_for_replay, read_index, record, replay,
-    table_samples,
-};
+use kufe_sled::{Entry, Replay, SimulateOptions, Track, table_samples};
 
-use crate::output::{OutputDir, of_file};
+use crate::output::OutputDir;
 use crate::runs::files::{draw_tables, run_format, write_mat};
 use crate::runs::simulate::Args;
-use crate::runs::{all_runs, named_run, write_view};
-use crate::terminal::{Global, warn};
+use crate::runs::{all_runs, write_view};
+use crate::terminal::Global;
 
 /// Drives the run again and writes it with the measurement.
 ///
@@ -30,48 +26,38 @@ pub fn run(
     track_file: &Path,
     global: &Global,
 ) -> Result<(), Failure> {
-    let model = Model::load(model_file)?;
-    let vehicle = Vehicle::with_effects(&model)?;
     let track = Track::load(track_file)?;
     let mut inputs: Vec<PathBuf> = vec![model_file.to_path_buf(), track_file.to_path_buf()];
     inputs.extend(args.replay.iter().flat_map(|runs| run_inputs(runs)));
-    let entry = entry(args, &track)?;
-    for text in vehicle.effects_elsewhere(&[&track.name]) {
-        warn(&format!("{}: {text}", model_file.display()));
-    }
-    let output = OutputDir::begin("simulate --replay", &inputs, &args.out, global.force)?;
-    let run = read_for_replay(&entry, on_gaps(args.strict))?;
-    for remark in &run.remarks {
-        warn(remark);
-    }
-    let options = SimulateOptions {
-        step_s: args.step_s,
-        rate_hz: args.rate_hz,
-        most_s: args.most_s,
-        conditions: entry.conditions,
-        ..SimulateOptions::default()
+    let drive = ReplayedDrive {
+        model: model_file.to_path_buf(),
+        entry: entry(args, &track)?,
+        track,
+        strict: args.strict,
+        options: SimulateOptions {
+            step_s: args.step_s,
+            rate_hz: args.rate_hz,
+            most_s: args.most_s,
+            ..SimulateOptions::default()
+        },
     };
-    let measured = Inputs::of(&run, &vehicle, track.s_m[0])?;
-    let done = replay(&measured, &vehicle, &TrackShape::new(&track), &options)?;
-    let mut driven = record(&done.simulated, &vehicle, None, entry, 0);
-    driven.t0_s = measured.readings[0].t_s;
-    let states = done.simulated.instants.iter().map(|instant| &instant.state);
-    let outside = outside_tables(&vehicle, states.clone());
-    add_measured_columns(&mut driven, &measured);
-    let document = ReplayResult::new(&done, run.entry.file.clone(), outside.clone());
+    let output = OutputDir::begin("simulate --replay", &inputs, &args.out, global.force)?;
+    let mut replayed = global.watched(|watch| drive.drive(watch))?;
     write_runs(
         output.files(),
-        std::slice::from_mut(&mut driven),
+        std::slice::from_mut(&mut replayed.driven),
         run_format(args.parquet),
     )?;
-    write_track(output.files(), &track)?;
+    write_track(output.files(), &drive.track)?;
+    let document = replayed.document();
+    let (done, driven) = (&replayed.replay, &replayed.driven);
     if args.mat {
-        let series = channel_series(std::slice::from_ref(&driven));
+        let series = channel_series(std::slice::from_ref(driven));
         write_mat(&output, "simulation.mat", &document, series)?;
     }
-    output.picture("replay.png", &replay_picture(&done))?;
-    let samples = table_samples(states);
-    let mut pictures = draw_tables(&output, &vehicle, &samples)?;
+    output.picture("replay.png", &replay_picture(done))?;
+    let states = done.simulated.instants.iter().map(|instant| &instant.state);
+    let mut pictures = draw_tables(&output, &replayed.vehicle, &table_samples(states))?;
     if let Some(run) = args.run.as_ref().filter(|_| args.view) {
         let options = ViewOptions {
             model: Some(model_file.to_path_buf()),
@@ -84,26 +70,11 @@ pub fn run(
     }
     output.json("simulation.json", &document)?;
     output.commit()?;
-    for outside in &outside {
-        warn(&format!("{}: {outside}", done.run));
-    }
-    if !done.taking_part.gaps.is_none() {
-        warn(&gaps_line(std::slice::from_ref(&done.taking_part)));
-    }
-    if done.bridged_m > 0.0 {
-        warn(&format!(
-            "{}: the steering crosses {:.1} m without a value on a straight line",
-            done.run, done.bridged_m
-        ));
-    }
-    if let Some(reason) = &done.stopped {
-        warn(&format!("{}: {reason}; compared up to there", done.run));
-    }
     global.print(&document, || {
         let (out, run) = (args.out.display(), driven.entry.file.display());
-        let track = kufe_sled::track_file(&track.name);
+        let track = kufe_sled::track_file(&drive.track.name);
         let pictures: String = pictures.iter().map(|name| format!(", {name}")).collect();
-        summary(&done)
+        summary(done)
             + &format!("{out}: runs.csv, {run}, {track}, simulation.json, replay.png{pictures}\n")
     })
 }
@@ -124,14 +95,7 @@ fn entry(args: &Args, track: &Track) -> Result<Entry, Failure> {
             ..Entry::default()
         });
     };
-    let entries = read_index(&file)?;
-    let entry = named_run(&entries, name, |entry| &entry.run).map_err(of_file(&file))?;
-    if entry.track != track.name {
-        let (own, expected) = (&entry.track, &track.name);
-        let reason = format!("run {name} is on track {own}: expected a run on {expected}");
-        return Err(Failure::in_file(&file, reason));
-    }
-    Ok(entry.clone())
+    entry_on_track(&file, name, track)
 }
 
 fn summary(done: &Replay) -> String {

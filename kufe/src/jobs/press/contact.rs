@@ -367,11 +367,7 @@ fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
 }
 
 /// The warning that of the stated errors only the peak's includes the noise of vertices or nodes.
-fn noise_not_included(
-    hull: &FittedHull,
-    solution: &Solution,
-    error: Option<HullError>,
-) -> String {
+fn noise_not_included(hull: &FittedHull, solution: &Solution, error: Option<HullError>) -> String {
     let residual = hull.underside.quality().residual_rms;
     let moved = match error {
         Some(error) => format!(

@@ -62,7 +62,8 @@ fn notes(report: &Report) -> Vec<(&'static str, String)> {
         );
         notes.push(("Implausible", text));
     }
-    if !report.next_experiment.is_empty() {
+    // Where nothing is identified it is the reason, which the sentence states.
+    if !report.next_experiment.is_empty() && !report.sentence.contains(&report.next_experiment) {
         notes.push(("What to measure next", report.next_experiment.clone()));
     }
     notes

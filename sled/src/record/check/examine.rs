@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::fault::Fault;
 use crate::record::check::judge::judge;
 use crate::record::check::odd_stretch::{OddStretch, odd_stretches};
-use crate::record::check::profile::Profile;
+use crate::record::check::profile::{Profile, longest_still};
 use crate::record::check::rigid_body::{Slow, delays};
 use crate::record::files::{find_copy, read_run};
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps};
@@ -209,6 +209,20 @@ fn at_rest(run: &Run) -> BTreeMap<String, f64> {
     means
 }
 
+/// Whether the longest stretch of one value of a channel is at its largest magnitude, give or take
+/// 3 %: a low pass overshoots beside an end stop.
+fn at_its_end(run: &Run, name: &str) -> bool {
+    let pieces = run.columns.get(name).map(|x| run.gaps.within(x));
+    let stretches = pieces.into_iter().flatten().map(|x| &x[longest_still(x)]);
+    let still = stretches.max_by_key(|stretch| stretch.len());
+    let value = still
+        .and_then(|stretch| stretch.first())
+        .map_or(0.0, |x| x.abs());
+    let values = run.columns.get(name).into_iter().flatten();
+    let largest = values.fold(0.0, |most: f64, x| most.max(x.abs()));
+    value > 0.0 && value >= 0.97 * largest
+}
+
 /// Advice of notes.
 const EMPTY_CELLS: &str = "empty those cells: a gap takes no part";
 const RECORD_IT: &str = "record it, or leave the run out (--leave-out-bad-runs) where forces on the \
@@ -261,12 +275,17 @@ fn notes(run: &Run, channels: &BTreeMap<String, Profile>, length_s: f64, used_s:
     for (name, profile) in channels {
         let still = profile.longest_still_s;
         if still >= STILL_S && profile.rows_held.is_none() {
-            let what = if still >= 0.99 * length_s {
-                "one value throughout".to_string()
+            if still >= 0.99 * length_s {
+                let what = "one value throughout".to_string();
+                note(name, still / length_s, LEAVE_OUT, what);
+            } else if at_its_end(run, name) {
+                let what =
+                    format!("one value for {still:.2} s, at the end of its range: saturated?");
+                note(name, (still / length_s).max(0.05), LARGER_RANGE, what);
             } else {
-                format!("one value for {still:.2} s")
-            };
-            note(name, still / length_s, LEAVE_OUT, what);
+                let what = format!("one value for {still:.2} s");
+                note(name, still / length_s, LEAVE_OUT, what);
+            }
         }
         if let Some(rows) = profile.rows_held {
             let rate = run.rate_hz() / rows as f64;

@@ -4,8 +4,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use crate::record::check::single::rows_held;
-use crate::record::gaps::Saturation;
+use crate::record::gaps::{Saturation, rows_held};
 use crate::series::noise_sd_within;
 
 /// Longest stretch of one value that is a drop-out [s]; a longer one is a channel that is constant.

@@ -284,6 +284,8 @@ pub(super) fn coefficients(columns: &[&[f64]], rows: &[(usize, f64)]) -> Option<
 ///
 /// The residuals of the relations are fitted by their change for the channel read a hundredth of a
 /// second later, together with their changes for the accelerometer or the slip sensor a metre off.
+/// Without a slip sensor the slip's own part of the lateral force would pass for a delay of it: there
+/// is none.
 pub(super) fn delays(slow: &Slow) -> [Option<Coefficient>; 8] {
     const STEP_S: f64 = 0.01;
     let all = instants(slow);
@@ -317,6 +319,9 @@ pub(super) fn delays(slow: &Slow) -> [Option<Coefficient>; 8] {
     places.push(change(&ahead));
     places.retain(|place| place.iter().any(|x| *x != 0.0));
     std::array::from_fn(|c| {
+        if c == Sensor::Ay as usize && slow[Sensor::Slip].is_none() {
+            return None;
+        }
         let x = slow.channels[c].as_ref()?;
         let mut later = slow.clone();
         let rates = slow.rate(x);

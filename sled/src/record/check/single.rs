@@ -3,6 +3,7 @@
 
 use crate::column::{COLUMNS, Sensor};
 use crate::fault::{Fault, FaultKind};
+use crate::record::gaps::rows_held;
 use crate::record::run::Run;
 use crate::series::median;
 
@@ -23,10 +24,6 @@ const HELD_ROWS: usize = 5;
 
 /// Twice the usual corner [Hz].
 const LEAST_RATE_HZ: f64 = 40.0;
-
-/// Share of the values that must be repeated for the usual number of rows, give or take one:
-/// quantised values are not.
-const EVENLY: f64 = 0.9;
 
 /// Faults of clock, constant channels and channels slower than their rows.
 pub(super) fn plain_faults(run: &Run) -> Vec<Fault> {
@@ -89,30 +86,6 @@ pub(super) fn constant_fault(run: &Run, name: &str, evidence: String) -> Fault {
     let mend = format!("another source for {name}: this one does not measure");
     let values = "one value throughout";
     Fault::proven(run, &[name], FaultKind::Constant, values, evidence, mend)
-}
-
-/// Number of rows over which each value is repeated, where nearly all are repeated over the same
-/// number, more than one.
-pub fn rows_held<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> Option<usize> {
-    const FEWEST: usize = 20;
-    let mut lengths = Vec::new();
-    for stretch in stretches {
-        let mut since: Option<usize> = None;
-        for i in 1..stretch.len() {
-            if stretch[i] != stretch[i - 1] {
-                lengths.extend(since.map(|since| i - since));
-                since = Some(i);
-            }
-        }
-    }
-    if lengths.len() < FEWEST {
-        return None;
-    }
-    let middle = lengths.len() / 2;
-    let usual = *lengths.select_nth_unstable(middle).1;
-    let even = |length: &&usize| length.abs_diff(usual) <= 1;
-    let even = lengths.iter().filter(even).count() as f64;
-    (usual > 1 && even >= EVENLY * lengths.len() as f64).then_some(usual)
 }
 
 /// Channels of a run that exceed their range; those with a fault already are skipped.

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
-    Driver, Examination, FaultKind, Model, Noise, Run, RunFormat, SimulateOptions, TrackShape,
-    Vehicle, check_relations, examine, judge, record, simulate, simulated_entry, write_run,
+    Driver, Examination, FaultKind, Model, Noise, Run, RunFormat, Saturation, SimulateOptions,
+    TrackShape, Vehicle, check_relations, examine, judge, record, simulate, simulated_entry,
+    write_run,
 };
 
 /// A run with noise at 100 Hz.
@@ -176,6 +177,46 @@ fn a_channel_that_stands_still_is_told_for_a_while_and_wrong_throughout() {
 }
 
 #[test]
+fn an_end_stop_beside_which_a_low_pass_overshot_is_told_as_one() {
+    let most = clean().columns["az_mps2"]
+        .iter()
+        .fold(0.0, |most: f64, x| most.max(x.abs()));
+    let stopped = changed("az_mps2", |i, x| {
+        if (1500..1600).contains(&i) {
+            0.99 * most
+        } else {
+            x
+        }
+    });
+    assert!(stopped.channels["az_mps2"].saturation.is_none());
+    let told = notes(&stopped, "az_mps2");
+    assert!(
+        told.contains("one value for 0.99 s, at the end of its range: saturated?"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_value_that_is_repeated_until_the_next_is_no_end_stop() {
+    let mut held = 0.0;
+    let mut run = clean();
+    for (i, x) in run.columns.get_mut("v_mps").unwrap().iter_mut().enumerate() {
+        held = if i % 10 == 0 { *x } else { held };
+        *x = held;
+    }
+    assert!(Saturation::of(&run.columns["v_mps"]).is_none());
+}
+
+#[test]
+fn a_lateral_force_is_not_late_for_want_of_a_slip_sensor() {
+    let mut run = clean();
+    run.columns.remove("alpha_rad");
+    let told = said(&run, |lines| lines);
+    assert!(told.channels["ay_mps2"].delay_s.is_none());
+    assert!(told.channels["yaw_rate_radps"].delay_s.is_some());
+}
+
+#[test]
 fn exchanged_channels_are_wrong_and_both_named() {
     let exchanged = said(&clean(), |mut lines| {
         lines[0] = lines[0]
@@ -242,6 +283,18 @@ fn a_box_that_is_turned_is_one_fault_with_its_rotation() {
             }
         }
     }
+    // The rest of a quarter turn is no finding.
+    let turned = judge(&[
+        in_a_box("a", [0.0, 0.0, FRAC_PI_2]),
+        in_a_box("b", [0.0, 0.0, FRAC_PI_2]),
+    ]);
+    assert!(
+        turned[0]
+            .mend
+            .starts_with("rotation = [0.0000, 0.0000, 1.5708] in"),
+        "{}",
+        turned[0].mend
+    );
     // A box that is nearly aligned is advice.
     let slight = judge(&[
         in_a_box("a", [0.0, 0.1, 0.0]),

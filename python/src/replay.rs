@@ -1,0 +1,134 @@
+//! Measured runs that the model drives again.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use kufe::jobs::Failure;
+use kufe::jobs::replay::{ReplayedDrive, entry_on_track};
+use kufe_sled::{Run, SimulateOptions, Track};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::Value;
+
+use crate::error::raised;
+use crate::json::to_python;
+use crate::simulation::{channels, write};
+use crate::work::work;
+
+/// A measured run that the model drove again, compared with the measurement.
+#[pyclass(frozen, module = "kufe")]
+pub struct Replay {
+    driven: Run,
+    track: Arc<Track>,
+    document: Value,
+    remarks: Vec<String>,
+}
+
+/// Drives the model with the start and the steering of a measured run and compares both: `model` is
+/// the `model.toml`, `track` the table of the track, `runs` the index `runs.csv`, and `run` the name
+/// of the run in it.
+///
+/// `strict` refuses a run with gaps instead of excluding the samples next to them. Units: `rate_hz`
+/// of the output [Hz], `step_s` of the integration and `most_s`, the longest time [s].
+#[pyfunction]
+#[pyo3(signature = (
+    model,
+    track,
+    runs,
+    *,
+    run,
+    strict = false,
+    rate_hz = 500.0,
+    step_s = 0.001,
+    most_s = 600.0,
+    progress = None,
+))]
+#[allow(clippy::too_many_arguments)] // keywords in Python
+pub fn replay(
+    py: Python<'_>,
+    model: PathBuf,
+    track: PathBuf,
+    runs: PathBuf,
+    run: String,
+    strict: bool,
+    rate_hz: f64,
+    step_s: f64,
+    most_s: f64,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Replay> {
+    let options = SimulateOptions {
+        step_s,
+        rate_hz,
+        most_s,
+        ..SimulateOptions::default()
+    };
+    let worked = work(py, progress, move |watch, _| {
+        let track = Track::load(&track)?;
+        let drive = ReplayedDrive {
+            model,
+            entry: entry_on_track(&runs, &run, &track)?,
+            track,
+            strict,
+            options,
+        };
+        let replayed = drive.drive(watch)?;
+        let document = serde_json::to_value(replayed.document());
+        let document = document.map_err(Failure::bad_input)?;
+        Ok((replayed.driven, drive.track, document))
+    })?;
+    let (driven, track, document) = worked.value.map_err(raised)?;
+    Ok(Replay {
+        driven,
+        track: Arc::new(track),
+        document,
+        remarks: worked.warnings,
+    })
+}
+
+#[pymethods]
+impl Replay {
+    /// How far run and model are apart, one dictionary a column: `rms`, `end`, `largest` in the
+    /// column's unit, measured minus model.
+    #[getter]
+    fn differences<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.document["replay"]["differences"])
+    }
+
+    /// Where they part, one dictionary a stretch: `from_m`, `to_m` [m], and `lost_s`, the time that
+    /// the run loses there [s].
+    #[getter]
+    fn sections<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.document["replay"]["sections"])
+    }
+
+    /// What the command writes to `simulation.json`.
+    #[getter]
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.document)
+    }
+
+    /// Remarks on the run.
+    #[getter]
+    fn remarks(&self) -> Vec<String> {
+        self.remarks.clone()
+    }
+
+    /// The model's channels as arrays, `t_s` among them, and what was measured at the same places:
+    /// `v_measured_mps` and the like, NaN where nothing was.
+    fn series<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        channels(py, &self.driven)
+    }
+
+    /// Writes `runs.csv`, the run and the table of the track into `folder`, which must be new or
+    /// empty; all files or none. `parquet` writes Parquet instead of CSV.
+    #[pyo3(signature = (folder, *, parquet = false))]
+    fn write(&self, py: Python<'_>, folder: PathBuf, parquet: bool) -> PyResult<()> {
+        let (runs, track) = (vec![self.driven.clone()], self.track.clone());
+        write(py, folder, runs, track, parquet)
+    }
+
+    fn __repr__(&self) -> String {
+        let (run, track) = (&self.driven.entry.run, &self.track.name);
+        format!("<kufe.Replay of {run} on {track}>")
+    }
+}
