@@ -69,15 +69,19 @@ impl Scores {
         let mut information = DMatrix::zeros(count, runs);
         let mut raw = vec![0.0; count];
         for (i, gram) in grams.iter().enumerate() {
-            let jj = gram.g.view((0, 0), (base, base));
-            let jr = gram.g.view((0, m - 1), (base, 1)).into_owned();
+            // Columns of other tracks than the run's are zero.
+            let acting: Vec<usize> = (0..base).filter(|k| gram.g[(*k, *k)] != 0.0).collect();
+            let rows = gram.g.select_rows(&acting);
+            let jj = rows.select_columns(&acting);
+            let (betas, by_residual) =
+                (betas.select_rows(&acting), by_residual.select_rows(&acting));
             // J'r' of this run.
-            let jr_left = jr - jj * &by_residual;
-            let mut jc = DMatrix::zeros(base, count);
+            let jr_left = rows.column(m - 1) - &jj * &by_residual;
+            let mut jc = DMatrix::zeros(acting.len(), count);
             jc.columns_mut(0, regular)
-                .copy_from(&gram.g.view((0, base), (base, regular)));
+                .copy_from(&rows.columns(base, regular));
             jc.columns_mut(regular, windows)
-                .copy_from(&gram.windows.columns(0, base).transpose());
+                .copy_from(&gram.windows.select_columns(&acting).transpose());
             let jb = jj * &betas;
             for c in 0..count {
                 let (cr, cc) = match c.checked_sub(regular) {
@@ -85,7 +89,7 @@ impl Scores {
                     Some(w) => (gram.windows[(w, m - 1)], gram.window_norms[w]),
                 };
                 let (beta, jc) = (betas.column(c), jc.column(c));
-                u[(c, i)] = cr - jc.dot(&by_residual) - beta.dot(&jr_left.column(0));
+                u[(c, i)] = cr - jc.dot(&by_residual) - beta.dot(&jr_left);
                 information[(c, i)] = cc - 2.0 * beta.dot(&jc) + beta.dot(&jb.column(c));
                 raw[c] += cc;
             }

@@ -51,15 +51,19 @@ impl LawSums {
         let mut u = DMatrix::zeros(q, grams.len());
         let mut m = Vec::with_capacity(grams.len());
         for (i, gram) in grams.iter().enumerate() {
-            let jj = gram.view((0, 0), (p, p));
-            let jc = gram.view((0, p), (p, q));
-            let residual_scores = gram.view((0, n - 1), (p, 1)).column(0) - jj * &of_residual;
+            // Columns of other tracks than the run's are zero.
+            let acting: Vec<usize> = (0..p).filter(|k| gram[(*k, *k)] != 0.0).collect();
+            let rows = gram.select_rows(&acting);
+            let jj = rows.select_columns(&acting);
+            let jc = rows.columns(p, q);
+            let (b, of_residual) = (b.select_rows(&acting), of_residual.select_rows(&acting));
+            let residual_scores = rows.column(n - 1) - &jj * &of_residual;
             let own = gram.view((p, n - 1), (q, 1)).column(0)
                 - jc.tr_mul(&of_residual)
                 - b.tr_mul(&residual_scores);
             u.set_column(i, &own);
             let half = jc.tr_mul(&b);
-            let all = gram.view((p, p), (q, q)) - &half - half.transpose() + b.tr_mul(&(jj * &b));
+            let all = gram.view((p, p), (q, q)) - &half - half.transpose() + b.tr_mul(&(&jj * &b));
             m.push(all);
         }
         let fitted = &prior.at + &of_residual;
