@@ -66,3 +66,18 @@ impl Prior {
         -self.precision.component_mul(at)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverses_by_blocks_are_those_of_the_whole() {
+        let x = DMatrix::from_fn(40, 7, |i, k| (0.3 + 1.1 * (i * (k + 2)) as f64).sin());
+        let mut prior = Prior::none(7);
+        prior.precision.rows_mut(3, 4).fill(1.0);
+        let whole = prior.inverse(x.tr_mul(&x));
+        prior.smooth = 3;
+        assert!((prior.inverse(x.tr_mul(&x)) - whole).amax() < 1e-12);
+    }
+}

@@ -276,3 +276,156 @@ impl Discrepancy {
         sums.into_values().filter_map(of_track).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use kufe_sled::{Entry, Gaps, Run};
+
+    use super::*;
+    use crate::evidence::runs::recordings::smooth_run::{frame, signal_kernel};
+    use crate::evidence::runs::recordings::survey::Surveys;
+    use crate::null::random::{normal, stream};
+    use crate::procedure::rules::Rules;
+
+    const USED: [bool; 4] = [true, false, true, false];
+
+    /// Six runs of 1800 m, three on each of two tracks.
+    fn frames() -> Vec<Frame> {
+        let of = |k: usize| {
+            let n = 6000;
+            let column = |name: &str| -> Vec<f64> {
+                let value = |i: usize| match name {
+                    "s_m" => 0.3 * i as f64 + k as f64,
+                    "v_mps" => 30.0,
+                    _ => 0.1,
+                };
+                (0..n).map(value).collect()
+            };
+            let names = kufe_sled::COLUMNS.iter().chain(&["s_m"]);
+            let run = Run {
+                entry: Entry {
+                    track: ["east", "west"][k % 2].to_owned(),
+                    ..Entry::default()
+                },
+                t0_s: 0.0,
+                dt_s: 0.01,
+                columns: names
+                    .map(|name| ((*name).to_owned(), column(name)))
+                    .collect(),
+                gaps: Gaps::none(n),
+                saturated: BTreeMap::new(),
+                remarks: Vec::new(),
+            };
+            let rules = Rules::default().runs.recordings;
+            let kernel = signal_kernel(run.dt_s, &rules);
+            frame(&run, &kernel, &Surveys::new(), &rules).expect("a run of a minute")
+        };
+        (0..6).map(of).collect()
+    }
+
+    /// Noise of unit variance, and of two balances what this discrepancy makes of them.
+    fn rows(frames: &[Frame], discrepancy: Option<&Discrepancy>) -> Vec<ChannelRows> {
+        let mut rng = stream(3, 1, 4);
+        let of = |frame: &Frame| {
+            let mut noise =
+                || -> Vec<f64> { (0..frame.row_count()).map(|_| normal(&mut rng)).collect() };
+            let mut rows = [noise(), Vec::new(), noise(), Vec::new()];
+            if let Some(discrepancy) = discrepancy {
+                discrepancy.take_off(frame, &mut rows);
+            }
+            rows
+        };
+        frames.iter().map(of).collect()
+    }
+
+    /// Coefficients drawn with deviations of 2 and 5.
+    fn drawn(frames: &[Frame]) -> Discrepancy {
+        let mut rng = stream(9, 2, 6);
+        let spans = Discrepancy::estimate(frames, &rows(frames, None), &USED, 40.0).spans;
+        let mut drawn = Discrepancy {
+            spans,
+            knots_m: 40.0,
+            sd: [2.0, 0.0, 5.0],
+            ..Discrepancy::default()
+        }
+        .at_zero();
+        drawn.sizes.iter_mut().for_each(|x| *x = normal(&mut rng));
+        drawn
+    }
+
+    #[test]
+    fn products_and_rows_are_those_of_the_columns_written_out() {
+        let frames = frames();
+        let discrepancy = drawn(&frames);
+        let all = rows(&frames, Some(&discrepancy));
+        let whitener = Whitener::estimate(&all, USED);
+        for (frame, of_run) in frames.iter().zip(&all) {
+            let (first, own) = discrepancy.columns(frame, &whitener);
+            let x = DMatrix::from_fn(own.nrows(), 3, |i, k| (0.7 * (i * (k + 1)) as f64).sin());
+            let mut dense = x.clone().insert_columns(2, discrepancy.count(), 0.0);
+            dense.columns_mut(2 + first, own.ncols()).copy_from(&own);
+            let found = discrepancy.products(frame, &whitener, &x, 2);
+            assert!((found - dense.tr_mul(&dense)).amax() < 1e-9);
+            let mut less = of_run.clone();
+            discrepancy.take_off(frame, &mut less);
+            let sizes = &discrepancy.sizes[first..first + own.ncols()];
+            let taken = own * DVector::from_column_slice(sizes);
+            let [before, after] = [of_run, &less].map(|r| whitener.apply(r));
+            for ((before, after), taken) in before.iter().zip(&after).zip(&taken) {
+                assert!((before - after - taken).abs() < 1e-9);
+            }
+        }
+    }
+
+    /// The mean product of some sixty places is known to a fifth.
+    #[test]
+    fn deviations_are_those_that_coefficients_were_drawn_with() {
+        let frames = frames();
+        let alone = Discrepancy::estimate(&frames, &rows(&frames, None), &USED, 40.0);
+        assert!(alone.sd[0] < 0.3 && alone.sd[2] < 0.3, "{:?}", alone.sd);
+        let drawn = drawn(&frames);
+        let found = Discrepancy::estimate(&frames, &rows(&frames, Some(&drawn)), &USED, 40.0);
+        for c in [0, 2] {
+            assert!(
+                (found.sd[c] / drawn.sd[c] - 1.0).abs() < 0.3,
+                "{:?}",
+                found.sd
+            );
+        }
+        assert_eq!(found.sd[1], 0.0);
+    }
+
+    /// Against the covariance written out, `V = 1 + D D'` over the runs of each track.
+    #[test]
+    fn coefficients_are_integrated_out() {
+        let frames = frames();
+        let discrepancy = drawn(&frames);
+        let all = rows(&frames, Some(&discrepancy));
+        let whitener = Whitener::estimate(&all, USED);
+        let white: Vec<Vec<f64>> = all.iter().map(|rows| whitener.apply(rows)).collect();
+        // Of each run two hundred rows, so that the covariance is small.
+        let mut short = frames.clone();
+        short
+            .iter_mut()
+            .for_each(|frame| frame.centres.truncate(60));
+        let half = white[0].len() / 2;
+        let cut = |rows: &Vec<f64>| [&rows[..60], &rows[half..half + 60]].concat();
+        let white: Vec<Vec<f64>> = white.iter().map(cut).collect();
+        let found = discrepancy.explained(&short, &white, &whitener);
+        let mut direct = 0.0;
+        for track in ["east", "west"] {
+            let runs = || short.iter().zip(&white).filter(|(f, _)| f.track == track);
+            let columns: Vec<_> = runs()
+                .map(|(frame, _)| discrepancy.columns(frame, &whitener).1)
+                .collect();
+            let n = columns.iter().map(DMatrix::nrows).sum();
+            let d = DMatrix::from_fn(n, columns[0].ncols(), |i, k| columns[i / 120][(i % 120, k)]);
+            let r = DVector::from_iterator(n, runs().flat_map(|(_, rows)| rows.iter().copied()));
+            let v = DMatrix::identity(n, n) + &d * d.transpose();
+            let root = v.cholesky().expect("positive definite");
+            let log_root: f64 = root.l().diagonal().map(f64::ln).sum();
+            direct += 0.5 * r.norm_squared() - 0.5 * r.dot(&root.solve(&r)) - log_root;
+        }
+        assert!((found / direct - 1.0).abs() < 1e-9, "{found} {direct}");
+    }
+}
