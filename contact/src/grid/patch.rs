@@ -22,7 +22,7 @@ const AT_CORNERS: f64 = 2.0;
 
 /// A mesh whose own pressure needs cells somewhere below this part of those there is graded anew:
 /// two meshes that both miss the peaks at a runner's ends would agree on a wrong pressure.
-pub(crate) const COARSE: f64 = 0.6;
+pub(crate) const COARSE: f64 = 0.4;
 
 impl Patch {
     /// Whether both have as many stretches, and `alike` holds of each with that of `other`.

@@ -16,8 +16,17 @@ pub(crate) struct Stretch {
 const FINEST: f64 = 2e-4;
 /// Largest change of the wanted spacing over the distance.
 const GRADIENT: f64 = 0.35;
-/// How much coarser than by the measure of [`wanted_sizes`] is still good.
+/// How many times narrower than a Hertz pressure a pressure may be for even cells to be good.
 const SLACK: f64 = 2.0;
+/// Cells over half the width of a narrow ridge, over those over half the stretch.
+///
+/// A peak's errors by the cells across and by those down have opposite signs. With as many cells
+/// as on a smooth contact they cancel on coarse meshes, and no order is seen; with twice as many
+/// across, 4, 6 and 8 cells leave errors of worn flats, blades and scratches of one sign that fall
+/// by second order.
+pub(crate) const ON_RIDGES: f64 = 2.0;
+/// The same under a runner of hexahedra, the edges of whose faces look like ridges: a half.
+pub(crate) const ON_FACES: f64 = 0.5;
 
 impl Stretch {
     /// A stretch that is resolved evenly.
@@ -74,33 +83,31 @@ impl Stretch {
     ///
     /// The square of a Hertz pressure is a parabola, which even nodes resolve equally well
     /// everywhere. So the measure is the curvature of p^2 against that parabola's, 2 p_max^2 /
-    /// half^2: where it is larger, as at the ends of a conformal contact or at a worn edge, the
-    /// spacing falls with its root. Next to pressures at their `bound` it is infinite on every
-    /// mesh, and gives no information.
-    pub fn adapt(&mut self, nodes: &[f64], pressures: &[f64], bound: f64) {
+    /// half^2: its root is how many times narrower than the stretch a pressure is there, as at the
+    /// ends of a conformal contact or on a ridge along a worn edge. Beyond [`SLACK`] cells get as
+    /// many times smaller as it gets narrower, `finer` times of that in the end. Between
+    /// places of contact they grow from either side. `finer` is [`ON_RIDGES`] or [`ON_FACES`].
+    pub fn adapt(&mut self, nodes: &[f64], pressures: &[f64], finer: f64) {
         let inside: Vec<usize> = (0..nodes.len())
             .filter(|&i| nodes[i] >= self.low && nodes[i] <= self.high && pressures[i] > 0.0)
             .collect();
         let top = inside.iter().map(|&i| pressures[i]).fold(0.0, f64::max);
-        let top = top.powi(2);
-        let even = 2.0 * top / self.half().powi(2);
-        let mut sizes: Vec<[f64; 2]> = inside
-            .windows(3)
-            .filter(|w| w[2] == w[0] + 2)
-            .filter(|w| w.iter().all(|&i| pressures[i] < bound))
-            .map(|w| {
-                let [a, b, c] = [0, 1, 2].map(|k| (nodes[w[k]], pressures[w[k]].powi(2)));
-                let curvature =
-                    2.0 * ((c.1 - b.1) / (c.0 - b.0) - (b.1 - a.1) / (b.0 - a.0)) / (c.0 - a.0);
-                let wanted = SLACK * (even / curvature.abs().max(f64::MIN_POSITIVE)).sqrt();
-                [b.0, wanted.clamp(FINEST, 1.0)]
-            })
-            .collect();
-        // A mesh three times finer than the last is as far as its curvatures can be trusted.
-        for size in &mut sizes {
-            size[1] = size[1].max(self.size(size[0]) / 3.0);
+        let even = 2.0 * top.powi(2) / self.half().powi(2);
+        let slope = self.gradient();
+        let mut sizes: Vec<[f64; 2]> = Vec::new();
+        let mut end = 0;
+        for run in inside.chunk_by(|i, next| next - i == 1) {
+            let measured = self.measured(run, [nodes, pressures], even, finer);
+            if let (Some(&[_, before]), Some(&[_, after])) = (sizes.last(), measured.first()) {
+                let gap = [[nodes[end + 1], before], [nodes[run[0] - 1], after]];
+                sizes.extend(rising(gap, slope));
+            }
+            if !measured.is_empty() {
+                end = run[run.len() - 1];
+            }
+            sizes.extend(measured);
         }
-        limit_gradient(&mut sizes, self.gradient());
+        limit_gradient(&mut sizes, slope);
         let length = self.high - self.low;
         self.sizes = sizes
             .iter()
@@ -108,20 +115,50 @@ impl Stretch {
             .collect();
     }
 
+    /// Places [m] with the wanted sizes there along neighbouring nodes in contact, `even` being the
+    /// curvature of p^2 that even cells are for.
+    fn measured(
+        &self,
+        run: &[usize],
+        [nodes, pressures]: [&[f64]; 2],
+        even: f64,
+        finer: f64,
+    ) -> Vec<[f64; 2]> {
+        let wanted = |k: usize| {
+            let size = self.size(nodes[run[k]]);
+            let ends = [k.checked_sub(1)?, k, k + 1];
+            let at = |k: usize| run.get(k).map(|&i| (nodes[i], pressures[i].powi(2)));
+            let [a, b, c] = [at(ends[0])?, at(ends[1])?, at(ends[2])?];
+            let curvature =
+                2.0 * ((c.1 - b.1) / (c.0 - b.0) - (b.1 - a.1) / (b.0 - a.0)) / (c.0 - a.0);
+            let narrower = (curvature.abs() / even).sqrt();
+            let wanted = 1.0 / (1.0 + finer * (narrower - SLACK).max(0.0));
+            // A mesh three times finer than the last is as far as its curvatures can be trusted.
+            Some([b.0, wanted.max(FINEST).max(size / 3.0)])
+        };
+        (0..run.len()).filter_map(wanted).collect()
+    }
+
     /// Lowers the wanted sizes to at most `size` at `x` [m], rising from there at the largest
     /// gradient.
     pub fn refine_at(&mut self, x: f64, size: f64) {
+        self.refine_over([x, x], size);
+    }
+
+    /// Lowers the wanted sizes to at most `size` from `low` to `high` [m], rising from there at the
+    /// largest gradient.
+    pub fn refine_over(&mut self, [low, high]: [f64; 2], size: f64) {
         let slope = self.gradient();
-        let wanted = |x_near: f64| size + slope * (x_near - x).abs();
-        if wanted(x.clamp(self.low, self.high)) >= 1.0 {
+        let wanted = |x: f64| size + slope * (low - x).max(x - high).max(0.0);
+        if wanted(low.clamp(self.low, self.high)) >= 1.0 {
             return;
         }
-        // Places that the lowered sizes need between the known ones: a ladder from the corner
+        // Places that the lowered sizes need between the known ones: a ladder from either end
         // outwards.
-        let mut places: Vec<f64> = vec![self.low, self.high, x];
+        let mut places: Vec<f64> = vec![self.low, self.high, low, high];
         let mut distance = size / slope;
         while size + slope * distance < 2.0 {
-            places.extend([x - distance, x + distance]);
+            places.extend([low - distance, high + distance]);
             distance *= 1.5;
         }
         let length = self.high - self.low;
@@ -139,6 +176,20 @@ impl Stretch {
     fn gradient(&self) -> f64 {
         GRADIENT / self.half() * 8.0
     }
+}
+
+/// Places and sizes between two runs of nodes in contact: from either end they rise.
+fn rising([[from, before], [to, after]]: [[f64; 2]; 2], slope: f64) -> Vec<[f64; 2]> {
+    let met = 0.5 * (to - from + (after - before) / slope);
+    let most = (before + slope * met).min(1.0);
+    let places = [
+        [from, before],
+        [from + (most - before) / slope, most],
+        [to - (most - after) / slope, most],
+        [to, after],
+    ];
+    let increase = places.windows(2).all(|w| w[0][0] <= w[1][0]);
+    places.into_iter().filter(|_| increase).collect()
 }
 
 /// Lowers sizes until neighbours differ by at most `slope` times their distance.
@@ -160,7 +211,7 @@ mod tests {
         let nodes: Vec<f64> = (0..41).map(|i| -1.0 + f64::from(i) / 20.0).collect();
         let pressures: Vec<f64> = nodes.iter().map(|&x| pressure(x)).collect();
         let mut stretch = Stretch::even(-1.0, 1.0);
-        stretch.adapt(&nodes, &pressures, f64::INFINITY);
+        stretch.adapt(&nodes, &pressures, ON_RIDGES);
         stretch
     }
 
@@ -178,5 +229,39 @@ mod tests {
             stretch.finest()
         );
         assert!(stretch.size(0.95) < 0.6);
+    }
+
+    /// A stretch of half-length 1 adapted to a pressure until nothing changes any more.
+    fn settled(pressure: impl Fn(f64) -> f64) -> Stretch {
+        let nodes: Vec<f64> = (0..4001).map(|i| f64::from(i) / 2000.0 - 1.0).collect();
+        let pressures: Vec<f64> = nodes.iter().map(|&x| pressure(x)).collect();
+        let mut stretch = Stretch::even(-1.0, 1.0);
+        for _ in 0..6 {
+            stretch.adapt(&nodes, &pressures, ON_RIDGES);
+        }
+        stretch
+    }
+
+    /// Half a ridge's width over the size of its cells, where half the stretch has one.
+    #[test]
+    fn a_ridge_has_about_twice_the_cells_of_the_stretch_and_few_lie_beside_it() {
+        let width = 0.04;
+        let ridge = |x: f64| 1.0 - ((x - 0.5) / width).powi(2);
+        let stretch = settled(|x| (0.3 + ridge(x).max(0.0)).sqrt());
+        let cells = width / stretch.size(0.5);
+        assert!((1.4..=ON_RIDGES).contains(&cells), "{cells}");
+        assert!(stretch.size(-0.5) > 0.9, "{}", stretch.size(-0.5));
+    }
+
+    #[test]
+    fn cells_grow_where_nothing_touches_between_two_ridges() {
+        let pressed = |at: f64| (1.0 - (at / 0.05).powi(2)).max(0.0).sqrt();
+        let stretch = settled(|x| pressed(x.abs() - 0.9));
+        let sizes = [-0.9, -0.6, 0.0, 0.6, 0.9].map(|x| stretch.size(x));
+        assert!(sizes[0] < 0.05 && sizes[4] < 0.05, "{sizes:?}");
+        assert!(
+            sizes[1] > 0.5 && sizes[2] == 1.0 && sizes[3] > 0.5,
+            "{sizes:?}"
+        );
     }
 }

@@ -238,8 +238,9 @@ impl MeshPlan<'_> {
         let spacing = narrowest.min(0.75 * depth) / self.resolution.cells;
         let even_depth = spacing * (EVEN_DEPTH * narrowest / spacing - 1e-6).ceil();
         let mut layers = Stretch::even(-even_depth.min(depth), 0.0);
-        // A ridge along the runner reaches as deep as it is wide.
-        layers.refine_at(0.0, self.patch.y.finest());
+        // Under a ridge along the runner they vary as much over a depth of its own width.
+        let finest = self.patch.y.finest();
+        layers.refine_over([-EVEN_DEPTH * narrowest * finest, 0.0], finest);
         let zone = Zone {
             stretch: layers,
             spacing,

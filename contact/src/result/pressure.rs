@@ -4,7 +4,7 @@ use kufe_fem::love_depth;
 
 use crate::Problem;
 use crate::grid::patch::Patch;
-use crate::grid::stretch::Stretch;
+use crate::grid::stretch::{ON_FACES, ON_RIDGES, Stretch};
 use crate::mesh::contact_mesh::State;
 use crate::mesh::discretise::Discretisation;
 use crate::result::measure::{Figures, PressureField};
@@ -24,16 +24,21 @@ pub(crate) struct Field<'a> {
     hardness: f64,
     /// 1 / E* of ice and runner [1/Pa].
     compliance: f64,
+    /// Cells of ridges over even ones; fewer under faces of hexahedra, whose edges look like ridges.
+    finer: f64,
 }
 
 impl<'a> Field<'a> {
     /// Of a mesh that was made for `patch`.
     pub fn new(mesh: &'a Discretisation, problem: &Problem, patch: &'a Patch) -> Self {
+        let elastic = problem.runner.elastic.as_ref();
+        let faces = elastic.is_some_and(|elastic| elastic.solid.is_some());
         Field {
             mesh,
             patch,
             hardness: problem.ice.hardness.unwrap_or(f64::INFINITY),
             compliance: problem.compliance(),
+            finer: if faces { ON_FACES } else { ON_RIDGES },
         }
     }
 
@@ -103,7 +108,14 @@ impl<'a> Field<'a> {
         let values = field.pressures();
         let figures = field.figures(&values);
         let edge = self.touches_edge(state);
-        let patch = found_patch(&field, &values, state.motion[0], self.patch, edge);
+        let patch = found_patch(
+            &field,
+            &values,
+            state.motion[0],
+            self.patch,
+            edge,
+            self.finer,
+        );
         Pressure {
             values,
             figures,
@@ -115,14 +127,15 @@ impl<'a> Field<'a> {
 /// The patch that a pressure field covers, with the cell sizes that resolve it.
 ///
 /// Sizes start from those of `before`, the patch that the mesh was made for. Where the contact ends
-/// at the hull's own sharp `edge` the pressure is singular, no mesh resolves it, and the sizes stay
-/// as they are.
+/// at the hull's own sharp `edge` the pressure is singular, and where the ice yields it falls from
+/// its hardness to 0 at a rim: no mesh resolves that, and the sizes stay as they are.
 fn found_patch(
     field: &PressureField,
     pressure: &[f64],
     motion: f64,
     before: &Patch,
     edge: bool,
+    finer: f64,
 ) -> Patch {
     let nx = field.x.len();
     let along = field.chords_along(pressure, RimEstimator::Cells);
@@ -135,18 +148,18 @@ fn found_patch(
     let highest_at_x: Vec<f64> = highest_at_x.collect();
     let highest_at_y = pressure.chunks_exact(nx).map(|row| highest(row.iter()));
     let highest_at_y: Vec<f64> = highest_at_y.collect();
-    let bound = field.bound();
+    let steep = edge || pressure.iter().any(|&p| p >= field.bound());
     for stretch in &mut x {
         if let Some(same) = before.x.iter().find(|s| s.meets(stretch)) {
             stretch.sizes.clone_from(&same.sizes);
         }
-        if !edge {
-            stretch.adapt(field.x, &highest_at_x, bound);
+        if !steep {
+            stretch.adapt(field.x, &highest_at_x, finer);
         }
     }
     y.sizes.clone_from(&before.y.sizes);
-    if !edge {
-        y.adapt(field.y, &highest_at_y, bound);
+    if !steep {
+        y.adapt(field.y, &highest_at_y, finer);
     }
     if x.is_empty() {
         x.clone_from(&before.x);
