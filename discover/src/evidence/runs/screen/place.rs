@@ -5,7 +5,7 @@ use kufe_sled::effects::Kind;
 use crate::evidence::runs::campaign::{Campaign, Current, scale_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::gauss_newton::residuals;
-use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::{
     BALANCES, CHANNELS, ChannelRows, ResidualModel,
 };
@@ -130,7 +130,8 @@ impl Campaign<'_> {
             windows: &[],
         };
         let columns = design.columns(frame);
-        let own = columns.column(OWN_LEVELS + design.fitted());
+        // The candidate, and the residual behind it.
+        let own = columns.column(columns.ncols() - 2);
         let mut used = own.as_slice().chunks_exact(frame.row_count().max(1));
         let row = |c: usize| match c < BALANCES && self.used[c] {
             true => used.next().map_or_else(Vec::new, <[f64]>::to_vec),
