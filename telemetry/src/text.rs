@@ -602,7 +602,7 @@ fn unit_share(cells: &[&str]) -> f64 {
     let filled: Vec<&&str> = cells.iter().filter(|cell| !cell.is_empty()).collect();
     let share = |cell: &&&str| match cell.as_bytes() {
         _ if !is_unit(cell) => 0.0,
-        [b's' | b'm' | b'g'] => 1.0,
+        [b's' | b'm' | b'g' | b'G'] => 1.0,
         [letter] if letter.is_ascii_alphabetic() => 0.5,
         _ => 1.0,
     };
