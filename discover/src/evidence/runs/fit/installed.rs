@@ -33,17 +33,27 @@ impl Campaign<'_> {
     /// # Errors
     /// Those of the fit.
     pub fn fitted_anew(&self, model: &ResidualModel, owners: Vec<usize>) -> Result<RunFit, Error> {
+        const ROUND: u64 = 6_500_003;
         let bare = ResidualModel {
             base: self.given.base,
             installation: Installation::default(),
             ..model.without_discrepancy()
         };
         let mut fit = self.installed(&self.least_squares(&bare, owners)?)?;
-        let left = residuals(&fit.residual_model, &self.training);
-        let knots_m = self.rules().discrepancy_m;
+        let model = &fit.residual_model;
+        let left = residuals(model, &self.training);
+        let by_inputs = self
+            .simulator(model)
+            .residuals(&self.training, model, ROUND);
+        let discrepancy = Discrepancy::estimate(
+            &self.training,
+            [&left, &by_inputs],
+            &self.used,
+            self.rules().discrepancy_m,
+        );
         let model = ResidualModel {
-            discrepancy: Discrepancy::estimate(&self.training, &left, &self.used, knots_m),
-            ..fit.residual_model.hold(false)
+            discrepancy,
+            ..model.hold(false)
         };
         fit = self.fitted(&model, fit.owners)?;
         let beyond_noise = beyond_noise(&fit.residual_model, &self.training);

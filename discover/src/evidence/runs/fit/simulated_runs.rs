@@ -125,6 +125,19 @@ impl RunSimulator {
         }
     }
 
+    /// Residuals of a twin of each run.
+    pub fn residuals(
+        &self,
+        frames: &[Frame],
+        residual_model: &ResidualModel,
+        k: u64,
+    ) -> Vec<ChannelRows> {
+        let of = |(i, frame): (usize, &Frame)| {
+            residual_model.residuals(&self.pair(frame, residual_model, k, i).plus)
+        };
+        frames.par_iter().enumerate().map(of).collect()
+    }
+
     /// The `k`-th pair of twins of a run, the `i`-th of its set.
     pub fn pair(
         &self,

@@ -52,8 +52,14 @@ pub struct Discrepancy {
 }
 
 impl Discrepancy {
-    /// From what rows of runs leave: the variance of each balance is the mean product of two runs at the same place.
-    pub fn estimate(frames: &[Frame], rows: &[ChannelRows], used: &[bool], knots_m: f64) -> Self {
+    /// From what rows of runs leave: the variance of each balance is the mean product of two runs at the same place, less that of
+    /// simulated runs, in which noisy inputs alone repeat.
+    pub fn estimate(
+        frames: &[Frame],
+        [rows, simulated]: [&[ChannelRows]; 2],
+        used: &[bool],
+        knots_m: f64,
+    ) -> Self {
         let mut spans: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
         for frame in frames {
             let ends = spans
@@ -68,8 +74,9 @@ impl Discrepancy {
             from_m: from,
             splines: ((to - from) / knots_m).ceil().max(1.0) as usize + 3,
         };
+        let repeatable = |c, rows| Means::new(c, frames, rows, 0.5 * knots_m).repeatable(None);
         let variance = |c: usize| match used[c] {
-            true => Means::new(c, frames, rows, 0.5 * knots_m).repeatable(None),
+            true => repeatable(c, rows) - repeatable(c, simulated).max(0.0),
             false => 0.0,
         };
         let spans = spans.into_iter().filter(|(_, [from, to])| from <= to);
@@ -338,10 +345,15 @@ mod tests {
         frames.iter().map(of).collect()
     }
 
+    fn estimated(frames: &[Frame], drawn: Option<&Discrepancy>) -> Discrepancy {
+        let none = vec![ChannelRows::default(); frames.len()];
+        Discrepancy::estimate(frames, [&rows(frames, drawn), &none], &USED, 40.0)
+    }
+
     /// Coefficients drawn with deviations of 2 and 5.
     fn drawn(frames: &[Frame]) -> Discrepancy {
         let mut rng = stream(9, 2, 6);
-        let spans = Discrepancy::estimate(frames, &rows(frames, None), &USED, 40.0).spans;
+        let spans = estimated(frames, None).spans;
         let mut drawn = Discrepancy {
             spans,
             knots_m: 40.0,
@@ -381,10 +393,10 @@ mod tests {
     #[test]
     fn deviations_are_those_that_coefficients_were_drawn_with() {
         let frames = frames();
-        let alone = Discrepancy::estimate(&frames, &rows(&frames, None), &USED, 40.0);
+        let alone = estimated(&frames, None);
         assert!(alone.sd[0] < 0.3 && alone.sd[2] < 0.3, "{:?}", alone.sd);
         let drawn = drawn(&frames);
-        let found = Discrepancy::estimate(&frames, &rows(&frames, Some(&drawn)), &USED, 40.0);
+        let found = estimated(&frames, Some(&drawn));
         for c in [0, 2] {
             assert!(
                 (found.sd[c] / drawn.sd[c] - 1.0).abs() < 0.3,

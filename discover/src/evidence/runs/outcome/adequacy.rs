@@ -33,13 +33,7 @@ impl Campaign<'_> {
         let [before, after] = [&base.residual_model, model].map(rows);
         let simulator = self.simulator(model);
         let simulated: Vec<Vec<ChannelRows>> = (0..SETS)
-            .map(|set| {
-                let of = |(i, frame): (usize, &Frame)| {
-                    let twin = simulator.pair(frame, model, 6_000_011 + set, i).plus;
-                    model.residuals(&twin)
-                };
-                frames.par_iter().enumerate().map(of).collect()
-            })
+            .map(|set| simulator.residuals(&frames, model, 6_000_011 + set))
             .collect();
         let quantile = self.options.rules.search.interval;
         let of_channel = |c: usize| {
