@@ -233,11 +233,14 @@ fn a_scan_away_from_its_origin_is_judged_and_meshed_as_one_at_it() {
             .chain([number(&meshes["runner"], "volume_m3")])
             .collect::<Vec<_>>()
     });
-    // An error that follows from a few simulated scans is known to a factor of two; places are rounded.
-    let factors = [3.0, 3.0, 1.05];
-    for ((at, away), most) in at.iter().zip(&away).zip(factors) {
-        assert!((away / at).ln().abs() < f64::ln(most), "{away} {at}");
+    let [(errors_at, volume_at), (errors_away, volume_away)] =
+        [&at, &away].map(|all| all.split_at(2));
+    // An error that follows from a few simulated scans is known to a factor of two.
+    for (at, away) in errors_at.iter().zip(errors_away) {
+        assert!(*away < 3.0 * at, "{away} {at}");
     }
+    // Places are rounded, in the case to 0.1 mm.
+    assert!((volume_away[0] / volume_at[0] - 1.0).abs() < 0.05);
 }
 
 /// Beside the clean hull, whose answer has no noise.
