@@ -129,7 +129,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } else {
         Mode::Bilinear
     };
-    let found = TableLookup::new(&table, at.clone(), mode).map_err(of_file(&args.table))?;
+    let found = TableLookup::new(&table, at, mode).map_err(of_file(&args.table))?;
     global.answer(&found, || text(&found, &table, &at))
 }
 
