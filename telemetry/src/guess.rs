@@ -325,7 +325,7 @@ impl Sample {
         found
     }
 
-    /// The axes of one accelerometer belong together: beside `z_acc` are `x_acc` and `y_acc`, whatever
+    /// The axes of one accelerometer belong together: with `z_acc` go `x_acc` and `y_acc`, whatever
     /// else is called longitudinal or lateral, which may have the vehicle's axes.
     fn one_box(&mut self, log: &Log) {
         let Some(up) = self.columns.get("az_mps2").map(|guess| guess.from.clone()) else {

@@ -68,7 +68,7 @@ pub fn read_mdf4(
         let mut values = match values(&mdf, &of_group.collect::<Vec<_>>(), file) {
             Ok(values) => values,
             Err(error) if wanted.is_some() => return Err(error),
-            // Groups of other things than numbers are left out.
+            // Groups of other things than numbers are skipped.
             Err(_) => continue,
         };
         let times = clock.and_then(|_| values.pop().flatten());

@@ -31,6 +31,11 @@ pub fn squares(columns: &DMatrix<f64>) -> DMatrix<f64> {
     squares
 }
 
+/// Those of the first columns that a run has: columns of other tracks are zero.
+pub fn acting(products: &DMatrix<f64>, first: usize) -> Vec<usize> {
+    (0..first).filter(|k| products[(*k, *k)] != 0.0).collect()
+}
+
 /// Sums of products of one run's columns: base, candidates, residual last; windows of local effects with them.
 #[derive(Clone, Debug)]
 pub struct Gram {

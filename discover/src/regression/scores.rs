@@ -15,7 +15,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::regression::gram::Gram;
+use crate::regression::gram::{Gram, acting};
 use crate::regression::prior::Prior;
 
 /// Scores of all candidates, the windows after the regular ones.
@@ -69,8 +69,7 @@ impl Scores {
         let mut information = DMatrix::zeros(count, runs);
         let mut raw = vec![0.0; count];
         for (i, gram) in grams.iter().enumerate() {
-            // Columns of other tracks than the run's are zero.
-            let acting: Vec<usize> = (0..base).filter(|k| gram.g[(*k, *k)] != 0.0).collect();
+            let acting = acting(&gram.g, base);
             let rows = gram.g.select_rows(&acting);
             let jj = rows.select_columns(&acting);
             let (betas, by_residual) =

@@ -7,7 +7,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
 use crate::evidence::runs::contacts::found::Found;
 use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
-use crate::evidence::runs::fit::gauss_newton::{fit, residuals};
+use crate::evidence::runs::fit::gauss_newton::{conditional_residuals, fit, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
@@ -171,6 +171,11 @@ impl Campaign<'_> {
             self.used,
             (self.options.seed, self.rules()),
         )
+    }
+
+    /// The whitening of what a model leaves of the training runs given its discrepancy.
+    pub fn whitener(&self, model: &ResidualModel) -> Whitener {
+        Whitener::estimate(&conditional_residuals(model, &self.training), self.used)
     }
 
     /// The rules of runs.

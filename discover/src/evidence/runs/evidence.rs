@@ -12,10 +12,9 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, outside, remarks_on_channels};
 use crate::evidence::runs::contacts::model::Contacts;
-use crate::evidence::runs::fit::gauss_newton::{beyond_discrepancy, free_base};
+use crate::evidence::runs::fit::gauss_newton::free_base;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::residual_model::{BASE, CHANNEL_NAMES, ResidualModel};
-use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::bins::stand_out;
 use crate::evidence::runs::outcome::by_run::by_run;
 use crate::evidence::runs::outcome::conclude::shared_faults;
@@ -141,10 +140,7 @@ impl Evidence for Campaign<'_> {
     fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>, Error> {
         self.runner_up = None;
         let residual_model = &fit.residual_model.hold(false);
-        let whitener = Whitener::estimate(
-            &beyond_discrepancy(residual_model, &self.training),
-            self.used,
-        );
+        let whitener = self.whitener(residual_model);
         let simulator = self.simulator(residual_model);
         let free = self.free.clone();
         let at = Current::new(residual_model, &whitener, &free, &simulator);

@@ -45,7 +45,7 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on selections, by the kind of data that they act on. Those that
 /// only size what is shown, and what else of the lock is chosen, are left out.
-const RUN_KEYS: [&str; 44] = [
+const RUN_KEYS: [&str; 45] = [
     "lock.every",
     "search.superfluous_t",
     "search.beyond_scatter",
@@ -90,6 +90,7 @@ const RUN_KEYS: [&str; 44] = [
     "runs.contacts.inside",
     "runs.contacts.over",
     "runs.belief",
+    "runs.discrepancy_m",
 ];
 const LAW_KEYS: [&str; 5] = [
     "runs.laws.number",

@@ -22,8 +22,8 @@ pub fn residuals(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<Channe
         .collect()
 }
 
-/// Residuals of all runs beyond the model's discrepancy.
-pub fn beyond_discrepancy(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
+/// Residuals of all runs given the discrepancy, as the model estimates it.
+pub fn conditional_residuals(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
     let mut runs = residuals(model, frames);
     for (frame, rows) in frames.iter().zip(&mut runs) {
         model.discrepancy.take_off(frame, rows);

@@ -9,7 +9,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::regression::gram::Gram;
+use crate::regression::gram::{Gram, acting};
 use crate::regression::inverse::ridge_inverse;
 use crate::regression::prior::Prior;
 
@@ -51,8 +51,7 @@ impl LawSums {
         let mut u = DMatrix::zeros(q, grams.len());
         let mut m = Vec::with_capacity(grams.len());
         for (i, gram) in grams.iter().enumerate() {
-            // Columns of other tracks than the run's are zero.
-            let acting: Vec<usize> = (0..p).filter(|k| gram[(*k, *k)] != 0.0).collect();
+            let acting = acting(gram, p);
             let rows = gram.select_rows(&acting);
             let jj = rows.select_columns(&acting);
             let jc = rows.columns(p, q);

@@ -48,6 +48,11 @@ impl Design<'_> {
             + self.residual_model.installation.fitted()
     }
 
+    /// Place of the discrepancy's columns among all of a run.
+    fn place_of_discrepancy(&self) -> usize {
+        OWN_LEVELS + self.before_discrepancy()
+    }
+
     /// What is known of the fitted parameters before the data are: nothing of base and amplitudes.
     pub fn prior(&self) -> Prior {
         let ResidualModel {
@@ -66,8 +71,8 @@ impl Design<'_> {
         prior
     }
 
-    /// Columns of one run: its levels, fitted parameters but for the discrepancy, candidates, and the residual beyond the discrepancy last;
-    /// all whitened.
+    /// Columns of one run: its levels, fitted parameters but for the discrepancy, candidates, and the residual given the
+    /// discrepancy last; all whitened.
     pub fn columns(&self, frame: &Frame) -> DMatrix<f64> {
         self.with_locals(frame, &[]).0
     }
@@ -301,7 +306,7 @@ impl Design<'_> {
 
     /// Products of columns with each other and with those of the discrepancy, which come behind the other fitted ones.
     pub fn squares(&self, frame: &Frame, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let at = OWN_LEVELS + self.before_discrepancy();
+        let at = self.place_of_discrepancy();
         let discrepancy = &self.residual_model.discrepancy;
         discrepancy.products(frame, self.whitener, columns, at)
     }
@@ -309,14 +314,14 @@ impl Design<'_> {
     /// What noise adds to products of columns as what it adds to those with the discrepancy among them: where a run is has no noise
     /// that matters.
     pub fn without_noise(&self, added: DMatrix<f64>) -> DMatrix<f64> {
-        let at = OWN_LEVELS + self.before_discrepancy();
+        let at = self.place_of_discrepancy();
         let count = self.residual_model.discrepancy.fitted();
         let rows = added.insert_rows(at, count, 0.0);
         rows.insert_columns(at, count, 0.0)
     }
 
     fn with_discrepancy(&self, frame: &Frame, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let at = OWN_LEVELS + self.before_discrepancy();
+        let at = self.place_of_discrepancy();
         let discrepancy = &self.residual_model.discrepancy;
         let mut all = columns
             .clone()

@@ -7,7 +7,7 @@
 //! r = J b + D u + e,   u ~ N(0, 1)        V = 1 + D D'
 //! ```
 //!
-//! An effect is then judged by what it explains beyond a model that is wrong in some other way at the same places: by how runs and
+//! An effect is then judged by what it explains in addition to any other error at the same places: by how runs and
 //! places differ, not by how often the same misfit is repeated.
 //!
 //! Source: M. C. Kennedy, A. O'Hagan, Bayesian calibration of computer models, Journal of the Royal Statistical Society B 63 (2001) 425;

@@ -13,9 +13,7 @@ use nalgebra::DMatrix;
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::fit::gauss_newton::beyond_discrepancy;
 use crate::evidence::runs::model::design::OWN_LEVELS;
-use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::screen::residual_screen::{Tested, screen_runs};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Evidence, Selected, Selection};
@@ -86,7 +84,7 @@ impl Campaign<'_> {
             typical: scale,
             ..named.clone()
         };
-        let whitener = Whitener::estimate(&beyond_discrepancy(model, &self.training), self.used);
+        let whitener = self.whitener(model);
         let simulator = self.simulator(model);
         let at = Current::new(model, &whitener, &self.free, &simulator);
         let others = self.everywhere(model);
