@@ -38,9 +38,6 @@ pub struct Custom {
     places: Vec<Place>,
 }
 
-/// Time over which the rate of an expression is taken [s].
-const MOMENT_S: f64 = 1e-3;
-
 impl Custom {
     /// An effect of the formula `text` on a channel, without unit and bounds; `carried` names a
     /// column that the model does not have.
@@ -134,20 +131,15 @@ impl Custom {
         if self.channel != Channel::Friction {
             return 0.0;
         }
-        amplitude * self.value(at, None, None)
+        amplitude * self.value(at, None)
     }
 
     /// The expression's value; NaN where it needs what is not known.
-    fn value(
-        &self,
-        point: &OperatingPoint,
-        state: Option<&State>,
-        signals: Option<&Signals>,
-    ) -> f64 {
+    fn value(&self, point: &OperatingPoint, state: Option<&State>) -> f64 {
         self.expression.evaluate(|name| match self.places[name] {
             Place::Point(value) => value(point),
             Place::Sled(value) => state.map_or(f64::NAN, value),
-            Place::Sensor(sensor) => signals.map_or(f64::NAN, |signals| signals[sensor]),
+            Place::Sensor(_) => f64::NAN,
             Place::Carried => state.map_or(f64::NAN, |state| state.carried),
         })
     }
@@ -161,7 +153,7 @@ impl Custom {
             fz: at.load[0] + at.load[1],
             ..at.point
         };
-        let value = amplitude * self.value(&point, Some(at), None);
+        let value = amplitude * self.value(&point, Some(at));
         match self.channel {
             Channel::Longitudinal => forces.body_along += value,
             Channel::Lateral => forces.body_across += value,
@@ -183,8 +175,7 @@ impl Custom {
     /// From true values to readings: `read = true + amplitude * expression(true)`.
     pub fn disturb(&self, amplitude: f64, at: &OperatingPoint, signals: &mut Signals) {
         if let Some(sensor) = self.sensor(amplitude) {
-            let value = self.value(at, None, Some(signals));
-            let rate = self.rate(at, signals);
+            let [value, rate] = self.in_time(at, signals, signals.rate);
             signals.value[sensor as usize] += amplitude * value;
             signals.rate[sensor as usize] += amplitude * rate;
         }
@@ -193,7 +184,7 @@ impl Custom {
     /// From readings to true values: the inverse of [`Custom::disturb`].
     ///
     /// An expression of the sensor itself needs the root of
-    /// `true + amplitude * expression(true) - read`, which the secant method finds.
+    /// `true + amplitude * expression(true) - read`, which Newton's method finds.
     pub fn correct(&self, amplitude: f64, at: &OperatingPoint, signals: &mut Signals) {
         let Some(sensor) = self.sensor(amplitude) else {
             return;
@@ -203,32 +194,29 @@ impl Custom {
             return self.disturb(-amplitude, at, signals);
         }
         let place = sensor as usize;
-        let (read, read_rate) = (signals.value[place], signals.rate[place]);
-        let off = |x: f64, signals: &mut Signals| {
-            signals.value[place] = x;
-            x + amplitude * self.value(at, None, Some(signals)) - read
-        };
-        let (mut x0, mut f0) = (read, off(read, signals));
-        let mut x1 = read - f0;
+        let read = signals.value[place];
+        let mut slope = 1.0;
         for _ in 0..30 {
-            let f1 = off(x1, signals);
-            let slope = (f1 - f0) / (x1 - x0);
-            // Nearer than this the difference of two roundings is no slope.
-            let near = f1.abs() <= 4.0 * f64::EPSILON * (x1.abs() + read.abs());
+            let x = signals.value[place];
+            let [value, by_itself] = self.derivative(at, signals, |place| match place {
+                Place::Sensor(own) if own == sensor => 1.0,
+                _ => 0.0,
+            });
+            let off = x + amplitude * value - read;
+            slope = 1.0 + amplitude * by_itself;
+            // Nearer than this the difference is one of two roundings.
+            let near = off.abs() <= 4.0 * f64::EPSILON * (x.abs() + read.abs());
             if near || !slope.is_finite() || slope == 0.0 {
                 break;
             }
-            (x0, f0) = (x1, f1);
-            x1 -= f1 / slope;
+            signals.value[place] = x - off / slope;
         }
-        signals.value[place] = x1;
         // The reading's rate is that of the truth and of what is added, which is linear in it.
-        signals.rate[place] = 0.0;
-        let without = self.rate(at, signals);
-        signals.rate[place] = 1.0;
-        let with = self.rate(at, signals);
-        let slope = 1.0 + amplitude * (with - without);
-        signals.rate[place] = (read_rate - amplitude * without) / slope;
+        let rates = signals.rate;
+        let mut without = rates;
+        without[place] = 0.0;
+        let [_, added] = self.in_time(at, signals, without);
+        signals.rate[place] = (rates[place] - amplitude * added) / slope;
     }
 
     fn sensor(&self, amplitude: f64) -> Option<Sensor> {
@@ -238,18 +226,42 @@ impl Custom {
         }
     }
 
-    /// The expression's derivative by time [1/s], along the rates of the signals.
-    fn rate(&self, at: &OperatingPoint, signals: &Signals) -> f64 {
-        let moved = |by: f64| {
-            let (mut then, mut there) = (*signals, *at);
-            there.t += by;
-            there.s += by * signals[Sensor::Speed];
-            for (value, rate) in then.value.iter_mut().zip(signals.rate) {
-                *value += by * rate;
-            }
-            self.value(&there, None, Some(&then))
+    /// The expression's value and its derivative by time [1/s], along these rates of the signals.
+    fn in_time(
+        &self,
+        at: &OperatingPoint,
+        signals: &Signals,
+        rates: [f64; Sensor::ALL.len()],
+    ) -> [f64; 2] {
+        let later = OperatingPoint {
+            t: at.t + 1.0,
+            s: at.s + signals[Sensor::Speed],
+            ..*at
         };
-        (moved(MOMENT_S) - moved(-MOMENT_S)) / (2.0 * MOMENT_S)
+        self.derivative(at, signals, |place| match place {
+            // Time and distance grow steadily.
+            Place::Point(value) => value(&later) - value(at),
+            Place::Sensor(sensor) => rates[sensor as usize],
+            Place::Sled(_) | Place::Carried => 0.0,
+        })
+    }
+
+    /// The expression's value and its derivative where its names change at these rates.
+    fn derivative(
+        &self,
+        at: &OperatingPoint,
+        signals: &Signals,
+        rate: impl Fn(Place) -> f64,
+    ) -> [f64; 2] {
+        self.expression.derivative(|name| {
+            let place = self.places[name];
+            let value = match place {
+                Place::Point(value) => value(at),
+                Place::Sensor(sensor) => signals[sensor],
+                Place::Sled(_) | Place::Carried => f64::NAN,
+            };
+            [value, rate(place)]
+        })
     }
 }
 

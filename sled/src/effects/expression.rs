@@ -19,36 +19,53 @@ pub struct Expression {
 enum Node {
     Number(f64),
     Name(usize),
-    Unary(fn(f64) -> f64),
-    Binary(fn(f64, f64) -> f64),
+    /// A function and its derivative.
+    Unary(fn(f64) -> f64, fn(f64) -> f64),
+    /// A function and its derivatives by both arguments.
+    Binary(fn(f64, f64) -> f64, fn(f64, f64) -> [f64; 2]),
 }
 
 const FUNCTIONS: [(&str, Node); 12] = [
-    ("abs", Node::Unary(f64::abs)),
-    ("sqrt", Node::Unary(f64::sqrt)),
-    ("exp", Node::Unary(f64::exp)),
-    ("log", Node::Unary(f64::ln)),
-    ("sin", Node::Unary(f64::sin)),
-    ("cos", Node::Unary(f64::cos)),
-    ("tan", Node::Unary(f64::tan)),
-    ("atan", Node::Unary(f64::atan)),
-    ("sign", Node::Unary(f64::signum)),
-    ("step", Node::Unary(|a| f64::from(u8::from(a > 0.0)))),
-    ("min", Node::Binary(f64::min)),
-    ("max", Node::Binary(f64::max)),
+    ("abs", Node::Unary(f64::abs, f64::signum)),
+    ("sqrt", Node::Unary(f64::sqrt, |a| 0.5 / a.sqrt())),
+    ("exp", Node::Unary(f64::exp, f64::exp)),
+    ("log", Node::Unary(f64::ln, f64::recip)),
+    ("sin", Node::Unary(f64::sin, f64::cos)),
+    ("cos", Node::Unary(f64::cos, |a| -a.sin())),
+    ("tan", Node::Unary(f64::tan, |a| 1.0 + a.tan().powi(2))),
+    ("atan", Node::Unary(f64::atan, |a| 1.0 / (1.0 + a * a))),
+    ("sign", Node::Unary(f64::signum, |_| 0.0)),
+    (
+        "step",
+        Node::Unary(|a| f64::from(u8::from(a > 0.0)), |_| 0.0),
+    ),
+    ("min", Node::Binary(f64::min, |a, b| first_if(a <= b))),
+    ("max", Node::Binary(f64::max, |a, b| first_if(a >= b))),
 ];
 
-const NEGATE: Node = Node::Unary(|a| -a);
-const POWER: Node = Node::Binary(|a, b| if b == 2.0 { a * a } else { a.powf(b) });
+const NEGATE: Node = Node::Unary(|a| -a, |_| -1.0);
+const POWER: Node = Node::Binary(
+    |a, b| if b == 2.0 { a * a } else { a.powf(b) },
+    |a, b| [b * a.powf(b - 1.0), a.powf(b) * a.ln()],
+);
 
 const SUMS: [(u8, Node); 2] = [
-    (b'+', Node::Binary(|a, b| a + b)),
-    (b'-', Node::Binary(|a, b| a - b)),
+    (b'+', Node::Binary(|a, b| a + b, |_, _| [1.0, 1.0])),
+    (b'-', Node::Binary(|a, b| a - b, |_, _| [1.0, -1.0])),
 ];
 const PRODUCTS: [(u8, Node); 2] = [
-    (b'*', Node::Binary(|a, b| a * b)),
-    (b'/', Node::Binary(|a, b| a / b)),
+    (b'*', Node::Binary(|a, b| a * b, |a, b| [b, a])),
+    (
+        b'/',
+        Node::Binary(|a, b| a / b, |a, b| [1.0 / b, -a / (b * b)]),
+    ),
 ];
+
+/// Derivatives of what is one of two arguments.
+fn first_if(first: bool) -> [f64; 2] {
+    let share = f64::from(u8::from(first));
+    [share, 1.0 - share]
+}
 
 impl Expression {
     /// A column's name as a formula has it: in brackets where it is no plain word, with its own
@@ -86,17 +103,62 @@ impl Expression {
         self.run(&mut vec![0.0; self.deepest], value_of)
     }
 
+    /// The formula's value and its derivative along a direction, `value_of` giving both of a name.
+    ///
+    /// Forward-mode differentiation; where a function has a kink, the derivative of one side.
+    ///
+    /// ```
+    /// use kufe_sled::effects::Expression;
+    /// let formula = Expression::parse("v_mps^3 * s_m").unwrap();
+    /// let [v, s] = [[2.0, 1.0], [5.0, 0.0]];
+    /// assert_eq!(formula.derivative(|name| [v, s][name]), [40.0, 60.0]);
+    /// ```
+    pub fn derivative(&self, value_of: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+        // A derivative that does not exist is no matter where nothing changes.
+        let moved = |by: f64, change: f64| if change == 0.0 { 0.0 } else { by * change };
+        let mut small = [[0.0; 2]; 16];
+        let mut large = Vec::new();
+        let stack = match self.deepest <= small.len() {
+            true => &mut small[..],
+            false => {
+                large.resize(self.deepest, [0.0; 2]);
+                &mut large
+            }
+        };
+        let mut top = 0;
+        for node in &self.nodes {
+            let value = match *node {
+                Node::Number(value) => [value, 0.0],
+                Node::Name(index) => value_of(index),
+                Node::Unary(function, derivative) => {
+                    top -= 1;
+                    let [a, da] = stack[top];
+                    [function(a), moved(derivative(a), da)]
+                }
+                Node::Binary(function, derivatives) => {
+                    top -= 2;
+                    let ([a, da], [b, db]) = (stack[top], stack[top + 1]);
+                    let [by_a, by_b] = derivatives(a, b);
+                    [function(a, b), moved(by_a, da) + moved(by_b, db)]
+                }
+            };
+            stack[top] = value;
+            top += 1;
+        }
+        stack[0]
+    }
+
     fn run(&self, stack: &mut [f64], value_of: impl Fn(usize) -> f64) -> f64 {
         let mut top = 0;
         for node in &self.nodes {
             let value = match *node {
                 Node::Number(value) => value,
                 Node::Name(index) => value_of(index),
-                Node::Unary(function) => {
+                Node::Unary(function, _) => {
                     top -= 1;
                     function(stack[top])
                 }
-                Node::Binary(function) => {
+                Node::Binary(function, _) => {
                     top -= 2;
                     function(stack[top], stack[top + 1])
                 }
@@ -152,8 +214,8 @@ impl Expression {
         for node in &parser.nodes {
             match node {
                 Node::Number(_) | Node::Name(_) => waiting += 1,
-                Node::Unary(_) => {}
-                Node::Binary(_) => waiting -= 1,
+                Node::Unary(..) => {}
+                Node::Binary(..) => waiting -= 1,
             }
             deepest = deepest.max(waiting);
         }
@@ -328,7 +390,7 @@ impl Parser<'_> {
             );
         };
         self.sum()?;
-        if let Node::Binary(_) = function {
+        if let Node::Binary(..) = function {
             self.close(b',', "`,` and a second argument")?;
             self.sum()?;
         }
@@ -361,6 +423,39 @@ mod tests {
         assert_eq!(value("max(x, y_m) - min(x, y_m)"), 5.0);
         assert_eq!(value("sqrt(x*x) + abs(y_m) + 1e-1"), 5.1);
         assert_eq!(value("step(x) + sign(y_m)"), 0.0);
+    }
+
+    #[test]
+    fn derivatives_are_those_of_central_differences() {
+        for text in [
+            "x^2 - y^3 / x",
+            "-(x * y)^2 + 2^x",
+            "sqrt(x) * exp(y) - log(x) / 3",
+            "sin(x) * cos(y) + tan(x * y) - atan(x / y)",
+            "abs(y) + sign(y) * step(x) + min(x, y^2) * max(x, 2 * y)",
+            "x^y",
+        ] {
+            let formula = Expression::parse(text).unwrap();
+            let along = |h: f64| [0.7 + 2.0 * h, -0.4 + h];
+            let at = |h: f64| {
+                let [x, y] = along(h);
+                formula.evaluate(|name| if formula.names()[name] == "x" { x } else { y })
+            };
+            let known = |name: usize| match formula.names()[name].as_str() {
+                "x" => [0.7, 2.0],
+                _ => [-0.4, 1.0],
+            };
+            let [value, derivative] = formula.derivative(known);
+            let expected = (at(1e-6) - at(-1e-6)) / 2e-6;
+            assert_eq!(value, at(0.0), "{text}");
+            assert!(
+                (derivative - expected).abs() < 1e-8 * expected.abs().max(1.0),
+                "{text}: {derivative}, {expected}"
+            );
+        }
+        // A power of a negative number has a derivative by its base alone.
+        let square = Expression::parse("x^2").unwrap();
+        assert_eq!(square.derivative(|_| [-3.0, 1.0]), [9.0, -6.0]);
     }
 
     #[test]

@@ -386,7 +386,6 @@ impl Evidence for Campaign<'_> {
                     summary: i.summary.to_owned(),
                     decides: i.decides.to_owned(),
                 })
-                .chain(self.bent_sensors(last))
                 .collect(),
             words: Words {
                 nothing: self

@@ -5,11 +5,11 @@ use kufe_sled::effects::{Channel, Custom, Kind};
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::formulas::formula::Formula;
-use crate::evidence::runs::laws::formulas::shape::{unit, unit_of};
+use crate::evidence::runs::laws::formulas::shape::unit;
 use crate::evidence::runs::laws::formulas::shapes::rounded;
 use crate::evidence::runs::laws::judged::Smooth;
 use crate::evidence::runs::laws::sums::LawSums;
-use crate::evidence::runs::laws::term::{KNOWN, said_by};
+use crate::evidence::runs::laws::term::KNOWN;
 use crate::evidence::runs::laws::terms::Terms;
 use crate::procedure::candidate::Candidate;
 
@@ -53,29 +53,12 @@ impl LawFitter<'_> {
         let part = sums.of(&[0], 0..sums.m.len());
         let size = part.s[0] / part.m[(0, 0)];
         let candidate = self.effect(&formula, size)?;
-        self.can_be_read(&formula, size).then_some(FittedLaw {
+        Some(FittedLaw {
             formula,
             sums,
             candidate,
             size,
         })
-    }
-
-    /// Whether a sensor with this law still tells what is true, all along what it has said but for a few samples in a thousand; laws of
-    /// forces, and of sensors on what others say, always can.
-    fn can_be_read(&self, formula: &Formula, size: f64) -> bool {
-        const FEW: f64 = 1e-3;
-        let own = match self.channels[formula.term.channel] {
-            Channel::Sensor(sensor) => said_by(sensor),
-            _ => return true,
-        };
-        if !formula.term.shape.columns().contains(&own) {
-            return true;
-        }
-        let sorted = self.terms.sorted(own);
-        let few = (FEW * sorted.len() as f64) as usize;
-        let ends = sorted.get(few).zip(sorted.iter().nth_back(few));
-        ends.is_some_and(|(low, high)| formula.term.shape.can_be_read(size, [*low, *high]))
     }
 
     /// The formula as an effect of one's own; nothing where it has no size or the model has it already.
@@ -94,12 +77,11 @@ impl LawFitter<'_> {
             .map(|x| self.terms.names[*x].as_str())
             .collect();
         let own = match channel {
-            Channel::Lateral | Channel::Longitudinal => "N".into(),
-            Channel::Yaw => "N m".into(),
-            Channel::Sensor(sensor) => unit_of(sensor.name()),
-            _ => "".into(),
+            Channel::Lateral | Channel::Longitudinal => "N",
+            Channel::Yaw => "N m",
+            _ => "",
         };
-        let unit = unit(&own, &per);
+        let unit = unit(own, &per);
         if !size.is_finite() || size == 0.0 {
             return None;
         }

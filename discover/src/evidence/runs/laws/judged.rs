@@ -1,13 +1,13 @@
 //! Smooth laws of all columns on all channels, judged.
 
-use kufe_sled::effects::{Channel, Sensor};
+use kufe_sled::effects::Channel;
 
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::laws::formulas::shape::Shape;
 use crate::evidence::runs::laws::formulas::shapes::bumps;
 use crate::evidence::runs::laws::smooth::{Group, test};
 use crate::evidence::runs::laws::sums::{LawSums, total};
-use crate::evidence::runs::laws::term::{COLUMNS, Term, drives, said_by};
+use crate::evidence::runs::laws::term::{COLUMNS, Term};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 
@@ -30,17 +30,8 @@ pub struct Smooth {
     pub significant: bool,
 }
 
-/// How much of a law of this column the catalogue knows: of a sensor its offset, and of what it says itself its scale.
-fn known(channel: Channel, column: usize) -> usize {
-    match channel {
-        Channel::Sensor(sensor) if column == said_by(sensor) => 2,
-        Channel::Sensor(_) => 1,
-        _ => 0,
-    }
-}
-
 impl Campaign<'_> {
-    /// The channels that laws may act on. One recording alone, cut into segments, cannot tell a sensor that bends from forces that do.
+    /// The channels that laws may act on.
     pub fn law_channels(&self) -> Vec<Channel> {
         let mut channels = Vec::new();
         if self.used[1] {
@@ -48,9 +39,6 @@ impl Campaign<'_> {
         }
         if self.used[0] {
             channels.push(Channel::Friction);
-        }
-        if !self.data.segmented {
-            channels.extend(Sensor::ALL.map(Channel::Sensor));
         }
         channels
     }
@@ -68,11 +56,7 @@ impl Campaign<'_> {
             list.extend(shapes.into_iter().map(|shape| Term { channel, shape }));
             groups.push(match list.len() - first {
                 1 => Group::single(first),
-                _ => Group::spline(
-                    first..list.len(),
-                    SMOOTHING,
-                    known(channels[channel], columns[0]),
-                ),
+                _ => Group::spline(first..list.len(), SMOOTHING),
             });
             laws.push((channel, columns));
         };
@@ -81,12 +65,7 @@ impl Campaign<'_> {
             .filter(|(_, x)| x.iter().all(|x| x.is_finite()) && x.first() < x.last())
             .collect();
         for (channel, kind) in channels.iter().enumerate() {
-            // A sensor that says the same all along is none.
-            let said = match kind {
-                Channel::Sensor(sensor) => varying.iter().any(|(x, _)| *x == said_by(*sensor)),
-                _ => true,
-            };
-            for (column, sorted) in varying.iter().filter(|(x, _)| said && drives(*kind, *x)) {
+            for (column, sorted) in &varying {
                 law(channel, vec![*column], bumps(*column, sorted, BUMPS));
             }
             if !matches!(kind, Channel::Grip | Channel::Friction) {

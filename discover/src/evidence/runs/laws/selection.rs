@@ -1,6 +1,5 @@
 //! A law outside the catalogue, selected: a smooth one that is significant, as the simplest formula that does as well.
 
-use kufe_sled::effects::Channel;
 use nalgebra::DMatrix;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
@@ -157,13 +156,11 @@ impl LawFitter<'_> {
             .collect();
         best.sort_by(|a, b| total(&b.gains).total_cmp(&total(&a.gains)));
         let most = best.first().map_or(0.0, |law| total(&law.gains));
-        // Of the forces, which are much alike, the one on which it explains most; each sensor by itself.
-        let mut seen: Vec<(Option<usize>, &[usize])> = Vec::new();
+        // Of channels, which are much alike, the one on which it explains most.
+        let mut seen: Vec<&[usize]> = Vec::new();
         best.retain(|law| {
-            let sensor = matches!(self.channels[law.channel], Channel::Sensor(_));
-            let kind = (sensor.then_some(law.channel), law.columns.as_slice());
-            let first = !seen.contains(&kind);
-            seen.push(kind);
+            let first = !seen.contains(&law.columns.as_slice());
+            seen.push(&law.columns);
             first
         });
         best.truncate(self.campaign.rules().laws.tried);

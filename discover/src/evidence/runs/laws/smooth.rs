@@ -31,9 +31,8 @@ impl Group {
         }
     }
 
-    /// Neighbours of a spline, second differences of which are penalised, and so are what the catalogue `knows`: nothing, a constant, or
-    /// a constant and a line, of which the terms hold no more than rounding and noise.
-    pub fn spline(terms: std::ops::Range<usize>, smoothing: f64, knows: usize) -> Self {
+    /// Neighbours of a spline, second differences of which are penalised.
+    pub fn spline(terms: std::ops::Range<usize>, smoothing: f64) -> Self {
         let k = terms.len();
         let mut difference = DMatrix::zeros(k.saturating_sub(2), k);
         for row in 0..k.saturating_sub(2) {
@@ -41,16 +40,9 @@ impl Group {
                 difference[(row, row + at)] = weight;
             }
         }
-        let middle = 0.5 * (k as f64 - 1.0);
-        let constant = DVector::from_element(k, 1.0).normalize();
-        let line = DVector::from_fn(k, |at, _| at as f64 - middle).normalize();
-        let mut penalty = difference.tr_mul(&difference) * smoothing;
-        for known in [constant, line].iter().take(knows) {
-            penalty += known * known.transpose();
-        }
         Self {
             terms: terms.collect(),
-            penalty,
+            penalty: difference.tr_mul(&difference) * smoothing,
         }
     }
 

@@ -86,40 +86,6 @@ impl LawSums {
         }
     }
 
-    /// The columns, and each run's residual, after a refit of the last columns, without these: with W = M_cb M_bb^-1 and
-    /// w = M_bb^-1 S_b, c' = c - W b and r' = r - b w.
-    pub fn given_last(self, last: usize) -> Self {
-        if last == 0 {
-            return self;
-        }
-        let columns = self.u.nrows();
-        let first = columns - last;
-        let all: Vec<usize> = (0..columns).collect();
-        let total = self.of(&all, 0..self.m.len());
-        let own = total.m.view((first, first), (last, last)).into_owned();
-        let inverse = ridge_inverse(own);
-        let shares = total.m.view((0, first), (first, last)) * &inverse;
-        let sizes = inverse * total.s.rows(first, last);
-        let mut turn = DMatrix::identity(first, columns);
-        turn.view_mut((0, first), (first, last)).copy_from(&-shares);
-        let mut u = &turn * &self.u;
-        let mut m = Vec::with_capacity(self.m.len());
-        for (i, run) in self.m.iter().enumerate() {
-            let turned = &turn * run;
-            let mut own = u.column_mut(i);
-            own -= turned.columns(first, last) * &sizes;
-            m.push(turned * turn.transpose());
-        }
-        let common = &turn * &self.common;
-        let moved = self.common.rows(first, last).tr_mul(&sizes);
-        Self {
-            u,
-            m,
-            shared: &turn * self.shared - &common * moved,
-            common,
-        }
-    }
-
     /// Several sums of the same runs, one behind the other; products between them count as 0.
     pub fn concatenated(parts: &[LawSums]) -> LawSums {
         let count = parts.iter().map(|part| part.u.nrows()).sum();
@@ -250,42 +216,5 @@ mod tests {
             assert!((part.s[0] - known.sum(c)).abs() < 1e-9);
             assert!((part.m[(0, 0)] - known.total_information(c)).abs() < 1e-9);
         }
-    }
-
-    #[test]
-    fn columns_beyond_others_are_those_that_a_refit_of_these_leaves() {
-        let mut rng = stream(5, 1, 4);
-        let (levels, base, q, last) = (2, 3, 4, 2);
-        let n = levels + base + q + last + 1;
-        let rows: Vec<DMatrix<f64>> = (0..5)
-            .map(|_| DMatrix::from_fn(40, n, |_, _| normal(&mut rng)))
-            .collect();
-        let square = |x: &DMatrix<f64>| x.tr_mul(x);
-        // The same with the last ones among the base, which needs no formula of its own.
-        let order = |k: usize| match k {
-            k if k < levels + base => k,
-            k if k < levels + base + last => k + q,
-            k if k < n - 1 => k - last,
-            k => k,
-        };
-        let among: Vec<DMatrix<f64>> = rows
-            .iter()
-            .map(|x| square(&DMatrix::from_fn(40, n, |i, k| x[(i, order(k))])))
-            .collect();
-        let plain: Vec<DMatrix<f64>> = rows.iter().map(square).collect();
-        let prior = |count: usize| {
-            let mut prior = Prior::none(count);
-            (prior.precision[2], prior.at[2]) = (1.0, 0.7);
-            prior
-        };
-        let given_last = LawSums::new(&plain, levels, &prior(base)).given_last(last);
-        let refitted = LawSums::new(&among, levels, &prior(base + last));
-        let near = |a: &DMatrix<f64>, b: &DMatrix<f64>| (a - b).abs().max() < 1e-8;
-        assert!(near(&given_last.u, &refitted.u));
-        for (a, b) in given_last.m.iter().zip(&refitted.m) {
-            assert!(near(a, b));
-        }
-        assert!((given_last.shared - refitted.shared).abs().max() < 1e-8);
-        assert!(near(&given_last.common, &refitted.common));
     }
 }

@@ -1,14 +1,13 @@
 //! Terms of laws on all training runs, and what noisy inputs add to their products.
 
-use kufe_sled::effects::{Channel, Sensor};
+use kufe_sled::effects::Channel;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::evidence::runs::fit::piece::piece;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::laws::formulas::shape::Shape;
 use crate::evidence::runs::laws::sums::LawSums;
-use crate::evidence::runs::laws::term::{COLUMNS, Term, TermsOnRun, said_by};
+use crate::evidence::runs::laws::term::{COLUMNS, Term, TermsOnRun};
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::regression::gram::squares;
@@ -29,8 +28,6 @@ pub struct Terms<'a> {
     runs: Vec<OfRun<'a>>,
     /// Names of the columns, in the order of their places.
     pub names: Vec<String>,
-    /// By channel, the terms that the catalogue knows.
-    plain: Vec<Vec<Term>>,
 }
 
 impl<'a> Terms<'a> {
@@ -58,22 +55,10 @@ impl<'a> Terms<'a> {
             }
         };
         let names = COLUMNS.iter().map(|(name, _)| (*name).to_owned());
-        let names = names.chain(Sensor::ALL.map(|sensor| sensor.name().to_owned()));
-        // A sensor's constant share of itself and its constant offset are the catalogue's: laws are what differs from them.
-        let plain = channels
-            .iter()
-            .enumerate()
-            .map(|(channel, kind)| match kind {
-                Channel::Sensor(sensor) => [Shape::One, Shape::Line(said_by(*sensor))]
-                    .map(|shape| Term { channel, shape })
-                    .to_vec(),
-                _ => Vec::new(),
-            });
         Self {
             design,
             runs: frames.par_iter().enumerate().map(of_run).collect(),
             names: names.chain(extra.iter().cloned()).collect(),
-            plain: plain.collect(),
         }
     }
 
@@ -88,16 +73,13 @@ impl<'a> Terms<'a> {
         all
     }
 
-    /// Sums of parts of terms, products between which nobody asks for, at these shares of what noise adds: each part of one
-    /// channel, apart from what the catalogue knows of it.
+    /// Sums of parts of terms, products between which nobody asks for, at these shares of what noise adds.
     pub fn sums_of_parts(&self, parts: &[&[Term]], shares: &[f64]) -> Vec<LawSums> {
         let mut each: Vec<Vec<LawSums>> = vec![Vec::new(); shares.len()];
         for part in parts.iter().filter(|part| !part.is_empty()) {
-            let plain = &self.plain[part[0].channel];
-            let all = [*part, plain.as_slice()].concat();
-            for (list, mut sums) in each.iter_mut().zip(self.sums(&all, shares)) {
-                sums.truncate(all.len());
-                list.push(sums.given_last(plain.len()));
+            for (list, mut sums) in each.iter_mut().zip(self.sums(part, shares)) {
+                sums.truncate(part.len());
+                list.push(sums);
             }
         }
         each.iter()

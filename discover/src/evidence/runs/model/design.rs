@@ -8,7 +8,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::truth;
 use crate::evidence::runs::model::instant::Instant;
 use crate::evidence::runs::model::on_run::ModelOnRun;
-use crate::evidence::runs::model::readings::Differences;
+use crate::evidence::runs::model::readings::{Differences, Readings};
 use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::model::windows::Window;
@@ -197,7 +197,12 @@ impl Design<'_> {
         }
         self.put_shifted(frame, &shifted, (&instants, &residual), &mut raw);
         // Low-passed, thinned and whitened, the channels one below the other.
+        let rows = frame.row_count() * self.whitener.count();
         let white = |k: usize| {
+            // A part of another session, say.
+            if raw.iter().all(|raw| raw[k].iter().all(|x| *x == 0.0)) {
+                return vec![0.0; rows];
+            }
             let mut white: [Vec<f64>; BALANCES] = std::array::from_fn(|c| frame.rows(&raw[c][k]));
             if k == count - 1 {
                 residual_model.discrepancy.take_off(frame, &mut white);
@@ -206,7 +211,6 @@ impl Design<'_> {
             white.concat()
         };
         let all: Vec<Vec<f64>> = (0..count).map(white).collect();
-        let rows = frame.row_count() * self.whitener.count();
         let grip: Vec<f64> = (0..rows)
             .map(|i| all[1][i] + all[2][i] + all[3][i] + all[4][i])
             .collect();
@@ -247,19 +251,17 @@ impl Design<'_> {
         }
         let modelled = truth(frame, self.residual_model, residual);
         let on_modelled = ModelOnRun::new(self.residual_model, &modelled);
+        let readings = Readings::new(self.residual_model, &modelled);
         let shifted: Vec<(usize, Differences)> = shifted
             .iter()
-            .map(|(k, other)| (*k, Differences::new(self.residual_model, other, &modelled)))
+            .map(|(k, other)| (*k, readings.differences(other)))
+            .filter(|(_, reads)| !reads.are_none())
             .collect();
         for (i, known) in instants.iter().enumerate() {
             let at = on_modelled.instant_near(i, &on_modelled.measured(i), known);
-            let forces = on_modelled.forces(&at);
-            let (own, by) = (
-                on_modelled.balances(&at, &forces),
-                on_modelled.residual_jacobian(&at, &forces),
-            );
+            let by = on_modelled.jacobian_of_readings(i, &at, &on_modelled.forces(&at));
             for (k, reads) in &shifted {
-                let more = on_modelled.balances_more(i, reads, &at, own, by.as_ref());
+                let more = reads.residual_change(i, &by);
                 for (raw, more) in raw.iter_mut().zip(more) {
                     if let Some(to) = raw[*k].get_mut(i) {
                         *to = -more / 0.01;

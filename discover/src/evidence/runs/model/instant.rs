@@ -28,9 +28,4 @@ impl Instant {
             signals: *signals,
         }
     }
-
-    /// What the sensors say, corrected by the active effects.
-    pub fn signals(&self) -> &Signals {
-        &self.signals
-    }
 }

@@ -14,7 +14,6 @@ use kufe_sled::{
 
 use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::instant::Instant;
-use crate::evidence::runs::model::readings::Differences;
 use crate::evidence::runs::model::residual_jacobian::ResidualJacobian;
 use crate::evidence::runs::model::residual_model::{
     BALANCES, CHANNELS, ChannelRows, ResidualModel,
@@ -273,28 +272,32 @@ impl<'a> ModelOnRun<'a> {
         plain.then(|| ResidualJacobian::new(&at.balance, &self.vehicle, &at.laws, &at.signals))
     }
 
-    /// By how much the balances of a sample, `own` as it is, change where its sensors read otherwise and the sled is another.
-    pub fn balances_more(
+    /// Derivatives of the balances of a sample by what its sensors read, before effects correct it, and by the constants of the sled; by
+    /// differences where effects act.
+    pub fn jacobian_of_readings(
         &self,
         i: usize,
-        reads: &Differences,
         at: &Instant,
-        own: [f64; BALANCES],
-        by: Option<&ResidualJacobian>,
-    ) -> [f64; BALANCES] {
-        if let (Some(by), false) = (by, self.corrects) {
-            return reads.residual_change(i, by);
+        forces: &Forces,
+    ) -> ResidualJacobian {
+        let closed = self.residual_jacobian(at, forces);
+        if let (Some(by), false) = (closed, self.corrects) {
+            return by;
         }
-        let mut read = self.channels.signals(i, self.sled);
-        reads.add(i, &mut read);
-        let signals = self.corrected(i, read);
-        match by {
-            Some(by) => by.between(&at.signals, &signals),
-            None => {
-                let moved = self.balances_near(i, &signals, at);
-                std::array::from_fn(|c| moved[c] - own[c])
+        let own = self.balances(at, forces);
+        let read = self.channels.signals(i, self.sled);
+        ResidualJacobian::of_differences(|moved| {
+            let mut signals = read;
+            moved(&mut signals);
+            let signals = self.corrected(i, signals);
+            match &closed {
+                Some(by) => by.between(&at.signals, &signals),
+                None => {
+                    let moved = self.balances_near(i, &signals, at);
+                    std::array::from_fn(|c| moved[c] - own[c])
+                }
             }
-        }
+        })
     }
 
     /// These forces with the model's effects.

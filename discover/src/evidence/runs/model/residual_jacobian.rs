@@ -90,6 +90,29 @@ impl ResidualJacobian {
         sum([(1.0, &total), (1.0, &by)])
     }
 
+    /// Forward differences: `change` of a move of the signals is that of the balances.
+    pub fn of_differences(change: impl Fn(&dyn Fn(&mut Signals)) -> [f64; 3]) -> Self {
+        const STEP: f64 = 1e-4;
+        let along = |moved: &dyn Fn(&mut Signals)| change(moved).map(|x| x / STEP);
+        type Constant = fn(&mut Sled) -> &mut f64;
+        let by = |constant: Constant| along(&|signals| *constant(&mut signals.sled) += STEP);
+        Self {
+            value: Sensor::ALL.map(|sensor| along(&|signals| signals[sensor] += STEP)),
+            rate: [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate]
+                .map(|gyro| along(&|signals| signals.rate[gyro as usize] += STEP)),
+            mass: by(|sled| &mut sled.mass_kg),
+            pitch_inertia: by(|sled| &mut sled.j_yy_kgm2),
+            yaw_inertia: by(|sled| &mut sled.j_zz_kgm2),
+            axles: [by(|sled| &mut sled.l_f_m), by(|sled| &mut sled.l_r_m)],
+            accelerometer: [
+                by(|sled| &mut sled.accel_x_m),
+                by(|sled| &mut sled.accel_y_m),
+                by(|sled| &mut sled.accel_z_m),
+            ],
+            slip_sensor: by(|sled| &mut sled.slip_x_m),
+        }
+    }
+
     /// Derivatives of [`Balance::residual`] of the base laws' forces `of`, by what the sensors say
     /// and the constants of the sled.
     ///
@@ -382,6 +405,13 @@ mod tests {
             let here = balance(&at);
             let laws = here.laws(&vehicle);
             let by = ResidualJacobian::new(&here, &vehicle, &laws, &at);
+            let own = residual(&vehicle, &at);
+            let differences = ResidualJacobian::of_differences(|moved| {
+                let mut there = at;
+                moved(&mut there);
+                let there = residual(&vehicle, &there);
+                std::array::from_fn(|c| there[c] - own[c])
+            });
             for (name, step, moved) in &moves {
                 let there = |by: f64| {
                     let mut there = at;
@@ -391,6 +421,7 @@ mod tests {
                 let (up, down) = (there(*step), there(-step));
                 let (plus, minus) = (residual(&vehicle, &up), residual(&vehicle, &down));
                 let closed = by.between(&down, &up);
+                let forward = differences.between(&down, &up);
                 let largest = plus.iter().zip(minus).map(|(p, m)| (p - m).abs());
                 let size = largest.fold(1e-9, f64::max);
                 for c in 0..3 {
@@ -402,6 +433,11 @@ mod tests {
                         "{name} {c} at {k}: {} {}",
                         plus[c] - minus[c],
                         closed[c]
+                    );
+                    let off = (forward[c] - closed[c]).abs();
+                    assert!(
+                        off < 2e-2 * size,
+                        "{name} {c} at {k}: {forward:?} {closed:?}"
                     );
                 }
             }

@@ -1,8 +1,7 @@
 //! The end of a search over runs: parameters, what is closed, what is significant.
 
-use kufe::plot::number4;
 use kufe_sled::Model;
-use kufe_sled::effects::{Active, Channel, Kind};
+use kufe_sled::effects::{Active, Kind};
 
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
@@ -15,7 +14,7 @@ use crate::evidence::runs::screen::track::channel::TrackChannel;
 use crate::finding::{Bin, Fitted, Interval, Step};
 use crate::null::clusters::session_numbers;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Dependence, Meaning};
+use crate::procedure::evidence::Dependence;
 use crate::procedure::rules::RunRules;
 
 impl Campaign<'_> {
@@ -83,32 +82,6 @@ impl Campaign<'_> {
             laws[unwritten.step] = Some(custom.text.clone());
         }
         laws
-    }
-
-    /// What each law on a sensor means.
-    pub fn bent_sensors(&self, last: &RunFit) -> Vec<Meaning> {
-        let own = last.settled.effects.active[last.already()..].iter();
-        own.filter_map(|active| {
-            let Kind::Custom(custom) = &active.kind else {
-                return None;
-            };
-            let Channel::Sensor(sensor) = custom.channel else {
-                return None;
-            };
-            let (value, sensor) = (active.values[0], sensor.name());
-            let sign = if value < 0.0 { '-' } else { '+' };
-            let size = format!("{} {}", number4(value.abs()), custom.unit);
-            Some(Meaning {
-                name: active.effect_name().to_owned(),
-                summary: format!(
-                    "a fault of the sensor: it reads {sensor} {sign} {} * {}",
-                    size.trim_end(),
-                    custom.text
-                ),
-                decides: format!("runs with a second sensor of {sensor} mounted next to it"),
-            })
-        })
-        .collect()
     }
 
     /// Base parameters with their intervals.

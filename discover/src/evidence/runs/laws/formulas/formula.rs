@@ -54,7 +54,7 @@ impl Campaign<'_> {
                 .collect()
         };
         let mut shapes = match law.columns.as_slice() {
-            [column] => formulas(channels[law.channel], *column, &terms.sorted(*column)),
+            [column] => formulas(*column, &terms.sorted(*column)),
             [a, b] => vec![Shape::Product(*a, *b)],
             _ => Vec::new(),
         };

@@ -17,8 +17,6 @@ pub enum Shape {
     Size(usize),
     /// Its size over a scale, to a power.
     Power(usize, f64, f64),
-    /// The same with the column's sign.
-    Odd(usize, f64, f64),
     /// `exp(x / scale)`.
     Exponential(usize, f64),
     /// 1 above a value, 0 below.
@@ -38,9 +36,6 @@ impl Shape {
             Shape::Line(x) => columns(x),
             Shape::Size(x) => columns(x).abs(),
             Shape::Power(x, scale, power) => (columns(x).abs() / scale).powf(power),
-            Shape::Odd(x, scale, power) => {
-                columns(x).signum() * (columns(x).abs() / scale).powf(power)
-            }
             Shape::Exponential(x, scale) => (columns(x) / scale).exp(),
             Shape::Step(x, from) => f64::from(u8::from(columns(x) > from)),
             Shape::Hump(x, middle, width) => (-((columns(x) - middle) / width).powi(2)).exp(),
@@ -57,9 +52,6 @@ impl Shape {
             Shape::Line(x) => name(x),
             Shape::Size(x) => format!("abs({})", name(x)),
             Shape::Power(x, scale, power) => format!("(abs({}) / {scale})^{power}", name(x)),
-            Shape::Odd(x, scale, power) => {
-                format!("sign({0}) * (abs({0}) / {scale})^{power}", name(x))
-            }
             Shape::Exponential(x, scale) => format!("exp({} / ({scale}))", name(x)),
             Shape::Step(x, from) => format!("step({} - ({from}))", name(x)),
             Shape::Hump(x, middle, width) => {
@@ -74,38 +66,9 @@ impl Shape {
         match self {
             Shape::One => 0,
             Shape::Line(_) | Shape::Size(_) => 1,
-            Shape::Product(..)
-            | Shape::Power(..)
-            | Shape::Odd(..)
-            | Shape::Exponential(..)
-            | Shape::Step(..) => 2,
+            Shape::Product(..) | Shape::Power(..) | Shape::Exponential(..) | Shape::Step(..) => 2,
             Shape::Hump(..) | Shape::Bump(..) => 3,
         }
-    }
-
-    /// Whether a sensor that adds `size` times this to what it measures says more the more there is, until it says `low` and `high`:
-    /// otherwise what it says does not tell what is true.
-    pub fn can_be_read(&self, size: f64, [low, high]: [f64; 2]) -> bool {
-        /// A range is walked in so many steps, and ten times as far: what a sensor compresses more than that it does not say.
-        const STEPS: usize = 200;
-        let says = |x: f64| x + size * self.value(|_| x);
-        let reaches = |step: f64, goal: f64| {
-            let (mut x, mut said) = (0.0, says(0.0));
-            for _ in 0..10 * STEPS {
-                if (goal - said) * step <= 0.0 {
-                    return true;
-                }
-                x += step;
-                let next = says(x);
-                if (next - said) * step <= 0.0 {
-                    return false;
-                }
-                said = next;
-            }
-            false
-        };
-        let step = (high - low) / STEPS as f64;
-        step > 0.0 && reaches(step, high) && reaches(-step, low)
     }
 
     /// The columns that it depends on.
@@ -119,7 +82,6 @@ impl Shape {
             | Shape::Exponential(x, _)
             | Shape::Bump(x, ..)
             | Shape::Power(x, ..)
-            | Shape::Odd(x, ..)
             | Shape::Hump(x, ..) => vec![x],
         }
     }
@@ -204,21 +166,6 @@ mod tests {
     }
 
     #[test]
-    fn a_sensor_can_be_read_as_far_as_it_says_more_the_more_there_is() {
-        let square = Shape::Power(0, 1.0, 2.0);
-        // x + 0.1 x^2 turns at -5, where it says -2.5; x - 0.1 x^2 at 5, where it says 2.5.
-        assert!(square.can_be_read(0.1, [-2.0, 9.0]) && !square.can_be_read(0.1, [-3.0, 9.0]));
-        assert!(square.can_be_read(-0.1, [-9.0, 2.0]) && !square.can_be_read(-0.1, [-9.0, 3.0]));
-        // A step up leaves values out, a step down says some twice.
-        let step = Shape::Step(0, 21.0);
-        assert!(step.can_be_read(0.8, [12.0, 35.0]) && !step.can_be_read(-0.8, [12.0, 35.0]));
-        assert!(
-            !square.can_be_read(0.0, [1.0, 1.0]),
-            "what stands still says nothing"
-        );
-    }
-
-    #[test]
     fn a_formula_as_a_model_has_it_gives_the_same_value() {
         let names = ["v_mps".to_owned(), "runner (left)".to_owned()];
         let at = [-1.7, 0.6];
@@ -227,7 +174,6 @@ mod tests {
             Shape::Line(0),
             Shape::Size(0),
             Shape::Power(0, 2.5, 1.5),
-            Shape::Odd(0, 2.5, 1.5),
             Shape::Exponential(0, -3.0),
             Shape::Step(0, -2.0),
             Shape::Hump(0, -1.0, 0.5),

@@ -1,9 +1,6 @@
 //! The formulas that are tried for a column, and a refinement around the best.
 
-use kufe_sled::effects::{Channel, Sensor};
-
 use crate::evidence::runs::laws::formulas::shape::Shape;
-use crate::evidence::runs::laws::term::said_by;
 
 /// Bumps of a spline over a column whose values are `sorted`.
 pub fn bumps(column: usize, sorted: &[f64], count: usize) -> Vec<Shape> {
@@ -14,28 +11,18 @@ pub fn bumps(column: usize, sorted: &[f64], count: usize) -> Vec<Shape> {
         .collect()
 }
 
-/// Lines, powers, exponentials, steps and humps of a column whose values are `sorted`. Of what a sensor says itself no line, which is its
-/// scale, but powers that keep its sign.
-pub fn formulas(channel: Channel, column: usize, sorted: &[f64]) -> Vec<Shape> {
+/// Lines, powers, exponentials, steps and humps of a column whose values are `sorted`.
+pub fn formulas(column: usize, sorted: &[f64]) -> Vec<Shape> {
     let [low, high] = [0.01, 0.99].map(|share| quantile(sorted, share));
     let span = high - low;
     let scale = rounded(low.abs().max(high.abs()), 2);
     let signs = low < 0.0 && high > 0.0;
-    let own = Sensor::ALL
-        .iter()
-        .any(|sensor| channel == Channel::Sensor(*sensor) && column == said_by(*sensor));
-    let mut shapes = Vec::new();
-    if !own {
-        shapes.push(Shape::Line(column));
-    }
+    let mut shapes = vec![Shape::Line(column)];
     if signs {
         shapes.push(Shape::Size(column));
     }
     for power in [0.5, 1.5, 2.0, 3.0] {
         shapes.push(Shape::Power(column, scale, power));
-        if own && signs {
-            shapes.push(Shape::Odd(column, scale, power));
-        }
     }
     for share in [0.25, 0.5, 1.0] {
         for sign in [1.0, -1.0] {
@@ -64,9 +51,6 @@ pub fn around(shape: &Shape, span: f64, share: f64) -> Vec<Shape> {
     match *shape {
         Shape::Power(x, scale, power) => factors
             .map(|f| Shape::Power(x, scale, rounded(power * f, 3)))
-            .to_vec(),
-        Shape::Odd(x, scale, power) => factors
-            .map(|f| Shape::Odd(x, scale, rounded(power * f, 3)))
             .to_vec(),
         Shape::Exponential(x, scale) => factors
             .map(|f| Shape::Exponential(x, rounded(scale * f, 3)))
