@@ -1,7 +1,7 @@
 //! Several kinds of data as one evidence.
 //!
-//! Each kind keeps its own base, null and locked-away data. An effect that one selects is added to every kind that knows it; where their sizes
-//! agree they are combined and fixed at that in all, before anything is judged on locked-away data and written.
+//! Each kind keeps its own base, null and held-out data. An effect that one selects is added to every kind that knows it; where their sizes
+//! agree they are combined and fixed at that in all, before anything is judged on held-out data and written.
 
 use crate::error::Error;
 use crate::joint::description::{OfPart, described};

@@ -19,7 +19,7 @@ pub struct Kind<'a> {
     pub part: Part<'a>,
     /// The fit with which its last screen selected nothing.
     pub silent: Option<usize>,
-    /// What its locked-away data say.
+    /// What its held-out data say.
     pub held_out: HeldOut,
 }
 

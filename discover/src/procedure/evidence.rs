@@ -10,11 +10,11 @@ use crate::finding::{
 use crate::procedure::candidate::Candidate;
 use crate::procedure::lowered::Lowered;
 
-/// Data of one kind, a part of them locked away, and the model that is judged by them.
+/// Data of one kind, a part of them held out, and the model that is judged by them.
 pub trait Evidence {
     /// How a candidate acts on these data.
     type Act;
-    /// The model so far, fitted to what is not locked away.
+    /// The model so far, fitted to what is not held out.
     type Fit: Clone;
 
     /// The base model, fitted.
@@ -70,14 +70,14 @@ pub trait Evidence {
     /// Those of the fit.
     fn without(&mut self, fit: &Self::Fit, step: usize) -> Result<Self::Fit, Error>;
 
-    /// By how much the locked-away data's gap is lower with the second fit than with the first, all channels together; `None`
-    /// where nothing is locked away.
+    /// By how much the held-out data's gap is lower with the second fit than with the first, all channels together; `None`
+    /// where nothing is held out.
     ///
     /// # Errors
     /// Those of the simulations it needs.
     fn lowered(&self, from: &Self::Fit, to: &Self::Fit) -> Result<Option<Lowered>, Error>;
 
-    /// Opens the locked-away data and says what the two fits leave and close there.
+    /// Opens the held-out data and says what the two fits leave and close there.
     ///
     /// # Errors
     /// Those of the simulations it needs.
@@ -89,7 +89,7 @@ pub trait Evidence {
     ) -> Result<Opened, Error>;
 
     /// The model to write: the fit with effects, the refitted base or the model as given, whichever
-    /// comes first of those that are no worse than the model as given on the locked-away data.
+    /// comes first of those that are no worse than the model as given on the held-out data.
     ///
     /// # Errors
     /// Those of the simulations it needs.
@@ -102,7 +102,6 @@ pub trait Evidence {
         let _ = refitted;
         Ok(Choice {
             fit: last,
-            changed: false,
             written: match account.steps.is_empty() {
                 true => ModelKind::Refitted,
                 false => ModelKind::WithEffect,
@@ -159,7 +158,7 @@ impl Account {
                 gone.effect
             ),
             true => format!(
-                "{} was significant where it was learned (p = {:.1e}), but its size not from its own error: neither named nor written",
+                "{} is significant on the training data (p = {:.1e}), but its size not from its own error: it is not named",
                 gone.effect, gone.p_value
             ),
         };
@@ -169,7 +168,7 @@ impl Account {
         self.remarks.push(message);
     }
 
-    /// Takes back every selected effect, of which these shares of what can be explained on the data put aside are closed.
+    /// Takes back every selected effect, of which these shares of what can be explained on the held-out data are closed.
     pub fn take_back_all(&mut self, closed: &[Interval]) {
         let gone = std::mem::take(&mut self.steps);
         let message: Vec<String> = gone
@@ -177,7 +176,7 @@ impl Account {
             .zip(closed)
             .map(|(step, closed)| {
                 format!(
-                    "{} was significant where it was learned (p = {:.1e}), but with it more remains of what can be explained on the data put aside (by {:.0} %): neither named nor written",
+                    "{} is significant on the training data (p = {:.1e}), but with it more remains of what can be explained on the held-out data (by {:.0} %): not named",
                     step.effect,
                     step.p_value,
                     -100.0 * closed.value
@@ -192,7 +191,7 @@ impl Account {
         let gone = std::mem::take(&mut self.steps);
         let names: Vec<&str> = gone.iter().map(|step| step.effect.as_str()).collect();
         let withheld = format!(
-            "{} fits the runs it was learned from (p = {:.1e}), but the model with it is worse than the model as given on the runs put aside ({reason}): neither named nor written",
+            "{} fits the training runs (p = {:.1e}), but the model with it is worse than the model as given on the held-out runs ({reason}): not named",
             names.join(" with "),
             gone.first().map_or(1.0, |step| step.p_value)
         );
@@ -203,7 +202,7 @@ impl Account {
     pub fn is_everywhere(&mut self, step: usize, places: usize) {
         let gone = self.steps.remove(step);
         let message = format!(
-            "{} was significant at {places} places ({}) and still does at others: what acts at so many is not bound to them; neither named nor written",
+            "{} was significant at {places} places ({}) and still does at others: what acts at so many is not bound to them; it is not named",
             gone.effect, gone.place
         );
         match self.steps.is_empty() {
@@ -297,7 +296,7 @@ pub struct Added<F> {
 /// A selected effect with the model that contains it.
 pub type Selected<A, F> = (Selection<A>, Added<F>);
 
-/// What the locked-away data say.
+/// What the held-out data say.
 pub struct Opened {
     /// The gap before and after.
     pub held_out: HeldOut,
@@ -312,12 +311,10 @@ impl Opened {
     }
 }
 
-/// The model to write, and how it compares on the locked-away data.
+/// The model to write, and how it compares on the held-out data.
 pub struct Choice<F> {
     /// Its fit.
     pub fit: F,
-    /// Whether it is another one than the last fit of the search.
-    pub changed: bool,
     /// Which model it is.
     pub written: ModelKind,
     /// Root mean squares of all three models.

@@ -1,24 +1,24 @@
-//! Which data are locked away until the end: a rule without chance, made before noise and signs are examined.
+//! Which data are held out until the end: a rule without chance, made before noise and signs are examined.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// How much is locked away, by how the data are laid out.
+/// How much is held out, by how the data are laid out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LockRules {
     /// Of rows of experiments, every so many-th. Chosen.
     pub rows_every: usize,
-    /// Fewest rows of experiments of which any are locked away. Chosen.
+    /// Fewest rows of experiments of which any are held out. Chosen.
     pub fewest_rows: usize,
     /// Of segments of one run every so many-th; of runs one in so many at least, where their sessions are long enough. Chosen.
     pub every: usize,
     /// Runs that remain to learn from before so many are. Derived: signs of eleven give p-values of 0.001.
     pub fewest_to_learn: usize,
-    /// Fewest sessions of which a whole one is locked away. Chosen.
+    /// Fewest sessions of which a whole one is held out. Chosen.
     pub fewest_sessions: usize,
-    /// Fewest tracks, maps and runs of a session of which one is locked away. Derived: of two, what remains has nothing to agree with.
+    /// Fewest tracks, maps and runs of a session of which one is held out. Derived: of two, what remains has nothing to agree with.
     pub fewest: usize,
 }
 
@@ -40,7 +40,7 @@ impl Default for LockRules {
 pub struct Locked {
     /// To learn from.
     pub training: Vec<usize>,
-    /// Locked away.
+    /// Held out.
     pub held_out: Vec<usize>,
 }
 
@@ -69,7 +69,7 @@ pub struct Place<'a> {
     pub driver: &'a str,
 }
 
-/// How many runs there are by name, and how many of them are locked away.
+/// How many runs there are by name, and how many of them are held out.
 #[derive(Default)]
 struct Shares<'a>(BTreeMap<&'a str, [usize; 2]>);
 
@@ -86,7 +86,7 @@ impl<'a> Shares<'a> {
         self.0.entry(name).or_default()[1] += 1;
     }
 
-    /// The share that is locked away.
+    /// The share that is held out.
     fn of(&self, name: &str) -> f64 {
         let [all, locked] = self.0.get(name).copied().unwrap_or_default();
         locked as f64 / f64::max(all as f64, 1.0)
@@ -97,7 +97,7 @@ impl LockRules {
     /// With three tracks or more, the one with the fewest runs if it holds no more than a quarter of them (what is peculiar to a locked
     /// track could not be found); with six sessions or more, the whole middle one; then as many runs as every second session gives, one each,
     /// or as make up a quarter of all where eleven remain to learn from, of sessions of at least three runs and no more than half of one. Each is of the track and the driver of
-    /// whom the smallest share is locked away, so that what differs between them is learned and judged of all; of those that are alike the
+    /// whom the smallest share is held out, so that what differs between them is learned and judged of all; of those that are alike the
     /// last run of every second session comes first.
     pub fn runs(&self, runs: &[Place]) -> Locked {
         let mut held_out = vec![false; runs.len()];
@@ -254,7 +254,7 @@ mod tests {
             .collect();
         let locked = LockRules::default().runs(&runs);
         let on_a = locked.held_out.iter().filter(|i| runs[**i].track == "a");
-        // The sixth session is locked away as a whole.
+        // The sixth session is held out as a whole.
         assert_eq!(locked.held_out.len(), 10);
         assert_eq!(on_a.count(), 5);
         assert!((20..24).all(|i| locked.held_out.contains(&i)));

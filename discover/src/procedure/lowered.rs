@@ -1,8 +1,8 @@
-//! By how much the gap on locked-away data is lower with one model than with another.
+//! By how much the gap on held-out data is lower with one model than with another.
 
 use crate::procedure::rules::SearchRules;
 
-/// What locked-away data say of one model compared with another.
+/// What held-out data say of one model compared with another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lowered {
     /// By how much the sum of squares falls, over all channels, each in units of its variance.
@@ -110,29 +110,33 @@ impl Lowered {
     }
 
     /// The same in words, of a selected effect that is made of this channel.
-    pub fn told_in(&self, channel: &str) -> String {
-        let text = format!(
-            "by {:.1} +- {:.1} units of the noise's variance, of {:.1} that repeat",
+    pub fn in_words(&self, channel: &str) -> String {
+        let mut text = format!(
+            "the sum of squares falls by {:.1} ± {:.1} noise variances, {:.1} repeat between runs",
             self.by, self.error, self.repeats
         );
-        let text = match (self.promise, self.weighed) {
-            (Some([retained, chance]), _) => format!(
-                "{text}; {retained:.1} of what was promised is retained, where noise alone retains {chance:.1}"
-            ),
-            (None, Some([by, error])) => format!(
-                "{text}; {:.1} standard errors where channels count by what they tell",
-                by / error.max(1e-300)
-            ),
-            (None, None) => text,
-        };
-        let text = match self.by < 1e-3 * self.tolerated {
-            true => format!("{text}; tolerances amount to {:.1}", self.tolerated),
-            false => text,
-        };
-        let own = self.by_channel.iter().filter(|(name, _)| *name == channel);
-        own.fold(text, |text, (name, [by, error])| {
-            format!("{text}; in {name} alone by {by:.1} +- {error:.1}")
-        })
+        match (self.promise, self.weighed) {
+            (Some([retained, chance]), _) => {
+                text += &format!(
+                    "; {retained:.1} of the predicted fall is observed, {chance:.1} by chance"
+                );
+            }
+            (None, Some([by, error])) => {
+                let errors = by / error.max(1e-300);
+                text += &format!(
+                    "; {errors:.1} standard errors with channels weighted by their information"
+                );
+            }
+            (None, None) => {}
+        }
+        if self.by < 1e-3 * self.tolerated {
+            text += &format!("; the tolerances explain up to {:.1}", self.tolerated);
+        }
+        let own = self.by_channel.iter().find(|(name, _)| *name == channel);
+        if let Some((name, [by, error])) = own {
+            text += &format!("; in {name} by {by:.1} ± {error:.1}");
+        }
+        text
     }
 }
 
@@ -226,8 +230,8 @@ mod tests {
         };
         assert!(retained(3.8).holds(&rules));
         assert!(!retained(3.6).holds(&rules) && !retained(-4.0).holds(&rules));
-        let text = retained(-4.0).told_in("yaw");
-        assert!(text.contains("-4.0 of what was promised"), "{text}");
+        let text = retained(-4.0).in_words("yaw");
+        assert!(text.contains("-4.0 of the predicted fall"), "{text}");
     }
 
     #[test]

@@ -1,14 +1,14 @@
-//! Never worse: what is named must lower the gap on data that were locked away, as a whole and step by step.
+//! Never worse: what is named must lower the gap on data that were held out, as a whole and step by step.
 
 use crate::error::Error;
 use crate::procedure::evidence::{Account, Evidence};
 use crate::procedure::lowered::Lowered;
 use crate::procedure::rules::SearchRules;
 
-/// Takes back every step, and at last the whole answer, without which the locked-away data leave no larger gap.
+/// Takes back every step, and at last the whole answer, without which the held-out data leave no larger gap.
 ///
 /// Steps are omitted one at a time, the weakest first, each with a refit of what remains. Nothing but the decision to leave
-/// something out is made of the locked-away data. `base` and the result are models as they would be written.
+/// something out is made of the held-out data. `base` and the result are models as they would be written.
 ///
 /// # Errors
 /// Those of the fits.
@@ -76,9 +76,9 @@ pub fn outlast<E: Evidence>(
 fn take_back(account: &mut Account, step: usize, lowered: &Lowered) -> String {
     let gone = account.steps.remove(step);
     format!(
-        "{} was significant where it was learned (p = {:.1e}), but the model with it does not lower the gap on the data put aside enough ({}): neither named nor written",
+        "{} is significant on the training data (p = {:.1e}), but the model with it does not lower the misfit on the held-out data enough ({}): not named",
         gone.effect,
         gone.p_value,
-        lowered.told_in(&gone.channel)
+        lowered.in_words(&gone.channel)
     )
 }

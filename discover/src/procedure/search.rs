@@ -1,4 +1,4 @@
-//! The search: fit, screen, select, add, refit, screen again; at the end, once, the locked-away data.
+//! The search: fit, screen, select, add, refit, screen again; at the end, once, the held-out data.
 
 use crate::error::Error;
 use crate::finding::{Interval, Report, Step};
@@ -101,7 +101,7 @@ pub fn search_evidence<E: Evidence>(
         }
     }
     let mut last = evidence.settle(fit, &mut account)?;
-    progress("looking at the data that were put aside");
+    progress("evaluating the held-out data");
     let refitted = match account.steps.is_empty() {
         true => last.clone(),
         false => evidence.settle(base.clone(), &mut Account::default())?,
@@ -110,18 +110,15 @@ pub fn search_evidence<E: Evidence>(
         last = outlast(evidence, &refitted, last, &mut account, rules)?;
     }
     // What makes more of what can be explained is no explanation, however much of the rest it takes along.
-    let mut opened = evidence.open(&base, &last, &mut account)?;
-    if opened.are_worse() {
-        account.take_back_all(&opened.closed);
+    let compared = evidence.open(&base, &last, &mut account)?;
+    if compared.are_worse() {
+        account.take_back_all(&compared.closed);
         last = refitted.clone();
-        opened = evidence.open(&base, &last, &mut account)?;
     }
-    progress("replaying the data that were put aside");
+    progress("replaying the held-out data");
     let chosen = evidence.choose(&refitted, last, &mut account)?;
     last = chosen.fit;
-    if chosen.changed {
-        opened = evidence.open(&base, &last, &mut account)?;
-    }
+    let opened = evidence.open(&base, &last, &mut account)?;
     progress("writing the report");
     let described = evidence.describe(&base, &last, &mut account)?;
     for (step, closed) in account.steps.iter_mut().zip(opened.closed) {
@@ -194,7 +191,7 @@ pub fn search_evidence<E: Evidence>(
     })
 }
 
-/// What a selected effect adds to the report; how much of the gap it closes is reported once the locked-away data are open.
+/// What a selected effect adds to the report; how much of the gap it closes is reported once the held-out data are open.
 fn step<A>(
     selection: Selection<A>,
     place: Option<String>,

@@ -70,7 +70,7 @@ pub fn sentence(
     }
 }
 
-/// The gap on data that the search had not seen, by the three models where they were compared.
+/// The gap on held-out data, by the three models where they were compared.
 fn gap(steps: &[Step], held_out: &HeldOut, baselines: &[Baseline]) -> String {
     let data = match held_out.runs.len() {
         0 => return String::new(),
@@ -83,14 +83,14 @@ fn gap(steps: &[Step], held_out: &HeldOut, baselines: &[Baseline]) -> String {
     });
     match of_step {
         Some((one, refitted, with_effect)) => format!(
-            " On {data} that the search had not seen the gap ({}) is {} as given, {} with the base refitted and {} with the effect.",
+            " On held-out {data} the misfit ({}) is {} as given, {} with the base refitted and {} with the effect.",
             one.quantity,
             quantity(one.as_given, &one.unit),
             quantity(refitted, &one.unit),
             quantity(with_effect, &one.unit)
         ),
         None => format!(
-            " On {data} that the search had not seen the gap went from {} to {}.",
+            " On held-out {data} the misfit went from {} to {}.",
             quantity(held_out.gap_before, &held_out.unit),
             quantity(held_out.gap_after, &held_out.unit)
         ),

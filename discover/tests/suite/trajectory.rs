@@ -11,7 +11,7 @@ use kufe_sled::{
 
 use crate::campaign::{driven, plan, searched, truth};
 
-/// Root mean squares over the locked-away runs: of what the balances leave, and of how far runs driven again part.
+/// Root mean squares over the held-out runs: of what the balances leave, and of how far runs driven again part.
 fn gaps(found: &Found, recorded: &[Run], model: &Model) -> BTreeMap<String, f64> {
     let vehicle = Vehicle::with_effects(model).unwrap();
     let mut squares: BTreeMap<String, (f64, f64)> = BTreeMap::new();

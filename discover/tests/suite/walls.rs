@@ -71,7 +71,7 @@ fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
     let all: usize = driven.values().map(|contacts| contacts.len()).sum();
     assert!(reported * 100 >= 95 * all, "{reported} of {all}");
 
-    // Runs that were locked away, by the commands' own balances: their side sets the contacts, their turning judges them.
+    // Runs that were held out, by the commands' own balances: their side sets the contacts, their turning judges them.
     let next = Model::from_toml(&found.next_model, "next").unwrap();
     let locked = &report.held_out.runs;
     let held: Vec<_> = recorded

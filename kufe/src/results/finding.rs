@@ -143,7 +143,7 @@ pub struct OfKind {
     /// Whether it agrees with the other kinds: the step's parameters are then those of all
     /// together.
     pub agrees: bool,
-    /// Gap of this kind's locked-away data before.
+    /// Gap of this kind's held-out data before.
     pub gap_before: f64,
     /// With the next model.
     pub gap_after: f64,
@@ -170,7 +170,7 @@ pub struct ContactPlace {
     pub hit: usize,
     /// The same by driver.
     pub drivers: Vec<DriverContacts>,
-    /// The runs that hit, the locked-away ones last.
+    /// The runs that hit, the held-out ones last.
     pub contacts: Vec<RunContact>,
 }
 
@@ -204,7 +204,7 @@ pub struct RunContact {
     pub error_n: f64,
 }
 
-/// The gap on runs that were locked away.
+/// The gap on runs that were held out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct HeldOut {
     /// What one of them is: `run`, `segment`, `row` or `measurement`.
@@ -270,7 +270,7 @@ pub enum ModelKind {
     AsGiven,
 }
 
-/// Root mean square of one quantity over the locked-away runs, for each model.
+/// Root mean square of one quantity over the held-out runs, for each model.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Baseline {
     /// A force channel, or a column of the replay (`replay v_mps`).
@@ -394,7 +394,7 @@ pub struct Report {
     pub held_out: HeldOut,
     /// The model that is written to `model.next.toml`.
     pub written: ModelKind,
-    /// Three models on the same locked-away runs.
+    /// Three models on the same held-out runs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub baselines: Vec<Baseline>,
     /// Models that are not written, and why.

@@ -44,7 +44,7 @@ pub struct Experiments<'a> {
     pub setting: Setting,
     /// Rows to learn from.
     pub training: Vec<Row>,
-    /// Rows that are locked away.
+    /// Rows that are held out.
     pub held_out: Vec<Row>,
     /// What cannot be tested, and why.
     pub untestable: Vec<(String, String)>,
@@ -190,7 +190,7 @@ impl Evidence for Experiments<'_> {
         }
         if self.held_out.is_empty() {
             account.remarks.push(format!(
-                "{} rows are too few to lock any away: the gap is judged on the rows that were fitted",
+                "{} rows are too few to lock any away: the misfit is judged on the rows that were fitted",
                 self.rows()
             ));
         }

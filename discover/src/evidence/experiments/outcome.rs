@@ -73,7 +73,7 @@ impl Experiments<'_> {
         next
     }
 
-    /// How much is closed, on the locked-away rows where there are any, of what everything chosen and the next best
+    /// How much is closed, on the held-out rows where there are any, of what everything chosen and the next best
     /// candidate explain on the others.
     pub fn closed(&self, before: &TableFit, after: &TableFit) -> Interval {
         let setting = &self.setting;

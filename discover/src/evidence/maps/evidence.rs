@@ -124,7 +124,7 @@ impl<'a> Maps<'a> {
         let names: Vec<&str> = steps.iter().map(|s| s.effect.as_str()).collect();
         (doubtful && !names.is_empty()).then(|| {
             format!(
-                "{} would lower the gap, but leaves {:.0} % of what is above the noise: not named",
+                "{} would lower the misfit, but leaves {:.0} % of what is above the noise: not named",
                 names.join(" and "),
                 100.0 * remaining
             )

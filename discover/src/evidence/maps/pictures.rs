@@ -8,7 +8,7 @@ use crate::finding::{Maps, Peak, Picture, Plot};
 /// Most rows of a picture of peaks.
 const MOST_PEAKS: usize = 60;
 
-/// Peaks of the rows without a map; for the learned map with the largest difference, and the first locked-away one: measured pressure, and what is simulated
+/// Peaks of the rows without a map; for the learned map with the largest difference, and the first held-out one: measured pressure, and what is simulated
 /// before and after.
 ///
 /// # Errors
@@ -21,7 +21,7 @@ pub fn pictures(
     let mut pictures: Vec<Picture> = peaks(simulations, locked, active)?.into_iter().collect();
     for (simulations, kind) in [
         (simulations, "a map that it learned from"),
-        (locked, "a map that the search had not seen"),
+        (locked, "a held-out map"),
     ] {
         let before = simulations.maps(&SizedEffects::new(), simulations.rules.reporting_cells)?;
         let after = simulations.maps(active, simulations.rules.reporting_cells)?;

@@ -1,4 +1,4 @@
-//! Recorded runs, a part of them locked away, and the model that they are judged against.
+//! Recorded runs, a part of them held out, and the model that they are judged against.
 
 use kufe_sled::Model;
 
@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
 use crate::evidence::runs::contacts::found::Found;
-use crate::evidence::runs::fit::estimate::{Estimate, FittedRows, estimate};
+use crate::evidence::runs::fit::estimate::{Estimate, Estimated, FittedRows, estimate};
 use crate::evidence::runs::fit::gauss_newton::{conditional_residuals, fit, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
@@ -43,7 +43,7 @@ pub struct Campaign<'a> {
     pub survey: Option<(SensorEffects, Option<Surveyed>)>,
     /// The effect of the catalogue that a law was selected instead of, by first-order scores.
     pub runner_up: Option<Selection<Amplitude>>,
-    /// Runs that are locked away.
+    /// Runs that are held out.
     pub held_out: Vec<Frame>,
     /// Channels that take part.
     pub used: [bool; CHANNELS],
@@ -87,11 +87,10 @@ pub struct RunFit {
     pub unwritten: Option<Unwritten>,
     /// What remains of noisy inputs taken off, at the end: base multipliers, amplitudes, installation.
     pub estimates: Vec<Estimate>,
-    /// The model that holds these estimates.
+    /// The model that held-out runs are compared with, as they were recorded.
     pub settled: ResidualModel,
-    /// Estimates and model conditional on the installation errors that were found, where there are any: the sled itself rather than
-    /// what its sensors recorded.
-    pub conditional: Option<(Vec<Estimate>, ResidualModel)>,
+    /// The model that holds the estimates, once they are made: the sled itself rather than what its sensors recorded.
+    pub written: Option<ResidualModel>,
 }
 
 impl RunFit {
@@ -104,7 +103,7 @@ impl RunFit {
             owners,
             unwritten: None,
             estimates: Vec::new(),
-            conditional: None,
+            written: None,
         }
     }
 
@@ -201,7 +200,7 @@ impl Campaign<'_> {
         };
         let needed = (1.0 - limit.log2()).ceil();
         Some(format!(
-            "with {} runs to learn from no p-value by sign-flips can be below {least:.1e}; {what} must reach {limit}, so that only what exceeds the tolerances by itself can be selected: {needed} runs are needed in addition to those put aside",
+            "with {} runs to learn from no p-value by sign-flips can be below {least:.1e}; {what} must reach {limit}, so that only what exceeds the tolerances by itself can be selected: {needed} runs are needed in addition to the held-out ones",
             self.training.len()
         ))
     }
@@ -232,7 +231,7 @@ impl Campaign<'_> {
         let at = &plain.residual_model.hold(false);
         let off = self
             .newton(at, &plain.whitener, &[INSTALLATION_PAIRS], true)
-            .1;
+            .model;
         self.with_installation(plain, &off)
     }
 
@@ -276,12 +275,8 @@ impl Campaign<'_> {
         Ok(RunFit::new(found.model, found.whitener, owners))
     }
 
-    /// Base parameters (as multipliers) first, then the effects' amplitudes and the installation, and the model that holds them.
-    pub fn estimates(
-        &self,
-        residual_model: &ResidualModel,
-        whitener: &Whitener,
-    ) -> (Vec<Estimate>, ResidualModel) {
+    /// Estimates of a fit.
+    pub fn estimates(&self, residual_model: &ResidualModel, whitener: &Whitener) -> Estimated {
         // An installation makes many columns, and its errors are known by no more than their tolerance.
         let pairs: &[u64] = match residual_model.installation.fitted() {
             0 => &[1, 4, 16],
@@ -302,7 +297,7 @@ impl Campaign<'_> {
         whitener: &Whitener,
         pairs: &[u64],
         settle: bool,
-    ) -> (Vec<Estimate>, ResidualModel) {
+    ) -> Estimated {
         let trust = match self.data.noise_from {
             NoiseFrom::Model => self.rules().stated_noise_error,
             _ => self.rules().estimated_noise_error,

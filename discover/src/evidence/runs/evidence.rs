@@ -68,7 +68,7 @@ impl<'a> Campaign<'a> {
         let (training, held_out) = (pick(&locked.training), pick(&locked.held_out));
         if training.len() < 2 {
             return Err(Error::TooFew {
-                what: "runs to learn from, in addition to those put aside".to_owned(),
+                what: "runs to learn from, in addition to the held-out ones".to_owned(),
                 found: training.len(),
                 needed: 2,
             });
@@ -236,20 +236,7 @@ impl Evidence for Campaign<'_> {
     }
 
     fn settle(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
-        let mut last = self.with_what_lasts(fit, account)?;
-        // A refit of the base alone, or with contacts, is written only where it is better than what was given.
-        if last.owners.is_empty() {
-            let as_given = ResidualModel {
-                contacts: last.settled.contacts.clone(),
-                ..self.given.clone()
-            };
-            let least = self.options.rules.search.beyond_scatter;
-            let better = self.lowered_between(&as_given, &last.settled, None);
-            if better.is_some_and(|l| l.by <= least * l.error) {
-                last.settled = as_given;
-            }
-        }
-        Ok(last)
+        self.with_what_lasts(fit, account)
     }
 
     fn without(&mut self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
@@ -330,7 +317,7 @@ impl Evidence for Campaign<'_> {
             && last.settled.base == self.given.base
             && !self.held_out.is_empty()
         {
-            account.remarks.push("a refit of friction and grip leaves no smaller gap on the runs put aside: model.next.toml is the model as given".to_owned());
+            account.remarks.push("a refit of friction and grip does not lower the misfit on the held-out runs: model.next.toml is the model as given".to_owned());
         }
         let faults = shared_faults(&account.steps, &self.training, rules.alpha);
         account.depends.extend(faults);
@@ -357,7 +344,7 @@ impl Evidence for Campaign<'_> {
             training,
             within_tolerance: self.within_tolerance(last, account),
             parameters: {
-                self.tell_contacts(last, &mut account.steps);
+                self.describe_contacts(last, &mut account.steps);
                 self.parameters(last, account.steps.len())
             },
             laws: self.laws(last, account.steps.len()),

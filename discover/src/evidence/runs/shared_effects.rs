@@ -56,7 +56,7 @@ impl SharesEffects for Campaign<'_> {
     fn amounts(&self, fit: &RunFit, step: usize) -> Vec<Amount> {
         let (after, already) = (&fit.residual_model, fit.already());
         let estimates = match fit.estimates.is_empty() {
-            true => self.estimates(&after.hold(false), &fit.whitener).0,
+            true => self.estimates(&after.hold(false), &fit.whitener).estimates,
             false => fit.estimates.clone(),
         };
         let own = estimates.get(self.free.len()..).unwrap_or_default();

@@ -23,7 +23,7 @@ use crate::procedure::rivals::RivalRule;
 pub struct Rules {
     /// What holds for every kind of data.
     pub search: SearchRules,
-    /// Which data are locked away.
+    /// Which data are held out.
     pub lock: LockRules,
     /// Runs on a track.
     pub runs: RunRules,
@@ -42,7 +42,7 @@ pub struct SearchRules {
     pub most_effects: usize,
     /// |t| given all others below which a selected effect has become superfluous. Chosen.
     pub superfluous_t: f64,
-    /// Standard errors by which the gap on locked-away data must fall for a step, and for the whole answer, to be named. Chosen:
+    /// Standard errors by which the gap on held-out data must fall for a step, and for the whole answer, to be named. Chosen:
     /// it is tested once more of what was significant already.
     pub beyond_scatter: f64,
     /// Standard errors by which it must fall in the channels that tell of a step for the others to count only where they rise above their
@@ -53,7 +53,7 @@ pub struct SearchRules {
     /// Factor between a base parameter and its given value above which it is implausible. Chosen: coefficients of steel on ice that
     /// are published for bobsleds differ by less.
     pub plausible: f64,
-    /// Share of the gap that repeats from run to run, on locked-away data and with nothing named, that a step must close to be worth saying, and by
+    /// Share of the gap that repeats from run to run, on held-out data and with nothing named, that a step must close to be worth saying, and by
     /// which a root mean square on them may grow against the model as given. Chosen: less is seen by no one who drives.
     pub material: f64,
     /// Share of the sum of squares that the installation's tolerances amount to which a step must close, too. Chosen: a hundredth in size.

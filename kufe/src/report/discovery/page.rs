@@ -116,7 +116,7 @@ fn details(report: &Report, viewer: Option<&str>) -> String {
     let seen = "On the data it was fitted to";
     let mut before_and_after = gaps(seen, &report.training);
     if !held_out.channels.is_empty() {
-        before_and_after += &gaps("On data that the search had not seen", &held_out.channels);
+        before_and_after += &gaps("On held-out data", &held_out.channels);
         before_and_after += &small(&format!(
             "Not seen: {}. Root mean squares; no effect can close the noise.",
             held_out.runs.join(", ")
@@ -154,7 +154,7 @@ fn details(report: &Report, viewer: Option<&str>) -> String {
     let folds = folds.into_iter().filter(|(is_shown, ..)| *is_shown);
     let mut out = String::from("<h2>In numbers</h2>\n");
     if !report.baselines.is_empty() {
-        let title = "Three models on data that the search had not seen";
+        let title = "Three models on held-out data";
         out += &models(title, &report.baselines);
     }
     out.extend(folds.map(|(_, title, inner)| fold(title, &inner)));

@@ -25,7 +25,7 @@ pub fn step(number: usize, step: &Step, report: &Report) -> String {
     let judged = if report.held_out.runs.is_empty() {
         ""
     } else {
-        " on data that the search had not seen"
+        " on held-out data"
     };
     let closed = &step.explainable_gap_closed;
     let [value, low, high] = [closed.value, closed.low, closed.high].map(|share| 100.0 * share);

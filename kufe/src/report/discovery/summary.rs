@@ -47,7 +47,7 @@ fn notes(report: &Report) -> Vec<(&'static str, String)> {
             _ => "The model with friction and grip refitted".to_owned(),
         };
         let text = format!(
-            "{which} is worse than the model as given on data that the search had not seen: {}.",
+            "{which} is worse than the model as given on held-out data: {}.",
             withheld.reason
         );
         notes.push(("Not written", text));
@@ -156,7 +156,7 @@ fn contacts(step: &Step) -> Option<String> {
 /// A figure, and what it is.
 type Tile = (String, String);
 
-/// The gap before and after, on data that the search had not seen where there are any.
+/// The gap before and after, on held-out data where there are any.
 fn gap(report: &Report) -> Option<Tile> {
     let held_out = &report.held_out;
     // A value and its unit are not broken in two.
@@ -173,7 +173,7 @@ fn gap(report: &Report) -> Option<Tile> {
         1 => format!("one {}", held_out.what),
         count => format!("{count} {}s", held_out.what),
     };
-    let mut why = format!("gap on {runs} that the search had not seen");
+    let mut why = format!("misfit on held-out {runs}");
     let channel = judged(held_out);
     if let Some(channel) = channel {
         let (name, noise) = (&channel.channel, amount(channel.noise, &held_out.unit));

@@ -31,7 +31,7 @@ pub fn remarks_on(rows: &[Row]) -> Vec<String> {
     }
     if rows.len() < 3 {
         remarks.push(format!(
-            "{} rows are too few to lock one away: the gap is judged on the rows that were fitted",
+            "{} rows are too few to lock one away: the misfit is judged on the rows that were fitted",
             rows.len()
         ));
     }

@@ -3,7 +3,7 @@
 
 use kufe_sled::scatter;
 
-use crate::evidence::runs::contacts::own::left_without;
+use crate::evidence::runs::contacts::own::residuals_without;
 use crate::evidence::runs::model::residual_model::{BASE, ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::levels::group;
@@ -26,7 +26,7 @@ pub fn apart_from_grip(model: &ResidualModel, frames: &[Frame], residual: &mut [
         let mut moved = model.clone();
         let grip = moved.base[1..BASE].iter_mut();
         grip.for_each(|multiplier| *multiplier *= factor);
-        left_without(&moved, frames)
+        residuals_without(&moved, frames)
     });
     let column = |run: usize, c: usize, i: usize| more[run][c][i] - less[run][c][i];
     let scatters = BALANCES.map(|c| {
@@ -89,7 +89,7 @@ mod tests {
             let vehicle = Vehicle::new(&base).expect("the published model");
             ResidualModel::new(vehicle, base_multipliers, Effects::default())
         };
-        let as_driven = left_without(&of_base([1.0; BASE]), frames);
+        let as_driven = residuals_without(&of_base([1.0; BASE]), frames);
         // What is there with the sensors' noise.
         let apart = |residual: &[ChannelRows], c: usize| -> f64 {
             let both = residual.iter().zip(&as_driven);
@@ -97,7 +97,7 @@ mod tests {
             all.sum::<f64>().sqrt()
         };
         let slippery = of_base([1.0, 1.15, 1.15, 1.15, 1.15]);
-        let mut residual = left_without(&slippery, frames);
+        let mut residual = residuals_without(&slippery, frames);
         // A push of 200 N over 10 m.
         let from = frames[0].s[frames[0].len() / 2];
         let wave = |s: f64| match (0.0..10.0).contains(&(s - from)) {

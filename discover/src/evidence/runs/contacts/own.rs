@@ -14,7 +14,7 @@ use crate::evidence::runs::recordings::frame::Frame;
 const MARGIN_M: f64 = 2.0;
 
 /// What the balances leave of each run at every retained sample, without contacts.
-pub fn left_without(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
+pub fn residuals_without(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
     let bare = ResidualModel {
         contacts: None,
         ..model.clone()
@@ -65,7 +65,7 @@ pub fn set_own_of(frame: &mut Frame, side_n: &[f64], places: &[Active]) {
 
 /// Sets the contacts of every run at these places, each by its own side balance.
 pub fn set_own(frames: &mut [Frame], model: &ResidualModel, places: &[Active]) {
-    let residual = left_without(model, frames);
+    let residual = residuals_without(model, frames);
     let both = frames.par_iter_mut().zip(&residual);
     both.for_each(|(frame, residual)| set_own_of(frame, &residual[1], places));
 }

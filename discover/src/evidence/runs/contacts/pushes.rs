@@ -7,7 +7,7 @@ use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::contacts::FEWEST_HITS;
 use crate::evidence::runs::contacts::find::{Stretch, stretches};
 use crate::evidence::runs::contacts::model::{at_place, wall};
-use crate::evidence::runs::contacts::own::{left_without, own_contacts, without_contacts};
+use crate::evidence::runs::contacts::own::{own_contacts, residuals_without, without_contacts};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 
@@ -21,7 +21,7 @@ struct Push {
 
 impl Campaign<'_> {
     /// Marks where something pushed a single run that no other run meets, and where no contacts can be selected up to half of the runs of a
-    /// track. What training runs say there is omitted; their names with the place are returned. Of the locked-away runs, seen with
+    /// track. What training runs say there is omitted; their names with the place are returned. Of the held-out runs, seen with
     /// these, nothing there judges a model, however many of them are pushed: nothing was learned of it.
     pub fn mark_pushes(&mut self, model: &ResidualModel) -> Vec<String> {
         let Some(effect) = wall().filter(|_| self.used[1] && self.used[2] && !self.data.segmented)
@@ -31,7 +31,7 @@ impl Campaign<'_> {
         let claimable = self.contacts_beside(model).is_some();
         let learned = self.whole().len();
         let all: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
-        let residual = left_without(model, &all);
+        let residual = residuals_without(model, &all);
         let side: Vec<Vec<f64>> = residual.iter().map(|l| l[1].clone()).collect();
         let pushes = |seen: usize| -> Vec<Push> {
             self.pushes(effect, (&all[..seen], &side[..seen]), learned, claimable)

@@ -32,8 +32,8 @@ impl Campaign<'_> {
         }
     }
 
-    /// Places with the contacts of all runs, those that are locked away too, put to their step.
-    pub fn tell_contacts(&self, last: &RunFit, steps: &mut [Step]) {
+    /// Places with the contacts of all runs, those that are held out too, put to their step.
+    pub fn describe_contacts(&self, last: &RunFit, steps: &mut [Step]) {
         let Some(contacts) = &last.residual_model.contacts else {
             return;
         };

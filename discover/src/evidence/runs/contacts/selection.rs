@@ -13,7 +13,9 @@ use crate::evidence::runs::contacts::levers::{
     apart_from_side, excess, ratio, ratio_of_strong, seen_by_yaw, shared_with_side,
 };
 use crate::evidence::runs::contacts::model::{Contacts, wall};
-use crate::evidence::runs::contacts::own::{left_without, set_own, set_own_of, without_contacts};
+use crate::evidence::runs::contacts::own::{
+    residuals_without, set_own, set_own_of, without_contacts,
+};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
@@ -33,7 +35,7 @@ impl Campaign<'_> {
         }
         let effect = wall().filter(|e| self.options.looks_for(e.info.name))?;
         let whole = self.whole();
-        let as_it_is = left_without(model, whole);
+        let as_it_is = residuals_without(model, whole);
         let mut residual = as_it_is.clone();
         apart_from_grip(model, whole, &mut residual);
         let side: Vec<Vec<f64>> = residual.iter().map(|l| l[1].clone()).collect();

@@ -41,13 +41,74 @@ impl Estimate {
     /// What is known where another value is stated in its place: that this is off as well.
     pub fn stated_as(&self, value: f64) -> Self {
         let off = value - self.value;
-        let moved = Self {
-            value,
-            low: self.low + off,
-            high: self.high + off,
+        self.moved(off).with_error(self.error.hypot(off))
+    }
+
+    fn moved(&self, by: f64) -> Self {
+        Self {
+            value: self.value + by,
+            low: self.low + by,
+            high: self.high + by,
             ..*self
+        }
+    }
+}
+
+/// Estimates of all fitted parameters and the model that holds them.
+#[derive(Clone)]
+pub struct Estimated {
+    /// Base parameters (as multipliers), amplitudes, then parts of the installation.
+    pub estimates: Vec<Estimate>,
+    /// The model.
+    pub model: ResidualModel,
+    /// Covariance of base parameters and amplitudes, in their own units.
+    pub covariance: DMatrix<f64>,
+}
+
+impl Estimated {
+    /// The same given that the first parameters, those of the base, are known beforehand: each is 1 with a standard deviation of `sd`.
+    ///
+    /// With x the estimates, V their covariance and B the base's columns, the posterior of normal laws:
+    ///
+    /// ```text
+    /// K = V_B inv(V_BB + sd^2)      x' = x - K (x_B - 1)      V' = V - K V_B'
+    /// ```
+    pub fn given_base(self, free: &[usize], sd: f64) -> Self {
+        let Self {
+            mut estimates,
+            mut model,
+            covariance,
+        } = self;
+        let (known, count) = (free.len(), covariance.nrows());
+        let columns = covariance.columns(0, known).into_owned();
+        let own = columns.rows(0, known) + DMatrix::identity(known, known) * (sd * sd);
+        let Some(inverse) = own.try_inverse() else {
+            return Self {
+                estimates,
+                model,
+                covariance,
+            };
         };
-        moved.with_error(self.error.hypot(off))
+        let gain = columns.clone() * inverse;
+        let off = DVector::from_fn(known, |k, _| estimates[k].value - 1.0);
+        let shift = &gain * off;
+        let covariance = &covariance - &gain * columns.transpose();
+        for (k, estimate) in estimates.iter_mut().take(count).enumerate() {
+            let error = covariance[(k, k)].max(0.0).sqrt();
+            *estimate = estimate.moved(-shift[k]).with_error(error);
+        }
+        for (b, estimate) in free.iter().zip(&estimates) {
+            model.base[*b] = estimate.value;
+        }
+        let amplitudes = model.free();
+        for ((e, q), estimate) in amplitudes.into_iter().zip(&estimates[known..count]) {
+            model.effects.active[e].values[q] = estimate.value;
+        }
+        Self {
+            estimates,
+            model,
+            covariance,
+        }
     }
 }
 
@@ -68,7 +129,7 @@ pub struct FittedRows<'a> {
 /// The first round of twins.
 pub const FIRST_ROUND: u64 = 4_000_037;
 
-/// Estimates of all fitted parameters (base, amplitudes, installation), and the model that holds them.
+/// Estimates of all fitted parameters.
 ///
 /// Newton steps on the corrected scores lead from least squares to the unbiased estimate. With C the corrected products,
 /// errors are the sandwich over sessions (over runs where there are fewer than five), `(R - 1)/R inv(C_JJ) sum_i s_i s_i' inv(C_JJ)`,
@@ -76,12 +137,7 @@ pub const FIRST_ROUND: u64 = 4_000_037;
 /// D. F. McCaffrey, Survey Methodology 28 (2002) 169), with Student's t of R - 1; `trust` of the way from least squares is added to them. With `settle` false the
 /// values stay at least squares. `pairs` says how many pairs of twins are behind each step: a single one leaves a tenth of what
 /// it takes off in doubt.
-pub fn estimate(
-    rows: &FittedRows,
-    pairs: &[u64],
-    trust: f64,
-    settle: bool,
-) -> (Vec<Estimate>, ResidualModel) {
+pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> Estimated {
     let FittedRows {
         residual_model,
         whitener,
@@ -91,7 +147,7 @@ pub fn estimate(
     } = *rows;
     let mut settled = residual_model.clone();
     let (clusters, rounds) = (clusters(frames), pairs.len());
-    let mut errors = Vec::new();
+    let mut covariance = DMatrix::zeros(0, 0);
     let mut drawn = FIRST_ROUND;
     for (round, pairs) in pairs.iter().copied().enumerate() {
         let design = Design {
@@ -118,7 +174,7 @@ pub fn estimate(
         let prior = design.prior();
         let solved = solve(&runs, &prior);
         if round + 1 == rounds {
-            errors = standard_errors(&runs, &clusters, &prior, &solved);
+            covariance = sandwich(&runs, &clusters, &prior, &solved);
         }
         settled = stepped(&settled, free, solved.0.as_slice(), 1.0);
     }
@@ -149,8 +205,9 @@ pub fn estimate(
     let n = clusters.len() as f64;
     let quantile =
         StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0)).map_or(2.0, |law| law.inverse_cdf(0.975));
-    let known = &errors[fitted.len()..][..settled.installation.fitted()];
-    let parts = settled.installation.found(known).into_iter();
+    let errors = covariance.diagonal().map(|x| x.max(0.0).sqrt());
+    let known = errors.rows(fitted.len(), settled.installation.fitted());
+    let parts = settled.installation.found(known.as_slice()).into_iter();
     let parts = parts.map(|(value, error)| Estimate {
         value,
         error,
@@ -170,14 +227,22 @@ pub fn estimate(
         })
         .chain(parts)
         .collect();
-    (
+    let model = match settle {
+        true => settled,
+        false => residual_model.clone(),
+    };
+    Estimated {
+        covariance: DMatrix::from_fn(fitted.len(), fitted.len(), |i, k| {
+            let doubt = if i == k {
+                trust * (moved[k] - fitted[k])
+            } else {
+                0.0
+            };
+            covariance[(i, k)] * scales[i] * scales[k] + doubt * doubt
+        }),
         estimates,
-        if settle {
-            settled
-        } else {
-            residual_model.clone()
-        },
-    )
+        model,
+    }
 }
 
 /// One step, and the inverse of the products with the prior's precision.
@@ -192,13 +257,13 @@ pub fn solve(grams: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, DMatrix<f6
     (step, inverse)
 }
 
-/// Sandwich errors of a step over clusters of runs, with what the prior leaves open.
-fn standard_errors(
+/// Sandwich covariance of a step over clusters of runs, with what the prior leaves open.
+fn sandwich(
     grams: &[DMatrix<f64>],
     clusters: &[Vec<usize>],
     prior: &Prior,
     (step, inverse): &(DVector<f64>, DMatrix<f64>),
-) -> Vec<f64> {
+) -> DMatrix<f64> {
     let p = prior.count();
     let mut meat = DMatrix::zeros(p, p);
     for cluster in clusters {
@@ -213,8 +278,7 @@ fn standard_errors(
     }
     let n = clusters.len() as f64;
     let random = DMatrix::from_diagonal(&prior.precision);
-    let covariance = inverse * (meat * ((n - 1.0) / n) + random) * inverse;
-    (0..p).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect()
+    inverse * (meat * ((n - 1.0) / n) + random) * inverse
 }
 
 /// Runs whose errors are independent of other runs': those of a session, where there are enough of them.
@@ -230,7 +294,11 @@ fn clusters(frames: &[Frame]) -> Vec<Vec<usize>> {
 
 #[cfg(test)]
 mod tests {
+    use kufe_sled::effects::Effects;
+    use kufe_sled::{Model, Vehicle};
+
     use super::*;
+    use crate::evidence::runs::model::residual_model::BASE;
 
     #[test]
     fn a_value_that_is_stated_for_another_is_as_unsure_as_that_and_the_way_between_them() {
@@ -245,5 +313,37 @@ mod tests {
         assert!((stated.error - 0.05).abs() < 1e-12);
         // Two standard errors to either side, as before.
         assert!((stated.low - 0.94).abs() < 1e-12 && (stated.high - 1.14).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_base_known_beforehand_is_the_posterior_of_normal_laws() {
+        let vehicle = Vehicle::new(&Model::published()).unwrap();
+        let covariance = DMatrix::from_row_slice(2, 2, &[0.25, -0.1, -0.1, 0.09]);
+        let estimate = |value: f64, error: f64| Estimate {
+            value,
+            error,
+            low: value - 2.0 * error,
+            high: value + 2.0 * error,
+        };
+        let found = Estimated {
+            estimates: vec![estimate(2.0, 0.5), estimate(0.4, 0.3)],
+            model: ResidualModel::new(vehicle, [1.0; BASE], Effects::default()),
+            covariance: covariance.clone(),
+        };
+        let sd = 0.5;
+        let given = found.given_base(&[0], sd);
+        // Precisions add: that of the data, and 1 / sd^2 about 1 of the first alone.
+        let precision = covariance.try_inverse().unwrap();
+        let prior = DMatrix::from_diagonal(&DVector::from_column_slice(&[1.0 / (sd * sd), 0.0]));
+        let posterior = (&precision + &prior).try_inverse().unwrap();
+        let at = DVector::from_column_slice(&[2.0, 0.4]);
+        let mean = &posterior * (&precision * at + prior * DVector::from_element(2, 1.0));
+        for k in 0..2 {
+            assert!((given.estimates[k].value - mean[k]).abs() < 1e-12);
+            assert!((given.estimates[k].error - posterior[(k, k)].sqrt()).abs() < 1e-12);
+            let half = 2.0 * given.estimates[k].error;
+            assert!((given.estimates[k].high - mean[k] - half).abs() < 1e-12);
+        }
+        assert_eq!(given.model.base[0], given.estimates[0].value);
     }
 }

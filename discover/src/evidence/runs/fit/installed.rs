@@ -83,7 +83,7 @@ impl Campaign<'_> {
         };
         let plain = self.least_squares(&without, fit.owners.clone())?;
         let products = self.part_products(&plain);
-        let installation = stated.told_apart(&products.free_products, LEAST);
+        let installation = stated.determined_by(&products.free_products, LEAST);
         let start = ResidualModel {
             installation,
             ..plain.residual_model.clone()
@@ -151,12 +151,12 @@ impl Campaign<'_> {
         }
     }
 
-    /// Standard deviations, in the units in which they are fitted, that base and amplitudes have from what no combination of the
+    /// Covariance, in the units in which they are fitted, that base and amplitudes have from what no combination of the
     /// installation's parts holds: an amplitude that does what a part does takes it up, and nothing else tells of that part.
     ///
-    /// With J the columns of base and amplitudes, N those of the parts and P the projection on what is not determined, the diagonal of
+    /// With J the columns of base and amplitudes, N those of the parts and P the projection on what is not determined,
     /// `inv(J'J) J'N P N'J inv(J'J)`. What an amplitude is itself is no doubt of it: the scale of a sensor, that is named, is all of it.
-    pub fn left_open(&self, model: &ResidualModel, whitener: &Whitener) -> Vec<f64> {
+    pub fn undetermined(&self, model: &ResidualModel, whitener: &Whitener) -> DMatrix<f64> {
         let installation = &model.installation;
         let count = installation.parts.len();
         let all = ResidualModel {
@@ -187,10 +187,7 @@ impl Campaign<'_> {
             open -= &direction * direction.transpose();
         }
         let moved = moved * installation.root();
-        let undetermined = &moved * open;
-        (0..known)
-            .map(|k| undetermined.row(k).dot(&moved.row(k)).max(0.0).sqrt())
-            .collect()
+        &moved * open * moved.transpose()
     }
 
     /// Products of one standard deviation of every part of a model's installation, given the base, over the rows of these runs.

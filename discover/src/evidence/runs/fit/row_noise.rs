@@ -151,7 +151,7 @@ fn of_noise(model: &ResidualModel, moved: &[ResidualModel], frame: &Frame) -> Ve
         let mut raw = vec![[(); BALANCES].map(|()| Vec::with_capacity(piece.len())); count];
         for i in 0..piece.len() {
             let at = models[0].instant(i, &models[0].measured(i));
-            let each = models.iter().map(|model| model.balances_beside(i, &at));
+            let each = models.iter().map(|model| model.balances_given(i, &at));
             for (raw, values) in raw.iter_mut().zip(each) {
                 raw.iter_mut().zip(values).for_each(|(raw, x)| raw.push(x));
             }

@@ -181,7 +181,7 @@ impl Design<'_> {
                 put(*k, moved, 0.01);
             }
             for (k, other) in &moved {
-                put(*k, other.balances_beside(i, &at), 0.01);
+                put(*k, other.balances_given(i, &at), 0.01);
             }
             for b in 0..BASE {
                 put(b, on_run.balances_with_base(&at, b, STEP), STEP);

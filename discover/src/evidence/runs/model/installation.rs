@@ -325,7 +325,7 @@ impl Installation {
     ///
     /// With G these products given the base, the eigenvectors of G are distinguished by the data, and one of eigenvalue g moves no
     /// statistic by more than the root of g: those below `least` are omitted, and with them what no fit could hold.
-    pub fn told_apart(&self, products: &DMatrix<f64>, least: f64) -> Self {
+    pub fn determined_by(&self, products: &DMatrix<f64>, least: f64) -> Self {
         let root = self.root();
         let eigen = (root * products * root).symmetric_eigen();
         let retained = (0..eigen.eigenvalues.len()).filter(|k| eigen.eigenvalues[*k] >= least);
@@ -527,7 +527,7 @@ mod tests {
         let both = Installation::new(&places, []);
         // Only the sum of the two shows.
         let products = DMatrix::from_element(2, 2, 50.0);
-        let mut determined = both.told_apart(&products, 1.0);
+        let mut determined = both.determined_by(&products, 1.0);
         assert_eq!(determined.fitted(), 1);
         determined.step(&[determined.directions[0][0].signum() * 2.0_f64.sqrt()]);
         assert!(

@@ -133,7 +133,7 @@ impl<'a> ModelOnRun<'a> {
         self.slower.get_or_init(|| {
             let (mut relaxed, dt) = (Relaxed::default(), self.frame.sample_s());
             let of = |i: usize| {
-                let (_, state, _) = self.as_told(i, &self.measured(i));
+                let (_, state, _) = self.state_and_motion(i, &self.measured(i));
                 let followed = state.followed_rates(&mut relaxed, dt, distance);
                 [0, 1].map(|k| followed[k] - state.slip_rate_radps[k])
             };
@@ -215,7 +215,7 @@ impl<'a> ModelOnRun<'a> {
 
     /// Sled, state and motion of a sample, from its corrected signals.
     fn motion(&self, i: usize, signals: &Signals) -> (Sled, State, Motion) {
-        let (sled, mut state, motion) = self.as_told(i, signals);
+        let (sled, mut state, motion) = self.state_and_motion(i, signals);
         if let Some(distance) = self.relaxation {
             let slower = self.slower(distance)[i];
             (0..2).for_each(|k| state.slip_rate_radps[k] += slower[k]);
@@ -224,7 +224,7 @@ impl<'a> ModelOnRun<'a> {
     }
 
     /// The same with forces that follow the slip at once.
-    fn as_told(&self, i: usize, signals: &Signals) -> (Sled, State, Motion) {
+    fn state_and_motion(&self, i: usize, signals: &Signals) -> (Sled, State, Motion) {
         let sled = signals.sled;
         let mut moving = *signals;
         moving[Sensor::Speed] = signals[Sensor::Speed].max(LEAST_SPEED);
@@ -373,7 +373,7 @@ impl<'a> ModelOnRun<'a> {
     }
 
     /// Balances of a sample by this model, `at` being the sample by one with the same base laws.
-    pub fn balances_beside(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
+    pub fn balances_given(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
         self.balances_at(i, &self.measured(i), at)
     }
 

@@ -1,4 +1,4 @@
-//! The model that is written: read back, and compared with the model as given on the locked-away runs.
+//! The model that is written: read back, and compared with the model as given on the held-out runs.
 //!
 //! Two comparisons are made on runs that no part of the search has seen:
 //!
@@ -29,7 +29,7 @@ use crate::procedure::evidence::{Account, Choice};
 use crate::procedure::lowered::Lowered;
 use crate::procedure::rules::SearchRules;
 
-/// Rows of a piece of a run over which locked-away gaps are compared: four seconds, above which residuals no longer go together.
+/// Rows of a piece of a run over which held-out gaps are compared: four seconds, above which residuals no longer go together.
 pub const PIECE_ROWS: usize = 40;
 
 /// Columns of a replay that are compared, and their units.
@@ -61,11 +61,11 @@ impl Squares {
     }
 }
 
-/// How a model does on the locked-away runs.
+/// How a model does on the held-out runs.
 struct Performance {
     channels: Vec<Squares>,
     replays: Vec<Squares>,
-    /// Places of the replayed ones among the locked-away runs.
+    /// Places of the replayed ones among the held-out runs.
     replayed: Vec<usize>,
 }
 
@@ -76,10 +76,6 @@ impl Performance {
 
     fn worse_than(&self, other: &Self, rules: &SearchRules) -> Vec<String> {
         worse(self.all(), other.all(), rules)
-    }
-
-    fn replays_worse_than(&self, other: &Self, rules: &SearchRules) -> bool {
-        !worse(self.replays.iter(), other.replays.iter(), rules).is_empty()
     }
 }
 
@@ -127,7 +123,7 @@ impl Campaign<'_> {
             Ok(performance) => performance,
             Err(reason) => {
                 account.remarks.push(format!(
-                    "the model as given cannot be compared on the runs put aside: {reason}"
+                    "the model as given cannot be compared on the held-out runs: {reason}"
                 ));
                 Performance {
                     channels: Vec::new(),
@@ -144,46 +140,29 @@ impl Campaign<'_> {
         }
         let mut done: Vec<(ModelKind, Option<Performance>)> = Vec::new();
         let mut withheld = Vec::new();
-        let (mut chosen, mut changed) = (None, true);
+        let mut chosen = None;
         for (kind, fit) in candidates {
-            let mut tried: Vec<(RunFit, Result<Performance, String>)> = Vec::new();
-            for fit in std::iter::once(fit.clone()).chain(self.conditional(&fit)) {
-                let performance = self.performance(&fit, Some(&given.replayed));
-                tried.push((fit, performance));
-            }
-            let reasons: Vec<Vec<String>> = tried
-                .iter()
-                .map(|(_, p)| match p {
-                    Ok(p) => p.worse_than(&given, rules),
-                    Err(reason) => vec![reason.clone()],
-                })
-                .collect();
-            let able = |k: usize| reasons.get(k).is_some_and(Vec::is_empty);
-            let nearer = match &tried[..] {
-                [(_, Ok(recorded)), (_, Ok(itself))] => {
-                    recorded.replays_worse_than(itself, rules)
-                        && !itself.replays_worse_than(recorded, rules)
-                }
-                _ => false,
+            let fit = RunFit {
+                settled: fit.written.clone().unwrap_or(fit.settled),
+                written: None,
+                ..fit
             };
-            let best = match (able(0), able(1)) {
-                (true, true) => usize::from(nearer),
-                (false, true) => 1,
-                _ => 0,
+            let performance = self.performance(&fit, Some(&given.replayed));
+            let reasons = match &performance {
+                Ok(performance) => performance.worse_than(&given, rules),
+                Err(reason) => vec![reason.clone()],
             };
-            let is_able = able(best);
+            let is_able = reasons.is_empty();
             if !is_able && chosen.is_none() {
                 let effects = fit.residual_model.effects.active[fit.already()..].iter();
                 withheld.push(Withheld {
                     model: kind,
                     effects: effects.map(|e| e.effect_name().to_owned()).collect(),
-                    reason: reasons[best].join("; "),
+                    reason: reasons.join("; "),
                 });
             }
-            let (fit, performance) = tried.swap_remove(best);
             done.push((kind, performance.ok()));
             if is_able && chosen.is_none() {
-                changed = best > 0 || (with_effect && kind == ModelKind::Refitted);
                 chosen = Some((kind, fit));
             }
         }
@@ -201,7 +180,7 @@ impl Campaign<'_> {
             && let Some(of_base) = withheld.iter().find(|w| w.model == ModelKind::Refitted)
         {
             account.remarks.push(format!(
-                "a refit of friction and grip is worse on the runs put aside ({}): model.next.toml is the model as given",
+                "a refit of friction and grip is worse on the held-out runs ({}): model.next.toml is the model as given",
                 of_base.reason
             ));
         }
@@ -218,7 +197,6 @@ impl Campaign<'_> {
         });
         Choice {
             fit,
-            changed,
             written,
             baselines: baselines.collect(),
             withheld,
@@ -259,23 +237,12 @@ impl Campaign<'_> {
         RunFit {
             estimates: known.map(stated).chain(rest.copied()).collect(),
             settled,
-            conditional: None,
+            written: None,
             ..refitted.clone()
         }
     }
 
-    /// The same fit, written as it is conditional on the installation errors.
-    fn conditional(&self, fit: &RunFit) -> Option<RunFit> {
-        let (estimates, settled) = fit.conditional.clone()?;
-        Some(RunFit {
-            estimates,
-            settled,
-            conditional: None,
-            ..fit.clone()
-        })
-    }
-
-    /// What a fit's model leaves of the locked-away runs, read back from its file's text.
+    /// What a fit's model leaves of the held-out runs, read back from its file's text.
     ///
     /// Of the runs those are replayed that are stated, or all that can be.
     fn performance(&self, fit: &RunFit, runs: Option<&[usize]>) -> Result<Performance, String> {

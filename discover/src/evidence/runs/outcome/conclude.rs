@@ -107,7 +107,7 @@ impl Campaign<'_> {
             .collect()
     }
 
-    /// How much of what could be explained on the locked-away runs is.
+    /// How much of what could be explained on the held-out runs is.
     pub fn close(&self, base: &RunFit, last: &RunFit, steps: &[Step]) -> Vec<Interval> {
         if steps.is_empty() || base.whitener.count() == 0 || self.held_out.is_empty() {
             return Vec::new();

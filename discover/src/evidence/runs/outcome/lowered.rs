@@ -1,7 +1,7 @@
-//! What the locked-away runs say of one model compared with another, all channels together.
+//! What the held-out runs say of one model compared with another, all channels together.
 //!
 //! With residuals r weighed by their covariance on the training runs (with contacts by their deviations alone), pieces k of the
-//! locked-away runs, and m the mean residual of the training runs at the same place of the same track:
+//! held-out runs, and m the mean residual of the training runs at the same place of the same track:
 //!
 //! ```text
 //! by = sum_k (r_from^2 - (r_to g_from / g_to)^2)        repeats = sum r_from . m
@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use crate::evidence::runs::campaign::{Campaign, RunFit, Unwritten};
 use crate::evidence::runs::contacts::grip::apart_from_grip;
 use crate::evidence::runs::contacts::model::Contacts;
-use crate::evidence::runs::contacts::own::{left_without, rows_beneath, without_pushes};
+use crate::evidence::runs::contacts::own::{residuals_without, rows_beneath, without_pushes};
 use crate::evidence::runs::contacts::promise::{kept_promise, rows_alike};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::row_noise::expected;
@@ -43,7 +43,7 @@ const KEPT_BY_CHANCE: f64 = 3.7;
 type Place<'a> = (usize, &'a str, i64);
 
 impl Campaign<'_> {
-    /// By how much the locked-away runs' gap is lower with `to` than with `from`.
+    /// By how much the held-out runs' gap is lower with `to` than with `from`.
     ///
     /// Models freed of what noisy inputs add are compared with one another, or, where one has not been, both without.
     pub fn lowered_by(&self, from: &RunFit, to: &RunFit) -> Option<Lowered> {
@@ -65,7 +65,7 @@ impl Campaign<'_> {
         })
     }
 
-    /// What repeats of a model's residuals: those of the locked-away runs times the mean ones of the training runs at the same place.
+    /// What repeats of a model's residuals: those of the held-out runs times the mean ones of the training runs at the same place.
     fn repeats(&self, model: &ResidualModel) -> f64 {
         let width = self.rules().track_bin_m;
         let (learned, whitener) = self.learned(model);
@@ -87,7 +87,7 @@ impl Campaign<'_> {
         (learned, whitener)
     }
 
-    /// What one standard deviation of each of the installation's tolerances leaves on the locked-away runs after a refit of the base, summed.
+    /// What one standard deviation of each of the installation's tolerances leaves on the held-out runs after a refit of the base, summed.
     fn tolerated(&self, before: &ResidualModel) -> f64 {
         let model = ResidualModel {
             installation: self.stated_installation(),
@@ -167,7 +167,7 @@ impl Campaign<'_> {
             // What set a contact doesn't judge it: of the side balance counts what others' contacts promised of it.
             let retained = |model: &ResidualModel, alike: f64| {
                 let contacts = model.contacts.as_ref().filter(|_| promised)?;
-                let mut own = left_without(model, std::slice::from_ref(frame));
+                let mut own = residuals_without(model, std::slice::from_ref(frame));
                 apart_from_grip(model, std::slice::from_ref(frame), &mut own);
                 let sd = whitener.sd[1];
                 let side: Vec<f64> = frame.rows(&own[0][1]).iter().map(|y| y / sd).collect();
@@ -199,7 +199,7 @@ impl Campaign<'_> {
         })
     }
 
-    /// The share of what the locked-away runs' contacts leave above noise, in the balances that did not set them, that a model with contacts
+    /// The share of what the held-out runs' contacts leave above noise, in the balances that did not set them, that a model with contacts
     /// closes; the interval from the scatter of runs.
     pub fn contacts_closed(&self, with: &ResidualModel) -> Interval {
         let bare = ResidualModel {
@@ -291,7 +291,7 @@ impl Campaign<'_> {
 pub fn with_whole_side(model: &ResidualModel, frame: &Frame) -> ChannelRows {
     let mut rows = model.residuals(frame);
     if model.contacts.is_some() {
-        let [bare] = &left_without(model, std::slice::from_ref(frame))[..] else {
+        let [bare] = &residuals_without(model, std::slice::from_ref(frame))[..] else {
             return rows;
         };
         rows[1] = frame.rows(&bare[1]);
@@ -305,7 +305,7 @@ fn shares(few: &Frame, dense: &Frame) -> [f64; CHANNELS] {
     std::array::from_fn(|c| if c == TRACK { 1.0 } else { share })
 }
 
-/// The rows of a locked-away run that a model is judged by, with bins so wide \[m\] in the track channel.
+/// The rows of a held-out run that a model is judged by, with bins so wide \[m\] in the track channel.
 fn judged(model: &ResidualModel, frame: &Frame, width: f64, whitener: &Whitener) -> ChannelRows {
     let mut rows = with_whole_side(model, frame);
     rows[TRACK] = rates(frame, &rows[TRACK], width);

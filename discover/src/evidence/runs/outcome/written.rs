@@ -2,67 +2,74 @@
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{BESIDE_INSTALLATION, Campaign, RunFit};
+use crate::evidence::runs::fit::estimate::Estimated;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::model::whiten::Whitener;
 use crate::finding::Tolerated;
 use crate::procedure::evidence::Account;
 
 impl Campaign<'_> {
-    /// Estimates of a fit, and the model that is written of it.
+    /// Estimates of a fit with the model that is written of it, and the model that held-out runs are compared with.
     ///
-    /// Sizes of effects are those with an installation that may be off. A model file states no such errors: friction and grip
-    /// are fitted once more to the runs as they were recorded. Their intervals are of what is true: as wide as with the installation, and
-    /// by as much as its errors have moved them.
+    /// The model that is written is that of the sled itself: base and effects given the installation errors, and given that the stated base is
+    /// right within the plausible factor, two standard deviations. Where the data hardly determine a parameter it stays near its stated
+    /// value.
+    ///
+    /// No model file states installation errors. To compare misfits of held-out runs as they were recorded, friction and grip are
+    /// fitted once more without them.
     ///
     /// # Errors
     /// Those of the fit.
     pub fn write(&self, fit: &mut RunFit) -> Result<(), Error> {
-        let (estimates, settled) = self.estimates(&fit.residual_model.hold(false), &fit.whitener);
-        (fit.estimates, fit.settled) = (estimates, settled);
-        if fit.residual_model.installation.parts.is_empty() {
+        let model = fit.residual_model.hold(false);
+        let mut found = self.estimates(&model, &fit.whitener);
+        let installed = !fit.residual_model.installation.parts.is_empty();
+        if installed {
+            self.widen(&mut found, &model, &fit.whitener);
+            found.model.installation = Installation::default();
+        }
+        fit.settled = found.model.clone();
+        let sd = 0.5 * self.options.rules.search.plausible.ln();
+        let found = found.given_base(&self.free, sd);
+        fit.estimates = found.estimates;
+        fit.written = Some(found.model);
+        if !installed {
             return Ok(());
         }
-        self.widen(fit);
+        let effects = &fit.settled.effects.active;
         let frozen = fit.settled.frozen.clone();
-        let itself = ResidualModel {
-            installation: Installation::default(),
-            ..fit.settled.clone()
-        };
-        fit.conditional = Some((fit.estimates.clone(), itself));
         let sized = ResidualModel {
-            installation: Installation::default(),
-            frozen: fit
-                .settled
-                .effects
-                .active
-                .iter()
-                .map(|e| e.name.clone())
-                .collect(),
+            frozen: effects.iter().map(|e| e.name.clone()).collect(),
             ..fit.settled.clone()
         };
         let refitted = self.fitted(&sized, fit.owners.clone())?;
-        let (base, written) = self.newton(
+        let as_recorded = self.newton(
             &refitted.residual_model.hold(false),
             &refitted.whitener,
             &BESIDE_INSTALLATION,
             self.settles(),
         );
-        for (estimate, written) in fit.estimates.iter_mut().zip(&base) {
-            *estimate = estimate.stated_as(written.value);
-        }
-        fit.settled = ResidualModel { frozen, ..written };
+        fit.settled = ResidualModel {
+            frozen,
+            ..as_recorded.model
+        };
         Ok(())
     }
 
-    /// Adds to the errors of base and amplitudes what the installation leaves open that no fit could hold.
-    fn widen(&self, fit: &mut RunFit) {
-        let model = fit.residual_model.hold(false);
-        let open = self.left_open(&model, &fit.whitener);
+    /// Adds to the covariance of base and amplitudes what the installation leaves open that no fit could hold.
+    fn widen(&self, found: &mut Estimated, model: &ResidualModel, whitener: &Whitener) {
         let free = model.free();
         let amplitudes = free.iter().map(|(e, q)| model.scale(*e, *q));
-        let scales = self.free.iter().map(|_| 1.0).chain(amplitudes);
-        for ((estimate, open), scale) in fit.estimates.iter_mut().zip(open).zip(scales) {
-            *estimate = estimate.with_error(estimate.error.hypot(open * scale));
+        let scales: Vec<f64> = self.free.iter().map(|_| 1.0).chain(amplitudes).collect();
+        let mut open = self.undetermined(model, whitener);
+        for (k, scale) in scales.iter().enumerate() {
+            open.row_mut(k).scale_mut(*scale);
+            open.column_mut(k).scale_mut(*scale);
+        }
+        found.covariance += open;
+        for (k, estimate) in found.estimates.iter_mut().take(scales.len()).enumerate() {
+            *estimate = estimate.with_error(found.covariance[(k, k)].max(0.0).sqrt());
         }
     }
 

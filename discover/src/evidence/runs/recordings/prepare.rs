@@ -34,9 +34,9 @@ pub struct Data {
     pub tracks: Vec<Track>,
     /// Whether these tables count the slope positive uphill.
     pub uphill: bool,
-    /// Which frames are learned from and which are locked away.
+    /// Which frames are learned from and which are held out.
     pub(crate) locked: Locked,
-    /// The locked-away runs as recorded, which models are replayed on; empty for segments of one run.
+    /// The held-out runs as recorded, which models are replayed on; empty for segments of one run.
     pub(crate) locked_runs: Vec<Run>,
     /// Runs with gaps: what is not there, and how much takes part.
     pub gaps: Vec<SampleCoverage>,
@@ -67,7 +67,7 @@ impl Data {
 
 /// Smooths, decimates and completes runs that are already read.
 ///
-/// A part is locked away by `lock` before noise, signs and availability are examined: these come from the rest.
+/// A part is held out by `lock` before noise, signs and availability are examined: these come from the rest.
 ///
 /// # Errors
 /// [`Error::TooFew`] where a run is shorter than the smoothing needs.
