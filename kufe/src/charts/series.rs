@@ -115,8 +115,12 @@ pub fn replay_picture(replay: &Replay) -> Figure {
     let mut panels: Vec<Panel> = compared.collect();
     let faster: Line = ("", 0, &|k| at[k].values[0][0] - at[k].values[0][1]);
     let lost: Line = ("", 0, &|k| at[k].t_s[0] - at[k].t_s[1]);
-    panels.insert(1, panel("v_mps", "run less model [m/s]", &[faster]));
-    panels.insert(2, panel("t_s", "run behind model [s]", &[lost]));
+    let differences = [
+        panel("v_mps", "run less model [m/s]", &[faster]),
+        panel("t_s", "run behind model [s]", &[lost]),
+    ];
+    let first = panels.len().min(1);
+    panels.splice(first..first, differences);
     let title = format!("{} on {}, driven again", replay.run, replay.track);
     Figure::new(WIDTH, title).column(190.0, panels)
 }

@@ -90,7 +90,7 @@ pub const CATALOGUE: &[Effect] = &[
     effect("aero-yaw", Acts::AeroYaw, "per_deg", "1/deg", [0.1, 1.0], false, &["slip-drag"]),
     effect("speed-grip", Acts::SpeedGrip, "slope_s_per_m", "s/m", [0.004, 0.03], true, &[]),
     effect("temperature-grip", Acts::TemperatureGrip, "slope_per_k", "1/K", [0.008, 0.06], true, &[]),
-    effect("load-sensitivity", Acts::LoadGrip, "exponent", "", [-0.06, 0.4], true, &[]),
+    effect("load-sensitivity", Acts::LoadGrip, "exponent", "", [0.06, 0.4], true, &[]),
     effect("camber-thrust", Acts::Camber, "coefficient_per_rad", "1/rad", [0.05, 0.6], true, &[]),
     effect("relaxation-length", Acts::Relaxation, "length_m", "m", [0.1, 1.0], false, &["slip-lag"]),
     effect("wall-contact", Acts::Wall, "force_n", "N", [200.0, 1500.0], true, &["asperities"]),
@@ -153,5 +153,22 @@ impl Secret {
     pub fn of(&self, acts: Acts) -> f64 {
         let same = self.0.iter().find(|hidden| hidden.effect.acts == acts);
         same.map_or(0.0, |hidden| hidden.size)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_searched_from_a_positive_start() {
+        for effect in CATALOGUE.iter().chain(LAWS).chain(CAUSES) {
+            let sizes = [effect.start, effect.most];
+            assert!(
+                0.0 < sizes[0] && sizes[0] < sizes[1],
+                "{} {sizes:?}",
+                effect.name
+            );
+        }
     }
 }

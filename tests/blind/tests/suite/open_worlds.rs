@@ -352,17 +352,20 @@ fn a_model_is_worse_where_every_run_says_so_and_not_by_scatter() {
         replay: [0.1, 0.2],
     };
     let base = [run(50.0), run(60.0), run(55.0), run(52.0)];
-    assert!(!is_worse(&base, &base));
-    assert!(is_worse(&base.map(|r| run(r.force[1] + 4.0)), &base));
-    assert!(!is_worse(&base.map(|r| run(r.force[1] - 4.0)), &base));
+    let is_worse = |model: &[OnRun]| is_worse(model, &base, false);
+    assert!(!is_worse(&base));
+    assert!(is_worse(&base.map(|r| run(r.force[1] + 4.0))));
+    assert!(!is_worse(&base.map(|r| run(r.force[1] - 4.0))));
     // The same in the mean, and one run alone.
-    assert!(!is_worse(
-        &[run(58.0), run(52.0), run(61.0), run(46.0)],
-        &base
-    ));
-    assert!(!is_worse(
-        &[run(60.0), run(60.0), run(55.0), run(52.0)],
-        &base
-    ));
-    assert!(is_worse(&[], &base));
+    assert!(!is_worse(&[run(58.0), run(52.0), run(61.0), run(46.0)]));
+    assert!(!is_worse(&[run(60.0), run(60.0), run(55.0), run(52.0)]));
+    assert!(is_worse(&[]));
+    // Of the replay alone.
+    let in_replay = |model: &[OnRun]| self::is_worse(model, &base, true);
+    assert!(!in_replay(&base.map(|r| run(r.force[1] + 4.0))));
+    let slower = |r: OnRun| OnRun {
+        replay: [0.1, 0.3],
+        ..r
+    };
+    assert!(in_replay(&base.map(slower)));
 }
