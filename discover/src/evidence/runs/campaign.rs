@@ -89,7 +89,7 @@ pub struct RunFit {
     pub estimates: Vec<Estimate>,
     /// The model that held-out runs are compared with, as they were recorded.
     pub settled: ResidualModel,
-    /// The model that holds the estimates, once they are made: the sled itself rather than what its sensors recorded.
+    /// The model of the sled itself rather than of what its sensors recorded, where their errors are estimated.
     pub written: Option<ResidualModel>,
 }
 

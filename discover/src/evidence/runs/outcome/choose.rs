@@ -17,7 +17,6 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::contacts::own::without_pushes;
-use crate::evidence::runs::fit::estimate::Estimate;
 use crate::evidence::runs::model::residual_model::{
     BASE_NAMES, CHANNEL_NAMES, CHANNELS, ResidualModel, TRACK,
 };
@@ -72,6 +71,15 @@ struct Performance {
 impl Performance {
     fn all(&self) -> impl Iterator<Item = &Squares> {
         self.channels.iter().chain(&self.replays)
+    }
+
+    /// Sum of the logarithms of the replays' mean squares, of the channels' where nothing was replayed.
+    fn misfit(&self) -> f64 {
+        let squares = match self.replays.is_empty() {
+            true => &self.channels,
+            false => &self.replays,
+        };
+        squares.iter().map(|squares| squares.mean().ln()).sum()
     }
 
     fn worse_than(&self, other: &Self, rules: &SearchRules) -> Vec<String> {
@@ -142,15 +150,29 @@ impl Campaign<'_> {
         let mut withheld = Vec::new();
         let mut chosen = None;
         for (kind, fit) in candidates {
-            let fit = RunFit {
-                settled: fit.written.clone().unwrap_or(fit.settled),
-                written: None,
-                ..fit
+            // As recorded, and the sled itself: of those that are no worse the one that simulates better.
+            let models = [Some(fit.settled.clone()), fit.written.clone()];
+            let tried = models.into_iter().flatten().map(|model| {
+                let fit = self.stating(&fit, model);
+                let performance = self.performance(&fit, Some(&given.replayed));
+                let reasons = match &performance {
+                    Ok(performance) => performance.worse_than(&given, rules),
+                    Err(reason) => vec![reason.clone()],
+                };
+                (fit, performance, reasons)
+            });
+            let misfit = |(_, performance, reasons): &(_, Result<Performance, _>, Vec<_>)| {
+                let misfit = performance
+                    .as_ref()
+                    .map_or(f64::INFINITY, Performance::misfit);
+                (!reasons.is_empty(), misfit)
             };
-            let performance = self.performance(&fit, Some(&given.replayed));
-            let reasons = match &performance {
-                Ok(performance) => performance.worse_than(&given, rules),
-                Err(reason) => vec![reason.clone()],
+            let best = tried.min_by(|a, b| {
+                let ((a, of_a), (b, of_b)) = (misfit(a), misfit(b));
+                a.cmp(&b).then(of_a.total_cmp(&of_b))
+            });
+            let Some((fit, performance, reasons)) = best else {
+                continue;
             };
             let is_able = reasons.is_empty();
             if !is_able && chosen.is_none() {
@@ -223,22 +245,24 @@ impl Campaign<'_> {
 
     /// The model as given, with the estimates of a refit stated for it.
     fn as_given(&self, refitted: &RunFit) -> RunFit {
-        let settled = ResidualModel {
+        let model = ResidualModel {
             contacts: refitted.settled.contacts.clone(),
             ..self.given.clone()
         };
-        let free = self.free.len();
-        let stated = |(k, e): (usize, &Estimate)| match self.free.get(k) {
-            Some(b) => e.stated_as(settled.base[*b]),
-            None => *e,
-        };
-        let known = refitted.estimates.iter().take(free).enumerate();
-        let rest = refitted.estimates.iter().skip(free);
+        self.stating(refitted, model)
+    }
+
+    /// A fit with another model to write, and its estimates stated for that model's base.
+    fn stating(&self, fit: &RunFit, model: ResidualModel) -> RunFit {
+        let mut estimates = fit.estimates.clone();
+        for (b, estimate) in self.free.iter().zip(&mut estimates) {
+            *estimate = estimate.stated_as(model.base[*b]);
+        }
         RunFit {
-            estimates: known.map(stated).chain(rest.copied()).collect(),
-            settled,
+            estimates,
+            settled: model,
             written: None,
-            ..refitted.clone()
+            ..fit.clone()
         }
     }
 

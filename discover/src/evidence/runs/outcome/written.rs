@@ -12,8 +12,8 @@ use crate::procedure::evidence::Account;
 impl Campaign<'_> {
     /// Estimates of a fit with the model that is written of it, and the model that held-out runs are compared with.
     ///
-    /// The model that is written is that of the sled itself: base and effects given the installation errors, and given that the stated base is
-    /// right within the plausible factor, two standard deviations. Where the data hardly determine a parameter it stays near its stated
+    /// The first is that of the sled itself: base and effects given the installation errors, and given that the stated base is right
+    /// within the plausible factor, two standard deviations. Where the data hardly determine a parameter it stays near its stated
     /// value.
     ///
     /// No model file states installation errors. To compare misfits of held-out runs as they were recorded, friction and grip are
@@ -29,14 +29,14 @@ impl Campaign<'_> {
             self.widen(&mut found, &model, &fit.whitener);
             found.model.installation = Installation::default();
         }
-        fit.settled = found.model.clone();
         let sd = 0.5 * self.options.rules.search.plausible.ln();
         let found = found.given_base(&self.free, sd);
         fit.estimates = found.estimates;
-        fit.written = Some(found.model);
+        fit.settled = found.model;
         if !installed {
             return Ok(());
         }
+        fit.written = Some(fit.settled.clone());
         let effects = &fit.settled.effects.active;
         let frozen = fit.settled.frozen.clone();
         let sized = ResidualModel {
