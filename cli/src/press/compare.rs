@@ -68,7 +68,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let title = title(&document);
     output.text(
         "comparison.html",
-        &results_page(&title, &[picture], &[], &documents),
+        &results_page([&title, ""], &[picture], &[], &documents),
     )?;
     output.picture("comparison.png", &figure)?;
     output.json("comparison.json", &document)?;

@@ -16,10 +16,13 @@ use crate::report::contact::{ContactPage, SeriesPage};
 use crate::report::index::index_page;
 use crate::report::page::{Kind, page};
 use crate::report::results::label::name_of;
+use crate::report::results::sections::capital;
 use crate::report::results::{Picture, picture_url, results_page};
 use crate::report::table::TablePage;
 use crate::report::viewer::{Stretch, VIEWER, ViewedPart, address, linked_to};
-use crate::results::{ContactResult, Datum, DocumentKind, Evaluation, SeriesRow};
+use crate::results::{
+    ContactResult, Datum, DocumentKind, Evaluation, LateralFitDocument, SeriesRow, Validation,
+};
 
 /// The page of a folder, by default.
 pub const PAGE: &str = "report.html";
@@ -313,12 +316,34 @@ fn documents(folder: &Path, files: &[PathBuf], viewer: Option<&str>) -> Result<S
         Some(viewer) => replay_links(&simulation, viewer)?,
         None => Vec::new(),
     };
+    let name = folder_name(folder);
+    let title = documents.first().map_or_else(
+        || name.clone(),
+        |(kind, _)| format!("{}: {name}", capital(kind)),
+    );
+    let headline = headline(folder)?.unwrap_or_default();
     Ok(results_page(
-        &folder_name(folder),
+        [&title, &headline],
         &pictures,
         &links,
         &documents,
     ))
+}
+
+/// The result of a fit or a validation in a sentence; nothing of other folders.
+fn headline(folder: &Path) -> Result<Option<String>, Failure> {
+    let fit = folder.join("fit.json");
+    if fit.is_file() {
+        // A fit of friction over pressure has another form.
+        let fit = read_json::<LateralFitDocument>(&fit, LONGEST_TREE);
+        return Ok(fit.ok().map(|fit| fit.headline()));
+    }
+    let validation = folder.join("validation.json");
+    if validation.is_file() {
+        let validation: Validation = read_json(&validation, LONGEST_TREE)?;
+        return Ok(Some(validation.headline()));
+    }
+    Ok(None)
 }
 
 /// The replay in a `simulation.json`.

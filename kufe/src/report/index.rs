@@ -66,7 +66,7 @@ pub fn index_page(name: &str, folder: &Path, entries: &[Entry]) -> serde_json::R
     let count = entries.len();
     let plural = if count == 1 { "" } else { "s" };
     let title = format!("{name}: {count} run{plural}");
-    Ok(results_page(&title, &[], &[], &documents))
+    Ok(results_page([&title, ""], &[], &[], &documents))
 }
 
 /// Names in the order in which they come, each with its number of runs.

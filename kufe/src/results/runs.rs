@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::PathBuf;
 
+use kufe_sled::friction::{Interval, LateralFit};
 use kufe_sled::sample_data::{Planned, sample_drivers};
 use kufe_sled::{
     AlignedRun, Driver, DriverLosses, Examination, FitResult, Group, OutsideTable, Replay,
@@ -14,6 +15,7 @@ use kufe_telemetry::{ExcludedRun, Note};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::plot::quantity;
 use crate::results::datum::{Data, Datum};
 use crate::results::record::write_csv;
 
@@ -42,6 +44,34 @@ pub struct LateralFitDocument {
     /// The runs.
     #[serde(flatten)]
     pub used: RunsUsed,
+}
+
+impl LateralFitDocument {
+    /// The fitted laws in one sentence a runner.
+    pub fn headline(&self) -> String {
+        let of = |(runner, fit): (&str, &LateralFit)| {
+            let between = |x: &Interval, unit: &str| {
+                let value = quantity(x.value, unit);
+                let ends = x.low.zip(x.high);
+                ends.map_or_else(
+                    || value.clone(),
+                    |(low, high)| {
+                        let [low, high] = [low, high].map(|end| quantity(end, unit));
+                        format!("{value} ({low} to {high})")
+                    },
+                )
+            };
+            format!(
+                "{runner} runner: stiffness {}, largest grip {}, r.m.s. residual {}.",
+                between(&fit.k_n_per_rad, "N/rad"),
+                between(&fit.mu_zeta, ""),
+                quantity(fit.residual_rms_n, "N"),
+            )
+        };
+        [("Front", &self.fit.front), ("Rear", &self.fit.rear)]
+            .map(of)
+            .join(" ")
+    }
 }
 
 /// `evaluation.json`: losses of each run over a straight glide.
@@ -135,6 +165,20 @@ pub struct Validation {
     /// The runs.
     #[serde(flatten)]
     pub used: RunsUsed,
+}
+
+impl Validation {
+    /// The errors of the lateral force in one sentence.
+    pub fn headline(&self) -> String {
+        let of = |track: &TrackValidation| {
+            let [model, braghin] =
+                [track.rmse_n, track.rmse_braghin_n].map(|force| quantity(force, "N"));
+            let (name, runs) = (&track.track, track.runs);
+            format!("{name} {model} over {runs} runs (Braghin's law: {braghin})")
+        };
+        let tracks: Vec<String> = self.tracks.iter().map(of).collect();
+        format!("R.m.s. error of the lateral force: {}.", tracks.join("; "))
+    }
 }
 
 /// `simulation.json` of a replay: a measured run driven again by the model.

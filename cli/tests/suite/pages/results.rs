@@ -110,7 +110,22 @@ fn gathered_runs_are_a_page_and_their_index_no_place_for_it() {
 }
 
 #[test]
-fn constants_of_steel_are_told_of_runners_that_deform() {
+fn a_page_begins_with_its_result() {
+    let bench = Bench::new();
+    std::fs::create_dir(bench.path("val")).expect("a folder");
+    let tracks = r#"[{ "track": "a<b", "runs": 36, "rmse_n": 91.9, "rmse_braghin_n": 446.9 }]"#;
+    let validation = format!(
+        r#"{{ "runs": [], "tracks": {tracks}, "left_out_as_fitted": [], "version": "1" }}"#
+    );
+    bench.write("val/validation.json", validation);
+    bench.succeeds(&["report", "val"]);
+    let page = std::fs::read_to_string(bench.path("val/report.html")).expect("a page");
+    let headline = "val</h1>\n<p>R.m.s. error of the lateral force: a&lt;b 91.90 N over 36 runs (Braghin's law: 446.9 N).</p>";
+    assert!(page.contains(headline), "{page}");
+}
+
+#[test]
+fn constants_of_steel_are_stated_for_runners_that_deform() {
     let bench = Bench::new();
     bench.write("rigid.toml", CASE);
     let said = bench.succeeds(&["press", "rigid.toml"]);

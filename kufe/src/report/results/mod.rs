@@ -6,6 +6,6 @@ mod entry;
 pub(super) mod label;
 mod page;
 mod records;
-mod sections;
+pub(super) mod sections;
 
 pub use page::{Picture, picture_url, results_page};

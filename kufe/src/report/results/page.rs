@@ -25,9 +25,9 @@ pub fn picture_url(png: &[u8]) -> String {
 /// Pictures that are shown before the figures; more are folded behind them.
 const FIRST_PICTURES: usize = 3;
 
-/// The page of documents, each with what it is; `links` are links into the page of the runs.
+/// The page of documents, each with what it is, under a title and a headline; `links` are links into the page of the runs.
 pub fn results_page(
-    title: &str,
+    [title, headline]: [&str; 2],
     pictures: &[Picture],
     links: &[String],
     documents: &[(String, Datum)],
@@ -35,6 +35,9 @@ pub fn results_page(
     let (first, further) = pictures.split_at(pictures.len().min(FIRST_PICTURES));
     let shown = |pictures: &[Picture]| pictures.iter().map(shown).collect::<String>();
     let mut out = format!("<h1>{}</h1>\n", escape(title));
+    if !headline.is_empty() {
+        out += &format!("<p>{}</p>\n", escape(headline));
+    }
     out += &viewer_links(links);
     out += &shown(first);
     for (kind, value) in documents {
@@ -66,7 +69,7 @@ mod tests {
 
     fn page(document: serde_json::Value) -> String {
         let document = Datum::of(&document).expect("figures");
-        results_page("a <b>", &[], &[], &[("friction".into(), document)])
+        results_page(["a <b>", "b"], &[], &[], &[("friction".into(), document)])
     }
 
     #[test]
@@ -154,7 +157,7 @@ mod tests {
         };
         let pictures: Vec<Picture> = (0..5).map(picture).collect();
         let figures = Datum::of(&json!({ "mu": 0.004 })).expect("figures");
-        let page = results_page("a", &pictures, &[], &[("figures".into(), figures)]);
+        let page = results_page(["a", ""], &pictures, &[], &[("figures".into(), figures)]);
         let at = |text: &str| {
             page.find(text)
                 .unwrap_or_else(|| panic!("{text} in {page}"))
