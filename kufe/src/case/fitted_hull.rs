@@ -80,6 +80,9 @@ pub(crate) fn fit_hull(
         .extend(strips.map(strips_warning).or(unlike));
     let noise = runner.noise(&mut report, || noise_of_hull(&hull));
     let mut underside = FittedUnderside::new(&hull, noise.found)?;
+    report
+        .warnings
+        .extend(underside.quality().outliers_warning());
     if runner.elastic && report.open_edges > 0 {
         let whole = underside.extent();
         underside = underside.within_outline();

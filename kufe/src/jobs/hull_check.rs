@@ -86,9 +86,11 @@ pub fn check_hull(
     let [x, y] = [0, 1].map(|axis| middle.map(|middle| middle[axis]));
     let offset_m = [x, keel.or(y)];
     let place = offset_m.map(Option::unwrap_or_default);
+    let mut outliers = None;
     let loads = FittedUnderside::new(&hull, noise.found)
         .map_err(|error| error.to_string())
         .and_then(|underside| {
+            outliers = underside.quality().outliers_warning();
             let fitted = FittedHull::new(underside, hull, report.clone(), noise, strips);
             let scans = bootstrap_scans(&fitted);
             let known = |&fz: &f64| {
@@ -97,6 +99,7 @@ pub fn check_hull(
             };
             forces.iter().map(known).collect::<Result<Vec<_>, String>>()
         });
+    report.warnings.extend(outliers);
     let [length_m, width_m, height_m] = report.extent;
     let result = HullCheck {
         file: file.to_path_buf(),

@@ -24,6 +24,33 @@ pub struct FitQuality {
     pub resolution_error: f64,
     /// Knot intervals along x and across.
     pub intervals: [usize; 2],
+    /// Vertices of the whole underside that are farther from the surface than six standard deviations of the noise; 0 without noise.
+    pub outliers: usize,
+    /// The farthest of them: its x and its distance [m].
+    pub farthest: [f64; 2],
+}
+
+/// Distance of an outlier over the standard deviation of the noise: of a million normal values none is as far.
+const OUTLIER: f64 = 6.0;
+/// More outliers than this share of the vertices are none, but a surface that the fit does not follow.
+const FEW: f64 = 0.01;
+
+impl FitQuality {
+    /// What is said of a scan with outliers.
+    pub fn outliers_warning(&self) -> Option<String> {
+        let Self {
+            outliers,
+            farthest: [x, distance],
+            ..
+        } = *self;
+        (outliers > 0).then(|| {
+            format!(
+                "outliers: {outliers} vertices of the underside lie more than six standard deviations of the noise off the fitted surface, the farthest {:.0} µm at x = {:.1} mm; remove them from the scan",
+                1e6 * distance,
+                1e3 * x
+            )
+        })
+    }
 }
 
 /// By how much noise times spacing, or without noise the spacing, is to shrink for a fit's error to
@@ -97,12 +124,19 @@ impl Judgement {
         let residuals: Vec<f64> = samples.iter().filter(near).map(residual).collect();
         let square = residuals.iter().fold(0.0, |sum, r| sum + r * r);
         let axes = surface.spline.axes.each_ref();
+        let far = |s: &&Sample| noise > 0.0 && residual(s).abs() > OUTLIER * noise;
+        let outliers: Vec<&Sample> = samples.iter().filter(far).collect();
+        let few = outliers.len() as f64 <= FEW * samples.len() as f64;
+        let distances = outliers.iter().map(|s| [s.at[0], residual(s).abs()]);
+        let farthest = distances.max_by(|a, b| a[1].total_cmp(&b[1]));
         let quality = FitQuality {
             residual_rms: (square / residuals.len().max(1) as f64).sqrt(),
             residual_max: residuals.iter().fold(0.0, |most, r| r.abs().max(most)),
             vertices: residuals.len(),
             resolution_error: checks.iter().map(|c| c.error).fold(0.0, f64::max),
             intervals: axes.map(|axis| axis.breaks().len() - 1),
+            outliers: if few { outliers.len() } else { 0 },
+            farthest: farthest.unwrap_or_default(),
         };
         // Noise leaves its standard error in the fit; what exceeds the stated noise is misfit.
         let unknowns = surface.spline.coefficients.len() as f64;

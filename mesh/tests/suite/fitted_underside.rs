@@ -243,6 +243,18 @@ fn a_scan_with_five_micrometres_of_noise_keeps_the_curvatures() {
     }
     println!("scan {worst:e}");
     assert!(worst < 0.2 * noise, "{worst:e}");
+    assert_eq!(fitted.quality().outliers_warning(), None);
+    // A grain of dust at the lowest node next to x = 60 mm.
+    let near = |p: &&mut [f64; 3]| (p[0] - 0.06).abs() < 0.3e-3 && p[1].abs() < 0.06e-3;
+    let dusty = hull.positions.iter_mut().find(near).unwrap();
+    dusty[2] -= 80e-6;
+    let expected = format!("at x = {:.1} mm", 1e3 * dusty[0]);
+    let fitted = FittedUnderside::new(&hull, noise).unwrap();
+    let warning = fitted.quality().outliers_warning().unwrap_or_default();
+    assert!(
+        warning.starts_with("outliers: 1 vert") && warning.contains(&expected),
+        "{warning}"
+    );
 }
 
 #[test]

@@ -120,7 +120,7 @@ fn a_page_begins_with_its_result() {
     bench.write("val/validation.json", validation);
     bench.succeeds(&["report", "val"]);
     let page = std::fs::read_to_string(bench.path("val/report.html")).expect("a page");
-    let headline = "val</h1>\n<p>R.m.s. error of the lateral force: a&lt;b 91.90 N over 36 runs (Braghin's law: 446.9 N).</p>";
+    let headline = "val</h1>\n<p>R.m.s. error of the lateral force: a&lt;b 91.90 N over 36 runs (Braghin&#39;s law: 446.9 N).</p>";
     assert!(page.contains(headline), "{page}");
 }
 
