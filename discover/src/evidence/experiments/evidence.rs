@@ -1,9 +1,11 @@
 //! Friction experiments as evidence.
 //!
-//! The base is `mu = 1e-3 (b p^2 - c p + d)`, p in MPa, a constant where the model has a fixed mu, or the melt film on each row's
-//! contact times a factor. It is refitted with the variance `mu_sd^2 + (dmu/dp p_sd)^2`. A candidate adds one parameter. Its t in the joint fit is compared with the largest
-//! |t| over all candidates in simulated tables (rows drawn from the fit with both errors, p among them) and under permutations
-//! of the rows' residuals; what is constant within a session is permuted by session.
+//! The base is `mu = 1e-3 (b p^2 - c p + d)`, p in MPa, a constant if the model has a fixed mu, or
+//! the melt film on each row's contact times a factor. It is refitted with the variance `mu_sd^2 +
+//! (dmu/dp p_sd)^2`. A candidate adds one parameter. Its t in the joint fit is compared with the
+//! largest |t| over all candidates in simulated tables (both errors are drawn, that of p included)
+//! and under permutations of the residuals. Columns that are constant within sessions are permuted
+//! by session.
 
 use std::path::Path;
 
@@ -34,42 +36,36 @@ use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
 use crate::procedure::shared_effects::Chance;
 
-/// Rows of friction experiments, and the model that they are judged against.
+/// Rows of friction experiments and the model that they are compared with.
 pub struct Experiments<'a> {
-    /// The model.
     pub model: &'a Model,
-    /// How the search is made.
     pub options: &'a Options,
-    /// What is fitted.
+    /// Candidates, known effects and base law.
     pub setting: Setting,
-    /// Rows to learn from.
     pub training: Vec<Row>,
-    /// Rows that are held out.
     pub held_out: Vec<Row>,
-    /// What cannot be tested, and why.
     pub untestable: Vec<(String, String)>,
-    /// Names of the model's effects that a table of friction coefficients says nothing about.
+    /// Effects of the model that do not act on a coefficient of friction.
     pub others: Vec<String>,
-    /// The strongest candidate that could not be selected.
+    /// The strongest candidate that was not selected.
     pub next_best: Option<usize>,
-    /// What the last screen shows of each effect.
+    /// Estimates and p-values of the last screen.
     pub chances: Vec<Chance>,
 }
 
-/// A fit with the candidates that take part in it.
+/// A fit and the candidates that it contains.
 #[derive(Clone)]
 pub struct TableFit {
-    /// Places of the candidates.
     pub chosen: Vec<usize>,
-    /// The fit.
     pub fit: Fit,
 }
 
 impl<'a> Experiments<'a> {
-    /// Reads an `experiments.csv` and locks a part of its rows away.
+    /// Reads an `experiments.csv` and holds out a part of its rows.
     ///
     /// # Errors
-    /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::Duplicate`], [`Error::TooFew`] below five rows.
+    /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::Duplicate`], [`Error::TooFew`] below
+    /// five rows.
     pub fn read(path: &Path, model: &'a Model, options: &'a Options) -> Result<Self, Error> {
         let table = Table::read(path)?;
         let mut rows = read(&table, model.sled.cda_m2)?;
@@ -116,7 +112,7 @@ impl<'a> Experiments<'a> {
         })
     }
 
-    /// The fit with these candidates.
+    /// Fits these candidates.
     pub fn fitted(&self, chosen: Vec<usize>) -> TableFit {
         let fit = fit(&self.setting, &self.training, &chosen);
         TableFit { chosen, fit }
@@ -126,7 +122,7 @@ impl<'a> Experiments<'a> {
         self.training.len() + self.held_out.len()
     }
 
-    /// Whether a fit leaves no more than a few times what the rows' own deviations make.
+    /// Whether chi2 per degree of freedom is below the limit of a clean residual.
     fn is_clean(&self, fit: &TableFit) -> bool {
         let freedom =
             self.training.len() as f64 - (self.setting.base.len() + fit.chosen.len()) as f64;
@@ -148,7 +144,6 @@ impl<'a> Experiments<'a> {
         }
     }
 
-    /// The selection of a screen, with its class.
     fn select(&self, screen: &TableScreen, chosen: &[usize]) -> Option<Selection<FrictionChange>> {
         let compare = Comparison {
             setting: &self.setting,
@@ -184,13 +179,13 @@ impl Evidence for Experiments<'_> {
         account.remarks.extend(self.options.looked_for());
         if !self.others.is_empty() {
             account.remarks.push(format!(
-                "effects of the model that these data say nothing about: {}",
+                "effects of the model that these data do not depend on: {}",
                 self.others.join(", ")
             ));
         }
         if self.held_out.is_empty() {
             account.remarks.push(format!(
-                "{} rows are too few to lock any away: the misfit is judged on the rows that were fitted",
+                "{} rows are too few to hold any out: the misfit is that of the training rows",
                 self.rows()
             ));
         }
@@ -262,8 +257,8 @@ impl Evidence for Experiments<'_> {
         }
         if account.steps.is_empty() && !self.is_clean(&fit) {
             account.unexplained = Some(format!(
-                "the model's friction leaves chi2 {:.1} on {} degrees of freedom; a law over pressure (b, c, d) where it has one mu, columns for what \
-                 else differed from row to row, and mu_sd as large as repeated rows scatter would tell",
+                "the model's friction has chi2 = {:.1} on {} degrees of freedom; a law over pressure (b, c, d) where it has one mu, columns for what \
+                 else differed from row to row, or mu_sd equal to the scatter of repeated rows would explain it",
                 fit.fit.chi2,
                 self.freedom()
             ));
@@ -348,12 +343,12 @@ impl Evidence for Experiments<'_> {
             effects: effects.collect(),
             words: Words {
                 nothing: format!(
-                    "Nothing to be found with {} points: the base fit has chi2 {:.1} on {freedom} degrees of freedom, and no effect differs significantly from chance.",
+                    "Nothing to be found with {} points: the base fit has chi2 {:.1} on {freedom} degrees of freedom, and no effect is significant.",
                     self.rows(),
                     first.chi2
                 ),
                 next_after_nothing: format!(
-                    "each specimen measured again in {} more sessions at two pressures, which would halve the smallest sizes that can be found; the {} rows leave {freedom} degrees of freedom",
+                    "each specimen measured again in {} more sessions at two pressures, which would halve the smallest sizes that can be found; the {} rows have {freedom} degrees of freedom",
                     3 * members(self.training.iter().map(|row| row.session.as_str())).len(),
                     self.rows()
                 ),
@@ -370,7 +365,7 @@ impl Evidence for Experiments<'_> {
     }
 }
 
-/// The formula of a law over a column, as the next model has it.
+/// The formula of a law of a column in the next model.
 fn formula(candidate: &Candidate<FrictionChange>) -> Option<String> {
     let table = candidate
         .act
@@ -383,7 +378,8 @@ fn formula(candidate: &Candidate<FrictionChange>) -> Option<String> {
 /// Searches an `experiments.csv`.
 ///
 /// # Errors
-/// [`Error::Cell`], [`Error::MissingColumn`], [`Error::Duplicate`], [`Error::TooFew`] below five rows.
+/// [`Error::Cell`], [`Error::MissingColumn`], [`Error::Duplicate`], [`Error::TooFew`] below five
+/// rows.
 pub fn search(
     path: &Path,
     model: &Model,

@@ -1,15 +1,17 @@
 //! Pressure measurements as evidence: maps and peaks against contact solves.
 //!
-//! Each candidate of [`kufe::case::effects`] changes the problem or the map. Its size is fitted by Gauss-Newton on all
-//! rows (`line`, every point a new solve of each row), and what counts is the sum of squares that really remains:
+//! Each candidate of [`kufe::case::effects`] changes the problem or the map. Its size is fitted by
+//! Gauss-Newton on all rows (`line`, every point a new solve of each row). Candidates are compared
+//! by the sum of squares at their best size:
 //!
 //! ```text
 //! chi2 = sum over pixels (p_measured - p_simulated)^2 / var / (pixels for one independent value)  +  peaks
 //! ```
 //!
-//! var is that of `noise`, and with it in squares what a finer mesh changes at that pixel. A selected effect must lower chi2 by more
-//! than 30 and by a fifth; its class is every effect whose own best fit is worse by less than 9 in units of the best fit's
-//! mean square. A size within three of its errors of 0 is not selected. Sizes are reported from finer meshes (`polish`).
+//! var is that of `noise` plus the squared discretisation error of that pixel. A selected effect
+//! must lower chi2 by more than 30 and by a fifth. Its class contains every effect whose best fit
+//! is worse by less than 9 in units of the best fit's mean square. A size within three standard
+//! errors of 0 is not selected. Sizes are reported from finer meshes (`polish`).
 
 use std::path::Path;
 
@@ -39,7 +41,7 @@ use crate::procedure::rules::MapRules;
 use crate::procedure::search::{Found, search_evidence};
 use crate::procedure::shared_effects::SharesEffects;
 
-/// Measured maps and peaks, and the case that they are judged against.
+/// Measured maps and peaks, and the case that they are compared with.
 pub struct Maps<'a> {
     model: &'a Path,
     text: String,
@@ -51,12 +53,12 @@ pub struct Maps<'a> {
     held_out: Simulations<'a>,
     start: Misfit,
     first_steps: Steps,
-    /// What would lower the misfit most given what was found, selected or not.
+    /// The effect that would lower the misfit most given those found, selected or not.
     next: Option<(&'static Effect, f64)>,
     screens: usize,
 }
 
-/// Effects at their sizes and what they leave.
+/// Effects at their sizes and the misfit.
 #[derive(Clone)]
 pub struct MapFit {
     active: SizedEffects,
@@ -64,14 +66,11 @@ pub struct MapFit {
     misfit: Misfit,
 }
 
-/// Pieces into which the residuals are cut where gaps are compared.
+/// Pieces of the residuals over which misfits are compared.
 const PIECES: usize = 16;
 
 impl<'a> Maps<'a> {
-    /// Locks the last map away and solves all rows on two meshes.
-    ///
-    /// # Errors
-    /// Those of the solver.
+    /// Holds out the last map and solves all rows on two meshes.
     pub fn new(
         measured: &'a Measured,
         model: &'a Path,
@@ -107,7 +106,7 @@ impl<'a> Maps<'a> {
         misfit.chi2 > self.rules().unclean * misfit.count
     }
 
-    /// Whether the best line of a screen may be selected.
+    /// Whether the best candidate of a screen may be selected.
     fn stands_out(&self, best: &LineSearch, before: f64, mean_square: f64) -> bool {
         let rules = self.rules();
         before - best.chi2() >= rules.least_drop
@@ -116,7 +115,7 @@ impl<'a> Maps<'a> {
                 >= self.options.rules.search.agree * best.error() * mean_square.sqrt()
     }
 
-    /// A name in whose company most of what was wrong stays wrong is none: what was tried, in words.
+    /// A named effect is doubtful if most of the misfit above the noise remains.
     fn doubt(&self, last: &Misfit, steps: &[Step]) -> Option<String> {
         let [most, share] = self.rules().doubtful;
         let remaining = (last.chi2 - last.count) / (self.start.chi2 - self.start.count).max(1e-9);
@@ -124,7 +123,7 @@ impl<'a> Maps<'a> {
         let names: Vec<&str> = steps.iter().map(|s| s.effect.as_str()).collect();
         (doubtful && !names.is_empty()).then(|| {
             format!(
-                "{} would lower the misfit, but leaves {:.0} % of what is above the noise: not named",
+                "{} would lower the misfit, but {:.0} % of the excess over the noise remains: not named",
                 names.join(" and "),
                 100.0 * remaining
             )
@@ -140,8 +139,7 @@ impl<'a> Maps<'a> {
         })
     }
 
-    /// Takes out again what the effects found later explain as well: its removal raises chi2 by less than a selected effect must
-    /// lower it.
+    /// Removes effects without which chi2 rises by less than a selected effect must lower it.
     fn leave_out(&self, fit: &mut MapFit, account: &mut Account) -> Result<(), Error> {
         let mut k = 0;
         while fit.active.len() > 1 && k < fit.active.len() {
@@ -305,7 +303,7 @@ impl Evidence for Maps<'_> {
             fit.misfit = self.start.clone();
         }
         if account.steps.is_empty() && self.unclean(&fit.misfit) {
-            account.unexplained = Some("maps of the same runner at more loads and turned by a known angle, and a map of a ball of known radius, which tells the sensor from the runner".to_owned());
+            account.unexplained = Some("maps of the same runner at more loads and turned by a known angle, and a map of a ball of known radius, which separates the sensor from the runner".to_owned());
         }
         Ok(fit)
     }
@@ -374,7 +372,7 @@ impl Evidence for Maps<'_> {
                 .collect(),
             words: Words {
                 next_after_nothing:
-                    "maps at several loads, on straight and curved track, show smaller effects"
+                    "maps at several loads, on straight and curved track, reveal smaller effects"
                         .to_owned(),
                 ..Words::default()
             },
@@ -387,7 +385,7 @@ impl Evidence for Maps<'_> {
 
 impl SharesEffects for Maps<'_> {}
 
-/// Searches a `pressures.csv`; `model` is the case file that is to be improved.
+/// Searches a `pressures.csv`; `model` is the case file to improve.
 ///
 /// # Errors
 /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the case and of the solver.

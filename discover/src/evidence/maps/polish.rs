@@ -1,4 +1,4 @@
-//! The sizes that are reported: one Gauss-Newton step for all effects together, on finer meshes than the search's.
+//! Final sizes: one Gauss-Newton step of all effects together, on finer meshes than the search's.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,20 +6,14 @@ use crate::error::Error;
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
 
-/// Effects at their final sizes.
 pub struct Polished {
-    /// Effects and sizes.
     pub active: SizedEffects,
     /// Standard errors of the sizes, for noise as stated.
     pub errors: Vec<f64>,
-    /// What remains.
     pub misfit: Misfit,
 }
 
-/// `errors` are those of the search, one an effect.
-///
-/// # Errors
-/// Those of the contact solver at the sizes given.
+/// `errors` are those of the search, one per effect.
 pub fn polish(
     simulations: &Simulations,
     active: &SizedEffects,
@@ -30,7 +24,7 @@ pub fn polish(
     let mut derivative = DMatrix::zeros(here.rest.len(), count);
     for k in 0..count {
         let info = active[k].0.parameter();
-        // Well above the solves' own scatter, well below the size.
+        // Well above the scatter of the solves, well below the size.
         let step = (6.0 * errors[k]).clamp(0.01 * active[k].1.abs(), 0.1 * active[k].1.abs());
         let step = if active[k].1 + step > info.high {
             -step

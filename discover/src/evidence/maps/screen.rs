@@ -1,4 +1,4 @@
-//! One screen of all effects: which of them, at its best size, leaves least.
+//! One screen of all effects: the misfit of each at its best size.
 
 use std::collections::BTreeMap;
 
@@ -11,18 +11,19 @@ use crate::finding::Detectable;
 use crate::options::Options;
 use crate::procedure::rules::Rules;
 
-/// Lines that are followed at a time.
+/// Line searches that are continued at a time.
 const FOLLOWED: usize = 4;
-/// Rounds in which they are.
+/// Rounds of continued searches.
 const ROUNDS: usize = 10;
 
 /// First steps by effect's name, stored from screen to screen.
 pub type Steps = BTreeMap<&'static str, f64>;
 
-/// Follows every effect that is not switched on to its best size, the promising ones first.
+/// Searches the best size of every effect that is not in the model, in the order of the predicted
+/// misfit.
 ///
-/// Bounds on the pressure and worn sections are far from linear: what their first step promises means little, and they
-/// are followed for some rounds whatever it is.
+/// Bounds on the pressure and worn sections are strongly nonlinear: the prediction of their first
+/// step is unreliable, and they are continued for some rounds in any case.
 pub fn screen_maps(
     simulations: &Simulations,
     active: &SizedEffects,
@@ -85,7 +86,7 @@ pub fn correlation(a: &LineSearch, b: &LineSearch) -> f64 {
     dot(&a, &b) / (dot(&a, &a) * dot(&b, &b)).sqrt().max(1e-300)
 }
 
-/// What would have been seen: the sizes at which chi2 drops by enough, nine times in ten.
+/// Detectable sizes: those at which chi2 drops by enough with a probability of 90 %.
 pub fn detectable(lines: &[LineSearch], rules: &Rules) -> Vec<Detectable> {
     lines
         .iter()
