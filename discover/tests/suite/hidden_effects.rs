@@ -255,7 +255,7 @@ fn too_few_runs_are_told_of_first_and_no_size_would_be_seen() {
     assert_eq!(report.verdict, Verdict::None, "{}", reported(&report));
     let first = &report.remarks[0];
     assert!(
-        first.contains("runs to learn from") && first.contains("9 runs"),
+        first.contains("training runs") && first.contains("9 runs"),
         "{first}"
     );
     assert!(

@@ -33,7 +33,7 @@ use crate::procedure::lowered::Lowered;
 use crate::procedure::search::{Found, search_evidence};
 
 impl<'a> Campaign<'a> {
-    /// Locks a part of the runs away, and says which channels can be judged.
+    /// Holds out a part of the runs and determines the channels in use.
     ///
     /// # Errors
     /// [`Error::TooFew`] for fewer than two runs or segments to train on, [`Error::Effect`].
@@ -41,7 +41,7 @@ impl<'a> Campaign<'a> {
         let mut own = Effects::from_tables(&model.effects)?;
         let contacts = Contacts::given(&mut own.active);
         let trial = own.clone();
-        // An effect of one's own without a value is a candidate, not a part of the model.
+        // A custom effect of value 0 is a candidate, not a part of the model.
         own.active
             .retain(|e| !(matches!(e.kind, Kind::Custom(_)) && e.values[0] == 0.0));
         for frame in &data.frames {
@@ -68,7 +68,7 @@ impl<'a> Campaign<'a> {
         let (training, held_out) = (pick(&locked.training), pick(&locked.held_out));
         if training.len() < 2 {
             return Err(Error::TooFew {
-                what: "runs to learn from, in addition to the held-out ones".to_owned(),
+                what: "training runs, in addition to the held-out ones".to_owned(),
                 found: training.len(),
                 needed: 2,
             });
@@ -116,7 +116,7 @@ impl Evidence for Campaign<'_> {
         let pushed = self.mark_pushes(&base.residual_model);
         if !pushed.is_empty() {
             account.remarks.push(format!(
-                "something pushed runs aside at places that others pass, a wall perhaps; what they say there is omitted: {}",
+                "single runs were pushed aside at places that others pass, possibly by a wall; their samples there are omitted: {}",
                 pushed.join(", ")
             ));
         }
@@ -130,7 +130,7 @@ impl Evidence for Campaign<'_> {
                 low => low.to_string(),
             };
             account.remarks.push(format!(
-                "no [noise] in the model: estimated from the signals: accelerometer {:.3} m/s2, rates {:.5} rad/s, speed {:.4} m/s, slip {:.6} rad, steering {:.6} rad, roll split {:.6} rad; selected effects must hold from {low} to {high} times their bias",
+                "no [noise] in the model: estimated from the signals: accelerometer {:.3} m/s2, rates {:.5} rad/s, speed {:.4} m/s, slip {:.6} rad, steering {:.6} rad, roll split {:.6} rad; selected effects must be significant from {low} to {high} times their bias",
                 n.accel_mps2, n.rate_radps, n.speed_mps, n.slip_rad, n.steer_rad, n.roll_split_rad
             ));
         }
@@ -207,7 +207,7 @@ impl Evidence for Campaign<'_> {
             next.frozen.push(active.name);
         }
         let owners = fit.owners.iter().copied().chain([step]).collect();
-        // A large effect has bent the base and hidden what the installation is off by: both are found anew.
+        // A large effect biases the base and conceals installation errors: both are estimated anew.
         let next = self.fitted_anew(&next, owners)?;
         let stretch = selection.candidate.act.track.is_some();
         Ok(Added {
@@ -225,7 +225,7 @@ impl Evidence for Campaign<'_> {
         step: usize,
         account: &Account,
     ) -> Result<Selected<Amplitude, RunFit>, Error> {
-        // The track channel, the levels of runs and sessions, and the contacts have screens of their own.
+        // The track channel, levels of runs and sessions, and contacts have their own screens.
         let within = selection.candidate.act.level == Level::Sample
             && selection.parameters.is_empty()
             && added.written;
@@ -352,7 +352,7 @@ impl Evidence for Campaign<'_> {
             base: self.base_parameters(last),
             bins: bins(base),
             clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),
-            // Noise that is not white, or not what it is said to be, makes bins significant, too.
+            // With coloured or misstated noise bins are significant, too.
             located: account.steps.is_empty()
                 && !matches!(
                     self.data.noise_from,
@@ -390,10 +390,11 @@ impl Evidence for Campaign<'_> {
     }
 }
 
-/// Searches runs for what the model does not contain.
+/// Searches runs for missing effects.
 ///
 /// # Errors
-/// [`Error::TooFew`] for fewer than two runs or segments to train on, [`Error::BaseFit`], [`Error::Effect`].
+/// [`Error::TooFew`] for fewer than two runs or segments to train on, [`Error::BaseFit`],
+/// [`Error::Effect`].
 pub fn search(
     data: &Data,
     model: &Model,

@@ -1,4 +1,4 @@
-//! Runs with other kinds of data of the same campaign.
+//! Runs searched together with other kinds of data.
 
 use kufe_sled::effects::Kind;
 
@@ -31,7 +31,7 @@ impl SharesEffects for Campaign<'_> {
             .into_iter()
             .flatten()
             .find(|c| c.effect == amount.effect && c.key == amount.key)?;
-        // What this kind's own screen selected is requested again.
+        // Contacts of this kind's own screen are selected again.
         self.selected_contacts = None;
         let size = match amount.value.clamp(candidate.low, candidate.high) {
             0.0 => 0.1 * candidate.typical,
@@ -109,7 +109,7 @@ impl SharesEffects for Campaign<'_> {
     }
 }
 
-/// What a screen within runs shows of the effects that can be judged.
+/// Estimates and p-values of a screen within runs.
 pub fn within(candidates: &[Candidate<Amplitude>], seen: &[CandidateScore]) -> Vec<Chance> {
     let named = candidates.iter().zip(seen);
     named
@@ -121,7 +121,7 @@ pub fn within(candidates: &[Candidate<Amplitude>], seen: &[CandidateScore]) -> V
         .collect()
 }
 
-/// What a screen between sessions and runs shows.
+/// Estimates and p-values of a screen between sessions and runs.
 pub fn between(candidates: &[Candidate<Amplitude>], seen: &[LevelScore]) -> Vec<Chance> {
     let named = candidates.iter().zip(seen);
     named

@@ -1,4 +1,4 @@
-//! Contacts with walls that differ from run to run: hit or missed, harder or softer.
+//! Contacts with walls that differ from run to run.
 
 pub(crate) mod find;
 pub(crate) mod found;
@@ -13,5 +13,5 @@ mod pushes;
 pub(crate) mod report;
 pub(crate) mod selection;
 
-/// Fewest runs that hit a place: one that a single run hits is none of the track.
+/// Fewest runs that hit a place: a contact of a single run is not a property of the track.
 const FEWEST_HITS: usize = 2;

@@ -1,4 +1,4 @@
-//! Where something pushed a single run, at a place that others pass: no evidence of anything that repeats.
+//! Pushes of a single run at a place that others pass: they do not repeat and are no evidence.
 
 use kufe_sled::effects::Effect;
 use rayon::prelude::*;
@@ -13,16 +13,17 @@ use crate::evidence::runs::recordings::frame::Frame;
 
 /// A push of one run.
 struct Push {
-    /// Which of the runs.
     run: usize,
     stretch: Stretch,
     force_n: f64,
 }
 
 impl Campaign<'_> {
-    /// Marks where something pushed a single run that no other run meets, and where no contacts can be selected up to half of the runs of a
-    /// track. What training runs say there is omitted; their names with the place are returned. Of the held-out runs, seen with
-    /// these, nothing there judges a model, however many of them are pushed: nothing was learned of it.
+    /// Marks pushes that no other run shares, and without selectable contacts those of up to half
+    /// of the runs of a track.
+    ///
+    /// Training samples there are excluded; the names of the runs with the places are returned.
+    /// Pushes of held-out runs, detected together with these, do not count in any comparison.
     pub fn mark_pushes(&mut self, model: &ResidualModel) -> Vec<String> {
         let Some(effect) = wall().filter(|_| self.used[1] && self.used[2] && !self.data.segmented)
         else {
@@ -66,8 +67,8 @@ impl Campaign<'_> {
         descriptions
     }
 
-    /// The pushes among these runs that so few of the first `learned` ones meet that nothing is learned of them, `side` being what the side
-    /// balance leaves of each at every retained sample.
+    /// The pushes that too few of the first `learned` runs share to be learned from. `side` is the
+    /// lateral residual of each run at every retained sample.
     fn pushes(
         &self,
         effect: &'static Effect,

@@ -1,4 +1,4 @@
-//! Selection of wall contacts: by how the runs of a track differ aside, judged by how they turn.
+//! Selection of wall contacts: found by lateral differences of runs, tested by their yaw residuals.
 
 use kufe_sled::effects::{Active, Kind, Level};
 
@@ -23,11 +23,11 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Added, Randomised, Selection};
 
-/// Displacements of the contacts that the yaw balance is compared with.
+/// Random displacements of the contacts for the null distribution of the yaw residual.
 const TRIALS: u64 = 999;
 
 impl Campaign<'_> {
-    /// The contacts that the training runs show with a model.
+    /// The contacts of the training runs given a model.
     pub fn contacts_beside(&self, model: &ResidualModel) -> Option<Found> {
         let lateral = self.used[1] && self.used[2];
         if !lateral || model.contacts.is_some() || self.data.segmented {
@@ -42,8 +42,9 @@ impl Campaign<'_> {
         let rules = &self.options.rules.runs;
         let hit = hit(effect, whole, &side, &rules.contacts, self.options.seed)?;
         let (mut places, mut frames) = (hit.places, hit.frames);
-        // Where the places are shows apart from grip; how hard they are hit is what the balance leaves, as in runs that did not set them.
-        // A place that no runs hit then is none: it has neither a force nor a stretch.
+        // Places are found after removal of grip variation. Forces are estimated from the full
+        // residual, as in the held-out runs. A place without hits then has neither a force nor an
+        // interval and is dropped.
         loop {
             for (frame, residual) in frames.iter_mut().zip(&as_it_is) {
                 set_own_of(frame, &residual[1], &places);
@@ -107,7 +108,7 @@ impl Campaign<'_> {
         })
     }
 
-    /// The training runs with all that they say.
+    /// The training runs with all samples.
     pub fn whole(&self) -> &[Frame] {
         match self.whole.is_empty() {
             true => &self.training,
@@ -115,7 +116,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// What contacts take of the side balance's squares, in units of its variance.
+    /// Reduction of the lateral sum of squares by contacts, in units of its variance.
     fn side_gain(&self, model: &ResidualModel, contacts: &Contacts, frames: &[Frame]) -> f64 {
         let with = ResidualModel {
             contacts: Some(contacts.clone()),
@@ -130,7 +131,7 @@ impl Campaign<'_> {
         (before - after) * n as f64 / before.max(1e-300)
     }
 
-    /// The selected effect of contacts that were found.
+    /// Contacts as a selected effect.
     pub fn claim_contacts(&self, found: &Found) -> Option<Selection<Amplitude>> {
         let place = found.contacts.places.first()?;
         let Kind::Catalogue(effect) = &place.kind else {
@@ -169,10 +170,8 @@ impl Campaign<'_> {
         })
     }
 
-    /// Base and effects fitted to what the runs say apart from their contacts, the installation found anew; then the contacts with it.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// Fits base and effects without the samples during contacts, with new installation errors;
+    /// then the contacts given these.
     pub fn add_contacts(
         &mut self,
         fit: &RunFit,
@@ -186,8 +185,8 @@ impl Campaign<'_> {
             ..fit.residual_model.clone()
         };
         let base = self.fitted(&bare, fit.owners.clone())?;
-        // The base was bent by what it represented; places show better with one that is not, unless so much differs there that a whole
-        // track is given up.
+        // The first base was biased by the contacts; places are found again with an unbiased one,
+        // unless so many runs differ that a whole track is excluded.
         let again = self.contacts_beside(&base.residual_model);
         let again = again.filter(|again| again.gain > 0.5 * found.gain);
         let mut contacts = found.contacts;
@@ -205,10 +204,7 @@ impl Campaign<'_> {
         Ok(fit)
     }
 
-    /// The fit with contacts, and what the balance about the vertical leaves before and after.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// The fit with contacts, and the root mean square of the yaw residual before and after.
     pub fn added_contacts(
         &mut self,
         fit: &RunFit,
@@ -225,7 +221,7 @@ impl Campaign<'_> {
         })
     }
 
-    /// Takes up the contacts of the model as it is given: every run has its own.
+    /// Takes over the contacts of the given model; every run has its own.
     pub fn given_contacts(&mut self, contacts: Contacts) {
         set_own(&mut self.training, &self.given, &contacts.places);
         self.whole.clone_from(&self.training);
@@ -235,7 +231,7 @@ impl Campaign<'_> {
     }
 }
 
-/// The p-value of two independent ones: `p q (1 - ln(p q))`.
+/// Combined p-value of two independent ones: `p q (1 - ln(p q))`.
 ///
 /// Source: R. A. Fisher, Statistical Methods for Research Workers, 4th ed. (1932), section 21.1.
 fn of_both(p: f64, q: f64) -> f64 {
@@ -243,7 +239,8 @@ fn of_both(p: f64, q: f64) -> f64 {
     product * (1.0 - product.ln())
 }
 
-/// States a place by what the runs on its track met there: mean and spread over all of them, the middle stretch of those that hit.
+/// Parameters of a place: mean and standard deviation of the force over all runs of its track, the
+/// median interval of the hits.
 fn stated(
     place: &mut Active,
     k: usize,

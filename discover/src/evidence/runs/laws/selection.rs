@@ -1,4 +1,4 @@
-//! A law outside the catalogue, selected: a smooth one that is significant, as the simplest formula that does as well.
+//! Selection of laws outside the catalogue, as the simplest formula of a significant smooth law.
 
 use nalgebra::DMatrix;
 
@@ -15,16 +15,16 @@ use crate::null::clusters::{by_sessions, session_numbers};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Randomised, Selection};
 
-/// A law compared with a selected effect.
+/// Result of comparing laws with a selected effect.
 pub enum Law {
     /// It is selected instead.
     Instead(Box<Selection<Amplitude>>),
-    /// It explains more, but not by enough to take the place of a name: what it is called.
+    /// The name of a law that explains more, but not by enough to replace the effect.
     Alternative(String),
 }
 
 impl Campaign<'_> {
-    /// The most significant law, where one explains more than the selected effect.
+    /// The most significant law, if one explains more than the selected effect.
     pub fn law(
         &self,
         at: &Current,
@@ -86,7 +86,7 @@ impl Campaign<'_> {
         })))
     }
 
-    /// The chance of a formula's score, its first column, where only sessions are independent.
+    /// p-value of a formula's score, the first column, with only sessions independent.
     fn law_by_sessions(&self, sums: &LawSums) -> Option<f64> {
         let first = |rows: &DMatrix<f64>| rows.rows(0, 1).into_owned();
         let sessions = session_numbers(self.training.iter().map(|frame| frame.session.as_str()));
@@ -100,8 +100,9 @@ impl Campaign<'_> {
         p_values?.first().copied()
     }
 
-    /// Whether a selected effect gives way to a law that explains so much more, with its scatter: one of the catalogue to a law that explains more
-    /// in addition to it and by a share that matters of what the selected effect has `explained`; a column's own form to a formula that does as well.
+    /// Whether a law with this gain and its scatter replaces a selected effect. An effect of the
+    /// catalogue is replaced if the law explains more in addition to it, and by a material share of
+    /// what the effect has `explained`; a column's own form is replaced by an equivalent formula.
     fn gives_way(
         &self,
         selection: &Selection<Amplitude>,
@@ -116,7 +117,7 @@ impl Campaign<'_> {
         more > errors * error && more > least
     }
 
-    /// What is said where a smooth curve explains more than the formula.
+    /// A remark if a smooth curve explains more than the formula.
     fn smoother(&self, smooth: &Smooth, law: &FittedLaw) -> Option<String> {
         let [more, error] = difference(&smooth.gains, &law.formula.gains);
         (more > self.rules().laws.alike * error).then(|| {
@@ -129,8 +130,8 @@ impl Campaign<'_> {
 }
 
 impl LawFitter<'_> {
-    /// The smooth laws whose formulas are tried, the one that explains most first: those that are significant, that of a selected column, and those
-    /// that explain more than it, or than all that are significant.
+    /// The smooth laws whose formulas are tried, largest gain first: the significant ones, that of
+    /// a selected column, and those that explain more than it or than all significant ones.
     fn best<'l>(
         &self,
         smooth: &'l [Smooth],
@@ -145,7 +146,7 @@ impl LawFitter<'_> {
             .map(|law| total(&law.gains))
             .fold(f64::INFINITY, f64::min)
             .max(0.0);
-        // Once one is significant the question is which: those that explain more are tried, too.
+        // If one is significant, those that explain more are tried, too.
         let standing = smooth.iter().filter(|law| law.significant);
         let most = standing.map(|law| total(&law.gains)).reduce(f64::max);
         let rivals = |law: &Smooth| law.holds && most.is_some_and(|m| total(&law.gains) > m);
@@ -156,7 +157,7 @@ impl LawFitter<'_> {
             .collect();
         best.sort_by(|a, b| total(&b.gains).total_cmp(&total(&a.gains)));
         let most = best.first().map_or(0.0, |law| total(&law.gains));
-        // Of channels, which are much alike, the one on which it explains most.
+        // Channels are strongly correlated: only the one of largest gain is tried.
         let mut seen: Vec<&[usize]> = Vec::new();
         best.retain(|law| {
             let first = !seen.contains(&law.columns.as_slice());
@@ -168,12 +169,12 @@ impl LawFitter<'_> {
         best
     }
 
-    /// The law's name, then those of laws that the data cannot tell from it.
+    /// The law's name, then those of laws that the data cannot distinguish from it.
     fn class(&self, law: &FittedLaw, smooth: &[Smooth]) -> Vec<String> {
         let own = &law.candidate.effect;
         let alike = self.campaign.rules().laws.alike;
         let alike = |[more, error]: [f64; 2]| more <= alike * error;
-        // Where none is significant by itself, as where noise is not known, those that explain as much are as good.
+        // If none is significant by itself, as with unknown noise, those of equal gain count.
         let any = !smooth.iter().any(|other| other.significant);
         let single = smooth
             .iter()
@@ -181,7 +182,7 @@ impl LawFitter<'_> {
             .filter(|other| total(&other.gains) > 0.0)
             .filter(|other| alike(difference(&law.formula.gains, &other.gains)))
             .map(|other| &other.columns);
-        // A product with the law's own column is with it where it explains more.
+        // A product with the law's own column is included if it explains more.
         let products = smooth
             .iter()
             .filter(|other| (other.significant || any) && other.columns.len() == 2)
@@ -206,7 +207,7 @@ impl LawFitter<'_> {
     }
 }
 
-/// Whether a law's name holds another one's column.
+/// Whether a law's name contains another one's column.
 fn within(law: &str, other: &str) -> bool {
     let column = other.strip_prefix("unknown:").unwrap_or(other);
     law.strip_prefix("unknown:")

@@ -1,18 +1,22 @@
-//! What the installation may be off by: delays, scales, biases, places, mass and inertia, and offsets by session of sensors that are
-//! mounted anew, as random effects.
+//! Installation errors as random effects: delays, scales, biases, positions, mass and inertia, and
+//! offsets by session of sensors that are mounted anew.
 //!
-//! Each error a has a standard deviation that `[tolerances]` states, and is counted in units of it. With N its columns and J
-//! those of the base, the fit is that of least squares with a penalty, and rows have a covariance of their own:
+//! Each error a is in units of its standard deviation, which `[tolerances]` states. With N its
+//! columns and J those of the base, the fit is penalised least squares, equivalent to correlated
+//! rows:
 //!
 //! ```text
 //! min |r - J b - N a|^2 + |a|^2        V = 1 + N N'
 //! ```
 //!
-//! Where the track's slope is surveyed the difference of the speed's derivative and the accelerometer tells of the accelerometer's tilt and
-//! bias without any friction. Its information K about the sizes, and its scores k at sizes of 0, make their law before the forces are used
-//! normal with the covariance `S = inv(1 + K)` and the mean `S k`. Combinations are then those of independent b in `a = S k + root(S) b`.
+//! With a surveyed track slope, the difference of the speed's derivative and the accelerometer
+//! determines the accelerometer's tilt and bias without any friction. With its information K about
+//! the sizes, and its scores k at sizes of 0, the prior for the forces is normal with the
+//! covariance `S = inv(1 + K)` and the mean `S k`. Combinations are then those of independent b in
+//! `a = S k + root(S) b`.
 //!
-//! Source: G. K. Robinson, That BLUP is a good thing: the estimation of random effects, Statistical Science 6 (1991) 15.
+//! Source: G. K. Robinson, That BLUP is a good thing: the estimation of random effects, Statistical
+//! Science 6 (1991) 15.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -23,49 +27,48 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::evidence::runs::model::channels::Channels;
 
-/// What an installation error does.
+/// Kind of an installation error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Wrong {
-    /// A channel is late.
+    /// A delay of a channel.
     Late(Sensor),
-    /// A channel reads a share too much.
+    /// A relative scale error.
     Scaled(Sensor),
-    /// A channel reads a constant too much.
+    /// A bias.
     Biased(Sensor),
-    /// The inertial unit is turned about an axis: roll, pitch, yaw.
+    /// A rotation of the inertial unit about an axis: roll, pitch, yaw.
     Misaligned(usize),
-    /// A gyroscope's axis picks up the vertical acceleration.
+    /// Sensitivity of a gyroscope's axis to the vertical acceleration.
     GSensitive(usize),
-    /// The accelerometer is further along an axis.
+    /// Position of the accelerometer along an axis.
     Accelerometer(usize),
-    /// The slip sensor is further ahead.
+    /// Longitudinal position of the slip sensor.
     SlipSensor,
-    /// The centre of gravity lies further ahead.
+    /// Longitudinal position of the centre of gravity.
     Centre,
-    /// The sled is heavier by a share.
+    /// Relative error of the sled's mass.
     Mass,
-    /// Its pitch or yaw inertia is larger by a share.
+    /// Relative error of its pitch inertia.
     PitchInertia,
-    /// The same about the vertical.
+    /// Relative error of its yaw inertia.
     YawInertia,
 }
 
-/// One thing that may be off.
+/// One installation error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// What it is, in words.
+    /// Description.
     pub what: String,
-    /// Unit of its size.
     pub unit: &'static str,
-    /// Standard deviation that is stated, in its unit.
+    /// Stated standard deviation, in its unit.
     pub sd: f64,
-    /// The only session in which it is so; every one where there is none.
+    /// The only session in which it acts; `None`: all sessions.
     session: Option<String>,
     wrong: Wrong,
 }
 
 impl Part {
-    /// Whether it moves the accelerometer ahead as a slope does.
+    /// Whether its effect on the longitudinal accelerometer is that of a slope.
     pub fn is_tilt(&self) -> bool {
         matches!(
             self.wrong,
@@ -73,12 +76,11 @@ impl Part {
         )
     }
 
-    /// Whether it makes channels of the inertial unit pick up others.
+    /// Whether it couples channels of the inertial unit.
     pub fn mixes(&self) -> bool {
         matches!(self.wrong, Wrong::Misaligned(_) | Wrong::GSensitive(_))
     }
 
-    /// Whether it acts in a session.
     pub fn acts_in(&self, session: &str) -> bool {
         self.session.as_ref().is_none_or(|own| own == session)
     }
@@ -92,7 +94,7 @@ impl Part {
     }
 }
 
-/// What other data than the forces say of the sizes, in stated standard deviations.
+/// Information about the sizes from data other than the forces, in stated standard deviations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Information {
     /// Information K.
@@ -101,7 +103,7 @@ pub struct Information {
     pub scores: DVector<f64>,
 }
 
-/// The normal law of the sizes before the forces are used: `mean + root b` with independent b.
+/// Normal prior of the sizes for the forces: `mean + root b` with independent b.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct SizeLaw {
     mean: DVector<f64>,
@@ -133,23 +135,22 @@ impl SizeLaw {
     }
 }
 
-/// Everything that may be off, and by how much it is.
+/// All installation errors with their sizes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Installation {
-    /// What may be off.
     pub parts: Vec<Part>,
-    /// By how much, in standard deviations.
+    /// Sizes in standard deviations.
     pub sizes: Vec<f64>,
     /// Orthonormal combinations of the independent errors b that are fitted.
     pub directions: Vec<Vec<f64>>,
-    /// Whether fits leave the sizes as they are.
+    /// Whether the sizes are fixed in fits.
     pub fixed: bool,
-    /// Law of the sizes before the forces are used.
+    /// Prior of the sizes for the forces.
     law: Arc<SizeLaw>,
 }
 
 impl Installation {
-    /// What the tolerances leave open in runs of these sessions; a standard deviation of 0 leaves nothing.
+    /// Errors that the tolerances allow in runs of these sessions; 0 excludes an error.
     pub fn new<'s>(tolerances: &Tolerances, sessions: impl IntoIterator<Item = &'s str>) -> Self {
         let t = tolerances;
         let gyros = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
@@ -252,7 +253,7 @@ impl Installation {
         }
     }
 
-    /// The stated installation with what other data than the forces say of it.
+    /// The stated installation with information from data other than the forces.
     pub fn informed(self, information: Information) -> Self {
         Self::of(self.parts, Some(information))
     }
@@ -263,7 +264,7 @@ impl Installation {
         &self.law.inverse_root * (sizes - &self.law.mean)
     }
 
-    /// The root of the sizes' covariance before the forces are used.
+    /// The root of the prior covariance of the sizes.
     pub fn root(&self) -> &DMatrix<f64> {
         &self.law.root
     }
@@ -274,7 +275,7 @@ impl Installation {
         shares.iter().copied().collect()
     }
 
-    /// The same with nothing found of what moves the accelerometer as a slope does.
+    /// The same with tilt-like errors of 0.
     pub fn without_tilt(&self) -> Self {
         let mut without = self.clone();
         let parts = without.parts.iter().zip(&mut without.sizes);
@@ -292,7 +293,7 @@ impl Installation {
         }
     }
 
-    /// The same, fixed or not.
+    /// The same with fixed or free sizes.
     pub fn hold(&self, fixed: bool) -> Self {
         Self {
             fixed,
@@ -300,18 +301,18 @@ impl Installation {
         }
     }
 
-    /// What its sizes cost, as the logarithm of a density against that of sizes of 0.
+    /// Negative log prior density of its sizes, relative to sizes of 0.
     pub fn cost(&self) -> f64 {
         let of_mean = &self.law.inverse_root * &self.law.mean;
         self.distance() - 0.5 * of_mean.norm_squared()
     }
 
-    /// The same against that of the sizes' means.
+    /// The same relative to the mean.
     pub fn distance(&self) -> f64 {
         0.5 * self.independent().norm_squared()
     }
 
-    /// By how much a combination is off, in standard deviations.
+    /// Size of a combination, in standard deviations.
     pub fn along(&self, direction: usize) -> f64 {
         let errors = self.independent();
         let direction = self.directions[direction].iter();
@@ -321,10 +322,10 @@ impl Installation {
             .sum()
     }
 
-    /// The combinations of parts of which one standard deviation shows, from their products in the rows (parts by parts).
+    /// The combinations that the rows determine, from the products of the parts (parts by parts).
     ///
-    /// With G these products given the base, the eigenvectors of G are distinguished by the data, and one of eigenvalue g moves no
-    /// statistic by more than the root of g: those below `least` are omitted, and with them what no fit could hold.
+    /// With G these products given the base, the data separate the eigenvectors of G. One of
+    /// eigenvalue g changes no statistic by more than sqrt(g): those below `least` are omitted.
     pub fn determined_by(&self, products: &DMatrix<f64>, least: f64) -> Self {
         let root = self.root();
         let eigen = (root * products * root).symmetric_eigen();
@@ -345,7 +346,7 @@ impl Installation {
         }
     }
 
-    /// Moves all combinations, in standard deviations.
+    /// Changes all combinations, in standard deviations.
     pub fn step(&mut self, by: &[f64]) {
         for (direction, by) in self.directions.iter().zip(by) {
             let shares = &self.law.root * DVector::from_column_slice(direction);
@@ -355,14 +356,14 @@ impl Installation {
         }
     }
 
-    /// The same with one part moved by so many standard deviations.
+    /// The same with one part changed by so many standard deviations.
     pub fn moved(&self, part: usize, by: f64) -> Self {
         let mut moved = self.clone();
         moved.sizes[part] += by;
         moved
     }
 
-    /// Each combination that is fitted, of series of the parts.
+    /// Each fitted combination of series of the parts.
     pub fn combined(&self, parts: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let combined = |direction: &Vec<f64>| {
             let mut sum = vec![0.0; parts[0].len()];
@@ -379,8 +380,8 @@ impl Installation {
         fitted.iter().map(combined).collect()
     }
 
-    /// Size and standard error of each part, in its unit, from the errors of the combinations in standard deviations: what no
-    /// combination holds is open as it was stated.
+    /// Size and standard error of each part, in its unit, from the standard errors of the
+    /// combinations. Undetermined combinations have their prior uncertainty.
     pub fn found(&self, errors: &[f64]) -> Vec<(f64, f64)> {
         let part = |(j, part): (usize, &Part)| {
             let own = self.root().row(j);
@@ -396,7 +397,7 @@ impl Installation {
         self.parts.iter().enumerate().map(part).collect()
     }
 
-    /// From the stated constants of a sled to the true ones.
+    /// Corrects the stated constants of a sled.
     pub fn find_constants(&self, sled: &mut Sled) {
         for (part, size) in self.parts.iter().zip(&self.sizes) {
             let size = size * part.sd;
@@ -420,14 +421,14 @@ impl Installation {
         }
     }
 
-    /// How late a sensor is [s].
+    /// Delay of a sensor [s].
     pub fn delay(&self, sensor: Sensor) -> f64 {
         let parts = self.parts.iter().zip(&self.sizes);
         let late = parts.filter(|(part, _)| part.wrong == Wrong::Late(sensor));
         late.map(|(part, size)| part.sd * size).sum()
     }
 
-    /// From what the inertial unit said, each channel corrected by itself, to what was true of the sled.
+    /// Corrects cross-sensitivity within the inertial unit, after each channel's own errors.
     pub fn unmix(&self, channels: &mut Channels) {
         let parts = self.parts.iter().zip(&self.sizes).rev();
         for (part, size) in parts.filter(|(part, size)| part.mixes() && **size != 0.0) {
@@ -447,7 +448,7 @@ impl Installation {
         }
     }
 
-    /// From what a sensor said in a session to what was true: what the installation is off by, then this delay [s] by effects.
+    /// Corrects a sensor's reading in a session: installation errors, then a delay by effects [s].
     pub fn correct(&self, of: Sensor, session: &str, delay_s: f64, channels: &mut Channels) {
         let parts = self.parts.iter().zip(&self.sizes);
         let acts = |part: &Part| part.sensor() == Some(of) && part.acts_in(session);
@@ -472,7 +473,7 @@ impl Installation {
 mod tests {
     use super::*;
 
-    /// An installation that is exactly as stated.
+    /// An installation without errors.
     const EXACT: Tolerances = Tolerances {
         delay_s: 0.0,
         place_m: 0.0,
@@ -525,7 +526,7 @@ mod tests {
             ..EXACT
         };
         let both = Installation::new(&places, []);
-        // Only the sum of the two shows.
+        // Only the sum of the two is determined.
         let products = DMatrix::from_element(2, 2, 50.0);
         let mut determined = both.determined_by(&products, 1.0);
         assert_eq!(determined.fitted(), 1);

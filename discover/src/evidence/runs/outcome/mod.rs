@@ -1,4 +1,4 @@
-//! What a search over runs ends with: gaps, bins, intervals and the next model.
+//! Results of a search over runs: misfits, bins, intervals and the next model.
 
 pub(crate) mod adequacy;
 pub(crate) mod bins;

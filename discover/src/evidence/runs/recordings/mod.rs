@@ -1,4 +1,4 @@
-//! Recorded runs, read and made ready for the model.
+//! Recorded runs: reading and signal processing.
 
 pub(crate) mod available;
 pub(crate) mod frame;

@@ -1,4 +1,4 @@
-//! Selection from session to session and from run to run.
+//! Selection of effects between sessions and between runs.
 
 use kufe_sled::effects::Level;
 
@@ -13,7 +13,7 @@ use crate::procedure::rivals::NamedEffect;
 use crate::procedure::shared_effects::Chance;
 
 impl Campaign<'_> {
-    /// The selected effect between sessions or runs, where one is significant, and what every candidate shows.
+    /// The selected effect between sessions or runs, if any, and the estimates of every candidate.
     pub fn between_runs(
         &self,
         at: &Current,
@@ -50,7 +50,7 @@ impl Campaign<'_> {
                 .count();
             if differ < rules.alpha_column && untestable > 0 && account.unexplained.is_none() {
                 account.unexplained = Some(format!(
-                    "sessions differ (p = {differ:.1e}), but {} sessions are too few to say with what: at least 5 at spread temperatures and humidities are needed",
+                    "sessions differ (p = {differ:.1e}), but {} sessions are too few to identify the cause: at least 5 at spread temperatures and humidities are needed",
                     levels.sessions
                 ));
             }

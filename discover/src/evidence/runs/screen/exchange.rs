@@ -1,12 +1,14 @@
-//! A selected effect judged once more, at the fit that contains it.
+//! Re-evaluation of a selected effect at the fit that contains it.
 //!
-//! A large effect bends the base at which it was first seen, and with it the scores of every candidate. At the fit with the effect, of
-//! amplitude a and column c, the residual without it is `r + a c` to first order. Every candidate is scored on that residual, the effect
-//! among them. Where another explains more, and its own fit leaves less, it takes the effect's place: a model is a sum of single
-//! effects, each selected given the others.
+//! A large effect biases the base of the screen that selected it, and with it the scores of every
+//! candidate. At the fit with the effect, of amplitude a and column c, the residual without it is
+//! `r + a c` to first order. Every candidate, the effect included, is scored on that residual. A
+//! candidate that explains more, and whose own fit has a smaller misfit, replaces the effect: a
+//! model is a sum of single effects, each selected given the others.
 //!
-//! Source: G. Wang, A. Sarkar, P. Carbonetto, M. Stephens, A simple new approach to variable selection in regression, with application
-//! to genetic fine mapping, Journal of the Royal Statistical Society B 82 (2020) 1273.
+//! Source: G. Wang, A. Sarkar, P. Carbonetto, M. Stephens, A simple new approach to variable
+//! selection in regression, with application to genetic fine mapping, Journal of the Royal
+//! Statistical Society B 82 (2020) 1273.
 
 use nalgebra::DMatrix;
 
@@ -18,14 +20,11 @@ use crate::evidence::runs::screen::residual_screen::{Tested, screen_runs};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Evidence, Selected, Selection};
 
-/// Times that one effect takes another's place at most.
+/// Largest number of replacements.
 const MOST: usize = 3;
 
 impl Campaign<'_> {
-    /// A selected effect with its fit, or the one that takes its place with its own.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// A selected effect or its replacement, with its fit.
     pub fn exchanged(
         &mut self,
         before: &RunFit,
@@ -33,7 +32,7 @@ impl Campaign<'_> {
         step: usize,
         account: &Account,
     ) -> Result<Selected<Amplitude, RunFit>, Error> {
-        // A law must leave less than the effect that it was selected instead of, each fitted in full.
+        // The full fit of a law must have a smaller misfit than that of the effect it replaces.
         if let Some(other) = self.runner_up.take() {
             let next = self.add(before, &other, step)?;
             if self.gained(&added.fit, &next.fit) > -self.rules().laws.number {
@@ -48,7 +47,7 @@ impl Campaign<'_> {
                 selection = again;
                 break;
             }
-            // Another amplitude of an effect that is named already belongs to that step: the next screen selects it.
+            // Another amplitude of a named effect belongs to that step: the next screen selects it.
             if account
                 .steps
                 .iter()
@@ -68,7 +67,7 @@ impl Campaign<'_> {
         Ok((selection, added))
     }
 
-    /// What is selected of all candidates on the residual without the last effect of a fit, which `named` is.
+    /// The selection on the residual without the last effect of a fit, `named`.
     fn judged_again(
         &self,
         fit: &RunFit,
@@ -91,7 +90,7 @@ impl Campaign<'_> {
         let design = at.design(&others);
         let options = self.screen_options(&at, account);
         let mut tested = Tested::new(&design, &self.training, &simulator, options.pairs);
-        // Behind the other effects of the catalogue, or behind all columns outside it.
+        // After the other effects of the catalogue, or after all columns outside it.
         let place = match named.is_column() {
             true => others.len(),
             false => others.partition_point(|c| !c.is_column()),
@@ -120,16 +119,16 @@ impl Campaign<'_> {
 
 /// A fitted column that becomes a candidate.
 struct TakenOut {
-    /// Its place among all columns.
+    /// Its index among all columns.
     from: usize,
-    /// Its place among the others.
+    /// Its index after the move.
     to: usize,
-    /// Its fitted size.
     size: f64,
 }
 
 impl TakenOut {
-    /// Products of the columns in their new order, the residual, which is last, without what the column took of it.
+    /// Products of the columns in their new order; the column's contribution is added to the
+    /// residual, which is last.
     fn of(&self, products: &DMatrix<f64>) -> DMatrix<f64> {
         let n = products.nrows();
         let last = n - 1;

@@ -1,4 +1,4 @@
-//! Selection within runs: the candidate that explains most, and its best window where it acts on a stretch.
+//! Selection within runs: the candidate of largest gain, and its best window.
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
@@ -22,7 +22,7 @@ use crate::procedure::evidence::{Account, Randomised, Screen, Selection};
 use crate::regression::scores::{Scores, cross_information};
 
 impl Campaign<'_> {
-    /// The selected effect within runs, where one is significant, and what could have been seen.
+    /// The selected effect within runs, if one is significant, and detectable sizes.
     pub fn within_runs(
         &mut self,
         at: &Current,
@@ -51,7 +51,7 @@ impl Campaign<'_> {
         let tested = Tested::new(&design, &self.training, at.simulator, options.pairs);
         let mut screen = screen_runs(&tested, &self.training, &options);
         let named = regular.iter().filter(|c| !c.is_column()).count();
-        // Where no p-value can pass there is no size that would be selected.
+        // If no p-value can reach the threshold, no size is detectable.
         let detectable = match self.least_p() > options.alpha {
             true => Vec::new(),
             false => detectable(&screen, &regular[..named]),
@@ -63,14 +63,16 @@ impl Campaign<'_> {
             .map(|(c, seen)| (c.clone(), seen.size, seen.error))
             .collect();
         self.chances = within(&regular, &screen.seen);
-        // An accelerometer's fault shows in the track channel, too: what that contradicts is neither selected nor a rival.
+        // Errors of the accelerometer are also tested in the track channel: contradicted ones are
+        // neither selected nor rivals.
         for (candidate, seen) in regular.iter().zip(&mut screen.seen) {
             seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));
         }
         let places = best_windows(&screen, &all_windows, regular.len());
         let selection = self.choose(at, &screen, &regular, &places, account);
         let found = self.contacts_beside(at.residual_model);
-        // What walls leave bends the base, with which much seems to explain something in some runs: what is significant is a rival.
+        // Contacts bias the base, so that many candidates seem to explain something: the
+        // significant ones are rivals.
         let standing = regular
             .iter()
             .enumerate()
@@ -109,18 +111,18 @@ impl Campaign<'_> {
         }
     }
 
-    /// The candidates that act everywhere and are not in the model, those outside the catalogue last.
+    /// The global candidates that are not in the model, those outside the catalogue last.
     pub fn everywhere(&self, model: &ResidualModel) -> Vec<Candidate<Amplitude>> {
         let mut regular = self.fresh(model, &self.candidates.regular);
         if self.options.looks_for(OUTSIDE_CATALOGUE) {
             regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
         }
-        // A person's own effect may bear such a name, too.
+        // A custom effect may have such a name, too.
         regular.sort_by_key(Candidate::is_column);
         regular
     }
 
-    /// How a screen of a model is made.
+    /// Options of a screen of a model.
     pub fn screen_options(&self, at: &Current, account: &Account) -> ScreenOptions {
         let (rules, share) = (self.rules(), self.share(account));
         ScreenOptions {
@@ -133,7 +135,7 @@ impl Campaign<'_> {
                 NoiseFrom::Model => rules.noise_trust,
                 NoiseFrom::Spectra => rules.spectral_noise_trust,
                 NoiseFrom::Differences => rules.estimated_noise_trust,
-                // All that is known is that it makes no more than the residual.
+                // Only an upper bound of the noise is known: that of the residual.
                 NoiseFrom::Doubted => {
                     let [low, high] = rules.estimated_noise_trust;
                     [low, high.max(at.simulator.most_noise(self.used))]
@@ -186,13 +188,13 @@ impl Campaign<'_> {
             })
             .map(|(_, c)| gain(c))
             .fold(0.0, f64::max);
-        // Windows that compete, with edges found to a few metres, are judged as ordinary candidates with all others.
+        // Competing windows, with refined edges, are compared as regular candidates.
         let close: Vec<(Candidate<Amplitude>, usize)> = places
             .iter()
             .filter(|(_, c)| most > 0.0 && gain(*c) > rules.window_competes * most)
             .map(|(window, c)| (self.refined(at, local(window), window), *c))
             .collect();
-        // Those that may be selected or be a rival.
+        // Candidates that may be selected or be a rival.
         let retained: Vec<usize> = (0..regular.len())
             .filter(|c| screen.seen[*c].usable && screen.seen[*c].t.abs() >= rules.rivals.least_t)
             .collect();
@@ -233,7 +235,8 @@ impl Campaign<'_> {
                 })
                 .max_by(|a, b| together.seen[*a].gain.total_cmp(&together.seen[*b].gain))
         };
-        // What the catalogue knows comes first, unless a column in addition to it takes all that the name explains and more.
+        // The catalogue has precedence, unless a column explains in addition to it all that the
+        // named effect does, and more.
         let mut named = match (best(false), best(true)) {
             (Some(known), Some(other)) => {
                 let more = together.seen[other].gain > together.seen[known].gain;
@@ -248,7 +251,7 @@ impl Campaign<'_> {
             (known, other) => known.or(other)?,
         };
         let (mut class, mut rivals) = self.rivals(&together, &list, named);
-        // Of a class of places, the effect that already acts elsewhere is the simpler account.
+        // In a class of places, an effect that already acts elsewhere is the simpler explanation.
         let known = (retained.len()..list.len()).find(|c| {
             list[named].act.track.is_some()
                 && *c != named
@@ -277,7 +280,7 @@ impl Campaign<'_> {
             },
             remark: (bias.abs() > 1.0).then(|| {
                 format!(
-                    "{}: noisy inputs alone would show T = {bias:.1}; it was taken off",
+                    "{}: the bias of noisy inputs, T = {bias:.1}, was subtracted",
                     list[named].effect
                 )
             }),

@@ -1,4 +1,4 @@
-//! Noise of an instrument's axes, each by its own spectrum.
+//! Noise of an instrument's axes by their spectra.
 
 use crate::evidence::runs::recordings::learned::Learned;
 use crate::evidence::runs::recordings::noise::colour::Colour;
@@ -7,9 +7,8 @@ use crate::evidence::runs::recordings::noise::periodogram::Periodogram;
 /// Noise of one recorded column.
 #[derive(Clone, Copy, Debug)]
 pub struct ColumnNoise {
-    /// Its deviation at the recorded rate.
+    /// Standard deviation at the recorded rate.
     pub sd: f64,
-    /// How it is coloured.
     pub colour: Colour,
 }
 
@@ -20,7 +19,7 @@ pub fn of_instrument(
     from_hz: f64,
     quietest: f64,
 ) -> Option<Vec<ColumnNoise>> {
-    // What is constant all the time, as a roll split of zeros, is no sensor.
+    // A column that is always constant, as a roll split of zeros, is not a sensor's.
     let moves = |name: &str| learned.iter().any(|piece| piece.moves(name));
     if !axes.iter().any(|name| moves(name)) {
         let still = ColumnNoise {
@@ -39,7 +38,7 @@ pub fn of_instrument(
     of_axes(&seen, dt, quietest)
 }
 
-/// Noise of each axis: its own, or the quietest one's where it shows its motion or nothing.
+/// Noise of each axis; that of the quietest axis for one that is dominated by motion or constant.
 fn of_axes(seen: &[Option<Periodogram>], dt: f64, quietest: f64) -> Option<Vec<ColumnNoise>> {
     let power = |axis: &Periodogram| axis.lowest();
     let less = |a: &&Periodogram, b: &&Periodogram| power(a).total_cmp(&power(b));
@@ -62,7 +61,7 @@ mod tests {
     use super::*;
     use crate::null::random::{normal, stream};
 
-    /// A column of this deviation that falls off above a corner, of an Ornstein-Uhlenbeck process in steps of a tenth of a row.
+    /// Spectrum of an Ornstein-Uhlenbeck process, in steps of a tenth of a row.
     fn spectrum(knee_hz: f64, sd: f64, axis: u64) -> Option<Periodogram> {
         const DT: f64 = 0.001;
         let keep = (-2.0 * std::f64::consts::PI * knee_hz * DT).exp();
@@ -96,7 +95,7 @@ mod tests {
             let off = noise.colour.knee_hz / knee_hz;
             assert!((0.7..1.4).contains(&off), "{own:?}");
         }
-        // Without the bound all of it is noise.
+        // Without the bound the whole spectrum is taken for noise.
         let all = of_axes(&seen, 0.01, f64::INFINITY).unwrap();
         assert!((18.0..22.0).contains(&all[2].sd), "{all:?}");
     }
