@@ -1,4 +1,4 @@
-//! From a data file to a report, by what the file holds.
+//! Searches a data file and returns a report; the kind of data follows from the file's columns.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::joint::search as joint;
 use crate::options::Options;
 use crate::procedure::search::Found;
 
-/// What the three kinds of data are usually called.
+/// Usual file names of the three kinds of data.
 const FILES: [&str; 3] = ["runs.csv", "experiments.csv", "pressures.csv"];
 
 /// Reads data and model, searches, and returns the report and the next model's text.
@@ -56,8 +56,9 @@ pub fn discover(
     }
     let model = model.ok_or_else(|| Error::File {
         file: data.display().to_string(),
-        reason: "a table by itself; expected a model as well, or a campaign.toml that names both"
-            .to_owned(),
+        reason:
+            "a table without a model; expected a model as well, or a campaign.toml that names both"
+                .to_owned(),
     })?;
     let table = Table::read(data)?;
     let has = |name: &str| table.place(name).is_some();

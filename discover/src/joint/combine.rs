@@ -1,18 +1,19 @@
-//! Sizes and chances of one effect by several kinds of data, taken together.
+//! Combination of sizes and p-values of one effect by several kinds of data.
 //!
 //! ```text
 //! size = sum_k size_k / e_k^2  /  sum_k 1 / e_k^2        error = (sum_k 1 / e_k^2)^(-1/2)
 //! p = P(chi2 with 4 degrees > -2 ln p_1 - 2 ln p_2)
 //! ```
 //!
-//! The second is Fisher's (Statistical Methods for Research Workers, 1932, section 21.1). Each p holds over all candidates of its kind
-//! of data, so that the largest of all combined ones is no larger by chance than that of two such p-values: it holds over all effects, too.
+//! The second is Fisher's (Statistical Methods for Research Workers, 1932, section 21.1). Each p is
+//! corrected for all candidates of its kind of data, so that the combination is corrected for all
+//! effects, too.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::procedure::shared_effects::Amount;
 
-/// The size that lies between those of all kinds, by inverse variance; `None` without any.
+/// The inverse-variance weighted mean of the sizes; `None` without any.
 pub fn together(amounts: &[Amount]) -> Option<Amount> {
     let weights: Vec<f64> = amounts
         .iter()
@@ -28,7 +29,7 @@ pub fn together(amounts: &[Amount]) -> Option<Amount> {
     })
 }
 
-/// By how many standard errors the two that part most do.
+/// Largest difference of two sizes, in its standard errors.
 pub fn parted(amounts: &[Amount]) -> f64 {
     let pairs = amounts
         .iter()
@@ -37,7 +38,7 @@ pub fn parted(amounts: &[Amount]) -> f64 {
     pairs.fold(0.0, f64::max)
 }
 
-/// Twice the logarithm of the likelihood that one common size gains over none: of independent sizes t of each, less what they part by.
+/// Twice the log likelihood ratio of one common size: the sum of t^2, less the disagreement.
 pub fn gain(amounts: &[Amount]) -> f64 {
     let Some(common) = together(amounts) else {
         return 0.0;
@@ -45,7 +46,7 @@ pub fn gain(amounts: &[Amount]) -> f64 {
     common.t().powi(2)
 }
 
-/// The chance of two independent p-values together.
+/// Combined p-value of two independent ones.
 pub fn chance(a: f64, b: f64) -> f64 {
     let sum = -2.0 * (a.max(1e-300).ln() + b.max(1e-300).ln());
     ChiSquared::new(4.0).map_or(1.0, |law| law.sf(sum))

@@ -1,18 +1,17 @@
-//! What a campaign's report tells: every kind's own part side by side, and one next model.
+//! Report of a campaign: the results of every kind of data, and one next model.
 
 use crate::finding::{Fitted, OfKind};
 use crate::joint::kinds::{Joint, PRESSURES, Said};
 use crate::procedure::evidence::{Account, Description, Words};
 
-/// What one kind of data has to tell.
+/// Results of one kind of data.
 pub struct OfPart {
-    /// Its description.
     pub description: Description,
     /// The campaign's step of each of its own.
     pub steps: Vec<usize>,
 }
 
-/// All kinds' descriptions as one; what each says of a step by itself goes into the account.
+/// Merges the descriptions of all kinds; their separate estimates of a step go into the account.
 pub fn described(
     joint: &Joint,
     said: &[Said],
@@ -50,7 +49,7 @@ pub fn described(
                 all.parameters[*step] = own;
             }
         }
-        // Two kinds' own bases may have parameters of one name.
+        // Bases of two kinds may have parameters of the same name.
         for parameter in &mut one.base {
             if several {
                 parameter.name = format!("{} ({name})", parameter.name);
@@ -93,7 +92,7 @@ pub fn described(
         let unwritten = !step.evidence.is_empty() && !is_written(&all, &step.effect);
         if unwritten {
             account.remarks.push(format!(
-                "{} is not in the next model, which is that of {}: those data do not know it",
+                "{} is not in the next model, which is that of {}: those data do not determine it",
                 step.effect, joint.kinds[0].name
             ));
         }
@@ -118,7 +117,7 @@ fn next_after_nothing(parts: &[OfPart]) -> String {
     each.join("; ")
 }
 
-/// What each kind that knows a step's effect says of it.
+/// Estimates of a step's effect by each kind that knows it.
 fn evidence(joint: &Joint, said: Option<&Said>, parts: &[OfPart], step: usize) -> Vec<OfKind> {
     let quantile = joint.options.rules.search.interval;
     let mut each = Vec::new();

@@ -1,7 +1,8 @@
 //! Several kinds of data as one evidence.
 //!
-//! Each kind keeps its own base, null and held-out data. An effect that one selects is added to every kind that knows it; where their sizes
-//! agree they are combined and fixed at that in all, before anything is judged on held-out data and written.
+//! Each kind keeps its own base, null and held-out data. An effect that one selects is added to
+//! every kind that knows it. Sizes that agree are combined and fixed in all kinds before any
+//! comparison on held-out data.
 
 use crate::error::Error;
 use crate::joint::description::{OfPart, described};
@@ -51,7 +52,7 @@ impl Evidence for Joint<'_> {
                 None => self.kinds[k].silent = Some(free),
             }
         }
-        // The surest first; of equals the first kind's.
+        // The most significant first; ties go to the first kind.
         let surest = selections
             .into_iter()
             .reduce(|a, b| if b.1.p_value < a.1.p_value { b } else { a });
@@ -130,7 +131,7 @@ impl Evidence for Joint<'_> {
             }
             self.tell(k, own, account);
         }
-        // A step that no kind keeps is gone.
+        // A step that no kind contains is removed.
         for step in (0..account.steps.len()).rev() {
             if !next.parts.iter().any(|part| part.steps.contains(&step)) {
                 account.steps.remove(step);
@@ -186,7 +187,7 @@ impl Evidence for Joint<'_> {
                     promise: sum.promise.or(one.promise),
                     by_channel: [sum.by_channel, one.by_channel].concat(),
                     repeats: sum.repeats + one.repeats,
-                    // What data without tolerances tell is no trace of them.
+                    // Kinds without tolerances have no tolerated misfit.
                     tolerated: sum.tolerated.min(one.tolerated),
                 },
             });

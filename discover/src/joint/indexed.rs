@@ -1,4 +1,4 @@
-//! Evidence of any kind behind numbers: fits and selections are stored, and referred to by their place.
+//! Evidence of any kind with stored fits and selections, referred to by index.
 
 use crate::error::Error;
 use crate::procedure::evidence::{
@@ -10,7 +10,7 @@ use crate::procedure::shared_effects::{Amount, Chance, SharesEffects};
 /// Evidence of a kind that is not named.
 pub type Part<'a> = Box<dyn SharesEffects<Act = usize, Fit = usize> + 'a>;
 
-/// Evidence with every fit and selection that it has made.
+/// Evidence with all its fits and selections.
 pub struct Indexed<E: Evidence> {
     evidence: E,
     fits: Vec<E::Fit>,
@@ -18,7 +18,6 @@ pub struct Indexed<E: Evidence> {
 }
 
 impl<E: Evidence> Indexed<E> {
-    /// Nothing fitted yet.
     pub fn new(evidence: E) -> Self {
         Self {
             evidence,

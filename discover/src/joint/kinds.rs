@@ -1,4 +1,4 @@
-//! The kinds of data of a campaign, their fits, and what they say of one effect.
+//! The kinds of data of a campaign, their fits, and their estimates of one effect.
 
 use crate::error::Error;
 use crate::finding::{Fitted, HeldOut};
@@ -13,13 +13,11 @@ pub const PRESSURES: &str = "pressures";
 
 /// One kind of data of a campaign.
 pub struct Kind<'a> {
-    /// What it is called.
     pub name: &'static str,
-    /// Its evidence.
     pub part: Part<'a>,
     /// The fit with which its last screen selected nothing.
     pub silent: Option<usize>,
-    /// What its held-out data say.
+    /// Comparison on its held-out data.
     pub held_out: HeldOut,
 }
 
@@ -27,16 +25,14 @@ pub struct Kind<'a> {
 pub struct Joint<'a> {
     /// The kinds; the first is the one whose model is written.
     pub kinds: Vec<Kind<'a>>,
-    /// How the search is made.
     pub options: &'a Options,
 }
 
 /// A fit of every kind.
 #[derive(Clone)]
 pub struct JointFit {
-    /// By kind.
     pub parts: Vec<PartFit>,
-    /// By step, once settled: what the kinds say of it.
+    /// Estimates by step, once settled.
     pub said: Vec<Said>,
 }
 
@@ -45,29 +41,28 @@ pub struct JointFit {
 pub struct PartFit {
     /// With its own sizes.
     pub free: usize,
-    /// With the combined ones; the same where nothing is combined.
+    /// With the combined ones; the same without any.
     pub written: usize,
     /// The campaign's step of each of its own steps.
     pub steps: Vec<usize>,
 }
 
-/// What the kinds of data say of a step's effect.
+/// Estimates of a step's effect by the kinds of data.
 #[derive(Clone, Default)]
 pub struct Said {
     /// Sizes by kind, of those that know it.
     pub by_kind: Vec<(usize, Vec<Amount>)>,
-    /// The combined sizes, where they agree.
+    /// The combined sizes, if they agree.
     pub together: Vec<Amount>,
-    /// What the reader should know where they disagree.
+    /// A remark if they disagree.
     pub parted: Option<String>,
 }
 
 /// Which kind selects, and its selection.
 #[derive(Clone, Copy)]
 pub struct Origin {
-    /// The kind.
     pub kind: usize,
-    /// Its selected effect.
+    /// Index of its selection.
     pub selection: usize,
 }
 
@@ -86,7 +81,7 @@ impl<'a> Joint<'a> {
         }
     }
 
-    /// The steps that a kind takes part in.
+    /// A kind's account: the steps that it takes part in.
     pub fn own(&self, fit: &JointFit, kind: usize, account: &Account) -> Account {
         let steps = &fit.parts[kind].steps;
         Account {
@@ -95,7 +90,7 @@ impl<'a> Joint<'a> {
         }
     }
 
-    /// Takes over what a kind has to tell.
+    /// Adds a kind's remarks to the account.
     pub fn tell(&self, kind: usize, own: Account, account: &mut Account) {
         let name = self.kinds[kind].name;
         let of = |text: String| format!("{name}: {text}");
@@ -107,7 +102,7 @@ impl<'a> Joint<'a> {
         account.depends.extend(depends);
         if let Some(why) = own.unexplained {
             // Reported with the names that other kinds of data have found.
-            let remark = of(format!("something remains without a name: {why}"));
+            let remark = of(format!("a residual remains unidentified: {why}"));
             account.remarks.push(remark);
             account.unexplained.get_or_insert(of(why));
         }
@@ -118,10 +113,7 @@ impl<'a> Joint<'a> {
         self.kinds.iter().all(|k| k.part.is_common(effect))
     }
 
-    /// What a kind says of an effect with its fit; `None` where it knows no such effect.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// A kind's estimates of an effect with its fit; `None` for an unknown effect.
     pub fn ask(
         &mut self,
         kind: usize,
@@ -140,7 +132,7 @@ impl<'a> Joint<'a> {
         Ok(Some((added.fit, part.amounts(&added.fit, EXTRA_STEP))))
     }
 
-    /// What every kind says of a step's effect, and its combined size.
+    /// Every kind's estimates of a step's effect, and its combined size.
     pub fn said(&mut self, fit: &JointFit, step: usize, effect: &str) -> Result<Said, Error> {
         let mut said = Said::default();
         for (k, part) in fit.parts.iter().enumerate() {
@@ -182,7 +174,7 @@ impl<'a> Joint<'a> {
         Ok(said)
     }
 
-    /// The parameters of a step where its kinds agree.
+    /// The parameters of a step if its kinds agree.
     pub fn combined(&self, said: &Said) -> Vec<Fitted> {
         let quantile = self.options.rules.search.interval;
         said.together.iter().map(|a| a.fitted(quantile)).collect()
@@ -190,7 +182,7 @@ impl<'a> Joint<'a> {
 }
 
 impl JointFit {
-    /// Forgets a step that no kind has; later ones move up.
+    /// Removes a step that no kind contains; later ones move up.
     pub fn leave_out(&mut self, step: usize) {
         for part in &mut self.parts {
             part.steps.retain(|s| *s != step);

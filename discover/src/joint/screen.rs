@@ -1,9 +1,10 @@
-//! Who it could be, by all kinds of data together.
+//! Joint screen of all kinds of data.
 //!
-//! Of the class of a selected effect, each member is evaluated of every other kind that knows it: what that kind adds to it is `t^2 - d^2`, with t the size there in
-//! its errors and d what the two sizes part by in those of their difference (the logarithm of a likelihood ratio, twice). Members that fall behind
-//! the best by more than the square of what a rival must leave are distinguished. Where no kind selects anything alone, p-values of the same
-//! effect are combined.
+//! Each member of the class of a selected effect is evaluated in every other kind that knows it.
+//! That kind adds `t^2 - d^2` to its evidence (twice a log likelihood ratio), with t the size there
+//! in its standard errors and d the difference of the two sizes in those of their difference.
+//! Members whose evidence is below the best by more than the square of the needed t are excluded.
+//! If no kind selects anything alone, p-values of the same effect are combined.
 
 use crate::error::Error;
 use crate::finding::Rival;
@@ -12,7 +13,7 @@ use crate::joint::kinds::{Joint, JointFit, Origin};
 use crate::procedure::evidence::{Account, Randomised, Selection};
 use crate::procedure::shared_effects::Amount;
 
-/// An effect that several kinds of data show, none of them surely.
+/// An effect of several kinds of data that none selects alone.
 struct Weak {
     /// Kind and size, by kind.
     by_kind: Vec<(usize, Amount)>,
@@ -21,7 +22,7 @@ struct Weak {
 }
 
 impl Joint<'_> {
-    /// t that a named effect must retain given a rival: the largest that any kind asks.
+    /// t that a named effect must keep given a rival: the largest requirement of any kind.
     fn needed_t(&self) -> f64 {
         let rules = &self.options.rules;
         let (runs, levels) = (&rules.runs.rivals, &rules.runs.level_rivals);
@@ -29,7 +30,7 @@ impl Joint<'_> {
         needed.into_iter().fold(0.0, f64::max)
     }
 
-    /// The smallest of the p-values that the kinds ask for.
+    /// The smallest significance level of the kinds.
     fn alpha(&self) -> f64 {
         let rules = &self.options.rules;
         [
@@ -41,10 +42,7 @@ impl Joint<'_> {
         .fold(1.0, f64::min)
     }
 
-    /// A kind's selected effect with the class that all kinds leave.
-    ///
-    /// # Errors
-    /// Those of the fits.
+    /// A kind's selected effect with the class given all kinds.
     pub fn judged(
         &mut self,
         fit: &JointFit,
@@ -81,7 +79,7 @@ impl Joint<'_> {
                     heard = true;
                 }
             }
-            // What the others cannot measure they cannot exclude.
+            // Kinds that cannot measure an effect cannot exclude it.
             *added = (!is_untestable).then_some(sum);
         }
         let origin = |selection| Origin { kind, selection };
@@ -123,7 +121,7 @@ impl Joint<'_> {
             .collect();
         if !out.is_empty() {
             let message = format!(
-                "{} by themselves leave {} with {}: distinguished by the other data",
+                "{} alone cannot distinguish {} from {}: the other data do",
                 self.kinds[kind].name,
                 out.join(", "),
                 named.effect
@@ -142,7 +140,7 @@ impl Joint<'_> {
         Ok(joint)
     }
 
-    /// A selected effect that no kind makes alone.
+    /// A selected effect that no kind selects alone.
     pub fn weak_together(
         &mut self,
         fit: &JointFit,
@@ -188,7 +186,7 @@ impl Joint<'_> {
         Some(joint)
     }
 
-    /// What all kinds' last screens show of each amplitude that they have in common.
+    /// Estimates of every common amplitude in all kinds' last screens.
     fn weak(&self) -> Vec<Weak> {
         let mut weak: Vec<Weak> = Vec::new();
         for (k, kind) in self.kinds.iter().enumerate() {
@@ -216,7 +214,7 @@ impl Joint<'_> {
     }
 }
 
-/// The rivals of a member that is named instead of what a kind named by itself, which becomes one of them.
+/// The rivals of a member named instead of a kind's own selection, which becomes one of them.
 fn instead(selection: &Selection<usize>, named: &str) -> Vec<Rival> {
     let mut rivals = selection.rivals.clone();
     for rival in rivals.iter_mut().filter(|r| r.effect == named) {

@@ -1,4 +1,4 @@
-//! Classes split and chances combined, by kinds of data whose every word is stated.
+//! Splitting of classes and combination of p-values, by data with stated results.
 
 use crate::error::Error;
 use crate::finding::Rival;
@@ -13,7 +13,7 @@ use crate::procedure::lowered::Lowered;
 use crate::procedure::rules::SearchRules;
 use crate::procedure::shared_effects::{Amount, Chance, SharesEffects};
 
-/// Data that know some effects, each with one size; a fit is the name of what was added last.
+/// Data that know some effects, each with one size; a fit is the name of the effect added last.
 #[derive(Default)]
 struct StatedData {
     sizes: Vec<Amount>,
@@ -187,13 +187,13 @@ fn a_class_is_split_by_what_other_data_say_at_the_size_that_is_asked_for() {
         ..StatedData::default()
     };
     let rivals = [("temperature", 0.5)];
-    // The ice house sees the temperature at the size of the runs and nothing of the humidity.
+    // The ice house measures the temperature at the size of the runs and no humidity.
     let (named, class) = of_class(runs(), ice_house(0.0, 0.5), &rivals);
     assert_eq!((named.as_str(), class.len()), ("temperature", 1));
     // It confirms the humidity instead.
     let (named, class) = of_class(runs(), ice_house(1.0, 0.0), &rivals);
     assert_eq!((named.as_str(), class.len()), ("humidity", 1));
-    // It sees both as they would have to be, or knows neither, or cannot measure the one it would exclude.
+    // It measures both at their sizes, or knows neither, or cannot measure one.
     let (_, class) = of_class(runs(), ice_house(1.0, 0.5), &rivals);
     assert_eq!(class, ["humidity", "temperature"]);
     let (_, class) = of_class(runs(), StatedData::default(), &rivals);
@@ -234,7 +234,7 @@ fn what_no_data_claim_alone_two_may_claim_together_where_they_agree() {
     let q: f64 = 1e-4;
     let p = q * (1.0 - q.ln());
     assert!(found.is_some_and(|(name, own)| name == "temperature" && (own / p - 1.0).abs() < 1e-9));
-    // Of other signs, not sure enough, of different bodies, or by one kind alone.
+    // Different signs, too weak, different bodies, or one kind alone.
     assert_eq!(weakly(of(1.0, 0.01), of(-1.0, 0.01), Vec::new()), None);
     assert_eq!(weakly(of(1.0, 0.05), of(1.0, 0.2), Vec::new()), None);
     assert_eq!(

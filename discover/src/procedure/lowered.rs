@@ -1,29 +1,30 @@
-//! By how much the gap on held-out data is lower with one model than with another.
+//! Comparison of two models by the decrease of the misfit on held-out data.
 
 use crate::procedure::rules::SearchRules;
 
-/// What held-out data say of one model compared with another.
+/// Decrease of the misfit from one model to another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lowered {
-    /// By how much the sum of squares falls, over all channels, each in units of its variance.
+    /// Decrease of the sum of squares over all channels, each in units of its variance.
     pub by: f64,
-    /// Standard error of this fall, from how much it scatters over the data.
+    /// Standard error of the decrease, from its scatter over the data.
     pub error: f64,
-    /// The same fall and its standard error with each channel counting by how much it tells of it where it was learned; nothing where
-    /// there is but one.
+    /// The decrease and its standard error with channels weighted by their information on the
+    /// training data; `None` for a single channel.
     pub weighed: Option<[f64; 2]>,
-    /// What is retained of what was promised, and what noise alone retains of it, where both models differ in that: it must be more.
+    /// Log likelihood ratio of contacts and its bound under noise, if only one model has contacts.
     pub promise: Option<[f64; 2]>,
-    /// The fall and its standard error channel by channel, where there is more than one.
+    /// The decrease and its standard error by channel, if there are several.
     pub by_channel: Vec<(&'static str, [f64; 2])>,
-    /// What repeats from run to run of the first model's sum of squares; 0 where it is not known.
+    /// Repeatable part of the first model's sum of squares; 0 if unknown.
     pub repeats: f64,
-    /// Sum of squares that one standard deviation of everything the installation may be off by amounts to; 0 for none.
+    /// Sum of squares of one standard deviation of each installation error; 0 without any.
     pub tolerated: f64,
 }
 
 impl Lowered {
-    /// The sum over independent pieces of data, with the error that their scatter gives; `None` without any.
+    /// The sum over independent pieces, with the standard error of their scatter; `None` without
+    /// any.
     pub fn over(falls: &[f64], repeats: f64) -> Option<Self> {
         let n = falls.len() as f64;
         let by: f64 = falls.iter().sum();
@@ -39,8 +40,7 @@ impl Lowered {
         })
     }
 
-    /// The same over channels of these names, with what each tells of it: `learned` are their falls on the data that both models were learned
-    /// from.
+    /// The same by channel; `learned` are the decreases on the training data, for the weights.
     pub fn over_channels<const C: usize>(
         names: [&'static str; C],
         falls: &[[f64; C]],
@@ -67,8 +67,9 @@ impl Lowered {
         })
     }
 
-    /// The same as a part of the gap of the first model of all: of what repeats of it, and of what falls from that model on to the second
-    /// one here, `before` being what of it has fallen already. What falls on data that were not seen repeats, whether runs are alike or not.
+    /// The same with the repeatable part of the whole comparison: the larger of the repeatable
+    /// misfits and of the decrease from the first model to the second one here, of which `before`
+    /// precedes this step. A decrease on held-out data is repeatable whether runs are alike or not.
     pub fn of_all(self, all: &Lowered, before: f64) -> Self {
         Self {
             repeats: self.repeats.max(all.repeats).max(before + self.by),
@@ -76,9 +77,10 @@ impl Lowered {
         }
     }
 
-    /// Whether the gap falls, above its scatter, by a share of what repeats, and by more than a trace of what is tolerated. Where it falls
-    /// clearly in the channels that tell of it, it may scatter about nothing over all alike, but not rise above that scatter. Of what was
-    /// promised more is retained than noise alone keeps.
+    /// Whether the decrease is accepted: significant, a material share of the repeatable misfit,
+    /// and more than a trace of the tolerated one. If it is clearly significant in the weighted
+    /// channels, the unweighted decrease may be within its scatter of 0. The evidence of contacts
+    /// must exceed its bound under noise.
     pub fn holds(&self, rules: &SearchRules) -> bool {
         let clearly = self.weighed.filter(|[by, error]| *by > rules.clear * error);
         let by = match clearly {
@@ -93,23 +95,22 @@ impl Lowered {
             && by >= rules.trace * self.tolerated
     }
 
-    /// The same for a selected effect that is made of this channel: there, where the model is said to be wrong, the gap may not rise above its scatter,
-    /// whatever falls elsewhere.
+    /// The same for an effect selected in this channel, whose misfit may not rise significantly.
     pub fn holds_in(&self, channel: &str, rules: &SearchRules) -> bool {
         let rises = |[by, error]: [f64; 2]| by < -rules.beyond_scatter * error;
         let mut own = self.by_channel.iter().filter(|(name, _)| *name == channel);
         self.holds(rules) && !own.any(|(_, fall)| rises(*fall))
     }
 
-    /// How clearly it falls, in standard errors: over all channels alike, or as they tell of it, whichever is clearer. A step of one
-    /// channel is lost in the scatter of the others; of one that all tell a little of, those that are heard are too few.
+    /// The decrease in standard errors: unweighted or weighted, whichever is larger. The unweighted
+    /// one dilutes a step of one channel by the scatter of the others.
     pub fn strength(&self) -> f64 {
         let of = |[by, error]: [f64; 2]| by / error.max(1e-300);
         let alike = of([self.by, self.error]);
         self.weighed.map_or(alike, |weighed| of(weighed).max(alike))
     }
 
-    /// The same in words, of a selected effect that is made of this channel.
+    /// The same in words, for an effect selected in this channel.
     pub fn in_words(&self, channel: &str) -> String {
         let mut text = format!(
             "the sum of squares falls by {:.1} ± {:.1} noise variances, {:.1} repeat between runs",
@@ -140,8 +141,8 @@ impl Lowered {
     }
 }
 
-/// What a channel's fall counts for: its mean over its variance from one piece of data to the next, with which a sum is most significant;
-/// nothing where it does not fall. All alike for so few pieces that their scatter says little.
+/// Weight of a channel: its mean decrease over its variance between pieces of data, which maximises
+/// the significance of the sum; 0 without a decrease. Equal for too few pieces.
 fn weights<const C: usize>(learned: &[[f64; C]]) -> [f64; C] {
     const FEW: usize = 4;
     let n = learned.len() as f64;
@@ -182,7 +183,7 @@ mod tests {
         };
         assert!(weighed(4.0, 2.0).holds(&rules));
         assert!(weighed(4.0, 1.0).holds(&rules) && !weighed(-4.0, 1.0).holds(&rules));
-        // Clear where it is reported, with channels that scatter about nothing, or rise.
+        // Clear as reported, with channels that scatter about 0 or rise.
         assert!(weighed(-4.0, 2.0).holds(&rules) && !weighed(-6.0, 2.0).holds(&rules));
         assert!(weighed(6.0, 0.1).holds(&rules) && !weighed(4.0, 0.1).holds(&rules));
         assert!(!of(4.0, 0.1, 100.0) && of(6.0, 0.1, 100.0));
@@ -204,7 +205,7 @@ mod tests {
         assert!(tolerated(1e4).holds(&rules) && !tolerated(1e6).holds(&rules));
     }
 
-    /// A channel in which a fall is small and steady with one that scatters widely about nothing.
+    /// A channel of a small, steady decrease with one that scatters widely about 0.
     #[test]
     fn a_steady_fall_is_not_lost_in_another_channels_scatter() {
         let rules = SearchRules::default();
@@ -216,7 +217,7 @@ mod tests {
         assert!(found.holds(&rules) && found.strength() > 5.0, "{found:?}");
         assert!(found.by < found.error, "{found:?}");
         assert!(!of(&falls(-1.0)).unwrap().holds(&rules));
-        // Too few to tell how much each scatters.
+        // Too few to estimate the scatter.
         let few = Lowered::over_channels(names, &falls(1.0), &falls_learned()[..3]).unwrap();
         assert_eq!(few.weighed, Some([few.by, few.error]));
     }

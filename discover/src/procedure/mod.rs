@@ -1,4 +1,4 @@
-//! The one search: fit, screen, select, add, refit; at the end, once, the held-out data.
+//! The search: fit, screen, select, add, refit; at the end, once, the held-out data.
 
 pub(crate) mod candidate;
 pub(crate) mod closed;

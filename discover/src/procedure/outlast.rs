@@ -1,17 +1,14 @@
-//! Never worse: what is named must lower the gap on data that were held out, as a whole and step by step.
+//! Verification on held-out data: each effect, and the whole model, must lower the misfit.
 
 use crate::error::Error;
 use crate::procedure::evidence::{Account, Evidence};
 use crate::procedure::lowered::Lowered;
 use crate::procedure::rules::SearchRules;
 
-/// Takes back every step, and at last the whole answer, without which the held-out data leave no larger gap.
+/// Removes every step, and finally the whole model, that does not lower the held-out misfit.
 ///
-/// Steps are omitted one at a time, the weakest first, each with a refit of what remains. Nothing but the decision to leave
-/// something out is made of the held-out data. `base` and the result are models as they would be written.
-///
-/// # Errors
-/// Those of the fits.
+/// Steps are removed one at a time, the weakest first, each with a refit. The held-out data are
+/// used for no other decision. `base` and the result are models as they would be written.
 pub fn outlast<E: Evidence>(
     evidence: &mut E,
     base: &E::Fit,
@@ -33,7 +30,7 @@ pub fn outlast<E: Evidence>(
             let Some(lowered) = evidence.lowered(&without, &last)? else {
                 continue;
             };
-            // In units of what this one leaves: with a large effect the noise is far less than what the base model leaves.
+            // In units of this model's residual: a large effect is far above the final noise.
             let before = evidence.lowered(&without, base)?.map_or(0.0, |to| -to.by);
             let lowered = match &all {
                 Some(all) => lowered.of_all(all, before),
@@ -72,7 +69,7 @@ pub fn outlast<E: Evidence>(
     Ok(last)
 }
 
-/// Takes a step out of the account and says why.
+/// Removes a step from the account and reports why.
 fn take_back(account: &mut Account, step: usize, lowered: &Lowered) -> String {
     let gone = account.steps.remove(step);
     format!(

@@ -8,21 +8,18 @@ use crate::procedure::outlast::outlast;
 use crate::procedure::sentence::{adequacy, sentence};
 use crate::procedure::verdict::{next_experiment, verdict};
 
-/// What a search found.
+/// The result of a search.
 #[derive(Clone, Debug)]
 pub struct Found {
     /// The report.
     pub report: Report,
-    /// The model with the effects switched on and everything refitted, as its file's text.
+    /// The model with the effects found and everything refitted, as its file's text.
     pub next_model: String,
-    /// The next case, where pressures are searched together with other data.
+    /// The next case, if pressures are searched together with other data.
     pub next_case: Option<String>,
 }
 
-/// Searches data of any kind for what the model does not contain.
-///
-/// # Errors
-/// Those of the evidence.
+/// Searches data of any kind for effects that the model does not contain.
 pub fn search_evidence<E: Evidence>(
     evidence: &mut E,
     options: &Options,
@@ -34,7 +31,7 @@ pub fn search_evidence<E: Evidence>(
     let rules = &options.rules.search;
     let mut fit = base.clone();
     let mut detectable = Vec::new();
-    // How many stretches each step has.
+    // Number of places of each step.
     let mut places: Vec<usize> = Vec::new();
     // Several amplitudes or places of one effect belong to one effect.
     let most_screens = 2 * rules.most_effects;
@@ -56,7 +53,8 @@ pub fn search_evidence<E: Evidence>(
                 account.steps.len()
             );
             match known.filter(|step| places[*step] > rules.most_effects) {
-                // What is significant all along the tracks is bound to no places; without them it may be significant as what it is, without a name.
+                // An effect that is significant at many places is not local; without it a global
+                // effect may be significant.
                 Some(step) => {
                     fit = evidence.without(&fit, step)?;
                     account.is_everywhere(step, places[step]);
@@ -75,7 +73,7 @@ pub fn search_evidence<E: Evidence>(
         places.resize(account.steps.len().max(at + 1), 0);
         places[at] += usize::from(added.place.is_some());
         match known {
-            // Another stretch or another amplitude of an effect belongs to the same step.
+            // Another place or amplitude of an effect belongs to the same step.
             Some(known) => {
                 let place = added.place.unwrap_or_default();
                 let step = &mut account.steps[known];
@@ -109,7 +107,7 @@ pub fn search_evidence<E: Evidence>(
     if !account.steps.is_empty() {
         last = outlast(evidence, &refitted, last, &mut account, rules)?;
     }
-    // What makes more of what can be explained is no explanation, however much of the rest it takes along.
+    // An effect that increases the explainable misfit is wrong, even if the total misfit falls.
     let compared = evidence.open(&base, &last, &mut account)?;
     if compared.are_worse() {
         account.take_back_all(&compared.closed);
@@ -191,7 +189,7 @@ pub fn search_evidence<E: Evidence>(
     })
 }
 
-/// What a selected effect adds to the report; how much of the gap it closes is reported once the held-out data are open.
+/// The report's entry of a selected effect; its closed share follows from the held-out data.
 fn step<A>(
     selection: Selection<A>,
     place: Option<String>,
@@ -227,7 +225,7 @@ mod tests {
     use crate::procedure::evidence::{Added, Description, Opened, Randomised, Screen};
     use crate::procedure::lowered::Lowered;
 
-    /// Data in which an effect is significant at one place after another, at so many; a fit is the number of those that are added.
+    /// An effect that is significant at so many places in turn; a fit is the number of effects.
     struct Places(usize);
 
     impl Evidence for Places {
