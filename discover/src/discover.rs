@@ -15,11 +15,12 @@ const FILES: [&str; 3] = ["runs.csv", "experiments.csv", "pressures.csv"];
 
 /// Reads data and model, searches, and returns the report and the next model's text.
 ///
-/// The kind of data is determined by its columns: `run` (runs), `mu` (friction experiments), `case` (pressure measurements). A `campaign.toml`
-/// names several and their model; tables need one as well.
+/// The kind of data is determined by its columns: `run` (runs), `mu` (friction experiments), `case`
+/// (pressure measurements). A `campaign.toml` names several and their model; tables need one as
+/// well.
 ///
 /// # Errors
-/// Those of the readers, [`Error::File`] for a folder, for a table of none of the three kinds or without a model, and of the search.
+/// Those of readers and search; [`Error::File`] for a folder, an unknown table or a missing model.
 pub fn discover(
     data: &Path,
     model: Option<&Path>,

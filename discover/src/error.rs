@@ -59,7 +59,7 @@ pub enum Error {
     },
     /// An unknown effect was requested.
     #[error("effect {name:?}: expected one of {known}")]
-    Unheard {
+    UnknownEffect {
         /// The requested name.
         name: String,
         /// The known names.

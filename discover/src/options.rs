@@ -52,14 +52,14 @@ impl Options {
     }
 
     /// The remark of a report on a restricted search.
-    pub(crate) fn looked_for(&self) -> Option<String> {
+    pub(crate) fn restriction_remark(&self) -> Option<String> {
         let names = self.only.join(", ");
         let note = "were searched for, as requested; other missing effects were not";
         (!self.only.is_empty()).then(|| format!("only {names} {note}"))
     }
 
     /// Checks the requested names against the catalogues and the model's own effects.
-    pub(crate) fn refuse_unheard(&self, model: Option<&Model>) -> Result<(), Error> {
+    pub(crate) fn check_names(&self, model: Option<&Model>) -> Result<(), Error> {
         let own = match model {
             Some(model) => Effects::from_tables(&model.effects)?.active,
             None => Vec::new(),
@@ -75,7 +75,7 @@ impl Options {
             .iter()
             .find(|name| !known.contains(&name.as_str()))
         {
-            Some(name) => Err(Error::Unheard {
+            Some(name) => Err(Error::UnknownEffect {
                 name: name.clone(),
                 known: known.join(", "),
             }),

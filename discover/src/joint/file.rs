@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn a_campaign_names_its_files_beside_itself() {
+    fn paths_are_relative_to_the_campaign_file() {
         let campaign = read("runs = \"runs.csv\"\nmodel = \"model.toml\"\n").expect("a campaign");
         assert!(
             campaign
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_campaigns_are_refused_with_what_was_expected() {
+    fn errors_of_invalid_campaigns_state_the_expected_content() {
         for (text, expected) in [
             ("", "no data"),
             ("model = \"model.toml\"", "no data"),

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::finding::{Fitted, HeldOut};
-use crate::joint::combine::{parted, together};
+use crate::joint::combine::{disagreement, together};
 use crate::joint::indexed::Part;
 use crate::options::Options;
 use crate::procedure::evidence::{Account, Dependence};
@@ -33,7 +33,7 @@ pub struct Joint<'a> {
 pub struct JointFit {
     pub parts: Vec<PartFit>,
     /// Estimates by step, once settled.
-    pub said: Vec<Said>,
+    pub estimates: Vec<StepEstimates>,
 }
 
 /// A fit of one kind.
@@ -49,13 +49,13 @@ pub struct PartFit {
 
 /// Estimates of a step's effect by the kinds of data.
 #[derive(Clone, Default)]
-pub struct Said {
+pub struct StepEstimates {
     /// Sizes by kind, of those that know it.
     pub by_kind: Vec<(usize, Vec<Amount>)>,
     /// The combined sizes, if they agree.
     pub together: Vec<Amount>,
     /// A remark if they disagree.
-    pub parted: Option<String>,
+    pub disagreement: Option<String>,
 }
 
 /// Which kind selects, and its selection.
@@ -91,7 +91,7 @@ impl<'a> Joint<'a> {
     }
 
     /// Adds a kind's remarks to the account.
-    pub fn tell(&self, kind: usize, own: Account, account: &mut Account) {
+    pub fn add_remarks(&self, kind: usize, own: Account, account: &mut Account) {
         let name = self.kinds[kind].name;
         let of = |text: String| format!("{name}: {text}");
         account.remarks.extend(own.remarks.into_iter().map(of));
@@ -114,7 +114,7 @@ impl<'a> Joint<'a> {
     }
 
     /// A kind's estimates of an effect with its fit; `None` for an unknown effect.
-    pub fn ask(
+    pub fn estimates_of(
         &mut self,
         kind: usize,
         fit: usize,
@@ -133,29 +133,37 @@ impl<'a> Joint<'a> {
     }
 
     /// Every kind's estimates of a step's effect, and its combined size.
-    pub fn said(&mut self, fit: &JointFit, step: usize, effect: &str) -> Result<Said, Error> {
-        let mut said = Said::default();
+    pub fn estimates(
+        &mut self,
+        fit: &JointFit,
+        step: usize,
+        effect: &str,
+    ) -> Result<StepEstimates, Error> {
+        let mut estimates = StepEstimates::default();
         for (k, part) in fit.parts.iter().enumerate() {
             if let Some(own) = part.steps.iter().position(|s| *s == step) {
                 let amounts = self.kinds[k].part.amounts(&part.free, own);
-                said.by_kind.push((k, amounts));
+                estimates.by_kind.push((k, amounts));
             }
         }
-        if said.by_kind.len() < 2 || !self.is_common(effect) {
-            return Ok(said);
+        if estimates.by_kind.len() < 2 || !self.is_common(effect) {
+            return Ok(estimates);
         }
         let mut all: Vec<Vec<Amount>> = Vec::new();
-        for amount in said.by_kind.iter().flat_map(|(_, amounts)| amounts) {
+        for amount in estimates.by_kind.iter().flat_map(|(_, amounts)| amounts) {
             match all.iter_mut().find(|same| same[0].is_same(amount)) {
                 Some(same) => same.push(amount.clone()),
                 None => all.push(vec![amount.clone()]),
             }
         }
-        let worst = all.iter().map(|same| parted(same)).fold(0.0, f64::max);
+        let worst = all
+            .iter()
+            .map(|same| disagreement(same))
+            .fold(0.0, f64::max);
         if worst <= self.options.rules.search.agree {
-            said.together = all.iter().filter_map(|same| together(same)).collect();
+            estimates.together = all.iter().filter_map(|same| together(same)).collect();
         } else {
-            let sizes = said.by_kind.iter().flat_map(|(k, amounts)| {
+            let sizes = estimates.by_kind.iter().flat_map(|(k, amounts)| {
                 let name = self.kinds[*k].name;
                 amounts.iter().map(move |a| {
                     format!(
@@ -165,33 +173,37 @@ impl<'a> Joint<'a> {
                 })
             });
             let sizes: Vec<String> = sizes.collect();
-            said.parted = Some(format!(
+            estimates.disagreement = Some(format!(
                 "{effect}: the kinds of data disagree by {worst:.1} standard errors ({}); each keeps its own size, and the next model has that of {}",
                 sizes.join("; "),
-                self.kinds[said.by_kind[0].0].name
+                self.kinds[estimates.by_kind[0].0].name
             ));
         }
-        Ok(said)
+        Ok(estimates)
     }
 
     /// The parameters of a step if its kinds agree.
-    pub fn combined(&self, said: &Said) -> Vec<Fitted> {
+    pub fn combined(&self, estimates: &StepEstimates) -> Vec<Fitted> {
         let quantile = self.options.rules.search.interval;
-        said.together.iter().map(|a| a.fitted(quantile)).collect()
+        estimates
+            .together
+            .iter()
+            .map(|a| a.fitted(quantile))
+            .collect()
     }
 }
 
 impl JointFit {
     /// Removes a step that no kind contains; later ones move up.
-    pub fn leave_out(&mut self, step: usize) {
+    pub fn remove_step(&mut self, step: usize) {
         for part in &mut self.parts {
             part.steps.retain(|s| *s != step);
             for s in &mut part.steps {
                 *s -= usize::from(*s > step);
             }
         }
-        if step < self.said.len() {
-            self.said.remove(step);
+        if step < self.estimates.len() {
+            self.estimates.remove(step);
         }
     }
 }

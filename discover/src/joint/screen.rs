@@ -8,13 +8,13 @@
 
 use crate::error::Error;
 use crate::finding::Rival;
-use crate::joint::combine::{chance, gain, parted};
+use crate::joint::combine::{combined_p_value, disagreement, gain};
 use crate::joint::kinds::{Joint, JointFit, Origin};
 use crate::procedure::evidence::{Account, Randomised, Selection};
 use crate::procedure::shared_effects::Amount;
 
 /// An effect of several kinds of data that none selects alone.
-struct Weak {
+struct WeakEffect {
     /// Kind and size, by kind.
     by_kind: Vec<(usize, Amount)>,
     p_value: f64,
@@ -65,25 +65,27 @@ impl Joint<'_> {
             };
             members.push((amount, None));
         }
-        let mut heard = false;
+        let mut evaluated = false;
         for (amount, added) in &mut members {
             let mut sum = 0.0;
             let mut is_untestable = false;
             for other in (0..self.kinds.len()).filter(|k| *k != kind) {
                 is_untestable |= self.kinds[other].part.is_untestable(&amount.effect);
-                let Some((_, said)) = self.ask(other, fit.parts[other].free, amount)? else {
+                let Some((_, estimates)) =
+                    self.estimates_of(other, fit.parts[other].free, amount)?
+                else {
                     continue;
                 };
-                for there in said.iter().filter(|there| there.is_same(amount)) {
-                    sum += there.t().powi(2) - there.apart(amount).powi(2);
-                    heard = true;
+                for there in estimates.iter().filter(|there| there.is_same(amount)) {
+                    sum += there.t().powi(2) - there.t_difference(amount).powi(2);
+                    evaluated = true;
                 }
             }
             // Kinds that cannot measure an effect cannot exclude it.
             *added = (!is_untestable).then_some(sum);
         }
         let origin = |selection| Origin { kind, selection };
-        if !heard || members.len() < 2 {
+        if !evaluated || members.len() < 2 {
             return Ok(selection.acting(origin(selection.candidate.act)));
         }
         let of = |member: &(Amount, Option<f64>)| member.1.unwrap_or(0.0);
@@ -149,14 +151,14 @@ impl Joint<'_> {
         let alpha = self.alpha();
         let agree = self.options.rules.search.agree;
         let weak = self.weak();
-        let known = |weak: &Weak| {
+        let known = |weak: &WeakEffect| {
             let effect = &weak.by_kind[0].1.effect;
             account.steps.iter().any(|s| s.effect == *effect)
         };
         let best = weak
             .iter()
             .filter(|w| w.by_kind.len() > 1 && w.p_value <= alpha && !known(w))
-            .filter(|w| parted(&amounts(w)) <= agree)
+            .filter(|w| disagreement(&amounts(w)) <= agree)
             .max_by(|a, b| a.gain.total_cmp(&b.gain))?;
         let surest = best
             .by_kind
@@ -187,10 +189,10 @@ impl Joint<'_> {
     }
 
     /// Estimates of every common amplitude in all kinds' last screens.
-    fn weak(&self) -> Vec<Weak> {
-        let mut weak: Vec<Weak> = Vec::new();
+    fn weak(&self) -> Vec<WeakEffect> {
+        let mut weak: Vec<WeakEffect> = Vec::new();
         for (k, kind) in self.kinds.iter().enumerate() {
-            for one in kind.part.chances() {
+            for one in kind.part.screen_estimates() {
                 let amount = one.amount.clone();
                 let common = self.is_common(&amount.effect);
                 let same = weak
@@ -198,11 +200,11 @@ impl Joint<'_> {
                     .find(|w| common && w.by_kind[0].1.is_same(&amount));
                 match same {
                     Some(same) => {
-                        same.p_value = chance(same.p_value, one.p_value);
+                        same.p_value = combined_p_value(same.p_value, one.p_value);
                         same.by_kind.push((k, amount));
                         same.gain = gain(&amounts(same));
                     }
-                    None => weak.push(Weak {
+                    None => weak.push(WeakEffect {
                         gain: gain(std::slice::from_ref(&amount)),
                         by_kind: vec![(k, amount)],
                         p_value: one.p_value,
@@ -234,7 +236,7 @@ fn instead(selection: &Selection<usize>, named: &str) -> Vec<Rival> {
     rivals
 }
 
-fn amounts(weak: &Weak) -> Vec<Amount> {
+fn amounts(weak: &WeakEffect) -> Vec<Amount> {
     weak.by_kind
         .iter()
         .map(|(_, amount)| amount.clone())

@@ -41,7 +41,7 @@ pub fn search(
         }
         _ => {}
     }
-    options.refuse_unheard(model.as_ref())?;
+    options.check_names(model.as_ref())?;
     let data = match (&files.runs, &model) {
         (Some(index), Some(model)) => {
             progress("reading runs");

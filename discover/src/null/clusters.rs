@@ -149,14 +149,14 @@ mod tests {
 
     /// Binomial with 200 trials at 0.01: mean 2, three deviations 4.2.
     #[test]
-    fn faults_that_sessions_share_are_claimed_by_runs_and_not_by_sessions() {
+    fn errors_shared_by_sessions_are_significant_by_runs_and_not_by_sessions() {
         let [by_runs, by_sessions] = detected(12, 0.0);
         assert!(by_runs > 0.05, "{by_runs}");
         assert!(by_sessions <= 0.031, "{by_sessions}");
     }
 
     #[test]
-    fn an_effect_in_all_of_twelve_sessions_is_claimed_by_both() {
+    fn an_effect_in_twelve_sessions_is_significant_by_both() {
         let found = detected(12, 2.0);
         assert!(found.iter().all(|share| *share > 0.9), "{found:?}");
     }

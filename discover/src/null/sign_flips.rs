@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn noise_is_claimed_in_the_stated_share_of_data_sets() {
+    fn noise_is_significant_at_the_stated_rate() {
         let mut rng = stream(5, 5, 5);
         let sets = 300;
         let detections = (0..sets)

@@ -63,7 +63,7 @@ mod tests {
 
     /// A fitted size has its own error; the truth is the remaining part of the true change.
     #[test]
-    fn intervals_hold_what_the_fitted_size_closes() {
+    fn intervals_cover_the_share_that_the_fitted_size_closes() {
         let change: Vec<f64> = (0..200).map(|i| 0.5 * (0.2 * i as f64).sin()).collect();
         let (fit, locked) = change.split_at(150);
         let (mut covered, mut full, cases) = (0, 0, 400);
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn where_nothing_explainable_is_seen_nothing_is_told() {
+    fn without_an_explainable_misfit_the_interval_is_unbounded() {
         let seen = ClosedGap {
             direction: &[0.1, -0.1],
             before: &[0.5, 0.4],
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn half_a_change_is_half_closed_and_twice_the_change_closes_nothing() {
+    fn half_of_a_change_closes_half_and_twice_the_change_nothing() {
         let f = [30.0, -40.0];
         // A change of 50 standard deviations: noise subtracts 2e-4 of a half.
         for (remaining, closed) in [(0.5, 0.5), (-1.0, 0.0), (0.0, 1.0)] {

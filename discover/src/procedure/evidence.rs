@@ -8,7 +8,7 @@ use crate::finding::{
     Rival, Step, Tolerated, Withheld,
 };
 use crate::procedure::candidate::Candidate;
-use crate::procedure::lowered::Lowered;
+use crate::procedure::misfit_decrease::Decrease;
 
 /// Data of one kind, a part of them held out, and the model that is tested with them.
 pub trait Evidence {
@@ -33,16 +33,16 @@ pub trait Evidence {
         fit: &Self::Fit,
         selection: &Selection<Self::Act>,
         step: usize,
-    ) -> Result<Added<Self::Fit>, Error>;
+    ) -> Result<ExtendedFit<Self::Fit>, Error>;
 
     /// Re-evaluates a selected effect at its fit: returns the effect or its replacement.
     fn exchange(
         &mut self,
         _before: &Self::Fit,
-        selected: Selected<Self::Act, Self::Fit>,
+        selected: SelectedFit<Self::Act, Self::Fit>,
         _step: usize,
         _account: &Account,
-    ) -> Result<Selected<Self::Act, Self::Fit>, Error> {
+    ) -> Result<SelectedFit<Self::Act, Self::Fit>, Error> {
         Ok(selected)
     }
 
@@ -54,7 +54,7 @@ pub trait Evidence {
 
     /// Decrease of the held-out misfit from the first fit to the second, all channels together;
     /// `None` without held-out data.
-    fn lowered(&self, from: &Self::Fit, to: &Self::Fit) -> Result<Option<Lowered>, Error>;
+    fn misfit_decrease(&self, from: &Self::Fit, to: &Self::Fit) -> Result<Option<Decrease>, Error>;
 
     /// Evaluates the two fits on the held-out data.
     fn open(
@@ -62,7 +62,7 @@ pub trait Evidence {
         base: &Self::Fit,
         last: &Self::Fit,
         account: &mut Account,
-    ) -> Result<Opened, Error>;
+    ) -> Result<HeldOutResults, Error>;
 
     /// The model to write: the fit with effects, the refitted base or the model as given, whichever
     /// comes first of those that are no worse than the model as given on the held-out data.
@@ -119,7 +119,7 @@ pub struct Dependence {
 
 impl Account {
     /// Removes a selected effect for a reason: [`SUPERFLUOUS`] or the insufficient size.
-    pub fn leave_out(&mut self, step: usize, why: &str) {
+    pub fn remove_step(&mut self, step: usize, why: &str) {
         let gone = self.steps.remove(step);
         let message = match self.steps.is_empty() {
             false => format!("{} {why} given the others and was removed", gone.effect),
@@ -135,7 +135,7 @@ impl Account {
     }
 
     /// Removes every selected effect, given their closed shares on the held-out data.
-    pub fn take_back_all(&mut self, closed: &[Interval]) {
+    pub fn remove_all(&mut self, closed: &[Interval]) {
         let gone = std::mem::take(&mut self.steps);
         let message: Vec<String> = gone
             .iter()
@@ -149,11 +149,11 @@ impl Account {
                 )
             })
             .collect();
-        self.is_left_without(message);
+        self.set_unexplained(message);
     }
 
     /// Removes every step because the model with them is worse than the given one, for this reason.
-    pub fn are_withheld(&mut self, reason: &str) {
+    pub fn withhold(&mut self, reason: &str) {
         let gone = std::mem::take(&mut self.steps);
         let names: Vec<&str> = gone.iter().map(|step| step.effect.as_str()).collect();
         let withheld = format!(
@@ -161,24 +161,24 @@ impl Account {
             names.join(" with "),
             gone.first().map_or(1.0, |step| step.p_value)
         );
-        self.is_left_without(vec![withheld]);
+        self.set_unexplained(vec![withheld]);
     }
 
     /// Removes a step that is significant at more places than can be listed.
-    pub fn is_everywhere(&mut self, step: usize, places: usize) {
+    pub fn remove_nonlocal(&mut self, step: usize, places: usize) {
         let gone = self.steps.remove(step);
         let message = format!(
             "{} was significant at {places} places ({}) and is so at others: it is not a local effect and is not named",
             gone.effect, gone.place
         );
         match self.steps.is_empty() {
-            true => self.is_left_without(vec![message]),
+            true => self.set_unexplained(vec![message]),
             false => self.remarks.push(message),
         }
     }
 
     /// Records that no effect remains named, for these reasons.
-    pub fn is_left_without(&mut self, message: Vec<String>) {
+    pub fn set_unexplained(&mut self, message: Vec<String>) {
         self.depends.clear();
         self.unexplained.get_or_insert(message.join("; "));
         self.remarks.extend(message);
@@ -245,7 +245,7 @@ impl<A> Selection<A> {
 }
 
 /// A model with one more effect.
-pub struct Added<F> {
+pub struct ExtendedFit<F> {
     pub fit: F,
     /// Whether a model file can contain the effect; if not, the search ends.
     pub written: bool,
@@ -256,17 +256,17 @@ pub struct Added<F> {
 }
 
 /// A selected effect with the model that contains it.
-pub type Selected<A, F> = (Selection<A>, Added<F>);
+pub type SelectedFit<A, F> = (Selection<A>, ExtendedFit<F>);
 
 /// Results on the held-out data.
-pub struct Opened {
+pub struct HeldOutResults {
     /// Misfit before and after.
     pub held_out: HeldOut,
     /// Closed share of the explainable misfit, by step.
     pub closed: Vec<Interval>,
 }
 
-impl Opened {
+impl HeldOutResults {
     /// Whether every step increases the explainable misfit, outside its interval.
     pub fn are_worse(&self) -> bool {
         !self.closed.is_empty() && self.closed.iter().all(|closed| closed.high < 0.0)
@@ -347,8 +347,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_answer_that_leaves_more_beyond_its_interval_is_worse() {
-        let opened = |closed: &[[f64; 3]]| Opened {
+    fn a_model_is_worse_if_the_misfit_grows_outside_its_interval() {
+        let opened = |closed: &[[f64; 3]]| HeldOutResults {
             held_out: HeldOut::default(),
             closed: closed
                 .iter()

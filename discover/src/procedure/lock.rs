@@ -39,12 +39,12 @@ impl Default for LockRules {
 
 /// Indices of training data and of held-out data, which are evaluated once, at the end.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Locked {
+pub struct Split {
     pub training: Vec<usize>,
     pub held_out: Vec<usize>,
 }
 
-impl Locked {
+impl Split {
     fn of(held_out: &[bool]) -> Self {
         let pick = |wanted: bool| {
             (0..held_out.len())
@@ -100,7 +100,7 @@ impl LockRules {
     ///
     /// Each is of the track and driver with the smallest held-out share, so that all are both
     /// learned and tested. Ties go to the last run of every second session.
-    pub fn runs(&self, runs: &[Place]) -> Locked {
+    pub fn runs(&self, runs: &[Place]) -> Split {
         let mut held_out = vec![false; runs.len()];
         let tracks = names(runs.iter().map(|r| r.track));
         let count = |track: &str| runs.iter().filter(|r| r.track == track).count();
@@ -108,13 +108,13 @@ impl LockRules {
             && let Some(least) = tracks.iter().min_by_key(|track| count(track))
             && 4 * count(least) <= runs.len()
         {
-            hold(&mut held_out, runs, |run| run.track == *least);
+            hold_out(&mut held_out, runs, |run| run.track == *least);
         }
         let sessions = names(runs.iter().map(|r| r.session));
         let whole = sessions.get(sessions.len() / 2);
         let whole = whole.filter(|_| sessions.len() >= self.fewest_sessions);
         if let Some(whole) = whole {
-            hold(&mut held_out, runs, |run| run.session == *whole);
+            hold_out(&mut held_out, runs, |run| run.session == *whole);
         }
         // Runs of each session that may be held out, from its last on.
         let mut own: Vec<Vec<usize>> = vec![Vec::new(); sessions.len()];
@@ -156,28 +156,28 @@ impl LockRules {
         if runs.len() >= 5 && !held_out.contains(&true) {
             held_out[runs.len() - 1] = true;
         }
-        Locked::of(&held_out)
+        Split::of(&held_out)
     }
 
     /// Every fourth segment of one run.
-    pub fn segments(&self, count: usize) -> Locked {
-        Locked::of(&every(self.every, count))
+    pub fn segments(&self, count: usize) -> Split {
+        Split::of(&every(self.every, count))
     }
 
     /// Every fifth row, if there are enough.
-    pub fn rows(&self, count: usize) -> Locked {
+    pub fn rows(&self, count: usize) -> Split {
         match count >= self.fewest_rows {
-            true => Locked::of(&every(self.rows_every, count)),
-            false => Locked::of(&vec![false; count]),
+            true => Split::of(&every(self.rows_every, count)),
+            false => Split::of(&vec![false; count]),
         }
     }
 
     /// The last map, if there are at least three.
-    pub fn maps(&self, count: usize) -> Locked {
+    pub fn maps(&self, count: usize) -> Split {
         let held_out: Vec<bool> = (0..count)
             .map(|i| count >= self.fewest && i + 1 == count)
             .collect();
-        Locked::of(&held_out)
+        Split::of(&held_out)
     }
 }
 
@@ -187,7 +187,7 @@ fn every(step: usize, count: usize) -> Vec<bool> {
 }
 
 /// Holds out the runs that satisfy `wanted`.
-fn hold(held_out: &mut [bool], runs: &[Place], wanted: impl Fn(&Place) -> bool) {
+fn hold_out(held_out: &mut [bool], runs: &[Place], wanted: impl Fn(&Place) -> bool) {
     for (held_out, run) in held_out.iter_mut().zip(runs) {
         *held_out |= wanted(run);
     }
@@ -209,7 +209,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn last_runs_a_whole_session_and_the_rarest_track_are_locked_away() {
+    fn last_runs_a_whole_session_and_the_rarest_track_are_held_out() {
         let names: Vec<(String, &str)> = (0..18)
             .map(|i| {
                 (
@@ -239,7 +239,7 @@ mod tests {
 
     /// Ten sessions of four runs, on two tracks in turn; then by five drivers in turn.
     #[test]
-    fn every_track_and_driver_has_its_share_locked_away() {
+    fn every_track_and_driver_has_a_held_out_share() {
         let sessions: Vec<String> = (1..=10).map(|k| format!("s{k}")).collect();
         let on = |session| {
             let k = sessions.iter().position(|s| s == session).unwrap_or(0);
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn of_few_runs_most_are_learned_from() {
+    fn few_runs_are_mostly_training_runs() {
         let place = Place {
             session: "",
             track: "a",
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn few_rows_and_maps_are_all_learned_from() {
+    fn few_rows_and_maps_are_all_training_data() {
         let rules = LockRules::default();
         assert!(rules.rows(19).held_out.is_empty() && rules.maps(2).held_out.is_empty());
         assert_eq!(rules.rows(20).held_out, [4, 9, 14, 19]);

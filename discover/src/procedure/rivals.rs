@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rival_is_of_the_class_where_it_hides_the_named_effect_or_is_the_same() {
+    fn a_rival_is_in_the_class_if_it_makes_the_effect_insignificant_or_is_equal() {
         let rule = RivalRule {
             least_gain: 0.3,
             alike: 0.99,

@@ -4,9 +4,9 @@ use crate::error::Error;
 use crate::finding::{Interval, Report, Step};
 use crate::options::Options;
 use crate::procedure::evidence::{Account, Evidence, Selection};
-use crate::procedure::outlast::outlast;
 use crate::procedure::sentence::{adequacy, sentence};
 use crate::procedure::verdict::{next_experiment, verdict};
+use crate::procedure::verification::verify;
 
 /// The result of a search.
 #[derive(Clone, Debug)]
@@ -57,7 +57,7 @@ pub fn search_evidence<E: Evidence>(
                 // effect may be significant.
                 Some(step) => {
                     fit = evidence.without(&fit, step)?;
-                    account.is_everywhere(step, places[step]);
+                    account.remove_nonlocal(step, places[step]);
                 }
                 None => account.remarks.push(message),
             }
@@ -105,12 +105,12 @@ pub fn search_evidence<E: Evidence>(
         false => evidence.settle(base.clone(), &mut Account::default())?,
     };
     if !account.steps.is_empty() {
-        last = outlast(evidence, &refitted, last, &mut account, rules)?;
+        last = verify(evidence, &refitted, last, &mut account, rules)?;
     }
     // An effect that increases the explainable misfit is wrong, even if the total misfit falls.
     let compared = evidence.open(&base, &last, &mut account)?;
     if compared.are_worse() {
-        account.take_back_all(&compared.closed);
+        account.remove_all(&compared.closed);
         last = refitted.clone();
     }
     progress("replaying the held-out data");
@@ -222,8 +222,10 @@ mod tests {
     use super::*;
     use crate::finding::Verdict;
     use crate::procedure::candidate::Candidate;
-    use crate::procedure::evidence::{Added, Description, Opened, Randomised, Screen};
-    use crate::procedure::lowered::Lowered;
+    use crate::procedure::evidence::{
+        Description, ExtendedFit, HeldOutResults, Randomised, Screen,
+    };
+    use crate::procedure::misfit_decrease::Decrease;
 
     /// An effect that is significant at so many places in turn; a fit is the number of effects.
     struct Places(usize);
@@ -267,8 +269,8 @@ mod tests {
             added: &usize,
             _: &Selection<()>,
             _: usize,
-        ) -> Result<Added<usize>, Error> {
-            Ok(Added {
+        ) -> Result<ExtendedFit<usize>, Error> {
+            Ok(ExtendedFit {
                 fit: added + 1,
                 written: true,
                 gap: [1.0, 0.5],
@@ -281,11 +283,16 @@ mod tests {
         fn without(&mut self, _: &usize, _: usize) -> Result<usize, Error> {
             Ok(0)
         }
-        fn lowered(&self, _: &usize, _: &usize) -> Result<Option<Lowered>, Error> {
+        fn misfit_decrease(&self, _: &usize, _: &usize) -> Result<Option<Decrease>, Error> {
             Ok(None)
         }
-        fn open(&mut self, _: &usize, _: &usize, account: &mut Account) -> Result<Opened, Error> {
-            Ok(Opened {
+        fn open(
+            &mut self,
+            _: &usize,
+            _: &usize,
+            account: &mut Account,
+        ) -> Result<HeldOutResults, Error> {
+            Ok(HeldOutResults {
                 held_out: Default::default(),
                 closed: vec![Interval::default(); account.steps.len()],
             })
@@ -306,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_out_all_along_the_tracks_is_bound_to_no_places() -> Result<(), Error> {
+    fn an_effect_significant_at_many_places_is_not_local() -> Result<(), Error> {
         let found =
             |places: usize| search_evidence(&mut Places(places), &Options::default(), &|_| {});
         let few = found(3)?;

@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn the_channel_that_repeats_most_decides_what_is_said_of_adequacy() {
+    fn adequacy_is_that_of_the_channel_with_the_largest_repeatable_share() {
         let small = adequacy(
             &[],
             &[remaining("side", 1.0, 0.06), remaining("yaw", 1.0, 0.02)],

@@ -39,7 +39,7 @@ impl Amount {
     }
 
     /// Difference of two sizes, in its standard errors.
-    pub fn apart(&self, other: &Self) -> f64 {
+    pub fn t_difference(&self, other: &Self) -> f64 {
         (self.value - other.value).abs() / self.error.hypot(other.error).max(1e-300)
     }
 
@@ -57,7 +57,7 @@ impl Amount {
 
 /// Estimate and p-value of one candidate in a screen.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Chance {
+pub struct ScreenEstimate {
     pub amount: Amount,
     /// p-value over all candidates of its kind.
     pub p_value: f64,
@@ -66,7 +66,7 @@ pub struct Chance {
 /// Data that can be searched together with others; by default no effect is shared.
 pub trait SharesEffects: Evidence {
     /// Results of the last screen for candidates that other kinds may share.
-    fn chances(&self) -> &[Chance] {
+    fn screen_estimates(&self) -> &[ScreenEstimate] {
         &[]
     }
 

@@ -43,6 +43,7 @@ pub struct Gram {
     pub g: DMatrix<f64>,
     /// Products of the windows with the columns, one row per window.
     pub windows: DMatrix<f64>,
+    /// Products of the windows with themselves.
     pub window_norms: Vec<f64>,
 }
 

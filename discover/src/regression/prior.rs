@@ -25,6 +25,7 @@ impl Prior {
         }
     }
 
+    /// Number of parameters.
     pub fn count(&self) -> usize {
         self.precision.len()
     }

@@ -40,10 +40,10 @@ impl Candidate<FrictionChange> {
 }
 
 /// Testable candidates, and the names of untestable effects with the reason.
-pub type Listed = (Vec<Candidate<FrictionChange>>, Vec<(String, String)>);
+pub type CandidateList = (Vec<Candidate<FrictionChange>>, Vec<(String, String)>);
 
 /// Lists the candidates except for the effects that the model contains.
-pub fn list(rows: &[Row], table: &Table, model: &Effects, base: Base) -> Listed {
+pub fn list(rows: &[Row], table: &Table, model: &Effects, base: Base) -> CandidateList {
     let mut candidates = Vec::new();
     let mut untestable = Vec::new();
     let varies = |column: &str| {
@@ -325,7 +325,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn film_between_solved_sizes_is_the_solved_one() {
+    fn the_interpolated_film_is_that_of_a_solve() {
         let text = "specimen,p_max_pa,p_max_sd_pa,mu,mu_sd,fz_n,v_mps,ice_c,contact_length_m,contact_width_m,roughness_m\n\
                     a,1e7,0,4e-3,1e-4,950,1.0,-12,0.06,0.9e-3,0.3e-6\n\
                     b,1e7,0,4e-3,1e-4,500,5.0,-5,0.04,0.8e-3,0.5e-6\n\

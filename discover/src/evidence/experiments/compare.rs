@@ -24,13 +24,13 @@ impl Comparison<'_> {
     /// precedence over columns that explain as much.
     pub fn strongest(&self) -> Option<usize> {
         let (screen, candidates) = (self.screen, &self.setting.candidates);
-        let claimable: Vec<usize> = (0..candidates.len())
-            .filter(|c| screen.claimable(*c, &candidates[*c]))
+        let is_selectable: Vec<usize> = (0..candidates.len())
+            .filter(|c| screen.is_selectable(*c, &candidates[*c]))
             .collect();
-        let largest = claimable
+        let largest = is_selectable
             .iter()
             .fold(0.0_f64, |m, c| m.max(screen.t[*c].abs()));
-        let chi2: Vec<(usize, f64)> = claimable
+        let chi2: Vec<(usize, f64)> = is_selectable
             .into_iter()
             .filter(|c| screen.t[*c].abs() > self.rules.near_largest * largest)
             .map(|c| (c, self.with(&[c]).chi2))

@@ -19,7 +19,7 @@ use crate::evidence::experiments::bins::bins;
 use crate::evidence::experiments::candidates::{FrictionChange, list};
 use crate::evidence::experiments::compare::Comparison;
 use crate::evidence::experiments::fit::{Fit, Setting, between_specimens, fit};
-use crate::evidence::experiments::known::Known;
+use crate::evidence::experiments::known::ModelEffects;
 use crate::evidence::experiments::pictures::pictures;
 use crate::evidence::experiments::rows::{Row, read, set_films};
 use crate::evidence::experiments::screen::{TableScreen, screen_table};
@@ -29,12 +29,12 @@ use crate::null::clusters::members;
 use crate::options::{OUTSIDE_CATALOGUE, Options};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
-    Account, Added, Description, Evidence, Meaning, Opened, Randomised, SUPERFLUOUS, Screen,
-    Selection, Words,
+    Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, Randomised, SUPERFLUOUS,
+    Screen, Selection, Words,
 };
-use crate::procedure::lowered::Lowered;
+use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::search::{Found, search_evidence};
-use crate::procedure::shared_effects::Chance;
+use crate::procedure::shared_effects::ScreenEstimate;
 
 /// Rows of friction experiments and the model that they are compared with.
 pub struct Experiments<'a> {
@@ -50,7 +50,7 @@ pub struct Experiments<'a> {
     /// The strongest candidate that was not selected.
     pub next_best: Option<usize>,
     /// Estimates and p-values of the last screen.
-    pub chances: Vec<Chance>,
+    pub screen_estimates: Vec<ScreenEstimate>,
 }
 
 /// A fit and the candidates that it contains.
@@ -79,7 +79,7 @@ impl<'a> Experiments<'a> {
             });
         }
         let effects = Effects::from_tables(&model.effects)?;
-        let (known, others) = Known::new(&effects, &table, base)?;
+        let (known, others) = ModelEffects::new(&effects, &table, base)?;
         if base == Base::Film {
             set_films(&mut rows, &table, known.boundary_shear)?;
         }
@@ -108,7 +108,7 @@ impl<'a> Experiments<'a> {
             untestable,
             others,
             next_best: None,
-            chances: Vec::new(),
+            screen_estimates: Vec::new(),
         })
     }
 
@@ -176,7 +176,7 @@ impl Evidence for Experiments<'_> {
     type Fit = TableFit;
 
     fn fit_base(&mut self, account: &mut Account) -> Result<TableFit, Error> {
-        account.remarks.extend(self.options.looked_for());
+        account.remarks.extend(self.options.restriction_remark());
         if !self.others.is_empty() {
             account.remarks.push(format!(
                 "effects of the model that these data do not depend on: {}",
@@ -211,7 +211,7 @@ impl Evidence for Experiments<'_> {
             true => None,
             false => self.select(&screen, &fit.chosen),
         };
-        self.chances = screen.chances(&self.setting.candidates, &fit.chosen);
+        self.screen_estimates = screen.screen_estimates(&self.setting.candidates, &fit.chosen);
         self.next_best = match selection {
             None if !too_few => screen.largest(&fit.chosen),
             _ => None,
@@ -227,12 +227,12 @@ impl Evidence for Experiments<'_> {
         fit: &TableFit,
         selection: &Selection<FrictionChange>,
         _: usize,
-    ) -> Result<Added<TableFit>, Error> {
+    ) -> Result<ExtendedFit<TableFit>, Error> {
         let named = |c: &Candidate<FrictionChange>| c.effect == selection.candidate.effect;
         let place = self.setting.candidates.iter().position(named);
         let chosen: Vec<usize> = fit.chosen.iter().copied().chain(place).collect();
         let next = self.fitted(chosen);
-        Ok(Added {
+        Ok(ExtendedFit {
             gap: [fit.fit.rms, next.fit.rms],
             fit: next,
             written: true,
@@ -251,7 +251,7 @@ impl Evidence for Experiments<'_> {
             let Some(weak) = (0..fit.chosen.len()).find(|k| t(k) < least) else {
                 break;
             };
-            account.leave_out(weak, SUPERFLUOUS);
+            account.remove_step(weak, SUPERFLUOUS);
             fit.chosen.remove(weak);
             fit = self.fitted(fit.chosen);
         }
@@ -272,7 +272,7 @@ impl Evidence for Experiments<'_> {
         Ok(self.fitted(chosen))
     }
 
-    fn lowered(&self, from: &TableFit, to: &TableFit) -> Result<Option<Lowered>, Error> {
+    fn misfit_decrease(&self, from: &TableFit, to: &TableFit) -> Result<Option<Decrease>, Error> {
         let falls: Vec<f64> = self
             .held_out
             .iter()
@@ -284,7 +284,7 @@ impl Evidence for Experiments<'_> {
                 square(from) - square(to)
             })
             .collect();
-        Ok(Lowered::over(&falls, 0.0))
+        Ok(Decrease::over(&falls, 0.0))
     }
 
     fn open(
@@ -292,11 +292,11 @@ impl Evidence for Experiments<'_> {
         base: &TableFit,
         last: &TableFit,
         account: &mut Account,
-    ) -> Result<Opened, Error> {
+    ) -> Result<HeldOutResults, Error> {
         let closed = self.closed(base, last);
         let rms = |of: &TableFit| of.fit.rms_of(&self.setting, &self.held_out, &of.chosen);
         let (before, after) = (rms(base), rms(last));
-        Ok(Opened {
+        Ok(HeldOutResults {
             held_out: HeldOut {
                 what: "row".to_owned(),
                 runs: self.held_out.iter().map(|r| r.name.clone()).collect(),
@@ -386,7 +386,7 @@ pub fn search(
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, Error> {
-    options.refuse_unheard(Some(model))?;
+    options.check_names(Some(model))?;
     let mut experiments = Experiments::read(path, model, options)?;
     search_evidence(&mut experiments, options, progress)
 }

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::candidates::FrictionChange;
-use crate::evidence::experiments::known::Known;
+use crate::evidence::experiments::known::ModelEffects;
 use crate::evidence::experiments::rows::Row;
 use crate::null::clusters::members;
 use crate::procedure::candidate::Candidate;
@@ -18,7 +18,7 @@ const ROUNDS: usize = 8;
 pub struct Setting {
     pub candidates: Vec<Candidate<FrictionChange>>,
     /// Effects of the model.
-    pub known: Known,
+    pub known: ModelEffects,
     pub base: Base,
     /// Standard deviation of mu between specimens, in addition to that of the rows.
     pub between: f64,
@@ -285,7 +285,7 @@ mod tests {
         };
         let mut setting = Setting {
             candidates: Vec::new(),
-            known: Known::new(&Effects::default(), &table, Base::Fixed)
+            known: ModelEffects::new(&Effects::default(), &table, Base::Fixed)
                 .unwrap()
                 .0,
             base: Base::Fixed,
@@ -297,7 +297,7 @@ mod tests {
 
     /// The mean of ten specimens has a tenth of their variance.
     #[test]
-    fn specimens_that_differ_widen_what_is_known_of_their_mean() {
+    fn different_specimens_widen_the_error_of_their_mean() {
         let rows = rows(5e-4);
         let setting = setting(&rows);
         assert!(
@@ -316,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn specimens_that_are_alike_are_not_said_to_differ() {
+    fn equal_specimens_have_no_variance_between_them() {
         let setting = setting(&rows(0.0));
         assert!(setting.between < 0.6e-4, "{}", setting.between);
     }

@@ -9,13 +9,13 @@ use crate::input::table::Table;
 
 /// The model's effects on mu.
 #[derive(Clone)]
-pub struct Known {
+pub struct ModelEffects {
     effects: Vec<Active>,
     /// Shear stress of boundary contact in the film of the base law [Pa].
     pub boundary_shear: f64,
 }
 
-impl Known {
+impl ModelEffects {
     /// The model's effects on mu, and the names of its other effects.
     ///
     /// # Errors
@@ -58,7 +58,7 @@ impl Known {
                 _ => effects.push(active.clone()),
             }
         }
-        let known = Known {
+        let known = ModelEffects {
             effects,
             boundary_shear,
         };

@@ -13,7 +13,7 @@ use crate::null::random::{normal, shuffle, stream};
 use crate::options::Options;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rules::ExperimentRules;
-use crate::procedure::shared_effects::{Amount, Chance};
+use crate::procedure::shared_effects::{Amount, ScreenEstimate};
 use crate::regression::inverse::ridge_inverse;
 
 /// Scores of a screen.
@@ -57,18 +57,18 @@ impl TableScreen {
     }
 
     /// Whether a candidate is admissible: it can be judged and its size is within bounds.
-    pub fn claimable(&self, c: usize, candidate: &Candidate<FrictionChange>) -> bool {
+    pub fn is_selectable(&self, c: usize, candidate: &Candidate<FrictionChange>) -> bool {
         self.remaining_share[c] > self.rules.least_left
             && self.p_value(c) <= self.rules.alpha
             && candidate.admits(self.size[c] * candidate.typical)
     }
 
     /// Estimate and p-value of every named effect that is not in the model.
-    pub fn chances(
+    pub fn screen_estimates(
         &self,
         candidates: &[Candidate<FrictionChange>],
         chosen: &[usize],
-    ) -> Vec<Chance> {
+    ) -> Vec<ScreenEstimate> {
         let named = candidates.iter().enumerate();
         let named = named.filter(|(c, candidate)| {
             let judged = self.remaining_share[*c] > self.rules.least_left && !chosen.contains(c);
@@ -77,7 +77,7 @@ impl TableScreen {
         named
             .map(|(c, candidate)| {
                 let value = self.size[c] * candidate.typical;
-                Chance {
+                ScreenEstimate {
                     // The standard error includes the scatter that t is computed with.
                     amount: Amount::of(candidate, value, (value / self.t[c]).abs()),
                     p_value: self.p_value(c),
@@ -176,7 +176,7 @@ pub fn screen_table(
         false => Vec::new(),
     };
     let specimens = members(rows.iter().map(|row| row.name.as_str()));
-    let mut twins = rows.to_vec();
+    let mut drawn = rows.to_vec();
     let simulated: Vec<f64> = (0..options.twins.max(40))
         .map(|k| {
             let mut rng = stream(options.seed, 0x7A17, k);
@@ -185,12 +185,12 @@ pub fn screen_table(
                 let offset = setting.between * normal(&mut rng);
                 own.iter().for_each(|i| offsets[*i] = offset);
             }
-            for ((twin, row), offset) in twins.iter_mut().zip(rows).zip(offsets) {
+            for ((drawn_row, row), offset) in drawn.iter_mut().zip(rows).zip(offsets) {
                 let (_, mu) = now.predict(setting, row, chosen);
-                twin.mu = mu + offset + row.mu_sd * normal(&mut rng);
-                twin.pressure = row.pressure + row.pressure_sd * normal(&mut rng);
+                drawn_row.mu = mu + offset + row.mu_sd * normal(&mut rng);
+                drawn_row.pressure = row.pressure + row.pressure_sd * normal(&mut rng);
             }
-            let rest = fit(setting, &twins, chosen).rest;
+            let rest = fit(setting, &drawn, chosen).rest;
             let products = units.products(rest.iter().copied());
             units.largest(&products, rest.norm_squared(), |_| true)
         })
@@ -271,7 +271,7 @@ impl Units {
     }
 
     /// Sum of squares of a residual after projection on the complement of the base.
-    fn beyond_base(&self, products: &DVector<f64>, squares: f64) -> f64 {
+    fn projected_squares(&self, products: &DVector<f64>, squares: f64) -> f64 {
         let base = products.rows(self.candidates, self.inverse.nrows());
         squares - base.dot(&(&self.inverse * base))
     }
@@ -294,7 +294,7 @@ impl Units {
         squares: f64,
         wanted: impl Fn(usize) -> bool,
     ) -> f64 {
-        let squares = self.beyond_base(products, squares);
+        let squares = self.projected_squares(products, squares);
         (0..self.candidates)
             .filter(|c| wanted(*c))
             .map(|c| self.t(products[c], squares).abs())

@@ -5,11 +5,11 @@ use crate::evidence::experiments::candidates::FrictionChange;
 use crate::evidence::experiments::evidence::{Experiments, TableFit};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Selection;
-use crate::procedure::shared_effects::{Amount, Chance, SharesEffects};
+use crate::procedure::shared_effects::{Amount, ScreenEstimate, SharesEffects};
 
 impl SharesEffects for Experiments<'_> {
-    fn chances(&self) -> &[Chance] {
-        &self.chances
+    fn screen_estimates(&self) -> &[ScreenEstimate] {
+        &self.screen_estimates
     }
 
     /// Aerodynamic effects are those of the body of the experiment, not of the sled on the track.

@@ -34,9 +34,10 @@ use crate::finding::{ChannelGap, Fitted, HeldOut, Interval, Step};
 use crate::options::Options;
 use crate::procedure::closed::ClosedGap;
 use crate::procedure::evidence::{
-    Account, Added, Description, Evidence, Meaning, Opened, SUPERFLUOUS, Screen, Selection, Words,
+    Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, SUPERFLUOUS, Screen,
+    Selection, Words,
 };
-use crate::procedure::lowered::Lowered;
+use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::MapRules;
 use crate::procedure::search::{Found, search_evidence};
 use crate::procedure::shared_effects::SharesEffects;
@@ -107,7 +108,7 @@ impl<'a> Maps<'a> {
     }
 
     /// Whether the best candidate of a screen may be selected.
-    fn stands_out(&self, best: &LineSearch, before: f64, mean_square: f64) -> bool {
+    fn is_significant(&self, best: &LineSearch, before: f64, mean_square: f64) -> bool {
         let rules = self.rules();
         before - best.chi2() >= rules.least_drop
             && best.chi2() <= (1.0 - rules.least_share) * before
@@ -140,7 +141,7 @@ impl<'a> Maps<'a> {
     }
 
     /// Removes effects without which chi2 rises by less than a selected effect must lower it.
-    fn leave_out(&self, fit: &mut MapFit, account: &mut Account) -> Result<(), Error> {
+    fn remove_step(&self, fit: &mut MapFit, account: &mut Account) -> Result<(), Error> {
         let mut k = 0;
         while fit.active.len() > 1 && k < fit.active.len() {
             let (mut active, mut own) = (fit.active.clone(), fit.errors.clone());
@@ -152,7 +153,7 @@ impl<'a> Maps<'a> {
             }
             let raised = without.misfit.chi2 - fit.misfit.chi2;
             if raised < self.rules().least_drop * fit.misfit.mean_square() {
-                account.leave_out(k, SUPERFLUOUS);
+                account.remove_step(k, SUPERFLUOUS);
                 account.steps[0].gap_before = self.start.rms;
                 *fit = without;
                 if let Some(last) = account.steps.last_mut() {
@@ -228,7 +229,7 @@ impl Evidence for Maps<'_> {
     type Fit = MapFit;
 
     fn fit_base(&mut self, account: &mut Account) -> Result<MapFit, Error> {
-        account.remarks.extend(self.options.looked_for());
+        account.remarks.extend(self.options.restriction_remark());
         account.remarks.extend(self.remarks.iter().cloned());
         account.remarks.extend(remarks_on(self.rows));
         Ok(MapFit {
@@ -254,7 +255,7 @@ impl Evidence for Maps<'_> {
         let mut selection = None;
         if let Some(best) = lines.first() {
             let mean_square = (best.chi2() / (before.count - 1.0).max(1.0)).max(1.0);
-            if self.stands_out(best, before.chi2, mean_square) {
+            if self.is_significant(best, before.chi2, mean_square) {
                 selection = Some(select(
                     &lines,
                     before.chi2,
@@ -276,7 +277,7 @@ impl Evidence for Maps<'_> {
         fit: &MapFit,
         selection: &Selection<Self::Act>,
         _: usize,
-    ) -> Result<Added<MapFit>, Error> {
+    ) -> Result<ExtendedFit<MapFit>, Error> {
         (self.progress)(&format!("screen {}: finer meshes", self.screens));
         let before = self.training.searching(&fit.active)?;
         let (mut active, mut errors) = (fit.active.clone(), fit.errors.clone());
@@ -284,7 +285,7 @@ impl Evidence for Maps<'_> {
         errors.push(selection.error);
         let next = self.polished(&active, &errors)?;
         let after = self.training.searching(&next.active)?;
-        Ok(Added {
+        Ok(ExtendedFit {
             gap: [fit.misfit.rms, next.misfit.rms],
             place: Some(place(&self.training, &before, &after)),
             fit: next,
@@ -294,7 +295,7 @@ impl Evidence for Maps<'_> {
 
     fn settle(&mut self, fit: MapFit, account: &mut Account) -> Result<MapFit, Error> {
         let mut fit = fit;
-        self.leave_out(&mut fit, account)?;
+        self.remove_step(&mut fit, account)?;
         if let Some(doubt) = self.doubt(&fit.misfit, &account.steps) {
             account.remarks.push(doubt);
             account.steps.clear();
@@ -315,23 +316,28 @@ impl Evidence for Maps<'_> {
         self.polished(&active, &errors)
     }
 
-    fn lowered(&self, from: &MapFit, to: &MapFit) -> Result<Option<Lowered>, Error> {
+    fn misfit_decrease(&self, from: &MapFit, to: &MapFit) -> Result<Option<Decrease>, Error> {
         if self.held_out.rows.is_empty() {
             return Ok(None);
         }
         let of = |fit: &MapFit| self.held_out.reporting(&fit.active);
         let falls = of(from)?.falls(&of(to)?, PIECES);
-        Ok(Lowered::over(&falls, 0.0))
+        Ok(Decrease::over(&falls, 0.0))
     }
 
-    fn open(&mut self, _: &MapFit, last: &MapFit, account: &mut Account) -> Result<Opened, Error> {
+    fn open(
+        &mut self,
+        _: &MapFit,
+        last: &MapFit,
+        account: &mut Account,
+    ) -> Result<HeldOutResults, Error> {
         let before = self.held_out.reporting(&SizedEffects::new())?;
         let after = self.held_out.reporting(&last.active)?;
         let closed = match account.steps.is_empty() {
             true => Vec::new(),
             false => vec![self.closed(last)?; account.steps.len()],
         };
-        Ok(Opened {
+        Ok(HeldOutResults {
             held_out: HeldOut {
                 what: "measurement".to_owned(),
                 runs: self.held_out.rows.iter().map(|r| r.name.clone()).collect(),
@@ -395,7 +401,7 @@ pub fn search(
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, Error> {
-    options.refuse_unheard(None)?;
+    options.check_names(None)?;
     let measured = Measured::read(path, model, &options.rules.maps)?;
     let mut maps = Maps::new(&measured, model, options, progress)?;
     search_evidence(&mut maps, options, progress)

@@ -121,7 +121,7 @@ impl LineSearch {
     }
 
     /// Sum of squares predicted for the next step.
-    pub fn promise(&self) -> f64 {
+    pub fn predicted_chi2(&self) -> f64 {
         let Some((jj, jr)) = self.slopes() else {
             return self.chi2();
         };

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
 
-pub struct Polished {
+pub struct FinalSizes {
     pub active: SizedEffects,
     /// Standard errors of the sizes, for noise as stated.
     pub errors: Vec<f64>,
@@ -18,7 +18,7 @@ pub fn polish(
     simulations: &Simulations,
     active: &SizedEffects,
     errors: &[f64],
-) -> Result<Polished, Error> {
+) -> Result<FinalSizes, Error> {
     let here = simulations.reporting(active)?;
     let count = active.len();
     let mut derivative = DMatrix::zeros(here.rest.len(), count);
@@ -34,7 +34,7 @@ pub fn polish(
         let mut moved = active.clone();
         moved[k].1 += step;
         let Ok(there) = simulations.reporting(&moved) else {
-            return Ok(Polished {
+            return Ok(FinalSizes {
                 active: active.clone(),
                 errors: errors.to_vec(),
                 misfit: here,
@@ -46,7 +46,7 @@ pub fn polish(
     }
     let normal = derivative.tr_mul(&derivative);
     let Some(inverse) = normal.try_inverse() else {
-        return Ok(Polished {
+        return Ok(FinalSizes {
             active: active.clone(),
             errors: errors.to_vec(),
             misfit: here,
@@ -66,7 +66,7 @@ pub fn polish(
         Ok(better) if better.chi2 < here.chi2 => (moved, better),
         _ => (active.clone(), here),
     };
-    Ok(Polished {
+    Ok(FinalSizes {
         active,
         errors: own,
         misfit,

@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hertz_ellipse_on_few_nodes_is_met_up_to_its_rim() {
+    fn a_hertz_ellipse_on_few_nodes_is_sampled_up_to_its_rim() {
         // Seven cells over the half axis, the rim between two nodes.
         let nodes = |half: f64| -> Vec<f64> {
             (-10..=10)

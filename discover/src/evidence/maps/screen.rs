@@ -54,13 +54,13 @@ pub fn screen_maps(
         }
     }
     for round in 0..ROUNDS {
-        lines.sort_by(|a, b| a.promise().total_cmp(&b.promise()));
+        lines.sort_by(|a, b| a.predicted_chi2().total_cmp(&b.predicted_chi2()));
         let mut moved = false;
         for (place, line) in lines.iter_mut().enumerate() {
             let near = place < FOLLOWED || round < 2;
-            let promising = chi2 - line.promise() >= options.rules.maps.least_drop && near;
-            let bent = is_bent(line.effect) && round < 3;
-            if line.settled || !(promising || bent) {
+            let promising = chi2 - line.predicted_chi2() >= options.rules.maps.least_drop && near;
+            let nonlinear = is_nonlinear(line.effect) && round < 3;
+            if line.settled || !(promising || nonlinear) {
                 continue;
             }
             progress(line.effect.info().name);
@@ -75,7 +75,7 @@ pub fn screen_maps(
     lines
 }
 
-fn is_bent(effect: &'static Effect) -> bool {
+fn is_nonlinear(effect: &'static Effect) -> bool {
     matches!(effect.search.growth, Growth::Bent | Growth::Far)
 }
 

@@ -337,8 +337,8 @@ mod tests {
 
     /// A map of Hertz's closed form without noise, at these forces [N].
     #[test]
-    fn an_exact_map_differs_by_no_more_than_the_solver_errs()
-    -> Result<(), Box<dyn std::error::Error>> {
+    fn an_exact_map_differs_by_at_most_the_solver_error() -> Result<(), Box<dyn std::error::Error>>
+    {
         let (radius_x, radius_y, e, nu) = (30.0, 0.005, 9.0e9, 0.33);
         let rules = MapRules::default();
         for fz in [800.0, 2000.0] {

@@ -5,8 +5,8 @@ use kufe_sled::Model;
 use crate::error::Error;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
-use crate::evidence::runs::contacts::found::Found;
-use crate::evidence::runs::fit::estimate::{Estimate, Estimated, FittedRows, estimate};
+use crate::evidence::runs::contacts::found::FoundContacts;
+use crate::evidence::runs::fit::estimate::{Estimate, FinalEstimates, FittedRows, estimate};
 use crate::evidence::runs::fit::gauss_newton::{conditional_residuals, fit, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
@@ -15,12 +15,12 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::recordings::prepare::Data;
-use crate::evidence::runs::screen::track::on_track::Surveyed;
+use crate::evidence::runs::screen::track::on_track::SurveyedTrack;
 use crate::options::Options;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Selection};
 use crate::procedure::rules::RunRules;
-use crate::procedure::shared_effects::Chance;
+use crate::procedure::shared_effects::ScreenEstimate;
 
 /// Effects on sensors: names and parameters.
 pub type SensorEffects = Vec<(String, Vec<f64>)>;
@@ -34,9 +34,9 @@ pub struct Campaign<'a> {
     /// Training runs with the samples during contacts; empty if there are no contacts.
     pub whole: Vec<Frame>,
     /// Contacts that the last screen selected.
-    pub selected_contacts: Option<Found>,
+    pub selected_contacts: Option<FoundContacts>,
     /// The cached track channel, and the effects on sensors that it was computed with.
-    pub survey: Option<(SensorEffects, Option<Surveyed>)>,
+    pub survey: Option<(SensorEffects, Option<SurveyedTrack>)>,
     /// The effect of the catalogue that a law was preferred to by first-order scores.
     pub runner_up: Option<Selection<Amplitude>>,
     pub held_out: Vec<Frame>,
@@ -51,12 +51,12 @@ pub struct Campaign<'a> {
     /// Size and standard error of each candidate by the forces alone.
     pub by_forces: Vec<(Candidate<Amplitude>, f64, f64)>,
     /// Estimates and p-values of the last screen, for other kinds of data.
-    pub chances: Vec<Chance>,
+    pub screen_estimates: Vec<ScreenEstimate>,
 }
 
 /// A dependence on a column that simulations do not have.
 #[derive(Clone)]
-pub struct Unwritten {
+pub struct UnwrittenEffect {
     pub step: usize,
     pub candidate: Candidate<Amplitude>,
     /// Its size, to first order.
@@ -72,7 +72,7 @@ pub struct RunFit {
     /// The step of each added effect.
     pub owners: Vec<usize>,
     /// A dependence that is reported but not written.
-    pub unwritten: Option<Unwritten>,
+    pub unwritten: Option<UnwrittenEffect>,
     /// Final corrected estimates: base multipliers, amplitudes, installation errors.
     pub estimates: Vec<Estimate>,
     /// The model that is compared on the held-out runs as recorded.
@@ -211,7 +211,7 @@ impl Campaign<'_> {
             return Ok(plain);
         }
         // By corrected scores: least squares is biased where an effect scales noisy terms.
-        let at = &plain.residual_model.hold(false);
+        let at = &plain.residual_model.with_fixed(false);
         let off = self
             .newton(at, &plain.whitener, &[INSTALLATION_PAIRS], true)
             .model;
@@ -240,7 +240,7 @@ impl Campaign<'_> {
         residual_model: &ResidualModel,
         owners: Vec<usize>,
     ) -> Result<RunFit, Error> {
-        let fixed = residual_model.hold(true);
+        let fixed = residual_model.with_fixed(true);
         let fitted =
             |model: &ResidualModel, free: &[usize]| fit(model, &self.training, free, self.used);
         let mut found = fitted(&fixed, &self.free)?;
@@ -256,7 +256,7 @@ impl Campaign<'_> {
         Ok(RunFit::new(found.model, found.whitener, owners))
     }
 
-    pub fn estimates(&self, residual_model: &ResidualModel, whitener: &Whitener) -> Estimated {
+    pub fn estimates(&self, residual_model: &ResidualModel, whitener: &Whitener) -> FinalEstimates {
         // Installation errors add many columns; a single pair suffices since the tolerances
         // dominate their uncertainty.
         let pairs: &[u64] = match residual_model.installation.fitted() {
@@ -278,7 +278,7 @@ impl Campaign<'_> {
         whitener: &Whitener,
         pairs: &[u64],
         settle: bool,
-    ) -> Estimated {
+    ) -> FinalEstimates {
         let trust = match self.data.noise_from {
             NoiseFrom::Model => self.rules().stated_noise_error,
             _ => self.rules().estimated_noise_error,

@@ -23,7 +23,7 @@ pub struct MapRules {
     pub searching_cells: usize,
     /// Cells of the solves from which sizes are reported. Chosen.
     pub reporting_cells: usize,
-    /// Pixels along each direction of a map, and their square in a bin, that count as one independent value. Chosen.
+    /// Pixels in each direction that count as one independent value. Chosen.
     pub independent_pixels: f64,
     /// Share of a pixel by which its place is uncertain. Chosen.
     pub pixel_place: f64,

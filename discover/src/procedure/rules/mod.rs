@@ -194,7 +194,7 @@ pub struct RunRules {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RecordingRules {
-    /// Corner of the low pass of every signal, before the balances are taken \[Hz\]. Chosen: a driver steers below 5 Hz.
+    /// Corner of the low pass of every signal \[Hz\]. Chosen: a driver steers below 5 Hz.
     pub signal_cutoff_hz: f64,
     /// Retained samples per second \[1/s\]. Derived: three times the corner.
     pub signal_rate_hz: f64,

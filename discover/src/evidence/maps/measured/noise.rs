@@ -119,7 +119,7 @@ mod tests {
     use crate::null::random::stream;
 
     #[test]
-    fn noise_is_told_from_the_shape_of_the_pressure() {
+    fn noise_is_separated_from_the_shape_of_the_pressure() {
         let mut rng = stream(3, 1, 0);
         let (nx, ny) = (64, 48);
         let mut map = Map {

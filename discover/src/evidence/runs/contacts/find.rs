@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn places_at_which_no_run_stands_out_alone_are_found_by_all_and_noise_is_none() {
+    fn places_are_found_by_all_runs_together_and_noise_has_none() {
         let rules = ContactRules::default();
         let roots = |sums: &[Vec<f64>]| together(&squares(sums, 1.0));
         let chance = |draw: u64, pushed: std::ops::Range<usize>| {

@@ -5,7 +5,7 @@ use crate::evidence::runs::recordings::frame::Frame;
 
 /// Contacts found by a screen, before a fit.
 #[derive(Clone)]
-pub struct Found {
+pub struct FoundContacts {
     pub contacts: Contacts,
     /// All training runs with their own contacts.
     pub frames: Vec<Frame>,

@@ -24,7 +24,7 @@ const CHANGE: f64 = 0.01;
 /// ```text
 /// residual - j (j . residual) / (j . j)
 /// ```
-pub fn apart_from_grip(model: &ResidualModel, frames: &[Frame], residual: &mut [ChannelRows]) {
+pub fn subtract_grip(model: &ResidualModel, frames: &[Frame], residual: &mut [ChannelRows]) {
     let [more, less] = [1.0 + CHANGE, 1.0 - CHANGE].map(|factor| {
         let mut moved = model.clone();
         let grip = moved.base[1..BASE].iter_mut();
@@ -75,7 +75,7 @@ mod tests {
     use crate::procedure::rules::Rules;
 
     #[test]
-    fn grip_that_a_session_lacks_is_taken_off_and_a_push_is_not() {
+    fn a_change_of_grip_is_subtracted_and_a_push_is_not() {
         let base = Model::published();
         let mut plan = sample_plan(4);
         plan.truncate(3);
@@ -112,8 +112,8 @@ mod tests {
         for (y, by) in pushed[0][1].iter_mut().zip(&push) {
             *y += by;
         }
-        apart_from_grip(&slippery, frames, &mut residual);
-        apart_from_grip(&slippery, frames, &mut pushed);
+        subtract_grip(&slippery, frames, &mut residual);
+        subtract_grip(&slippery, frames, &mut pushed);
         for (c, before) in [1, 2].into_iter().zip(before) {
             let after = apart(&residual, c);
             assert!(after < 0.35 * before, "{c}: {after} of {before}");

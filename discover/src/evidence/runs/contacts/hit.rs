@@ -17,7 +17,7 @@ use crate::procedure::rules::ContactRules;
 const SHIFT_M: f64 = 3.0;
 
 /// Places that several runs hit.
-pub struct Hit {
+pub struct HitPlaces {
     /// The places, each with the median force of its hits.
     pub places: Vec<Active>,
     /// The runs with their own contacts there.
@@ -33,7 +33,7 @@ pub fn hit(
     side_n: &[Vec<f64>],
     rules: &ContactRules,
     seed: u64,
-) -> Option<Hit> {
+) -> Option<HitPlaces> {
     let (mut places, mut p_values) = (Vec::new(), Vec::new());
     for s in stretches(runs, side_n, rules, Some(seed)) {
         let values = [0.0, s.from_m, s.to_m, 0.0, 0.0, 1.0, 0.0];
@@ -66,7 +66,7 @@ pub fn hit(
     }
     let tracks: BTreeSet<&str> = runs.iter().map(|f| f.track.as_str()).collect();
     let least = p_values.into_iter().reduce(f64::min)?;
-    Some(Hit {
+    Some(HitPlaces {
         places,
         frames,
         p_value: (least * tracks.len() as f64).min(1.0),
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wild_push_is_no_middle() {
+    fn an_outlier_does_not_change_the_median() {
         let pushes = |forces: &[f64]| -> Vec<WallContact> {
             forces.iter().map(|f| push(100.0, *f)).collect()
         };
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn pushes_at_other_spots_to_the_other_side_or_far_weaker_are_no_hits_of_a_place() {
+    fn pushes_elsewhere_to_the_other_side_or_far_weaker_are_not_hits() {
         let mut pushes = [140.0, 177.0, 180.0, 174.0, 200.0]
             .map(|s_m| push(s_m, 40.0))
             .to_vec();

@@ -20,7 +20,7 @@ const ELSEWHERE: usize = 60;
 const TRIMMED: f64 = 0.2;
 
 /// Half-wave amplitudes in the lateral residual and another one, minus the median over runs.
-type Has = [f64; 2];
+type Amplitudes = [f64; 2];
 
 /// Sums of squares and products of half-wave amplitudes over runs, with those of noise.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -59,10 +59,10 @@ pub fn excess(
         let there: Vec<usize> = (0..frames.len())
             .filter(|i| place.acts_on(&frames[*i].track) && met(&frames[*i]))
             .collect();
-        let at = |by_m: f64| -> Option<Vec<Has>> {
-            let of_run = |i: &usize| has(&frames[*i], &residual[*i], balance, &wave, by_m);
-            let all: Option<Vec<Has>> = there.iter().map(of_run).collect();
-            let all = all.map(beyond_middle)?;
+        let at = |by_m: f64| -> Option<Vec<Amplitudes>> {
+            let of_run = |i: &usize| amplitudes(&frames[*i], &residual[*i], balance, &wave, by_m);
+            let all: Option<Vec<Amplitudes>> = there.iter().map(of_run).collect();
+            let all = all.map(subtract_median)?;
             Some(all.into_iter().map(|[x, y]| [x, turned * y]).collect())
         };
         let Some(here) = at(0.0) else { continue };
@@ -112,13 +112,13 @@ fn mean_wave(frames: &[Frame], k: usize) -> Option<WallContact> {
 }
 
 /// `None` if the run has no sample there.
-fn has(
+fn amplitudes(
     frame: &Frame,
     residual: &ChannelRows,
     balance: usize,
     wave: &WallContact,
     by_m: f64,
-) -> Option<Has> {
+) -> Option<Amplitudes> {
     let from = wave.s_m + by_m;
     let first = frame.s.partition_point(|s| *s < from);
     let rows = frame
@@ -136,12 +136,12 @@ fn has(
     (ww > 0.0).then(|| [wx / ww.sqrt(), wy / ww.sqrt()])
 }
 
-fn beyond_middle(mut all: Vec<Has>) -> Vec<Has> {
+fn subtract_median(mut all: Vec<Amplitudes>) -> Vec<Amplitudes> {
     for which in 0..2 {
-        let mut sorted: Vec<f64> = all.iter().map(|has| has[which]).collect();
+        let mut sorted: Vec<f64> = all.iter().map(|run| run[which]).collect();
         sorted.sort_by(f64::total_cmp);
         let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-        all.iter_mut().for_each(|has| has[which] -= middle);
+        all.iter_mut().for_each(|run| run[which] -= middle);
     }
     all
 }
@@ -197,7 +197,7 @@ pub fn ratio_of_strong(
     balance: usize,
     interval: f64,
 ) -> Option<Interval> {
-    let mut contacts: Vec<Has> = Vec::new();
+    let mut contacts: Vec<Amplitudes> = Vec::new();
     for (frame, residual) in frames.iter().zip(residual) {
         let own = frame.contacts.iter();
         for own in own.filter(|own| own.contact.force_n.abs() > STRONG * own.error_n) {
@@ -272,7 +272,7 @@ pub fn shared_with_side(frames: &[Frame], residual: &[ChannelRows], balance: usi
 }
 
 /// The yaw residual without the noise that it shares with the lateral one.
-pub fn apart_from_side(residual: &[ChannelRows], shared_m: f64) -> Vec<Vec<f64>> {
+pub fn subtract_side_noise(residual: &[ChannelRows], shared_m: f64) -> Vec<Vec<f64>> {
     let apart = |l: &ChannelRows| {
         let both = l[2].iter().zip(&l[1]);
         both.map(|(y, x)| y - shared_m * x).collect()
@@ -280,7 +280,7 @@ pub fn apart_from_side(residual: &[ChannelRows], shared_m: f64) -> Vec<Vec<f64>>
     residual.iter().map(apart).collect()
 }
 
-/// p-value of the yaw residual ([`apart_from_side`]) at the contacts, with one lever for all,
+/// p-value of the yaw residual ([`subtract_side_noise`]) at the contacts, with one lever for all,
 /// against the same half waves moved elsewhere in the same run where it has no contact. With the
 /// half wave w of a contact, F its force and y the residual, of
 ///
@@ -371,11 +371,11 @@ mod tests {
     }
 
     #[test]
-    fn a_lever_is_that_of_the_hits_and_not_of_the_noise_beside_them() {
+    fn noise_does_not_bias_the_lever_of_hits() {
         let each: Vec<Interval> = (0..400).map(|draw| ratio(&drawn(draw), 1.96)).collect();
         let middle = each.iter().map(|i| i.value).sum::<f64>() / 400.0;
         assert!((middle - 0.3).abs() < 0.02, "{middle}");
-        let holds = each.iter().filter(|i| i.low < 0.3 && 0.3 < i.high);
-        assert!(holds.count() >= 350);
+        let covered = each.iter().filter(|i| i.low < 0.3 && 0.3 < i.high);
+        assert!(covered.count() >= 350);
     }
 }

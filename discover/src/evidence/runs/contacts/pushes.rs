@@ -29,13 +29,18 @@ impl Campaign<'_> {
         else {
             return Vec::new();
         };
-        let claimable = self.contacts_beside(model).is_some();
+        let is_selectable = self.find_contacts(model).is_some();
         let learned = self.whole().len();
         let all: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
         let residual = residuals_without(model, &all);
         let side: Vec<Vec<f64>> = residual.iter().map(|l| l[1].clone()).collect();
         let pushes = |seen: usize| -> Vec<Push> {
-            self.pushes(effect, (&all[..seen], &side[..seen]), learned, claimable)
+            self.pushes(
+                effect,
+                (&all[..seen], &side[..seen]),
+                learned,
+                is_selectable,
+            )
         };
         let of_training = pushes(learned);
         for push in pushes(all.len()) {
@@ -74,7 +79,7 @@ impl Campaign<'_> {
         effect: &'static Effect,
         (frames, side): (&[Frame], &[Vec<f64>]),
         learned: usize,
-        claimable: bool,
+        is_selectable: bool,
     ) -> Vec<Push> {
         let rules = self.options.rules.runs.contacts;
         let mut pushes = Vec::new();
@@ -89,7 +94,11 @@ impl Campaign<'_> {
             let hit: Vec<usize> = (0..own.len()).filter(|i| !own[*i].is_empty()).collect();
             let on = |f: &&Frame| f.track == stretch.track;
             let runs = frames[..learned].iter().filter(on).count();
-            let most = if claimable { FEWEST_HITS - 1 } else { runs / 2 };
+            let most = if is_selectable {
+                FEWEST_HITS - 1
+            } else {
+                runs / 2
+            };
             let few = hit.iter().filter(|run| **run < learned).count() <= most;
             pushes.extend(hit.into_iter().filter(|_| few).map(|run| Push {
                 run,

@@ -6,11 +6,11 @@ use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::contacts::FEWEST_HITS;
-use crate::evidence::runs::contacts::found::Found;
-use crate::evidence::runs::contacts::grip::apart_from_grip;
+use crate::evidence::runs::contacts::found::FoundContacts;
+use crate::evidence::runs::contacts::grip::subtract_grip;
 use crate::evidence::runs::contacts::hit::hit;
 use crate::evidence::runs::contacts::levers::{
-    apart_from_side, excess, ratio, ratio_of_strong, seen_by_yaw, shared_with_side,
+    excess, ratio, ratio_of_strong, seen_by_yaw, shared_with_side, subtract_side_noise,
 };
 use crate::evidence::runs::contacts::model::{Contacts, wall};
 use crate::evidence::runs::contacts::own::{
@@ -21,14 +21,14 @@ use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Added, Randomised, Selection};
+use crate::procedure::evidence::{ExtendedFit, Randomised, Selection};
 
 /// Random displacements of the contacts for the null distribution of the yaw residual.
 const TRIALS: u64 = 999;
 
 impl Campaign<'_> {
     /// The contacts of the training runs given a model.
-    pub fn contacts_beside(&self, model: &ResidualModel) -> Option<Found> {
+    pub fn find_contacts(&self, model: &ResidualModel) -> Option<FoundContacts> {
         let lateral = self.used[1] && self.used[2];
         if !lateral || model.contacts.is_some() || self.data.segmented {
             return None;
@@ -37,7 +37,7 @@ impl Campaign<'_> {
         let whole = self.whole();
         let as_it_is = residuals_without(model, whole);
         let mut residual = as_it_is.clone();
-        apart_from_grip(model, whole, &mut residual);
+        subtract_grip(model, whole, &mut residual);
         let side: Vec<Vec<f64>> = residual.iter().map(|l| l[1].clone()).collect();
         let rules = &self.options.rules.runs;
         let hit = hit(effect, whole, &side, &rules.contacts, self.options.seed)?;
@@ -76,9 +76,9 @@ impl Campaign<'_> {
         let sled = &model.vehicle.sled;
         let inside = rules.contacts.inside;
         let inside = -inside * sled.l_r_m..inside * sled.l_f_m;
-        let yaw = apart_from_side(&residual, shared_m);
+        let yaw = subtract_side_noise(&residual, shared_m);
         let by_yaw = seen_by_yaw(&frames, &yaw, TRIALS, self.options.seed);
-        let p_value = of_both(hit.p_value, by_yaw);
+        let p_value = combined_p_value(hit.p_value, by_yaw);
         if !inside.contains(&lever_m.value)
             || hit.p_value > rules.contacts.met_by_chance
             || p_value > rules.contacts.alpha
@@ -100,7 +100,7 @@ impl Campaign<'_> {
             friction,
         };
         let gain = self.side_gain(model, &contacts, &frames);
-        Some(Found {
+        Some(FoundContacts {
             contacts,
             frames,
             p_value,
@@ -132,7 +132,7 @@ impl Campaign<'_> {
     }
 
     /// Contacts as a selected effect.
-    pub fn claim_contacts(&self, found: &Found) -> Option<Selection<Amplitude>> {
+    pub fn select_contacts(&self, found: &FoundContacts) -> Option<Selection<Amplitude>> {
         let place = found.contacts.places.first()?;
         let Kind::Catalogue(effect) = &place.kind else {
             return None;
@@ -163,7 +163,7 @@ impl Campaign<'_> {
             rivals: Vec::new(),
             p_value: found.p_value,
             randomised: Randomised::default(),
-            place: told_places(&found.contacts),
+            place: places_in_words(&found.contacts),
             channel: CHANNEL_NAMES[yaw],
             remark: None,
             parameters: Vec::new(),
@@ -175,7 +175,7 @@ impl Campaign<'_> {
     pub fn add_contacts(
         &mut self,
         fit: &RunFit,
-        found: Found,
+        found: FoundContacts,
         step: usize,
     ) -> Result<RunFit, Error> {
         self.whole = found.frames;
@@ -187,7 +187,7 @@ impl Campaign<'_> {
         let base = self.fitted(&bare, fit.owners.clone())?;
         // The first base was biased by the contacts; places are found again with an unbiased one,
         // unless so many runs differ that a whole track is excluded.
-        let again = self.contacts_beside(&base.residual_model);
+        let again = self.find_contacts(&base.residual_model);
         let again = again.filter(|again| again.gain > 0.5 * found.gain);
         let mut contacts = found.contacts;
         if let Some(again) = again {
@@ -208,14 +208,14 @@ impl Campaign<'_> {
     pub fn added_contacts(
         &mut self,
         fit: &RunFit,
-        found: Found,
+        found: FoundContacts,
         step: usize,
-    ) -> Result<Added<RunFit>, Error> {
+    ) -> Result<ExtendedFit<RunFit>, Error> {
         let next = self.add_contacts(fit, found, step)?;
         let gap = |model: &ResidualModel| gap_of(model, self.whole(), 2);
-        Ok(Added {
+        Ok(ExtendedFit {
             gap: [gap(&fit.residual_model), gap(&next.residual_model)],
-            place: next.residual_model.contacts.as_ref().map(told_places),
+            place: next.residual_model.contacts.as_ref().map(places_in_words),
             fit: next,
             written: true,
         })
@@ -234,7 +234,7 @@ impl Campaign<'_> {
 /// Combined p-value of two independent ones: `p q (1 - ln(p q))`.
 ///
 /// Source: R. A. Fisher, Statistical Methods for Research Workers, 4th ed. (1932), section 21.1.
-fn of_both(p: f64, q: f64) -> f64 {
+fn combined_p_value(p: f64, q: f64) -> f64 {
     let product = (p * q).max(f64::MIN_POSITIVE);
     product * (1.0 - product.ln())
 }
@@ -274,7 +274,7 @@ fn stated(
 }
 
 /// The places in words.
-pub fn told_places(contacts: &Contacts) -> String {
+pub fn places_in_words(contacts: &Contacts) -> String {
     let names = contacts.places.iter().map(|place| {
         let v = &place.values;
         let track = place.track.as_deref().unwrap_or("every track");

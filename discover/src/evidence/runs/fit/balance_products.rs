@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn weights_and_steps_give_what_whitened_rows_give() {
+    fn weights_and_steps_agree_with_whitened_rows() {
         let (n, m) = (40, OWN_LEVELS + 3);
         let by_balance = DMatrix::from_fn(n, 2 * m, |i, k| {
             ((i * (3 * k + 2)) as f64 * 0.618).sin() + if k % m == m - 1 { 0.3 } else { 0.0 }

@@ -55,7 +55,7 @@ impl Estimate {
 
 /// Estimates of all fitted parameters and the model with these values.
 #[derive(Clone)]
-pub struct Estimated {
+pub struct FinalEstimates {
     /// Base parameters (as multipliers), amplitudes, then installation errors.
     pub estimates: Vec<Estimate>,
     pub model: ResidualModel,
@@ -63,7 +63,7 @@ pub struct Estimated {
     pub covariance: DMatrix<f64>,
 }
 
-impl Estimated {
+impl FinalEstimates {
     /// The posterior given a normal prior of mean 1 and standard deviation `sd` of the base
     /// parameters.
     ///
@@ -133,7 +133,7 @@ pub const FIRST_ROUND: u64 = 4_000_037;
 /// 1; `trust` of the distance from least squares is added to the errors. Without `settle` the
 /// values remain those of least squares. `pairs` are the pairs of simulated runs of each step; a
 /// single one has a Monte Carlo error of a tenth of the correction.
-pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> Estimated {
+pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> FinalEstimates {
     let FittedRows {
         residual_model,
         whitener,
@@ -227,7 +227,7 @@ pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> E
         true => settled,
         false => residual_model.clone(),
     };
-    Estimated {
+    FinalEstimates {
         covariance: DMatrix::from_fn(fitted.len(), fitted.len(), |i, k| {
             let doubt = if i == k {
                 trust * (moved[k] - fitted[k])
@@ -297,7 +297,7 @@ mod tests {
     use crate::evidence::runs::model::residual_model::BASE;
 
     #[test]
-    fn a_value_that_is_stated_for_another_is_as_unsure_as_that_and_the_way_between_them() {
+    fn a_stated_value_has_the_error_of_the_estimate_and_the_difference() {
         let known = Estimate {
             value: 1.0,
             error: 0.03,
@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn a_base_known_beforehand_is_the_posterior_of_normal_laws() {
+    fn a_prior_of_the_base_gives_the_normal_posterior() {
         let vehicle = Vehicle::new(&Model::published()).unwrap();
         let covariance = DMatrix::from_row_slice(2, 2, &[0.25, -0.1, -0.1, 0.09]);
         let estimate = |value: f64, error: f64| Estimate {
@@ -321,7 +321,7 @@ mod tests {
             low: value - 2.0 * error,
             high: value + 2.0 * error,
         };
-        let found = Estimated {
+        let found = FinalEstimates {
             estimates: vec![estimate(2.0, 0.5), estimate(0.4, 0.3)],
             model: ResidualModel::new(vehicle, [1.0; BASE], Effects::default()),
             covariance: covariance.clone(),

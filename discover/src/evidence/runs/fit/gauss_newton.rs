@@ -25,7 +25,7 @@ pub fn residuals(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<Channe
 pub fn conditional_residuals(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
     let mut runs = residuals(model, frames);
     for (frame, rows) in frames.iter().zip(&mut runs) {
-        model.discrepancy.take_off(frame, rows);
+        model.discrepancy.subtract(frame, rows);
     }
     runs
 }
@@ -137,11 +137,11 @@ pub fn fit(
             }
             let step = joint_step(&products.weighted(&whitener), &counted);
             let after = Whitener::of(&products.covariance_after(&step), used);
-            let promised = products.rows * (after.log_scale() - noise.own) - counted.dot(&step);
+            let predicted = products.rows * (after.log_scale() - noise.own) - counted.dot(&step);
             let model = trial.clone();
             best = Some((criterion, Fit { model, whitener }, step));
             share = 1.0;
-            if gained < ENOUGH || (criterion - promised).abs() < ENOUGH {
+            if gained < ENOUGH || (criterion - predicted).abs() < ENOUGH {
                 break;
             }
         } else {

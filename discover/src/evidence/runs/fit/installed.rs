@@ -7,7 +7,7 @@ use crate::evidence::runs::campaign::{Campaign, INSTALLATION_PAIRS, RunFit};
 use crate::evidence::runs::fit::estimate::{FIRST_ROUND, solve};
 use crate::evidence::runs::fit::gauss_newton::{residuals, stepped};
 use crate::evidence::runs::fit::noise_products::mean_noise_products;
-use crate::evidence::runs::fit::row_noise::beyond_noise;
+use crate::evidence::runs::fit::row_noise::model_error;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS, Products};
 use crate::evidence::runs::model::discrepancy::Discrepancy;
 use crate::evidence::runs::model::installation::Installation;
@@ -38,24 +38,24 @@ impl Campaign<'_> {
         };
         let mut fit = self.installed(&self.least_squares(&bare, owners)?)?;
         let model = &fit.residual_model;
-        let left = residuals(model, &self.training);
+        let residual = residuals(model, &self.training);
         let by_inputs = self
             .simulator(model)
             .residuals(&self.training, model, ROUND);
         let discrepancy = Discrepancy::estimate(
             &self.training,
-            [&left, &by_inputs],
+            [&residual, &by_inputs],
             &self.used,
             self.rules().discrepancy_m,
         );
         let model = ResidualModel {
             discrepancy,
-            ..model.hold(false)
+            ..model.with_fixed(false)
         };
         fit = self.fitted(&model, fit.owners)?;
-        let beyond_noise = beyond_noise(&fit.residual_model, &self.training);
+        let model_error = model_error(&fit.residual_model, &self.training);
         for model in [&mut fit.residual_model, &mut fit.settled] {
-            model.beyond_noise = beyond_noise;
+            model.model_error = model_error;
         }
         Ok(fit)
     }
@@ -82,7 +82,7 @@ impl Campaign<'_> {
             installation,
             ..plain.residual_model.clone()
         };
-        let at = start.hold(true);
+        let at = start.with_fixed(true);
         let plain = RunFit {
             settled: at.clone(),
             residual_model: at,
@@ -110,7 +110,7 @@ impl Campaign<'_> {
             .iter()
             .map(|c| combined.tr_mul(&(c * &combined)))
             .collect();
-        let start = start.hold(false);
+        let start = start.with_fixed(false);
         let prior = self.fit_design(&start, &plain.whitener).prior();
         let step = solve(&runs, &prior).0;
         self.with_installation(plain, &stepped(&start, &self.free, step.as_slice(), 1.0))
@@ -124,7 +124,7 @@ impl Campaign<'_> {
 
     /// Products for a fit whose installation errors the forces do not determine.
     fn part_products(&self, plain: &RunFit) -> PartProducts {
-        let model = plain.residual_model.hold(false);
+        let model = plain.residual_model.with_fixed(false);
         let design = self.fit_design(&model, &plain.whitener);
         let products = design.products(&self.training);
         let noise = self.noise_of(&design);
@@ -133,7 +133,7 @@ impl Campaign<'_> {
             let c = &x.full - d;
             c.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned()
         };
-        let mut free_products = beyond_base(&design, &products);
+        let mut free_products = products_given_base(&design, &products);
         let total = corrected_total(&products, &noise);
         for (_, part) in named(&total, self.free.len(), free_products.ncols()) {
             free_products.row_mut(part).fill(0.0);
@@ -167,8 +167,8 @@ impl Campaign<'_> {
         );
         let whole = products.iter().fold(zero, |sum, run| sum + &run.full);
         let own = whole.view((OWN_LEVELS, OWN_LEVELS), (known, known));
-        let beside = whole.view((OWN_LEVELS, OWN_LEVELS + known), (known, count));
-        let mut moved = ridge_inverse(own.into_owned()) * beside;
+        let cross = whole.view((OWN_LEVELS, OWN_LEVELS + known), (known, count));
+        let mut moved = ridge_inverse(own.into_owned()) * cross;
         if known > self.free.len() {
             let total = corrected_total(&products, &self.noise_of(&design));
             for (amplitude, part) in named(&total, self.free.len(), count) {
@@ -186,7 +186,7 @@ impl Campaign<'_> {
 
     /// Products of one standard deviation of every installation error in these runs, given the
     /// base.
-    pub fn installation_beyond_base(
+    pub fn installation_given_base(
         &self,
         model: &ResidualModel,
         whitener: &Whitener,
@@ -194,7 +194,7 @@ impl Campaign<'_> {
     ) -> DMatrix<f64> {
         let model = model.without_discrepancy();
         let design = self.fit_design(&model, whitener);
-        beyond_base(&design, &design.products(frames))
+        products_given_base(&design, &design.products(frames))
     }
 
     /// Bias of the products of a design's columns by noisy inputs, by run.
@@ -225,7 +225,7 @@ impl Campaign<'_> {
 }
 
 /// Products of installation errors after projection on the complement of the base.
-fn beyond_base(design: &Design, products: &[Products]) -> DMatrix<f64> {
+fn products_given_base(design: &Design, products: &[Products]) -> DMatrix<f64> {
     let grams: Vec<Gram> = products.iter().map(Products::plain).collect();
     let base = Prior::none(design.fitted() - design.residual_model.installation.fitted());
     // The installation's columns take the place of those of candidates.

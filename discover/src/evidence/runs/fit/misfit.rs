@@ -25,11 +25,11 @@ impl Campaign<'_> {
     pub fn gained(&self, from: &RunFit, to: &RunFit) -> f64 {
         let [a, b] = [&from.residual_model, &to.residual_model];
         // With a large effect, the noise of the better model applies to both.
-        let beyond_noise = std::array::from_fn(|c| a.beyond_noise[c].min(b.beyond_noise[c]));
+        let model_error = std::array::from_fn(|c| a.model_error[c].min(b.model_error[c]));
         let discrepancy = a.discrepancy.least(&b.discrepancy);
         let [before, after] = [from, to].map(|fit| {
             let model = ResidualModel {
-                beyond_noise,
+                model_error,
                 discrepancy: discrepancy.clone(),
                 ..fit.residual_model.clone()
             };

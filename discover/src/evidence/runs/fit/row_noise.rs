@@ -82,10 +82,10 @@ pub fn expected(model: &ResidualModel, frame: &Frame) -> Matrix3<f64> {
 }
 
 /// Model error of each balance as a variance of its acceleration: (mean square - noise)/(dr/da)^2.
-pub fn beyond_noise(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] {
+pub fn model_error(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] {
     let of_run = |frame: &Frame| -> [[f64; 2]; BALANCES] {
         let (noise, mut residual) = (own_noise(model, frame), model.residuals(frame));
-        model.discrepancy.take_off(frame, &mut residual);
+        model.discrepancy.subtract(frame, &mut residual);
         std::array::from_fn(|c| {
             let gain = (noise.gain[c] * noise.gain[c]).max(1e-300);
             let squares: f64 = residual[c].iter().map(|r| r * r).sum();
@@ -101,22 +101,22 @@ pub fn beyond_noise(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] 
 }
 
 /// Covariance of the balances due to sensor noise, and dr/da of each.
-struct OfNoise {
+struct NoiseCovariance {
     covariance: Matrix3<f64>,
     gain: [f64; BALANCES],
 }
 
-impl OfNoise {
+impl NoiseCovariance {
     fn expected(&self, model: &ResidualModel) -> Matrix3<f64> {
         let mut expected = self.covariance;
-        for (c, excess) in model.beyond_noise.iter().enumerate() {
+        for (c, excess) in model.model_error.iter().enumerate() {
             expected[(c, c)] += excess * self.gain[c] * self.gain[c];
         }
         expected
     }
 }
 
-fn own_noise(model: &ResidualModel, frame: &Frame) -> OfNoise {
+fn own_noise(model: &ResidualModel, frame: &Frame) -> NoiseCovariance {
     let [own] = of_noise(model, &[], frame)
         .try_into()
         .unwrap_or_else(|_| unreachable!("one model"));
@@ -124,7 +124,7 @@ fn own_noise(model: &ResidualModel, frame: &Frame) -> OfNoise {
 }
 
 /// For a model and variants that differ by an amplitude: all share one evaluation of the base laws.
-fn of_noise(model: &ResidualModel, moved: &[ResidualModel], frame: &Frame) -> Vec<OfNoise> {
+fn of_noise(model: &ResidualModel, moved: &[ResidualModel], frame: &Frame) -> Vec<NoiseCovariance> {
     /// Samples of a piece: masses and scales are (almost) constant.
     const SAMPLES: usize = 16;
     let count = 1 + moved.len();
@@ -175,7 +175,7 @@ fn of_noise(model: &ResidualModel, moved: &[ResidualModel], frame: &Frame) -> Ve
                 }
             })
         });
-        OfNoise {
+        NoiseCovariance {
             covariance: covariance(noise.as_ref(), [true; CHANNELS]),
             gain: gain.map(|sum| sum / f64::max(sampled, 1.0)),
         }

@@ -95,7 +95,7 @@ impl RunSimulator {
     }
 
     /// A piece of the `i`-th run as recorded, with added noise of both signs.
-    pub fn upon(&self, frame: &Frame, i: usize) -> [Frame; 2] {
+    pub fn with_noise(&self, frame: &Frame, i: usize) -> [Frame; 2] {
         const ROUND: u64 = 2_000_003;
         /// Share of a run: some hundreds of rows in total suffice for a ratio of two models' noise.
         const SHARE: f64 = 0.1;
@@ -181,11 +181,11 @@ impl RunSimulator {
             let yaw = rest(2, k) / sled.j_zz_kgm2;
             let ahead = rest(0, k) / mass_kg - sled.accel_y_m * yaw;
             let aside = rest(1, k) / mass_kg + sled.accel_x_m * yaw;
-            for (twin, way) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
-                twin.rate_slope[2][i] += way * yaw;
-                twin.acceleration[0][i] += way * ahead;
-                twin.acceleration[1][i] += way * aside;
-                twin.v_slope[i] += way * rest(3, k);
+            for (run, way) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
+                run.rate_slope[2][i] += way * yaw;
+                run.acceleration[0][i] += way * ahead;
+                run.acceleration[1][i] += way * aside;
+                run.v_slope[i] += way * rest(3, k);
             }
         }
     }
@@ -256,7 +256,7 @@ impl RunSimulator {
 ///
 /// `rows` are the longitudinal, lateral and yaw residuals at every retained sample.
 pub fn truth<R: AsRef<[f64]>>(frame: &Frame, residual_model: &ResidualModel, rows: &[R]) -> Frame {
-    let mut twin = frame.clone();
+    let mut run = frame.clone();
     let sled = &residual_model.vehicle.sled;
     let mass_kg = frame.mass_kg.unwrap_or(sled.mass_kg);
     let delayed = |sensor: Sensor, rest: Vec<f64>| {
@@ -278,23 +278,19 @@ pub fn truth<R: AsRef<[f64]>>(frame: &Frame, residual_model: &ResidualModel, row
     let along = aligned(sled.accel_y_m, rows[0].as_ref());
     let side = aligned(-sled.accel_x_m, rows[1].as_ref());
     let minus_yaw = yaw.iter().map(|yaw| -yaw).collect();
-    let [ahead_of, left_of, _] = &mut twin.acceleration;
+    let [longitudinal, lateral, _] = &mut run.acceleration;
     for (to, rest) in [
-        (ahead_of, delayed(Sensor::Ax, along)),
-        (left_of, delayed(Sensor::Ay, side)),
-        (&mut twin.rate_slope[2], delayed(Sensor::YawRate, minus_yaw)),
+        (longitudinal, delayed(Sensor::Ax, along)),
+        (lateral, delayed(Sensor::Ay, side)),
+        (&mut run.rate_slope[2], delayed(Sensor::YawRate, minus_yaw)),
     ] {
         to.iter_mut().zip(rest).for_each(|(x, by)| *x += by);
     }
     if !frame.slope.is_empty() {
-        let residual = residual_model.track(&twin);
-        for (slope, r) in twin
-            .v_slope
-            .iter_mut()
-            .zip(delayed(Sensor::Speed, residual))
-        {
+        let residual = residual_model.track(&run);
+        for (slope, r) in run.v_slope.iter_mut().zip(delayed(Sensor::Speed, residual)) {
             *slope -= r;
         }
     }
-    twin
+    run
 }

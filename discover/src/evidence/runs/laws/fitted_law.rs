@@ -7,7 +7,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::formulas::formula::Formula;
 use crate::evidence::runs::laws::formulas::shape::unit;
 use crate::evidence::runs::laws::formulas::shapes::rounded;
-use crate::evidence::runs::laws::judged::Smooth;
+use crate::evidence::runs::laws::judged::SmoothLaw;
 use crate::evidence::runs::laws::sums::LawSums;
 use crate::evidence::runs::laws::term::KNOWN;
 use crate::evidence::runs::laws::terms::Terms;
@@ -33,14 +33,14 @@ pub struct FittedLaw {
 
 impl FittedLaw {
     /// Explained sum of squares, less a penalty for each of its numbers.
-    pub fn worth(&self, number: f64) -> f64 {
+    pub fn penalised_gain(&self, number: f64) -> f64 {
         0.5 * self.formula.gain() - number * self.formula.term.shape.numbers() as f64
     }
 }
 
 impl LawFitter<'_> {
     /// The simplest formula of a smooth law.
-    pub fn simplest(&self, law: &Smooth) -> Option<FittedLaw> {
+    pub fn simplest(&self, law: &SmoothLaw) -> Option<FittedLaw> {
         let formula = self.campaign.simplest(self.terms, self.channels, law)?;
         let sums = self.terms.sums(std::slice::from_ref(&formula.term), &[1.0]);
         let sums = sums.into_iter().next()?;

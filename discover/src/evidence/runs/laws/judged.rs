@@ -17,7 +17,7 @@ const BUMPS: usize = 7;
 const SMOOTHING: f64 = 0.02;
 
 /// A group of terms with its columns and cross-validated gain.
-pub struct Smooth {
+pub struct SmoothLaw {
     pub channel: usize,
     pub columns: Vec<usize>,
     pub gains: Vec<f64>,
@@ -46,7 +46,7 @@ impl Campaign<'_> {
         terms: &Terms,
         channels: &[Channel],
         options: &ScreenOptions,
-    ) -> (Vec<Smooth>, f64) {
+    ) -> (Vec<SmoothLaw>, f64) {
         let (mut list, mut groups, mut laws) = (Vec::new(), Vec::new(), Vec::new());
         let mut law = |channel, columns: Vec<usize>, shapes: Vec<Shape>| {
             let first = list.len();
@@ -94,7 +94,7 @@ impl Campaign<'_> {
             .enumerate()
             .map(|(g, (channel, columns))| {
                 let group = &groups[g];
-                let gains = sums.held_gains(&group.terms, &group.penalty);
+                let gains = sums.cross_validated_gains(&group.terms, &group.penalty);
                 let z = tested[0].z[g];
                 let p = tested[0].p_value(z);
                 // Q is quadratic in T, and so is the threshold.
@@ -105,7 +105,7 @@ impl Campaign<'_> {
                 if significant {
                     smallest = smallest.min(p);
                 }
-                Smooth {
+                SmoothLaw {
                     channel,
                     columns,
                     gains,

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::fitted_law::{FittedLaw, LawFitter, name};
-use crate::evidence::runs::laws::judged::Smooth;
+use crate::evidence::runs::laws::judged::SmoothLaw;
 use crate::evidence::runs::laws::sums::{LawSums, difference, total};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
@@ -51,13 +51,13 @@ impl Campaign<'_> {
         let (smooth, p_value) = self.smooth_laws(&terms, &channels, options);
         let best = fitter.best(&smooth, selection);
         let laws = best.iter().filter_map(|law| fitter.simplest(law));
-        let worth = |law: &FittedLaw| law.worth(rules.number);
-        let shown = laws.max_by(|a, b| worth(a).total_cmp(&worth(b)))?;
+        let penalised_gain = |law: &FittedLaw| law.penalised_gain(rules.number);
+        let shown = laws.max_by(|a, b| penalised_gain(a).total_cmp(&penalised_gain(b)))?;
         if let Some(selection) = selection {
             let none = DMatrix::zeros(1, 1);
-            let [own, named] = [0, 1].map(|k| shown.sums.held_gains(&[k], &none));
+            let [own, named] = [0, 1].map(|k| shown.sums.cross_validated_gains(&[k], &none));
             let [more, error] = difference(&own, &named);
-            if !self.gives_way(selection, total(&named), [more, error]) {
+            if !self.is_replaced(selection, total(&named), [more, error]) {
                 let is_alternative =
                     !selection.candidate.is_column() && more > rules.as_good * error;
                 return is_alternative.then_some(Law::Alternative(shown.candidate.effect));
@@ -103,7 +103,7 @@ impl Campaign<'_> {
     /// Whether a law with this gain and its scatter replaces a selected effect. An effect of the
     /// catalogue is replaced if the law explains more in addition to it, and by a material share of
     /// what the effect has `explained`; a column's own form is replaced by an equivalent formula.
-    fn gives_way(
+    fn is_replaced(
         &self,
         selection: &Selection<Amplitude>,
         explained: f64,
@@ -118,7 +118,7 @@ impl Campaign<'_> {
     }
 
     /// A remark if a smooth curve explains more than the formula.
-    fn smoother(&self, smooth: &Smooth, law: &FittedLaw) -> Option<String> {
+    fn smoother(&self, smooth: &SmoothLaw, law: &FittedLaw) -> Option<String> {
         let [more, error] = difference(&smooth.gains, &law.formula.gains);
         (more > self.rules().laws.alike * error).then(|| {
             format!(
@@ -134,11 +134,11 @@ impl LawFitter<'_> {
     /// a selected column, and those that explain more than it or than all significant ones.
     fn best<'l>(
         &self,
-        smooth: &'l [Smooth],
+        smooth: &'l [SmoothLaw],
         selection: Option<&Selection<Amplitude>>,
-    ) -> Vec<&'l Smooth> {
+    ) -> Vec<&'l SmoothLaw> {
         let column = selection.filter(|c| c.candidate.is_column());
-        let of_claim = |law: &Smooth| {
+        let of_claim = |law: &SmoothLaw| {
             column.is_some_and(|c| c.candidate.effect == name(&law.columns, &self.terms.names))
         };
         let selected = smooth.iter().filter(|law| of_claim(law));
@@ -149,9 +149,9 @@ impl LawFitter<'_> {
         // If one is significant, those that explain more are tried, too.
         let standing = smooth.iter().filter(|law| law.significant);
         let most = standing.map(|law| total(&law.gains)).reduce(f64::max);
-        let rivals = |law: &Smooth| law.holds && most.is_some_and(|m| total(&law.gains) > m);
-        let requested = |law: &Smooth| of_claim(law) || total(&law.gains) > enough;
-        let mut best: Vec<&Smooth> = smooth
+        let rivals = |law: &SmoothLaw| law.holds && most.is_some_and(|m| total(&law.gains) > m);
+        let requested = |law: &SmoothLaw| of_claim(law) || total(&law.gains) > enough;
+        let mut best: Vec<&SmoothLaw> = smooth
             .iter()
             .filter(|law| law.significant || rivals(law) || requested(law))
             .collect();
@@ -170,7 +170,7 @@ impl LawFitter<'_> {
     }
 
     /// The law's name, then those of laws that the data cannot distinguish from it.
-    fn class(&self, law: &FittedLaw, smooth: &[Smooth]) -> Vec<String> {
+    fn class(&self, law: &FittedLaw, smooth: &[SmoothLaw]) -> Vec<String> {
         let own = &law.candidate.effect;
         let alike = self.campaign.rules().laws.alike;
         let alike = |[more, error]: [f64; 2]| more <= alike * error;

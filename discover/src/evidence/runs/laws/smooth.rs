@@ -53,14 +53,14 @@ impl Group {
 }
 
 /// Results of sign-flip tests by group.
-pub struct Tested {
+pub struct GroupTests {
     /// z by group.
     pub z: Vec<f64>,
     /// Largest z of each randomisation, increasing.
     maxima: Vec<f64>,
 }
 
-impl Tested {
+impl GroupTests {
     /// Probability under the null of a largest z at least this big; never 0.
     pub fn p_value(&self, z: f64) -> f64 {
         let above = self.maxima.len() - self.maxima.partition_point(|m| *m < z);
@@ -75,7 +75,7 @@ impl Tested {
 }
 
 /// Tests all groups at once; those without information have z = 0.
-pub fn test(sums: &LawSums, groups: &[Group], flips: usize, seed: u64) -> Tested {
+pub fn test(sums: &LawSums, groups: &[Group], flips: usize, seed: u64) -> GroupTests {
     let runs = sums.m.len();
     let inverses: Vec<DMatrix<f64>> = groups
         .iter()
@@ -117,7 +117,7 @@ pub fn test(sums: &LawSums, groups: &[Group], flips: usize, seed: u64) -> Tested
         .map(|q| z(q).into_iter().fold(0.0, f64::max))
         .collect();
     maxima.sort_by(f64::total_cmp);
-    Tested {
+    GroupTests {
         z: z(&observed),
         maxima,
     }

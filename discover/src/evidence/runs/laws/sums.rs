@@ -134,7 +134,7 @@ impl LawSums {
     }
 
     /// Cross-validated gain by run, in units of the noise's variance.
-    pub fn held_gains(&self, columns: &[usize], penalty: &DMatrix<f64>) -> Vec<f64> {
+    pub fn cross_validated_gains(&self, columns: &[usize], penalty: &DMatrix<f64>) -> Vec<f64> {
         let runs = self.m.len();
         let folds = FOLDS.min(runs).max(2);
         let mut gains = vec![0.0; runs];

@@ -17,7 +17,7 @@ struct OfRun<'a> {
     frame: &'a Frame,
     own: TermsOnRun,
     /// Simulations with noise of either sign, and without noise.
-    twins: [(Frame, TermsOnRun); 3],
+    simulations: [(Frame, TermsOnRun); 3],
     /// Rows of the run over those of the piece.
     share: f64,
 }
@@ -47,9 +47,9 @@ impl<'a> Terms<'a> {
             OfRun {
                 own: on(frame),
                 share: frame.row_count() as f64 / piece.row_count().max(1) as f64,
-                twins: [pair.plus, pair.minus, pair.truth].map(|twin| {
-                    let terms = on(&twin);
-                    (twin, terms)
+                simulations: [pair.plus, pair.minus, pair.truth].map(|frame| {
+                    let terms = on(&frame);
+                    (frame, terms)
                 }),
                 frame,
             }
@@ -94,8 +94,8 @@ impl<'a> Terms<'a> {
             .par_iter()
             .map(|run| {
                 let with = |frame: &Frame, on: &TermsOnRun| on.with(self.design, frame, terms);
-                let twins = run.twins.each_ref();
-                let [plus, minus, truth] = twins.map(|(f, on)| squares(&with(f, on)));
+                let simulations = run.simulations.each_ref();
+                let [plus, minus, truth] = simulations.map(|(f, on)| squares(&with(f, on)));
                 let noise = ((plus + minus) * 0.5 - truth) * run.share;
                 let own = with(run.frame, &run.own);
                 let products = self.design.squares(run.frame, &own);

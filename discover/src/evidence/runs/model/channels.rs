@@ -58,7 +58,7 @@ impl<'a> Channels<'a> {
     }
 
     /// Corrects a delay [s].
-    pub fn catch_up(&mut self, sensor: Sensor, delay_s: f64) {
+    pub fn correct_delay(&mut self, sensor: Sensor, delay_s: f64) {
         let samples = delay_s / self.sample_s;
         let (value, slope) = &mut self.values[sensor as usize];
         for x in [Some(value), slope.as_mut()].into_iter().flatten() {
@@ -67,13 +67,13 @@ impl<'a> Channels<'a> {
     }
 
     /// Corrects a bias, in the channel's unit.
-    pub fn take_off(&mut self, sensor: Sensor, bias: f64) {
+    pub fn correct_bias(&mut self, sensor: Sensor, bias: f64) {
         let (value, _) = &mut self.values[sensor as usize];
         value.to_mut().iter_mut().for_each(|x| *x -= bias);
     }
 
     /// Corrects a scale.
-    pub fn divide(&mut self, sensor: Sensor, scale: f64) {
+    pub fn correct_scale(&mut self, sensor: Sensor, scale: f64) {
         self.scales[sensor as usize] *= scale;
         let (value, slope) = &mut self.values[sensor as usize];
         for x in [Some(value), slope.as_mut()].into_iter().flatten() {
@@ -89,13 +89,13 @@ impl<'a> Channels<'a> {
         let (value, slope) = self.values[other as usize].clone();
         let by = factor * size;
         let (to_value, to_slope) = &mut self.values[fault.of as usize];
-        let take_off = |to: &mut [f64], other: &[f64]| {
+        let subtract = |to: &mut [f64], other: &[f64]| {
             to.iter_mut().zip(other).for_each(|(to, x)| *to -= by * x);
         };
-        take_off(to_value.to_mut(), &value);
+        subtract(to_value.to_mut(), &value);
         // An accelerometer has no derivative here; its part in a gyroscope's reading is slow.
         if let (Some(to), Some(slope)) = (to_slope, slope) {
-            take_off(to.to_mut(), &slope);
+            subtract(to.to_mut(), &slope);
         }
     }
 

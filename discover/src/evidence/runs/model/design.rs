@@ -202,7 +202,7 @@ impl Design<'_> {
             }
             let mut white: [Vec<f64>; BALANCES] = std::array::from_fn(|c| frame.rows(&raw[c][k]));
             if k == count - 1 {
-                residual_model.discrepancy.take_off(frame, &mut white);
+                residual_model.discrepancy.subtract(frame, &mut white);
             }
             self.whitener.mix(&mut white);
             white.concat()

@@ -102,7 +102,7 @@ impl Discrepancy {
     }
 
     /// The same with fixed or free coefficients.
-    pub fn hold(&self, fixed: bool) -> Self {
+    pub fn with_fixed(&self, fixed: bool) -> Self {
         Self {
             fixed,
             ..self.clone()
@@ -247,7 +247,7 @@ impl Discrepancy {
     }
 
     /// Subtracts the discrepancy from a run's rows.
-    pub fn take_off(&self, frame: &Frame, rows: &mut [Vec<f64>]) {
+    pub fn subtract(&self, frame: &Frame, rows: &mut [Vec<f64>]) {
         let Some((first, span)) = self.of_track(&frame.track).filter(|_| self.count() > 0) else {
             return;
         };
@@ -340,7 +340,7 @@ mod tests {
                 || -> Vec<f64> { (0..frame.row_count()).map(|_| normal(&mut rng)).collect() };
             let mut rows = [noise(), Vec::new(), noise(), Vec::new()];
             if let Some(discrepancy) = discrepancy {
-                discrepancy.take_off(frame, &mut rows);
+                discrepancy.subtract(frame, &mut rows);
             }
             rows
         };
@@ -381,7 +381,7 @@ mod tests {
             let found = discrepancy.products(frame, &whitener, &x, 2);
             assert!((found - dense.tr_mul(&dense)).amax() < 1e-9);
             let mut less = of_run.clone();
-            discrepancy.take_off(frame, &mut less);
+            discrepancy.subtract(frame, &mut less);
             let sizes = &discrepancy.sizes[first..first + own.ncols()];
             let taken = own * DVector::from_column_slice(sizes);
             let [before, after] = [of_run, &less].map(|r| whitener.apply(r));

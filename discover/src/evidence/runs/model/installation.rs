@@ -29,7 +29,7 @@ use crate::evidence::runs::model::channels::Channels;
 
 /// Kind of an installation error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Wrong {
+enum ErrorKind {
     /// A delay of a channel.
     Late(Sensor),
     /// A relative scale error.
@@ -64,7 +64,7 @@ pub struct Part {
     pub sd: f64,
     /// The only session in which it acts; `None`: all sessions.
     session: Option<String>,
-    wrong: Wrong,
+    wrong: ErrorKind,
 }
 
 impl Part {
@@ -72,13 +72,16 @@ impl Part {
     pub fn is_tilt(&self) -> bool {
         matches!(
             self.wrong,
-            Wrong::Biased(Sensor::Ax) | Wrong::Misaligned(1 | 2)
+            ErrorKind::Biased(Sensor::Ax) | ErrorKind::Misaligned(1 | 2)
         )
     }
 
     /// Whether it couples channels of the inertial unit.
-    pub fn mixes(&self) -> bool {
-        matches!(self.wrong, Wrong::Misaligned(_) | Wrong::GSensitive(_))
+    pub fn couples(&self) -> bool {
+        matches!(
+            self.wrong,
+            ErrorKind::Misaligned(_) | ErrorKind::GSensitive(_)
+        )
     }
 
     pub fn acts_in(&self, session: &str) -> bool {
@@ -88,7 +91,9 @@ impl Part {
     /// The sensor whose reading it changes.
     pub fn sensor(&self) -> Option<Sensor> {
         match self.wrong {
-            Wrong::Late(sensor) | Wrong::Scaled(sensor) | Wrong::Biased(sensor) => Some(sensor),
+            ErrorKind::Late(sensor) | ErrorKind::Scaled(sensor) | ErrorKind::Biased(sensor) => {
+                Some(sensor)
+            }
             _ => None,
         }
     }
@@ -169,7 +174,7 @@ impl Installation {
         };
         for s in Sensor::ALL {
             let what = format!("delay of {}", s.name());
-            add(what, "s", t.delay_s, Wrong::Late(s));
+            add(what, "s", t.delay_s, ErrorKind::Late(s));
         }
         for s in gyros {
             let name = s.name();
@@ -177,10 +182,10 @@ impl Installation {
                 format!("scale of {name}"),
                 "",
                 t.gyro_scale,
-                Wrong::Scaled(s),
+                ErrorKind::Scaled(s),
             );
             let (sd, what) = (t.gyro_bias_radps, format!("bias of {name}"));
-            add(what, "rad/s", sd, Wrong::Biased(s));
+            add(what, "rad/s", sd, ErrorKind::Biased(s));
         }
         for s in accelerometers {
             let name = s.name();
@@ -188,36 +193,39 @@ impl Installation {
                 format!("scale of {name}"),
                 "",
                 t.accel_scale,
-                Wrong::Scaled(s),
+                ErrorKind::Scaled(s),
             );
             let (sd, what) = (t.accel_bias_mps2, format!("bias of {name}"));
-            add(what, "m/s2", sd, Wrong::Biased(s));
+            add(what, "m/s2", sd, ErrorKind::Biased(s));
         }
         let steer = Sensor::Steering;
         let what = format!("scale of {}", steer.name());
-        add(what, "", t.steer_scale, Wrong::Scaled(steer));
+        add(what, "", t.steer_scale, ErrorKind::Scaled(steer));
         for (axis, name) in ["roll", "pitch", "yaw"].into_iter().enumerate() {
             let what = format!("misalignment of the inertial unit, {name}");
-            add(what, "rad", t.misalignment_rad, Wrong::Misaligned(axis));
+            add(what, "rad", t.misalignment_rad, ErrorKind::Misaligned(axis));
         }
         for (axis, s) in gyros.into_iter().enumerate() {
             let (unit, sd) = ("rad/s per m/s2", t.gyro_g_sensitivity_radps_per_mps2);
             let what = format!("g-sensitivity of {}", s.name());
-            add(what, unit, sd, Wrong::GSensitive(axis));
+            add(what, unit, sd, ErrorKind::GSensitive(axis));
         }
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             let what = format!("place of the accelerometer, {name}");
-            add(what, "m", t.place_m, Wrong::Accelerometer(axis));
+            add(what, "m", t.place_m, ErrorKind::Accelerometer(axis));
         }
         let places = [
-            ("place of the slip sensor, x", Wrong::SlipSensor),
-            ("place of the centre of gravity, x", Wrong::Centre),
+            ("place of the slip sensor, x", ErrorKind::SlipSensor),
+            ("place of the centre of gravity, x", ErrorKind::Centre),
         ];
         for (what, wrong) in places {
             add(what.to_owned(), "m", t.place_m, wrong);
         }
-        add("mass, relative".to_owned(), "", t.mass, Wrong::Mass);
-        let inertias = [("pitch", Wrong::PitchInertia), ("yaw", Wrong::YawInertia)];
+        add("mass, relative".to_owned(), "", t.mass, ErrorKind::Mass);
+        let inertias = [
+            ("pitch", ErrorKind::PitchInertia),
+            ("yaw", ErrorKind::YawInertia),
+        ];
         for (axis, wrong) in inertias {
             add(format!("{axis} inertia, relative"), "", t.inertia, wrong);
         }
@@ -232,7 +240,7 @@ impl Installation {
                     unit: "rad",
                     sd: t.session_offset_rad,
                     session: Some(session.to_owned()),
-                    wrong: Wrong::Biased(s),
+                    wrong: ErrorKind::Biased(s),
                 });
             }
         }
@@ -294,7 +302,7 @@ impl Installation {
     }
 
     /// The same with fixed or free sizes.
-    pub fn hold(&self, fixed: bool) -> Self {
+    pub fn with_fixed(&self, fixed: bool) -> Self {
         Self {
             fixed,
             ..self.clone()
@@ -329,9 +337,9 @@ impl Installation {
     pub fn determined_by(&self, products: &DMatrix<f64>, least: f64) -> Self {
         let root = self.root();
         let eigen = (root * products * root).symmetric_eigen();
-        let retained = (0..eigen.eigenvalues.len()).filter(|k| eigen.eigenvalues[*k] >= least);
+        let selected = (0..eigen.eigenvalues.len()).filter(|k| eigen.eigenvalues[*k] >= least);
         Self {
-            directions: retained
+            directions: selected
                 .map(|k| eigen.eigenvectors.column(k).iter().copied().collect())
                 .collect(),
             ..self.clone()
@@ -398,25 +406,25 @@ impl Installation {
     }
 
     /// Corrects the stated constants of a sled.
-    pub fn find_constants(&self, sled: &mut Sled) {
+    pub fn correct_constants(&self, sled: &mut Sled) {
         for (part, size) in self.parts.iter().zip(&self.sizes) {
             let size = size * part.sd;
             match part.wrong {
-                Wrong::Accelerometer(0) => sled.accel_x_m += size,
-                Wrong::Accelerometer(1) => sled.accel_y_m += size,
-                Wrong::Accelerometer(_) => sled.accel_z_m += size,
-                Wrong::SlipSensor => sled.slip_x_m += size,
-                Wrong::Centre => {
+                ErrorKind::Accelerometer(0) => sled.accel_x_m += size,
+                ErrorKind::Accelerometer(1) => sled.accel_y_m += size,
+                ErrorKind::Accelerometer(_) => sled.accel_z_m += size,
+                ErrorKind::SlipSensor => sled.slip_x_m += size,
+                ErrorKind::Centre => {
                     sled.l_f_m -= size;
                     sled.l_r_m += size;
                     sled.accel_x_m -= size;
                     sled.slip_x_m -= size;
                 }
-                Wrong::Mass => sled.mass_kg *= 1.0 + size,
-                Wrong::PitchInertia => sled.j_yy_kgm2 *= 1.0 + size,
-                Wrong::YawInertia => sled.j_zz_kgm2 *= 1.0 + size,
-                Wrong::Late(_) | Wrong::Scaled(_) | Wrong::Biased(_) => {}
-                Wrong::Misaligned(_) | Wrong::GSensitive(_) => {}
+                ErrorKind::Mass => sled.mass_kg *= 1.0 + size,
+                ErrorKind::PitchInertia => sled.j_yy_kgm2 *= 1.0 + size,
+                ErrorKind::YawInertia => sled.j_zz_kgm2 *= 1.0 + size,
+                ErrorKind::Late(_) | ErrorKind::Scaled(_) | ErrorKind::Biased(_) => {}
+                ErrorKind::Misaligned(_) | ErrorKind::GSensitive(_) => {}
             }
         }
     }
@@ -424,23 +432,23 @@ impl Installation {
     /// Delay of a sensor [s].
     pub fn delay(&self, sensor: Sensor) -> f64 {
         let parts = self.parts.iter().zip(&self.sizes);
-        let late = parts.filter(|(part, _)| part.wrong == Wrong::Late(sensor));
+        let late = parts.filter(|(part, _)| part.wrong == ErrorKind::Late(sensor));
         late.map(|(part, size)| part.sd * size).sum()
     }
 
     /// Corrects cross-sensitivity within the inertial unit, after each channel's own errors.
-    pub fn unmix(&self, channels: &mut Channels) {
+    pub fn correct_coupling(&self, channels: &mut Channels) {
         let parts = self.parts.iter().zip(&self.sizes).rev();
-        for (part, size) in parts.filter(|(part, size)| part.mixes() && **size != 0.0) {
+        for (part, size) in parts.filter(|(part, size)| part.couples() && **size != 0.0) {
             let size = size * part.sd;
             let gyros = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
             match part.wrong {
-                Wrong::Misaligned(axis) => {
+                ErrorKind::Misaligned(axis) => {
                     for fault in Fault::MISALIGNED[axis].iter().rev() {
                         channels.correct(fault, size);
                     }
                 }
-                Wrong::GSensitive(axis) => {
+                ErrorKind::GSensitive(axis) => {
                     channels.correct(&Fault::picks_up(gyros[axis], Sensor::Az, 1.0, 0), size);
                 }
                 _ => {}
@@ -455,16 +463,18 @@ impl Installation {
         for (part, size) in parts.filter(|(part, size)| **size != 0.0 && acts(part)) {
             let size = size * part.sd;
             match part.wrong {
-                Wrong::Late(sensor) => channels.catch_up(sensor, size),
-                Wrong::Biased(sensor) => channels.take_off(sensor, size),
-                Wrong::Scaled(sensor) => channels.divide(sensor, 1.0 + size),
-                Wrong::Misaligned(_) | Wrong::GSensitive(_) | Wrong::Accelerometer(_) => {}
-                Wrong::SlipSensor | Wrong::Centre => {}
-                Wrong::Mass | Wrong::PitchInertia | Wrong::YawInertia => {}
+                ErrorKind::Late(sensor) => channels.correct_delay(sensor, size),
+                ErrorKind::Biased(sensor) => channels.correct_bias(sensor, size),
+                ErrorKind::Scaled(sensor) => channels.correct_scale(sensor, 1.0 + size),
+                ErrorKind::Misaligned(_)
+                | ErrorKind::GSensitive(_)
+                | ErrorKind::Accelerometer(_) => {}
+                ErrorKind::SlipSensor | ErrorKind::Centre => {}
+                ErrorKind::Mass | ErrorKind::PitchInertia | ErrorKind::YawInertia => {}
             }
         }
         if delay_s != 0.0 {
-            channels.catch_up(of, delay_s);
+            channels.correct_delay(of, delay_s);
         }
     }
 }
@@ -490,7 +500,7 @@ mod tests {
     };
 
     #[test]
-    fn what_is_exact_has_no_part_and_the_rest_one_each() {
+    fn every_error_with_a_tolerance_is_one_part() {
         assert_eq!(Installation::new(&EXACT, ["1"]).fitted(), 0);
         let delays = Tolerances {
             delay_s: 0.002,
@@ -519,7 +529,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_combination_holds_stays_as_open_as_it_was_stated() {
+    fn undetermined_errors_keep_their_stated_deviation() {
         let places = Tolerances {
             mass: 0.01,
             steer_scale: 0.03,

@@ -104,12 +104,12 @@ impl<'a> ModelOnRun<'a> {
         }
         let mut sled = vehicle.sled;
         let installation = &residual_model.installation;
-        installation.find_constants(&mut sled);
+        installation.correct_constants(&mut sled);
         let mut channels = Channels::new(frame);
         for (sensor, delay) in Sensor::ALL.into_iter().zip(delays) {
             installation.correct(sensor, &frame.session, delay, &mut channels);
         }
-        installation.unmix(&mut channels);
+        installation.correct_coupling(&mut channels);
         Self {
             residual_model,
             frame,

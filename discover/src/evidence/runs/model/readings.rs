@@ -44,7 +44,7 @@ impl<'a> Readings<'a> {
         let delays = own.effects.on_track(&frame.track).delays();
         let channels = corrected(own, frame, &Sensor::ALL, &delays);
         let mut unmixed = corrected(own, frame, &UNIT, &delays);
-        own.installation.unmix(&mut unmixed);
+        own.installation.correct_coupling(&mut unmixed);
         Self {
             own,
             frame,
@@ -68,20 +68,24 @@ impl<'a> Readings<'a> {
             .map(|(part, _)| part)
             .collect();
         // Cross-sensitivity changes all channels of the inertial unit.
-        let mixes = moved.iter().any(|part| part.mixes());
+        let couples = moved.iter().any(|part| part.couples());
         let reads = |sensor: &Sensor| {
             let k = *sensor as usize;
             self.delays[k] != delays[k] || moved.iter().any(|part| part.sensor() == Some(*sensor))
         };
-        let sensors = match mixes {
+        let sensors = match couples {
             true => UNIT.to_vec(),
             false => Sensor::ALL.into_iter().filter(reads).collect(),
         };
         let mut channels = corrected(other, frame, &sensors, &delays);
-        if mixes {
-            other.installation.unmix(&mut channels);
+        if couples {
+            other.installation.correct_coupling(&mut channels);
         }
-        let before = if mixes { &self.unmixed } else { &self.channels };
+        let before = if couples {
+            &self.unmixed
+        } else {
+            &self.channels
+        };
         let between = |sensor: Sensor| {
             let (own, other) = (before.series(sensor), channels.series(sensor));
             let by = [0, 1].map(|k| {
@@ -121,7 +125,7 @@ fn sled_of(model: &ResidualModel, frame: &Frame) -> Sled {
         mass_kg: frame.mass_kg.unwrap_or(sled.mass_kg),
         ..sled
     };
-    model.installation.find_constants(&mut sled);
+    model.installation.correct_constants(&mut sled);
     sled
 }
 

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use crate::evidence::runs::model::residual_model::ChannelRows;
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Listed places of each channel.
+/// CandidateList places of each channel.
 const PLACES: usize = 3;
 
 /// Track and bin.
@@ -55,9 +55,9 @@ impl<'a> Means<'a> {
     }
 
     /// The mean product at one place without run `omitted`, and the number of values there.
-    fn at(runs: &[(usize, [f64; 2])], left_out: Option<usize>) -> [f64; 2] {
+    fn at(runs: &[(usize, [f64; 2])], omitted: Option<usize>) -> [f64; 2] {
         let (mut sum, mut squares, mut n, mut values) = (0.0, 0.0, 0.0, 0.0);
-        for (_, [total, count]) in runs.iter().filter(|(i, _)| Some(*i) != left_out) {
+        for (_, [total, count]) in runs.iter().filter(|(i, _)| Some(*i) != omitted) {
             let mean = total / count;
             (sum, squares) = (sum + mean, squares + mean * mean);
             (n, values) = (n + 1.0, values + count);
@@ -70,8 +70,8 @@ impl<'a> Means<'a> {
     }
 
     /// R without a run.
-    pub fn repeatable(&self, left_out: Option<usize>) -> f64 {
-        let each = self.places.values().map(|runs| Self::at(runs, left_out));
+    pub fn repeatable(&self, omitted: Option<usize>) -> f64 {
+        let each = self.places.values().map(|runs| Self::at(runs, omitted));
         let [sum, values] = each.fold([0.0; 2], |[sum, values], [r, n]| [sum + n * r, values + n]);
         sum / f64::max(values, 1.0)
     }

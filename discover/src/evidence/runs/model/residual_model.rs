@@ -47,7 +47,7 @@ pub struct ResidualModel {
     /// Contacts with walls, which differ from run to run.
     pub contacts: Option<Contacts>,
     /// Model error of each balance as a variance of its acceleration, above the sensor noise.
-    pub beyond_noise: [f64; BALANCES],
+    pub model_error: [f64; BALANCES],
     /// Names of effects whose size comes from the track channel and is not fitted with the forces.
     pub frozen: Vec<String>,
 }
@@ -65,7 +65,7 @@ impl ResidualModel {
             installation: Installation::default(),
             discrepancy: Discrepancy::default(),
             contacts: None,
-            beyond_noise: [0.0; BALANCES],
+            model_error: [0.0; BALANCES],
             frozen: Vec::new(),
         }
     }
@@ -113,10 +113,10 @@ impl ResidualModel {
     }
 
     /// The same, with installation and discrepancy fixed or free.
-    pub fn hold(&self, fixed: bool) -> Self {
+    pub fn with_fixed(&self, fixed: bool) -> Self {
         Self {
-            installation: self.installation.hold(fixed),
-            discrepancy: self.discrepancy.hold(fixed),
+            installation: self.installation.with_fixed(fixed),
+            discrepancy: self.discrepancy.with_fixed(fixed),
             ..self.clone()
         }
     }

@@ -54,7 +54,7 @@ impl Whitener {
             }
         }
         let root = s.cholesky().and_then(|s| s.l().try_inverse());
-        whitener.mix = root.unwrap_or_else(|| whitener.apart().mix);
+        whitener.mix = root.unwrap_or_else(|| whitener.uncorrelated().mix);
         whitener
     }
 
@@ -72,10 +72,10 @@ impl Whitener {
     }
 
     /// The same without correlation between balances.
-    pub fn apart(&self) -> Self {
-        let mut apart = self.clone();
-        apart.mix = Matrix3::from_diagonal(&[0, 1, 2].map(|c| 1.0 / self.sd[c]).into());
-        apart
+    pub fn uncorrelated(&self) -> Self {
+        let mut uncorrelated = self.clone();
+        uncorrelated.mix = Matrix3::from_diagonal(&[0, 1, 2].map(|c| 1.0 / self.sd[c]).into());
+        uncorrelated
     }
 
     /// The same correlation with other standard deviations.
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn balances_that_are_one_and_the_same_are_not_told_apart_by_rounding() {
+    fn identical_balances_are_not_separated_by_rounding() {
         let mut rows = rows();
         rows[2] = rows[1].iter().map(|y| 2.0 * y).collect();
         let whitener = Whitener::estimate(std::slice::from_ref(&rows), [true, true, true, false]);

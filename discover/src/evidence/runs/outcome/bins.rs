@@ -27,7 +27,7 @@ pub const COLUMNS: [(&str, ColumnOf); 9] = [
 
 /// Bins of every column with a significant whitened residual: sign-flips over runs, max-T over
 /// bins.
-pub fn stand_out(
+pub fn significant_bins(
     residual_model: &ResidualModel,
     whitener: &Whitener,
     frames: &[Frame],
@@ -43,8 +43,8 @@ pub fn stand_out(
     }
     let rows = residuals(residual_model, frames);
     // A bin belongs to one balance.
-    let apart = whitener.apart();
-    let white: Vec<Vec<f64>> = rows.iter().map(|r| apart.apply(r)).collect();
+    let uncorrelated = whitener.uncorrelated();
+    let white: Vec<Vec<f64>> = rows.iter().map(|r| uncorrelated.apply(r)).collect();
     let mut cells: Vec<Cell> = Vec::new();
     for (name, of) in &COLUMNS {
         let tracks: Vec<Option<String>> = if *name == "s_m" {

@@ -23,12 +23,12 @@ use crate::evidence::runs::fit::estimate::Estimate;
 use crate::evidence::runs::model::residual_model::{
     BASE_NAMES, CHANNEL_NAMES, CHANNELS, ResidualModel, TRACK,
 };
-use crate::evidence::runs::outcome::lowered::with_whole_side;
+use crate::evidence::runs::outcome::misfit_decrease::with_whole_side;
 use crate::evidence::runs::outcome::next_model::next_model;
 use crate::evidence::runs::screen::track::bins::rates;
 use crate::finding::{Baseline, Fitted, ModelKind, Withheld};
 use crate::procedure::evidence::{Account, Choice};
-use crate::procedure::lowered::Lowered;
+use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::SearchRules;
 
 /// Rows of a piece of a run for comparisons of misfits: four seconds, beyond which residuals are
@@ -105,17 +105,17 @@ fn worse<'a>(
 fn grows(after: &Squares, before: &Squares, rules: &SearchRules) -> bool {
     let both = after.pieces.iter().zip(&before.pieces);
     let falls: Vec<f64> = both.map(|(a, b)| b[0] - a[0]).collect();
-    let Some(lowered) = Lowered::over(&falls, 0.0) else {
+    let Some(decrease) = Decrease::over(&falls, 0.0) else {
         return false;
     };
     let n = falls.len() as f64;
     let sum: f64 = before.pieces.iter().map(|p| p[0]).sum();
     let error = match falls.len() {
-        ..3 => lowered.error.max(sum * (2.0 / n).sqrt()),
-        _ => lowered.error,
+        ..3 => decrease.error.max(sum * (2.0 / n).sqrt()),
+        _ => decrease.error,
     };
     let share = (1.0 + rules.material).powi(2);
-    -lowered.by > rules.interval * error && after.mean() > share * before.mean() + before.noise
+    -decrease.by > rules.interval * error && after.mean() > share * before.mean() + before.noise
 }
 
 impl Campaign<'_> {
@@ -178,7 +178,7 @@ impl Campaign<'_> {
         }
         if with_effect && written != ModelKind::WithEffect {
             let reason = withheld.first().map_or("", |w| w.reason.as_str());
-            account.are_withheld(reason);
+            account.withhold(reason);
         }
         if written == ModelKind::AsGiven
             && let Some(of_base) = withheld.iter().find(|w| w.model == ModelKind::Refitted)
@@ -268,7 +268,7 @@ impl Campaign<'_> {
             let vehicle = Vehicle::with_effects(&model)?;
             for frame in &self.held_out {
                 let run = format!("run {}", frame.name);
-                refuse_effects(&vehicle.effects, &frame.stated_nowhere(), &run)?;
+                refuse_effects(&vehicle.effects, &frame.unstated_conditions(), &run)?;
             }
             Ok(vehicle)
         };
@@ -393,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quantity_is_worse_beyond_its_scatter_its_noise_and_the_stated_share() {
+    fn a_quantity_is_worse_above_scatter_noise_and_share() {
         let rules = SearchRules::default();
         let before = squares(&[1.0, 1.1, 0.9, 1.0], 0.0);
         let grown = |pieces: &[f64], noise| grows(&squares(pieces, noise), &before, &rules);

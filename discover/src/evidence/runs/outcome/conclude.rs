@@ -7,7 +7,7 @@ use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::{BASE_NAMES, CHANNEL_NAMES, ResidualModel};
-use crate::evidence::runs::outcome::bins::stand_out;
+use crate::evidence::runs::outcome::bins::significant_bins;
 use crate::evidence::runs::outcome::explained::explainable_closed;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
@@ -167,14 +167,14 @@ impl Campaign<'_> {
 
     /// Whether bins are significant that are not so in any simulated run: noisy inputs bias bins in
     /// every run alike.
-    pub fn stands_out(&self, last: &RunFit, bins: &[Bin]) -> bool {
+    pub fn has_significant_bins(&self, last: &RunFit, bins: &[Bin]) -> bool {
         let simulator = self.simulator(&last.settled);
         let rules = self.rules();
         let strong =
             |bins: &[crate::finding::Bin]| bins.iter().any(|b| b.p_value <= rules.alpha_levels);
         strong(bins)
             && (0..6).all(|k| {
-                let twin: Vec<Frame> = self
+                let simulated: Vec<Frame> = self
                     .training
                     .iter()
                     .enumerate()
@@ -184,10 +184,10 @@ impl Campaign<'_> {
                             .plus
                     })
                     .collect();
-                !strong(&stand_out(
+                !strong(&significant_bins(
                     &last.residual_model,
                     &last.whitener,
-                    &twin,
+                    &simulated,
                     self.options.seed,
                 ))
             })

@@ -59,8 +59,9 @@ pub fn explainable_closed(
         .map(|(i, frame)| {
             let (b, a) = pair(frame);
             // A simulation of the final model has no effect to find: both products are bias.
-            let twins = simulator.pair(frame, after, 3_000_017, i);
-            let bias = 0.5 * (pair(&twins.plus).1 + pair(&twins.minus).1) - pair(&twins.truth).1;
+            let simulated = simulator.pair(frame, after, 3_000_017, i);
+            let bias = 0.5 * (pair(&simulated.plus).1 + pair(&simulated.minus).1)
+                - pair(&simulated.truth).1;
             (b - bias, a - bias)
         })
         .collect();
@@ -153,8 +154,8 @@ fn explained(grams: &[DMatrix<f64>], prior: &Prior, rules: &RunRules) -> DVector
     for (k, value) in eigen.eigenvalues.iter().enumerate() {
         let along = eigen.eigenvectors.column(k);
         let of_runs = scores.iter().map(|u| along.dot(u));
-        let stands_out = studentised(of_runs.clone()).abs() >= rules.explains_beyond;
-        if *value < rules.explains_alone || !stands_out {
+        let has_significant_bins = studentised(of_runs.clone()).abs() >= rules.explains_beyond;
+        if *value < rules.explains_alone || !has_significant_bins {
             continue;
         }
         let size = of_runs.sum::<f64>() / value;

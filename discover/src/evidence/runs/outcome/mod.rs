@@ -8,7 +8,7 @@ pub(crate) mod conclude;
 pub(crate) mod driven;
 pub(crate) mod explained;
 pub(crate) mod gap;
-pub(crate) mod lowered;
+pub(crate) mod misfit_decrease;
 pub(crate) mod next_model;
 pub(crate) mod pictures;
 pub(crate) mod planned;

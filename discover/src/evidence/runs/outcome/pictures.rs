@@ -288,7 +288,7 @@ mod tests {
 
     /// The means of two runs differ by 2: the standard error is 1, however many rows there are.
     #[test]
-    fn a_bin_is_as_uncertain_as_its_runs_differ() {
+    fn the_error_of_a_bin_is_that_over_runs() {
         let rows = (0..100).map(|k| Row {
             run: k % 2,
             x: 0.0,

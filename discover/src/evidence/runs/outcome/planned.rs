@@ -137,7 +137,7 @@ impl Campaign<'_> {
 
     /// A member with the posterior covariance of its parameters.
     fn member(&self, effect: &str, fit: &RunFit) -> Member {
-        let model = fit.residual_model.without_discrepancy().hold(false);
+        let model = fit.residual_model.without_discrepancy().with_fixed(false);
         let design = self.design_of(&model, &fit.whitener);
         let fitted = design.fitted();
         let mut sum = DMatrix::zeros(fitted, fitted);

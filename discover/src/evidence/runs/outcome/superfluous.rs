@@ -1,14 +1,18 @@
 //! Removal of effects that are insignificant given the others, and of laws within their errors.
 
 use crate::error::Error;
-use crate::evidence::runs::campaign::{Campaign, RunFit, Unwritten};
+use crate::evidence::runs::campaign::{Campaign, RunFit, UnwrittenEffect};
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::finding::Step;
 use crate::procedure::evidence::{Account, SUPERFLUOUS};
 
 impl Campaign<'_> {
     /// The fit with the steps that are significant given the others, with final estimates.
-    pub fn with_what_lasts(&self, mut fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
+    pub fn with_significant_steps(
+        &self,
+        mut fit: RunFit,
+        account: &mut Account,
+    ) -> Result<RunFit, Error> {
         loop {
             self.write(&mut fit)?;
             let (step, why) = match self.superfluous(&fit, &account.steps) {
@@ -18,7 +22,7 @@ impl Campaign<'_> {
                     None => return Ok(fit),
                 },
             };
-            account.leave_out(step, why);
+            account.remove_step(step, why);
             fit = self.without_step(&fit, step)?;
         }
     }
@@ -85,7 +89,7 @@ impl Campaign<'_> {
             .unwritten
             .clone()
             .filter(|unwritten| unwritten.step != step);
-        next.unwritten = unwritten.map(|unwritten| Unwritten {
+        next.unwritten = unwritten.map(|unwritten| UnwrittenEffect {
             step: unwritten.step - usize::from(unwritten.step > step),
             ..unwritten
         });

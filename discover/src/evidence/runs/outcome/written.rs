@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{BESIDE_INSTALLATION, Campaign, RunFit};
-use crate::evidence::runs::fit::estimate::Estimated;
+use crate::evidence::runs::fit::estimate::FinalEstimates;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
@@ -20,7 +20,7 @@ impl Campaign<'_> {
     /// Installation errors are not part of a model file. For comparisons of held-out runs as
     /// recorded, friction and grip are refitted without them.
     pub fn write(&self, fit: &mut RunFit) -> Result<(), Error> {
-        let model = fit.residual_model.hold(false);
+        let model = fit.residual_model.with_fixed(false);
         let mut found = self.estimates(&model, &fit.whitener);
         let installed = !fit.residual_model.installation.parts.is_empty();
         if installed {
@@ -43,7 +43,7 @@ impl Campaign<'_> {
         };
         let refitted = self.fitted(&sized, fit.owners.clone())?;
         let as_recorded = self.newton(
-            &refitted.residual_model.hold(false),
+            &refitted.residual_model.with_fixed(false),
             &refitted.whitener,
             &BESIDE_INSTALLATION,
             self.settles(),
@@ -56,7 +56,7 @@ impl Campaign<'_> {
     }
 
     /// Adds the covariance of base and amplitudes due to undetermined installation errors.
-    fn widen(&self, found: &mut Estimated, model: &ResidualModel, whitener: &Whitener) {
+    fn widen(&self, found: &mut FinalEstimates, model: &ResidualModel, whitener: &Whitener) {
         let free = model.free();
         let amplitudes = free.iter().map(|(e, q)| model.scale(*e, *q));
         let scales: Vec<f64> = self.free.iter().map(|_| 1.0).chain(amplitudes).collect();

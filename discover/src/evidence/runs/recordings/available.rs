@@ -4,13 +4,13 @@ use kufe_sled::Run;
 use kufe_sled::effects::Column;
 
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::recordings::learned::Learned;
+use crate::evidence::runs::recordings::training_samples::TrainingSamples;
 
 /// The columns that effects may need, recorded in every run and varying in the training runs;
 /// missing and constant ones are reported in `remarks`.
 pub fn available(
     runs: &[Run],
-    learned: &[Learned],
+    learned: &[TrainingSamples],
     frames: &[&Frame],
     remarks: &mut Vec<String>,
 ) -> Vec<Column> {

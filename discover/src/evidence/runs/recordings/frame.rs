@@ -57,7 +57,7 @@ pub struct Frame {
     pub steer_rate: Vec<f64>,
     /// Roll-split [rad].
     pub roll_split: Vec<f64>,
-    /// Surveyed slope of the track [rad]; empty without a survey.
+    /// SurveyedTrack slope of the track [rad]; empty without a survey.
     pub slope: Vec<f64>,
     /// The survey, slope [rad] over distance [m].
     pub survey: Vec<(f64, f64)>,
@@ -101,7 +101,7 @@ impl Frame {
     }
 
     /// Columns that effects may need and that are not stated for this run.
-    pub fn stated_nowhere(&self) -> Vec<&'static str> {
+    pub fn unstated_conditions(&self) -> Vec<&'static str> {
         let stated = [
             ("humidity_pct", self.humidity_pct),
             ("ice_c", self.ice_c),
@@ -123,7 +123,7 @@ impl Frame {
     }
 
     /// The same with rows next to gaps omitted.
-    pub fn rows_left_out(&self, x: &[f64]) -> Vec<f64> {
+    pub fn rows_without_gaps(&self, x: &[f64]) -> Vec<f64> {
         let left_out = |i: &usize| self.centres.binary_search(i).is_err();
         let centres: Vec<usize> = self.sieve.centres(self.len()).filter(left_out).collect();
         self.sieve.smooth_at(x, &centres)

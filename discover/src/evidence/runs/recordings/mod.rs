@@ -2,10 +2,10 @@
 
 pub(crate) mod available;
 pub(crate) mod frame;
-pub(crate) mod learned;
 pub(crate) mod noise;
 pub(crate) mod prepare;
 pub(crate) mod read;
 pub(crate) mod smooth;
 pub(crate) mod smooth_run;
 pub(crate) mod survey;
+pub(crate) mod training_samples;

@@ -8,13 +8,13 @@ use kufe_sled::{Entry, Model, Noise, Run, SampleCoverage, Track, covariates, gap
 use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::recordings::learned::Learned;
 use crate::evidence::runs::recordings::noise::sensors::{
     NoiseFrom, SensorNoise, doubted, estimate, estimate_below, louder, quieter,
 };
 use crate::evidence::runs::recordings::smooth_run::{LEAST_ROWS, frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
-use crate::procedure::lock::{LockRules, Locked, Place};
+use crate::evidence::runs::recordings::training_samples::TrainingSamples;
+use crate::procedure::lock::{LockRules, Place, Split};
 use crate::procedure::rules::Rules;
 
 /// All runs, prepared.
@@ -35,7 +35,7 @@ pub struct Data {
     /// Whether these tables count the slope positive uphill.
     pub uphill: bool,
     /// Training and held-out frames.
-    pub(crate) locked: Locked,
+    pub(crate) locked: Split,
     /// The held-out runs as recorded, for replays; empty for segments of one run.
     pub(crate) locked_runs: Vec<Run>,
     /// Runs with gaps, and how much of them is used.
@@ -195,7 +195,7 @@ pub fn prepare(
         && tables
         && frames
             .iter()
-            .all(|f| !f.stated_nowhere().contains(&"ice_c"))
+            .all(|f| !f.unstated_conditions().contains(&"ice_c"))
     {
         available.push(Column::Film);
     }
@@ -230,7 +230,7 @@ fn taking_part(run: &Run, frame: &Frame) -> SampleCoverage {
     }
 }
 
-fn locked(frames: &[Frame], segmented: bool, lock: &LockRules) -> Locked {
+fn locked(frames: &[Frame], segmented: bool, lock: &LockRules) -> Split {
     if segmented {
         return lock.segments(frames.len());
     }
@@ -250,19 +250,19 @@ fn learned<'a>(
     runs: &'a [Run],
     frames: &[Frame],
     segmented: bool,
-    locked: &Locked,
-) -> Vec<Learned<'a>> {
+    locked: &Split,
+) -> Vec<TrainingSamples<'a>> {
     let piece = |i: &usize| {
         if !segmented {
             let run = &runs[*i];
-            return Learned {
+            return TrainingSamples {
                 run,
                 rows: 0..run.len(),
             };
         }
         let (run, t) = (&runs[0], &frames[*i].t);
         let at = |t: Option<&f64>| (t.unwrap_or(&0.0) / run.dt_s).round() as usize;
-        Learned {
+        TrainingSamples {
             run,
             rows: at(t.first())..(at(t.last()) + 1).min(run.len()),
         }

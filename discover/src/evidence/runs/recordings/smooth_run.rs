@@ -88,7 +88,7 @@ pub fn frame(
         })
         .collect();
     let s_raw = run.columns.get("s_m").map(|s| bridged(s));
-    let s_of_speed = s_raw.as_ref().is_none_or(|s| goes_with(s, &summed));
+    let s_of_speed = s_raw.as_ref().is_none_or(|s| is_integrated(s, &summed));
     let s_raw = s_raw.unwrap_or(summed);
     let s = kernel.smooth(&s_raw);
     let known: Vec<&str> = kufe_sled::COLUMNS.iter().copied().chain(["s_m"]).collect();
@@ -170,7 +170,7 @@ pub fn frame(
 }
 
 /// Whether a recorded distance is the integral of the speed, to within the resolution of a place.
-fn goes_with(s: &[f64], summed: &[f64]) -> bool {
+fn is_integrated(s: &[f64], summed: &[f64]) -> bool {
     let (Some(first), Some(begun)) = (s.first(), summed.first()) else {
         return false;
     };
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_beside_a_gap_are_left_out_and_all_others_are_those_of_the_whole_run() {
+    fn rows_next_to_a_gap_are_omitted_and_all_others_unchanged() {
         let gone = 1500..1620;
         let (whole, holed) = (framed(&run(0..0)), framed(&run(gone.clone())));
         assert_eq!(whole.len(), holed.len());
@@ -269,7 +269,7 @@ mod tests {
             // Samples in the gap are finite.
             assert!(holed.v.iter().all(|v| (18.0..22.0).contains(v)));
         }
-        let left_out = holed.rows_left_out(&holed.s).len();
+        let left_out = holed.rows_without_gaps(&holed.s).len();
         assert_eq!(left_out + holed.row_count(), whole.row_count());
         let piece = holed.piece(holed.len() / 4, holed.len() / 2);
         assert!(piece.row_count() > 0 && piece.samples().count() < piece.len());

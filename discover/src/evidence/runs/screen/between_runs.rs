@@ -10,7 +10,7 @@ use crate::evidence::runs::shared_effects::between;
 use crate::finding::Rival;
 use crate::procedure::evidence::{Account, Randomised, Selection};
 use crate::procedure::rivals::NamedEffect;
-use crate::procedure::shared_effects::Chance;
+use crate::procedure::shared_effects::ScreenEstimate;
 
 impl Campaign<'_> {
     /// The selected effect between sessions or runs, if any, and the estimates of every candidate.
@@ -18,7 +18,7 @@ impl Campaign<'_> {
         &self,
         at: &Current,
         account: &mut Account,
-    ) -> (Option<Selection<Amplitude>>, Vec<Chance>) {
+    ) -> (Option<Selection<Amplitude>>, Vec<ScreenEstimate>) {
         let list = self.fresh(at.residual_model, &self.candidates.levels);
         if list.is_empty() || at.whitener.count() == 0 {
             return (None, Vec::new());
@@ -34,7 +34,7 @@ impl Campaign<'_> {
             rules.alpha_levels,
             self.options.seed,
         );
-        let chances = between(&list, &levels.seen);
+        let screen_estimates = between(&list, &levels.seen);
         let best = (0..list.len())
             .filter(|c| {
                 let s = &levels.seen[*c];
@@ -54,7 +54,7 @@ impl Campaign<'_> {
                     levels.sessions
                 ));
             }
-            return (None, chances);
+            return (None, screen_estimates);
         };
         let others = (0..list.len()).filter(|j| *j != named).map(|j| {
             let s = &levels.seen[j];
@@ -104,6 +104,6 @@ impl Campaign<'_> {
             remark: None,
             parameters: Vec::new(),
         };
-        (Some(selection), chances)
+        (Some(selection), screen_estimates)
     }
 }

@@ -16,9 +16,9 @@ use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::design::OWN_LEVELS;
-use crate::evidence::runs::screen::residual_screen::{Tested, screen_runs};
+use crate::evidence::runs::screen::residual_screen::{CandidateProducts, screen_runs};
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Account, Evidence, Selected, Selection};
+use crate::procedure::evidence::{Account, Evidence, SelectedFit, Selection};
 
 /// Largest number of replacements.
 const MOST: usize = 3;
@@ -28,10 +28,10 @@ impl Campaign<'_> {
     pub fn exchanged(
         &mut self,
         before: &RunFit,
-        (mut selection, mut added): Selected<Amplitude, RunFit>,
+        (mut selection, mut added): SelectedFit<Amplitude, RunFit>,
         step: usize,
         account: &Account,
-    ) -> Result<Selected<Amplitude, RunFit>, Error> {
+    ) -> Result<SelectedFit<Amplitude, RunFit>, Error> {
         // The full fit of a law must have a smaller misfit than that of the effect it replaces.
         if let Some(other) = self.runner_up.take() {
             let next = self.add(before, &other, step)?;
@@ -40,7 +40,7 @@ impl Campaign<'_> {
             }
         }
         for _ in 0..MOST {
-            let Some(again) = self.judged_again(&added.fit, &selection.candidate, account) else {
+            let Some(again) = self.reevaluated(&added.fit, &selection.candidate, account) else {
                 break;
             };
             if again.candidate.is(&selection.candidate) {
@@ -68,13 +68,13 @@ impl Campaign<'_> {
     }
 
     /// The selection on the residual without the last effect of a fit, `named`.
-    fn judged_again(
+    fn reevaluated(
         &self,
         fit: &RunFit,
         named: &Candidate<Amplitude>,
         account: &Account,
     ) -> Option<Selection<Amplitude>> {
-        let model = &fit.residual_model.hold(false);
+        let model = &fit.residual_model.with_fixed(false);
         let last = model.effects.active.len().checked_sub(1)?;
         let free = model.free();
         let amplitude = free.iter().position(|(e, _)| *e == last)?;
@@ -89,7 +89,7 @@ impl Campaign<'_> {
         let others = self.everywhere(model);
         let design = at.design(&others);
         let options = self.screen_options(&at, account);
-        let mut tested = Tested::new(&design, &self.training, &simulator, options.pairs);
+        let mut tested = CandidateProducts::new(&design, &self.training, &simulator, options.pairs);
         // After the other effects of the catalogue, or after all columns outside it.
         let place = match named.is_column() {
             true => others.len(),
@@ -97,7 +97,7 @@ impl Campaign<'_> {
         };
         let mut list = others.clone();
         list.insert(place, named);
-        let out = TakenOut {
+        let out = MovedColumn {
             from: OWN_LEVELS + self.free.len() + amplitude,
             to: OWN_LEVELS + design.fitted() - 1 + place,
             size: model.effects.active[last].values[free[amplitude].1] / scale,
@@ -118,7 +118,7 @@ impl Campaign<'_> {
 }
 
 /// A fitted column that becomes a candidate.
-struct TakenOut {
+struct MovedColumn {
     /// Its index among all columns.
     from: usize,
     /// Its index after the move.
@@ -126,7 +126,7 @@ struct TakenOut {
     size: f64,
 }
 
-impl TakenOut {
+impl MovedColumn {
     /// Products of the columns in their new order; the column's contribution is added to the
     /// residual, which is last.
     fn of(&self, products: &DMatrix<f64>) -> DMatrix<f64> {
@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn products_are_those_of_the_residual_without_the_effect() {
         let x = DMatrix::from_fn(30, 7, |i, k| (i as f64 * (0.37 + 0.81 * k as f64)).sin());
-        let out = TakenOut {
+        let out = MovedColumn {
             from: 3,
             to: 4,
             size: 0.7,

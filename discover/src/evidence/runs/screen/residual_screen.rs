@@ -58,7 +58,7 @@ pub struct CandidateScore {
     pub p_sessions: Option<f64>,
     /// Explained sum of squares, in units of the noise's variance.
     pub gain: f64,
-    pub held_gain: f64,
+    pub cross_validated_gain: f64,
     /// Smallest size that would be selected with a probability of 90 %.
     pub detectable: f64,
     /// Whether it can be judged.
@@ -75,7 +75,7 @@ pub struct RunScreen {
 }
 
 /// Products of all columns, with their candidates.
-pub struct Tested<'a> {
+pub struct CandidateProducts<'a> {
     pub regular: &'a [Candidate<Amplitude>],
     pub local: &'a [Candidate<Amplitude>],
     pub windows: &'a [Window],
@@ -86,7 +86,7 @@ pub struct Tested<'a> {
     pub noise: Vec<DMatrix<f64>>,
 }
 
-impl<'a> Tested<'a> {
+impl<'a> CandidateProducts<'a> {
     /// The candidates of a design, with a noise correction from so many pairs of simulated runs.
     pub fn new(
         design: &Design<'a>,
@@ -112,8 +112,12 @@ impl<'a> Tested<'a> {
     }
 }
 
-pub fn screen_runs(tested: &Tested, frames: &[Frame], options: &ScreenOptions) -> RunScreen {
-    let Tested {
+pub fn screen_runs(
+    tested: &CandidateProducts,
+    frames: &[Frame],
+    options: &ScreenOptions,
+) -> RunScreen {
+    let CandidateProducts {
         prior,
         products,
         noise,
@@ -240,7 +244,7 @@ pub fn screen_runs(tested: &Tested, frames: &[Frame], options: &ScreenOptions) -
                 p_value: if usable[c] { null.p_value(t) } else { 1.0 },
                 p_sessions: p_sessions[c],
                 gain: sum * sum / information,
-                held_gain: held_gain(&scores, c),
+                cross_validated_gain: cross_validated_gain(&scores, c),
                 detectable: (critical + options.nine_in_ten) * error * scale,
                 usable: usable[c],
             }
@@ -291,7 +295,7 @@ fn ts(scores: &Scores, norms: &[f64]) -> Vec<f64> {
 /// Standard deviations of the sums of scores: of a regular candidate from its own scatter; of a
 /// window from its information times the median scatter of its kind, because the few runs on one
 /// track do not determine their own.
-fn norms(scores: &Scores, usable: &[bool], tested: &Tested) -> Vec<f64> {
+fn norms(scores: &Scores, usable: &[bool], tested: &CandidateProducts) -> Vec<f64> {
     let regular = tested.regular.len();
     let mut norms: Vec<f64> = (0..scores.u.nrows())
         .map(|c| match usable[c] {
@@ -324,7 +328,7 @@ fn norms(scores: &Scores, usable: &[bool], tested: &Tested) -> Vec<f64> {
 
 /// Cross-validated gain with sizes fitted on four fifths of the runs; the installation's
 /// contribution is divided among the runs.
-fn held_gain(scores: &Scores, c: usize) -> f64 {
+fn cross_validated_gain(scores: &Scores, c: usize) -> f64 {
     let (u, information) = (&scores.u, &scores.information);
     let runs = u.ncols();
     let folds = 5.min(runs);
@@ -346,12 +350,12 @@ fn held_gain(scores: &Scores, c: usize) -> f64 {
 
 impl RunScreen {
     /// Some of the regular candidates.
-    pub fn only(&self, retained: &[usize]) -> Self {
-        let pairs = |i: usize, j: usize| self.cross[(retained[i], retained[j])];
+    pub fn only(&self, selected: &[usize]) -> Self {
+        let pairs = |i: usize, j: usize| self.cross[(selected[i], selected[j])];
         Self {
-            seen: retained.iter().map(|c| self.seen[*c].clone()).collect(),
-            sums: self.sums.only(retained),
-            cross: DMatrix::from_fn(retained.len(), retained.len(), pairs),
+            seen: selected.iter().map(|c| self.seen[*c].clone()).collect(),
+            sums: self.sums.only(selected),
+            cross: DMatrix::from_fn(selected.len(), selected.len(), pairs),
         }
     }
 
@@ -373,7 +377,7 @@ impl RunScreen {
     /// Whether a candidate may be selected.
     ///
     /// `again`: its effect is already named in another place.
-    pub fn claimable(
+    pub fn is_selectable(
         &self,
         c: usize,
         candidate: &Candidate<Amplitude>,
@@ -384,7 +388,7 @@ impl RunScreen {
         s.usable
             && s.p_value <= alpha
             && (s.holds || again && s.holds_again)
-            && s.held_gain > 0.0
+            && s.cross_validated_gain > 0.0
             && candidate.admits(s.size)
     }
 }

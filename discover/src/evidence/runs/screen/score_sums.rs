@@ -24,11 +24,11 @@ impl ScoreSums {
     }
 
     /// Some of the candidates.
-    pub fn only(&self, retained: &[usize]) -> Self {
+    pub fn only(&self, selected: &[usize]) -> Self {
         Self {
-            u: self.u.select_rows(retained),
-            shared: retained.iter().map(|c| self.shared[*c]).collect(),
-            common: self.common.select_rows(retained),
+            u: self.u.select_rows(selected),
+            shared: selected.iter().map(|c| self.shared[*c]).collect(),
+            common: self.common.select_rows(selected),
         }
     }
 

@@ -11,10 +11,10 @@ use crate::evidence::runs::model::windows::{Window, windows};
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::screen::detectable::detectable;
 use crate::evidence::runs::screen::residual_screen::{
-    RunScreen, ScreenOptions, Tested, best_windows, screen_runs,
+    CandidateProducts, RunScreen, ScreenOptions, best_windows, screen_runs,
 };
 use crate::evidence::runs::screen::score_sums::ScoreSums;
-use crate::evidence::runs::screen::track::on_track::Surveyed;
+use crate::evidence::runs::screen::track::on_track::SurveyedTrack;
 use crate::evidence::runs::shared_effects::within;
 use crate::options::OUTSIDE_CATALOGUE;
 use crate::procedure::candidate::Candidate;
@@ -26,7 +26,7 @@ impl Campaign<'_> {
     pub fn within_runs(
         &mut self,
         at: &Current,
-        track: Option<&Surveyed>,
+        track: Option<&SurveyedTrack>,
         account: &Account,
     ) -> Screen<Amplitude> {
         if at.whitener.count() == 0 {
@@ -48,7 +48,7 @@ impl Campaign<'_> {
             ..at.design(&regular)
         };
         let options = self.screen_options(at, account);
-        let tested = Tested::new(&design, &self.training, at.simulator, options.pairs);
+        let tested = CandidateProducts::new(&design, &self.training, at.simulator, options.pairs);
         let mut screen = screen_runs(&tested, &self.training, &options);
         let named = regular.iter().filter(|c| !c.is_column()).count();
         // If no p-value can reach the threshold, no size is detectable.
@@ -62,7 +62,7 @@ impl Campaign<'_> {
             .filter(|(_, seen)| seen.usable && seen.remaining_share > 0.05)
             .map(|(c, seen)| (c.clone(), seen.size, seen.error))
             .collect();
-        self.chances = within(&regular, &screen.seen);
+        self.screen_estimates = within(&regular, &screen.seen);
         // Errors of the accelerometer are also tested in the track channel: contradicted ones are
         // neither selected nor rivals.
         for (candidate, seen) in regular.iter().zip(&mut screen.seen) {
@@ -70,20 +70,20 @@ impl Campaign<'_> {
         }
         let places = best_windows(&screen, &all_windows, regular.len());
         let selection = self.choose(at, &screen, &regular, &places, account);
-        let found = self.contacts_beside(at.residual_model);
+        let found = self.find_contacts(at.residual_model);
         // Contacts bias the base, so that many candidates seem to explain something: the
         // significant ones are rivals.
         let standing = regular
             .iter()
             .enumerate()
-            .filter(|(c, candidate)| screen.claimable(*c, candidate, options.alpha, false))
+            .filter(|(c, candidate)| screen.is_selectable(*c, candidate, options.alpha, false))
             .map(|(c, _)| screen.seen[c].gain)
             .fold(0.0, f64::max);
         let required = found
             .as_ref()
             .map_or(0.0, |found| found.gain / self.rules().contacts.over);
         if let Some(found) = found.filter(|_| required > standing) {
-            let selection = self.claim_contacts(&found);
+            let selection = self.select_contacts(&found);
             self.selected_contacts = Some(found);
             return Screen {
                 selection,
@@ -184,7 +184,7 @@ impl Campaign<'_> {
         let most = everywhere
             .chain(whole)
             .filter(|(candidate, c)| {
-                screen.claimable(*c, candidate, alpha_of(candidate), again(candidate))
+                screen.is_selectable(*c, candidate, alpha_of(candidate), again(candidate))
             })
             .map(|(_, c)| gain(c))
             .fold(0.0, f64::max);
@@ -195,15 +195,15 @@ impl Campaign<'_> {
             .map(|(window, c)| (self.refined(at, local(window), window), *c))
             .collect();
         // Candidates that may be selected or be a rival.
-        let retained: Vec<usize> = (0..regular.len())
+        let selected: Vec<usize> = (0..regular.len())
             .filter(|c| screen.seen[*c].usable && screen.seen[*c].t.abs() >= rules.rivals.least_t)
             .collect();
-        let of_kept = retained.iter().map(|c| &regular[*c]);
+        let of_kept = selected.iter().map(|c| &regular[*c]);
         let list: Vec<Candidate<Amplitude>> = of_kept
             .chain(close.iter().map(|(candidate, _)| candidate))
             .cloned()
             .collect();
-        let mut together = screen.only(&retained);
+        let mut together = screen.only(&selected);
         if !close.is_empty() {
             let design = at.design(&list);
             let noise = noise_products(&design, &self.training, at.simulator, 0);
@@ -216,7 +216,7 @@ impl Campaign<'_> {
             let scores = Scores::new(&grams, &design.prior());
             together.cross = cross_information(&grams, &design.prior());
             let sums = ScoreSums::of(&scores);
-            for (k, (candidate, c)) in (retained.len()..).zip(&close) {
+            for (k, (candidate, c)) in (selected.len()..).zip(&close) {
                 together.sums.push(&sums, k);
                 let information = scores.total_information(k).max(1e-300);
                 let sum = scores.sum(k);
@@ -231,7 +231,7 @@ impl Campaign<'_> {
                 .filter(|c| list[*c].is_column() == wanted)
                 .filter(|c| {
                     let candidate = &list[*c];
-                    together.claimable(*c, candidate, alpha_of(candidate), again(candidate))
+                    together.is_selectable(*c, candidate, alpha_of(candidate), again(candidate))
                 })
                 .max_by(|a, b| together.seen[*a].gain.total_cmp(&together.seen[*b].gain))
         };
@@ -241,8 +241,8 @@ impl Campaign<'_> {
             (Some(known), Some(other)) => {
                 let more = together.seen[other].gain > together.seen[known].gain;
                 let t = |a: usize, b: usize| together.t_given(a, b) * together.seen[a].t.signum();
-                let [lost, retained] = rules.column_wins;
-                if more && t(known, other) < lost && t(other, known) > retained {
+                let [lost, selected] = rules.column_wins;
+                if more && t(known, other) < lost && t(other, known) > selected {
                     other
                 } else {
                     known
@@ -252,7 +252,7 @@ impl Campaign<'_> {
         };
         let (mut class, mut rivals) = self.rivals(&together, &list, named);
         // In a class of places, an effect that already acts elsewhere is the simpler explanation.
-        let known = (retained.len()..list.len()).find(|c| {
+        let known = (selected.len()..list.len()).find(|c| {
             list[named].act.track.is_some()
                 && *c != named
                 && class.contains(&list[*c].effect)

@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::laws::formulas::shape::Shape;
 use crate::evidence::runs::laws::formulas::shapes::{around, formulas};
-use crate::evidence::runs::laws::judged::Smooth;
+use crate::evidence::runs::laws::judged::SmoothLaw;
 use crate::evidence::runs::laws::sums::difference;
 use crate::evidence::runs::laws::term::Term;
 use crate::evidence::runs::laws::terms::Terms;
@@ -28,7 +28,12 @@ impl Formula {
 
 impl Campaign<'_> {
     /// The simplest formula that is as good as the best of all those tried.
-    pub fn simplest(&self, terms: &Terms, channels: &[Channel], law: &Smooth) -> Option<Formula> {
+    pub fn simplest(
+        &self,
+        terms: &Terms,
+        channels: &[Channel],
+        law: &SmoothLaw,
+    ) -> Option<Formula> {
         let rules = &self.rules().laws;
         let judged = |list: Vec<Term>| -> Vec<Formula> {
             let parts: Vec<&[Term]> = list.chunks(32).collect();
@@ -46,7 +51,7 @@ impl Campaign<'_> {
                 .map(|(k, term)| Formula {
                     term,
                     columns: law.columns.clone(),
-                    gains: sums.held_gains(&[k], &none),
+                    gains: sums.cross_validated_gains(&[k], &none),
                 })
                 .collect()
         };

@@ -1,8 +1,8 @@
 //! Noise of an instrument's axes by their spectra.
 
-use crate::evidence::runs::recordings::learned::Learned;
 use crate::evidence::runs::recordings::noise::colour::Colour;
 use crate::evidence::runs::recordings::noise::periodogram::Periodogram;
+use crate::evidence::runs::recordings::training_samples::TrainingSamples;
 
 /// Noise of one recorded column.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +14,7 @@ pub struct ColumnNoise {
 
 /// Noise of each axis of an instrument, by its spectrum.
 pub fn of_instrument(
-    learned: &[Learned],
+    learned: &[TrainingSamples],
     axes: &[&str],
     from_hz: f64,
     quietest: f64,
@@ -29,7 +29,7 @@ pub fn of_instrument(
         return Some(vec![still; axes.len()]);
     }
     let dt = learned.first()?.run.dt_s;
-    let alike: Vec<&Learned> = learned.iter().filter(|p| p.run.dt_s == dt).collect();
+    let alike: Vec<&TrainingSamples> = learned.iter().filter(|p| p.run.dt_s == dt).collect();
     let spectrum = |name: &&str| {
         let columns: Vec<&[f64]> = alike.iter().filter_map(|p| p.column(name)).collect();
         Periodogram::of(&columns, dt, from_hz).filter(|_| moves(name))
@@ -64,13 +64,13 @@ mod tests {
     /// Spectrum of an Ornstein-Uhlenbeck process, in steps of a tenth of a row.
     fn spectrum(knee_hz: f64, sd: f64, axis: u64) -> Option<Periodogram> {
         const DT: f64 = 0.001;
-        let keep = (-2.0 * std::f64::consts::PI * knee_hz * DT).exp();
+        let decay = (-2.0 * std::f64::consts::PI * knee_hz * DT).exp();
         let columns: Vec<Vec<f64>> = (0..20)
             .map(|run| {
                 let rng = &mut stream(7, axis, run);
                 let mut own = normal(rng);
                 let mut next = || {
-                    own = keep * own + (1.0 - keep * keep).sqrt() * normal(rng);
+                    own = decay * own + (1.0 - decay * decay).sqrt() * normal(rng);
                     sd * own
                 };
                 let fine: Vec<f64> = (0..18_000).map(|_| next()).collect();
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn axes_have_noise_of_their_own_but_for_one_that_shows_its_motion() {
+    fn an_axis_dominated_by_motion_takes_the_quietest_noise() {
         let seen = [
             spectrum(14.0, 1.0, 0),
             spectrum(3.5, 1.0, 1),

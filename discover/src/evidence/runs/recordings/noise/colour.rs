@@ -48,14 +48,14 @@ impl Colour {
                 1.0 / ((1.0 + (f / self.knee_hz).powi(2)) * (1.0 + (f / self.corner_hz).powi(4)))
             }
             false => {
-                let keep = self.keep(dt);
+                let decay = self.decay(dt);
                 let turn = (2.0 * PI * f * dt).cos();
-                (1.0 - keep).powi(2) / (1.0 + keep * keep - 2.0 * keep * turn)
+                (1.0 - decay).powi(2) / (1.0 + decay * decay - 2.0 * decay * turn)
             }
         }
     }
 
-    fn keep(self, dt: f64) -> f64 {
+    fn decay(self, dt: f64) -> f64 {
         (-2.0 * PI * self.knee_hz * dt).exp()
     }
 
@@ -74,10 +74,10 @@ impl Colour {
         }
         /// Samples after which the filter's initial state is negligible.
         const BEGIN: usize = 64;
-        let keep = self.keep(dt);
+        let decay = self.decay(dt);
         let over = self.variance(dt).sqrt();
         // Starts in the stationary state.
-        let own = (1.0 - keep) / (over * (1.0 - keep * keep).sqrt()) * normal(rng);
+        let own = (1.0 - decay) / (over * (1.0 - decay * decay).sqrt()) * normal(rng);
         let white = (0..n + BEGIN).map(|_| normal(rng) / over);
         self.through(white, own, dt).skip(BEGIN).collect()
     }
@@ -89,7 +89,7 @@ impl Colour {
         own: f64,
         dt: f64,
     ) -> impl Iterator<Item = f64> {
-        let keep = self.keep(dt);
+        let decay = self.decay(dt);
         let k = self.warped(dt);
         let norm = 1.0 / (1.0 + SQRT_2 * k + k * k);
         let (gain, a1, a2) = (
@@ -99,7 +99,7 @@ impl Colour {
         );
         let (mut own, mut x, mut y) = (own, [0.0; 2], [0.0; 2]);
         samples.map(move |now| {
-            own = keep * own + (1.0 - keep) * now;
+            own = decay * own + (1.0 - decay) * now;
             if k.is_infinite() {
                 return own;
             }
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn power_where_the_motion_is_comes_from_what_is_above_it() {
+    fn power_at_the_motion_is_extrapolated_from_above() {
         let none = f64::INFINITY;
         for (knee_hz, corner_hz, dt) in [
             (none, none, 0.01),

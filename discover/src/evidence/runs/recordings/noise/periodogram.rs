@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn short_or_slow_recordings_tell_no_colour() {
+    fn short_or_slow_recordings_have_no_colour() {
         let x = vec![1.0; 100];
         assert!(Periodogram::of(&[&x], 0.01, 4.0).is_none());
         let x = vec![1.0; 4000];

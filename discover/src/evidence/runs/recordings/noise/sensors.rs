@@ -3,9 +3,9 @@
 use kufe_sled::Noise;
 use rayon::prelude::*;
 
-use crate::evidence::runs::recordings::learned::Learned;
 use crate::evidence::runs::recordings::noise::axes::{ColumnNoise, of_instrument};
 use crate::evidence::runs::recordings::noise::colour::Colour;
+use crate::evidence::runs::recordings::training_samples::TrainingSamples;
 
 /// Source of the sensors' noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,7 +103,7 @@ impl SensorNoise {
     /// Noise from the recordings' spectra above this frequency; `None` if they are insufficient. An
     /// axis with more than `quietest` times the power of the quietest one of its instrument is
     /// dominated by motion and takes that one's noise.
-    pub fn of_spectra(learned: &[Learned], from_hz: f64, quietest: f64) -> Option<Self> {
+    pub fn of_spectra(learned: &[TrainingSamples], from_hz: f64, quietest: f64) -> Option<Self> {
         let each: Vec<Option<Vec<ColumnNoise>>> = INSTRUMENTS
             .par_iter()
             .map(|axes| of_instrument(learned, axes, from_hz, quietest))
@@ -219,16 +219,16 @@ const COLUMNS: [&str; SENSORS] = [
 /// The stated noise, or that of the recordings if smaller.
 pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
     let both = each(stated).into_iter().zip(each(seen));
-    let lowered: Vec<String> = NAMES
+    let smaller: Vec<String> = NAMES
         .iter()
         .zip(both)
         .filter(|(_, (stated, seen))| *seen < 0.9 * stated)
         .map(|(name, (stated, seen))| format!("{name} {stated:.2e} stated, {seen:.2e} observed"))
         .collect();
-    if !lowered.is_empty() {
+    if !smaller.is_empty() {
         remarks.push(format!(
             "sensors with less noise than [noise] states; the smaller value is used: {}",
-            lowered.join("; ")
+            smaller.join("; ")
         ));
     }
     by_sensor(stated, seen, f64::min)
@@ -262,19 +262,23 @@ pub fn doubted(stated: &Noise, seen: &Noise, [low, high]: [f64; 2]) -> bool {
 }
 
 /// White noise from third differences, the median over runs: var = mean(d3^2)/20.
-pub fn estimate(learned: &[Learned]) -> Noise {
+pub fn estimate(learned: &[TrainingSamples]) -> Noise {
     by_third_differences(learned, &|_| 1)
 }
 
 /// White noise with the power of the recordings between the motion and this corner \[Hz\], the
 /// median over runs: third differences of means over half the corner's period, `var = m
 /// mean(d3^2)/20` for means over m samples.
-pub fn estimate_below(learned: &[Learned], corner_hz: f64) -> Noise {
-    let samples = |piece: &Learned| (0.5 / (corner_hz * piece.run.dt_s)).round().max(1.0) as usize;
+pub fn estimate_below(learned: &[TrainingSamples], corner_hz: f64) -> Noise {
+    let samples =
+        |piece: &TrainingSamples| (0.5 / (corner_hz * piece.run.dt_s)).round().max(1.0) as usize;
     by_third_differences(learned, &samples)
 }
 
-fn by_third_differences(learned: &[Learned], samples: &dyn Fn(&Learned) -> usize) -> Noise {
+fn by_third_differences(
+    learned: &[TrainingSamples],
+    samples: &dyn Fn(&TrainingSamples) -> usize,
+) -> Noise {
     let sd = |name: &str| -> f64 {
         let mut each: Vec<f64> = learned
             .iter()

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// A driver and the mean of one of his runs in a bin.
-pub type OfDriver<'a> = (&'a str, f64);
+pub type DriverMean<'a> = (&'a str, f64);
 
 /// Fewest runs of a bin.
 const LEAST_RUNS: usize = 3;
 
 /// Means of runs by track and bin.
-pub type ByBin<'a> = BTreeMap<(&'a str, i64), Vec<OfDriver<'a>>>;
+pub type ByBin<'a> = BTreeMap<(&'a str, i64), Vec<DriverMean<'a>>>;
 
 pub fn by_bin<'a>(frames: &'a [Frame], rows: &[Vec<f64>], width: f64) -> ByBin<'a> {
     let mut by_bin = ByBin::new();
@@ -36,7 +36,7 @@ pub fn of_run(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
     }
     let ends = [sums.keys().next(), sums.keys().last()];
     let mut parts: Vec<i64> = ends.into_iter().flatten().copied().collect();
-    parts.extend(frame.rows_left_out(&frame.s).iter().map(bin_of));
+    parts.extend(frame.rows_without_gaps(&frame.s).iter().map(bin_of));
     let whole = sums.into_iter().filter(|(bin, _)| !parts.contains(bin));
     whole
         .map(|(bin, (count, sum))| (bin, sum / count))
@@ -74,12 +74,12 @@ pub fn rates(frame: &Frame, rows: &[f64], width: f64) -> Vec<f64> {
     gains.map(|(_, rate)| rate).collect()
 }
 
-pub fn mean(runs: &[OfDriver]) -> f64 {
+pub fn mean(runs: &[DriverMean]) -> f64 {
     runs.iter().map(|(_, r)| r).sum::<f64>() / runs.len() as f64
 }
 
 /// Variance of a bin's mean by the scatter between its drivers; `None` with a single driver.
-pub fn between_drivers(runs: &[OfDriver]) -> Option<f64> {
+pub fn between_drivers(runs: &[DriverMean]) -> Option<f64> {
     let mut drivers: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
     for (driver, run) in runs {
         let sum = drivers.entry(driver).or_default();

@@ -63,7 +63,7 @@ mod tests {
     /// Half a turn in a plane meets every direction of it: the maximum is the length of two normal
     /// variates, which exceeds `z` with probability `exp(-z^2 / 2)`.
     #[test]
-    fn what_the_best_of_all_directions_of_a_plane_shows_by_chance_is_bounded_closely() {
+    fn the_bound_for_all_directions_of_a_plane_is_tight() {
         for z in [2.5, 3.5, 5.0] {
             let exact = f64::exp(-0.5 * z * z);
             let bound = by_chance(z, std::f64::consts::PI);

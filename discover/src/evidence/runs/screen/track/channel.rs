@@ -259,7 +259,7 @@ impl TrackChannel {
             .map(|((d, w), b)| d * w * b.2)
             .sum();
         let size = score / information.max(1e-300);
-        let [scatter, by_chance_alone] = self.scatter_beside(d, size, &w);
+        let [scatter, by_chance_alone] = self.excess_scatter(d, size, &w);
         let error = |scatter: f64| {
             let own = (scatter / information.max(1e-300)).sqrt();
             own.hypot(self.tolerances[c])
@@ -278,7 +278,7 @@ impl TrackChannel {
     ///
     /// The second value is the same under the null, where neighbours are less correlated after
     /// fitting the best of many sizes.
-    fn scatter_beside(&self, direction: &[f64], size: f64, w: &[f64]) -> [f64; 2] {
+    fn excess_scatter(&self, direction: &[f64], size: f64, w: &[f64]) -> [f64; 2] {
         let both = self.bins.iter().zip(direction);
         let residual: Vec<f64> = both.map(|(b, d)| b.2 - d * size).collect();
         let squares: f64 = residual
@@ -305,7 +305,7 @@ impl TrackChannel {
             return 0.0;
         }
         let size = dot(x, &y) / dot(x, x);
-        let [scatter, _] = self.scatter_beside(x, size, &w);
+        let [scatter, _] = self.excess_scatter(x, size, &w);
         (dot(x, &y) - dot(x, z) * dot(z, &y) / zz) / (information * scatter).sqrt()
     }
 

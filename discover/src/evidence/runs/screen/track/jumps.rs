@@ -315,7 +315,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_jump_beside_a_straight_line_is_what_a_crossing_says() {
+    fn a_crossing_measures_a_jump_on_a_linear_trend() {
         let kernel = Kernel::new(0.02, 0.8);
         let (hidden, spread) = (0.03, 2);
         // The edge of the jump, spread by the low pass, is excluded.
@@ -335,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_mean_is_known_by_is_what_its_scatter_is_of() {
+    fn degrees_of_freedom_follow_the_source_of_the_scatter() {
         let at = |places: &[&[f64]]| -> Crossings {
             let all = places.iter().zip(0..);
             all.map(|(values, k)| (("a", 10 * k), values.to_vec()))
@@ -374,7 +374,7 @@ mod tests {
     }
 
     #[test]
-    fn variances_within_and_between_places_are_told_apart() {
+    fn variances_within_and_between_places_are_separated() {
         // Places at -2 and 2 with crossings of 1 to either side: a variance of 2 within, and of 4
         // less half of that between.
         let examined: Vec<(f64, Crossings)> = (0..40)

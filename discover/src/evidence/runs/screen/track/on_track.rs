@@ -20,7 +20,7 @@ use crate::procedure::rivals::NamedEffect;
 
 /// The track channel of a screen, if it is used.
 #[derive(Clone)]
-pub struct Surveyed {
+pub struct SurveyedTrack {
     channel: TrackChannel,
     /// Slope and similar sensor errors.
     list: Vec<Candidate<Amplitude>>,
@@ -30,7 +30,7 @@ pub struct Surveyed {
     within: f64,
 }
 
-impl Surveyed {
+impl SurveyedTrack {
     /// Whether the channel agrees with the forces' estimate of a candidate; true for candidates
     /// that are not in the channel.
     pub fn agrees(&self, candidate: &Candidate<Amplitude>, size: f64, error: f64) -> bool {
@@ -73,7 +73,7 @@ impl Campaign<'_> {
 
     /// Whether a tilt of the accelerometer exceeds its tolerance: friction depends on it, so that
     /// it is selected before effects on forces.
-    pub fn is_tilted(&self, track: &Surveyed) -> bool {
+    pub fn is_tilted(&self, track: &SurveyedTrack) -> bool {
         let is_significant = |(c, candidate): (usize, &Candidate<Amplitude>)| {
             let seen = track.channel.judge(c, track.sd);
             let tolerance = self.tolerance(candidate);
@@ -91,7 +91,7 @@ impl Campaign<'_> {
         residual_model: &ResidualModel,
         simulator: &RunSimulator,
         account: &mut Account,
-    ) -> Option<Surveyed> {
+    ) -> Option<SurveyedTrack> {
         if !residual_model.frozen.is_empty() {
             return None;
         }
@@ -115,7 +115,7 @@ impl Campaign<'_> {
         residual_model: &ResidualModel,
         simulator: &RunSimulator,
         account: &mut Account,
-    ) -> Option<Surveyed> {
+    ) -> Option<SurveyedTrack> {
         if !self.used[3] {
             return None;
         }
@@ -139,13 +139,13 @@ impl Campaign<'_> {
             ));
         }
         let quiet = simulator.sensors_only();
-        let twins: Vec<Frame> = self
+        let simulated: Vec<Frame> = self
             .training
             .iter()
             .enumerate()
             .map(|(i, frame)| quiet.pair(frame, residual_model, 5_000_003, i).plus)
             .collect();
-        let expected = TrackChannel::new(residual_model, &twins, self.rules())?.scatter();
+        let expected = TrackChannel::new(residual_model, &simulated, self.rules())?.scatter();
         if channel.scatter() > self.rules().track_agrees * expected {
             let message = format!(
                 "from run to run the speed's derivative, the accelerometer and the track's slope disagree by {:.3} m/s2, the sensors' noise explains {expected:.3}: the track channel is not used, and slope, track-profile and the accelerometer's pitch are not judged",
@@ -160,7 +160,7 @@ impl Campaign<'_> {
             let known = [self.tolerance(candidate), sd];
             channel.take(residual_model, &self.training, candidate, known);
         }
-        Some(Surveyed {
+        Some(SurveyedTrack {
             channel,
             list,
             sd,
@@ -190,7 +190,7 @@ impl Campaign<'_> {
     /// Twice the log density of a size relative to a size of 0 under its prior: Student's t of four
     /// degrees of freedom, scaled by the survey's deviation for a slope and the tolerance for a
     /// sensor; 0 without a prior.
-    fn surprise(&self, candidate: &Candidate<Amplitude>, size: f64, slope_sd: f64) -> f64 {
+    fn prior_penalty(&self, candidate: &Candidate<Amplitude>, size: f64, slope_sd: f64) -> f64 {
         const FREEDOM: f64 = 4.0;
         let known = self.model.tolerances.unwrap_or_default();
         let sd = match candidate.unit.as_str() {
@@ -209,11 +209,11 @@ impl Campaign<'_> {
     pub fn on_the_track(
         &self,
         residual_model: &ResidualModel,
-        track: &Surveyed,
+        track: &SurveyedTrack,
         account: &mut Account,
     ) -> Option<Selection<Amplitude>> {
         let rules = self.rules();
-        let Surveyed {
+        let SurveyedTrack {
             channel, list, sd, ..
         } = track;
         let sd = *sd;
@@ -240,7 +240,7 @@ impl Campaign<'_> {
         // Evidence of the forces for a size estimated by the channel.
         let mut of_forces = vec![0.0; list.len()];
         if standing.len() > 1 {
-            let without = self.left_by_forces(residual_model);
+            let without = self.force_misfit(residual_model);
             for c in standing {
                 let (candidate, size) = (&list[c], channel.judge(c, sd).size);
                 of_forces[c] = self.of_forces(residual_model, without, candidate, size);
@@ -249,7 +249,7 @@ impl Campaign<'_> {
         let best = |among: Vec<usize>, factor: f64| -> Option<usize> {
             let both = |c: usize| {
                 let size = channel.judge(c, sd * factor).size;
-                z(c, factor).powi(2) + of_forces[c] - self.surprise(&list[c], size, sd)
+                z(c, factor).powi(2) + of_forces[c] - self.prior_penalty(&list[c], size, sd)
             };
             among
                 .into_iter()
@@ -387,10 +387,10 @@ impl Campaign<'_> {
 
     /// Misfit of the forces with a model, its base and installation errors refitted: fixed at the
     /// values found without a candidate these would represent part of it.
-    fn left_by_forces(&self, model: &ResidualModel) -> Option<f64> {
+    fn force_misfit(&self, model: &ResidualModel) -> Option<f64> {
         let fit = self.fitted_anew(model, Vec::new()).ok()?;
         let model = ResidualModel {
-            beyond_noise: model.beyond_noise,
+            model_error: model.model_error,
             ..fit.residual_model
         };
         Some(self.misfit(&model, &fit.whitener) + model.installation.cost())
@@ -408,7 +408,7 @@ impl Campaign<'_> {
         let active = candidate.active(size);
         let mut with = residual_model.with(active.clone());
         with.frozen.push(active.name);
-        let both = without.zip(self.left_by_forces(&with));
+        let both = without.zip(self.force_misfit(&with));
         both.map_or(0.0, |(without, with)| 2.0 * (without - with))
     }
 

@@ -6,12 +6,12 @@ use kufe_sled::Run;
 
 /// Training samples of a run.
 #[derive(Clone, Debug)]
-pub struct Learned<'a> {
+pub struct TrainingSamples<'a> {
     pub run: &'a Run,
     pub rows: Range<usize>,
 }
 
-impl Learned<'_> {
+impl TrainingSamples<'_> {
     /// A column of these samples; `None` if it is not recorded.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.run.columns.get(name)?.get(self.rows.clone())

@@ -19,11 +19,11 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::evidence::runs::campaign::{Campaign, RunFit, Unwritten};
-use crate::evidence::runs::contacts::grip::apart_from_grip;
+use crate::evidence::runs::campaign::{Campaign, RunFit, UnwrittenEffect};
+use crate::evidence::runs::contacts::grip::subtract_grip;
+use crate::evidence::runs::contacts::likelihood::{correlated_rows, log_likelihood_ratio};
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::contacts::own::{residuals_without, rows_beneath, without_pushes};
-use crate::evidence::runs::contacts::promise::{kept_promise, rows_alike};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::row_noise::expected;
 use crate::evidence::runs::model::residual_model::{
@@ -35,11 +35,11 @@ use crate::evidence::runs::outcome::gap::judged_rows;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::{gains, rates};
 use crate::finding::Interval;
-use crate::procedure::lowered::Lowered;
+use crate::procedure::misfit_decrease::Decrease;
 
 /// Upper limit of [`log_likelihood_ratio`] under noise alone, at the probability that a normal
 /// variate exceeds one standard error: `2 ln (1 / 0.159)`.
-const KEPT_BY_CHANCE: f64 = 3.7;
+const EVIDENCE_UNDER_NOISE: f64 = 3.7;
 
 /// Channel, track and place.
 type Place<'a> = (usize, &'a str, i64);
@@ -48,22 +48,22 @@ impl Campaign<'_> {
     /// Decrease of the held-out misfit from `from` to `to`.
     ///
     /// The corrected models are compared if both are available.
-    pub fn lowered_by(&self, from: &RunFit, to: &RunFit) -> Option<Lowered> {
+    pub fn decrease_between_fits(&self, from: &RunFit, to: &RunFit) -> Option<Decrease> {
         let freed = !from.estimates.is_empty() && !to.estimates.is_empty();
         let [before, after] = [from, to].map(|fit| match freed {
             true => &fit.settled,
             false => &fit.residual_model,
         });
-        let lowered = self.lowered_between(before, after, to.unwritten.as_ref())?;
+        let decrease = self.decrease_between(before, after, to.unwritten.as_ref())?;
         // An effect need not close a misfit that repeats due to tolerated installation errors.
         let mut repeats = self.repeats(before);
         if !from.residual_model.installation.sizes.is_empty() {
             repeats = repeats.min(self.repeats(&from.residual_model));
         }
-        Some(Lowered {
+        Some(Decrease {
             tolerated: self.tolerated(before),
             repeats,
-            ..lowered
+            ..decrease
         })
     }
 
@@ -101,35 +101,35 @@ impl Campaign<'_> {
             return 0.0;
         }
         let whitener = Whitener::estimate(&residuals(before, &self.training), self.used);
-        self.installation_beyond_base(&model, &whitener, &self.held_out)
+        self.installation_given_base(&model, &whitener, &self.held_out)
             .trace()
     }
 
     /// The decrease for two models; the second may contain an effect outside simulations.
-    pub fn lowered_between(
+    pub fn decrease_between(
         &self,
         before: &ResidualModel,
         after: &ResidualModel,
-        unwritten: Option<&Unwritten>,
-    ) -> Option<Lowered> {
+        unwritten: Option<&UnwrittenEffect>,
+    ) -> Option<Decrease> {
         let rules = self.rules();
         let width = rules.track_bin_m;
         let (learned, mut whitener) = self.learned(before);
         // A contact is subtracted from one balance but not from the other: their residuals then do
         // not share noise as whitening assumes.
         if before.contacts.is_some() || after.contacts.is_some() {
-            whitener = whitener.apart();
+            whitener = whitener.uncorrelated();
         }
         let alike = |contacts: &Contacts| {
             let rows: Vec<ChannelRows> = learned.iter().map(|r| whitener.rows(r)).collect();
-            rows_alike(contacts, &self.training, &rows)
+            correlated_rows(contacts, &self.training, &rows)
         };
         let alike = [before, after].map(|model| model.contacts.as_ref().map_or(1.0, alike));
         // With a large effect, the noise of the better model applies to both.
-        let beyond_noise: [f64; BALANCES] =
-            std::array::from_fn(|c| before.beyond_noise[c].min(after.beyond_noise[c]));
+        let model_error: [f64; BALANCES] =
+            std::array::from_fn(|c| before.model_error[c].min(after.model_error[c]));
         // If only one model has contacts, they are tested by the predictions of other runs.
-        let promised = before.contacts.is_some() != after.contacts.is_some();
+        let by_contacts = before.contacts.is_some() != after.contacts.is_some();
         let of_run = |frame: &Frame| -> (Vec<[f64; CHANNELS]>, f64) {
             let few = without_pushes(frame);
             // A delay in one model alone changes the phase of the noise: rows at one phase only
@@ -140,7 +140,7 @@ impl Campaign<'_> {
             // Less weight of the measurements lowers the residual without explaining more.
             let [own, of_after] = [before, after].map(|model| {
                 let alike = ResidualModel {
-                    beyond_noise,
+                    model_error,
                     ..model.clone()
                 };
                 expected(&alike, frame)
@@ -151,7 +151,7 @@ impl Campaign<'_> {
                 whitener.sd[c] * if known { by.sqrt() } else { 1.0 }
             });
             let mut after_rows = judged(after, frame, width, &whitener.with_sd(counts));
-            if let Some(Unwritten {
+            if let Some(UnwrittenEffect {
                 candidate, size, ..
             }) = unwritten
             {
@@ -162,7 +162,7 @@ impl Campaign<'_> {
                     }
                 }
             }
-            if promised {
+            if by_contacts {
                 let most = rules.contacts.most_of_a_row;
                 for row in rows[1].iter_mut().chain(&mut after_rows[1]) {
                     *row = row.clamp(-most, most);
@@ -172,38 +172,44 @@ impl Campaign<'_> {
             let falls = falls(&rows, &after_rows, &shares, pieces.max(1));
             // The residual that set a contact is no evidence of it: other runs' contacts predict
             // it.
-            let retained = |model: &ResidualModel, alike: f64| {
-                let contacts = model.contacts.as_ref().filter(|_| promised)?;
+            let observed = |model: &ResidualModel, alike: f64| {
+                let contacts = model.contacts.as_ref().filter(|_| by_contacts)?;
                 let mut own = residuals_without(model, std::slice::from_ref(frame));
-                apart_from_grip(model, std::slice::from_ref(frame), &mut own);
+                subtract_grip(model, std::slice::from_ref(frame), &mut own);
                 let sd = whitener.sd[1];
                 let side: Vec<f64> = frame.rows(&own[0][1]).iter().map(|y| y / sd).collect();
-                Some(kept_promise(contacts, frame, &side, sd, shares[1] / alike))
+                Some(log_likelihood_ratio(
+                    contacts,
+                    frame,
+                    &side,
+                    sd,
+                    shares[1] / alike,
+                ))
             };
             let [own, next] = [(before, alike[0]), (after, alike[1])]
-                .map(|(model, alike)| retained(model, alike).unwrap_or_default());
+                .map(|(model, alike)| observed(model, alike).unwrap_or_default());
             (falls, next - own)
         };
         let each: Vec<(Vec<[f64; CHANNELS]>, f64)> = self.held_out.par_iter().map(of_run).collect();
         let falls: Vec<[f64; CHANNELS]> =
             each.iter().flat_map(|(falls, _)| falls.clone()).collect();
-        let retained: f64 = each.iter().map(|(_, retained)| retained).sum();
-        if !promised {
+        let observed: f64 = each.iter().map(|(_, observed)| observed).sum();
+        if !by_contacts {
             let learned = self.training.par_iter().map(|run| sum(&of_run(run).0));
             let names = CHANNEL_NAMES.map(|(name, _)| name);
-            return Lowered::over_channels(names, &falls, &learned.collect::<Vec<_>>());
+            return Decrease::over_channels(names, &falls, &learned.collect::<Vec<_>>());
         }
         // The evidence under noise alone has a known bound and needs no scatter over runs. It alone
         // counts for contacts: their yaw residuals, each with a lever of its own, scatter by far
         // more than is learned.
         let whole: Vec<f64> = falls.iter().map(|fall| fall.iter().sum()).collect();
-        let lowered = Lowered::over(&whole, 0.0)?;
-        Some(Lowered {
-            by: lowered.by + retained,
-            error: lowered.error.hypot(KEPT_BY_CHANCE),
-            weighed: Some([retained, KEPT_BY_CHANCE]),
-            promise: Some([retained, KEPT_BY_CHANCE]),
-            ..lowered
+        let decrease = Decrease::over(&whole, 0.0)?;
+        Some(Decrease {
+            by: decrease.by + observed,
+            error: decrease.error.hypot(EVIDENCE_UNDER_NOISE),
+            weighed: Some([observed, EVIDENCE_UNDER_NOISE]),
+            contact_evidence: Some([observed, EVIDENCE_UNDER_NOISE]),
+            ..decrease
         })
     }
 
@@ -214,7 +220,8 @@ impl Campaign<'_> {
             contacts: None,
             ..with.clone()
         };
-        let whitener = Whitener::estimate(&residuals(with, &self.training), self.used).apart();
+        let whitener =
+            Whitener::estimate(&residuals(with, &self.training), self.used).uncorrelated();
         let of_run = |frame: &Frame| -> [f64; 2] {
             let beneath = rows_beneath(frame);
             let square = |model: &ResidualModel| -> f64 {
@@ -232,9 +239,9 @@ impl Campaign<'_> {
         let each: Vec<[f64; 2]> = self.held_out.iter().map(of_run).collect();
         let open: f64 = each.iter().map(|[before, _]| before).sum();
         let falls: Vec<f64> = each.iter().map(|[_, fall]| *fall).collect();
-        let lowered = Lowered::over(&falls, open).filter(|l| l.repeats > 0.0);
+        let decrease = Decrease::over(&falls, open).filter(|l| l.repeats > 0.0);
         let share = |by: f64| (by / open).clamp(-1.0, 1.0);
-        lowered.map_or(
+        decrease.map_or(
             Interval {
                 value: 0.0,
                 low: -1.0,

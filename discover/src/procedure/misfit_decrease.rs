@@ -4,7 +4,7 @@ use crate::procedure::rules::SearchRules;
 
 /// Decrease of the misfit from one model to another.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lowered {
+pub struct Decrease {
     /// Decrease of the sum of squares over all channels, each in units of its variance.
     pub by: f64,
     /// Standard error of the decrease, from its scatter over the data.
@@ -13,7 +13,7 @@ pub struct Lowered {
     /// training data; `None` for a single channel.
     pub weighed: Option<[f64; 2]>,
     /// Log likelihood ratio of contacts and its bound under noise, if only one model has contacts.
-    pub promise: Option<[f64; 2]>,
+    pub contact_evidence: Option<[f64; 2]>,
     /// The decrease and its standard error by channel, if there are several.
     pub by_channel: Vec<(&'static str, [f64; 2])>,
     /// Repeatable part of the first model's sum of squares; 0 if unknown.
@@ -22,7 +22,7 @@ pub struct Lowered {
     pub tolerated: f64,
 }
 
-impl Lowered {
+impl Decrease {
     /// The sum over independent pieces, with the standard error of their scatter; `None` without
     /// any.
     pub fn over(falls: &[f64], repeats: f64) -> Option<Self> {
@@ -33,7 +33,7 @@ impl Lowered {
             by,
             error: (squares * n / (n - 1.0).max(1.0)).sqrt(),
             weighed: None,
-            promise: None,
+            contact_evidence: None,
             by_channel: Vec::new(),
             repeats,
             tolerated: 0.0,
@@ -70,7 +70,7 @@ impl Lowered {
     /// The same with the repeatable part of the whole comparison: the larger of the repeatable
     /// misfits and of the decrease from the first model to the second one here, of which `before`
     /// precedes this step. A decrease on held-out data is repeatable whether runs are alike or not.
-    pub fn of_all(self, all: &Lowered, before: f64) -> Self {
+    pub fn of_all(self, all: &Decrease, before: f64) -> Self {
         Self {
             repeats: self.repeats.max(all.repeats).max(before + self.by),
             ..self
@@ -81,25 +81,25 @@ impl Lowered {
     /// and more than a trace of the tolerated one. If it is clearly significant in the weighted
     /// channels, the unweighted decrease may be within its scatter of 0. The evidence of contacts
     /// must exceed its bound under noise.
-    pub fn holds(&self, rules: &SearchRules) -> bool {
+    pub fn is_accepted(&self, rules: &SearchRules) -> bool {
         let clearly = self.weighed.filter(|[by, error]| *by > rules.clear * error);
         let by = match clearly {
             Some([by, _]) if self.by > -rules.beyond_scatter * self.error => by.max(self.by),
             _ => self.by,
         };
-        let exceeds = |[retained, chance]: [f64; 2]| retained > rules.beyond_scatter * chance;
+        let exceeds = |[observed, chance]: [f64; 2]| observed > rules.beyond_scatter * chance;
         self.strength() > rules.beyond_scatter
-            && self.promise.is_none_or(exceeds)
+            && self.contact_evidence.is_none_or(exceeds)
             && by > 0.0
             && by >= rules.material * self.repeats
             && by >= rules.trace * self.tolerated
     }
 
     /// The same for an effect selected in this channel, whose misfit may not rise significantly.
-    pub fn holds_in(&self, channel: &str, rules: &SearchRules) -> bool {
+    pub fn is_accepted_in(&self, channel: &str, rules: &SearchRules) -> bool {
         let rises = |[by, error]: [f64; 2]| by < -rules.beyond_scatter * error;
         let mut own = self.by_channel.iter().filter(|(name, _)| *name == channel);
-        self.holds(rules) && !own.any(|(_, fall)| rises(*fall))
+        self.is_accepted(rules) && !own.any(|(_, fall)| rises(*fall))
     }
 
     /// The decrease in standard errors: unweighted or weighted, whichever is larger. The unweighted
@@ -116,10 +116,10 @@ impl Lowered {
             "the sum of squares falls by {:.1} ± {:.1} noise variances, {:.1} repeat between runs",
             self.by, self.error, self.repeats
         );
-        match (self.promise, self.weighed) {
-            (Some([retained, chance]), _) => {
+        match (self.contact_evidence, self.weighed) {
+            (Some([observed, chance]), _) => {
                 text += &format!(
-                    "; {retained:.1} of the predicted fall is observed, {chance:.1} by chance"
+                    "; {observed:.1} of the predicted fall is observed, {chance:.1} by chance"
                 );
             }
             (None, Some([by, error])) => {
@@ -163,89 +163,94 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_fall_within_its_scatter_or_too_small_to_matter_does_not_hold() {
+    fn a_decrease_within_its_scatter_or_too_small_is_rejected() {
         let rules = SearchRules::default();
-        let lowered = |by, error, repeats| Lowered {
+        let decrease = |by, error, repeats| Decrease {
             by,
             error,
             weighed: None,
-            promise: None,
+            contact_evidence: None,
             by_channel: Vec::new(),
             repeats,
             tolerated: 0.0,
         };
-        let of = |by, error, repeats| lowered(by, error, repeats).holds(&rules);
+        let of = |by, error, repeats| decrease(by, error, repeats).is_accepted(&rules);
         assert!(of(30.0, 5.0, 100.0));
         assert!(!of(-1.0, 5.0, 0.0) && !of(4.0, 5.0, 0.0));
-        let weighed = |by, weighed| Lowered {
+        let weighed = |by, weighed| Decrease {
             weighed: Some([weighed, 0.5]),
-            ..lowered(by, 5.0, 0.0)
+            ..decrease(by, 5.0, 0.0)
         };
-        assert!(weighed(4.0, 2.0).holds(&rules));
-        assert!(weighed(4.0, 1.0).holds(&rules) && !weighed(-4.0, 1.0).holds(&rules));
+        assert!(weighed(4.0, 2.0).is_accepted(&rules));
+        assert!(weighed(4.0, 1.0).is_accepted(&rules) && !weighed(-4.0, 1.0).is_accepted(&rules));
         // Clear as reported, with channels that scatter about 0 or rise.
-        assert!(weighed(-4.0, 2.0).holds(&rules) && !weighed(-6.0, 2.0).holds(&rules));
-        assert!(weighed(6.0, 0.1).holds(&rules) && !weighed(4.0, 0.1).holds(&rules));
+        assert!(weighed(-4.0, 2.0).is_accepted(&rules) && !weighed(-6.0, 2.0).is_accepted(&rules));
+        assert!(weighed(6.0, 0.1).is_accepted(&rules) && !weighed(4.0, 0.1).is_accepted(&rules));
         assert!(!of(4.0, 0.1, 100.0) && of(6.0, 0.1, 100.0));
-        for (repeats, before, holds) in [
+        for (repeats, before, accepted) in [
             (20.0, 0.0, true),
             (1000.0, 0.0, false),
             (20.0, 900.0, false),
         ] {
-            let all = lowered(20.0, 1.0, repeats);
+            let all = decrease(20.0, 1.0, repeats);
             assert_eq!(
-                lowered(6.0, 0.1, 100.0).of_all(&all, before).holds(&rules),
-                holds
+                decrease(6.0, 0.1, 100.0)
+                    .of_all(&all, before)
+                    .is_accepted(&rules),
+                accepted
             );
         }
-        let tolerated = |tolerated| Lowered {
+        let tolerated = |tolerated| Decrease {
             tolerated,
-            ..lowered(6.0, 0.1, 100.0)
+            ..decrease(6.0, 0.1, 100.0)
         };
-        assert!(tolerated(1e4).holds(&rules) && !tolerated(1e6).holds(&rules));
+        assert!(tolerated(1e4).is_accepted(&rules) && !tolerated(1e6).is_accepted(&rules));
     }
 
     /// A channel of a small, steady decrease with one that scatters widely about 0.
     #[test]
-    fn a_steady_fall_is_not_lost_in_another_channels_scatter() {
+    fn a_steady_decrease_is_significant_despite_another_channels_scatter() {
         let rules = SearchRules::default();
         let loud = [30.0, -20.0, 25.0, -35.0, 15.0, -14.0];
         let falls = |quiet: f64| loud.map(|l| [quiet + 0.01 * l, l]);
         let names = ["quiet", "loud"];
-        let of = |falls: &[[f64; 2]]| Lowered::over_channels(names, falls, &falls_learned());
+        let of = |falls: &[[f64; 2]]| Decrease::over_channels(names, falls, &falls_learned());
         let found = of(&falls(1.0)).unwrap();
-        assert!(found.holds(&rules) && found.strength() > 5.0, "{found:?}");
+        assert!(
+            found.is_accepted(&rules) && found.strength() > 5.0,
+            "{found:?}"
+        );
         assert!(found.by < found.error, "{found:?}");
-        assert!(!of(&falls(-1.0)).unwrap().holds(&rules));
+        assert!(!of(&falls(-1.0)).unwrap().is_accepted(&rules));
         // Too few to estimate the scatter.
-        let few = Lowered::over_channels(names, &falls(1.0), &falls_learned()[..3]).unwrap();
+        let few = Decrease::over_channels(names, &falls(1.0), &falls_learned()[..3]).unwrap();
         assert_eq!(few.weighed, Some([few.by, few.error]));
     }
 
     #[test]
-    fn of_a_promise_more_is_kept_than_noise_keeps() {
+    fn contact_evidence_must_exceed_its_bound_under_noise() {
         let rules = SearchRules::default();
-        let retained = |retained| Lowered {
-            promise: Some([retained, 3.7]),
-            ..Lowered::over(&[5.0, 6.0, 5.5], 0.0).unwrap()
+        let observed = |observed| Decrease {
+            contact_evidence: Some([observed, 3.7]),
+            ..Decrease::over(&[5.0, 6.0, 5.5], 0.0).unwrap()
         };
-        assert!(retained(3.8).holds(&rules));
-        assert!(!retained(3.6).holds(&rules) && !retained(-4.0).holds(&rules));
-        let text = retained(-4.0).in_words("yaw");
+        assert!(observed(3.8).is_accepted(&rules));
+        assert!(!observed(3.6).is_accepted(&rules) && !observed(-4.0).is_accepted(&rules));
+        let text = observed(-4.0).in_words("yaw");
         assert!(text.contains("-4.0 of the predicted fall"), "{text}");
     }
 
     #[test]
-    fn what_rises_in_its_own_channel_does_not_hold_there_however_much_falls_in_another() {
+    fn a_rise_in_the_own_channel_is_rejected_whatever_falls_in_another() {
         let rules = SearchRules::default();
         let falls = [[-2.0, 9.0], [-3.0, 10.0], [-2.5, 11.0], [-2.2, 10.0]];
-        let lowered = Lowered::over_channels(["side", "yaw"], &falls, &falls).unwrap();
-        assert!(lowered.holds(&rules) && lowered.holds_in("yaw", &rules));
-        assert!(!lowered.holds_in("side", &rules), "{lowered:?}");
+        let decrease = Decrease::over_channels(["side", "yaw"], &falls, &falls).unwrap();
+        assert!(decrease.is_accepted(&rules) && decrease.is_accepted_in("yaw", &rules));
+        assert!(!decrease.is_accepted_in("side", &rules), "{decrease:?}");
         // Within its scatter it may.
         let falls = [[-2.0, 9.0], [3.0, 10.0], [-2.5, 11.0], [1.0, 10.0]];
-        let lowered = Lowered::over_channels(["side", "yaw"], &falls, &falls).unwrap();
-        assert!(lowered.holds_in("side", &rules));
+        let decrease = Decrease::over_channels(["side", "yaw"], &falls, &falls).unwrap();
+        assert!(decrease.is_accepted_in("side", &rules));
     }
 
     fn falls_learned() -> Vec<[f64; 2]> {

@@ -28,7 +28,7 @@ const ELSE: (f64, f64) = (0.05, 10.0);
 /// ([`correlated_rows`]). Source: the predictive density of a normal amplitude in normal noise.
 /// Under noise alone the sum exceeds 2 ln(1 / p) with a probability of at most p (Markov's
 /// inequality).
-pub fn kept_promise(
+pub fn log_likelihood_ratio(
     contacts: &Contacts,
     frame: &Frame,
     side: &[f64],
@@ -41,7 +41,7 @@ pub fn kept_promise(
             let w: Vec<f64> = frame.s.iter().map(|s| wave.force_at(*s)).collect();
             frame.rows(&w)
         });
-        kept_at(waves, side, hits_of(place), sd_n, share)
+        place_log_ratio(waves, side, hits_of(place), sd_n, share)
     };
     there.map(of_place).sum()
 }
@@ -52,7 +52,7 @@ pub fn kept_promise(
 ///
 /// Slow noise persists over a whole half wave. The median of the squares is used: few half waves
 /// are at a wall.
-pub fn rows_alike(contacts: &Contacts, frames: &[Frame], rows: &[ChannelRows]) -> f64 {
+pub fn correlated_rows(contacts: &Contacts, frames: &[Frame], rows: &[ChannelRows]) -> f64 {
     let lengths = contacts.places.iter().map(|place| {
         let [from_m, to_m] = stretch_of(place);
         0.5 * (to_m - from_m)
@@ -81,7 +81,7 @@ pub fn rows_alike(contacts: &Contacts, frames: &[Frame], rows: &[ChannelRows]) -
 }
 
 /// Evidence of one place: half waves row by row, the share of hits and their force \[N\].
-fn kept_at(
+fn place_log_ratio(
     waves: impl Iterator<Item = Vec<f64>>,
     side: &[f64],
     (hits, hit_n): (f64, f64),
@@ -135,7 +135,7 @@ mod tests {
 
     /// Evidence of 400 runs for a place that half of all hit with five standard errors of a force,
     /// each with a push of this size \[N\].
-    fn retained(push_n: f64) -> Vec<f64> {
+    fn log_ratios(push_n: f64) -> Vec<f64> {
         let s: Vec<f64> = (0..40).map(f64::from).collect();
         let wave = |w: WallContact| s.iter().map(|s| w.force_at(*s)).collect::<Vec<f64>>();
         let true_one = WallContact {
@@ -150,24 +150,24 @@ mod tests {
             let mut rng = stream(8, 0x9121, draw);
             let side: Vec<f64> = pushed.iter().map(|p| p / 10.0 + normal(&mut rng)).collect();
             let waves = half_waves([5.0, 27.0]).map(wave);
-            kept_at(waves, &side, (0.5, 26.0), 10.0, 1.0)
+            place_log_ratio(waves, &side, (0.5, 26.0), 10.0, 1.0)
         };
         (0..400).map(of_run).collect()
     }
 
     #[test]
-    fn noise_keeps_a_promise_as_seldom_as_the_bound_says_hits_keep_it_and_wild_pushes_say_little() {
-        let noise = retained(0.0);
+    fn the_likelihood_ratio_is_bounded_under_noise_large_for_hits_and_robust() {
+        let noise = log_ratios(0.0);
         let mean = noise.iter().sum::<f64>() / 400.0;
         let by_chance = noise
             .iter()
-            .filter(|retained| **retained > 2.0 * f64::ln(20.0));
+            .filter(|log_ratios| **log_ratios > 2.0 * f64::ln(20.0));
         assert!(mean < 0.0 && by_chance.count() <= 20, "{mean}");
-        let hits = retained(26.0);
+        let hits = log_ratios(26.0);
         let mean = hits.iter().sum::<f64>() / 400.0;
         assert!(mean > 6.0, "{mean}");
         for push_n in [1000.0, -300.0] {
-            let most = retained(push_n)
+            let most = log_ratios(push_n)
                 .into_iter()
                 .map(f64::abs)
                 .fold(0.0, f64::max);
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn sums_of_logarithms_hold_what_no_number_holds() {
+    fn log_sums_do_not_overflow() {
         let logs = [1000.0, 999.0];
         let truth = 1000.0 + ((1.0 + f64::exp(-1.0)) / 2.0).ln();
         assert!((mean_of(&logs) - truth).abs() < 1e-12);
